@@ -1,0 +1,41 @@
+# Every target sets up what it needs; recipes quote everything, so that a path may hold spaces.
+
+VENV ?= .venv
+python = "$(VENV)/bin/python"
+
+.PHONY: help setup report test quality test-long bench clean
+
+help:
+	@echo 'make report     the bundled recording to posteriors and a PDF, in reports/latest/'
+	@echo 'make test       what CI runs: quality, then the tests'
+	@echo 'make quality    lint, formatting, types'
+	@echo 'make test-long  the campaigns, minutes to hours; results in reports/evidence/'
+	@echo 'make bench      speed, held against what the project promises'
+	@echo 'make clean      remove caches, builds and reports/latest/ (and keep $(VENV)/)'
+	@echo
+	@echo 'All of them set up $(VENV)/ first (VENV=… for another), with the first of python3.13,'
+	@echo 'python3.12, python3.11, python3 that is 3.11 or newer (PYTHON=… for another).'
+
+setup:
+	@sh .ci/setup "$(VENV)"
+
+report: setup
+	@"$(VENV)/bin/bayesfric" run -o reports/latest
+
+test: quality
+	$(python) -m pytest
+
+quality: setup
+	$(python) -m ruff check .
+	$(python) -m ruff format --check .
+	$(python) -m mypy
+
+test-long: setup
+	$(python) -m pytest -m long
+
+bench: setup
+	$(python) -m pytest -m bench
+
+clean:
+	rm -rf build dist reports/latest .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	find bayesfric tests -name __pycache__ -prune -exec rm -rf {} +

@@ -1,0 +1,1 @@
+"""Bayesian uncertainty analysis of cable-pulley friction."""

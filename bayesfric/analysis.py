@@ -1,0 +1,216 @@
+"""``analysis.toml``: every choice of an analysis that is the user's to make.
+
+The models validate and document; they compute nothing. Unknown keys are refused.
+"""
+
+import hashlib
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from bayesfric.errors import Fault, InputError
+
+__all__ = [
+    "Analysis",
+    "HalfNormal",
+    "LogNormal",
+    "Normal",
+    "Prior",
+    "PriorOverrides",
+    "Priors",
+    "Sampler",
+    "Scatter",
+    "Uniform",
+    "analysis_sha256",
+    "read_analysis",
+]
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class HalfNormal(_Section):
+    """Half-normal: values above zero, most of them below `scale`."""
+
+    family: Literal["half-normal"] = "half-normal"
+    scale: Positive = Field(description="Standard deviation of the normal that is folded at 0.")
+
+
+class LogNormal(_Section):
+    """Log-normal: values above zero around `median`."""
+
+    family: Literal["log-normal"] = "log-normal"
+    median: Positive = Field(description="Median, in the parameter's unit.")
+    sd_log: Positive = Field(description="Standard deviation of the natural logarithm.")
+
+
+class Normal(_Section):
+    """Normal: any sign."""
+
+    family: Literal["normal"] = "normal"
+    mean: Finite = Field(description="Mean, in the parameter's unit.")
+    sd: Positive = Field(description="Standard deviation, in the parameter's unit.")
+
+
+class Uniform(_Section):
+    """Uniform between two bounds."""
+
+    family: Literal["uniform"] = "uniform"
+    low: Finite = Field(description="Lower bound, in the parameter's unit.")
+    high: Finite = Field(description="Upper bound, above `low`.")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> "Uniform":
+        if self.high <= self.low:
+            raise ValueError("a high above low")
+        return self
+
+
+Prior = Annotated[HalfNormal | LogNormal | Normal | Uniform, Field(discriminator="family")]
+
+
+class PriorOverrides(_Section):
+    """Priors of one pulley size that differ from the rest."""
+
+    c1: Prior | None = Field(None, description="Prior of c1 for this size [-].")
+    c2: Prior | None = Field(None, description="Prior of c2 for this size [N].")
+    c3: Prior | None = Field(None, description="Prior of c3 for this size [1/deg].")
+
+
+class Priors(_Section):
+    """Prior densities; all proper, normalised and part of the evidence.
+
+    The defaults are argued from what a cable on a rolling pulley could do, not
+    from the paper's Table I: c1 of 0.05 would lose half the tension over 14
+    pulleys; c2 of 0.2 N is 20 g of weight a pulley; c3 of 1e-3/deg would move c1
+    by 0.05 over 50°; friction that repeats worse than 5 % is a loose rig.
+    """
+
+    c1: Prior = Field(HalfNormal(scale=0.05), description="Friction per tension and pulley [-].")
+    c2: Prior = Field(HalfNormal(scale=0.2), description="Constant friction a pulley [N].")
+    c3: Prior = Field(Normal(mean=0.0, sd=1e-3), description="Change of c1 with wrap [1/deg].")
+    tau: Prior = Field(HalfNormal(scale=0.05), description="Relative friction scatter a trial [-].")
+    omega: Prior = Field(
+        HalfNormal(scale=0.05), description="Relative friction scatter an assembly [-]."
+    )
+    sigma_x: Prior = Field(HalfNormal(scale=1e-4), description="Position error of an event [m].")
+    sigma_t: Prior = Field(HalfNormal(scale=1e-4), description="Clock error of an event [s].")
+    first_speed: HalfNormal = Field(
+        HalfNormal(scale=1.0), description="Speed at the first event of a trial [m/s]."
+    )
+    pulleys: dict[str, PriorOverrides] = Field(
+        default_factory=dict, description="Priors of single sizes: [priors.pulleys.SIZE]."
+    )
+
+
+class Scatter(_Section):
+    """How friction scatters from trial to trial and from assembly to assembly."""
+
+    by_size: bool = Field(False, description="A tau and an omega for each size, instead of one.")
+    trial: Literal["normal", "student-t"] = Field(
+        "normal", description="Distribution of a trial's scatter; student-t forgives outliers."
+    )
+    degrees_of_freedom: Annotated[float, Field(gt=2, le=100)] = Field(
+        4.0, description="Of the student-t; tau is its scale."
+    )
+
+
+class Sampler(_Section):
+    """Settings of the ensemble sampler."""
+
+    ensembles: Annotated[int, Field(ge=4, le=64)] = Field(
+        4, description="Independent ensembles; at least 4, so that R-hat means something."
+    )
+    walkers: Annotated[int, Field(ge=8, le=1024)] | None = Field(
+        None, description="Walkers an ensemble; even. Absent: the larger of 32 and 4 a parameter."
+    )
+    burn: Annotated[int, Field(ge=10, le=100_000)] = Field(
+        150, description="Steps of an ensemble that are thrown away."
+    )
+    steps: Annotated[int, Field(ge=50, le=1_000_000)] = Field(
+        400, description="Steps of an ensemble that are kept, before thinning."
+    )
+    thin: Annotated[int, Field(ge=1, le=1000)] = Field(4, description="Keep each thin-th step.")
+    independence_share: Annotated[float, Field(ge=0, le=1)] = Field(
+        0.9,
+        description="Share of independence proposals; the rest are differential evolution.",
+    )
+
+    @model_validator(mode="after")
+    def _even(self) -> "Sampler":
+        if self.walkers is not None and self.walkers % 2:
+            raise ValueError("an even number of walkers")
+        if self.steps // self.thin < 20:
+            raise ValueError("at least 20 steps left after thinning")
+        return self
+
+
+class Analysis(_Section):
+    """The whole of ``analysis.toml``; every key has a default."""
+
+    seed: Annotated[int, Field(ge=0, lt=2**63)] = Field(
+        2015, description="Seed of everything random; --seed overrides it."
+    )
+    priors: Priors = Field(default_factory=Priors, description="Prior densities.")
+    scatter: Scatter = Field(default_factory=Scatter, description="Scatter of friction.")
+    sampler: Sampler = Field(default_factory=Sampler, description="Ensemble sampler.")
+
+
+def read_analysis(path: Path | None, *, seed: int | None = None) -> Analysis:
+    """Read and validate an ``analysis.toml``.
+
+    Parameters
+    ----------
+    path : Path or None
+        The file; None gives the defaults.
+    seed : int or None
+        Replaces the file's seed.
+
+    Returns
+    -------
+    Analysis
+        Validated settings.
+
+    Raises
+    ------
+    InputError
+        With every fault of the file: where, what was found, what was expected.
+    """
+    values: dict[str, Any] = {}
+    name = "analysis.toml" if path is None else path.name
+    if path is not None:
+        try:
+            values = tomllib.loads(path.read_text("utf-8"))
+        except OSError as error:
+            raise InputError([Fault(name, f"a readable file ({error.strerror})")]) from error
+        except UnicodeDecodeError as error:
+            raise InputError([Fault(name, "a file in UTF-8")]) from error
+        except tomllib.TOMLDecodeError as error:
+            raise InputError([Fault(name, f"TOML that parses ({error})")]) from error
+    if seed is not None:
+        values = {**values, "seed": seed}
+    try:
+        return Analysis.model_validate(values)
+    except ValidationError as error:
+        raise InputError([_fault(name, detail) for detail in error.errors()]) from error
+
+
+def analysis_sha256(analysis: Analysis) -> str:
+    """Return the SHA-256 of the settings in full, defaults filled in."""
+    return hashlib.sha256(analysis.model_dump_json().encode()).hexdigest()
+
+
+def _fault(name: str, detail: Any) -> Fault:
+    key = ".".join(str(part) for part in detail["loc"])
+    if detail["type"] == "extra_forbidden":
+        return Fault(name, "no such key (see docs/analysis.md)", column=key)
+    message = detail["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
+    value = detail["input"]
+    shown = None if isinstance(value, dict) else str(value)
+    return Fault(name, message, column=key or None, value=shown)

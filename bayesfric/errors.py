@@ -1,0 +1,57 @@
+"""The one kind of error that means "your input is wrong".
+
+Every reader (recordings, ``analysis.toml``) collects all the faults it can see
+and raises them together, so that a user mends a file in one go.
+"""
+
+from dataclasses import dataclass
+
+__all__ = ["Fault", "InputError"]
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One fault of an input file.
+
+    Parameters
+    ----------
+    file : str
+        File name, relative to what the user named.
+    expected : str
+        What was expected there, as a sentence fragment.
+    row : int or None
+        Line of the file, the header being line 1; None where no line applies.
+    column : str or None
+        Column of a table, or dotted key of a JSON or TOML file.
+    value : str or None
+        The value found, as written; None where something is missing.
+    """
+
+    file: str
+    expected: str
+    row: int | None = None
+    column: str | None = None
+    value: str | None = None
+
+    def __str__(self) -> str:
+        place = self.file
+        if self.row is not None:
+            place += f", row {self.row}"
+        if self.column is not None:
+            place += f", {self.column}"
+        found = "" if self.value is None else f" found {self.value!r},"
+        return f"{place}:{found} expected {self.expected}"
+
+
+class InputError(ValueError):
+    """Input that cannot be used, with every fault that was found.
+
+    Parameters
+    ----------
+    faults : sequence of Fault
+        At least one.
+    """
+
+    def __init__(self, faults: list[Fault] | tuple[Fault, ...]) -> None:
+        self.faults = tuple(faults)
+        super().__init__("\n".join(str(fault) for fault in self.faults))

@@ -1,0 +1,175 @@
+"""The mode of a log density and the normal distribution around it.
+
+Knows nothing of friction: a function of points (W, D) to log densities (W,), and a
+start. Derivatives are central differences, all points of one Hessian in one call.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import optimize
+
+__all__ = ["Laplace", "curvature_steps", "finite_hessian", "laplace_approximation"]
+
+Array = NDArray[np.float64]
+LogDensity = Callable[[Array], Array]
+
+DROP = 0.02  # step of a difference, in curvature standard deviations squared
+LEAST_CURVATURE = 1e-3  # of the whitened Hessian; flatter directions are cut off here
+
+
+@dataclass(frozen=True)
+class Laplace:
+    """A normal approximation.
+
+    Parameters
+    ----------
+    mode : ndarray, shape (D,)
+        Where the density is largest.
+    covariance : ndarray, shape (D, D)
+        Inverse of the negative Hessian there.
+    log_density : float
+        At the mode.
+    """
+
+    mode: Array
+    covariance: Array
+    log_density: float
+
+
+def laplace_approximation(log_density: LogDensity, start: Array, scale: Array) -> Laplace:
+    """Climb to the mode and measure the curvature.
+
+    Parameters
+    ----------
+    log_density : callable
+        Points of shape (W, D) to log densities of shape (W,).
+    start : ndarray, shape (D,)
+        A point of finite density.
+    scale : ndarray, shape (D,)
+        Widest plausible scale of each coordinate, such as its prior's.
+
+    Returns
+    -------
+    Laplace
+        At the best point found.
+
+    Raises
+    ------
+    ValueError
+        The density at `start` is not finite.
+    """
+    best = float(log_density(start[None])[0])
+    if not np.isfinite(best):
+        raise ValueError(f"the log density at the start is {best}, not finite")
+    point = start
+    # Restarting rescales the coordinates with the curvature found so far.
+    for _ in range(8):
+        steps = curvature_steps(log_density, point, scale)
+
+        def objective(u: Array, origin: Array = point, unit: Array = steps) -> float:
+            return -float(log_density((origin + u * unit)[None])[0])
+
+        def gradient(u: Array, origin: Array = point, unit: Array = steps) -> Array:
+            return -_gradient(log_density, origin + u * unit, unit) * unit
+
+        def hessian(u: Array, origin: Array = point, unit: Array = steps) -> Array:
+            return -finite_hessian(log_density, origin + u * unit, unit) * np.outer(unit, unit)
+
+        found = optimize.minimize(
+            objective,
+            np.zeros_like(point),
+            method="trust-exact",
+            jac=gradient,
+            hess=hessian,
+            options={"gtol": 1e-3, "maxiter": 60, "max_trust_radius": 100.0},
+        )
+        gain = -found.fun - best
+        if gain > 0:
+            point, best = point + found.x * steps, -float(found.fun)
+        if gain < 1e-4:
+            break
+    steps = curvature_steps(log_density, point, scale)
+    whitened = -finite_hessian(log_density, point, steps) * np.outer(steps, steps)
+    values, vectors = np.linalg.eigh(whitened)
+    inverse = (vectors / np.maximum(values, LEAST_CURVATURE)) @ vectors.T
+    return Laplace(point, inverse * np.outer(steps, steps), best)
+
+
+def finite_hessian(log_density: LogDensity, point: Array, unit: Array) -> Array:
+    """Return the Hessian by central differences.
+
+    Parameters
+    ----------
+    log_density : callable
+        Points of shape (W, D) to log densities of shape (W,).
+    point : ndarray, shape (D,)
+        Where.
+    unit : ndarray, shape (D,)
+        Over which each coordinate changes the log density by about 1/2.
+
+    Returns
+    -------
+    ndarray, shape (D, D)
+        Symmetric.
+    """
+    size = point.size
+    step = np.sqrt(2 * DROP) * unit
+    row, column = np.tril_indices(size, -1)
+    shifts = np.diag(step)
+    pairs = shifts[row], shifts[column]
+    points = np.concatenate(
+        [
+            point[None],
+            point + shifts,
+            point - shifts,
+            point + pairs[0] + pairs[1],
+            point - pairs[0] - pairs[1],
+            point + pairs[0] - pairs[1],
+            point - pairs[0] + pairs[1],
+        ]
+    )
+    value = log_density(points)
+    centre, plus, minus = value[0], value[1 : size + 1], value[size + 1 : 2 * size + 1]
+    same1, same2, cross1, cross2 = np.split(value[2 * size + 1 :], 4)
+    hessian = np.diag((plus - 2 * centre + minus) / step**2)
+    mixed = (same1 + same2 - cross1 - cross2) / (4 * step[row] * step[column])
+    hessian[row, column] = hessian[column, row] = mixed
+    return hessian
+
+
+def _gradient(log_density: LogDensity, point: Array, unit: Array) -> Array:
+    step = np.sqrt(2 * DROP) * unit
+    value = log_density(np.concatenate([point + np.diag(step), point - np.diag(step)]))
+    return (value[: point.size] - value[point.size :]) / (2 * step)
+
+
+def curvature_steps(log_density: LogDensity, point: Array, scale: Array) -> Array:
+    """Return the change of each coordinate that costs about 1/2.
+
+    Parameters
+    ----------
+    log_density : callable
+        Points of shape (W, D) to log densities of shape (W,).
+    point : ndarray, shape (D,)
+        Where.
+    scale : ndarray, shape (D,)
+        The largest change allowed.
+
+    Returns
+    -------
+    ndarray, shape (D,)
+        From the curvature along each coordinate.
+    """
+    steps = 1e-3 * scale
+    for _ in range(6):
+        shifts = np.diag(steps)
+        value = log_density(np.concatenate([point[None], point + shifts, point - shifts]))
+        size = point.size
+        second = np.abs(value[1 : size + 1] - 2 * value[0] + value[size + 1 :]) / steps**2
+        with np.errstate(divide="ignore", invalid="ignore"):
+            wanted = 1 / np.sqrt(second)
+        steps = np.where(np.isfinite(wanted), np.minimum(wanted, scale), 0.1 * steps)
+    return steps

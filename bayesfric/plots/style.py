@@ -1,0 +1,147 @@
+"""How every figure looks: sizes, colours, markers, and SVG of repeatable bytes.
+
+No figure goes through pyplot, and no setting outlives the figure it was made for.
+Three sizes of pulley are told apart by colour, marker and line style together, so
+that they stay apart in grey and for the colour-blind.
+"""
+
+import io
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import matplotlib.style
+from matplotlib.figure import Figure
+
+__all__ = ["COLORS", "NEUTRAL", "TEXT_WIDTH", "SizeStyle", "figure", "size_styles", "to_svg"]
+
+TEXT_WIDTH = 160.0
+"""Width of the report's text in mm: a figure so wide is shown at its own size."""
+
+COLORS = {
+    "black": "#000000",
+    "orange": "#e69f00",
+    "sky": "#56b4e9",
+    "green": "#009e73",
+    "yellow": "#f0e442",
+    "blue": "#0072b2",
+    "vermilion": "#d55e00",
+    "purple": "#cc79a7",
+}
+"""The palette of Okabe and Ito. Black is for what is not a pulley size: the data, the total."""
+
+NEUTRAL = "#6b6b6b"
+"""For reference lines and what stays in the background."""
+
+_STYLE: dict[str, object] = {
+    "figure.constrained_layout.use": True,
+    "figure.constrained_layout.w_pad": 0.06,
+    "font.family": "DejaVu Sans",  # comes with matplotlib, so it is the same everywhere
+    "font.size": 8.0,
+    "axes.titlesize": 8.5,
+    "axes.labelsize": 8.0,
+    "xtick.labelsize": 7.5,
+    "ytick.labelsize": 7.5,
+    "legend.fontsize": 7.5,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.6,
+    "axes.unicode_minus": True,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#e3e3e3",
+    "grid.linewidth": 0.5,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "lines.linewidth": 1.3,
+    "lines.markersize": 4.0,
+    "patch.linewidth": 0.6,
+    "legend.frameon": False,
+    "savefig.dpi": 200,  # of rasterised layers
+    "svg.fonttype": "path",
+    "svg.hashsalt": "bayesfric",
+}
+
+
+@dataclass(frozen=True)
+class SizeStyle:
+    """How one pulley size is drawn.
+
+    Parameters
+    ----------
+    color, marker, linestyle : str
+        As matplotlib names them.
+    """
+
+    color: str
+    marker: str
+    linestyle: str
+
+
+_SIZES = {
+    "small": SizeStyle(COLORS["blue"], "o", "-"),
+    "medium": SizeStyle(COLORS["vermilion"], "s", "--"),
+    "large": SizeStyle(COLORS["green"], "^", "-."),
+}
+# The numbers of colours, markers and line styles share no factor, so that 60 names differ.
+_OTHER_COLORS = [COLORS[name] for name in ("purple", "orange", "sky", "blue", "vermilion")]
+_OTHER_MARKERS = ["D", "v", "P", "X", "<", ">", "h", "*", "p", "d", "8", "H"]
+
+
+def size_styles(names: Iterable[str]) -> dict[str, SizeStyle]:
+    """Give each pulley size of a recording its colour, marker and line style.
+
+    Parameters
+    ----------
+    names : iterable of str
+        All sizes of the recording, so that a size looks alike in every figure.
+
+    Returns
+    -------
+    dict of str to SizeStyle
+        In the order given. "small", "medium" and "large" always look the same;
+        other names take theirs in alphabetical order, no two the same up to 60.
+    """
+    names = list(dict.fromkeys(names))
+    others = sorted(name for name in names if name not in _SIZES)
+    given = dict(_SIZES)
+    for place, name in enumerate(others):
+        given[name] = SizeStyle(
+            _OTHER_COLORS[place % len(_OTHER_COLORS)],
+            _OTHER_MARKERS[place % len(_OTHER_MARKERS)],
+            (":", "-", "--", "-.")[place % 4],
+        )
+    return {name: given[name] for name in names}
+
+
+@contextmanager
+def figure(width: float = TEXT_WIDTH, height: float = 80.0) -> Iterator[Figure]:
+    """Make an empty figure, in the project's style within the ``with`` block.
+
+    Parameters
+    ----------
+    width, height : float
+        In mm.
+
+    Yields
+    ------
+    matplotlib.figure.Figure
+        To be filled within the block (a ``return`` from within is fine).
+
+    Raises
+    ------
+    ValueError
+        If a side is not positive.
+    """
+    if not (width > 0 and height > 0):
+        raise ValueError(f"figure: expected a width and height in mm, got {width} and {height}")
+    with matplotlib.style.context(["default", _STYLE]):
+        yield Figure(figsize=(width / 25.4, height / 25.4))
+
+
+def to_svg(figure: Figure) -> bytes:
+    """Write a figure as SVG: text as paths, no date, the same bytes for the same figure."""
+    buffer = io.BytesIO()
+    with matplotlib.style.context(["default", _STYLE]):
+        figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
+    return buffer.getvalue()

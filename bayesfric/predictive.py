@@ -1,0 +1,211 @@
+"""What a fit predicts, laid out for the figures: curves, bands and trials.
+
+Figures draw from these arrays and compute nothing.
+"""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Analysis
+from bayesfric.boards.gravity import Condition, nominal_tension, trajectory
+from bayesfric.friction import Coefficients, coulomb_friction
+from bayesfric.likelihood.gravity import GravityLikelihood
+from bayesfric.likelihood.hall_events import pilot_fits
+from bayesfric.likelihood.model import Model
+from bayesfric.paper import table1
+from bayesfric.recording.tables import Gravity, Rig
+
+__all__ = ["QUANTILES", "predict"]
+
+Array = NDArray[np.float64]
+QUANTILES = (0.05, 0.5, 0.95)
+DRAWS = 1000  # enough for a 5 % quantile to a twentieth of an sd
+CURVE_POINTS = 41
+SHOWN_TRIALS = 6
+
+
+def predict(
+    likelihood: GravityLikelihood,
+    gravity: Gravity,
+    rig: Rig,
+    model: Model,
+    theta: Array,
+    analysis: Analysis,
+) -> xr.DataTree:
+    """Compute predictions from draws.
+
+    Parameters
+    ----------
+    likelihood : GravityLikelihood
+        Of the fit.
+    gravity : Gravity
+        Trials that entered, in the likelihood's order.
+    rig : Rig
+        The board.
+    model : Model
+        Of the fit.
+    theta : ndarray, shape (ensembles, draws, walkers, D)
+        Posterior draws in the parameters' units.
+    analysis : Analysis
+        For the seed and the form of the scatter.
+
+    Returns
+    -------
+    DataTree
+        ``trials``: friction observed, and predicted for a new trial on a new
+        assembly. ``curves``: friction against tension at each (size, n, θ) cell, of
+        the law and of Table I. ``trajectories``: a few trials, measured and
+        predicted from their first speed alone.
+    """
+    rng = np.random.default_rng(np.random.SeedSequence([analysis.seed, 1]))
+    flat = theta.reshape(-1, theta.shape[-1])
+    some = flat[np.linspace(0, len(flat) - 1, min(DRAWS, len(flat))).astype(int)]
+    named = model.by_name(some)
+    factor = 1 + likelihood.draw_scatter(named, rng)
+    return xr.DataTree.from_dict(
+        {
+            "trials": _trials(likelihood, named, factor),
+            "curves": _curves(likelihood, named),
+            "trajectories": _trajectories(likelihood, gravity, rig, named, factor),
+        }
+    )
+
+
+def _bands(values: Array) -> Array:
+    """Return quantiles over the first axis (draws), quantile last."""
+    return np.moveaxis(np.quantile(values, QUANTILES, axis=0), 0, -1)
+
+
+def _trials(likelihood: GravityLikelihood, named: dict[str, Array], factor: Array) -> xr.Dataset:
+    trials = likelihood.trials
+    law = likelihood.law(named)
+    middle = {name: np.median(values, keepdims=True) for name, values in named.items()}
+    observed, variance, _ = (values[0] for values in likelihood.observed(middle))
+    condition = likelihood.condition
+    acceleration = (condition.drive_force_n - observed) / condition.total_mass_kg
+    columns: dict[str, Any] = {
+        name: ("trial", trials[name].to_numpy())
+        for name in ("pulley_size", "setup", "n_pulleys", "wrap_angle_deg")
+    }
+    return xr.Dataset(
+        columns
+        | {
+            "tension_n": ("trial", nominal_tension(condition, acceleration)),
+            "acceleration_m_s2": ("trial", acceleration),
+            "friction_n": ("trial", observed),
+            "friction_sd_n": ("trial", np.sqrt(variance)),
+            "law_n": (("trial", "quantile"), _bands(law)),
+            "predicted_n": (("trial", "quantile"), _bands(law * factor)),
+        },
+        coords={"trial": trials["trial"].to_numpy(), "quantile": list(QUANTILES)},
+    )
+
+
+def _curves(likelihood: GravityLikelihood, named: dict[str, Array]) -> xr.Dataset:
+    trials = likelihood.trials
+    cells = trials[["pulley_size", "n_pulleys", "wrap_angle_deg"]].drop_duplicates()
+    cells = cells.sort_values(["wrap_angle_deg", "n_pulleys"], kind="stable")
+    top = float(np.max(likelihood.condition.total_mass_kg * likelihood.condition.gravity_m_s2)) / 2
+    tension = np.linspace(0.0, top, CURVE_POINTS)
+    paper = np.full((len(cells), CURVE_POINTS), np.nan)
+    law = np.empty((len(cells), CURVE_POINTS, len(QUANTILES)))
+    for place, (size, n, wrap) in enumerate(cells.itertuples(index=False)):
+        draws = Coefficients(*(named[f"{c}[{size}]"][:, None] for c in ("c1", "c2", "c3")))
+        law[place] = _bands(coulomb_friction(draws, n, wrap, tension))
+        if size in table1():
+            row = table1()[size]
+            printed = Coefficients(row.c1.value, row.c2.value, row.c3.value)
+            paper[place] = coulomb_friction(printed, n, wrap, tension)
+    return xr.Dataset(
+        {
+            "law_n": (("curve", "tension_n", "quantile"), law),
+            "paper_n": (("curve", "tension_n"), paper),
+            "pulley_size": ("curve", cells["pulley_size"].to_numpy()),
+            "n_pulleys": ("curve", cells["n_pulleys"].to_numpy()),
+            "wrap_angle_deg": ("curve", cells["wrap_angle_deg"].to_numpy()),
+        },
+        coords={"tension_n": tension, "quantile": list(QUANTILES)},
+    )
+
+
+def _trajectories(
+    likelihood: GravityLikelihood,
+    gravity: Gravity,
+    rig: Rig,
+    named: dict[str, Array],
+    factor: Array,
+) -> xr.Dataset:
+    """Predict a few trials, free-running from the first event's speed."""
+    trials = likelihood.trials
+    pilot = pilot_fits(gravity.events, trials["trial"])
+    chosen = _typical(trials, pilot.acceleration)
+    tables = []
+    for place in chosen:
+        row = trials.iloc[place]
+        events = gravity.events[gravity.events["trial"] == row["trial"]]
+        since_first = events["time_s"].to_numpy() - events["time_s"].min()
+        of_sensor = (events["sensor"] == events["sensor"].iloc[0]).to_numpy()
+        events, since_first = events[of_sensor], since_first[of_sensor]
+        time = since_first - since_first[0]
+        start_speed = pilot.first_speed[place] + pilot.acceleration[place] * since_first[0]
+        motion = trajectory(
+            Coefficients(
+                *(named[f"{c}[{row['pulley_size']}]"][:, None] for c in ("c1", "c2", "c3"))
+            ),
+            Condition(
+                row["n_pulleys"],
+                row["wrap_angle_deg"],
+                row["mass_drive_kg"],
+                row["mass_load_kg"],
+                rig.gravity_m_s2,
+            ),
+            start_speed_m_s=start_speed,
+            friction_factor=factor[:, place, None],
+        )
+        tables.append((row, time, events["displacement_m"].to_numpy(), _bands(motion.position(time))))
+    longest = max(len(time) for _, time, _, _ in tables)
+
+    def padded(values: Array) -> Array:
+        width = [(0, longest - len(values))] + [(0, 0)] * (values.ndim - 1)
+        return np.pad(values, width, constant_values=np.nan)
+
+    return xr.Dataset(
+        {
+            "time_s": (("shown", "event"), np.stack([padded(t) for _, t, _, _ in tables])),
+            "travel_m": (("shown", "event"), np.stack([padded(x) for _, _, x, _ in tables])),
+            "predicted_m": (
+                ("shown", "event", "quantile"),
+                np.stack([padded(p) for _, _, _, p in tables]),
+            ),
+            **{
+                name: ("shown", np.array([row[name] for row, _, _, _ in tables]))
+                for name in (
+                    "pulley_size",
+                    "n_pulleys",
+                    "wrap_angle_deg",
+                    "mass_drive_kg",
+                    "mass_load_kg",
+                )
+            },
+        },
+        coords={
+            "shown": [row["trial"] for row, _, _, _ in tables],
+            "quantile": list(QUANTILES),
+        },
+    )
+
+
+def _typical(trials: pd.DataFrame, acceleration: Array) -> list[int]:
+    """Return a slow and a fast trial of each size, at most six in all."""
+    chosen: list[int] = []
+    for _, rows in trials.groupby("pulley_size", sort=False).groups.items():
+        places = np.asarray(rows)[np.argsort(acceleration[rows], kind="stable")]
+        for share in (0.1, 0.9):
+            place = int(places[round(share * (len(places) - 1))])
+            if place not in chosen:
+                chosen.append(place)
+    return sorted(chosen[:SHOWN_TRIALS])

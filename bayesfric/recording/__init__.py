@@ -1,0 +1,24 @@
+"""A recording: a folder of tables ⇄ one frozen, checked :class:`Recording`.
+
+``docs/recording.md`` describes the folder. Reading collects every fault of a
+recording before it complains; writing is whole or not at all.
+"""
+
+from bayesfric.recording.describing import describe_recording
+from bayesfric.recording.digest import tables_sha256
+from bayesfric.recording.reading import read_recording
+from bayesfric.recording.tables import Axis, Gravity, Motor, Pulley, Recording, Rig
+from bayesfric.recording.writing import write_recording
+
+__all__ = [
+    "Axis",
+    "Gravity",
+    "Motor",
+    "Pulley",
+    "Recording",
+    "Rig",
+    "describe_recording",
+    "read_recording",
+    "tables_sha256",
+    "write_recording",
+]

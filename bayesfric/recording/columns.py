@@ -1,0 +1,256 @@
+"""The tables of a recording, column by column, as data.
+
+The reader checks against this list, the writer takes its column order and units
+from it, and ``docs/recording.md`` says the same in prose.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+__all__ = ["RIG_KEYS_NEEDED", "TABLES", "Column", "TableFormat"]
+
+LARGEST_INTEGER = 1_000_000_000  # far beyond any count or order, well inside int64
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column of a table: what its cells must be.
+
+    Parameters
+    ----------
+    name : str
+        As in the header.
+    kind : {"id", "text", "choice", "number", "integer"}
+        An id is text; `unique` says whether it must not repeat.
+    meaning : str
+        One line for the Table Schema.
+    unit : str
+        SI unit, or ``deg``; empty for text and counts.
+    required : bool
+        Whether the table must have the column.
+    may_be_empty : bool
+        Whether single cells may be empty.
+    above, least, most : float or None
+        Exclusive lower, inclusive lower and inclusive upper bound.
+    nonzero, unique : bool
+        No cell may be 0; no two cells may be equal.
+    choices : tuple of str
+        What a ``choice`` may be.
+    """
+
+    name: str
+    kind: Literal["id", "text", "choice", "number", "integer"]
+    meaning: str
+    unit: str = ""
+    required: bool = True
+    may_be_empty: bool = False
+    above: float | None = None
+    least: float | None = None
+    most: float | None = None
+    nonzero: bool = False
+    unique: bool = False
+    choices: tuple[str, ...] = ()
+
+    @property
+    def is_numeric(self) -> bool:
+        """Whether the cells are numbers."""
+        return self.kind in ("number", "integer")
+
+    @property
+    def expected(self) -> str:
+        """The rule of one cell, as a sentence fragment."""
+        if self.kind == "choice":
+            rule = " or ".join(self.choices)
+        elif self.kind == "integer":
+            rule = f"an integer from 1 to {LARGEST_INTEGER}"
+        elif self.kind == "number":
+            rule = "a finite number" + self._bounds()
+            if self.unit:
+                rule += f" in {self.unit}"
+        else:
+            rule = "text without line breaks or other control characters"
+        return rule + (", or nothing" if self.may_be_empty else "")
+
+    def _bounds(self) -> str:
+        if self.above is not None:
+            return f" above {self.above:g}"
+        if self.least is not None and self.most is not None:
+            return f" from {self.least:g} to {self.most:g}"
+        if self.least is not None:
+            return f" of at least {self.least:g}"
+        return " other than 0" if self.nonzero else ""
+
+
+@dataclass(frozen=True)
+class TableFormat:
+    """One table: its file name and its columns in canonical order.
+
+    Parameters
+    ----------
+    file : str
+        Canonical file name.
+    columns : tuple of Column
+        In the order in which they are written.
+    keeps_covariates : bool
+        Whether further numeric columns are data (``axis_runs.csv``).
+    """
+
+    file: str
+    columns: tuple[Column, ...]
+    keeps_covariates: bool = False
+
+    @property
+    def resource(self) -> str:
+        """Resource name, such as ``gravity-trials``."""
+        return self.file.removesuffix(".csv").replace("_", "-")
+
+
+RUN = Column("run", "id", "unique id of the run", unique=True)
+ORDER = Column("order", "integer", "place in the order of measuring", required=False, unique=True)
+SETUP = Column("setup", "id", "id of one assembly of the rig", required=False)
+ROLE = Column(
+    "role",
+    "choice",
+    "calibrate: fits the baseline; test: shows the gap; absent: both",
+    required=False,
+    may_be_empty=True,
+    choices=("calibrate", "test"),
+)
+SIZE = Column("pulley_size", "text", "pulley size")
+COUNT = Column("n_pulleys", "integer", "number of pulleys")
+WRAP = Column("wrap_angle_deg", "number", "mean individual wrap angle", "deg", least=0, most=180)
+TIME = Column("time_s", "number", "time", "s")
+VELOCITY = Column("velocity_m_s", "number", "cable speed, signed", "m/s", nonzero=True)
+CURRENT = Column("current_a", "number", "mean motor current", "A")
+
+# Kind 3 has the same columns as kinds 1 and 2, none of them compulsory.
+STEADY_CONDITION = (
+    Column("pulley_size", "text", "pulley size", required=False),
+    Column("n_pulleys", "integer", "number of pulleys", required=False),
+    Column(
+        "wrap_angle_deg",
+        "number",
+        "mean individual wrap angle",
+        "deg",
+        required=False,
+        least=0,
+        most=180,
+    ),
+    Column("tension_n", "number", "nominal tension", "N", required=False, least=0),
+    Column("velocity_m_s", "number", "speed, signed", "m/s", required=False),
+)
+
+GRAVITY_TRIALS = TableFormat(
+    "gravity_trials.csv",
+    (
+        Column("trial", "id", "unique id of the trial", unique=True),
+        ORDER,
+        SETUP,
+        SIZE,
+        COUNT,
+        WRAP,
+        Column("mass_drive_kg", "number", "falling mass m1", "kg", above=0),
+        Column("mass_load_kg", "number", "rising mass m2 < m1", "kg", above=0),
+        Column(
+            "drive_end",
+            "choice",
+            "physical end that carried the drive mass",
+            required=False,
+            may_be_empty=True,
+            choices=("left", "right"),
+        ),
+        ROLE,
+        Column(
+            "acceleration_m_s2",
+            "number",
+            "measured acceleration, for a trial with no events",
+            "m/s²",
+            required=False,
+            may_be_empty=True,
+        ),
+        Column(
+            "acceleration_sd_m_s2",
+            "number",
+            "standard error of the acceleration",
+            "m/s²",
+            required=False,
+            may_be_empty=True,
+            above=0,
+        ),
+    ),
+)
+GRAVITY_EVENTS = TableFormat(
+    "gravity_events.csv",
+    (
+        Column("trial", "id", "trial of the event"),
+        Column("sensor", "choice", "end of the cable", choices=("drive", "load")),
+        Column("displacement_m", "number", "travel since the sensor's first event", "m"),
+        TIME,
+    ),
+)
+MOTOR_RUNS = TableFormat(
+    "motor_runs.csv",
+    (
+        RUN,
+        ORDER,
+        SETUP,
+        SIZE,
+        COUNT,
+        WRAP,
+        Column("hanging_mass_kg", "number", "hanging mass", "kg", above=0),
+        VELOCITY,
+        CURRENT,
+        ROLE,
+    ),
+)
+MOTOR_IDLE = TableFormat("motor_idle.csv", (VELOCITY, CURRENT))
+STEADY_FRICTION = TableFormat(
+    "steady_friction.csv",
+    (
+        RUN,
+        ORDER,
+        SETUP,
+        *STEADY_CONDITION,
+        Column("friction_n", "number", "friction", "N"),
+        Column(
+            "friction_sd_n",
+            "number",
+            "standard error of the friction",
+            "N",
+            required=False,
+            may_be_empty=True,
+            above=0,
+        ),
+        ROLE,
+    ),
+)
+AXIS_RUNS = TableFormat("axis_runs.csv", (RUN, ORDER, SETUP, ROLE), keeps_covariates=True)
+AXIS_SAMPLES = TableFormat(
+    "axis_samples.csv",
+    (
+        Column("run", "id", "run of the sample"),
+        TIME,
+        Column("position_m", "number", "position", "m"),
+        Column("force_n", "number", "drive force", "N"),
+        Column("sim_force_n", "number", "force of the user's simulator", "N", required=False),
+        Column("sim_position_m", "number", "position of the user's simulator", "m", required=False),
+    ),
+)
+
+TABLES = {
+    table.file: table
+    for table in (
+        GRAVITY_TRIALS,
+        GRAVITY_EVENTS,
+        MOTOR_RUNS,
+        MOTOR_IDLE,
+        STEADY_FRICTION,
+        AXIS_RUNS,
+        AXIS_SAMPLES,
+    )
+}
+
+RIG_KEYS_NEEDED = {
+    "gravity_events.csv": ("hall_spacing_m", "magnets_per_revolution", "timer_resolution_s"),
+    "motor_runs.csv": ("motor_torque_constant_n_m_per_a", "capstan_radius_m"),
+}

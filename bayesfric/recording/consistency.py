@@ -1,0 +1,143 @@
+"""Rules that need more than one cell: masses, setups, event trains, two tables."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+
+from bayesfric.errors import Fault
+from bayesfric.recording.schemas import Table
+from bayesfric.recording.spacing import printed_tolerance, spacing_counts
+from bayesfric.recording.tables import Rig
+
+__all__ = ["MINIMUM_EVENTS", "check_across"]
+
+MINIMUM_EVENTS = 5  # of a trial and sensor
+CONDITION = ["pulley_size", "n_pulleys", "wrap_angle_deg"]
+
+
+def check_across(tables: Mapping[str, Table], rig: Rig, unreadable: frozenset[str]) -> list[Fault]:
+    """Faults of rows against rows and of tables against tables.
+
+    Parameters
+    ----------
+    tables : mapping of str to Table
+        Canonical file name to table; only those that could be parsed.
+    rig : Rig
+        The constants of the rig.
+    unreadable : frozenset of str
+        Tables that are listed but could not be parsed. Nothing is concluded from
+        what they may hold.
+    """
+    faults: list[Fault] = []
+    trials, events = tables.get("gravity_trials.csv"), tables.get("gravity_events.csv")
+    if trials:
+        faults += _masses(trials) + _setups(trials)
+        if "gravity_events.csv" not in unreadable:
+            faults += _unmeasured(trials, events)
+    if events:
+        faults += _events(events, rig)
+    if trials and events:
+        faults += _unknown(events, trials, "trial")
+    if runs := tables.get("motor_runs.csv"):
+        faults += _setups(runs)
+    runs, samples = tables.get("axis_runs.csv"), tables.get("axis_samples.csv")
+    if samples:
+        faults += _not_increasing(samples, ["run"], "time_s")
+    if runs and samples:
+        faults += _unknown(samples, runs, "run") + _runs_without_samples(runs, samples)
+    return faults
+
+
+def _masses(trials: Table) -> list[Fault]:
+    if not trials.has("mass_drive_kg", "mass_load_kg"):
+        return []
+    wrong = trials.frame["mass_drive_kg"] <= trials.frame["mass_load_kg"]
+    return trials.faults_where(wrong, "mass_drive_kg", "more than mass_load_kg of the same row")
+
+
+def _setups(table: Table) -> list[Fault]:
+    if not table.has("setup", *CONDITION):
+        return []
+    complete = table.frame.dropna(subset=["setup", *CONDITION])
+    first = complete.groupby("setup")[CONDITION].transform("first")
+    differs = (complete[CONDITION] != first).any(axis=1)
+    expected = "one pulley_size, n_pulleys and wrap_angle_deg for all rows of a setup"
+    return table.faults_where(
+        differs.reindex(table.frame.index, fill_value=False), "setup", expected
+    )
+
+
+def _unmeasured(trials: Table, events: Table | None) -> list[Fault]:
+    if not trials.has("trial") or (events and not events.has("trial")):
+        return []
+    trial, text = trials.frame["trial"], trials.text.cells
+    missing = trial.notna()
+    if "acceleration_m_s2" in text:  # one that is written but wrong is a fault already
+        missing &= text["acceleration_m_s2"] == ""
+    if events:
+        missing &= ~trial.isin(events.frame["trial"])
+    return trials.faults_where(
+        missing, "trial", "events of this trial in gravity_events.csv, or its acceleration_m_s2"
+    )
+
+
+def _unknown(child: Table, parent: Table, key: str) -> list[Fault]:
+    if not (child.has(key) and parent.has(key)):
+        return []
+    unknown = child.frame[key].notna() & ~child.frame[key].isin(parent.frame[key])
+    return child.faults_where(unknown, key, f"a {key} of {parent.text.file}")
+
+
+def _runs_without_samples(runs: Table, samples: Table) -> list[Fault]:
+    if not (runs.has("run") and samples.has("run")):
+        return []
+    run = runs.frame["run"]
+    missing = run.notna() & ~run.isin(samples.frame["run"])
+    return runs.faults_where(missing, "run", f"samples of this run in {samples.text.file}")
+
+
+def _events(events: Table, rig: Rig) -> list[Fault]:
+    keys = ["trial", "sensor"]
+    if not events.has(*keys):
+        return []
+    faults = []
+    groups = events.frame.groupby(keys, sort=False)
+    count = groups["trial"].transform("size")
+    few = ~events.frame.duplicated(keys) & (count < MINIMUM_EVENTS)
+    for position in np.flatnonzero(few).tolist():
+        trial, sensor = events.frame.loc[position, keys]
+        expected = f"at least {MINIMUM_EVENTS} events of trial {trial!r} and sensor {sensor!r}"
+        expected += f", there are {count[position]:.0f}"
+        faults += events.text.faults_at([position], "trial", expected)
+    return faults + _not_increasing(events, keys, "time_s") + _displacements(events, rig)
+
+
+def _not_increasing(table: Table, keys: list[str], column: str) -> list[Fault]:
+    if not table.has(*keys, column):
+        return []
+    values = table.frame[column]
+    previous = table.frame.groupby(keys, sort=False)[column].shift()
+    expected = f"more than the {column} before it, within a {' and '.join(keys)}"
+    return table.faults_where(values <= previous, column, expected)
+
+
+def _displacements(events: Table, rig: Rig) -> list[Fault]:
+    keys, column = ["trial", "sensor"], "displacement_m"
+    if not events.has(column) or rig.hall_spacing_m is None:
+        return []
+    spacing, values = rig.hall_spacing_m, events.frame[column]
+    counts = pd.Series(spacing_counts(values.to_numpy(), spacing), index=values.index)
+    tolerance = printed_tolerance(events.text.cells[column], spacing)
+    first = events.frame[keys].notna().all(axis=1) & ~events.frame.duplicated(keys)
+    not_zero = first & (values.abs() > tolerance)
+    off = ~not_zero & ((counts * spacing - values).abs() > tolerance)
+    previous = counts.groupby([events.frame[key] for key in keys], sort=False).shift()
+    back = ~off & (counts <= previous)
+    return (
+        events.faults_where(not_zero, column, "0 at the first event of a trial and sensor")
+        + events.faults_where(off, column, f"a multiple of rig.hall_spacing_m, {spacing:g} m")
+        + events.faults_where(
+            back, column, "more than the displacement before it, within a trial and sensor"
+        )
+    )

@@ -1,0 +1,90 @@
+"""What a recording holds, in a few labelled lines of text."""
+
+import pandas as pd
+
+from bayesfric.recording.tables import Gravity, Motor, Recording
+
+__all__ = ["describe_recording"]
+
+
+def describe_recording(recording: Recording) -> tuple[tuple[str, str], ...]:
+    """Summarise a recording.
+
+    Parameters
+    ----------
+    recording : Recording
+        As read.
+
+    Returns
+    -------
+    tuple of (str, str)
+        Label and text: the name, the title, one pair for each kind of table that is
+        there and, below a board, one for each of its pulley sizes.
+    """
+    lines = [("name", recording.name), ("title", recording.title)]
+    if recording.created is not None:
+        lines.append(("created", recording.created))
+    lines.append(("gravity", f"{recording.rig.gravity_m_s2:g} m/s²"))
+    if recording.gravity is not None:
+        lines += _gravity(recording.gravity, recording.rig.gravity_m_s2)
+    if recording.motor is not None:
+        lines += _motor(recording.motor, recording.rig.gravity_m_s2)
+    if recording.steady is not None:
+        force = "N·m" if recording.rig.rotary else "N"
+        friction = _range(recording.steady["friction_n"], force)
+        lines.append(("steady friction", f"{_count(len(recording.steady), 'point')}, {friction}"))
+    if recording.axis is not None:
+        runs, samples = recording.axis.runs, recording.axis.samples
+        text = f"{_count(len(runs), 'run')}, {_count(len(samples), 'sample')}"
+        covariates = [str(name) for name in runs if name not in ("run", "order", "setup", "role")]
+        if covariates:
+            text += f", with {', '.join(covariates)}"
+        lines.append(("single axis", text))
+    return (*lines, ("sha256", recording.sha256))
+
+
+def _gravity(gravity: Gravity, g: float) -> list[tuple[str, str]]:
+    trials, events = gravity.trials, gravity.events
+    text = f"{_count(len(trials), 'trial')}, {_count(len(events), 'event')}"
+    without = int((~trials["trial"].isin(events["trial"])).sum())
+    if without:
+        text += f", {without} with an acceleration only"
+    lines = [("gravity board", text)]
+    for size, group in trials.groupby("pulley_size", sort=False):
+        tension = (group["mass_drive_kg"] + group["mass_load_kg"]) * g / 2
+        sensors = events.loc[events["trial"].isin(group["trial"]), "sensor"].unique()
+        parts = _board(group, "trial", tension)
+        if len(sensors):
+            parts += f", sensors {' and '.join(sensors)}"
+        lines.append((f"  {size}", parts))
+    return lines
+
+
+def _motor(motor: Motor, g: float) -> list[tuple[str, str]]:
+    runs = motor.runs
+    text = f"{_count(len(runs), 'run')}, {_count(len(motor.idle), 'idle point')}"
+    lines = [("motor board", text)]
+    for size, group in runs.groupby("pulley_size", sort=False):
+        speed = _range(group["velocity_m_s"], "m/s")
+        parts = _board(group, "run", group["hanging_mass_kg"] * g)
+        lines.append((f"  {size}", f"{parts}, v {speed}"))
+    return lines
+
+
+def _board(group: pd.DataFrame, row: str, tension_n: pd.Series) -> str:
+    setups = _count(group["setup"].nunique(), "setup")
+    counts = ", ".join(str(count) for count in sorted(group["n_pulleys"].unique()))
+    angles = ", ".join(f"{angle:g}" for angle in sorted(group["wrap_angle_deg"].unique()))
+    return (
+        f"{_count(len(group), row)} on {setups}, n = {counts}, "
+        f"wrap {angles} deg, tension {_range(tension_n, 'N')}"
+    )
+
+
+def _range(values: pd.Series, unit: str) -> str:
+    low, high = f"{values.min():.3g}", f"{values.max():.3g}"
+    return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}" + ("" if number == 1 else "s")

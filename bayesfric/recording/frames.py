@@ -1,0 +1,66 @@
+"""Checked cells → the frames of a recording: final types, defaults and order."""
+
+import numpy as np
+import pandas as pd
+
+from bayesfric.recording.columns import GRAVITY_EVENTS
+from bayesfric.recording.schemas import Table
+from bayesfric.recording.spacing import spacing_counts
+
+__all__ = ["no_events", "sorted_events", "typed", "with_setup"]
+
+SENSOR_ORDER = {"drive": 0, "load": 1}
+
+
+def typed(table: Table) -> pd.DataFrame:
+    """Give a table without faults its final types: counts are int64."""
+    integers = {
+        column.name: np.int64
+        for column in table.format.columns
+        if column.kind == "integer" and column.name in table.frame
+    }
+    return table.frame.astype(integers)
+
+
+def with_setup(runs: pd.DataFrame) -> pd.DataFrame:
+    """Fill in ``setup``, such as ``medium-9-85``, where the file has none."""
+    if "setup" in runs:
+        return runs
+    setup = [
+        f"{size}-{count}-{repr(angle).removesuffix('.0')}"
+        for size, count, angle in zip(
+            runs["pulley_size"], runs["n_pulleys"], runs["wrap_angle_deg"].tolist(), strict=True
+        )
+    ]
+    place = 1 + ("order" in runs)  # behind the id and the order, as in the format
+    filled = runs.copy()
+    filled.insert(place, "setup", pd.Series(setup, index=runs.index, dtype="str"))
+    return filled
+
+
+def no_events() -> pd.DataFrame:
+    """Event table of a recording that has none."""
+    return pd.DataFrame(
+        {
+            column.name: pd.Series(dtype="float64" if column.is_numeric else "str")
+            for column in GRAVITY_EVENTS.columns
+        }
+    )
+
+
+def sorted_events(
+    events: pd.DataFrame, trials: pd.DataFrame, spacing_m: float | None
+) -> pd.DataFrame:
+    """Events by trial, sensor and time, each on its exact multiple of the spacing [m].
+
+    The files print displacements rounded; the rule that they are multiples of the
+    spacing says what was rounded.
+    """
+    if events.empty or spacing_m is None:
+        return events
+    place = pd.Series(np.arange(len(trials)), index=trials["trial"])
+    key = events["trial"].map(place) * 2 + events["sensor"].map(SENSOR_ORDER)
+    rows = np.argsort(key.to_numpy(), kind="stable")  # times increase in the file already
+    ordered = events.iloc[rows].reset_index(drop=True)
+    exact = spacing_counts(ordered["displacement_m"].to_numpy(), spacing_m) * spacing_m
+    return ordered.assign(displacement_m=exact)

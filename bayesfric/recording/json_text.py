@@ -1,0 +1,92 @@
+"""Bytes of a JSON file → one object of finite numbers and clean text."""
+
+import json
+import math
+import reprlib
+from typing import Any
+
+from bayesfric.errors import Fault, InputError
+from bayesfric.recording.csv_text import decode_utf8
+
+__all__ = ["dotted", "parse_json_object", "shown"]
+
+
+def parse_json_object(file: str, data: bytes) -> tuple[dict[str, Any], list[Fault]]:
+    """Parse a JSON object.
+
+    Returns
+    -------
+    dict
+        The object.
+    list of Fault
+        Repeated keys, NaN and infinities, text that is not Unicode; parsing goes on
+        behind them.
+
+    Raises
+    ------
+    InputError
+        If there is no object to speak of.
+    """
+    text = decode_utf8(file, data)
+    repeated: list[str] = []
+
+    def unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        found = dict(pairs)
+        if len(found) < len(pairs):
+            keys = [key for key, _ in pairs]
+            repeated.extend(key for key in found if keys.count(key) > 1)
+        return found
+
+    try:
+        content = json.loads(text, object_pairs_hook=unique_keys)
+    except json.JSONDecodeError as error:
+        found = text[error.pos : error.pos + 20].split("\n")[0] or None
+        raise InputError([Fault(file, f"JSON ({error.msg})", error.lineno, None, found)]) from None
+    except RecursionError:
+        raise InputError([Fault(file, "JSON that is not nested so deeply")]) from None
+    except ValueError:  # Python's limit of 4,300 digits
+        raise InputError([Fault(file, "numbers of reasonable length")]) from None
+    if not isinstance(content, dict):
+        raise InputError([Fault(file, "a JSON object", value=shown(content))])
+    faults = [
+        Fault(file, "each key of an object once only", None, clean(key), clean(key))
+        for key in repeated
+    ]
+    return content, faults + _unusable_values(file, content)
+
+
+def dotted(location: tuple[str | int, ...]) -> str:
+    """Place in a JSON file, such as ``resources[0].path``."""
+    parts = (f"[{key}]" if isinstance(key, int) else f".{clean(key)}" for key in location)
+    return "".join(parts).removeprefix(".")
+
+
+def shown(value: Any) -> str:
+    """Print a JSON value, short enough for an error message."""
+    if isinstance(value, str):
+        return clean(value)
+    if isinstance(value, dict | list):
+        return clean(reprlib.repr(value))
+    return json.dumps(value)
+
+
+def clean(text: str) -> str:
+    """Escape lone surrogates, which could not be printed."""
+    return text.encode("utf-8", "backslashreplace").decode()
+
+
+def _unusable_values(file: str, content: dict[str, Any]) -> list[Fault]:
+    faults = []
+    waiting: list[tuple[tuple[str | int, ...], Any]] = [((), content)]
+    while waiting:  # a stack of our own: the nesting is the user's
+        place, value = waiting.pop()
+        if isinstance(value, dict):
+            waiting.extend(((*place, key), item) for key, item in reversed(value.items()))
+            value = "".join(value)
+        elif isinstance(value, list):
+            waiting.extend(((*place, i), item) for i, item in reversed(list(enumerate(value))))
+        if isinstance(value, float) and not math.isfinite(value):
+            faults.append(Fault(file, "a finite number", None, dotted(place), shown(value)))
+        if isinstance(value, str) and clean(value) != value:
+            faults.append(Fault(file, "Unicode text", None, dotted(place) or None, clean(value)))
+    return faults

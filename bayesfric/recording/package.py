@@ -1,0 +1,288 @@
+"""``datapackage.json`` → what the reader needs of it, with every fault."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import PurePosixPath, PureWindowsPath
+from typing import Annotated, Any, Literal, TypeVar
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+
+from bayesfric.errors import Fault
+from bayesfric.recording.columns import LARGEST_INTEGER
+from bayesfric.recording.json_text import dotted, parse_json_object, shown
+from bayesfric.recording.tables import STANDARD_GRAVITY, Pulley, Rig
+
+__all__ = ["PACKAGE_FILE", "Package", "Resource", "parse_package"]
+
+PACKAGE_FILE = "datapackage.json"
+
+# Properties of the Data Package standard, and one of ours, that travel along as written.
+KEPT = (
+    "$schema",
+    "id",
+    "profile",
+    "description",
+    "homepage",
+    "version",
+    "keywords",
+    "licenses",
+    "sources",
+    "contributors",
+    "image",
+    "simulation",
+)
+
+# What pydantic found wrong → what we expected.
+EXPECTED = {
+    "missing": "this key",
+    "string_type": "text",
+    "string_pattern_mismatch": "text that is not blank",
+    "float_type": "a number",
+    "int_type": "an integer",
+    "bool_type": "true or false",
+    "list_type": "a list",
+    "too_short": "a list of at least {min_length}",
+    "too_long": "a list of at most {max_length}",
+    "dict_type": "an object",
+    "model_type": "an object",
+    "model_attributes_type": "an object",
+    "greater_than": "a number above {gt:g}",
+    "greater_than_equal": "a number of at least {ge:g}",
+    "less_than_equal": "a number of at most {le:g}",
+    "literal_error": "{expected}",
+    "value_error": "{error}",
+}
+
+
+Number = TypeVar("Number", int, float)
+
+
+def _whole(value: Any) -> Any:
+    """JSON has one kind of number: 5.0 is an integer."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+def _ordered(value: list[Number]) -> list[Number]:
+    if value[0] > value[1]:
+        raise ValueError("[low, high] with low not above high")
+    return value
+
+
+def _iso8601(value: str) -> str:
+    try:
+        datetime.fromisoformat(value)
+        if not re.fullmatch(r"[0-9W:+.,TtZz -]+", value):  # Python takes any separator
+            raise ValueError
+    except ValueError:
+        raise ValueError("an ISO 8601 date or time such as 2026-11-01T00:00:00Z") from None
+    return value
+
+
+def _inside(path: str) -> str:
+    leaves = path.startswith("/") or PureWindowsPath(path).drive or "://" in path
+    if leaves or "\\" in path or "\0" in path or ".." in PurePosixPath(path).parts:
+        raise ValueError("a relative path, with /, that stays in the folder of the recording")
+    return PurePosixPath(path).as_posix()
+
+
+Positive = Annotated[float, Field(gt=0)]
+Count = Annotated[int, BeforeValidator(_whole), Field(ge=1, le=LARGEST_INTEGER)]
+NotNegative = Annotated[float, Field(ge=0)]
+Angle = Annotated[float, Field(ge=0, le=180)]
+Text = Annotated[str, Field(pattern=r"\S")]
+Pair = Annotated[list[Number], Field(min_length=2, max_length=2), AfterValidator(_ordered)]
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(strict=True, allow_inf_nan=False)
+
+
+class _Header(_Strict):
+    name: Text
+    title: Text
+    created: Annotated[str, AfterValidator(_iso8601)] | None = None
+
+
+class _Resource(_Strict):
+    name: Text
+    path: Annotated[Text, AfterValidator(_inside)]
+
+
+class _Pulley(_Strict):
+    radius_m: Positive | None = None
+    mass_kg: Positive | None = None
+
+
+class _Limits(_Strict):
+    travel_m: Pair[NotNegative] | None = None
+    tension_n: Pair[NotNegative] | None = None
+    velocity_m_s: Pair[float] | None = None
+    n_pulleys: Pair[Count] | None = None
+    wrap_angle_deg: Pair[Angle] | None = None
+    masses_kg: list[Positive] | None = None
+
+
+class _Rig(_Strict):
+    gravity_m_s2: Positive | None = None
+    hall_spacing_m: Positive | None = None
+    magnets_per_revolution: Count | None = None
+    timer_resolution_s: Positive | None = None
+    motor_torque_constant_n_m_per_a: Positive | None = None
+    capstan_radius_m: Positive | None = None
+    pulleys: dict[str, _Pulley] | None = None
+    limits: _Limits | None = None
+    moving_mass_kg: Positive | None = None
+    encoder_resolution: Positive | None = None
+    force_is: Literal["commanded", "measured"] | None = None
+    rotary: bool | None = None
+
+
+@dataclass(frozen=True)
+class Resource:
+    """One entry of ``resources``.
+
+    Parameters
+    ----------
+    name, path : str
+        As written, the path without needless parts.
+    place : str
+        Dotted key of the entry.
+    sound : bool
+        False where the path is at fault and must not be opened.
+    """
+
+    name: str
+    path: str
+    place: str
+    sound: bool = True
+
+
+@dataclass(frozen=True)
+class Package:
+    """``datapackage.json``, as far as it could be read.
+
+    Parameters
+    ----------
+    name, title, created, metadata
+        As in :class:`~bayesfric.recording.tables.Recording`.
+    rig : Rig
+        Keys at fault are left out.
+    rig_keys : frozenset of str
+        Keys of ``rig`` that were written, right or wrong.
+    resources : tuple of Resource
+        Those that name a table, by name or by path.
+    faults, notes : tuple
+        What was wrong; what was kept out.
+    """
+
+    name: str
+    title: str
+    created: str | None
+    metadata: Mapping[str, Any]
+    rig: Rig
+    rig_keys: frozenset[str]
+    resources: tuple[Resource, ...]
+    faults: tuple[Fault, ...]
+    notes: tuple[str, ...]
+
+
+def parse_package(data: bytes) -> Package:
+    """Read the bytes of ``datapackage.json``.
+
+    Raises
+    ------
+    InputError
+        If they are no JSON object. All other faults are collected in the result.
+    """
+    content, faults = parse_json_object(PACKAGE_FILE, data)
+    header = _checked(_Header, content, (), faults)
+    raw_rig = content.get("rig", {})
+    if not isinstance(raw_rig, dict):
+        faults.append(Fault(PACKAGE_FILE, "an object", column="rig", value=shown(raw_rig)))
+        raw_rig = {}
+    rig = _rig(_checked(_Rig, raw_rig, ("rig",), faults))
+    own = {"name", "title", "created", "resources", "rig", *KEPT}
+    unknown = [key for key in content if key not in own] + _unknown_rig_keys(raw_rig)
+    return Package(
+        name=header.get("name", ""),
+        title=header.get("title", ""),
+        created=header.get("created"),
+        metadata={key: content[key] for key in content if key in KEPT},
+        rig=rig,
+        rig_keys=frozenset(key for key, value in raw_rig.items() if value is not None),
+        resources=_resources(content, faults),
+        faults=tuple(faults),
+        notes=tuple(f"{PACKAGE_FILE}: unknown key {key} kept out" for key in unknown),
+    )
+
+
+def _checked(
+    model: type[_Strict], raw: Any, place: tuple[str | int, ...], faults: list[Fault]
+) -> dict[str, Any]:
+    """Keys of `raw` that obey the model; what does not goes to `faults`."""
+    try:
+        return model.model_validate(raw).model_dump(exclude_none=True)
+    except ValidationError as error:
+        errors = error.errors(include_url=False)
+    for found in errors:
+        if found["type"] in ("finite_number", "string_unicode"):  # parse_json_object has them
+            continue
+        rule = EXPECTED.get(found["type"])
+        expected = rule.format_map(found.get("ctx", {})) if rule else found["msg"]
+        value = None if found["type"] == "missing" else shown(found["input"])
+        column = dotted((*place, *found["loc"]))
+        faults.append(Fault(PACKAGE_FILE, expected, column=column, value=value))
+    wrong = {found["loc"][0] for found in errors if found["loc"]}
+    if not wrong or not isinstance(raw, dict):
+        return {}
+    good = {key: raw[key] for key in model.model_fields if key in raw and key not in wrong}
+    return (
+        good
+        if "missing" in {found["type"] for found in errors}
+        else _checked(model, good, place, [])
+    )
+
+
+def _rig(keys: dict[str, Any]) -> Rig:
+    pulleys = {size: Pulley(**pulley) for size, pulley in keys.pop("pulleys", {}).items()}
+    gravity = keys.pop("gravity_m_s2", STANDARD_GRAVITY)
+    return Rig(gravity_m_s2=gravity, pulleys=pulleys, **keys)
+
+
+def _resources(content: dict[str, Any], faults: list[Fault]) -> tuple[Resource, ...]:
+    raw = content.get("resources")
+    if not isinstance(raw, list):
+        value = shown(raw) if "resources" in content else None
+        expected = "a list of the recording's tables"
+        faults.append(Fault(PACKAGE_FILE, expected, column="resources", value=value))
+        return ()
+    resources: list[Resource] = []
+    names: set[str] = set()
+    for index, entry in enumerate(raw):
+        place = ("resources", index)
+        keys = _checked(_Resource, entry, place, faults)
+        if isinstance(entry, dict):
+            # One that is at fault still says which table it would be.
+            name, path = (keys.get(key, entry.get(key)) for key in ("name", "path"))
+            sound = "path" in keys
+            resources.append(Resource(shown(name), shown(path), dotted(place), sound))
+            if "name" in keys and name in names:
+                column, expected = dotted((*place, "name")), "a name that no other resource has"
+                faults.append(Fault(PACKAGE_FILE, expected, column=column, value=shown(name)))
+            names.add(shown(name))
+    return tuple(resources)
+
+
+def _unknown_rig_keys(rig: dict[str, Any]) -> list[str]:
+    unknown = [f"rig.{key}" for key in rig if key not in _Rig.model_fields]
+    limits = rig.get("limits")
+    if isinstance(limits, dict):
+        unknown += [f"rig.limits.{key}" for key in limits if key not in _Limits.model_fields]
+    pulleys = rig.get("pulleys")
+    for size, pulley in pulleys.items() if isinstance(pulleys, dict) else ():
+        if isinstance(pulley, dict):
+            keys = [key for key in pulley if key not in _Pulley.model_fields]
+            unknown += [f"rig.pulleys.{size}.{key}" for key in keys]
+    return unknown

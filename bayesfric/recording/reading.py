@@ -1,0 +1,189 @@
+"""A folder → a :class:`~bayesfric.recording.tables.Recording`, or all of its faults."""
+
+from collections.abc import Callable, Collection
+from dataclasses import replace
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+
+from bayesfric.errors import Fault, InputError
+from bayesfric.recording.columns import RIG_KEYS_NEEDED, TABLES
+from bayesfric.recording.consistency import check_across
+from bayesfric.recording.csv_text import parse_csv
+from bayesfric.recording.digest import tables_sha256
+from bayesfric.recording.frames import no_events, sorted_events, typed, with_setup
+from bayesfric.recording.package import PACKAGE_FILE, Package, Resource, parse_package
+from bayesfric.recording.schemas import Table, check_cells
+from bayesfric.recording.tables import Axis, Gravity, Motor, Recording
+from bayesfric.recording.tested_range import notes_on_range
+
+__all__ = ["read_recording"]
+
+Load = Callable[[str], bytes]  # a file of the recording, by its path in the folder
+
+# A table and the one that it cannot do without.
+NEEDS = {
+    "gravity_events.csv": "gravity_trials.csv",
+    "motor_runs.csv": "motor_idle.csv",
+    "motor_idle.csv": "motor_runs.csv",
+    "axis_runs.csv": "axis_samples.csv",
+    "axis_samples.csv": "axis_runs.csv",
+}
+
+
+def read_recording(path: str | PathLike[str]) -> Recording:
+    """Read and check a recording.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The folder that holds ``datapackage.json``.
+
+    Returns
+    -------
+    Recording
+        Frozen tables in SI units (angles in degrees), as in ``docs/recording.md``.
+
+    Raises
+    ------
+    InputError
+        With every fault of the recording: file, row, column, value and what was expected.
+    """
+    folder = Path(path)
+
+    def load(name: str) -> bytes:
+        return _read_inside(folder, name)
+
+    try:
+        is_folder = folder.is_dir()
+        in_folder = [file for file in TABLES if (folder / file).exists()]
+    except (OSError, ValueError):
+        is_folder = False
+    if not is_folder:
+        raise InputError([Fault(str(folder), f"a folder that holds {PACKAGE_FILE}")])
+    return assemble(load, in_folder)
+
+
+def assemble(load: Load, in_folder: Collection[str] = ()) -> Recording:
+    """Build a recording from its files, wherever they are.
+
+    Parameters
+    ----------
+    load : callable
+        From a path inside the recording to the bytes of that file; raises InputError.
+    in_folder : collection of str
+        Files with the name of a table; one that is not listed is worth a note.
+    """
+    package = parse_package(load(PACKAGE_FILE))
+    faults = list(package.faults)
+    notes = list(package.notes)
+    listed = _known_tables(package, faults, notes)
+    contents: dict[str, bytes] = {}
+    tables: dict[str, Table] = {}
+    for file, resource in listed.items():
+        if not resource.sound:
+            continue
+        try:
+            contents[resource.path] = load(resource.path)
+            tables[file] = check_cells(
+                parse_csv(resource.path, contents[resource.path]), TABLES[file]
+            )
+        except InputError as error:
+            faults += error.faults
+            continue
+        faults += tables[file].faults
+        notes += tables[file].notes
+    paths = [resource.path for resource in package.resources]
+    notes += [
+        f"{file} is in the folder but is no resource of {PACKAGE_FILE}: not read"
+        for file in in_folder
+        if file not in paths
+    ]
+    faults += _missing_parts(package, listed)
+    with np.errstate(all="ignore"):  # numbers may be as large as floats go
+        faults += check_across(tables, package.rig, frozenset(listed) - frozenset(tables))
+        if faults:
+            raise InputError(_in_file_order(faults, listed))
+        recording = _recording(package, tables, tables_sha256(contents))
+        return replace(recording, notes=(*notes, *notes_on_range(recording)))
+
+
+def _read_inside(folder: Path, name: str) -> bytes:
+    try:
+        file = (folder / name).resolve()
+        if not file.is_relative_to(folder.resolve()):
+            raise InputError([Fault(name, "a file inside the recording's folder", value=name)])
+        if not file.is_file():
+            found = "a folder" if file.is_dir() else None
+            raise InputError([Fault(name, "a file of this name in the folder", value=found)])
+        return file.read_bytes()
+    except (OSError, RuntimeError) as error:  # RuntimeError: a loop of symbolic links
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError([Fault(name, "a file that can be read", value=reason)]) from None
+
+
+def _known_tables(package: Package, faults: list[Fault], notes: list[str]) -> dict[str, Resource]:
+    """Canonical file name → resource, for the tables of the format."""
+    by_name = {table.resource: file for file, table in TABLES.items()}
+    listed: dict[str, Resource] = {}
+    for resource in package.resources:
+        base = resource.path.rpartition("/")[2]
+        file = base if base in TABLES else by_name.get(resource.name)
+        if file is None:
+            notes.append(f"{PACKAGE_FILE}: resource {resource.name!r} is no known table, not read")
+        elif file in listed:
+            column = f"{resource.place}.path"
+            expected = f"no second resource for {file}"
+            faults.append(Fault(PACKAGE_FILE, expected, column=column, value=resource.path))
+        else:
+            listed[file] = resource
+    return {file: listed[file] for file in TABLES if file in listed}
+
+
+def _missing_parts(package: Package, listed: dict[str, Resource]) -> list[Fault]:
+    faults = []
+    resources_at_fault = any("resources" in (fault.column or "") for fault in package.faults)
+    if not listed and not resources_at_fault:
+        expected = f"at least one of {', '.join(TABLES)}"
+        faults.append(Fault(PACKAGE_FILE, expected, column="resources"))
+    for file in listed:
+        needed = NEEDS.get(file)
+        if needed and needed not in listed:
+            faults.append(Fault(needed, f"this table, listed as a resource, because of {file}"))
+        for key in RIG_KEYS_NEEDED.get(file, ()):
+            if key not in package.rig_keys:
+                expected = f"this key, because of {file}"
+                faults.append(Fault(PACKAGE_FILE, expected, column=f"rig.{key}"))
+    return faults
+
+
+def _in_file_order(faults: list[Fault], listed: dict[str, Resource]) -> list[Fault]:
+    files = [PACKAGE_FILE, *(resource.path for resource in listed.values())]
+    place = {file: index for index, file in enumerate(files)}
+    return sorted(faults, key=lambda fault: (place.get(fault.file, len(files)), fault.row or 0))
+
+
+def _recording(package: Package, tables: dict[str, Table], sha256: str) -> Recording:
+    frames = {file: typed(table) for file, table in tables.items()}
+    gravity = motor = axis = None
+    if "gravity_trials.csv" in frames:
+        trials = with_setup(frames["gravity_trials.csv"])
+        events = frames.get("gravity_events.csv", no_events())
+        gravity = Gravity(trials, sorted_events(events, trials, package.rig.hall_spacing_m))
+    if "motor_runs.csv" in frames:
+        motor = Motor(with_setup(frames["motor_runs.csv"]), frames["motor_idle.csv"])
+    if "axis_runs.csv" in frames:
+        axis = Axis(frames["axis_runs.csv"], frames["axis_samples.csv"])
+    return Recording(
+        name=package.name,
+        title=package.title,
+        rig=package.rig,
+        gravity=gravity,
+        motor=motor,
+        steady=frames.get("steady_friction.csv"),
+        axis=axis,
+        created=package.created,
+        metadata=package.metadata,
+        sha256=sha256,
+    )

@@ -1,0 +1,162 @@
+"""The frozen tables of a recording, as the rest of the package sees them.
+
+A table is a :class:`pandas.DataFrame` whose columns are exactly those of the
+recording format (``docs/recording.md``): a column that the user left out and
+that has no default is absent; units are in the names.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import pandas as pd
+
+__all__ = ["Axis", "Gravity", "Motor", "Pulley", "Recording", "Rig"]
+
+STANDARD_GRAVITY = 9.80665  # m/s², used where a recording does not say
+
+
+@dataclass(frozen=True)
+class Pulley:
+    """A pulley size described by the user.
+
+    Parameters
+    ----------
+    radius_m : float or None
+        Radius at the cable centre line [m].
+    mass_kg : float or None
+        Mass of one pulley [kg].
+    """
+
+    radius_m: float | None = None
+    mass_kg: float | None = None
+
+
+@dataclass(frozen=True)
+class Rig:
+    """The property ``rig`` of ``datapackage.json``; absent keys are None.
+
+    Parameters
+    ----------
+    gravity_m_s2 : float
+        Local acceleration of gravity [m/s²].
+    hall_spacing_m : float or None
+        Cable travel between two Hall events [m].
+    magnets_per_revolution : int or None
+        Magnets on the sensor pulley.
+    timer_resolution_s : float or None
+        Resolution of the event clock [s].
+    motor_torque_constant_n_m_per_a : float or None
+        Specified torque constant of the motor [N·m/A].
+    capstan_radius_m : float or None
+        Capstan radius at the cable centre line [m].
+    pulleys : mapping of str to Pulley
+        Sizes that are not the paper's.
+    limits : mapping
+        What the rig can do, as written.
+    moving_mass_kg, encoder_resolution : float or None
+        Of a single axis; kg and m, or kg·m² and rad where `rotary`.
+    force_is : str or None
+        ``"commanded"`` or ``"measured"``.
+    rotary : bool
+        Radians, N·m and kg·m² take the place of m, N and kg in kinds 3 and 4.
+    """
+
+    gravity_m_s2: float = STANDARD_GRAVITY
+    hall_spacing_m: float | None = None
+    magnets_per_revolution: int | None = None
+    timer_resolution_s: float | None = None
+    motor_torque_constant_n_m_per_a: float | None = None
+    capstan_radius_m: float | None = None
+    pulleys: Mapping[str, Pulley] = field(default_factory=dict)
+    limits: Mapping[str, Any] = field(default_factory=dict)
+    moving_mass_kg: float | None = None
+    encoder_resolution: float | None = None
+    force_is: str | None = None
+    rotary: bool = False
+
+
+@dataclass(frozen=True)
+class Gravity:
+    """Gravity-board tables (kind 1).
+
+    Parameters
+    ----------
+    trials : DataFrame
+        One row a trial, in the order of the file, index 0, 1, …. ``setup`` is
+        always there: where the file has none, one setup for each
+        (pulley_size, n_pulleys, wrap_angle_deg).
+    events : DataFrame
+        One row a Hall event, sorted by trial (order of `trials`), sensor
+        (``drive`` before ``load``) and time. May be empty.
+    """
+
+    trials: pd.DataFrame
+    events: pd.DataFrame
+
+
+@dataclass(frozen=True)
+class Motor:
+    """Motor-board tables (kind 2).
+
+    Parameters
+    ----------
+    runs : DataFrame
+        One row a constant-speed run.
+    idle : DataFrame
+        ``velocity_m_s`` and ``current_a`` of the motor alone.
+    """
+
+    runs: pd.DataFrame
+    idle: pd.DataFrame
+
+
+@dataclass(frozen=True)
+class Axis:
+    """Single-axis tables (kind 4).
+
+    Parameters
+    ----------
+    runs, samples : DataFrame
+        One row a run; one row a sample.
+    """
+
+    runs: pd.DataFrame
+    samples: pd.DataFrame
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A data set: what one rig recorded.
+
+    Parameters
+    ----------
+    name, title : str
+        As in ``datapackage.json``.
+    rig : Rig
+        The board's constants.
+    gravity, motor, steady, axis : tables or None
+        The four kinds; at least one is there.
+    created : str or None
+        As written in ``datapackage.json``.
+    metadata : mapping
+        Further properties of ``datapackage.json`` kept as written
+        (``licenses``, ``sources``, ``simulation``).
+    sha256 : str
+        Of the tables sorted by name; see :func:`tables_sha256`.
+    notes : tuple of str
+        What a reader should know: columns kept out, kinds not used,
+        conditions outside the paper's Table II.
+    """
+
+    name: str
+    title: str
+    rig: Rig
+    gravity: Gravity | None = None
+    motor: Motor | None = None
+    steady: pd.DataFrame | None = None
+    axis: Axis | None = None
+    created: str | None = None
+    metadata: Mapping[str, Any] = field(default_factory=dict)
+    sha256: str = ""
+    notes: tuple[str, ...] = ()

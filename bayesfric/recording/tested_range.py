@@ -1,0 +1,76 @@
+"""Conditions outside those that the paper tested: worth a note, never an error.
+
+References
+----------
+M. Miyasaka, J. Matheson, A. Lewis, B. Hannaford, "Measurement of the Cable-Pulley
+Coulomb and Viscous Friction for a Cable-Driven Surgical Robotic System", IROS 2015,
+Table II.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pandas as pd
+
+from bayesfric.recording.tables import Gravity, Recording
+
+__all__ = ["notes_on_range"]
+
+SPEED_M_S = 1.3
+TENSION_N = 33.0
+PULLEYS = 19
+INDIVIDUAL_WRAP_DEG = (15.0, 180.0)
+AVERAGE_WRAP_DEG = (45.0, 150.0)
+WINDOW = 4  # intervals over which a speed is taken, so that one odd interval does not count
+
+
+def notes_on_range(recording: Recording) -> tuple[str, ...]:
+    """One sentence for each bound of Table II that is passed, naming the trials or runs."""
+    notes: list[str] = []
+    g = recording.rig.gravity_m_s2
+    if recording.gravity is not None:
+        trials = recording.gravity.trials
+        # The nominal tension of a moving trial is lower: this is its bound, at rest.
+        tension = (trials["mass_drive_kg"] + trials["mass_load_kg"]) * g / 2
+        fastest = trials["trial"].map(_top_speeds(recording.gravity))
+        notes += _notes(trials.assign(tension_n=tension, velocity_m_s=fastest), "trial")
+    if recording.motor is not None:
+        runs = recording.motor.runs
+        notes += _notes(runs.assign(tension_n=runs["hanging_mass_kg"] * g), "run")
+    if recording.steady is not None and not recording.rig.rotary:
+        notes += _notes(recording.steady, "run")
+    return tuple(notes)
+
+
+def _notes(table: pd.DataFrame, key: str) -> Iterator[str]:
+    for what, outside in _outside(table):
+        if outside.any():
+            ids = ", ".join(table.loc[outside, key])
+            yield f"{key} {ids}: outside the paper's Table II, {what}"
+
+
+def _outside(table: pd.DataFrame) -> Iterator[tuple[str, "pd.Series[bool]"]]:
+    if "velocity_m_s" in table:
+        yield f"|v| at most {SPEED_M_S} m/s", table["velocity_m_s"].abs() > SPEED_M_S
+    if "tension_n" in table:
+        yield f"tension at most {TENSION_N:g} N", table["tension_n"] > TENSION_N
+    if "n_pulleys" in table:
+        yield f"at most {PULLEYS} pulleys", table["n_pulleys"] > PULLEYS
+    if "wrap_angle_deg" in table:
+        wrap = table["wrap_angle_deg"]
+        low, high = INDIVIDUAL_WRAP_DEG
+        yield f"individual wrap angle {low:g} to {high:g} deg", ~wrap.between(low, high)
+        low, high = AVERAGE_WRAP_DEG
+        yield f"average wrap angle {low:g} to {high:g} deg", ~wrap.between(low, high)
+
+
+def _top_speeds(gravity: Gravity) -> "pd.Series[float]":
+    """Highest mean speed over a few Hall intervals of each trial [m/s]."""
+    events = gravity.events
+    travel = events["displacement_m"].to_numpy(float)
+    time = events["time_s"].to_numpy(float)
+    train = events.groupby(["trial", "sensor"], sort=False).ngroup().to_numpy()
+    within = train[WINDOW:] == train[:-WINDOW]
+    speed = (travel[WINDOW:] - travel[:-WINDOW]) / (time[WINDOW:] - time[:-WINDOW])
+    trial = events["trial"].to_numpy()[WINDOW:]
+    return pd.Series(speed[within], index=trial[within], dtype=np.float64).groupby(level=0).max()

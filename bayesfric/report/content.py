@@ -1,0 +1,396 @@
+"""What a report says, free of how it looks: one small tree of blocks and inlines.
+
+Chapters build this tree from stored results; the Typst, HTML and Markdown
+renderers show it. Text is data: nothing in a string is ever read as markup, in
+any renderer. Where a text is wanted, a plain ``str``, a single inline or a
+sequence of both will do.
+
+The blocks before the first heading are the front matter: they stand between
+the title and the table of contents, on page one.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Literal, TypeAlias
+
+from bayesfric.report import formula
+
+__all__ = [
+    "Block",
+    "BulletList",
+    "Code",
+    "Column",
+    "Document",
+    "Emphasis",
+    "Equation",
+    "Figure",
+    "Heading",
+    "Inline",
+    "Link",
+    "Listing",
+    "Math",
+    "Notice",
+    "PageBreak",
+    "Paragraph",
+    "Reference",
+    "Strong",
+    "Table",
+    "Text",
+    "inlines",
+]
+
+
+@dataclass(frozen=True)
+class Emphasis:
+    """Words set in italics."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Strong:
+    """Words set in bold."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Code:
+    """A file name, a command or an identifier, set in a typewriter face."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Math:
+    """A symbol or a short formula within a line.
+
+    Parameters
+    ----------
+    source : str
+        The notation of `bayesfric.report.formula`, a small part of LaTeX:
+        ``"c_1"``, ``"f_c = n_p c_2"``.
+    alt : str, optional
+        What is read aloud; the formula in plain characters if left out.
+
+    Raises
+    ------
+    ValueError
+        If the source is not of that notation.
+    """
+
+    source: str
+    alt: str = ""
+
+    def __post_init__(self) -> None:
+        plain = formula.to_plain(formula.parse(self.source))
+        if not self.alt:
+            object.__setattr__(self, "alt", plain)
+
+
+@dataclass(frozen=True)
+class Link:
+    """Words that lead to a web address (http, https, doi or mailto)."""
+
+    text: str
+    url: str
+
+    def __post_init__(self) -> None:
+        _require(
+            self.url.startswith(("https://", "http://", "mailto:")),
+            f"link: expected a web address, got {self.url!r}",
+        )
+        _require_text(self.text, "link")
+
+
+@dataclass(frozen=True)
+class Reference:
+    """The number of a labelled heading, figure, table or equation: "Figure 3"."""
+
+    label: str
+
+
+Inline: TypeAlias = str | Emphasis | Strong | Code | Math | Link | Reference
+Text: TypeAlias = Inline | Sequence[Inline]
+
+
+@dataclass(frozen=True)
+class Heading:
+    """A numbered heading of level 1 (chapter) to 3."""
+
+    level: Literal[1, 2, 3]
+    text: str
+    label: str | None = None
+
+    def __post_init__(self) -> None:
+        _require(self.level in (1, 2, 3), f"heading: expected a level of 1 to 3, got {self.level}")
+        _require_text(self.text, "heading")
+
+
+@dataclass(frozen=True)
+class Paragraph:
+    """A paragraph of running text."""
+
+    text: Text
+
+
+@dataclass(frozen=True)
+class BulletList:
+    """A list of points without order."""
+
+    items: Sequence[Text]
+
+
+@dataclass(frozen=True)
+class Notice:
+    """A boxed remark that a hurried reader must not miss.
+
+    Parameters
+    ----------
+    kind : {"attention", "good", "info"}
+        Sets its colour, its sign and, unless a title is given, its first word.
+    text : str, inline or sequence of inlines
+    title : str, optional
+        By default "Attention", "In order" or "Note".
+    """
+
+    kind: Literal["attention", "good", "info"]
+    text: Text
+    title: str = ""
+
+    def __post_init__(self) -> None:
+        words = {"attention": "Attention", "good": "In order", "info": "Note"}
+        _require(self.kind in words, f"notice: expected one of {list(words)}, got {self.kind!r}")
+        if not self.title:
+            object.__setattr__(self, "title", words[self.kind])
+
+
+@dataclass(frozen=True)
+class Listing:
+    """Lines shown as they are in a typewriter face: commands, a part of a file."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Equation:
+    """A numbered formula on a line of its own.
+
+    Parameters
+    ----------
+    source : str
+        As in `Math`.
+    alt : str
+        The formula in words, for people who do not see it.
+    label : str, optional
+    """
+
+    source: str
+    alt: str
+    label: str | None = None
+
+    def __post_init__(self) -> None:
+        formula.parse(self.source)
+        _require_text(self.alt, "equation, alt")
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column of a table.
+
+    Parameters
+    ----------
+    title : str, inline or sequence of inlines
+    unit : str, optional
+        Shown beneath the title, as written.
+    align : {"left", "right", "center", "decimal"}
+        "decimal" sets the decimal points of a column of numbers under each other.
+    """
+
+    title: Text
+    unit: str = ""
+    align: Literal["left", "right", "center", "decimal"] = "left"
+
+    def __post_init__(self) -> None:
+        known = ("left", "right", "center", "decimal")
+        _require(self.align in known, f"column: expected align in {known}, got {self.align!r}")
+
+
+@dataclass(frozen=True)
+class Table:
+    """A numbered table; its cells are formatted already.
+
+    Parameters
+    ----------
+    caption : str, inline or sequence of inlines
+    columns : sequence of Column or str
+        A plain ``str`` is a title over a left-aligned column.
+    rows : sequence of rows, each a cell a column
+        The first cell of a row names it (screen readers announce it).
+    label : str, optional
+        What a `Reference` names it by.
+    note : str, inline or sequence of inlines, optional
+        Small print beneath the table.
+
+    Raises
+    ------
+    ValueError
+        If there is no column, or a row has more or fewer cells than columns.
+    """
+
+    caption: Text
+    columns: Sequence[Column | str]
+    rows: Sequence[Sequence[Text]]
+    label: str | None = None
+    note: Text = ""
+
+    def __post_init__(self) -> None:
+        columns = tuple(c if isinstance(c, Column) else Column(c) for c in self.columns)
+        object.__setattr__(self, "columns", columns)
+        _require_text(self.caption, "table, caption")
+        _require(bool(columns), "table: expected a column")
+        for number, row in enumerate(self.rows, start=1):
+            _require(
+                not isinstance(row, str) and len(row) == len(columns),
+                f"table, row {number}: expected {len(columns)} cells, got {row!r}",
+            )
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A numbered picture.
+
+    Parameters
+    ----------
+    svg : bytes
+        As from `bayesfric.plots.style.to_svg`: text as paths, nothing external.
+    caption : str, inline or sequence of inlines
+    alt : str
+        What the picture shows, for people who do not see it.
+    label : str, optional
+        What a `Reference` names it by.
+    width : float
+        Share of the text width, over 0 to 1.
+    """
+
+    svg: bytes
+    caption: Text
+    alt: str
+    label: str | None = None
+    width: float = 1.0
+
+    def __post_init__(self) -> None:
+        _require(b"<svg" in self.svg, f"figure: expected SVG, got {self.svg[:40]!r}")
+        _require_text(self.caption, "figure, caption")
+        _require_text(self.alt, "figure, alt")
+        _require(0 < self.width <= 1, f"figure: expected a width in (0, 1], got {self.width}")
+
+
+@dataclass(frozen=True)
+class PageBreak:
+    """What follows begins on a new page (on paper only)."""
+
+
+Block: TypeAlias = (
+    Heading | Paragraph | BulletList | Notice | Listing | Equation | Table | Figure | PageBreak
+)
+
+
+@dataclass(frozen=True)
+class Document:
+    """A whole report.
+
+    Parameters
+    ----------
+    title, subtitle : str
+    blocks : sequence of Block
+    authors : sequence of str, optional
+    date : datetime, optional
+        Printed as a day, and set as the creation date; one without a time zone
+        is taken as UTC.
+    language : str
+        Two- or three-letter code.
+
+    Raises
+    ------
+    ValueError
+        If two blocks have one label, a reference leads nowhere, or a heading
+        skips a level.
+    """
+
+    title: str
+    subtitle: str
+    blocks: Sequence[Block]
+    authors: Sequence[str] | None = None
+    date: datetime | None = None
+    language: str = "en"
+
+    def __post_init__(self) -> None:
+        _require_text(self.title, "document, title")
+        code = self.language
+        _require(
+            code.isascii() and code.islower() and code.isalpha() and len(code) in (2, 3),
+            f"document: expected a language code such as 'en', got {code!r}",
+        )
+        _check_labels(self.blocks)
+        level = 0
+        for block in self.blocks:
+            if isinstance(block, Heading):
+                # PDF/UA and screen readers need an outline without holes.
+                _require(
+                    block.level <= level + 1,
+                    f"heading {block.text!r}: expected a level of {level + 1} at most, "
+                    f"got {block.level}",
+                )
+                level = block.level
+
+
+def inlines(text: Text) -> tuple[Inline, ...]:
+    """Return a text as a sequence of inlines, whichever way it was written."""
+    if isinstance(text, str) or not isinstance(text, Sequence):
+        return (text,)
+    return tuple(text)
+
+
+def _check_labels(blocks: Sequence[Block]) -> None:
+    labels: set[str] = set()
+    for block in blocks:
+        label = getattr(block, "label", None)
+        _require(label not in labels, f"two blocks have the label {label!r}")
+        if label is not None:
+            labels.add(label)
+    for block in blocks:
+        for text in _texts(block):
+            for inline in inlines(text):
+                if isinstance(inline, Reference):
+                    _require(
+                        inline.label in labels,
+                        f"reference to {inline.label!r}: expected one of {sorted(labels)}",
+                    )
+
+
+def _texts(block: Block) -> Iterator[Text]:
+    match block:
+        case Paragraph() | Notice():
+            yield block.text
+        case BulletList():
+            yield from block.items
+        case Figure():
+            yield block.caption
+        case Table():
+            yield block.caption
+            yield block.note
+            for column in block.columns:
+                yield column if isinstance(column, str) else column.title
+            for row in block.rows:
+                yield from row
+
+
+def _require(condition: bool, message: str) -> None:
+    if not condition:
+        raise ValueError(message)
+
+
+def _require_text(text: Text, place: str) -> None:
+    _require(text != "" and text != () and text != [], f"{place}: expected a text, got none")

@@ -1,0 +1,219 @@
+"""Numbers and units as people print them: the digits that the uncertainty allows.
+
+A minus is a true minus (−), a unit follows a thin no-break space, and powers of
+ten are written out (2.79 × 10⁻⁵). A number that does not exist is ``None`` in the
+stored results, and a dash here.
+"""
+
+import math
+import re
+from decimal import Decimal
+
+__all__ = [
+    "MISSING",
+    "format_count",
+    "format_interval",
+    "format_number",
+    "format_probability",
+    "format_share",
+    "format_unit",
+    "interval_cells",
+]
+
+MISSING = "—"
+THIN = "\u202f"
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_UNITS = {"": "", "-": "", "–": "", "1": "", "deg": "°", "1/deg": "deg⁻¹", "1/s": "s⁻¹"}
+
+
+def format_unit(unit: str | None, exponent: int = 0) -> str:
+    """Write a unit as printed: ``m/s^2`` as m/s², ``1/deg`` as deg⁻¹, ``-`` as nothing.
+
+    With an exponent, as the head of a column whose cells leave it out: 10⁻⁵ deg⁻¹.
+    """
+    unit = unit or ""
+    if exponent:
+        power = "10" + str(exponent).translate(_SUPERSCRIPTS)
+        return f"{power}{THIN}{format_unit(unit)}".rstrip(THIN)
+    if unit in _UNITS:
+        return _UNITS[unit]
+    unit = re.sub(r"\^(-?\d+)", lambda found: found[1].translate(_SUPERSCRIPTS), unit)
+    return unit.replace("*", "·")
+
+
+def format_number(
+    value: float | None, digits: int = 3, unit: str | None = None, exponent: int | None = None
+) -> str:
+    """Write one number with so many significant digits.
+
+    Parameters
+    ----------
+    value : float or None
+    digits : int
+        Significant digits, one at least.
+    unit : str, optional
+        As stored, say ``m/s^2``.
+    exponent : int, optional
+        The power of ten to write it with; by default, none for numbers from 0.001
+        to under a million, else its own.
+
+    Returns
+    -------
+    str
+        For example ``2.79 × 10⁻⁵ deg⁻¹``, or a dash for None.
+
+    Raises
+    ------
+    ValueError
+        If the value is not finite, or digits is under one.
+    """
+    if digits < 1:
+        raise ValueError(f"expected one significant digit at least, got {digits}")
+    if value is None:
+        return MISSING
+    _check_finite(value)
+    # Round first: 0.0009996 is 0.00100 to three digits.
+    value = float(f"{value:.{digits - 1}e}")
+    power = _power(abs(value)) if exponent is None else exponent
+    decimals = digits - 1 - _order(value) + power if value else digits - 1
+    return _fixed(value, power, decimals) + _times(power) + _spaced(unit)
+
+
+def format_interval(
+    mean: float | None,
+    q05: float | None,
+    q95: float | None,
+    unit: str | None = None,
+    exponent: int | None = None,
+) -> str:
+    """Write a mean with its 90 % interval, to two digits of the interval's width.
+
+    Parameters
+    ----------
+    mean, q05, q95 : float or None
+        Mean, 5 % and 95 % quantile.
+    unit : str, optional
+        As stored.
+    exponent : int, optional
+        The power of ten to write all three with; by default as in `format_number`.
+
+    Returns
+    -------
+    str
+        For example ``0.0128 [0.0121, 0.0135] N``, or a dash if one of the three is None.
+
+    Raises
+    ------
+    ValueError
+        If a number is not finite, or the quantiles are out of order.
+    """
+    if mean is None or q05 is None or q95 is None:
+        return MISSING
+    power = _power(max(abs(mean), abs(q05), abs(q95))) if exponent is None else exponent
+    middle, low, high = interval_cells(mean, q05, q95, exponent=power)
+    return f"{middle} [{low}, {high}]{_times(power)}{_spaced(unit)}"
+
+
+def interval_cells(
+    mean: float | None, q05: float | None, q95: float | None, exponent: int = 0
+) -> tuple[str, str, str]:
+    """Write a mean and its 90 % interval as three cells of a table.
+
+    Parameters
+    ----------
+    mean, q05, q95 : float or None
+        Mean, 5 % and 95 % quantile.
+    exponent : int
+        The power of ten that the head of the column states, see `format_unit`: the
+        cells hold the numbers divided by it.
+
+    Returns
+    -------
+    tuple of str
+        With equal decimals; dashes for what is None.
+
+    Raises
+    ------
+    ValueError
+        If a number is not finite, or the quantiles are out of order.
+    """
+    if mean is None or q05 is None or q95 is None:
+        one, two, three = (format_number(v, exponent=0) for v in (mean, q05, q95))
+        return one, two, three
+    for value in (mean, q05, q95):
+        _check_finite(value)
+    if q05 > q95:
+        raise ValueError(f"expected q05 <= q95, got {q05!r} and {q95!r}")
+    size = max(abs(mean), abs(q05), abs(q95))
+    # Two digits of the width; four of the number where there is no width.
+    place = _order(q95 - q05) - 1 if q95 > q05 else _order(size) - 3 if size else -1
+    # A double has no more than some twelve digits worth printing.
+    place = max(place, _order(size) - 11) if size else place
+    one, two, three = (_fixed(v, exponent, exponent - place) for v in (mean, q05, q95))
+    return one, two, three
+
+
+def format_count(count: int) -> str:
+    """Write a whole number, from five digits on in groups of three: 12 000."""
+    digits = f"{abs(count):,}".replace(",", THIN) if abs(count) >= 10_000 else str(abs(count))
+    return ("−" if count < 0 else "") + digits
+
+
+def format_probability(p: float | None) -> str:
+    """Write a probability with a third decimal near either end: 0.93, 0.004, > 0.999.
+
+    Raises
+    ------
+    ValueError
+        If it is not within 0 to 1.
+    """
+    if p is None:
+        return MISSING
+    if not 0 <= p <= 1:
+        raise ValueError(f"expected a probability, got {p!r}")
+    if p in (0, 1):
+        return f"{p:.0f}"
+    if p < 0.001:
+        return "< 0.001"
+    if p > 0.999:
+        return "> 0.999"
+    return f"{p:.{2 if 0.1 <= p <= 0.95 else 3}f}"
+
+
+def format_share(share: float | None, digits: int = 2) -> str:
+    """Write a share as a percentage of so many significant digits: 0.123 as 12 %."""
+    if share is None:
+        return MISSING
+    _check_finite(share)
+    return format_number(100 * share, digits=digits, exponent=0) + f"{THIN}%"
+
+
+def _check_finite(value: float) -> None:
+    if not math.isfinite(value):
+        raise ValueError(f"expected a finite number, got {value!r}")
+
+
+def _order(value: float) -> int:
+    """Power of ten of the first digit: 0 for 2.79, −2 for 0.0128."""
+    return int(f"{abs(value):.15e}".split("e")[1])
+
+
+def _power(size: float) -> int:
+    return 0 if size == 0 or 1e-3 <= size < 1e6 else _order(size)
+
+
+def _fixed(value: float, power: int, decimals: int) -> str:
+    # In decimals, since 2.79e-5 / 1e-5 is not 2.79 in doubles.
+    scaled = Decimal(repr(float(value))).scaleb(-power)
+    text = f"{scaled:.{max(decimals, 0)}f}"
+    negative = text.startswith("-") and any(digit in text for digit in "123456789")
+    return ("−" if negative else "") + text.lstrip("-")
+
+
+def _times(power: int) -> str:
+    return f" × 10{str(power).translate(_SUPERSCRIPTS)}" if power else ""
+
+
+def _spaced(unit: str | None) -> str:
+    printed = format_unit(unit)
+    return printed if printed in ("", "°") else THIN + printed

@@ -1,0 +1,217 @@
+"""The content tree as a PDF for print, archives and screen readers, by Typst.
+
+The PDF conforms to PDF/A-2a and PDF/UA-1 and holds the fonts that come with
+Typst, whatever the machine has. The template is fixed; a document reaches it as
+JSON alone, so no text of a document can be read as Typst.
+"""
+
+import json
+import warnings
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from importlib import resources
+from typing import Any, Literal
+
+import typst
+
+from bayesfric.report import formula
+from bayesfric.report.characters import printable
+from bayesfric.report.content import (
+    Block,
+    BulletList,
+    Code,
+    Column,
+    Document,
+    Emphasis,
+    Equation,
+    Figure,
+    Heading,
+    Inline,
+    Link,
+    Listing,
+    Math,
+    Notice,
+    PageBreak,
+    Paragraph,
+    Reference,
+    Strong,
+    Table,
+    Text,
+    inlines,
+)
+from bayesfric.report.numbering import Place, label_places, number_blocks
+
+__all__ = ["render_pages", "render_pdf"]
+
+# PDF/A demands a date; this one stands for "none" where a result has none.
+_NO_DATE = datetime(1970, 1, 1, tzinfo=UTC)
+
+
+def render_pdf(document: Document) -> bytes:
+    """Set a document as PDF/A-2a with PDF/UA-1.
+
+    Parameters
+    ----------
+    document : Document
+
+    Returns
+    -------
+    bytes
+        The same for the same document. Where the document has no date, no date is
+        printed, and the creation date in its metadata is 1970-01-01.
+
+    Raises
+    ------
+    typst.TypstError
+        If the document cannot be set, say for a figure that is not well-formed SVG.
+    """
+    (pdf,) = _compile(document, "pdf")
+    return pdf
+
+
+def render_pages(document: Document, ppi: float = 144.0) -> list[bytes]:
+    """Set a document as PNG pictures of its pages, to look at.
+
+    Parameters
+    ----------
+    document : Document
+    ppi : float
+        Pixels per inch.
+
+    Returns
+    -------
+    list of bytes
+        A picture a page.
+
+    Raises
+    ------
+    typst.TypstError
+        As `render_pdf`.
+    """
+    return _compile(document, "png", ppi)
+
+
+def _compile(
+    document: Document, form: Literal["pdf", "png"], ppi: float | None = None
+) -> list[bytes]:
+    template = resources.files(__package__).joinpath("template.typ").read_bytes()
+    files = {
+        "main.typ": template,
+        "document.json": json.dumps(_document(document)).encode(),
+    }
+    for block, place in zip(document.blocks, number_blocks(document), strict=True):
+        if isinstance(block, Figure) and place is not None:
+            files[f"{place.anchor}.svg"] = block.svg
+    # The package's stub leaves out files in memory by name, and a list of several pages.
+    compile_files: Any = typst.compile_with_warnings
+    result, remarks = compile_files(
+        files,
+        format=form,
+        ppi=ppi,
+        ignore_system_fonts=True,
+        pdf_standards=["a-2a", "ua-1"] if form == "pdf" else [],
+    )
+    for remark in remarks:
+        warnings.warn(remark, stacklevel=3)
+    return result if isinstance(result, list) else [result]
+
+
+def _document(document: Document) -> dict[str, object]:
+    places = label_places(document)
+    date = document.date
+    moment = (date if date is None or date.tzinfo else date.replace(tzinfo=UTC)) or _NO_DATE
+    moment = moment.astimezone(UTC)
+    return {
+        "title": printable(document.title),
+        "subtitle": printable(document.subtitle),
+        "authors": [printable(author) for author in document.authors or ()],
+        "day": None if date is None else date.date().isoformat(),
+        "moment": moment.timetuple()[:6],
+        "language": document.language,
+        "blocks": [
+            _block(block, place, places)
+            for block, place in zip(document.blocks, number_blocks(document), strict=True)
+        ],
+    }
+
+
+def _block(block: Block, place: Place | None, places: Mapping[str, Place]) -> dict[str, object]:
+    def text(value: Text) -> list[list[object]]:
+        return [_inline(inline, places) for inline in inlines(value)]
+
+    data: dict[str, object] = {"kind": type(block).__name__.lower()}
+    if place is not None:
+        data["anchor"] = place.anchor
+    match block:
+        case Heading(level, words):
+            data |= {"level": level, "text": printable(words)}
+        case Paragraph(words):
+            data |= {"text": text(words)}
+        case BulletList(items):
+            data |= {"items": [text(item) for item in items]}
+        case Notice():
+            data |= {
+                "sort": block.kind,
+                "title": printable(block.title),
+                "text": text(block.text),
+            }
+        case Listing(words):
+            data |= {"text": printable(words, lines=True)}
+        case Equation(source, alt):
+            data |= {"formula": _formula(formula.parse(source)), "alt": printable(alt)}
+        case Table():
+            columns = [c if isinstance(c, Column) else Column(c) for c in block.columns]
+            data |= {
+                "caption": text(block.caption),
+                "note": text(block.note) if block.note else None,
+                "columns": [
+                    {"title": text(c.title), "unit": printable(c.unit), "align": c.align}
+                    for c in columns
+                ],
+                "rows": [[text(cell) for cell in row] for row in block.rows],
+            }
+        case Figure():
+            data |= {
+                "caption": text(block.caption),
+                "alt": printable(block.alt),
+                "share": block.width,
+            }
+        case PageBreak():
+            pass
+    return data
+
+
+def _inline(inline: Inline, places: Mapping[str, Place]) -> list[object]:
+    match inline:
+        case str():
+            return ["text", printable(inline)]
+        case Emphasis(text) | Strong(text) | Code(text):
+            return [type(inline).__name__.lower(), printable(text)]
+        case Math(source, alt):
+            return ["math", _formula(formula.parse(source)), printable(alt)]
+        case Link(text, url):
+            return ["link", printable(text), url]
+        case Reference(label):
+            return ["reference", places[label].kind, places[label].anchor]
+
+
+def _formula(tree: formula.Formula) -> list[object]:
+    name = type(tree).__name__.lower()
+    match tree:
+        case formula.Symbol(character):
+            shown = printable(character)
+            return [name, shown] if shown == character else ["words", shown]
+        case formula.Number(text) | formula.Words(text) | formula.Function(text):
+            return [name, printable(text)]
+        case formula.Row(items):
+            return [name, *map(_formula, items)]
+        case formula.Bracket(left, body, right):
+            return [name, left, _formula(body), right]
+        case formula.Fraction(above, below):
+            return [name, _formula(above), _formula(below)]
+        case formula.Root(body):
+            return [name, _formula(body)]
+        case formula.Accent(body, mark):
+            return [name, _formula(body), mark]
+        case formula.Scripts(base, sub, sup):
+            return [name, _formula(base), sub and _formula(sub), sup and _formula(sup)]

@@ -1,0 +1,36 @@
+"""The one place that knows where the bundled files are.
+
+They stand beside the package in the source tree, and inside it, under
+``_data/``, in an installed wheel.
+"""
+
+from pathlib import Path
+
+__all__ = ["data_folder", "reference_folder"]
+
+_PACKAGE = Path(__file__).resolve().parent
+
+
+def data_folder() -> Path:
+    """Return the bundled ``data/``: recordings, example loops, the paper's tables."""
+    return _folder("data")
+
+
+def reference_folder() -> Path:
+    """Return the bundled ``reports/reference/``: the reference run, read-only."""
+    return _folder("reports/reference")
+
+
+def _folder(name: str) -> Path:
+    bundled = _PACKAGE / "_data" / name
+    if bundled.is_dir():
+        return bundled
+    root = _PACKAGE.parent
+    # Without this, a wheel that lost its files would take a stranger's `data`
+    # in site-packages for ours.
+    if (root / "pyproject.toml").is_file() and (root / name).is_dir():
+        return root / name
+    raise FileNotFoundError(
+        f"bayesfric's bundled folder {name!r} is neither at {bundled} nor at {root / name}: "
+        "the installation is incomplete, reinstall bayesfric"
+    )

@@ -1,0 +1,142 @@
+"""The models of the JSON files that the commands write.
+
+``docs/schemas/`` holds the JSON Schemas generated from them. A version, such as
+``bayesfric.fit/1``, only ever gains keys. Numbers are SI, never NaN or infinite.
+"""
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+__all__ = [
+    "SCHEMAS",
+    "DataQuality",
+    "Excluded",
+    "FitFile",
+    "Interval",
+    "ParameterSummary",
+    "Provenance",
+    "RecordingId",
+    "SamplerSummary",
+    "TimingsFile",
+]
+
+Number = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class _Record(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Interval(_Record):
+    """A distribution in five numbers."""
+
+    mean: Number = Field(description="Mean.")
+    sd: Number = Field(description="Standard deviation.")
+    q05: Number = Field(description="5 % quantile.")
+    q50: Number = Field(description="Median.")
+    q95: Number = Field(description="95 % quantile.")
+
+
+class ParameterSummary(Interval):
+    """The posterior of a parameter and how well it is known."""
+
+    unit: str = Field(description="Unit; 1 for a ratio.")
+    prior: str = Field(description="Prior density, as in half-normal(scale=0.05).")
+    mcse_mean: Number = Field(description="Monte Carlo standard error of the mean.")
+    ess_bulk: Number = Field(description="Effective draws for the mean.")
+    ess_tail: Number = Field(description="Effective draws for the 5 and 95 % quantiles.")
+    r_hat: Number = Field(description="Rank-normalised split R-hat, walkers pooled by ensemble.")
+    r_hat_walkers: Number = Field(description="The same with each walker as a chain.")
+    contraction: Number = Field(description="1 - posterior sd / prior sd.")
+    informed: bool = Field(description="Whether the data say more than the prior.")
+
+
+class RecordingId(_Record):
+    """Which recording a result rests on."""
+
+    name: str = Field(description="Name in datapackage.json.")
+    sha256: str = Field(description="Over its tables, sorted by name.")
+
+
+class Provenance(_Record):
+    """What every file carries, so that it can be made again."""
+
+    seed: int = Field(description="Seed of everything random.")
+    versions: dict[str, str] = Field(description="Python and packages.")
+    recording: RecordingId = Field(description="The data.")
+    analysis_sha256: str = Field(description="Over the analysis, defaults filled in.")
+    created: str | None = Field(
+        description="SOURCE_DATE_EPOCH, else the recording's own date, else null."
+    )
+
+
+class SamplerSummary(_Record):
+    """How the draws were made."""
+
+    ensembles: int = Field(description="Independent ensembles.")
+    walkers: int = Field(description="Walkers an ensemble.")
+    steps: int = Field(description="Steps an ensemble after burn-in.")
+    thin: int = Field(description="Each thin-th step is kept.")
+    draws: int = Field(description="Draws kept in all.")
+    acceptance: Number = Field(description="Share of proposals accepted.")
+    autocorrelation_time: Number = Field(
+        description="Largest over parameters: steps a walker makes for one effective draw."
+    )
+
+
+class Excluded(_Record):
+    """A trial that does not enter the fit."""
+
+    trial: str = Field(description="Its id.")
+    rule: str = Field(description="Name of the rule.")
+    reason: str = Field(description="The rule in words.")
+
+
+class DataQuality(_Record):
+    """What the fit used."""
+
+    trials: int = Field(description="Trials recorded.")
+    trials_used: int = Field(description="Trials that enter.")
+    setups: int = Field(description="Assemblies that enter.")
+    events: int = Field(description="Hall events that enter.")
+    replicated_cells: int = Field(
+        description="(size, n, angle) cells assembled more than once; without any, setup "
+        "scatter rests on its prior."
+    )
+    excluded: tuple[Excluded, ...] = Field(description="Trials left out, with the rule.")
+    notes: tuple[str, ...] = Field(description="What the reader of the recording remarked.")
+
+
+class FitFile(Provenance):
+    """``fit.json``: posteriors of a recording."""
+
+    schema_: Literal["bayesfric.fit/1"] = Field("bayesfric.fit/1", alias="schema")
+    rigs: tuple[str, ...] = Field(description="Rigs whose data entered.")
+    converged: bool = Field(description="Whether every diagnostic is within its bound.")
+    attention: tuple[str, ...] = Field(description="What a reader must know first; may be empty.")
+    pulleys: dict[str, dict[str, ParameterSummary]] = Field(
+        description="c1, c2, c3 of each pulley size."
+    )
+    scatter: dict[str, ParameterSummary] = Field(description="Relative scatter of friction.")
+    noise: dict[str, ParameterSummary] = Field(description="Noise of the sensors.")
+    parameters: dict[str, ParameterSummary] = Field(
+        description="Further parameters; empty for the paper's law."
+    )
+    sampler: SamplerSummary = Field(description="How the draws were made.")
+    data_quality: DataQuality = Field(description="What the fit used.")
+
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+
+
+class TimingsFile(_Record):
+    """``timings.json``: wall time, kept out of the results."""
+
+    schema_: Literal["bayesfric.timings/1"] = Field("bayesfric.timings/1", alias="schema")
+    seconds: dict[str, Number] = Field(description="Wall seconds by stage.")
+
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+
+
+SCHEMAS: dict[str, type[BaseModel]] = {"fit": FitFile, "timings": TimingsFile}
+"""The models by the name of the file that they describe."""

@@ -1,0 +1,192 @@
+"""Draws become the numbers of ``fit.json``: intervals, diagnostics, data quality."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Analysis, Prior
+from bayesfric.diagnostics import LIMITS, Convergence, diagnose_draws
+from bayesfric.laplace import curvature_steps, finite_hessian
+from bayesfric.likelihood.model import Model
+from bayesfric.likelihood.screening import RULES, Screened
+from bayesfric.priors import Parameter, prior_sd
+from bayesfric.recording.tables import Recording
+from bayesfric.sampling import Draws
+from bayesfric.schemas import (
+    DataQuality,
+    Excluded,
+    FitFile,
+    Interval,
+    ParameterSummary,
+    SamplerSummary,
+)
+
+__all__ = ["summarise"]
+
+Array = NDArray[np.float64]
+COEFFICIENTS = ("c1", "c2", "c3")
+
+
+def summarise(
+    attributes: dict[str, Any],
+    recording: Recording,
+    screened: Screened,
+    model: Model,
+    draws: Draws,
+    theta: Array,
+    analysis: Analysis,
+) -> FitFile:
+    """Return what ``fit.json`` says.
+
+    Parameters
+    ----------
+    attributes : dict
+        The fields of :class:`bayesfric.schemas.Provenance`.
+    recording : Recording
+        As read.
+    screened : Screened
+        Which trials entered.
+    model : Model
+        Of the posterior.
+    draws : Draws
+        As sampled.
+    theta : ndarray, shape (ensembles, draws, walkers, D)
+        The draws in the parameters' units.
+    analysis : Analysis
+        Settings of the fit.
+    """
+    convergence = {
+        parameter.name: diagnose_draws(theta[..., place])
+        for place, parameter in enumerate(model.parameters)
+    }
+    informed = _informed(model, np.median(theta.reshape(-1, theta.shape[-1]), axis=0))
+    entries = {
+        parameter.name: _parameter(
+            parameter, theta[..., place], convergence[parameter.name], bool(informed[place])
+        )
+        for place, parameter in enumerate(model.parameters)
+    }
+    sizes = [name[3:-1] for name in entries if name.startswith("c1[")]
+    ensembles, kept, walkers, _ = theta.shape
+    quality = _quality(recording, screened)
+    converged = all(figures.converged for figures in convergence.values())
+    return FitFile(
+        **attributes,
+        rigs=("gravity",),
+        converged=converged,
+        attention=_attention(convergence, entries, quality),
+        pulleys={size: {c: entries[f"{c}[{size}]"] for c in COEFFICIENTS} for size in sizes},
+        scatter={n: e for n, e in entries.items() if n.startswith(("tau", "omega"))},
+        noise={n: e for n, e in entries.items() if n.startswith("sigma")},
+        parameters={},
+        sampler=SamplerSummary(
+            ensembles=ensembles,
+            walkers=walkers,
+            steps=analysis.sampler.steps,
+            thin=analysis.sampler.thin,
+            draws=ensembles * kept * walkers,
+            acceptance=float(draws.acceptance.mean()),
+            autocorrelation_time=ensembles
+            * walkers
+            * analysis.sampler.steps
+            / min(figures.ess_bulk for figures in convergence.values()),
+        ),
+        data_quality=quality,
+    )
+
+
+def _parameter(
+    parameter: Parameter, draws: Array, figures: Convergence, informed: bool
+) -> ParameterSummary:
+    return ParameterSummary(
+        **_interval(draws).model_dump(),
+        unit=parameter.unit,
+        prior=_prior_text(parameter.prior),
+        mcse_mean=figures.mcse_mean,
+        ess_bulk=figures.ess_bulk,
+        ess_tail=figures.ess_tail,
+        r_hat=figures.r_hat,
+        r_hat_walkers=figures.r_hat_walkers,
+        contraction=1 - float(draws.std()) / prior_sd(parameter.prior),
+        informed=informed,
+    )
+
+
+def _interval(draws: Array) -> Interval:
+    q05, q50, q95 = np.quantile(draws, [0.05, 0.5, 0.95])
+    return Interval(
+        mean=float(draws.mean()), sd=float(draws.std()), q05=float(q05), q50=float(q50), q95=float(q95)
+    )
+
+
+def _prior_text(prior: Prior) -> str:
+    numbers = prior.model_dump(exclude={"family"})
+    return f"{prior.family}({', '.join(f'{key}={value:g}' for key, value in numbers.items())})"
+
+
+def _informed(model: Model, centre: Array) -> NDArray[np.bool_]:
+    """Whether the likelihood alone pins each parameter down better than its prior.
+
+    From the curvature of the log likelihood at the posterior median, in units of
+    the priors' widths: a direction that the data leave open has a curvature below 1.
+    """
+    z = model.sampling(centre)
+    natural_unit = np.array([prior_sd(p.prior) for p in model.parameters])
+    unit = np.where([p.positive for p in model.parameters], natural_unit / centre, natural_unit)
+
+    def log_likelihood(points: Array) -> Array:
+        return model.log_likelihood(model.natural(points))
+
+    step = curvature_steps(log_likelihood, z, 0.3 * unit)
+    curvature = -finite_hessian(log_likelihood, z, step) * np.outer(unit, unit)
+    values, vectors = np.linalg.eigh(curvature)
+    variance = (vectors**2 / np.maximum(values, 1e-12)).sum(axis=1)
+    return variance < 1
+
+
+def _quality(recording: Recording, screened: Screened) -> DataQuality:
+    assert recording.gravity is not None
+    trials = screened.gravity.trials
+    cells = trials.groupby(["pulley_size", "n_pulleys", "wrap_angle_deg"])["setup"].nunique()
+    return DataQuality(
+        trials=len(recording.gravity.trials),
+        trials_used=len(trials),
+        setups=trials["setup"].nunique(),
+        events=len(screened.gravity.events),
+        replicated_cells=int((cells > 1).sum()),
+        excluded=tuple(
+            Excluded(trial=trial, rule=rule, reason=RULES[rule])
+            for trial, rule in screened.excluded.items()
+        ),
+        notes=recording.notes,
+    )
+
+
+def _attention(
+    convergence: Mapping[str, Convergence],
+    entries: Mapping[str, ParameterSummary],
+    quality: DataQuality,
+) -> tuple[str, ...]:
+    """Return what a reader must know before the numbers."""
+    lines = []
+    for name, figures in convergence.items():
+        if not figures.converged:
+            lines.append(
+                f"{name} has not converged: R-hat {figures.r_hat:.4f} (limit {LIMITS['r_hat']}), "
+                f"by walker {figures.r_hat_walkers:.4f} (limit {LIMITS['r_hat_walkers']}), "
+                f"{min(figures.ess_bulk, figures.ess_tail):.0f} effective draws "
+                f"(at least {LIMITS['ess']:.0f})"
+            )
+    open_names = [name for name, entry in entries.items() if not entry.informed]
+    if open_names:
+        lines.append(f"driven by the prior, not by these data: {', '.join(open_names)}")
+    if quality.replicated_cells == 0:
+        lines.append(
+            "no (size, n, angle) cell was assembled twice: setup scatter has no replicates, "
+            "and effects of n and of the wrap angle rest on the prior of omega"
+        )
+    if quality.excluded:
+        lines.append(f"{len(quality.excluded)} of {quality.trials} trials left out")
+    return tuple(lines)

@@ -1,0 +1,256 @@
+"""Imports go one way: a room imports only rooms above it (ARCHITECTURE.md).
+
+The graph is read from the source, so an import inside a function counts too.
+"""
+
+import ast
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+import bayesfric
+
+ROOT = Path(__file__).parents[2]
+
+# From the base up. Rooms of one row may import each other, in one direction.
+ROWS = (
+    ("errors", "resources"),
+    ("recording",),
+    ("paper", "analysis", "schemas"),
+    ("friction",),
+    ("boards",),
+    ("effects",),
+    ("protocols", "simulate"),
+    ("priors", "likelihood"),
+    ("campaign",),
+    ("laplace",),
+    ("sampling",),
+    ("results", "diagnostics"),
+    ("evidence",),
+    ("fitting",),
+    ("claims",),
+    ("gap",),
+    ("margins",),
+    ("export", "blind/engines"),
+    ("blind",),
+    ("plots",),
+    ("report",),
+    ("cli",),
+    ("__init__", "__main__"),
+)
+LEVEL = {room: level for level, row in enumerate(ROWS) for room in row}
+BASE = set(ROWS[0])
+
+# Rooms that may import fewer of ours than their place allows (the base always).
+ONLY = {
+    "errors": set(),
+    "resources": set(),
+    "campaign": set(),  # maps any function over any cases
+    "laplace": set(),  # any density
+    "sampling": {"analysis", "campaign", "laplace"},  # any density; analysis has its settings
+    "export": {"recording"},  # realities of another hand share no physics with us
+    "blind/engines": {"recording"},
+}
+ONLY_LIBRARIES = {
+    "export": {"numpy", "scipy", "mujoco"},
+    "blind/engines": {"numpy", "scipy", "mujoco"},
+}
+
+# Libraries that belong to one room or two.
+OWNERS = {
+    "arviz": set(),  # for users; here arviz_base and arviz_stats
+    "arviz_base": {"results", "diagnostics"},
+    "arviz_stats": {"results", "diagnostics"},
+    "control": {"margins"},
+    "corner": {"plots"},
+    "dask": {"campaign", "cli"},
+    "distributed": {"campaign", "cli"},
+    "emcee": {"sampling"},
+    "jinja2": {"report"},
+    "matplotlib": {"plots"},
+    "mujoco": {"export", "blind/engines"},
+    "typer": {"cli"},
+    "typst": {"report"},
+}
+# Extras, and corner, which drags in arviz: imported where they are used.
+INSIDE_FUNCTIONS = {"control", "corner", "dask", "distributed", "mujoco"}
+
+# Effects do not import each other; these files are what they have in common.
+SHARED_BY_EFFECTS = {"__init__", "base"}
+
+
+@dataclass(frozen=True)
+class Import:
+    """One name imported by one file."""
+
+    file: Path  # relative to the package
+    line: int
+    module: str  # dotted, absolute
+    at_once: bool  # runs when the file is imported
+
+
+def room_of(parts: tuple[str, ...]) -> str:
+    """Return the room of a path or dotted name inside the package."""
+    if parts[:2] == ("blind", "engines"):
+        return "blind/engines"
+    return parts[0].removesuffix(".py")
+
+
+def imports_of(package: Path, file: Path) -> list[Import]:
+    """Return every import statement of a file, made absolute."""
+    relative = file.relative_to(package)
+    here = ("bayesfric", *relative.parts[:-1])
+    found = []
+
+    def visit(node: ast.AST, at_once: bool) -> None:
+        if isinstance(node, ast.Import):
+            modules = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            start = ".".join(here[: len(here) - node.level + 1]) if node.level else ""
+            stem = ".".join(part for part in (start, node.module) if part)
+            modules = [f"{stem}.{alias.name}" for alias in node.names]
+        else:
+            modules = []
+        found.extend(Import(relative, node.lineno, module, at_once) for module in modules)
+        if isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING"):
+            at_once = False
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
+            at_once = False
+        for child in ast.iter_child_nodes(node):
+            visit(child, at_once)
+
+    visit(ast.parse(file.read_text(encoding="utf-8")), at_once=True)
+    return found
+
+
+def broken_rules(package: Path) -> list[str]:
+    """Return what is wrong with the imports of a package, a sentence each."""
+    wrong = []
+    between: dict[tuple[str, str], str] = {}
+    for file in sorted(package.rglob("*.py")):
+        room = room_of(file.relative_to(package).parts)
+        if room not in LEVEL:
+            wrong.append(f"{file.relative_to(package)}: belongs to no room")
+            continue
+        for found in imports_of(package, file):
+            place = f"{found.file}:{found.line}"
+            library, *rest = found.module.split(".")
+            if library == "bayesfric":
+                other = room_of(tuple(rest)) if rest else "__init__"
+                # `from bayesfric import x`, where x is no room, is a public name of __init__.
+                other = other if other in LEVEL else "__init__"
+                wrong.extend(f"{place}: {fault}" for fault in _inside(found, room, other, rest))
+                if room != other:
+                    between[room, other] = place
+            elif library not in sys.stdlib_module_names:
+                wrong.extend(f"{place}: {fault}" for fault in _outside(found, room, library))
+    for (room, other), place in between.items():
+        if (other, room) in between and LEVEL[room] == LEVEL[other]:
+            wrong.append(f"{place}: {room} and {other} import each other")
+    return wrong
+
+
+def _inside(found: Import, room: str, other: str, rest: list[str]) -> list[str]:
+    faults = []
+    if room in LEVEL and LEVEL[other] > LEVEL[room]:
+        faults.append(f"{room} imports {other}, which is below it")
+    if room in ONLY and other not in ONLY[room] | BASE | {room}:
+        faults.append(f"{room} imports {other}")
+    if room == "__init__" and found.at_once and other != "__init__":
+        faults.append(f"__init__ imports {other} at once, and is to be lazy")
+    if room == other == "effects":
+        own, effect = found.file.stem, rest[1] if len(rest) > 1 else "__init__"
+        file = Path(bayesfric.__file__).parent / "effects" / f"{effect}.py"
+        is_effect = effect not in SHARED_BY_EFFECTS and not effect.startswith("_")
+        if own not in SHARED_BY_EFFECTS and is_effect and effect != own and file.exists():
+            faults.append(f"effect {own} imports effect {effect}")
+    return faults
+
+
+def _outside(found: Import, room: str, library: str) -> list[str]:
+    faults = []
+    if library in OWNERS and room not in OWNERS[library]:
+        faults.append(f"{room} imports {library}")
+    if library in INSIDE_FUNCTIONS and found.at_once:
+        faults.append(f"{library} is imported at once, and is to be imported inside a function")
+    if room in ONLY_LIBRARIES and library not in ONLY_LIBRARIES[room]:
+        faults.append(f"{room} imports {library}")
+    return faults
+
+
+def test_the_package_keeps_the_rules():
+    assert broken_rules(ROOT / "bayesfric") == []
+
+
+@pytest.mark.parametrize(
+    ("file", "source", "fault"),
+    [
+        ("attic.py", "", "no room"),
+        ("attic/x.py", "", "no room"),
+        ("recording/x.py", "from bayesfric.sampling import sample", "below it"),
+        ("recording/x.py", "from bayesfric import sampling", "below it"),
+        ("recording/x.py", "from ..sampling import sample", "below it"),
+        ("recording/x.py", "from .. import sampling", "below it"),
+        ("recording/x.py", "def f():\n    import bayesfric.cli.run", "below it"),
+        ("gap/x.py", "from bayesfric import fit", "below it"),
+        ("gap/x.py", "import bayesfric", "below it"),
+        ("campaign.py", "from bayesfric.friction import Law", "campaign imports friction"),
+        ("sampling.py", "from bayesfric.friction import Law", "sampling imports friction"),
+        ("export/x.py", "from bayesfric.friction import Law", "export imports friction"),
+        ("blind/engines/x.py", "from bayesfric.boards import a", "engines imports boards"),
+        ("blind/engines/x.py", "import pandas", "engines imports pandas"),
+        ("fitting.py", "import emcee", "fitting imports emcee"),
+        ("results.py", "import arviz as az", "results imports arviz"),
+        ("plots/x.py", "from corner import corner", "inside a function"),
+        ("report/x.py", "def f():\n    from matplotlib import pyplot", "report imports matplotlib"),
+        ("__init__.py", "from bayesfric.fitting import fit", "to be lazy"),
+    ],
+)
+def test_a_broken_rule_is_noticed(tmp_path, file, source, fault):
+    path = tmp_path / file
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(source)
+    (wrong,) = broken_rules(tmp_path)
+    assert fault in wrong
+
+
+def test_two_rooms_of_a_row_importing_each_other_are_noticed(tmp_path):
+    (tmp_path / "results.py").write_text("from bayesfric import diagnostics")
+    (tmp_path / "diagnostics.py").write_text("from bayesfric import results")
+    assert any("each other" in wrong for wrong in broken_rules(tmp_path))
+
+
+@pytest.mark.parametrize(
+    ("file", "source"),
+    [
+        ("fitting.py", "from bayesfric import sampling, errors\nimport numpy, json"),
+        ("recording/x.py", "from . import tables\nfrom .tables import Table"),
+        ("plots/x.py", "def f():\n    import corner"),
+        ("margins/x.py", "if TYPE_CHECKING:\n    import control"),
+        ("__init__.py", "def __getattr__(name):\n    from bayesfric import fitting"),
+    ],
+)
+def test_what_is_allowed_is_let_be(tmp_path, file, source):
+    path = tmp_path / file
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(source)
+    assert broken_rules(tmp_path) == []
+
+
+def test_importing_the_package_loads_no_library():
+    code = (
+        "import sys; before = set(sys.modules); import bayesfric;"
+        "new = {name.partition('.')[0] for name in set(sys.modules) - before};"
+        "print(*sorted(new - sys.stdlib_module_names))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
+    )
+    assert done.stdout.split() == ["bayesfric"]
+
+
+def test_no_public_name_is_the_name_of_a_room():
+    assert not set(getattr(bayesfric, "__all__", ())) & set(LEVEL)
