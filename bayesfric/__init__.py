@@ -1,1 +1,30 @@
-"""Bayesian uncertainty analysis of cable-pulley friction."""
+"""Bayesian uncertainty analysis of cable-pulley friction.
+
+The public names are loaded when they are first used.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from bayesfric.fitting import fit
+    from bayesfric.recording import read_recording
+    from bayesfric.simulate import simulate_recording
+
+__all__ = ["fit", "read_recording", "simulate_recording"]
+
+_HOMES = {
+    "fit": "bayesfric.fitting",
+    "read_recording": "bayesfric.recording",
+    "simulate_recording": "bayesfric.simulate",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'bayesfric' has no attribute {name!r}")
+    return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

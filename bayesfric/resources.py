@@ -6,7 +6,7 @@ They stand beside the package in the source tree, and inside it, under
 
 from pathlib import Path
 
-__all__ = ["data_folder", "reference_folder"]
+__all__ = ["bundled_recording", "data_folder", "reference_folder"]
 
 _PACKAGE = Path(__file__).resolve().parent
 
@@ -14,6 +14,11 @@ _PACKAGE = Path(__file__).resolve().parent
 def data_folder() -> Path:
     """Return the bundled ``data/``: recordings, example loops, the paper's tables."""
     return _folder("data")
+
+
+def bundled_recording() -> Path:
+    """Return the bundled synthetic recording of the paper's protocol."""
+    return data_folder() / "recordings" / "synthetic-paper"
 
 
 def reference_folder() -> Path:

@@ -27,11 +27,12 @@ __all__ = [
     "created_date",
     "draws_tree",
     "json_bytes",
-    "write_netcdf",
+    "package_versions",
     "provenance",
     "read_json",
     "read_tree",
     "replace_outputs",
+    "write_netcdf",
 ]
 
 Array = NDArray[np.float64]
@@ -55,15 +56,21 @@ def provenance(
     created : str or None
         The recording's own date; ``SOURCE_DATE_EPOCH`` overrides it.
     """
-    versions = {"python": platform.python_version()}
-    versions |= {name: metadata.version(name) for name in PACKAGES}
     return Provenance(
         seed=seed,
-        versions=versions,
+        versions=package_versions(),
         recording=RecordingId(name=recording, sha256=sha256),
         analysis_sha256=analysis_sha256,
         created=created_date(created),
     )
+
+
+def package_versions() -> dict[str, str]:
+    """Return the version of Python and of each package that moves a number."""
+    return {
+        "python": platform.python_version(),
+        **{name: metadata.version(name) for name in PACKAGES},
+    }
 
 
 def created_date(fallback: str | None) -> str | None:

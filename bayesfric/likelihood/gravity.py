@@ -151,6 +151,10 @@ class GravityLikelihood:
             acceleration.log_constant + np.log(mass),
         )
 
+    def log_likelihood(self, theta: Mapping[str, Array]) -> Array:
+        """Return the log density of all event times, shape (W,)."""
+        return self.setup_log_likelihood(theta).sum(axis=-1)
+
     def setup_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
         """Return the log density of each assembly's event times, shape (W, J)."""
         friction, variance, constant = self.observed(theta)

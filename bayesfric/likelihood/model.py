@@ -23,7 +23,7 @@ class RigLikelihood(Protocol):
 
     @property
     def setups(self) -> tuple[str, ...]:
-        """Names of its J independent groups of data."""
+        """Names of its J groups of data: assemblies."""
 
     @property
     def trials(self) -> pd.DataFrame:
@@ -32,11 +32,14 @@ class RigLikelihood(Protocol):
     def start(self) -> dict[str, float]:
         """Return rough estimates of its parameters."""
 
+    def log_likelihood(self, theta: Mapping[str, Array]) -> Array:
+        """Return the log density of its raw data, shape (W,)."""
+
     def setup_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
-        """Return log densities of its groups, shape (W, J)."""
+        """Return log densities of each group given the rest, shape (W, J)."""
 
     def trial_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
-        """Return log densities of trials given the rest, shape (W, N)."""
+        """Return log densities of each trial given the rest, shape (W, N)."""
 
 
 class Model:
@@ -82,7 +85,7 @@ class Model:
     def log_likelihood(self, theta: Array) -> Array:
         """Return the log density of the raw data, shape (W,)."""
         named = self.by_name(theta)
-        return np.sum([rig.setup_log_likelihood(named).sum(-1) for rig in self.likelihoods], axis=0)
+        return np.sum([rig.log_likelihood(named) for rig in self.likelihoods], axis=0)
 
     def log_posterior(self, z: Array) -> Array:
         """Return the unnormalised log posterior density of `z`.

@@ -57,7 +57,7 @@ def parse_json_object(file: str, data: bytes) -> tuple[dict[str, Any], list[Faul
 
 def dotted(location: tuple[str | int, ...]) -> str:
     """Place in a JSON file, such as ``resources[0].path``."""
-    parts = (f"[{key}]" if isinstance(key, int) else f".{clean(key)}" for key in location)
+    parts = (f"[{key}]" if isinstance(key, int) else f".{clean(key) or '""'}" for key in location)
     return "".join(parts).removeprefix(".")
 
 

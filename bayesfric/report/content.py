@@ -15,6 +15,19 @@ from datetime import datetime
 from typing import Literal, TypeAlias
 
 from bayesfric.report import formula
+from bayesfric.report.words import (
+    Code,
+    Emphasis,
+    Inline,
+    Link,
+    Math,
+    Reference,
+    Strong,
+    Text,
+    inlines,
+    require,
+    require_text,
+)
 
 __all__ = [
     "Block",
@@ -42,80 +55,6 @@ __all__ = [
 
 
 @dataclass(frozen=True)
-class Emphasis:
-    """Words set in italics."""
-
-    text: str
-
-
-@dataclass(frozen=True)
-class Strong:
-    """Words set in bold."""
-
-    text: str
-
-
-@dataclass(frozen=True)
-class Code:
-    """A file name, a command or an identifier, set in a typewriter face."""
-
-    text: str
-
-
-@dataclass(frozen=True)
-class Math:
-    """A symbol or a short formula within a line.
-
-    Parameters
-    ----------
-    source : str
-        The notation of `bayesfric.report.formula`, a small part of LaTeX:
-        ``"c_1"``, ``"f_c = n_p c_2"``.
-    alt : str, optional
-        What is read aloud; the formula in plain characters if left out.
-
-    Raises
-    ------
-    ValueError
-        If the source is not of that notation.
-    """
-
-    source: str
-    alt: str = ""
-
-    def __post_init__(self) -> None:
-        plain = formula.to_plain(formula.parse(self.source))
-        if not self.alt:
-            object.__setattr__(self, "alt", plain)
-
-
-@dataclass(frozen=True)
-class Link:
-    """Words that lead to a web address (http, https, doi or mailto)."""
-
-    text: str
-    url: str
-
-    def __post_init__(self) -> None:
-        _require(
-            self.url.startswith(("https://", "http://", "mailto:")),
-            f"link: expected a web address, got {self.url!r}",
-        )
-        _require_text(self.text, "link")
-
-
-@dataclass(frozen=True)
-class Reference:
-    """The number of a labelled heading, figure, table or equation: "Figure 3"."""
-
-    label: str
-
-
-Inline: TypeAlias = str | Emphasis | Strong | Code | Math | Link | Reference
-Text: TypeAlias = Inline | Sequence[Inline]
-
-
-@dataclass(frozen=True)
 class Heading:
     """A numbered heading of level 1 (chapter) to 3."""
 
@@ -124,8 +63,8 @@ class Heading:
     label: str | None = None
 
     def __post_init__(self) -> None:
-        _require(self.level in (1, 2, 3), f"heading: expected a level of 1 to 3, got {self.level}")
-        _require_text(self.text, "heading")
+        require(self.level in (1, 2, 3), f"heading: expected a level of 1 to 3, got {self.level}")
+        require_text(self.text, "heading")
 
 
 @dataclass(frozen=True)
@@ -161,7 +100,7 @@ class Notice:
 
     def __post_init__(self) -> None:
         words = {"attention": "Attention", "good": "In order", "info": "Note"}
-        _require(self.kind in words, f"notice: expected one of {list(words)}, got {self.kind!r}")
+        require(self.kind in words, f"notice: expected one of {list(words)}, got {self.kind!r}")
         if not self.title:
             object.__setattr__(self, "title", words[self.kind])
 
@@ -192,7 +131,7 @@ class Equation:
 
     def __post_init__(self) -> None:
         formula.parse(self.source)
-        _require_text(self.alt, "equation, alt")
+        require_text(self.alt, "equation, alt")
 
 
 @dataclass(frozen=True)
@@ -214,7 +153,7 @@ class Column:
 
     def __post_init__(self) -> None:
         known = ("left", "right", "center", "decimal")
-        _require(self.align in known, f"column: expected align in {known}, got {self.align!r}")
+        require(self.align in known, f"column: expected align in {known}, got {self.align!r}")
 
 
 @dataclass(frozen=True)
@@ -246,15 +185,18 @@ class Table:
     note: Text = ""
 
     def __post_init__(self) -> None:
-        columns = tuple(c if isinstance(c, Column) else Column(c) for c in self.columns)
-        object.__setattr__(self, "columns", columns)
-        _require_text(self.caption, "table, caption")
-        _require(bool(columns), "table: expected a column")
+        require_text(self.caption, "table, caption")
+        require(bool(self.columns), "table: expected a column")
         for number, row in enumerate(self.rows, start=1):
-            _require(
-                not isinstance(row, str) and len(row) == len(columns),
-                f"table, row {number}: expected {len(columns)} cells, got {row!r}",
+            require(
+                not isinstance(row, str) and len(row) == len(self.columns),
+                f"table, row {number}: expected {len(self.columns)} cells, got {row!r}",
             )
+
+    @property
+    def head(self) -> tuple[Column, ...]:
+        """The columns, each as a Column."""
+        return tuple(c if isinstance(c, Column) else Column(c) for c in self.columns)
 
 
 @dataclass(frozen=True)
@@ -281,10 +223,10 @@ class Figure:
     width: float = 1.0
 
     def __post_init__(self) -> None:
-        _require(b"<svg" in self.svg, f"figure: expected SVG, got {self.svg[:40]!r}")
-        _require_text(self.caption, "figure, caption")
-        _require_text(self.alt, "figure, alt")
-        _require(0 < self.width <= 1, f"figure: expected a width in (0, 1], got {self.width}")
+        require(b"<svg" in self.svg, f"figure: expected SVG, got {self.svg[:40]!r}")
+        require_text(self.caption, "figure, caption")
+        require_text(self.alt, "figure, alt")
+        require(0 < self.width <= 1, f"figure: expected a width in (0, 1], got {self.width}")
 
 
 @dataclass(frozen=True)
@@ -327,9 +269,9 @@ class Document:
     language: str = "en"
 
     def __post_init__(self) -> None:
-        _require_text(self.title, "document, title")
+        require_text(self.title, "document, title")
         code = self.language
-        _require(
+        require(
             code.isascii() and code.islower() and code.isalpha() and len(code) in (2, 3),
             f"document: expected a language code such as 'en', got {code!r}",
         )
@@ -338,7 +280,7 @@ class Document:
         for block in self.blocks:
             if isinstance(block, Heading):
                 # PDF/UA and screen readers need an outline without holes.
-                _require(
+                require(
                     block.level <= level + 1,
                     f"heading {block.text!r}: expected a level of {level + 1} at most, "
                     f"got {block.level}",
@@ -346,25 +288,18 @@ class Document:
                 level = block.level
 
 
-def inlines(text: Text) -> tuple[Inline, ...]:
-    """Return a text as a sequence of inlines, whichever way it was written."""
-    if isinstance(text, str) or not isinstance(text, Sequence):
-        return (text,)
-    return tuple(text)
-
-
 def _check_labels(blocks: Sequence[Block]) -> None:
     labels: set[str] = set()
     for block in blocks:
         label = getattr(block, "label", None)
-        _require(label not in labels, f"two blocks have the label {label!r}")
+        require(label not in labels, f"two blocks have the label {label!r}")
         if label is not None:
             labels.add(label)
     for block in blocks:
         for text in _texts(block):
             for inline in inlines(text):
                 if isinstance(inline, Reference):
-                    _require(
+                    require(
                         inline.label in labels,
                         f"reference to {inline.label!r}: expected one of {sorted(labels)}",
                     )
@@ -381,16 +316,7 @@ def _texts(block: Block) -> Iterator[Text]:
         case Table():
             yield block.caption
             yield block.note
-            for column in block.columns:
-                yield column if isinstance(column, str) else column.title
+            for column in block.head:
+                yield column.title
             for row in block.rows:
                 yield from row
-
-
-def _require(condition: bool, message: str) -> None:
-    if not condition:
-        raise ValueError(message)
-
-
-def _require_text(text: Text, place: str) -> None:
-    _require(text != "" and text != () and text != [], f"{place}: expected a text, got none")

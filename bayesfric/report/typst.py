@@ -20,7 +20,6 @@ from bayesfric.report.content import (
     Block,
     BulletList,
     Code,
-    Column,
     Document,
     Emphasis,
     Equation,
@@ -160,13 +159,12 @@ def _block(block: Block, place: Place | None, places: Mapping[str, Place]) -> di
         case Equation(source, alt):
             data |= {"formula": _formula(formula.parse(source)), "alt": printable(alt)}
         case Table():
-            columns = [c if isinstance(c, Column) else Column(c) for c in block.columns]
             data |= {
                 "caption": text(block.caption),
                 "note": text(block.note) if block.note else None,
                 "columns": [
                     {"title": text(c.title), "unit": printable(c.unit), "align": c.align}
-                    for c in columns
+                    for c in block.head
                 ],
                 "rows": [[text(cell) for cell in row] for row in block.rows],
             }

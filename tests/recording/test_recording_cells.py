@@ -62,6 +62,36 @@ def test_wrong_cell_is_one_fault(tmp_path: Path, file: str, column: Column, valu
     assert faults[0].expected == column.expected
 
 
+BOUNDS = [
+    ("gravity_trials.csv", "mass_drive_kg", "0", "above 0 in kg"),
+    ("gravity_trials.csv", "mass_load_kg", "0", "above 0 in kg"),
+    ("gravity_trials.csv", "mass_load_kg", "-0.5", "above 0 in kg"),
+    ("gravity_trials.csv", "wrap_angle_deg", "-0.1", "from 0 to 180 in deg"),
+    ("gravity_trials.csv", "wrap_angle_deg", "180.1", "from 0 to 180 in deg"),
+    ("gravity_trials.csv", "acceleration_sd_m_s2", "0", "above 0 in m/s²"),
+    ("motor_runs.csv", "hanging_mass_kg", "0", "above 0 in kg"),
+    ("motor_runs.csv", "wrap_angle_deg", "200", "from 0 to 180 in deg"),
+    ("motor_runs.csv", "velocity_m_s", "0.0", "other than 0 in m/s"),
+    ("motor_idle.csv", "velocity_m_s", "0", "other than 0 in m/s"),
+    ("steady_friction.csv", "wrap_angle_deg", "-1", "from 0 to 180 in deg"),
+    ("steady_friction.csv", "tension_n", "-1", "of at least 0 in N"),
+    ("steady_friction.csv", "friction_sd_n", "0", "above 0 in N"),
+]
+
+
+@pytest.mark.parametrize(("file", "column", "value", "rule"), BOUNDS)
+def test_bounds_of_the_format(
+    tmp_path: Path, file: str, column: str, value: str, rule: str
+) -> None:
+    """The rules themselves, whatever the list of columns says."""
+    mini = Mini().kind(file).set(file, 3, column, value)
+    with pytest.raises(InputError) as caught:
+        read_recording(mini.write(tmp_path))
+    fault = next(fault for fault in caught.value.faults if fault.column == column)
+    assert (fault.file, fault.row, fault.value) == (file, 3, value)
+    assert rule in fault.expected
+
+
 def test_mini_recording_has_every_column_of_the_format() -> None:
     for file, table in FORMATS.items():
         header = TABLES[file].splitlines()[0].split(",")

@@ -164,6 +164,12 @@ def test_resources_that_repeat(tmp_path: Path) -> None:
     ]
 
 
+def test_key_without_a_name_can_be_told(tmp_path: Path) -> None:
+    text = json.dumps(Mini().keep(STEADY).package)[:-1] + ', "": NaN}'
+    (found,) = faults_of_json(tmp_path, text)
+    assert found[1:3] == ('""', "NaN")
+
+
 def test_key_that_repeats(tmp_path: Path) -> None:
     text = json.dumps(Mini().keep(STEADY).package)[:-1] + ', "rig": {}}'
     (found,) = faults_of_json(tmp_path, text)

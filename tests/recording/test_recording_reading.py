@@ -143,16 +143,17 @@ def test_accelerations_need_no_events(tmp_path: Path) -> None:
 
 
 def test_unknown_columns_are_kept_out_and_mentioned(tmp_path: Path) -> None:
-    mini = Mini().add(TRIALS, "weather", ["fine"] * 3)
+    mini = Mini().add(TRIALS, "weather", ["fine"] * 3).add(TRIALS, "room_c", ["21"] * 3)
     mini.add("axis_runs.csv", "operator", ["Ann", "Bob"])
     mini.add("axis_runs.csv", "lever_m", ["0.1", ""]).add("axis_runs.csv", "tilt_deg", ["1", "2"])
     recording = read(mini, tmp_path)
     assert recording.gravity
     assert recording.axis
-    assert "weather" not in recording.gravity.trials
+    assert not {"weather", "room_c"} & set(recording.gravity.trials.columns)
     assert list(recording.axis.runs.columns)[-2:] == ["payload_kg", "tilt_deg"]
     assert recording.notes == (
         "gravity_trials.csv: unknown column 'weather' kept out",
+        "gravity_trials.csv: unknown column 'room_c' kept out",
         "axis_runs.csv: unknown column 'operator' kept out (not a number in every row)",
         "axis_runs.csv: unknown column 'lever_m' kept out (not a number in every row)",
     )

@@ -1,0 +1,50 @@
+"""The command ``bayesfric``: one thin verb a file over the public functions.
+
+Heavy imports stand inside the verbs, so that ``--help`` answers at once.
+"""
+
+from importlib import metadata
+from typing import Annotated
+
+import typer
+
+from bayesfric.cli.fit import fit
+from bayesfric.cli.info import info
+from bayesfric.cli.report import report
+from bayesfric.cli.run import run
+from bayesfric.cli.simulate import simulate
+from bayesfric.cli.validate import validate
+
+__all__ = ["app", "main"]
+
+app = typer.Typer(
+    name="bayesfric",
+    help="Bayesian uncertainty analysis of cable-pulley friction.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+for verb in (run, validate, simulate, fit, report, info):
+    app.command()(verb)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(metadata.version("bayesfric"))
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version."),
+    ] = False,
+) -> None:
+    pass
+
+
+def main() -> None:
+    """Run the command line; see :mod:`bayesfric.cli.exits` for the exit status."""
+    app()

@@ -1,0 +1,64 @@
+"""``bayesfric fit``: posteriors of c1, c2, c3 for each pulley size."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from bayesfric.cli.exits import exit_status, fail_on
+from bayesfric.cli.options import Config, FailOn, Folder, Quiet, Seed
+from bayesfric.cli.progress import progress_bar
+
+__all__ = ["fit"]
+
+
+@exit_status
+def fit(
+    recording: Annotated[Path, typer.Argument(help="Folder of the recording.")],
+    output: Folder = Path("bayesfric-run"),
+    csv: Annotated[bool, typer.Option("--csv", help="Also write the draws as draws.csv.")] = False,
+    seed: Seed = None,
+    config: Config = None,
+    quiet: Quiet = False,
+    fail_on_list: FailOn = "",
+) -> None:
+    """Draw from the posterior; write fit.json, draws.nc, predictive.nc, timings.json.
+
+    Example: bayesfric fit my-board -o my-results
+    """
+    fit_into(recording, output, csv=csv, seed=seed, config=config, quiet=quiet, failures=fail_on_list)
+
+
+def fit_into(
+    recording: Path,
+    output: Path,
+    *,
+    csv: bool,
+    seed: int | None,
+    config: Path | None,
+    quiet: bool,
+    failures: str,
+) -> None:
+    """Fit, write and print; then exit with 1 if something of `failures` happened."""
+    from bayesfric.analysis import read_analysis
+    from bayesfric.fitting import fit as fit_recording
+    from bayesfric.recording import read_recording
+
+    fail_on(failures, set())  # an unknown name is told before the work
+    analysis = read_analysis(config, seed=seed)
+    found = read_recording(recording)
+    with progress_bar("sampling", quiet=quiet) as progress:
+        result = fit_recording(found, analysis, progress=progress)
+    result.write(output, csv=csv)
+    for size, coefficients in result.summary.pulleys.items():
+        for name, entry in coefficients.items():
+            unit = "" if entry.unit == "1" else f" {entry.unit}"
+            typer.echo(
+                f"{size:<8} {name}  {entry.mean:.4g} ± {entry.sd:.2g}{unit}"
+                f"  (90 %: {entry.q05:.4g} to {entry.q95:.4g})"
+                + ("" if entry.informed else "  driven by the prior")
+            )
+    if not quiet:
+        for line in result.summary.attention:
+            typer.echo(f"attention: {line}", err=True)
+    fail_on(failures, set() if result.summary.converged else {"unconverged"})

@@ -1,0 +1,28 @@
+"""``bayesfric info``: versions, linear algebra and threads."""
+
+import typer
+
+from bayesfric.cli.exits import exit_status
+
+__all__ = ["info"]
+
+
+@exit_status
+def info() -> None:
+    """Print the versions, BLAS and threads that a result rests on.
+
+    Example: bayesfric info
+    """
+    import numpy  # noqa: F401  (loads the BLAS that is told about)
+    from threadpoolctl import threadpool_info
+
+    from bayesfric.results import package_versions
+
+    for name, version in package_versions().items():
+        typer.echo(f"{name:<14} {version}")
+    for pool in threadpool_info():
+        version = pool.get("version") or "unknown version"
+        typer.echo(
+            f"{pool['user_api']:<14} {pool['internal_api']} {version}, "
+            f"{pool['num_threads']} threads (one while fitting)"
+        )

@@ -1,0 +1,24 @@
+"""Options that several verbs share."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+__all__ = ["Config", "FailOn", "Folder", "Quiet", "Seed"]
+
+Folder = Annotated[Path, typer.Option("-o", "--output", help="Folder for the results.")]
+Seed = Annotated[
+    int | None, typer.Option("--seed", min=0, help="Seed of everything random; else the file's.")
+]
+Config = Annotated[
+    Path | None,
+    typer.Option("--config", help="Settings of the analysis: an analysis.toml."),
+]
+Quiet = Annotated[bool, typer.Option("--quiet", help="No progress and no chatter.")]
+FailOn = Annotated[
+    str,
+    typer.Option(
+        "--fail-on", help="Exit with 1 if this happened: refuted, unconverged, gap (a list)."
+    ),
+]

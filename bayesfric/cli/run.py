@@ -1,0 +1,45 @@
+"""``bayesfric run``: everything, from a recording to the report."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from bayesfric.cli.exits import exit_status
+from bayesfric.cli.fit import fit_into
+from bayesfric.cli.options import Config, FailOn, Folder, Quiet, Seed
+
+__all__ = ["run"]
+
+
+@exit_status
+def run(
+    recording: Annotated[
+        Path | None, typer.Argument(help="Folder of the recording; else the bundled one.")
+    ] = None,
+    output: Folder = Path("bayesfric-run"),
+    seed: Seed = None,
+    config: Config = None,
+    quiet: Quiet = False,
+    fail_on_list: FailOn = "",
+) -> None:
+    """Fit a recording and write the report, in one go.
+
+    Example: bayesfric run my-board -o my-results
+    """
+    from bayesfric.report.writing import write_report
+    from bayesfric.resources import bundled_recording
+
+    source = recording if recording is not None else bundled_recording()
+    try:
+        fit_into(
+            source, output, csv=False, seed=seed, config=config, quiet=quiet, failures=fail_on_list
+        )
+    except typer.Exit as outcome:
+        if outcome.exit_code != 1:
+            raise
+        write_report(output)  # a failure that was asked about still gets its report
+        raise
+    write_report(output)
+    if not quiet:
+        typer.echo(f"{output / 'report.pdf'}", err=True)

@@ -1,0 +1,56 @@
+"""``bayesfric simulate``: make a synthetic recording."""
+
+from enum import Enum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from bayesfric.cli.exits import exit_status, fail_on
+from bayesfric.cli.options import Config, FailOn, Quiet, Seed
+
+__all__ = ["simulate"]
+
+
+class ProtocolName(str, Enum):
+    """Designs that the command offers."""
+
+    paper = "paper"
+    quick = "quick"
+
+
+@exit_status
+def simulate(
+    folder: Annotated[Path, typer.Argument(help="New folder; refused if it is not empty.")],
+    protocol: Annotated[
+        ProtocolName, typer.Option(help="About 600 trials, or about 180.")
+    ] = ProtocolName.paper,
+    seed: Seed = None,
+    config: Config = None,
+    quiet: Quiet = False,
+    fail_on_list: FailOn = "",
+) -> None:
+    """Simulate the paper's gravity board with Table I and write the recording.
+
+    Example: bayesfric simulate my-recording --protocol quick --seed 7
+    """
+    from bayesfric.analysis import read_analysis
+    from bayesfric.recording import write_recording
+    from bayesfric.results import created_date
+    from bayesfric.simulate import simulate_recording
+
+    fail_on(fail_on_list, set())
+    analysis = read_analysis(config, seed=seed)
+    recording = simulate_recording(
+        protocol.value,
+        seed=analysis.seed,
+        name=folder.resolve().name,
+        created=created_date(None),
+    )
+    write_recording(recording, folder)
+    if not quiet:
+        assert recording.gravity is not None
+        stalled = recording.metadata["simulation"]["stalled"]
+        typer.echo(f"{len(recording.gravity.trials)} trials written to {folder}", err=True)
+        if stalled:
+            typer.echo(f"stalled and left out: {', '.join(stalled)}", err=True)

@@ -1,0 +1,214 @@
+"""The content tree as one HTML file that needs nothing else: no script, no other file.
+
+Every piece of text goes through markupsafe's escaping; the frame and the style are
+a Jinja template. Figures are images of their own, so that the identifiers inside
+their SVG cannot meet.
+"""
+
+import base64
+import re
+from collections.abc import Mapping, Sequence
+from importlib import resources
+
+import jinja2
+from markupsafe import Markup
+
+from bayesfric.report.characters import legible
+from bayesfric.report.content import (
+    Block,
+    BulletList,
+    Code,
+    Document,
+    Emphasis,
+    Equation,
+    Figure,
+    Heading,
+    Inline,
+    Link,
+    Listing,
+    Math,
+    Notice,
+    PageBreak,
+    Paragraph,
+    Reference,
+    Strong,
+    Table,
+    Text,
+    inlines,
+)
+from bayesfric.report.mathml import to_mathml
+from bayesfric.report.numbering import Place, label_places, number_blocks
+
+__all__ = ["render_html"]
+
+
+def render_html(document: Document) -> str:
+    """Write a document as a self-contained, accessible HTML page.
+
+    Parameters
+    ----------
+    document : Document
+
+    Returns
+    -------
+    str
+        The same for the same document; to be stored as UTF-8.
+    """
+    places = number_blocks(document)
+    labels = label_places(document)
+    shown = [
+        _block(block, place, labels) for block, place in zip(document.blocks, places, strict=True)
+    ]
+    headings = [
+        (block, place)
+        for block, place in zip(document.blocks, places, strict=True)
+        if isinstance(block, Heading)
+    ]
+    first = next((i for i, b in enumerate(document.blocks) if isinstance(b, Heading)), len(shown))
+    environment = jinja2.Environment(
+        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    template = resources.files(__package__).joinpath("template.html").read_text(encoding="utf-8")
+    return environment.from_string(template).render(
+        language=document.language,
+        title=legible(document.title),
+        subtitle=legible(document.subtitle),
+        authors=", ".join(legible(author) for author in document.authors or ()),
+        day=document.date.date().isoformat() if document.date else "",
+        front=shown[:first],
+        body=shown[first:],
+        contents=[
+            (block.level, place.anchor, place.number, legible(block.text))
+            for block, place in headings
+            if place is not None and block.level <= 2
+        ],
+    )
+
+
+def _block(block: Block, place: Place | None, labels: Mapping[str, Place]) -> Markup:
+    match block:
+        case Heading(level, words) if place is not None:
+            # The document's title is the only h1.
+            return Markup('<h{0} id="{1}"><span class="number">{2}</span> {3}</h{0}>').format(
+                level + 1, place.anchor, place.number, legible(words)
+            )
+        case Paragraph(words):
+            return Markup("<p>{}</p>").format(_text(words, labels))
+        case BulletList(items):
+            points = Markup("\n").join(
+                Markup("<li>{}</li>").format(_text(item, labels)) for item in items
+            )
+            return Markup("<ul>\n{}\n</ul>").format(points)
+        case Notice(kind, words, title):
+            return Markup(
+                '<div class="notice {}" role="note"><p><strong>{}.</strong> {}</p></div>'
+            ).format(kind, legible(title), _text(words, labels))
+        case Listing(words):
+            # Focusable, since only then can the keyboard scroll it.
+            return Markup('<pre tabindex="0"><code>{}</code></pre>').format(
+                legible(words, lines=True)
+            )
+        case Equation(source, alt) if place is not None:
+            return Markup(
+                '<div class="equation" id="{}">{} <span class="number">({})</span></div>'
+            ).format(place.anchor, to_mathml(source, alt, block=True), place.number)
+        case Figure() if place is not None:
+            data = base64.b64encode(block.svg).decode("ascii")
+            return Markup(
+                '<figure id="{}">\n<img style="width: {:.4g}%" alt="{}" '
+                'src="data:image/svg+xml;base64,{}">\n'
+                "<figcaption><strong>{}.</strong> {}</figcaption>\n</figure>"
+            ).format(
+                place.anchor,
+                100 * block.width,
+                legible(block.alt),
+                data,
+                place.name,
+                _text(block.caption, labels),
+            )
+        case Table() if place is not None:
+            return _table(block, place, labels)
+        case PageBreak():
+            return Markup('<div class="page-break"></div>')
+        case _:
+            raise TypeError(f"not a block: {block!r}")
+
+
+def _table(table: Table, place: Place, labels: Mapping[str, Place]) -> Markup:
+    heads, cells = [], []
+    for i, column in enumerate(table.head):
+        unit = Markup('<br><span class="unit">{}</span>').format(legible(column.unit))
+        heads.append(
+            Markup('<th scope="col" class="{}">{}{}</th>').format(
+                column.align, _text(column.title, labels), unit if column.unit else ""
+            )
+        )
+        tag = Markup('<th scope="row" class="{}">{}</th>' if i == 0 else '<td class="{}">{}</td>')
+        values = [row[i] for row in table.rows]
+        shown = (
+            _decimals(values, labels)
+            if column.align == "decimal" and values
+            else [_text(value, labels) for value in values]
+        )
+        cells.append([tag.format(column.align, value) for value in shown])
+    rows = [Markup("<tr>{}</tr>").format(Markup("").join(row)) for row in zip(*cells, strict=True)]
+    note = Markup('\n<p class="note">{}</p>').format(_text(table.note, labels))
+    return Markup(
+        '<div class="table" id="{0}" role="region" aria-labelledby="{0}-caption" tabindex="0">\n'
+        '<table>\n<caption id="{0}-caption"><strong>{1}.</strong> {2}</caption>\n'
+        "<thead>\n<tr>{3}</tr>\n</thead>\n<tbody>\n{4}\n</tbody>\n</table>{5}\n</div>"
+    ).format(
+        place.anchor,
+        place.name,
+        _text(table.caption, labels),
+        Markup("").join(heads),
+        Markup("\n").join(rows),
+        note if table.note else "",
+    )
+
+
+def _decimals(values: Sequence[Text], labels: Mapping[str, Place]) -> list[Markup]:
+    """Set decimal points under each other: the same room after the point in every cell."""
+    parted = [_split(value) for value in values]
+    # In widths of a digit; points, commas, blanks and brackets are narrower.
+    room = max(sum(0.6 if c in ".,[]() \u202f" else 1 for c in tail) for _, tail in parted)
+    return [
+        Markup('{}<span class="tail" style="min-width: {:.3g}ch">{}</span>').format(
+            legible(head), room, legible(tail)
+        )
+        if head
+        else _text(value, labels)
+        for value, (head, tail) in zip(values, parted, strict=True)
+    ]
+
+
+def _split(value: Text) -> tuple[str, str]:
+    """Part a number before its decimal point; no head where there is no number."""
+    found = re.match("[^0-9]*[0-9]+", value) if isinstance(value, str) else None
+    if found is None:
+        return "", ""
+    return found[0], found.string[found.end() :]
+
+
+def _text(text: Text, labels: Mapping[str, Place]) -> Markup:
+    return Markup("").join(_inline(inline, labels) for inline in inlines(text))
+
+
+def _inline(inline: Inline, labels: Mapping[str, Place]) -> Markup:
+    match inline:
+        case str():
+            return Markup("{}").format(legible(inline))
+        case Emphasis(text):
+            return Markup("<em>{}</em>").format(legible(text))
+        case Strong(text):
+            return Markup("<strong>{}</strong>").format(legible(text))
+        case Code(text):
+            return Markup("<code>{}</code>").format(legible(text))
+        case Math(source, alt):
+            return to_mathml(source, alt)
+        case Link(text, url):
+            return Markup('<a href="{}">{}</a>').format(url, legible(text))
+        case Reference(label):
+            return Markup('<a class="reference" href="#{}">{}</a>').format(
+                labels[label].anchor, labels[label].name
+            )

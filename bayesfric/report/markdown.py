@@ -1,0 +1,150 @@
+"""The content tree as GitHub-flavoured Markdown: a summary to read in a job's log.
+
+Figures are named by their captions; everything else is there.
+"""
+
+import re
+from collections.abc import Mapping
+
+from bayesfric.report.characters import legible
+from bayesfric.report.content import (
+    Block,
+    BulletList,
+    Code,
+    Document,
+    Emphasis,
+    Equation,
+    Figure,
+    Heading,
+    Inline,
+    Link,
+    Listing,
+    Math,
+    Notice,
+    PageBreak,
+    Paragraph,
+    Reference,
+    Strong,
+    Table,
+    Text,
+    inlines,
+)
+from bayesfric.report.numbering import Place, label_places, number_blocks
+
+__all__ = ["render_markdown"]
+
+_RULES = {"left": "---", "center": ":-:", "right": "--:", "decimal": "--:"}
+
+
+def render_markdown(document: Document) -> str:
+    """Write a document as GitHub-flavoured Markdown.
+
+    Parameters
+    ----------
+    document : Document
+
+    Returns
+    -------
+    str
+        The same for the same document; ends with a line end.
+    """
+    labels = label_places(document)
+    parts = [f"# {_escape(document.title)}"]
+    if document.subtitle:
+        parts.append(_guard(_escape(document.subtitle)))
+    made = [_escape(author) for author in document.authors or ()]
+    if document.date:
+        made.append(document.date.date().isoformat())
+    if made:
+        parts.append(_guard(", ".join(made)))
+    for block, place in zip(document.blocks, number_blocks(document), strict=True):
+        if not isinstance(block, PageBreak):
+            parts.append(_block(block, place, labels))
+    return "\n\n".join(parts) + "\n"
+
+
+def _block(block: Block, place: Place | None, labels: Mapping[str, Place]) -> str:
+    name = place.name if place else ""
+    match block:
+        case Heading(level, words) if place is not None:
+            return f"{'#' * (level + 1)} {place.number} {_escape(words)}"
+        case Paragraph(words):
+            return _guard(_text(words, labels))
+        case BulletList(items):
+            return "\n".join(f"- {_guard(_text(item, labels))}" for item in items)
+        case Notice():
+            return f"> **{_escape(block.title)}.** {_text(block.text, labels)}"
+        case Listing(words):
+            shown = legible(words, lines=True)
+            fence = _fence(shown, at_least=3)
+            return f"{fence}text\n{shown}\n{fence}"
+        case Equation(source):
+            return f"```math\n{source}\n```\n\n({name})"
+        case Figure():
+            return f"**{name}.** {_text(block.caption, labels)} *({_escape(block.alt)})*"
+        case Table():
+            return _table(block, name, labels)
+        case _:
+            raise TypeError(f"not a block: {block!r}")
+
+
+def _table(table: Table, name: str, labels: Mapping[str, Place]) -> str:
+    heads = [
+        _text(column.title, labels, in_table=True)
+        + (f" [{_escape(column.unit)}]" if column.unit else "")
+        for column in table.head
+    ]
+    lines = [heads, [_RULES[column.align] for column in table.head]]
+    lines += [[_text(cell, labels, in_table=True) for cell in row] for row in table.rows]
+    parts = [
+        f"**{name}.** {_text(table.caption, labels)}",
+        "\n".join(f"| {' | '.join(line)} |" for line in lines),
+    ]
+    if table.note:
+        parts.append(_guard(_text(table.note, labels)))
+    return "\n\n".join(parts)
+
+
+def _text(text: Text, labels: Mapping[str, Place], in_table: bool = False) -> str:
+    return "".join(_inline(inline, labels, in_table) for inline in inlines(text))
+
+
+def _inline(inline: Inline, labels: Mapping[str, Place], in_table: bool) -> str:
+    match inline:
+        case str():
+            return _escape(inline)
+        case Emphasis(text):
+            return f"*{_escape(text)}*"
+        case Strong(text):
+            return f"**{_escape(text)}**"
+        case Code(text):
+            code = legible(text)
+            fence = _fence(code, at_least=1)
+            edge = " " if code.startswith("`") or code.endswith("`") else ""
+            shown = f"{fence}{edge}{code}{edge}{fence}"
+            # A cell ends at a pipe even within code.
+            return shown.replace("|", "\\|") if in_table else shown
+        case Math(source):
+            return f"$`{source.replace('|', chr(92) + 'vert ')}`$"
+        case Link(text, url):
+            # Brackets and blanks would end the address.
+            address = re.sub(r"[\s()<>|\\]", lambda found: f"%{ord(found[0]):02X}", url)
+            return f"[{_escape(text)}]({address})"
+        case Reference(label):
+            return labels[label].name
+
+
+def _escape(text: str) -> str:
+    """Take its meaning from all that Markdown or HTML would read as markup."""
+    return re.sub(r"[\\`*_{}\[\]<>#|~$&]", r"\\\g<0>", legible(text))
+
+
+def _guard(line: str) -> str:
+    """Take its meaning from what makes a list or a rule, at the start of a line only."""
+    line = line.strip()
+    return re.sub(r"^(\d*)([-+=.)])", r"\1\\\2", line)
+
+
+def _fence(text: str, at_least: int) -> str:
+    longest = max((len(run) for run in re.findall("`+", text)), default=0)
+    return "`" * max(at_least, longest + 1)

@@ -1,0 +1,95 @@
+"""Write the pages that come from the models: ``docs/schemas/`` and ``docs/analysis.md``.
+
+Run ``python docs/generate.py`` after a change of :mod:`bayesfric.schemas` or
+:mod:`bayesfric.analysis`; a test compares the files with what this would write.
+"""
+
+import json
+from pathlib import Path
+from typing import get_args
+
+from pydantic import BaseModel
+
+from bayesfric.analysis import Analysis, Prior, PriorOverrides
+from bayesfric.schemas import SCHEMAS
+
+DOCS = Path(__file__).resolve().parent
+
+
+def pages() -> dict[str, str]:
+    """Return file name, relative to this folder, to text."""
+    schemas = {
+        f"schemas/{name}.schema.json": json.dumps(model.model_json_schema(by_alias=True), indent=2)
+        + "\n"
+        for name, model in SCHEMAS.items()
+    }
+    return {**schemas, "analysis.md": _analysis()}
+
+
+def _analysis() -> str:
+    lines = [
+        "# analysis.toml",
+        "",
+        "Every choice of an analysis that is yours to make, given to a verb as",
+        "`--config analysis.toml`. Each key has a default; a key that is not listed here",
+        "is refused. A prior is written as a family with its numbers:",
+        "",
+        "```toml",
+        "seed = 7",
+        "",
+        "[priors]",
+        'c1 = { family = "half-normal", scale = 0.1 }',
+        "",
+        "[priors.pulleys.large]",
+        'c2 = { family = "log-normal", median = 0.01, sd_log = 0.5 }',
+        "",
+        "[sampler]",
+        "steps = 800",
+        "```",
+        "",
+        "## Top level",
+        "",
+    ]
+    sections = {
+        name: field.annotation
+        for name, field in Analysis.model_fields.items()
+        if isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel)
+    }
+    plain = {name for name in Analysis.model_fields if name not in sections}
+    lines += _table(Analysis, plain)
+    for name, model in sections.items():
+        lines += ["", f"## [{name}]", "", _paragraph(model), "", *_table(model)]
+    lines += ["", "## [priors.pulleys.SIZE]", "", _paragraph(PriorOverrides), ""]
+    lines += _table(PriorOverrides)
+    lines += ["", "## Families of priors", ""]
+    for family in get_args(get_args(Prior)[0]):
+        lines += [f"### {family.model_fields['family'].default}", "", _paragraph(family), ""]
+        lines += [*_table(family, set(family.model_fields) - {"family"}), ""]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _paragraph(model: type[BaseModel]) -> str:
+    return "\n".join(line.strip() for line in (model.__doc__ or "").strip().splitlines())
+
+
+def _table(model: type[BaseModel], names: set[str] | None = None) -> list[str]:
+    lines = ["| key | default | meaning |", "|---|---|---|"]
+    for name, field in model.model_fields.items():
+        if names is None or name in names:
+            default = "required" if field.is_required() else f"`{_default(field)}`"
+            lines.append(f"| `{name}` | {default} | {field.description} |")
+    return lines
+
+
+def _default(field: object) -> str:
+    value = field.get_default(call_default_factory=True)  # type: ignore[attr-defined]
+    if isinstance(value, BaseModel):
+        inner = ", ".join(f"{key} = {json.dumps(part)}" for key, part in value.model_dump().items())
+        return f"{{ {inner} }}"
+    return "absent" if value is None else json.dumps(value)
+
+
+if __name__ == "__main__":
+    for name, text in pages().items():
+        (DOCS / name).parent.mkdir(exist_ok=True)
+        (DOCS / name).write_text(text, encoding="utf-8")

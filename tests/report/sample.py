@@ -1,0 +1,92 @@
+"""A document with everything in it, and text that other notations would act on."""
+
+from datetime import UTC, datetime
+
+from bayesfric.report.content import (
+    Block,
+    BulletList,
+    Code,
+    Column,
+    Document,
+    Emphasis,
+    Equation,
+    Figure,
+    Heading,
+    Link,
+    Listing,
+    Math,
+    Notice,
+    PageBreak,
+    Paragraph,
+    Reference,
+    Strong,
+    Table,
+)
+
+SVG = (
+    b'<svg xmlns="http://www.w3.org/2000/svg" width="100" height="50" viewBox="0 0 100 50">'
+    b'<rect id="same" width="100" height="50" fill="#0072b2"/></svg>'
+)
+
+HOSTILE = (
+    "#panic()",
+    "$x$",
+    "*star*",
+    "_under_",
+    "<label>",
+    "@reference",
+    "back\\slash",
+    "\"double\" and 'single'",
+    "`tick`",
+    "[a](b)",
+    "{{ jinja }} {% raw %}",
+    "// no comment -- here",
+    "a | b",
+    "&amp; <b>bold</b>",
+    "<script>alert(1)</script>",
+    "= heading",
+    "1. first",
+    "- dash",
+    "~tilde~",
+    "é ñ ß ø Ω",
+)
+
+
+def document(**changes: object) -> Document:
+    blocks: list[Block] = [
+        Notice("attention", ["See ", Reference("law"), "."], title="Unconverged"),
+        Notice("good", "All is well."),
+        Notice("info", "Synthetic data."),
+        Heading(1, "First chapter", label="first"),
+        Paragraph(
+            ["Plain, ", Emphasis("slanted"), ", ", Strong("bold"), ", ", Code("a.toml"), "."]
+        ),
+        Paragraph([Link("the paper", "https://example.org/paper"), " has ", Math("c_1"), "."]),
+        Equation(r"f_c = \frac{n_p}{2} (c_1 + c_3 (\theta - 85°)) T", "friction law", label="law"),
+        Heading(2, "Numbers"),
+        Table(
+            "Coefficients.",
+            ["Pulley", Column(Math("c_1"), "N", "decimal"), Column("Informed", align="center")],
+            [["small", "0.0128", "yes"], ["large", "12.5", "no"], ["mine", "—", "no"]],
+            label="coefficients",
+            note="A dash: not informed.",
+        ),
+        Figure(SVG, "A blue field.", "A rectangle filled with blue.", label="field", width=0.5),
+        Figure(SVG, "The same field.", "The same rectangle.", label="again"),
+        Heading(3, "Details"),
+        BulletList(["one", ["two: ", Reference("coefficients")], [Reference("again")]]),
+        Listing("bayesfric run\n  --seed 1"),
+        PageBreak(),
+        Heading(1, "Second chapter"),
+        Paragraph(["Back to ", Reference("first"), "."]),
+        *(Paragraph(text) for text in HOSTILE),
+        Table("Hostile cells.", ["Cell"], [[text] for text in HOSTILE]),
+    ]
+    fields: dict[str, object] = {
+        "title": "A sample report",
+        "subtitle": "With everything in it",
+        "blocks": blocks,
+        "authors": ["A. Author"],
+        "date": datetime(2026, 3, 4, 5, 6, 7, tzinfo=UTC),
+    }
+    return Document(**(fields | changes))  # type: ignore[arg-type]

@@ -1,0 +1,114 @@
+import subprocess
+import sys
+
+import pytest
+from report.sample import SVG, document
+
+from bayesfric.report.characters import legible
+from bayesfric.report.content import (
+    Column,
+    Document,
+    Equation,
+    Figure,
+    Heading,
+    Link,
+    Math,
+    Notice,
+    Paragraph,
+    Reference,
+    Table,
+    inlines,
+)
+from bayesfric.report.numbering import label_places
+
+
+def test_a_text_may_be_a_string_an_inline_or_a_sequence_of_both() -> None:
+    symbol = Math("c_1")
+    assert inlines("plain") == ("plain",)
+    assert inlines(symbol) == (symbol,)
+    assert inlines(["a", symbol]) == ("a", symbol)
+
+
+def test_blocks_are_numbered_by_kind_and_headings_by_level() -> None:
+    names = {label: place.name for label, place in label_places(document()).items()}
+    assert names == {
+        "first": "Section 1",
+        "law": "Equation 1",
+        "coefficients": "Table 1",
+        "field": "Figure 1",
+        "again": "Figure 2",
+    }
+
+
+def test_section_numbers_start_again_under_a_new_chapter() -> None:
+    headings = [
+        Heading(1, "a"),
+        Heading(2, "b"),
+        Heading(3, "c"),
+        Heading(1, "d"),
+        Heading(2, "e", label="e"),
+    ]
+    assert label_places(Document("t", "", headings))["e"].name == "Section 2.1"
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Document("t", "", [Paragraph(Reference("gone"))]), "reference to 'gone'"),
+        (
+            lambda: Document("t", "", [Heading(1, "a", "x"), Heading(1, "b", "x")]),
+            "two blocks have the label 'x'",
+        ),
+        (lambda: Document("t", "", [Heading(2, "deep")]), "a level of 1 at most, got 2"),
+        (lambda: Document("", "", []), "document, title"),
+        (lambda: Document("t", "", [], language="English"), "got 'English'"),
+        (lambda: Table("t", ["a", "b"], [["1", "2"], ["1"]]), "row 2: expected 2 cells"),
+        (lambda: Table("t", ["a"], ["1"]), "row 1: expected 1 cells"),
+        (lambda: Column("t", align="middle"), "'middle'"),  # type: ignore[arg-type]
+        (lambda: Figure(b"PNG", "c", "a"), "expected SVG"),
+        (lambda: Figure(SVG, "c", ""), "figure, alt"),
+        (lambda: Figure(SVG, "c", "a", width=1.5), "got 1.5"),
+        (lambda: Equation("x", ""), "equation, alt"),
+        (lambda: Notice("bad", "t"), "'bad'"),  # type: ignore[arg-type]
+        (lambda: Link("click", "javascript:alert(1)"), "web address"),
+        (lambda: Heading(4, "t"), "got 4"),  # type: ignore[arg-type]
+    ],
+)
+def test_what_no_renderer_could_show_is_refused_where_it_is_written(make, message) -> None:
+    with pytest.raises(ValueError, match=message):
+        make()
+
+
+@pytest.mark.parametrize(
+    ("source", "plain"),
+    [
+        ("c_1", "c_1"),
+        (r"f_c = n_p((c_1 + c_3(\theta − 85°))T + c_2)", "f_c = n_p((c_1 + c_3(θ − 85°))T + c_2)"),
+        (r"\frac{a + b}{c}", "(a + b)/c"),
+        (r"\sqrt{x}", "√x"),
+        (r"\bar{x}", "x̄"),
+        (r"2.5 \cdot \text{rms of } v^2", "2.5 · rms of v^2"),
+    ],
+)
+def test_a_formula_has_a_plain_form_to_be_read_aloud(source: str, plain: str) -> None:
+    assert Math(source).alt == plain
+
+
+@pytest.mark.parametrize(
+    "source", ["", "{a", "(a", "a)", "a_", "a_b_c", r"\foo", r"\frac{a}", "$x$"]
+)
+def test_a_formula_outside_the_notation_is_refused(source: str) -> None:
+    with pytest.raises(ValueError, match="formula"):
+        Math(source)
+
+
+def test_what_no_page_can_hold_is_shown_by_its_code() -> None:
+    assert legible("a\x00b\ud800c\u202ed\te\nf") == "a[U+0000]b[U+D800]c[U+202E]d e f"
+    assert legible("a\tb\r\nc\x1b", lines=True) == "a   b\nc[U+001B]"
+
+
+def test_the_tree_is_cheap_to_import() -> None:
+    heavy = "{'typst', 'jinja2', 'matplotlib', 'numpy'}"
+    code = f"import sys, bayesfric.report.content; sys.exit(str({heavy} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.stderr.strip() == "set()"

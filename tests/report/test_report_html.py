@@ -1,0 +1,152 @@
+import base64
+import re
+from html.parser import HTMLParser
+
+import pytest
+from report.sample import HOSTILE, SVG, document
+
+from bayesfric.report.content import Code, Document, Heading, Notice, Paragraph, Table
+from bayesfric.report.html import render_html
+from bayesfric.report.mathml import to_mathml
+
+VOID = {"meta", "img", "br"}
+
+
+class Page(HTMLParser):
+    """What a page holds: its elements, its text, and whether tags match."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.elements: list[tuple[str, dict[str, str | None]]] = []
+        self.open: list[str] = []
+        self.texts: list[str] = []
+        self.feed(html)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.elements.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if "style" not in self.open:
+            self.texts.append(data)
+
+    def all(self, tag: str) -> list[dict[str, str | None]]:
+        return [attributes for name, attributes in self.elements if name == tag]
+
+
+@pytest.fixture(scope="module")
+def html() -> str:
+    return render_html(document())
+
+
+@pytest.fixture(scope="module")
+def page(html: str) -> Page:
+    return Page(html)
+
+
+def test_every_element_is_closed(page: Page) -> None:
+    assert page.open == []
+
+
+def test_language_title_and_landmarks(page: Page) -> None:
+    assert page.all("html") == [{"lang": "en"}]
+    assert [len(page.all(tag)) for tag in ("title", "h1", "header", "main", "nav")] == [1] * 5
+    assert page.all("time") == [{"datetime": "2026-03-04"}]
+
+
+def test_every_picture_is_inside_the_file_and_described(page: Page) -> None:
+    pictures = page.all("img")
+    assert [p["alt"] for p in pictures] == ["A rectangle filled with blue.", "The same rectangle."]
+    for picture in pictures:
+        head, data = str(picture["src"]).split(",")
+        assert head == "data:image/svg+xml;base64"
+        assert base64.b64decode(data) == SVG
+    assert pictures[0]["style"] == "width: 50%"
+
+
+def test_nothing_is_fetched(html: str, page: Page) -> None:
+    assert [a["href"] for a in page.all("a") if not str(a["href"]).startswith("#")] == [
+        "https://example.org/paper"
+    ]
+    assert not {"script", "link", "iframe", "object"} & {tag for tag, _ in page.elements}
+    assert "http" not in html.replace("https://example.org/paper", "")
+    assert "url(" not in html
+
+
+def test_identifiers_are_unique_and_every_link_arrives(page: Page) -> None:
+    ids = [str(a["id"]) for _, a in page.elements if "id" in a]
+    assert len(ids) == len(set(ids))
+    targets = {str(a["href"])[1:] for a in page.all("a") if str(a["href"]).startswith("#")}
+    assert targets <= set(ids)
+    assert {"section-1", "section-1-1", "section-2", "equation-1", "table-1"} <= targets
+
+
+def test_tables_have_captions_and_scopes(page: Page) -> None:
+    assert len(page.all("caption")) == len(page.all("table")) == 2
+    scopes = [a.get("scope") for a in page.all("th")]
+    assert scopes.count("col") == 4
+    assert scopes.count("row") == 3 + len(HOSTILE)
+    assert None not in scopes
+
+
+def test_decimal_points_stand_in_line(html: str) -> None:
+    assert '0<span class="tail" style="min-width: 4.6ch">.0128</span>' in html
+    assert '12<span class="tail" style="min-width: 4.6ch">.5</span>' in html
+    assert '<td class="decimal">—</td>' in html
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_no_text_is_read_as_markup(page: Page, text: str) -> None:
+    assert page.texts.count(text) == 2
+
+
+def test_hostile_text_everywhere_else() -> None:
+    text = "\"'><script>alert(1)</script>{{ 1 }}&amp;"
+    blocks = [
+        Notice("info", Code(text), title=text),
+        Heading(1, text),
+        Table(text, [text], [[text]], note=text),
+        Paragraph("a\ud800\x00"),
+    ]
+    html = render_html(Document(text, text, blocks, authors=[text]))
+    page = Page(html)
+    assert page.open == []
+    assert "script" not in {tag for tag, _ in page.elements}
+    assert sum(t.count(text) for t in page.texts) == 12
+    assert "a[U+D800][U+0000]" in page.texts
+    html.encode("utf-8")
+
+
+def test_formulas_are_mathml_with_words(page: Page) -> None:
+    assert [m["alttext"] for m in page.all("math")] == ["c_1", "friction law", "c_1"]
+    shown = to_mathml(r"\frac{a}{2} \le \bar{x}_1^2", "words")
+    assert shown == (
+        '<math alttext="words"><mrow><mfrac><mi>a</mi><mn>2</mn></mfrac><mo>≤</mo><msubsup>'
+        '<mover accent="true"><mi>x</mi><mo>¯</mo></mover><mn>1</mn><mn>2</mn></msubsup>'
+        "</mrow></math>"
+    )
+    assert "<mo>&lt;</mo>" in to_mathml("a < b", "a")
+
+
+def test_text_is_dark_on_light() -> None:
+    style = re.search("<style>(.*)</style>", render_html(Document("t", "", [])), re.DOTALL)
+    assert style is not None
+
+    def luminance(color: str) -> float:
+        digits = color * 2 if len(color) == 3 else color
+        parts = [int(digits[i : i + 2], 16) / 255 for i in (0, 2, 4)]
+        linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
+        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+    inks = re.findall(r"[ {;]color: #(\w+);", style[1])
+    papers = re.findall(r"background: #(\w+);", style[1])
+    assert {"1a1a1a", "555", "00507d"} <= set(inks)
+    assert "fcf1e9" in papers
+    darkest, lightest = min(map(luminance, papers)), max(map(luminance, inks))
+    # WCAG AA asks 4.5 of text.
+    assert (darkest + 0.05) / (lightest + 0.05) > 4.5

@@ -1,0 +1,82 @@
+import math
+
+import pytest
+
+from bayesfric.report.quantities import (
+    format_count,
+    format_interval,
+    format_number,
+    format_probability,
+    format_share,
+    format_unit,
+    interval_cells,
+)
+
+THIN = "\u202f"
+
+
+@pytest.mark.parametrize(
+    ("interval", "unit", "text"),
+    [
+        ((0.012812, 0.01212, 0.01349), "-", "0.0128 [0.0121, 0.0135]"),
+        ((0.0261, 0.0231, 0.03), "N", f"0.0261 [0.0231, 0.0300]{THIN}N"),
+        ((2.79e-5, 2.71e-5, 2.87e-5), "1/deg", f"2.79 [2.71, 2.87] × 10⁻⁵{THIN}deg⁻¹"),
+        ((-1e-7, -3e-4, 3e-4), "N", f"0.0 [−3.0, 3.0] × 10⁻⁴{THIN}N"),
+        ((85.0, 84.1, 86.0), "deg", "85.0 [84.1, 86.0]°"),
+        ((12345.0, 11000.0, 13000.0), "N/m", f"12345 [11000, 13000]{THIN}N/m"),
+        ((5.0, 5.0, 5.0), None, "5.000 [5.000, 5.000]"),
+        ((None, 1.0, 2.0), "N", "—"),
+    ],
+)
+def test_an_interval_has_two_digits_of_its_width(interval, unit, text) -> None:
+    assert format_interval(*interval, unit=unit) == text
+
+
+def test_cells_share_their_decimals_under_the_power_that_the_head_states() -> None:
+    assert interval_cells(7.37e-6, 7.0e-6, 7.74e-6, exponent=-5) == ("0.737", "0.700", "0.774")
+    assert interval_cells(None, 1.0, 2.0) == ("—", "1.00", "2.00")
+    assert format_unit("1/deg", exponent=-5) == f"10⁻⁵{THIN}deg⁻¹"
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0.00"),
+        (-5.0, "−5.00"),
+        (1234.567, "1230"),
+        (0.00099996, "0.00100"),
+        (-0.00012, "−1.20 × 10⁻⁴"),
+        (999_999.0, "1.00 × 10⁶"),
+        (None, "—"),
+    ],
+)
+def test_a_number_keeps_three_digits(value, text) -> None:
+    assert format_number(value) == text
+
+
+def test_units_counts_shares_and_probabilities() -> None:
+    assert format_unit("m/s^2") == "m/s²"
+    assert format_unit("N*s/m^-1") == "N·s/m⁻¹"
+    assert format_unit("-") == ""
+    assert format_count(9999) == "9999"
+    assert format_count(-1234567) == f"−1{THIN}234{THIN}567"
+    assert format_share(0.1234) == f"12{THIN}%"
+    shown = [format_probability(p) for p in (0, 1e-5, 0.004, 0.5, 0.967, 0.9999, 1, None)]
+    assert shown == ["0", "< 0.001", "0.004", "0.50", "0.967", "> 0.999", "1", "—"]
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: format_number(math.nan),
+        lambda: format_number(math.inf),
+        lambda: format_number(1.0, digits=0),
+        lambda: format_interval(1.0, 2.0, 1.5),
+        lambda: interval_cells(1.0, math.nan, 1.5),
+        lambda: format_probability(1.01),
+        lambda: format_share(math.nan),
+    ],
+)
+def test_what_is_no_number_is_refused(call) -> None:
+    with pytest.raises(ValueError, match="expected"):
+        call()

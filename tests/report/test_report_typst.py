@@ -1,0 +1,240 @@
+import hashlib
+import io
+import json
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from importlib import resources
+from typing import Any
+
+import pytest
+import typst
+from pypdf import PdfReader
+from report.sample import HOSTILE, document
+
+from bayesfric.report.content import (
+    Code,
+    Document,
+    Emphasis,
+    Figure,
+    Heading,
+    Paragraph,
+    Strong,
+    Table,
+)
+from bayesfric.report.typst import render_pages, render_pdf
+
+FONTS = ("LibertinusSerif-", "NewCM", "DejaVuSansMono")
+
+
+@pytest.fixture(scope="module")
+def pdf() -> PdfReader:
+    return PdfReader(io.BytesIO(render_pdf(document())))
+
+
+def words(reader: PdfReader) -> str:
+    return " ".join(" ".join(page.extract_text() for page in reader.pages).split())
+
+
+def elements(reader: PdfReader, tag: str) -> list[Any]:
+    def walk(node: Any) -> Iterator[Any]:
+        node = node.get_object()
+        if hasattr(node, "get"):
+            yield node
+            children = node.get("/K", [])
+            for child in children if isinstance(children, list) else [children]:
+                yield from walk(child) if hasattr(child, "get_object") else ()
+
+    root = reader.trailer["/Root"]["/StructTreeRoot"]
+    return [node for node in walk(root) if node.get("/S") == tag]
+
+
+def test_metadata_and_conformance(pdf: PdfReader) -> None:
+    root = pdf.trailer["/Root"]
+    assert pdf.metadata is not None
+    assert pdf.metadata.title == "A sample report"
+    assert pdf.metadata.author == "A. Author"
+    assert pdf.metadata["/CreationDate"] == "D:20260304050607Z"
+    assert root["/Lang"] == "en"
+    assert root["/MarkInfo"]["/Marked"] == True  # noqa: E712
+    assert root["/ViewerPreferences"]["/DisplayDocTitle"] == True  # noqa: E712
+    xmp = root["/Metadata"].get_data().decode()
+    declared = dict(re.findall(r"<(pdf(?:ua|a)id:\w+)>(\w+)<", xmp))
+    assert declared == {"pdfaid:part": "2", "pdfaid:conformance": "A", "pdfuaid:part": "1"}
+
+
+def test_structure_is_tagged_with_heads_and_alternative_text(pdf: PdfReader) -> None:
+    assert [e["/Alt"] for e in elements(pdf, "/Figure")] == [
+        "A rectangle filled with blue.",
+        "The same rectangle.",
+    ]
+    assert [e["/Alt"] for e in elements(pdf, "/Formula")] == ["c_1", "friction law", "c_1"]
+    assert len(elements(pdf, "/Table")) == 2
+    assert len(elements(pdf, "/TH")) == 4
+    assert len(elements(pdf, "/TD")) == 9 + len(HOSTILE)
+    assert len(elements(pdf, "/Caption")) == 4
+    assert len(elements(pdf, "/LI")) == 3
+
+
+def test_outline_holds_the_numbered_headings(pdf: PdfReader) -> None:
+    def titles(items: Any) -> list[Any]:
+        return [titles(item) if isinstance(item, list) else item.title for item in items]
+
+    assert titles(pdf.outline) == [
+        "1 First chapter",
+        ["1.1 Numbers", ["1.1.1 Details"]],
+        "2 Second chapter",
+    ]
+
+
+def test_numbers_agree_with_those_of_the_other_formats(pdf: PdfReader) -> None:
+    text = words(pdf)
+    for expected in (
+        "Unconverged. See Equation 1.",
+        "two: Table 1",
+        "• Figure 2",
+        "Back to Section 1.",
+        "Table 1. Coefficients.",
+        "Figure 2. The same field.",
+    ):
+        assert expected in text
+
+
+def test_only_embedded_fonts_that_come_with_typst(pdf: PdfReader) -> None:
+    found = {}
+    for page in pdf.pages:
+        for font in page["/Resources"]["/Font"].values():
+            inner = font.get_object()["/DescendantFonts"][0].get_object()
+            name = inner["/BaseFont"].split("+")[1]
+            found[name] = any(key.startswith("/FontFile") for key in inner["/FontDescriptor"])
+    assert found
+    assert all(found.values())
+    assert [name for name in found if not name.startswith(FONTS)] == []
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_no_text_is_read_as_markup(pdf: PdfReader, text: str) -> None:
+    # Once as a paragraph and once as a cell.
+    assert words(pdf).count(text) >= 2
+
+
+def test_hostile_text_everywhere_else() -> None:
+    text = "#panic() $x$ *s* <l> @r \\"
+    blocks = [
+        Heading(1, text, label=text),
+        Table(text, [text], [[Code(text)]], label="x", note=text),
+    ]
+    reader = PdfReader(io.BytesIO(render_pdf(Document(text, text, blocks, authors=[text]))))
+    # Title, subtitle, author, contents, heading, caption, head, cell and note.
+    assert words(reader).count(text) == 9
+
+
+def test_right_to_left_letters_and_those_without_a_glyph() -> None:
+    blocks = [Paragraph("שלום"), Paragraph("pulley 小 😀 \x07\u202e\ue000\ufeff"), Paragraph("x̄ é")]
+    text = words(PdfReader(io.BytesIO(render_pdf(Document("t", "", blocks)))))
+    assert "שלום" in text
+    assert "pulley [U+5C0F] [U+1F600] [U+0007][U+202E][U+E000][U+FEFF]" in text
+
+
+def test_every_glyph_that_is_counted_on_is_there() -> None:
+    listed = resources.files("bayesfric.report").joinpath("glyphs.txt").read_text(encoding="utf-8")
+    ranges = [part.split("-") for part in listed.split("\n", 1)[1].split()]
+    letters = [chr(c) for r in ranges for c in range(int(r[0], 16), int(r[-1], 16) + 1)]
+    assert len(letters) > 7000
+    # One missing glyph would make the standard refuse the document.
+    lines = [" ".join(letters[i : i + 100]) for i in range(0, len(letters), 100)]
+    blocks = [Paragraph([f(line)]) for f in (str, Strong, Emphasis, Code) for line in lines]
+    assert render_pdf(Document("t", "", blocks)).startswith(b"%PDF-1.7")
+
+
+def test_a_long_run_breaks_and_stays_whole_when_copied() -> None:
+    checksum = hashlib.sha256(b"").hexdigest() * 3
+    cells = [[Code(checksum), checksum]]
+    reader = PdfReader(io.BytesIO(render_pdf(Document("t", "", [Table("c", ["a", "b"], cells)]))))
+    right = []
+    reader.pages[0].extract_text(visitor_text=lambda t, cm, tm, fd, size: right.append(tm[4]))
+    assert max(right) < 595 - 70
+    assert checksum in "".join(words(reader).split())
+
+
+def test_a_long_table_repeats_its_head_on_every_page() -> None:
+    rows = [[f"row {i}", "1.0"] for i in range(120)]
+    reader = PdfReader(io.BytesIO(render_pdf(Document("t", "", [Table("c", ["Name", "Q"], rows)]))))
+    assert len(reader.pages) >= 3
+    assert all("Name" in page.extract_text() for page in reader.pages)
+    assert f"2 / {len(reader.pages)}" in reader.pages[1].extract_text()
+
+
+def test_a_heading_stays_with_what_follows_and_a_figure_with_its_caption() -> None:
+    figure = document().blocks[9]
+    assert isinstance(figure, Figure)
+    for lines in range(30, 44):
+        blocks = [
+            Heading(1, "Start"),
+            Paragraph("word " * 15 * lines),
+            Heading(1, "Orphan"),
+            figure,
+        ]
+        reader = PdfReader(io.BytesIO(render_pdf(Document("t", "", blocks))))
+        pages = [page.extract_text() for page in reader.pages]
+        # After the contents and without the running header.
+        heads = [i for i, text in enumerate(pages) if re.search(r"^2 Orphan$", text, re.M)]
+        captions = [i for i, text in enumerate(pages) if "A blue field." in text]
+        assert heads[-1:] == captions
+
+
+def test_a_tall_figure_fits_on_the_page() -> None:
+    svg = (
+        b'<svg xmlns="http://www.w3.org/2000/svg" width="10" height="90" viewBox="0 0 10 90">'
+        b'<rect width="10" height="90"/></svg>'
+    )
+    reader = PdfReader(io.BytesIO(render_pdf(Document("t", "", [Figure(svg, "Tall.", "a")]))))
+    box = elements(reader, "/Figure")[0]["/A"][0]["/BBox"]
+    assert len(reader.pages) <= 2
+    assert float(box[3]) - float(box[1]) == pytest.approx(195 / 25.4 * 72, abs=1)
+
+
+def test_without_a_date_none_is_printed() -> None:
+    reader = PdfReader(io.BytesIO(render_pdf(document(date=None))))
+    assert reader.metadata is not None
+    assert reader.metadata["/CreationDate"] == "D:19700101000000Z"
+    assert "1970" not in words(reader)
+    assert "2026-03-04" not in words(reader)
+
+
+def test_a_broken_picture_is_an_error_not_a_gap() -> None:
+    with pytest.raises(typst.TypstError, match="SVG"):
+        render_pdf(Document("t", "", [Figure(b"<svg <", "c", "a")]))
+
+
+def test_pages_are_pictures() -> None:
+    pages = render_pages(document(), ppi=36)
+    assert len(pages) == len(PdfReader(io.BytesIO(render_pdf(document()))).pages)
+    assert all(page.startswith(b"\x89PNG") for page in pages)
+    # A4 at 36 pixels per inch.
+    assert int.from_bytes(pages[0][16:20], "big") == 298
+
+
+def test_two_processes_write_the_same_bytes() -> None:
+    code = (
+        "import hashlib, json; from report.sample import document;"
+        "from bayesfric.report.typst import render_pdf;"
+        "from bayesfric.report.html import render_html;"
+        "from bayesfric.report.markdown import render_markdown;"
+        "d = document(); texts = [render_html(d).encode(), render_markdown(d).encode()];"
+        "print(json.dumps([hashlib.sha256(b).hexdigest() for b in [render_pdf(d), *texts]]))"
+    )
+    tests = str(resources.files("report").joinpath(".."))
+    first, second = (
+        json.loads(
+            subprocess.run(
+                [sys.executable, "-c", f"import sys; sys.path.insert(0, {tests!r}); {code}"],
+                capture_output=True,
+                text=True,
+                check=True,
+            ).stdout
+        )
+        for _ in range(2)
+    )
+    assert first == second
