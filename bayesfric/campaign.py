@@ -1,8 +1,7 @@
-"""Map a function over many cases, each saved when it is done, so that a killed
-campaign goes on where it stopped.
+"""Map a function over many cases, each saved when it is done.
 
-Knows nothing of friction. Works on any :class:`concurrent.futures.Executor`:
-processes on one machine, or a cluster's.
+A killed campaign goes on where it stopped. Knows nothing of friction. Works on any
+:class:`concurrent.futures.Executor`: processes on one machine, or a cluster's.
 """
 
 import json

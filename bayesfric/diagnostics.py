@@ -13,7 +13,7 @@ folding, and localization: an improved R-hat", Bayesian Analysis 16 (2021).
 from dataclasses import dataclass
 
 import numpy as np
-from arviz_stats.base import array_stats
+from arviz_stats.base.array import array_stats
 from numpy.typing import NDArray
 
 __all__ = ["LIMITS", "Convergence", "batch_means_ess", "diagnose_draws"]

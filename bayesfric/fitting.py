@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
@@ -118,7 +119,9 @@ def fit(
         with _timed(seconds, "reduce"):
             screened = screen_trials(recording.gravity, recording.rig)
             if screened.gravity.trials.empty:
-                raise InputError([Fault(recording.name, "a trial that enters the fit; all stalled")])
+                raise InputError(
+                    [Fault(recording.name, "a trial that enters the fit; all stalled")]
+                )
             likelihood = GravityLikelihood(screened.gravity, recording.rig, analysis)
             model = Model([likelihood])
         with _timed(seconds, "laplace"):
@@ -139,7 +142,9 @@ def fit(
             )
             tree = _draws_tree(model, likelihood, theta, attributes.model_dump(mode="json"))
         with _timed(seconds, "predictive"):
-            predictive = predict(likelihood, screened.gravity, recording.rig, model, theta, analysis)
+            predictive = predict(
+                likelihood, screened.gravity, recording.rig, model, theta, analysis
+            )
     return Fit(summary, tree, predictive, seconds)
 
 
@@ -218,12 +223,16 @@ def _flat(attributes: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
 
 def _write_csv(tree: xr.DataTree, path: Path) -> None:
     """Write the posterior as a table, one row a draw."""
-    frame = tree["posterior"].to_dataset().to_dataframe()
-    if "pulley" in frame.index.names:
-        wide = frame.reset_index().pivot(index=["chain", "draw"], columns="pulley")
-        columns = {}
-        for name, pulley in wide.columns:
-            varies = "pulley" in tree["posterior"][name].dims
-            columns[f"{name}[{pulley}]" if varies else name] = wide[name, pulley]
-        frame = type(frame)(columns)
-    frame.to_csv(path, lineterminator="\n")
+    posterior = tree["posterior"].to_dataset()
+    posterior = posterior.stack(sample=("chain", "draw"))  # noqa: PD013 (not of pandas)
+    columns = {}
+    for name, variable in posterior.data_vars.items():
+        if "pulley" in variable.dims:
+            for size in posterior["pulley"].to_numpy():
+                columns[f"{name}[{size}]"] = variable.sel(pulley=size).to_numpy()
+        else:
+            columns[str(name)] = variable.to_numpy()
+    index = pd.MultiIndex.from_arrays(
+        [posterior["chain"].to_numpy(), posterior["draw"].to_numpy()], names=["chain", "draw"]
+    )
+    pd.DataFrame(columns, index=index).to_csv(path, lineterminator="\n")

@@ -143,7 +143,8 @@ def finite_hessian(log_density: LogDensity, point: Array, unit: Array) -> Array:
 def _gradient(log_density: LogDensity, point: Array, unit: Array) -> Array:
     step = np.sqrt(2 * DROP) * unit
     value = log_density(np.concatenate([point + np.diag(step), point - np.diag(step)]))
-    return (value[: point.size] - value[point.size :]) / (2 * step)
+    slope: Array = (value[: point.size] - value[point.size :]) / (2 * step)
+    return slope
 
 
 def curvature_steps(log_density: LogDensity, point: Array, scale: Array) -> Array:
@@ -168,8 +169,9 @@ def curvature_steps(log_density: LogDensity, point: Array, scale: Array) -> Arra
         shifts = np.diag(steps)
         value = log_density(np.concatenate([point[None], point + shifts, point - shifts]))
         size = point.size
-        second = np.abs(value[1 : size + 1] - 2 * value[0] + value[size + 1 :]) / steps**2
         with np.errstate(divide="ignore", invalid="ignore"):
+            second = np.abs(value[1 : size + 1] - 2 * value[0] + value[size + 1 :]) / steps**2
             wanted = 1 / np.sqrt(second)
-        steps = np.where(np.isfinite(wanted), np.minimum(wanted, scale), 0.1 * steps)
+        # Beyond an edge of the density a difference is not finite: come closer.
+        steps = np.where(np.isfinite(second), np.minimum(wanted, scale), 0.1 * steps)
     return steps

@@ -109,7 +109,7 @@ def _curves(likelihood: GravityLikelihood, named: dict[str, Array]) -> xr.Datase
     trials = likelihood.trials
     cells = trials[["pulley_size", "n_pulleys", "wrap_angle_deg"]].drop_duplicates()
     cells = cells.sort_values(["wrap_angle_deg", "n_pulleys"], kind="stable")
-    top = float(np.max(likelihood.condition.total_mass_kg * likelihood.condition.gravity_m_s2)) / 2
+    top = float(np.max(nominal_tension(likelihood.condition, 0.0)))
     tension = np.linspace(0.0, top, CURVE_POINTS)
     paper = np.full((len(cells), CURVE_POINTS), np.nan)
     law = np.empty((len(cells), CURVE_POINTS, len(QUANTILES)))
@@ -166,7 +166,9 @@ def _trajectories(
             start_speed_m_s=start_speed,
             friction_factor=factor[:, place, None],
         )
-        tables.append((row, time, events["displacement_m"].to_numpy(), _bands(motion.position(time))))
+        tables.append(
+            (row, time, events["displacement_m"].to_numpy(), _bands(motion.position(time)))
+        )
     longest = max(len(time) for _, time, _, _ in tables)
 
     def padded(values: Array) -> Array:

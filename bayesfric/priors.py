@@ -5,6 +5,7 @@ other one as itself; the log density on the sampling scale includes the Jacobian
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -68,7 +69,8 @@ def log_density(prior: Prior, value: ArrayLike) -> NDArray[np.float64]:
                 density = -np.log(x * sd) - 0.5 * (LOG_2PI + (np.log(x / median) / sd) ** 2)
                 inside = x > 0
             case Normal(mean=mean, sd=sd):
-                return -np.log(sd) - 0.5 * (LOG_2PI + ((x - mean) / sd) ** 2)
+                density = -np.log(sd) - 0.5 * (LOG_2PI + ((x - mean) / sd) ** 2)
+                inside = np.full(x.shape, True)
             case Uniform(low=low, high=high):
                 density = np.full_like(x, -np.log(high - low))
                 inside = (x >= low) & (x <= high)
@@ -85,7 +87,7 @@ def quantile(prior: Prior, probability: ArrayLike) -> NDArray[np.float64]:
     probability : array_like
         Between 0 and 1.
     """
-    return np.asarray(_frozen(prior).ppf(probability), dtype=np.float64)
+    return np.asarray(_frozen(prior).ppf(np.asarray(probability, dtype=np.float64)), dtype=np.float64)
 
 
 def prior_sd(prior: Prior) -> float:
@@ -98,7 +100,7 @@ def draw(prior: Prior, size: int, rng: np.random.Generator) -> NDArray[np.float6
     return quantile(prior, rng.uniform(size=size))
 
 
-def _frozen(prior: Prior) -> "stats.rv_continuous":
+def _frozen(prior: Prior) -> Any:
     match prior:
         case HalfNormal(scale=scale):
             return stats.halfnorm(scale=scale)

@@ -90,7 +90,7 @@ class StudentT:
     def log_density(self, points: Array) -> Array:
         """Return the log density of points of shape (W, D), shape (W,)."""
         white = np.linalg.solve(self._root, (points - self.location).T)
-        distance2 = (white**2).sum(axis=0)
+        distance2: Array = (white**2).sum(axis=0)
         power = 0.5 * (self.freedom + self.location.size)
         return self._log_normaliser - power * np.log1p(distance2 / self.freedom)
 

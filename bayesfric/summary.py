@@ -117,7 +117,11 @@ def _parameter(
 def _interval(draws: Array) -> Interval:
     q05, q50, q95 = np.quantile(draws, [0.05, 0.5, 0.95])
     return Interval(
-        mean=float(draws.mean()), sd=float(draws.std()), q05=float(q05), q50=float(q50), q95=float(q95)
+        mean=float(draws.mean()),
+        sd=float(draws.std()),
+        q05=float(q05),
+        q50=float(q50),
+        q95=float(q95),
     )
 
 
@@ -143,7 +147,7 @@ def _informed(model: Model, centre: Array) -> NDArray[np.bool_]:
     curvature = -finite_hessian(log_likelihood, z, step) * np.outer(unit, unit)
     values, vectors = np.linalg.eigh(curvature)
     variance = (vectors**2 / np.maximum(values, 1e-12)).sum(axis=1)
-    return variance < 1
+    return np.asarray(variance < 1)
 
 
 def _quality(recording: Recording, screened: Screened) -> DataQuality:

@@ -26,7 +26,9 @@ def fit(
 
     Example: bayesfric fit my-board -o my-results
     """
-    fit_into(recording, output, csv=csv, seed=seed, config=config, quiet=quiet, failures=fail_on_list)
+    fit_into(
+        recording, output, csv=csv, seed=seed, config=config, quiet=quiet, failures=fail_on_list
+    )
 
 
 def fit_into(

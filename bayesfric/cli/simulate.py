@@ -1,6 +1,6 @@
 """``bayesfric simulate``: make a synthetic recording."""
 
-from enum import Enum
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -12,7 +12,7 @@ from bayesfric.cli.options import Config, FailOn, Quiet, Seed
 __all__ = ["simulate"]
 
 
-class ProtocolName(str, Enum):
+class ProtocolName(StrEnum):
     """Designs that the command offers."""
 
     paper = "paper"

@@ -153,7 +153,7 @@ class GravityLikelihood:
 
     def log_likelihood(self, theta: Mapping[str, Array]) -> Array:
         """Return the log density of all event times, shape (W,)."""
-        return self.setup_log_likelihood(theta).sum(axis=-1)
+        return np.asarray(self.setup_log_likelihood(theta).sum(axis=-1))
 
     def setup_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
         """Return the log density of each assembly's event times, shape (W, J)."""

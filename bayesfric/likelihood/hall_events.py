@@ -203,7 +203,7 @@ def pilot_fits(events: pd.DataFrame, trial_ids: pd.Series) -> PilotFit:
 
 def _pilot(table: _Events) -> PilotFit:
     matrix, right = table.normal_equations(np.ones_like(table.tau))
-    fit = np.linalg.solve(matrix, right[..., None])[..., 0]
+    fit = np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0], dtype=np.float64)
     speed = fit[table.trial, 2] + fit[table.trial, 3] * table.tau
     residual = (table.regressors * fit[table.trial].T).sum(axis=0) - table.displacement
     freedom = table.tau.size - table.present.sum()

@@ -80,12 +80,14 @@ class Model:
     def log_prior(self, theta: Array) -> Array:
         """Return the log prior density in the parameters' units, shape (W,)."""
         columns = zip(self.parameters, theta.T, strict=True)
-        return np.sum([log_density(p.prior, column) for p, column in columns], axis=0)
+        terms = np.array([log_density(p.prior, column) for p, column in columns])
+        return np.asarray(terms.sum(axis=0))
 
     def log_likelihood(self, theta: Array) -> Array:
         """Return the log density of the raw data, shape (W,)."""
         named = self.by_name(theta)
-        return np.sum([rig.log_likelihood(named) for rig in self.likelihoods], axis=0)
+        terms = np.array([rig.log_likelihood(named) for rig in self.likelihoods])
+        return np.asarray(terms.sum(axis=0))
 
     def log_posterior(self, z: Array) -> Array:
         """Return the unnormalised log posterior density of `z`.

@@ -10,6 +10,8 @@ from bayesfric.recording.csv_text import decode_utf8
 
 __all__ = ["dotted", "parse_json_object", "shown"]
 
+EMPTY_KEY = '""'  # so that its place can be told
+
 
 def parse_json_object(file: str, data: bytes) -> tuple[dict[str, Any], list[Fault]]:
     """Parse a JSON object.
@@ -57,8 +59,10 @@ def parse_json_object(file: str, data: bytes) -> tuple[dict[str, Any], list[Faul
 
 def dotted(location: tuple[str | int, ...]) -> str:
     """Place in a JSON file, such as ``resources[0].path``."""
-    parts = (f"[{key}]" if isinstance(key, int) else f".{clean(key) or '""'}" for key in location)
-    return "".join(parts).removeprefix(".")
+    place = ""
+    for key in location:
+        place += f"[{key}]" if isinstance(key, int) else "." + (clean(key) or EMPTY_KEY)
+    return place.removeprefix(".")
 
 
 def shown(value: Any) -> str:

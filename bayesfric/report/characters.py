@@ -5,6 +5,7 @@ from it: what cannot be set is shown by its code, ``[U+5C0F]``.
 """
 
 import re
+import unicodedata
 from functools import cache
 from importlib import resources
 
@@ -41,7 +42,7 @@ def printable(text: str, lines: bool = False) -> str:
 
     PDF/A allows no empty boxes, so a single such character would stop the report.
     """
-    return _unprintable().sub(_code, legible(text, lines))
+    return _unprintable().sub(_code, unicodedata.normalize("NFC", legible(text, lines)))
 
 
 def _code(found: re.Match[str]) -> str:
@@ -54,4 +55,5 @@ def _unprintable() -> re.Pattern[str]:
     # The file's hexadecimal ranges are ranges of a character class already.
     ranges = " ".join(line for line in text.splitlines() if not line.startswith("#")).split()
     known = "".join("-".join(f"\\U{int(end, 16):08X}" for end in r.split("-")) for r in ranges)
-    return re.compile(f"[^\n{known}]")
+    # A combining mark needs a font that has both the mark and the letter before it.
+    return re.compile(f"[^\n{known}\u0300-\u036f]|(?<![A-Za-zΑ-Ωα-ω])[\u0300-\u036f]")

@@ -251,6 +251,14 @@ def test_broken_rule_gives_exactly_its_faults(
     assert all(rule in fault.expected for fault in faults)
 
 
+def test_numbers_at_the_edge_of_the_floats_are_compared_quietly(tmp_path: Path) -> None:
+    """1e308 m in steps of 1e-300 m overflows on the way to its fault."""
+    mini = Mini().set(EVENTS, 4, "displacement_m", "1e308")
+    mini.package["rig"]["hall_spacing_m"] = 1e-300
+    faults = faults_of(mini.write(tmp_path))
+    assert (EVENTS, 4, "displacement_m", "1e308") in places(faults)
+
+
 def test_unspoilt_recording_has_no_fault(tmp_path: Path) -> None:
     recording = read_recording(Mini().write(tmp_path))
     assert recording.notes == ()

@@ -44,13 +44,15 @@ def test_text_is_drawn_as_paths_without_a_date() -> None:
 
 
 def test_no_setting_outlives_the_figure_and_a_users_own_do_not_reach_it() -> None:
-    with mpl.rc_context({"font.size": 30.0, "lines.linewidth": 9.0, "svg.fonttype": "none"}):
+    own = {"font.size": 30.0, "lines.linestyle": ":", "svg.fonttype": "none"}
+    with mpl.rc_context(own):
         before = dict(mpl.rcParams)
         with figure() as fig:
             (line,) = fig.subplots().plot([0, 1])
         svg = to_svg(fig)
         assert dict(mpl.rcParams) == before
-    assert line.get_linewidth() == 1.3
+    assert line.get_linestyle() == "-"
+    assert fig.axes[0].xaxis.label.get_fontsize() == 8
     assert b"<text" not in svg
     assert fig.get_size_inches()[0] == pytest.approx(TEXT_WIDTH / 25.4)
 

@@ -131,10 +131,15 @@ def test_hostile_text_everywhere_else() -> None:
 
 
 def test_right_to_left_letters_and_those_without_a_glyph() -> None:
-    blocks = [Paragraph("שלום"), Paragraph("pulley 小 😀 \x07\u202e\ue000\ufeff"), Paragraph("x̄ é")]
+    blocks = [
+        Paragraph("שלום"),
+        Paragraph("pulley 小 😀 \x07\u202e\ue000\ufeff"),
+        Paragraph("x\u0304 e\u0301 ]\u0304"),
+    ]
     text = words(PdfReader(io.BytesIO(render_pdf(Document("t", "", blocks)))))
     assert "שלום" in text
     assert "pulley [U+5C0F] [U+1F600] [U+0007][U+202E][U+E000][U+FEFF]" in text
+    assert "é ][U+0304]" in text
 
 
 def test_every_glyph_that_is_counted_on_is_there() -> None:
@@ -143,6 +148,7 @@ def test_every_glyph_that_is_counted_on_is_there() -> None:
     letters = [chr(c) for r in ranges for c in range(int(r[0], 16), int(r[-1], 16) + 1)]
     assert len(letters) > 7000
     # One missing glyph would make the standard refuse the document.
+    letters += [f"{letter}{chr(mark)}" for letter in "aθRΩ" for mark in range(0x300, 0x370)]
     lines = [" ".join(letters[i : i + 100]) for i in range(0, len(letters), 100)]
     blocks = [Paragraph([f(line)]) for f in (str, Strong, Emphasis, Code) for line in lines]
     assert render_pdf(Document("t", "", blocks)).startswith(b"%PDF-1.7")
@@ -156,6 +162,17 @@ def test_a_long_run_breaks_and_stays_whole_when_copied() -> None:
     reader.pages[0].extract_text(visitor_text=lambda t, cm, tm, fd, size: right.append(tm[4]))
     assert max(right) < 595 - 70
     assert checksum in "".join(words(reader).split())
+
+
+def test_decimal_points_stand_in_line(pdf: PdfReader) -> None:
+    places = {}
+
+    def visit(text: str, cm: Any, tm: list[float], font: Any, size: float) -> None:
+        places[text.strip()] = tm[4]
+
+    for page in pdf.pages:
+        page.extract_text(visitor_text=visit)
+    assert places[".0128"] == pytest.approx(places[".5"], abs=0.01)
 
 
 def test_a_long_table_repeats_its_head_on_every_page() -> None:

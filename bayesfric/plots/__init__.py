@@ -1,0 +1,1 @@
+"""Figures: a stored result becomes a matplotlib Figure, in the style of `style`."""

@@ -1,0 +1,185 @@
+"""The command line: what each verb writes, prints and returns."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from bayesfric.recording import write_recording
+from bayesfric.results import read_json
+from bayesfric.schemas import FitFile
+
+SHORT = "seed = 5\n[sampler]\nburn = 60\nsteps = 80\nthin = 2\n"
+
+
+def bayesfric(*arguments, cwd, **environment):
+    """Run the installed command from a folder."""
+    command = Path(sys.executable).with_name("bayesfric")
+    variables = {k: v for k, v in os.environ.items() if k != "SOURCE_DATE_EPOCH"} | environment
+    return subprocess.run(
+        [command, *map(str, arguments)],
+        cwd=cwd,
+        env=variables,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+@pytest.fixture(scope="session")
+def board(small_recording, tmp_path_factory):
+    """A recording on disk beside a short analysis.toml."""
+    folder = tmp_path_factory.mktemp("a folder with spaces")
+    write_recording(small_recording, folder / "board")
+    (folder / "analysis.toml").write_text(SHORT)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def ran(board):
+    """One whole run on it."""
+    done = bayesfric("run", "board", "--config", "analysis.toml", "-o", "first", cwd=board)
+    assert done.returncode == 0, done.stderr
+    return done
+
+
+def test_run_writes_results_and_report(board, ran):
+    expected = {
+        "draws.nc",
+        "fit.json",
+        "predictive.nc",
+        "report.html",
+        "report.pdf",
+        "summary.md",
+        "timings.json",
+    }
+    assert {path.name for path in (board / "first").iterdir()} == expected
+    entry = read_json(FitFile, board / "first" / "fit.json").pulleys["small"]["c1"]
+    (line,) = [row for row in ran.stdout.splitlines() if row.startswith("small") and " c1 " in row]
+    assert f"{entry.mean:.4g}" in line
+    assert "report.pdf" in ran.stderr
+    assert "%" not in ran.stderr  # no bar where standard error is not a terminal
+
+
+def test_same_seed_same_bytes(board, ran):
+    """In two processes: JSON and all three forms of the report."""
+    again = bayesfric("run", "board", "--config", "analysis.toml", "-o", "again", cwd=board)
+    assert again.returncode == 0
+    assert again.stdout == ran.stdout
+    for name in ("fit.json", "report.pdf", "report.html", "summary.md"):
+        assert (board / "first" / name).read_bytes() == (board / "again" / name).read_bytes(), name
+
+
+def test_report_needs_the_folder_alone(board, ran, tmp_path):
+    for name in ("fit.json", "draws.nc", "predictive.nc"):
+        (tmp_path / name).write_bytes((board / "first" / name).read_bytes())
+    done = bayesfric("report", ".", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "report.pdf").read_bytes() == (board / "first" / "report.pdf").read_bytes()
+
+
+def test_fit_leaves_other_files_alone(board, ran):
+    (board / "kept").mkdir()
+    (board / "kept" / "mine.txt").write_text("mine")
+    done = bayesfric(
+        "fit", "board", "--config", "analysis.toml", "-o", "kept", "--csv", "--quiet", cwd=board
+    )
+    assert done.returncode == 0
+    assert done.stderr == ""
+    names = {path.name for path in (board / "kept").iterdir()}
+    assert names == {
+        "draws.csv",
+        "draws.nc",
+        "fit.json",
+        "mine.txt",
+        "predictive.nc",
+        "timings.json",
+    }
+    kept, first = board / "kept" / "fit.json", board / "first" / "fit.json"
+    assert kept.read_bytes() == first.read_bytes()
+
+
+def test_unconverged_is_in_the_exit_status_and_still_written(board):
+    (board / "few.toml").write_text("[sampler]\nburn = 10\nsteps = 50\nthin = 2\nwalkers = 28\n")
+    arguments = ("fit", "board", "--config", "few.toml", "-o", "few", "--fail-on", "unconverged")
+    done = bayesfric(*arguments, cwd=board)
+    assert done.returncode == 1
+    assert "has not converged" in done.stderr
+    assert not read_json(FitFile, board / "few" / "fit.json").converged
+    assert bayesfric(*arguments[:-2], cwd=board).returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("fit", "nowhere"), "nowhere"),
+        (("fit", "board", "--config", "none.toml"), "none.toml"),
+        (("fit", "board", "--fail-on", "rain"), "--fail-on: found 'rain'"),
+        (("report", "board"), "fit.json"),
+        (("fit",), "recording"),
+        (("fit", "board", "--colour"), "--colour"),
+        (("simulate", "board"), "board"),
+        (("simulate", "new", "--protocol", "long"), "long"),
+    ],
+)
+def test_bad_use_ends_in_2_and_writes_nothing(board, arguments, message):
+    before = sorted(board.rglob("*"))
+    done = bayesfric(*arguments, cwd=board)
+    assert done.returncode == 2
+    assert message.lower() in done.stderr.lower()
+    assert "Traceback" not in done.stderr
+    assert sorted(board.rglob("*")) == before
+
+
+def test_faults_of_a_recording_are_all_told(board, tmp_path):
+    for path in (board / "board").iterdir():
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    trials = tmp_path / "gravity_trials.csv"
+    lines = trials.read_text().splitlines()
+    names = lines[0].split(",")
+    first, second = lines[1].split(","), lines[2].split(",")
+    first[names.index("wrap_angle_deg")] = "190"
+    second[names.index("mass_drive_kg")] = "heavy"
+    trials.write_text("\n".join([lines[0], ",".join(first), ",".join(second), *lines[3:]]) + "\n")
+    done = bayesfric("validate", ".", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "gravity_trials.csv, row 2, wrap_angle_deg: found '190'" in done.stderr
+    assert "gravity_trials.csv, row 3, mass_drive_kg: found 'heavy'" in done.stderr
+
+
+def test_validate_prints_what_is_there(board):
+    done = bayesfric("validate", "board", cwd=board)
+    assert done.returncode == 0
+    assert "48 trials" in done.stdout
+    for size in ("small", "medium", "large"):
+        assert size in done.stdout
+
+
+def test_simulate_is_reproducible_and_dated_only_when_told(board):
+    for name, date in (("one/x", {}), ("two/x", {}), ("dated/x", {"SOURCE_DATE_EPOCH": "86400"})):
+        (board / name).parent.mkdir()
+        done = bayesfric("simulate", name, "--protocol", "quick", "--seed", "3", cwd=board, **date)
+        assert done.returncode == 0, done.stderr
+    for path in (board / "one/x").iterdir():
+        assert path.read_bytes() == (board / "two/x" / path.name).read_bytes()
+    package = (board / "dated/x/datapackage.json").read_text()
+    assert '"created": "1970-01-02T00:00:00Z"' in package
+    assert "created" not in (board / "one/x/datapackage.json").read_text()
+
+
+@pytest.mark.parametrize("verb", ["run", "validate", "simulate", "fit", "report", "info"])
+def test_every_verb_has_help_with_an_example(verb, tmp_path):
+    done = bayesfric(verb, "--help", cwd=tmp_path)
+    assert done.returncode == 0
+    assert f"Example: bayesfric {verb}" in done.stdout
+
+
+def test_help_loads_nothing_heavy():
+    code = (
+        "import sys; from bayesfric import cli; "
+        "print([m for m in ('numpy', 'pandas', 'scipy', 'pydantic') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

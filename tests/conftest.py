@@ -1,0 +1,39 @@
+"""Fits that several tests read and none changes."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from bayesfric.analysis import Analysis, Sampler
+from bayesfric.fitting import fit
+from bayesfric.protocols import Protocol
+from bayesfric.simulate import simulate_recording
+
+QUICK_SAMPLER = Sampler(burn=60, steps=80, thin=2)
+
+
+@pytest.fixture(autouse=True)
+def no_date_from_outside(monkeypatch):
+    """Results carry a date only where a test asks for one."""
+    monkeypatch.delenv("SOURCE_DATE_EPOCH", raising=False)
+
+
+@pytest.fixture(scope="session")
+def small_recording():
+    """A recording of three sizes, two angles, a replicate: 48 trials in 12 setups."""
+    design = Protocol({(9, 85.0): 2, (15, 50.0): 1, (5, 135.0): 1}, (6.0, 28.0), (6.0, 28.0), 2)
+    return simulate_recording(design, seed=21, name="small-recording")
+
+
+@pytest.fixture(scope="session")
+def small_fit(small_recording):
+    """Its fit, with a short run."""
+    os.environ.pop("SOURCE_DATE_EPOCH", None)
+    return fit(small_recording, Analysis(seed=5, sampler=QUICK_SAMPLER))
+
+
+@pytest.fixture(scope="session")
+def root():
+    """The root of the source tree."""
+    return Path(__file__).resolve().parents[1]

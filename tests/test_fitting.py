@@ -1,0 +1,177 @@
+"""A stored fit: what it says, that ArviZ opens it, that it is whole and repeats."""
+
+import dataclasses
+import json
+import warnings
+
+import numpy as np
+import pytest
+
+import bayesfric as bf
+from bayesfric.analysis import Analysis, Sampler
+from bayesfric.errors import InputError
+from bayesfric.protocols import Protocol
+from bayesfric.recording.tables import Gravity
+from bayesfric.results import read_json, read_tree
+from bayesfric.schemas import FitFile
+from bayesfric.simulate import simulate_recording
+
+SHORT = Sampler(burn=60, steps=80, thin=2)
+
+
+def test_public_names_are_the_functions():
+    assert bf.fit.__module__ == "bayesfric.fitting"
+    assert set(bf.__all__) <= set(dir(bf))
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        bf.nothing  # noqa: B018
+
+
+def test_written_files_say_what_the_fit_says(small_fit, tmp_path):
+    small_fit.write(tmp_path, csv=True)
+    names = sorted(path.name for path in tmp_path.iterdir())
+    assert names == ["draws.csv", "draws.nc", "fit.json", "predictive.nc", "timings.json"]
+    assert read_json(FitFile, tmp_path / "fit.json") == small_fit.summary
+    posterior = read_tree(tmp_path / "draws.nc")["posterior"]
+    for size, coefficients in small_fit.summary.pulleys.items():
+        for name, entry in coefficients.items():
+            draws = posterior[name].sel(pulley=size).to_numpy()
+            assert entry.mean == pytest.approx(draws.mean(), rel=1e-12)
+            quantiles = np.quantile(draws, [0.05, 0.5, 0.95])
+            assert [entry.q05, entry.q50, entry.q95] == pytest.approx(quantiles, rel=1e-12)
+            assert entry.mcse_mean == pytest.approx(draws.std() / np.sqrt(entry.ess_bulk), rel=1e-9)
+    text = (tmp_path / "fit.json").read_text("utf-8")
+    assert "NaN" not in text
+    assert "Infinity" not in text
+    assert json.loads(text)["schema"] == "bayesfric.fit/1"
+
+
+def test_csv_has_the_draws(small_fit, tmp_path):
+    import pandas as pd
+
+    small_fit.write(tmp_path, csv=True)
+    table = pd.read_csv(tmp_path / "draws.csv")
+    posterior = small_fit.draws["posterior"]
+    assert len(table) == posterior.sizes["chain"] * posterior.sizes["draw"]
+    last = posterior["c2"].isel(chain=-1, draw=-1).sel(pulley="medium").item()
+    assert table["c2[medium]"].iloc[-1] == last
+    assert table["tau"].iloc[0] == posterior["tau"].isel(chain=0, draw=0).item()
+
+
+def test_arviz_opens_the_draws(small_fit, tmp_path):
+    small_fit.write(tmp_path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # ArviZ 0.23 announces its own future once a day
+        import arviz
+
+        data = arviz.from_netcdf(tmp_path / "draws.nc")
+    assert set(data.posterior["c1"].dims) == {"chain", "draw", "pulley"}
+    ensemble = data.posterior["ensemble"].to_numpy()
+    assert (np.bincount(ensemble) == small_fit.summary.sampler.walkers).all()
+    assert data.log_likelihood["trial"].sizes["trial_id"] == 48
+    assert data.log_likelihood["setup"].sizes["setup_id"] == 12
+
+
+def test_pointwise_likelihood_is_that_of_the_draws(small_fit, small_recording):
+    """The assemblies' densities add up to the density of the whole."""
+    from bayesfric.likelihood.gravity import GravityLikelihood
+    from bayesfric.likelihood.screening import screen_trials
+
+    screened = screen_trials(small_recording.gravity, small_recording.rig)
+    likelihood = GravityLikelihood(screened.gravity, small_recording.rig, Analysis())
+    pointwise = small_fit.draws["log_likelihood"]["setup"]
+    draw = int(pointwise["draw"][-1])
+    point = small_fit.draws["posterior"].sel(draw=draw).isel(chain=3)
+    theta = {
+        f"{c}[{size}]": point[c].sel(pulley=size).to_numpy()[None]
+        for c in ("c1", "c2", "c3")
+        for size in likelihood.sizes
+    }
+    theta |= {n: point[n].to_numpy()[None] for n in ("tau", "omega", "sigma_x", "sigma_t")}
+    stored = pointwise.sel(draw=draw).isel(chain=3)
+    assert float(stored.sum()) == pytest.approx(likelihood.log_likelihood(theta)[0], rel=1e-12)
+
+
+def test_same_seed_same_result(small_recording, small_fit):
+    again = bf.fit(small_recording, Analysis(seed=5, sampler=SHORT))
+    assert again.summary == small_fit.summary
+    assert again.draws.identical(small_fit.draws)
+    assert again.predictive.identical(small_fit.predictive)
+    other = bf.fit(small_recording, Analysis(seed=6, sampler=SHORT))
+    assert other.summary.pulleys != small_fit.summary.pulleys
+
+
+def test_date_comes_from_the_environment_or_the_recording(small_recording, monkeypatch):
+    dated = dataclasses.replace(small_recording, created="2026-11-01T00:00:00Z")
+    assert bf.fit(dated, Analysis(sampler=SHORT)).summary.created == "2026-11-01T00:00:00Z"
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
+    assert bf.fit(dated, Analysis(sampler=SHORT)).summary.created == "1970-01-02T00:00:00Z"
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "yesterday")
+    with pytest.raises(InputError, match="SOURCE_DATE_EPOCH"):
+        bf.fit(dated, Analysis(sampler=SHORT))
+
+
+def test_one_angle_cannot_inform_c3():
+    design = Protocol({(5, 85.0): 1, (9, 85.0): 2}, (6.0, 16.0, 28.0), (), 2)
+    recording = simulate_recording(design, seed=2)
+    summary = bf.fit(recording, Analysis(sampler=SHORT)).summary
+    for coefficients in summary.pulleys.values():
+        informed = {name: entry.informed for name, entry in coefficients.items()}
+        assert informed == {"c1": True, "c2": True, "c3": False}
+        assert coefficients["c3"].sd == pytest.approx(1e-3, rel=0.15)  # the prior's
+        assert abs(coefficients["c3"].contraction) < 0.15
+    assert any("prior" in line and "c3[small]" in line for line in summary.attention)
+
+
+def test_one_tension_cannot_separate_c1_from_c2():
+    design = Protocol({(5, 85.0): 1, (9, 85.0): 2, (9, 50.0): 1}, (16.0,), (16.0,), 2)
+    recording = simulate_recording(design, seed=2)
+    summary = bf.fit(recording, Analysis(sampler=SHORT)).summary
+    for coefficients in summary.pulleys.values():
+        assert not coefficients["c2"].informed
+
+
+def test_without_replicates_the_reader_is_told():
+    design = Protocol({(5, 85.0): 1, (9, 85.0): 1, (9, 50.0): 1}, (6.0, 16.0), (6.0, 16.0), 2)
+    summary = bf.fit(simulate_recording(design, seed=2), Analysis(sampler=SHORT)).summary
+    assert summary.data_quality.replicated_cells == 0
+    assert any("no replicates" in line for line in summary.attention)
+
+
+def test_too_few_draws_are_called_unconverged(small_recording):
+    few = Sampler(walkers=28, burn=10, steps=50, thin=2)
+    summary = bf.fit(small_recording, Analysis(sampler=few)).summary
+    assert not summary.converged
+    assert any("has not converged" in line for line in summary.attention)
+
+
+def test_recording_without_gravity_trials_is_refused(small_recording):
+    with pytest.raises(InputError, match=r"gravity_trials\.csv"):
+        bf.fit(dataclasses.replace(small_recording, gravity=None))
+
+
+def test_outputs_are_replaced_whole_or_not_at_all(small_fit, tmp_path):
+    from bayesfric.results import replace_outputs
+
+    small_fit.write(tmp_path)
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+
+    def broken(path):
+        path.write_text("half")
+        raise OSError("disk full")
+
+    with pytest.raises(InputError, match="can be written"):
+        replace_outputs(tmp_path, {"fit.json": lambda p: p.write_text("new"), "draws.nc": broken})
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_trials_of_one_size_alone(small_recording):
+    trials = small_recording.gravity.trials
+    medium = trials[trials["pulley_size"] == "medium"].assign(pulley_size="lab")
+    events = small_recording.gravity.events
+    gravity = Gravity(medium.reset_index(drop=True), events[events["trial"].isin(medium["trial"])])
+    lab = bf.fit(
+        dataclasses.replace(small_recording, gravity=gravity), Analysis(sampler=SHORT)
+    ).summary
+    assert list(lab.pulleys) == ["lab"]
+    assert lab.pulleys["lab"]["c1"].q05 < 0.00416 * 1.05
+    assert lab.pulleys["lab"]["c1"].q95 > 0.00416 * 0.95
