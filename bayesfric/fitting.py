@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.checkpoint import Checkpoint
 from bayesfric.errors import Fault, InputError
 from bayesfric.laplace import laplace_approximation
 from bayesfric.likelihood.gravity import GravityLikelihood
@@ -88,7 +89,11 @@ class Fit:
 
 
 def fit(
-    recording: Recording, analysis: Analysis | None = None, *, progress: Progress | None = None
+    recording: Recording,
+    analysis: Analysis | None = None,
+    *,
+    progress: Progress | None = None,
+    checkpoint: Path | None = None,
 ) -> Fit:
     """Draw from the posterior of the paper's law given a recording.
 
@@ -100,6 +105,9 @@ def fit(
         Priors, scatter, sampler and seed; None for the defaults.
     progress : callable or None
         Called with the sampler's steps done and steps in all.
+    checkpoint : Path or None
+        Folder that keeps the draws on the way: a fit that is killed and called
+        again goes on to the same result. Remove it when the fit is written.
 
     Returns
     -------
@@ -114,6 +122,13 @@ def fit(
     analysis = Analysis() if analysis is None else analysis
     if recording.gravity is None:
         raise InputError([Fault(recording.name, "gravity_trials.csv, the only kind fitted yet")])
+    attributes = provenance(
+        seed=analysis.seed,
+        recording=recording.name,
+        sha256=recording.sha256,
+        analysis_sha256=analysis_sha256(analysis),
+        created=recording.created,
+    )
     seconds: dict[str, float] = {}
     with threadpool_limits(limits=1):  # one BLAS thread: the same bytes, and faster
         with _timed(seconds, "reduce"):
@@ -127,16 +142,16 @@ def fit(
         with _timed(seconds, "laplace"):
             laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
         with _timed(seconds, "draws"):
-            draws = sample(model.log_posterior, laplace, analysis.sampler, analysis.seed, progress)
+            draws = sample(
+                model.log_posterior,
+                laplace,
+                analysis.sampler,
+                analysis.seed,
+                progress,
+                Checkpoint(checkpoint, attributes.model_dump_json()),
+            )
         with _timed(seconds, "summary"):
             theta = model.natural(draws.z)
-            attributes = provenance(
-                seed=analysis.seed,
-                recording=recording.name,
-                sha256=recording.sha256,
-                analysis_sha256=analysis_sha256(analysis),
-                created=recording.created,
-            )
             summary = summarise(
                 attributes.model_dump(), recording, screened, model, draws, theta, analysis
             )

@@ -1,14 +1,30 @@
-"""The paper's friction law, eqs. (15) and (16), without time.
+"""The friction law without time: the paper's eqs. (15) and (16), and pulley by pulley.
+
+The paper takes the friction of n pulleys as n times that of one at a nominal
+tension. Pulley by pulley (`recursive`), the tension drops on the way from the
+pulling end to the load, T_{i+1} = (1 − a_i) T_i − c2 with a_i = c1 + c3 (θ_i − 85°),
+so each pulley rubs at the tension that is left. A whole run of pulleys then maps
+the tension of one end to that of the other by a straight line,
+:class:`TensionLoss`; its friction is the difference of the two.
 
 All functions broadcast: arguments may be numbers or arrays.
 """
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["REFERENCE_WRAP_ANGLE_DEG", "Coefficients", "coulomb_friction", "tension_slope"]
+__all__ = [
+    "REFERENCE_WRAP_ANGLE_DEG",
+    "Coefficients",
+    "TensionLoss",
+    "coulomb_friction",
+    "equal_pulleys",
+    "pulley_by_pulley",
+    "recursive_friction",
+    "tension_slope",
+]
 
 REFERENCE_WRAP_ANGLE_DEG = 85.0
 """Average individual wrap angle at which c3 has no effect, eq. (15) [deg]."""
@@ -51,9 +67,8 @@ def tension_slope(
     ndarray
         Newton of friction per newton of nominal tension.
     """
-    wrap = np.asarray(wrap_angle_deg) - REFERENCE_WRAP_ANGLE_DEG
-    slope = np.asarray(coefficients.c1) + np.asarray(coefficients.c3) * wrap
-    return np.asarray(n_pulleys * slope, dtype=np.float64)
+    c1, c3 = _floats(coefficients.c1), _floats(coefficients.c3)
+    return _floats(n_pulleys) * (c1 + c3 * (_floats(wrap_angle_deg) - REFERENCE_WRAP_ANGLE_DEG))
 
 
 def coulomb_friction(
@@ -81,4 +96,107 @@ def coulomb_friction(
         Coulomb friction force along the cable [N]; it acts against the motion.
     """
     slope = tension_slope(coefficients, n_pulleys, wrap_angle_deg)
-    return slope * np.asarray(tension_n) + np.asarray(n_pulleys) * np.asarray(coefficients.c2)
+    return slope * _floats(tension_n) + _floats(n_pulleys) * _floats(coefficients.c2)
+
+
+class TensionLoss(NamedTuple):
+    """What a run of pulleys takes from the tension: T_load = (1 − share) T_drive − constant.
+
+    Drive is the end that pulls, where tension is higher; load is the end that is
+    pulled, where it is lower.
+
+    Parameters
+    ----------
+    share : ndarray
+        Share of the drive-side tension that is lost, 1 − Π(1 − a_i) [-].
+    constant_n : ndarray
+        Loss at no tension, c2 Σ_i Π_{j>i}(1 − a_j) [N].
+    """
+
+    share: NDArray[np.float64]
+    constant_n: NDArray[np.float64]
+
+
+def equal_pulleys(
+    coefficients: Coefficients, n_pulleys: ArrayLike, wrap_angle_deg: ArrayLike
+) -> TensionLoss:
+    """Return the tension loss over n pulleys of one wrap angle, a geometric series.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+        Of the pulley size; a = c1 + c3 (θ − 85°) below 1.
+    n_pulleys : array_like
+        Number of pulleys.
+    wrap_angle_deg : array_like
+        Wrap angle of each pulley [deg].
+
+    Returns
+    -------
+    TensionLoss
+        share = 1 − (1 − a)^n and constant = c2 share / a, which is n c2 at a = 0.
+    """
+    a = tension_slope(coefficients, 1.0, wrap_angle_deg)
+    n = _floats(n_pulleys)
+    # expm1 and log1p keep every digit of a small a, where 1 − (1 − a)^n cancels
+    share = -np.expm1(n * np.log1p(-a))
+    passes = np.where(a == 0, n, share / np.where(a == 0, 1.0, a))
+    return TensionLoss(share, _floats(coefficients.c2) * passes)
+
+
+def pulley_by_pulley(coefficients: Coefficients, wrap_angles_deg: ArrayLike) -> TensionLoss:
+    """Return the tension loss over pulleys that each have a wrap angle of their own.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+        Of the pulley size, shape (...); each a_i = c1 + c3 (θ_i − 85°) below 1.
+    wrap_angles_deg : array_like, shape (..., n)
+        Wrap angle of each pulley, from the drive to the load [deg].
+
+    Returns
+    -------
+    TensionLoss
+        Of shape (...).
+    """
+    columns = Coefficients(*(_floats(value)[..., None] for value in coefficients))
+    log_kept = np.log1p(-tension_slope(columns, 1.0, wrap_angles_deg))
+    total = log_kept.sum(axis=-1)
+    # what is lost at pulley i is pulled through the pulleys after it
+    passes = np.exp(total[..., None] - np.cumsum(log_kept, axis=-1)).sum(axis=-1)
+    return TensionLoss(-np.expm1(total), _floats(coefficients.c2) * passes)
+
+
+def recursive_friction(
+    loss: TensionLoss, tension_n: ArrayLike, known: Literal["drive", "load", "mean"]
+) -> NDArray[np.float64]:
+    """Return the friction of a run of pulleys, T_drive − T_load, from one known tension.
+
+    Parameters
+    ----------
+    loss : TensionLoss
+        Of the run.
+    tension_n : array_like
+        The known tension [N].
+    known : {"drive", "load", "mean"}
+        Where it is known: at the end that pulls, at the end that is pulled, or as
+        the mean of both.
+
+    Returns
+    -------
+    ndarray
+        Friction [N].
+    """
+    at_drive = loss.share * _floats(tension_n) + loss.constant_n
+    match known:
+        case "drive":
+            return at_drive
+        case "load":
+            return at_drive / (1 - loss.share)
+        case "mean":
+            return at_drive / (1 - loss.share / 2)
+    raise ValueError(f"known is {known!r}; it is 'drive', 'load' or 'mean'")
+
+
+def _floats(values: ArrayLike) -> NDArray[np.float64]:
+    return np.asarray(values, dtype=np.float64)

@@ -141,17 +141,21 @@ def _trajectories(
 ) -> xr.Dataset:
     """Predict a few trials, free-running from the first event's speed."""
     trials = likelihood.trials
-    pilot = pilot_fits(gravity.events, trials["trial"])
-    chosen = _typical(trials, pilot.acceleration)
+    with_events = np.flatnonzero(trials["trial"].isin(gravity.events["trial"]))
+    if not with_events.size:
+        return xr.Dataset()
+    pilot = pilot_fits(gravity.events, trials["trial"].iloc[with_events])
+    chosen = _typical(trials.iloc[with_events].reset_index(drop=True), pilot.acceleration)
     tables = []
-    for place in chosen:
+    for fitted in chosen:
+        place = with_events[fitted]
         row = trials.iloc[place]
         events = gravity.events[gravity.events["trial"] == row["trial"]]
         since_first = events["time_s"].to_numpy() - events["time_s"].min()
         of_sensor = (events["sensor"] == events["sensor"].iloc[0]).to_numpy()
         events, since_first = events[of_sensor], since_first[of_sensor]
         time = since_first - since_first[0]
-        start_speed = pilot.first_speed[place] + pilot.acceleration[place] * since_first[0]
+        start_speed = pilot.first_speed[fitted] + pilot.acceleration[fitted] * since_first[0]
         motion = trajectory(
             Coefficients(
                 *(named[f"{c}[{row['pulley_size']}]"][:, None] for c in ("c1", "c2", "c3"))

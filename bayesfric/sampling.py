@@ -14,6 +14,7 @@ Statistics 22 (1994), on independence chains.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import emcee
 import numpy as np
@@ -21,6 +22,7 @@ from numpy.typing import NDArray
 from scipy.special import gammaln
 
 from bayesfric.analysis import Sampler
+from bayesfric.checkpoint import Checkpoint
 from bayesfric.laplace import Laplace
 
 __all__ = ["Draws", "SamplingError", "StudentT", "sample"]
@@ -28,8 +30,10 @@ __all__ = ["Draws", "SamplingError", "StudentT", "sample"]
 Array = NDArray[np.float64]
 LogDensity = Callable[[Array], Array]
 Progress = Callable[[int, int], None]
+Arrays = dict[str, NDArray[Any]]
 
 PROPOSAL_FREEDOM = 6.0  # heavier tails than the posterior's, as independence needs
+PIECE_STEPS = 50  # steps between two checkpoints
 START_INFLATION = 1.5  # starts are wider than the posterior, so that R-hat can tell
 
 
@@ -106,6 +110,7 @@ def sample(
     settings: Sampler,
     seed: int,
     progress: Progress | None = None,
+    checkpoint: Checkpoint | None = None,
 ) -> Draws:
     """Draw from a log density with independent ensembles.
 
@@ -122,6 +127,9 @@ def sample(
         Seeds a pilot and each ensemble on its own.
     progress : callable or None
         Called with the steps done and the steps in all.
+    checkpoint : Checkpoint or None
+        Keeps the draws on the way, so that a run that is killed goes on to the
+        same result.
 
     Returns
     -------
@@ -138,51 +146,113 @@ def sample(
     seeds = np.random.SeedSequence(seed).spawn(settings.ensembles + 1)
     per_ensemble = settings.burn + settings.steps
     total = settings.burn + settings.ensembles * per_ensemble
-    done = 0
 
-    def tick() -> None:
-        nonlocal done
-        done += 1
+    def report(done: int) -> None:
         if progress is not None:
             progress(done, total)
 
+    keeping = checkpoint or Checkpoint(None, "")
+    runs = _Runs(log_density, settings, walkers, keeping, report)
+
     # The pilot replaces the curvature at the mode by the spread of the density itself.
     around_mode = StudentT(laplace.mode, laplace.covariance)
-    pilot = _run(log_density, around_mode, settings, walkers, seeds[0], settings.burn, tick)
-    settled = pilot.get_chain(discard=settings.burn // 2, flat=True)
+    pilot = runs.run("pilot", around_mode, seeds[0], settings.burn)
+    settled = pilot["chain"][settings.burn // 2 :].reshape(-1, size)
     proposal = StudentT(settled.mean(axis=0), np.cov(settled, rowvar=False))
 
-    chains, densities, acceptance = [], [], []
-    for child in seeds[1:]:
-        sampler = _run(log_density, proposal, settings, walkers, child, per_ensemble, tick)
-        chains.append(sampler.get_chain(discard=settings.burn, thin=settings.thin))
-        densities.append(sampler.get_log_prob(discard=settings.burn, thin=settings.thin))
-        acceptance.append(sampler.acceptance_fraction.mean())
-    return Draws(np.stack(chains), np.stack(densities), np.array(acceptance))
-
-
-def _run(
-    log_density: LogDensity,
-    proposal: StudentT,
-    settings: Sampler,
-    walkers: int,
-    seed: np.random.SeedSequence,
-    steps: int,
-    tick: Callable[[], None],
-) -> emcee.EnsembleSampler:
-    rng = np.random.RandomState(np.random.MT19937(seed))
-    moves = [
-        (emcee.moves.MHMove(proposal.propose), settings.independence_share),
-        (emcee.moves.DEMove(), 1 - settings.independence_share),
+    ensembles = [
+        runs.run(f"ensemble-{place}", proposal, child, per_ensemble)
+        for place, child in enumerate(seeds[1:])
     ]
-    sampler = emcee.EnsembleSampler(
-        walkers, proposal.location.size, log_density, moves=moves, vectorize=True
+    kept = slice(settings.burn + settings.thin - 1, None, settings.thin)
+    return Draws(
+        np.stack([ensemble["chain"][kept] for ensemble in ensembles]),
+        np.stack([ensemble["log_density"][kept] for ensemble in ensembles]),
+        np.array([ensemble["accepted"].mean() for ensemble in ensembles]) / per_ensemble,
     )
-    start = _starts(log_density, proposal, walkers, rng)
-    state = emcee.State(start, random_state=rng.get_state())
-    for _ in sampler.sample(state, iterations=steps):
-        tick()
-    return sampler
+
+
+class _Runs:
+    """Runs of single ensembles, in pieces that a checkpoint keeps."""
+
+    def __init__(
+        self,
+        log_density: LogDensity,
+        settings: Sampler,
+        walkers: int,
+        checkpoint: Checkpoint,
+        report: Callable[[int], None],
+    ) -> None:
+        self._log_density = log_density
+        self._settings = settings
+        self._walkers = walkers
+        self._checkpoint = checkpoint
+        self._report = report
+        self._done = 0
+
+    def run(
+        self, name: str, proposal: StudentT, seed: np.random.SeedSequence, steps: int
+    ) -> Arrays:
+        """Return ``chain`` (steps, W, D), ``log_density`` and ``accepted`` (W,)."""
+        pieces: list[Arrays] = []
+        before = self._done
+        for start in range(0, steps, PIECE_STEPS):
+            stop = min(start + PIECE_STEPS, steps)
+
+            def compute(count: int = stop - start) -> Arrays:
+                state = self._state(proposal, seed, pieces[-1] if pieces else None)
+                return self._advance(proposal, state, count)
+
+            pieces.append(self._checkpoint.piece(f"{name}-{start:06d}", compute))
+            if self._done != before + stop:  # the piece was there already
+                self._done = before + stop
+                self._report(self._done)
+        return {
+            "chain": np.concatenate([piece["chain"] for piece in pieces]),
+            "log_density": np.concatenate([piece["log_density"] for piece in pieces]),
+            "accepted": np.sum([piece["accepted"] for piece in pieces], axis=0),
+        }
+
+    def _state(
+        self, proposal: StudentT, seed: np.random.SeedSequence, last: Arrays | None
+    ) -> emcee.State:
+        """Return where a piece starts: fresh, or where the last one ended."""
+        if last is None:
+            rng = np.random.RandomState(np.random.MT19937(seed))
+            start = _starts(self._log_density, proposal, self._walkers, rng)
+            return emcee.State(start, random_state=rng.get_state())
+        return emcee.State(
+            last["chain"][-1],
+            log_prob=last["log_density"][-1],
+            random_state=(
+                "MT19937",
+                last["random_keys"],
+                *last["random_position"].tolist(),
+                float(last["random_gauss"]),
+            ),
+        )
+
+    def _advance(self, proposal: StudentT, state: emcee.State, steps: int) -> Arrays:
+        share = self._settings.independence_share
+        moves = [
+            (emcee.moves.MHMove(proposal.propose), share),
+            (emcee.moves.DEMove(), 1 - share),
+        ]
+        sampler = emcee.EnsembleSampler(
+            self._walkers, proposal.location.size, self._log_density, moves=moves, vectorize=True
+        )
+        for _ in sampler.sample(state, iterations=steps):
+            self._done += 1
+            self._report(self._done)
+        _, keys, position, has_gauss, gauss = sampler.random_state
+        return {
+            "chain": sampler.get_chain(),
+            "log_density": sampler.get_log_prob(),
+            "accepted": np.asarray(sampler.acceptance_fraction * steps),
+            "random_keys": keys,
+            "random_position": np.array([position, has_gauss]),
+            "random_gauss": np.array(gauss),
+        }
 
 
 def _starts(

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import elementwise
 
-from bayesfric.friction import Coefficients, coulomb_friction, tension_slope
+from bayesfric.friction import Coefficients, coulomb_friction, equal_pulleys, tension_slope
 
 __all__ = [
     "Condition",
@@ -24,6 +24,7 @@ __all__ = [
     "board_friction",
     "coulomb_acceleration",
     "nominal_tension",
+    "recursive_board_friction",
     "trajectory",
 ]
 
@@ -122,6 +123,33 @@ def board_friction(coefficients: Coefficients, condition: Condition) -> Array:
     """
     acceleration = coulomb_acceleration(coefficients, condition)
     return condition.drive_force_n - condition.total_mass_kg * acceleration
+
+
+def recursive_board_friction(coefficients: Coefficients, condition: Condition) -> Array:
+    """Return the friction of the moving board pulley by pulley [N].
+
+    With the drive side at m1 (g − a) and the load side at m2 (g + a), the straight
+    line between the two ends' tensions (:class:`bayesfric.friction.TensionLoss`) is
+    linear in a too.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+        Friction law of the pulley size.
+    condition : Condition
+        Of the trial; each pulley at the average wrap angle.
+
+    Returns
+    -------
+    ndarray
+        Friction [N]; equal to (m1 − m2) g − (m1 + m2) a.
+    """
+    loss = equal_pulleys(coefficients, condition.n_pulleys, condition.wrap_angle_deg)
+    mass_drive = np.asarray(condition.mass_drive_kg, dtype=np.float64)
+    weight = mass_drive * np.asarray(condition.gravity_m_s2)
+    surplus = condition.drive_force_n - loss.share * weight - loss.constant_n
+    acceleration = surplus / (condition.total_mass_kg - loss.share * mass_drive)
+    return loss.share * (weight - mass_drive * acceleration) + loss.constant_n
 
 
 @dataclass(frozen=True)

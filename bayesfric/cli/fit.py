@@ -1,5 +1,6 @@
 """``bayesfric fit``: posteriors of c1, c2, c3 for each pulley size."""
 
+import shutil
 from pathlib import Path
 from typing import Annotated
 
@@ -49,9 +50,11 @@ def fit_into(
     fail_on(failures, set())  # an unknown name is told before the work
     analysis = read_analysis(config, seed=seed)
     found = read_recording(recording)
+    checkpoint = output / ".checkpoint"
     with progress_bar("sampling", quiet=quiet) as progress:
-        result = fit_recording(found, analysis, progress=progress)
+        result = fit_recording(found, analysis, progress=progress, checkpoint=checkpoint)
     result.write(output, csv=csv)
+    shutil.rmtree(checkpoint)
     for size, coefficients in result.summary.pulleys.items():
         for name, entry in coefficients.items():
             unit = "" if entry.unit == "1" else f" {entry.unit}"

@@ -1,0 +1,94 @@
+"""A fit that is killed goes on, when it is called again, to the same bytes."""
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bayesfric.checkpoint import Checkpoint
+from bayesfric.recording import write_recording
+
+SETTINGS = "seed = 5\n[sampler]\nburn = 60\nsteps = 200\nthin = 2\n"
+FILES = ("fit.json", "draws.nc", "predictive.nc")
+
+
+@pytest.fixture(scope="module")
+def board(small_recording, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("resume")
+    write_recording(small_recording, folder / "board")
+    (folder / "analysis.toml").write_text(SETTINGS)
+    return folder
+
+
+def start(board, output):
+    command = [Path(sys.executable).with_name("bayesfric"), "fit", "board"]
+    environment = {k: v for k, v in os.environ.items() if k != "SOURCE_DATE_EPOCH"}
+    return subprocess.Popen(
+        [*command, "--config", "analysis.toml", "-o", output, "--quiet"],
+        cwd=board,
+        env=environment,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+
+
+def test_ten_kills_change_nothing(board):
+    """SIGKILL at ten random moments, each followed by a new start of what is left."""
+    began = time.monotonic()
+    assert start(board, "unbroken").wait() == 0
+    whole = time.monotonic() - began
+    moments = random.Random(20260101)
+    for _ in range(10):
+        process = start(board, "broken")
+        time.sleep(moments.uniform(0.1, 1.0) * whole)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        written = {path.name for path in (board / "broken").glob("*")} - {".checkpoint"}
+        assert written in ({*()}, {*FILES, "timings.json"})
+    assert start(board, "broken").wait() == 0
+    for name in FILES:
+        assert (board / "broken" / name).read_bytes() == (board / "unbroken" / name).read_bytes()
+    assert not (board / "broken" / ".checkpoint").exists()
+
+
+def test_interrupt_keeps_what_was_finished_and_exits_3(board):
+    process = start(board, "interrupted")
+    checkpoint = board / "interrupted" / ".checkpoint"
+    while not list(checkpoint.glob("*.npz")):
+        assert process.poll() is None
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    assert process.wait() == 3
+    assert list(checkpoint.glob("*.npz"))
+    assert not (board / "interrupted" / "fit.json").exists()
+
+
+def test_pieces_are_computed_once_and_exactly_kept(tmp_path):
+    calls = []
+
+    def compute():
+        calls.append(1)
+        return {"x": np.array([0.1, 1e-300])}
+
+    first = Checkpoint(tmp_path / "c", "key").piece("a", compute)
+    again = Checkpoint(tmp_path / "c", "key").piece("a", compute)
+    assert (first["x"] == again["x"]).all()
+    assert calls == [1]
+
+
+def test_pieces_of_another_computation_are_not_used(tmp_path):
+    Checkpoint(tmp_path / "c", "seed 1").piece("a", lambda: {"x": np.array(1.0)})
+    other = Checkpoint(tmp_path / "c", "seed 2").piece("a", lambda: {"x": np.array(2.0)})
+    assert other["x"] == 2.0
+
+
+def test_a_piece_that_was_cut_short_is_not_trusted(tmp_path):
+    checkpoint = Checkpoint(tmp_path / "c", "key")
+    (tmp_path / "c" / "a.partial").write_bytes(b"half")
+    assert checkpoint.piece("a", lambda: {"x": np.array(3.0)})["x"] == 3.0
