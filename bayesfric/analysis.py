@@ -93,9 +93,9 @@ class Priors(_Section):
     acceleration known no better than 0.05 m/s² was hardly measured.
 
     The cable is that of model (3), and enters only where it stretches: 0.61 mm 7×19
-    stainless cable has an EA of 14 to 16 kN when it is run in, a new one less; the
-    paper does not print its length; wire rope rings with a few per cent of the
-    critical damping. Only EA over length counts.
+    stainless cable has an EA of 14 to 16 kN when it is run in, a new one less; a
+    length of 1.6 m (95 %: 1.1 to 2.4 m) and a few per cent of the critical damping
+    (95 %: 1.3 to 20 %) are assumptions. Only EA over length counts.
     """
 
     c1: Prior = Field(HalfNormal(scale=0.05), description="Friction per tension and pulley [-].")

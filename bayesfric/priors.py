@@ -87,7 +87,9 @@ def quantile(prior: Prior, probability: ArrayLike) -> NDArray[np.float64]:
     probability : array_like
         Between 0 and 1.
     """
-    return np.asarray(_frozen(prior).ppf(np.asarray(probability, dtype=np.float64)), dtype=np.float64)
+    return np.asarray(
+        _frozen(prior).ppf(np.asarray(probability, dtype=np.float64)), dtype=np.float64
+    )
 
 
 def prior_sd(prior: Prior) -> float:

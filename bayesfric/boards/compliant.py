@@ -34,16 +34,16 @@ LEAST_SPLIT = 1e-12  # of the two rates of the stretch, where they would coincid
 
 
 class Cable(NamedTuple):
-    """The cable as a spring and a damper; the defaults are assumptions, not data.
+    """The cable as a spring and a damper; the defaults are assumptions, not measured.
 
     Parameters
     ----------
     axial_stiffness_n : array_like
         EA [N]; 0.61 mm 7×19 stainless steel has 14 to 16 kN.
     length_m : array_like
-        Between the masses [m]; assumed from the size of the board, and not printed.
+        Between the masses [m].
     damping_ratio : array_like
-        Of the masses ringing against each other [-]; usual for wire rope.
+        Of the masses ringing against each other, over the critical [-].
     """
 
     axial_stiffness_n: ArrayLike = 15e3

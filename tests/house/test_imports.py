@@ -25,11 +25,13 @@ ROWS = (
     ("effects",),
     ("protocols", "simulate"),
     ("priors", "likelihood"),
-    ("campaign",),
+    ("campaign", "checkpoint"),
     ("laplace",),
     ("sampling",),
     ("results", "diagnostics"),
     ("evidence",),
+    ("estimator",),
+    ("summary", "predictive"),
     ("fitting",),
     ("claims",),
     ("gap",),
@@ -49,8 +51,9 @@ ONLY = {
     "errors": set(),
     "resources": set(),
     "campaign": set(),  # maps any function over any cases
+    "checkpoint": set(),  # any computation
     "laplace": set(),  # any density
-    "sampling": {"analysis", "campaign", "laplace"},  # any density; analysis has its settings
+    "sampling": {"analysis", "checkpoint", "laplace"},  # any density; analysis has its settings
     "export": {"recording"},  # realities of another hand share no physics with us
     "blind/engines": {"recording"},
 }

@@ -48,7 +48,9 @@ def accelerations(sd):
     return Gravity(trials, events)
 
 
-@pytest.mark.parametrize("sd", [[0.003, 0.01, 0.002, 0.02], [np.nan] * 4, [0.003, np.nan, 0.1, np.nan]])
+@pytest.mark.parametrize(
+    "sd", [[0.003, 0.01, 0.002, 0.02], [np.nan] * 4, [0.003, np.nan, 0.1, np.nan]]
+)
 def test_accelerations_are_a_dense_normal(sd):
     gravity = accelerations(sd)
     likelihood = GravityLikelihood(gravity, Rig(), Analysis())
