@@ -16,7 +16,7 @@ import numpy as np
 from arviz_stats.base.array import array_stats
 from numpy.typing import NDArray
 
-__all__ = ["LIMITS", "Convergence", "batch_means_ess", "diagnose_draws"]
+__all__ = ["LIMITS", "Convergence", "batch_means_ess", "diagnose_draws", "rank_counts"]
 
 Array = NDArray[np.float64]
 
@@ -111,3 +111,26 @@ def batch_means_ess(draws: Array) -> float:
     average = draws[:, : length * BATCHES].mean(axis=2)
     batches = average.reshape(draws.shape[0] * BATCHES, length).mean(axis=1)
     return float(draws.var() / (batches.var(ddof=1) / batches.size))
+
+
+def rank_counts(draws: Array, bins: int) -> NDArray[np.int_]:
+    """Count where the ranks of each ensemble fall among those of all.
+
+    Ensembles that draw from one density have counts that differ by chance only.
+
+    Parameters
+    ----------
+    draws : ndarray, shape (ensembles, draws, walkers)
+        Of one parameter.
+    bins : int
+        Ranges of rank, equally wide.
+
+    Returns
+    -------
+    ndarray of int, shape (ensembles, bins)
+        Draws of each ensemble in each range.
+    """
+    ensembles = draws.shape[0]
+    rank = draws.ravel().argsort(kind="stable").argsort(kind="stable")
+    place = (rank * bins // draws.size).reshape(ensembles, -1)
+    return np.stack([np.bincount(row, minlength=bins) for row in place])

@@ -31,7 +31,7 @@ from bayesfric.results import (
     write_netcdf,
 )
 from bayesfric.sampling import Progress, sample
-from bayesfric.schemas import FitFile, TimingsFile
+from bayesfric.schemas import FitFile, RecordingId, TimingsFile
 from bayesfric.summary import summarise
 
 __all__ = ["Fit", "fit"]
@@ -61,12 +61,12 @@ class Fit:
     predictive: xr.DataTree
     seconds: Mapping[str, float]
 
-    def write(self, folder: Path, *, csv: bool = False) -> None:
+    def write(self, folder: Path | str, *, csv: bool = False) -> None:
         """Write ``fit.json``, ``draws.nc``, ``predictive.nc`` and ``timings.json``.
 
         Parameters
         ----------
-        folder : Path
+        folder : Path or str
             Created if it is not there; other files in it are left alone.
         csv : bool
             Also write the posterior as ``draws.csv``.
@@ -85,7 +85,7 @@ class Fit:
         }
         if csv:
             writers["draws.csv"] = lambda path: _write_csv(self.draws, path)
-        replace_outputs(folder, writers)
+        replace_outputs(Path(folder), writers)
 
 
 def fit(
@@ -124,8 +124,9 @@ def fit(
         raise InputError([Fault(recording.name, "gravity_trials.csv, the only kind fitted yet")])
     attributes = provenance(
         seed=analysis.seed,
-        recording=recording.name,
-        sha256=recording.sha256,
+        recording=RecordingId(
+            name=recording.name, title=recording.title, sha256=recording.sha256
+        ),
         analysis_sha256=analysis_sha256(analysis),
         created=recording.created,
     )

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
 from bayesfric.boards.gravity import Condition, nominal_tension, trajectory
+from bayesfric.diagnostics import rank_counts
 from bayesfric.friction import Coefficients, coulomb_friction
 from bayesfric.likelihood.gravity import GravityLikelihood
 from bayesfric.likelihood.hall_events import pilot_fits
@@ -24,6 +25,7 @@ __all__ = ["QUANTILES", "predict"]
 Array = NDArray[np.float64]
 QUANTILES = (0.05, 0.5, 0.95)
 DRAWS = 1000  # enough for a 5 % quantile to a twentieth of an sd
+RANK_BINS = 20
 CURVE_POINTS = 41
 SHOWN_TRIALS = 6
 
@@ -56,6 +58,8 @@ def predict(
     Returns
     -------
     DataTree
+        ``coefficients``: quantiles, and their ratio to Table I for its sizes.
+        ``ranks``: how the draws of each ensemble rank among all.
         ``trials``: friction observed, and predicted for a new trial on a new
         assembly. ``curves``: friction against tension at each (size, n, θ) cell, of
         the law and of Table I. ``trajectories``: a few trials, measured and
@@ -68,6 +72,8 @@ def predict(
     factor = 1 + likelihood.draw_scatter(named, rng)
     return xr.DataTree.from_dict(
         {
+            "coefficients": _coefficients(likelihood, model, flat),
+            "ranks": _ranks(model, theta),
             "trials": _trials(likelihood, named, factor),
             "curves": _curves(likelihood, named),
             "trajectories": _trajectories(likelihood, gravity, rig, named, factor),
@@ -78,6 +84,36 @@ def predict(
 def _bands(values: Array) -> Array:
     """Return quantiles over the first axis (draws), quantile last."""
     return np.moveaxis(np.quantile(values, QUANTILES, axis=0), 0, -1)
+
+
+def _coefficients(likelihood: GravityLikelihood, model: Model, flat: Array) -> xr.Dataset:
+    draws = model.by_name(flat)
+    sizes = [size for size in likelihood.sizes if size in table1()]
+    names = Coefficients._fields
+    levels = (0.05, 0.25, 0.5, 0.75, 0.95)
+    paper = np.array([[getattr(table1()[size], name).value for name in names] for size in sizes])
+    quantiles = np.array(
+        [[np.quantile(draws[f"{name}[{size}]"], levels) for name in names] for size in sizes]
+    )
+    if not sizes:
+        return xr.Dataset()
+    dims = ("pulley", "coefficient")
+    return xr.Dataset(
+        {
+            "paper": (dims, paper),
+            "value": ((*dims, "level"), quantiles),
+            "ratio": ((*dims, "level"), quantiles / paper[..., None]),
+        },
+        coords={"pulley": sizes, "coefficient": list(names), "level": list(levels)},
+    )
+
+
+def _ranks(model: Model, theta: Array) -> xr.Dataset:
+    counts = [rank_counts(theta[..., place], RANK_BINS) for place in range(theta.shape[-1])]
+    return xr.Dataset(
+        {"count": (("parameter", "ensemble", "bin"), np.stack(counts))},
+        coords={"parameter": list(model.names)},
+    )
 
 
 def _trials(likelihood: GravityLikelihood, named: dict[str, Array], factor: Array) -> xr.Dataset:
@@ -108,7 +144,9 @@ def _trials(likelihood: GravityLikelihood, named: dict[str, Array], factor: Arra
 def _curves(likelihood: GravityLikelihood, named: dict[str, Array]) -> xr.Dataset:
     trials = likelihood.trials
     cells = trials[["pulley_size", "n_pulleys", "wrap_angle_deg"]].drop_duplicates()
-    cells = cells.sort_values(["wrap_angle_deg", "n_pulleys"], kind="stable")
+    by_size = cells["pulley_size"].map(likelihood.sizes.index)
+    cells = cells.assign(place=by_size).sort_values(["place", "wrap_angle_deg", "n_pulleys"])
+    cells = cells.drop(columns="place")
     top = float(np.max(nominal_tension(likelihood.condition, 0.0)))
     tension = np.linspace(0.0, top, CURVE_POINTS)
     paper = np.full((len(cells), CURVE_POINTS), np.nan)

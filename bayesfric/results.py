@@ -41,7 +41,11 @@ PACKAGES = ("bayesfric", "arviz-base", "arviz-stats", "emcee", "numpy", "scipy",
 
 
 def provenance(
-    *, seed: int, recording: str, sha256: str, analysis_sha256: str, created: str | None
+    *,
+    seed: int,
+    recording: RecordingId,
+    analysis_sha256: str,
+    created: str | None,
 ) -> Provenance:
     """Return what every file carries.
 
@@ -49,8 +53,8 @@ def provenance(
     ----------
     seed : int
         Of the analysis.
-    recording, sha256 : str
-        Name and hash of the recording.
+    recording : RecordingId
+        Name, title and hash of the recording.
     analysis_sha256 : str
         Hash of the settings.
     created : str or None
@@ -59,7 +63,7 @@ def provenance(
     return Provenance(
         seed=seed,
         versions=package_versions(),
-        recording=RecordingId(name=recording, sha256=sha256),
+        recording=recording,
         analysis_sha256=analysis_sha256,
         created=created_date(created),
     )

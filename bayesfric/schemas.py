@@ -56,6 +56,7 @@ class RecordingId(_Record):
     """Which recording a result rests on."""
 
     name: str = Field(description="Name in datapackage.json.")
+    title: str = Field("", description="Title in datapackage.json.")
     sha256: str = Field(description="Over its tables, sorted by name.")
 
 

@@ -8,12 +8,11 @@ With x1 and x2 the travel of the drive and the load mass (paper Sec. III.B, eq. 
 started with equal speeds. The paper prints m2 g in both rows; then the rows would
 add up to no drive, so the first is read as m1 g.
 
-Without fv the centre of mass moves exactly as in eq. (4), and the stretch rings
-around T/k, with T the nominal tension of eq. (4): a closed form. The paper's way,
-4th-order Runge-Kutta, is :func:`integrate`; it is the reference, and takes fv too.
-
-Friction at rest is set-valued: a board whose friction is no less than its drive stops
-when its centre of mass does, and stays; the ringing that is left is dropped.
+Without fv the centre of mass moves as in eq. (4), and the stretch rings around T/k, T
+the nominal tension of eq. (4): a closed form. The paper's way, 4th-order Runge-Kutta,
+is :func:`integrate`; it is the reference, and takes fv too. Friction at rest is
+set-valued: a board whose friction is no less than its drive stops when its centre of
+mass does, and stays; ringing that is left is dropped.
 """
 
 from dataclasses import dataclass, fields
@@ -34,7 +33,7 @@ LEAST_SPLIT = 1e-12  # of the two rates of the stretch, where they would coincid
 
 
 class Cable(NamedTuple):
-    """The cable as a spring and a damper; the defaults are assumptions, not measured.
+    """The cable as a spring and a damper; the defaults are assumptions.
 
     Parameters
     ----------
@@ -276,7 +275,7 @@ def integrate(motion: CompliantMotion, time_s: ArrayLike) -> Ends:
     motion : CompliantMotion
         Boards, arrays of one shape (...), which all share the steps of the stiffest.
     time_s : array_like, shape (T,)
-        Times ≥ 0 since the start, ascending [s].
+        Since the start, ≥ 0 and ascending [s].
 
     Returns
     -------
@@ -346,6 +345,6 @@ def _advance(
 
 
 def _centre_speed(motion: CompliantMotion, state: Array) -> Array:
-    drive_share = motion.mass_drive_kg / motion.total_mass_kg
-    speed: Array = state[3] + drive_share * (state[2] - state[3])
+    momentum = motion.mass_drive_kg * state[2] + motion.mass_load_kg * state[3]
+    speed: Array = momentum / motion.total_mass_kg
     return speed

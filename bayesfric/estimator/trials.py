@@ -91,7 +91,7 @@ def fit_constant_friction(
         With a cable the four-state model (3), started at the first event with equal
         speeds; None is eq. (4), linear in its parameters and solved as such.
     free_stretch : bool
-        Fit the stretch at the first event too, instead of the static one.
+        With a cable, fit the stretch at the first event too; else it is the static one.
 
     Returns
     -------
@@ -113,9 +113,8 @@ def fit_constant_friction(
         at_drive = np.asarray(sensors == "drive")[of_sensor]
 
         def misfit(parameters: Array) -> Array:
-            force, first_speed, first_stretch = (*parameters[:2], static)
-            if free_stretch:
-                first_stretch = parameters[-1]
+            force, first_speed, *shift = parameters
+            first_stretch = shift.pop() if free_stretch else static
             ends = compliant_motion(
                 condition,
                 force,
@@ -124,7 +123,7 @@ def fit_constant_friction(
                 start_stretch_m=first_stretch,
             ).ends(time)
             position = np.where(at_drive, ends.drive_position_m, ends.load_position_m)
-            return np.asarray(position + offsets @ parameters[2 : 2 + sensors.size] - travel)
+            return np.asarray(position + offsets @ shift - travel)
 
         start = np.array([friction, max(speed, 0.0), *shifts, *([static] if free_stretch else [])])
         lowest = np.full(start.size, -np.inf)
@@ -171,10 +170,10 @@ def trial_frictions(gravity: Gravity, rig: Rig) -> tuple[TrialFriction, ...]:
         if own is not None and len(own) > 2 + own["sensor"].nunique():
             fit = fit_constant_friction(own, condition)
             friction, r_squared = fit.friction_n, fit.r_squared
-        elif own is None and np.isfinite(row.get("acceleration_m_s2", np.nan)):
+        elif np.isfinite(row.get("acceleration_m_s2", np.nan)):
             friction = drive - mass * float(row["acceleration_m_s2"])
         else:
-            reason = "fewer events than numbers to fit"
+            reason = "fewer events than numbers to fit, and no acceleration"
         tension = (
             None
             if friction is None

@@ -115,13 +115,17 @@ def size_styles(names: Iterable[str]) -> dict[str, SizeStyle]:
 
 
 @contextmanager
-def figure(width: float = TEXT_WIDTH, height: float = 80.0) -> Iterator[Figure]:
+def figure(
+    width: float = TEXT_WIDTH, height: float = 80.0, *, constrained: bool = True
+) -> Iterator[Figure]:
     """Make an empty figure, in the project's style within the ``with`` block.
 
     Parameters
     ----------
     width, height : float
         In mm.
+    constrained : bool
+        Whether matplotlib lays the axes out; else whoever draws does.
 
     Yields
     ------
@@ -136,7 +140,8 @@ def figure(width: float = TEXT_WIDTH, height: float = 80.0) -> Iterator[Figure]:
     if not (width > 0 and height > 0):
         raise ValueError(f"figure: expected a width and height in mm, got {width} and {height}")
     with matplotlib.style.context(["default", _STYLE]):
-        yield Figure(figsize=(width / 25.4, height / 25.4))
+        layout = "constrained" if constrained else "none"
+        yield Figure(figsize=(width / 25.4, height / 25.4), layout=layout)
 
 
 def to_svg(figure: Figure) -> bytes:

@@ -181,6 +181,14 @@ def test_at_rest_it_moves_only_when_the_drive_exceeds_friction():
     assert held.start_stretch_m == pytest.approx(held.moving_stretch_m, rel=1e-12)
 
 
+def test_friction_that_matches_the_drive_holds_a_strained_cable_too():
+    # Many masses, so that the sum of the forces on the two is not always rounded to zero.
+    condition = BOARD._replace(mass_load_kg=np.linspace(1.2, 1.7, 200))
+    strained = compliant_motion(condition, condition.drive_force_n, start_stretch_m=0.5 * STATIC)
+    assert np.abs(integrate(strained, [0.0, 0.05])).max() == 0.0
+    assert np.abs(strained.ends(0.05)).max() == 0.0
+
+
 @pytest.mark.parametrize("stretch", [None, 0.8 * STATIC])
 @pytest.mark.parametrize("end", ["drive", "load"])
 def test_time_and_position_are_inverse(end, stretch):

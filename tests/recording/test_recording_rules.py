@@ -259,6 +259,26 @@ def test_numbers_at_the_edge_of_the_floats_are_compared_quietly(tmp_path: Path) 
     assert (EVENTS, 4, "displacement_m", "1e308") in places(faults)
 
 
+@pytest.mark.parametrize(
+    ("printed", "off"),
+    [
+        (["0.00", "0.01", "0.02", "0.03", "0.25"], "0.25"),
+        (["0e-2", "0.98e-2", "1.90e-2", "2.94e-2", "3.92e-2"], "1.90e-2"),
+    ],
+    ids=["digits too few to tell which multiple", "digits behind an exponent"],
+)
+def test_rounding_excuses_no_more_than_it_must(
+    tmp_path: Path, printed: list[str], off: str
+) -> None:
+    mini = Mini()
+    for block in (2, 7, 12):
+        for i, text in enumerate(printed):
+            mini.set(EVENTS, block + i, "displacement_m", text)
+    faults = faults_of(mini.write(tmp_path))
+    line = 2 + printed.index(off)
+    assert places(faults) == [(EVENTS, line + k, "displacement_m", off) for k in (0, 5, 10)]
+
+
 def test_unspoilt_recording_has_no_fault(tmp_path: Path) -> None:
     recording = read_recording(Mini().write(tmp_path))
     assert recording.notes == ()

@@ -111,6 +111,19 @@ def test_printed_digits(tmp_path: Path) -> None:
     assert row == "t1,s,medium,9,85,1.6000000000000003,0.3333333333333333"
 
 
+def test_keys_that_were_absent_stay_absent(tmp_path: Path) -> None:
+    times = np.array([25, 9000, 15000, 20000, 24000]) * 4e-6
+    write_recording(gravity_recording(0.0098, 4e-6, times), tmp_path / "a")
+    package = json.loads((tmp_path / "a" / "datapackage.json").read_text("utf-8"))
+    assert list(package) == ["name", "title", "rig", "resources"]
+    assert package["rig"] == {
+        "gravity_m_s2": 9.80665,
+        "hall_spacing_m": 0.0098,
+        "magnets_per_revolution": 5,
+        "timer_resolution_s": 4e-06,
+    }
+
+
 def test_times_finer_than_the_clock_keep_their_digits(tmp_path: Path) -> None:
     times = np.array([0.1, 0.2, 0.3, 0.4, 0.5]) + 1.23e-7
     one = gravity_recording(0.0098, 4e-6, times)

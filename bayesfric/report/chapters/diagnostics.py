@@ -1,0 +1,70 @@
+"""Whether the draws can be trusted."""
+
+from collections.abc import Iterator
+
+from bayesfric.diagnostics import LIMITS
+from bayesfric.plots.ranks import rank_histograms
+from bayesfric.plots.style import to_svg
+from bayesfric.report.chapters.symbols import symbol
+from bayesfric.report.content import Block, Column, Figure, Heading, Paragraph, Table
+from bayesfric.report.quantities import format_count, format_number, format_share
+from bayesfric.report.stored import StoredResults
+
+__all__ = ["diagnostics"]
+
+
+def diagnostics(stored: StoredResults) -> Iterator[Block]:
+    """Yield the table of diagnostics and the rank histograms."""
+    fit, sampler = stored.fit, stored.fit.sampler
+    yield Heading(1, "Diagnostics")
+    yield Paragraph(
+        f"{sampler.ensembles} independent ensembles of {sampler.walkers} walkers made "
+        f"{format_count(sampler.steps)} steps each after burn-in; each {sampler.thin}th is kept, "
+        f"{format_count(sampler.draws)} draws in all. {format_share(sampler.acceptance)} of the "
+        f"proposals were accepted, and an effective draw took at most "
+        f"{format_number(sampler.autocorrelation_time)} steps of a walker. Converged means: R-hat "
+        f"below {LIMITS['r_hat']}, walker by walker below {LIMITS['r_hat_walkers']}, and at least "
+        f"{LIMITS['ess']:.0f} effective draws, for every parameter."
+    )
+    entries = {
+        f"{name}[{size}]": entry
+        for name in ("c1", "c2", "c3")
+        for size, coefficients in fit.pulleys.items()
+        for entry in [coefficients[name]]
+    }
+    entries |= {**fit.scatter, **fit.noise, **fit.parameters}
+    yield Table(
+        "Diagnostics of each parameter, and how far the data moved it from its prior.",
+        [
+            "parameter",
+            "prior",
+            Column("R-hat", align="decimal"),
+            Column("by walker", align="decimal"),
+            Column("bulk ESS", align="right"),
+            Column("tail ESS", align="right"),
+            Column("contraction", align="right"),
+        ],
+        [
+            [
+                symbol(name),
+                entry.prior,
+                f"{entry.r_hat:.4f}",
+                f"{entry.r_hat_walkers:.4f}",
+                format_count(round(entry.ess_bulk)),
+                format_count(round(entry.ess_tail)),
+                format_share(entry.contraction, 3),
+            ]
+            for name, entry in entries.items()
+        ],
+        label="diagnostics",
+        note="R-hat is rank-normalised and split, with the walkers of an ensemble pooled into its "
+        "chain. ESS is the number of effective draws; for the bulk, the smaller of ArviZ's and "
+        "that of batch means. Contraction is 1 − posterior sd / prior sd.",
+    )
+    yield Figure(
+        to_svg(rank_histograms(stored.predictive)),
+        "Ranks of the draws of each ensemble (a line each) among all. Flat lines around one say "
+        "that the ensembles draw from one density; a slope or a hump would say that they do not.",
+        "Small panels, one for each parameter, of step lines near one for each ensemble.",
+        label="ranks",
+    )

@@ -1,0 +1,46 @@
+"""What the fit predicts, beside what was measured."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from bayesfric.plots.style import to_svg
+from bayesfric.plots.tension import friction_against_tension
+from bayesfric.plots.trajectories import measured_and_predicted
+from bayesfric.report.content import Block, Figure, Heading, Paragraph
+from bayesfric.report.stored import StoredResults
+
+__all__ = ["predictions"]
+
+REFERENCE_ANGLE_DEG = 85.0
+
+
+def predictions(stored: StoredResults) -> Iterator[Block]:
+    """Yield trajectories like the paper's Fig. 11 and friction against tension like Fig. 12."""
+    yield Heading(1, "Measured and predicted")
+    if "travel_m" in stored.predictive["trajectories"].data_vars:
+        yield Paragraph(
+            "The prediction starts with the speed that the trial had at its first event and runs "
+            "free to the end of travel. Its band is that of a new trial on a new assembly, scatter "
+            "included, so nine trials in ten should stay inside it."
+        )
+        yield Figure(
+            to_svg(measured_and_predicted(stored.predictive)),
+            "Travel against time of a slow and a fast trial of each size, as in the paper's "
+            "Fig. 11: Hall events of one sensor (dots), predicted median and 5 % to 95 % band; "
+            "below each, measured minus predicted.",
+            "Panels of parabolas of travel against time with measured dots on the predicted line, "
+            "and below each panel the difference in millimetres within its band.",
+            label="trajectories",
+        )
+    angles = np.unique(stored.predictive["trials"]["wrap_angle_deg"].to_numpy()).tolist()
+    angle = REFERENCE_ANGLE_DEG if REFERENCE_ANGLE_DEG in angles else angles[0]
+    yield Figure(
+        to_svg(friction_against_tension(stored.predictive, angle)),
+        f"Friction of each trial against nominal tension at a wrap angle of {angle:g}°, as in the "
+        "paper's Fig. 12. The shaded band of the law (5 % to 95 %, without scatter) should run "
+        "through the points of each number of pulleys; the dashed line is Table I.",
+        "One panel for each pulley size with straight bands rising with tension, steeper for more "
+        "pulleys, through the measured points.",
+        label="tension",
+    )

@@ -1,0 +1,33 @@
+"""How parameters are written: symbol, power of ten and unit."""
+
+from bayesfric.report.content import Math
+from bayesfric.report.quantities import format_unit
+
+__all__ = ["EXPONENTS", "SYMBOLS", "symbol", "unit_head"]
+
+SYMBOLS = {
+    "c1": "c_1",
+    "c2": "c_2",
+    "c3": "c_3",
+    "tau": "τ",
+    "omega": "ω",
+    "sigma_x": "σ_x",
+    "sigma_t": "σ_t",
+    "sigma_a": "σ_a",
+}
+"""Parameter to formula."""
+
+EXPONENTS = {"c1": -3, "c2": -3, "c3": -6, "tau": -2, "omega": -2, "sigma_x": -6, "sigma_t": -6}
+"""Powers of ten in which tables print a parameter."""
+
+
+def symbol(name: str) -> tuple[Math | str, ...]:
+    """Return a parameter as text, ``c1[small]`` as c₁ small."""
+    stem, _, size = name.partition("[")
+    written: Math | str = Math(SYMBOLS[stem]) if stem in SYMBOLS else stem
+    return (written, f" {size[:-1]}") if size else (written,)
+
+
+def unit_head(name: str, unit: str) -> str:
+    """Return the unit of a cell of this parameter, with its power of ten."""
+    return format_unit(unit, EXPONENTS.get(name.partition("[")[0], 0))
