@@ -124,9 +124,7 @@ def fit(
         raise InputError([Fault(recording.name, "gravity_trials.csv, the only kind fitted yet")])
     attributes = provenance(
         seed=analysis.seed,
-        recording=RecordingId(
-            name=recording.name, title=recording.title, sha256=recording.sha256
-        ),
+        recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
         analysis_sha256=analysis_sha256(analysis),
         created=recording.created,
     )

@@ -109,9 +109,12 @@ def _coefficients(likelihood: GravityLikelihood, model: Model, flat: Array) -> x
 
 
 def _ranks(model: Model, theta: Array) -> xr.Dataset:
-    counts = [rank_counts(theta[..., place], RANK_BINS) for place in range(theta.shape[-1])]
+    counts = np.stack(
+        [rank_counts(theta[..., place], RANK_BINS) for place in range(theta.shape[-1])]
+    )
+    dims = ("parameter", "ensemble", "bin")
     return xr.Dataset(
-        {"count": (("parameter", "ensemble", "bin"), np.stack(counts))},
+        {"relative": (dims, counts / counts.mean(axis=-1, keepdims=True))},
         coords={"parameter": list(model.names)},
     )
 

@@ -190,11 +190,11 @@ def _events(
     motion = trajectory(
         Coefficients(*(np.array(column)[:, None, None] for column in zip(*laws, strict=True))),
         Condition(
-            *(
-                trials[column].to_numpy()[:, None, None]
-                for column in ("n_pulleys", "wrap_angle_deg", "mass_drive_kg", "mass_load_kg")
-            ),
-            gravity_m_s2=rig.gravity_m_s2,
+            trials["n_pulleys"].to_numpy()[:, None, None],
+            trials["wrap_angle_deg"].to_numpy()[:, None, None],
+            trials["mass_drive_kg"].to_numpy()[:, None, None],
+            trials["mass_load_kg"].to_numpy()[:, None, None],
+            rig.gravity_m_s2,
         ),
         friction_factor=factor[:, None, None],
     )

@@ -189,7 +189,8 @@ class CompliantMotion:
         """
         which = ("drive", "load").index(end)
         position, *columns = np.broadcast_arrays(
-            np.asarray(position_m, dtype=np.float64), *_columns(self)
+            np.asarray(position_m, dtype=np.float64),
+            *(getattr(self, field.name) for field in fields(self)),
         )
         board = CompliantMotion(*columns)
         # An end is never further from the centre of mass than twice its swing.
@@ -298,10 +299,6 @@ def integrate(motion: CompliantMotion, time_s: ArrayLike) -> Ends:
             state, moving = _advance(motion, state, moving, (after - before) / count)
         states.append(state)
     return Ends(*np.stack(states, axis=-1))
-
-
-def _columns(motion: CompliantMotion) -> list[Array]:
-    return [getattr(motion, field.name) for field in fields(motion)]
 
 
 def _slope(motion: CompliantMotion, state: Array) -> Array:

@@ -57,14 +57,14 @@ class Condition(NamedTuple):
     @property
     def total_mass_kg(self) -> Array:
         """The moving mass m1 + m2 [kg]."""
-        return np.asarray(self.mass_drive_kg) + np.asarray(self.mass_load_kg)
+        total = np.asarray(self.mass_drive_kg) + np.asarray(self.mass_load_kg)
+        return np.asarray(total, dtype=np.float64)
 
     @property
     def drive_force_n(self) -> Array:
         """The driving force (m1 − m2) g [N]."""
-        return (np.asarray(self.mass_drive_kg) - np.asarray(self.mass_load_kg)) * np.asarray(
-            self.gravity_m_s2
-        )
+        difference = np.asarray(self.mass_drive_kg) - np.asarray(self.mass_load_kg)
+        return np.asarray(difference * np.asarray(self.gravity_m_s2), dtype=np.float64)
 
 
 def nominal_tension(condition: Condition, acceleration_m_s2: ArrayLike) -> Array:
@@ -84,7 +84,8 @@ def nominal_tension(condition: Condition, acceleration_m_s2: ArrayLike) -> Array
     """
     gravity = np.asarray(condition.gravity_m_s2)
     difference = np.asarray(condition.mass_drive_kg) - np.asarray(condition.mass_load_kg)
-    return 0.5 * (condition.total_mass_kg * gravity - difference * np.asarray(acceleration_m_s2))
+    tension = condition.total_mass_kg * gravity - difference * np.asarray(acceleration_m_s2)
+    return np.asarray(0.5 * tension, dtype=np.float64)
 
 
 def coulomb_acceleration(coefficients: Coefficients, condition: Condition) -> Array:
@@ -149,7 +150,8 @@ def recursive_board_friction(coefficients: Coefficients, condition: Condition) -
     weight = mass_drive * np.asarray(condition.gravity_m_s2)
     surplus = condition.drive_force_n - loss.share * weight - loss.constant_n
     acceleration = surplus / (condition.total_mass_kg - loss.share * mass_drive)
-    return loss.share * (weight - mass_drive * acceleration) + loss.constant_n
+    friction = loss.share * (weight - mass_drive * acceleration) + loss.constant_n
+    return np.asarray(friction, dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -204,7 +206,8 @@ class Trajectory:
         """
         time = np.minimum(np.asarray(time_s, dtype=np.float64), self.stop_time)
         z = self.damping * time
-        return self.start_speed * time * _phi1(z) + self.acceleration * time**2 * _phi2(z)
+        travel = self.start_speed * time * _phi1(z) + self.acceleration * time**2 * _phi2(z)
+        return np.asarray(travel, dtype=np.float64)
 
     def time_at(self, position_m: ArrayLike) -> Array:
         """Return when a distance ≥ 0 is reached; inf where the cable stops before [s].

@@ -38,7 +38,7 @@ class SizeIndex:
         """Index a column of sizes."""
         known = {size: place for place, size in enumerate(PAPER_SIZES)}
         sizes = sorted(set(pulley_size), key=lambda size: (known.get(size, len(known)), size))
-        return cls(tuple(sizes), pd.Index(sizes).get_indexer(pulley_size))
+        return cls(tuple(sizes), pd.Index(sizes).get_indexer(pd.Index(pulley_size)))
 
     def spread(self, theta: Mapping[str, Array], name: str) -> Array:
         """Return ``name[size]`` for the size of each trial, shape (W, N)."""

@@ -99,11 +99,12 @@ def coefficient_pairs(draws: xr.DataTree, size: str, paper: dict[str, float] | N
             plot_datapoints=False,
             smooth=1.0,
             max_n_ticks=3,
-            labelpad=0.12,
+            labelpad=0.05,
             hist_kwargs={"linewidth": 1.0},
+            label_kwargs={"fontsize": 8},
         )
         for axes in fig.axes:
             axes.grid(visible=False)
             axes.tick_params(axis="both", labelrotation=0)
-        fig.subplots_adjust(left=0.12, bottom=0.11, right=0.97, top=0.97, wspace=0.12, hspace=0.12)
+        fig.subplots_adjust(left=0.16, bottom=0.17, right=0.98, top=0.98, wspace=0.12, hspace=0.12)
         return fig

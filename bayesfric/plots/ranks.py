@@ -32,11 +32,11 @@ def rank_histograms(predictive: xr.DataTree) -> Figure:
     with figure(height=24.0 * rows + 6.0) as fig:
         panels = np.atleast_2d(fig.subplots(rows, COLUMNS, sharex=True, sharey=True))
         for panel, name in zip(panels.flat, names, strict=False):
-            counts = table["count"].sel(parameter=name).to_numpy()
-            edges = np.linspace(0, 1, counts.shape[1] + 1)
-            for ensemble, row in enumerate(counts):
+            heights = table["relative"].sel(parameter=name).to_numpy()
+            edges = np.linspace(0, 1, heights.shape[1] + 1)
+            for ensemble, row in enumerate(heights):
                 panel.stairs(
-                    row / row.mean(),
+                    row,
                     edges,
                     color=shades[ensemble % len(shades)],
                     linestyle=LINES[ensemble % len(LINES)],
@@ -44,7 +44,7 @@ def rank_histograms(predictive: xr.DataTree) -> Figure:
                     baseline=None,
                 )
             panel.axhline(1.0, color=NEUTRAL, linewidth=0.6)
-            panel.set_title(name)
+            panel.set_title(name.replace("[", " ").rstrip("]"))
             panel.set_ylim(0, 2)
         for panel in panels.flat[len(names) :]:
             panel.set_visible(False)

@@ -139,9 +139,9 @@ def figure(
     """
     if not (width > 0 and height > 0):
         raise ValueError(f"figure: expected a width and height in mm, got {width} and {height}")
-    with matplotlib.style.context(["default", _STYLE]):
-        layout = "constrained" if constrained else "none"
-        yield Figure(figsize=(width / 25.4, height / 25.4), layout=layout)
+    layout = {"figure.constrained_layout.use": constrained}
+    with matplotlib.style.context(["default", _STYLE, layout]):
+        yield Figure(figsize=(width / 25.4, height / 25.4))
 
 
 def to_svg(figure: Figure) -> bytes:

@@ -50,7 +50,11 @@ def measured_and_predicted(predictive: xr.DataTree) -> Figure:
             )
             top.tick_params(labelbottom=False)
             below.fill_between(
-                time, 1e3 * (low - middle), 1e3 * (high - middle), color=look.color, alpha=0.3,
+                time,
+                1e3 * (low - middle),
+                1e3 * (high - middle),
+                color=look.color,
+                alpha=0.3,
                 linewidth=0,
             )
             below.plot(time, 1e3 * (travel - middle), ".", color=COLORS["black"], markersize=2.0)

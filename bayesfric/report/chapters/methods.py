@@ -31,9 +31,9 @@ def methods(_: StoredResults) -> Iterator[Block]:
     )
     yield Paragraph(
         [
-            "On the gravity board the nominal tension is the mean of both sides and depends on the "
-            "acceleration, which depends on friction; both are solved for together, in closed form. "
-            "The friction of trial ",
+            "On the gravity board the nominal tension is the mean of both sides and depends on "
+            "the acceleration, which depends on friction; both are solved for together, in closed "
+            "form. The friction of trial ",
             Math("j"),
             " on assembly ",
             Math("i"),
@@ -59,8 +59,8 @@ def methods(_: StoredResults) -> Iterator[Block]:
             Math("σ_x"),
             ") and a clock error (",
             Math("σ_t"),
-            ", beside the rounding of the clock). The phase of a sensor is uniform over one spacing "
-            "and the first speed half-normal; both are integrated out in closed form, and so are ",
+            ", beside the rounding of the clock). The phase of a sensor is uniform over one "
+            "spacing and the first speed half-normal; both are integrated out in closed form, and so are ",
             Math("η_i"),
             " and ",
             Math("ε_{ij}"),

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from bayesfric.paper import table1
 from bayesfric.plots.posterior import coefficient_pairs
 from bayesfric.plots.style import to_svg
-from bayesfric.report.content import Block, Figure, Heading, Math, Paragraph
+from bayesfric.report.content import Block, Figure, Heading, Paragraph
 from bayesfric.report.stored import StoredResults
 
 __all__ = ["posteriors"]
@@ -15,13 +15,8 @@ def posteriors(stored: StoredResults) -> Iterator[Block]:
     """Yield a corner figure a size."""
     yield Heading(1, "Joint posteriors")
     yield Paragraph(
-        [
-            "Within a size the coefficients are not independent: ",
-            Math("c_1"),
-            " and ",
-            Math("c_2"),
-            " trade slope against intercept. Propagate draws, not the table of means.",
-        ]
+        "The coefficients of a size rest on the same trials, so their draws belong together: "
+        "propagate the draws, not the table of means."
     )
     for size in stored.fit.pulleys:
         paper = None

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from bayesfric.report.content import Block, Code, Heading, Listing, Paragraph, Table
+from bayesfric.report.content import Block, Code, Heading, Listing, Paragraph, Table, Text
 from bayesfric.report.quantities import MISSING, format_count
 from bayesfric.report.stored import StoredResults
 
@@ -13,6 +13,7 @@ def provenance(stored: StoredResults) -> Iterator[Block]:
     """Yield data quality, versions, hashes and the command."""
     fit = stored.fit
     quality = fit.data_quality
+    versions: list[list[Text]] = [[name, Code(text)] for name, text in fit.versions.items()]
     yield Heading(1, "Data and provenance")
     yield Table(
         "The recording as it entered.",
@@ -46,7 +47,7 @@ def provenance(stored: StoredResults) -> Iterator[Block]:
             ["recording, SHA-256", Code(fit.recording.sha256)],
             ["analysis, SHA-256", Code(fit.analysis_sha256)],
             ["date", fit.created or MISSING],
-            *([name, Code(version)] for name, version in fit.versions.items()),
+            *versions,
         ],
         label="provenance",
     )

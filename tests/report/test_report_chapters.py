@@ -1,0 +1,129 @@
+"""The report says what the stored results say, from the folder alone."""
+
+import dataclasses
+import io
+import re
+
+import pytest
+from pypdf import PdfReader
+
+from bayesfric.errors import InputError
+from bayesfric.report.assembly import build_document
+from bayesfric.report.content import Notice, Table
+from bayesfric.report.markdown import render_markdown
+from bayesfric.report.stored import StoredResults, read_stored
+from bayesfric.report.typst import render_pdf
+from bayesfric.report.writing import write_report
+
+
+@pytest.fixture(scope="module")
+def stored(small_fit):
+    return StoredResults(small_fit.summary, small_fit.draws, small_fit.predictive)
+
+
+@pytest.fixture(scope="module")
+def document(stored):
+    return build_document(stored)
+
+
+def table(document, label):
+    (found,) = [b for b in document.blocks if isinstance(b, Table) and b.label == label]
+    return found
+
+
+def changed(stored, **changes):
+    return dataclasses.replace(stored, fit=stored.fit.model_copy(update=changes))
+
+
+def test_table_of_coefficients_has_the_numbers_of_the_fit(document, stored):
+    rows = {(row[0], row[1][0].source): row[3:] for row in table(document, "coefficients").rows}
+    entry = stored.fit.pulleys["medium"]["c2"]
+    mean, q05, q95, paper, inside = rows["medium", "c_2"]
+    for text, value in ((mean, entry.mean), (q05, entry.q05), (q95, entry.q95)):
+        decimals = len(text.partition(".")[2])
+        assert text == f"{1e3 * value:.{decimals}f}"
+    assert paper == "16.5"
+    assert inside == ("yes" if entry.q05 <= 0.0165 <= entry.q95 else "no")
+
+
+def test_an_uninformed_coefficient_is_marked(stored):
+    pulleys = {size: dict(entries) for size, entries in stored.fit.pulleys.items()}
+    pulleys["small"]["c3"] = pulleys["small"]["c3"].model_copy(update={"informed": False})
+    rows = table(build_document(changed(stored, pulleys=pulleys)), "coefficients").rows
+    assert [row[-1] for row in rows].count("prior") == 1
+    assert rows[2][-1] == "prior"
+
+
+def test_diagnostics_are_those_of_the_fit(document, stored):
+    rows = {row[0][0].source: row for row in table(document, "diagnostics").rows[9:11]}
+    tau = stored.fit.scatter["tau"]
+    assert rows["τ"][2:4] == [f"{tau.r_hat:.4f}", f"{tau.r_hat_walkers:.4f}"]
+    assert re.sub(r"\D", "", rows["τ"][4]) == f"{tau.ess_bulk:.0f}"
+
+
+def test_unconverged_is_said_on_page_one(stored):
+    lines = ("tau has not converged: R-hat 1.2000",)
+    poor = build_document(changed(stored, converged=False, attention=lines))
+    first = PdfReader(io.BytesIO(render_pdf(poor))).pages[0].extract_text()
+    assert "Unconverged" in first
+    assert "R-hat 1.2000" in first
+    good = build_document(changed(stored, converged=True, attention=()))
+    kinds = [block.kind for block in good.blocks if isinstance(block, Notice)]
+    assert kinds == ["good"]
+
+
+def test_title_of_the_recording_is_on_page_one(stored):
+    first = PdfReader(io.BytesIO(render_pdf(build_document(stored)))).pages[0].extract_text()
+    assert "Synthetic gravity-board recording" in " ".join(first.split())
+
+
+def test_excluded_trials_are_listed_with_their_rule(stored):
+    from bayesfric.schemas import Excluded
+
+    quality = stored.fit.data_quality.model_copy(
+        update={"excluded": (Excluded(trial="g0007", rule="stalled", reason="it stopped"),)}
+    )
+    listed = table(build_document(changed(stored, data_quality=quality)), "excluded")
+    assert listed.rows == [["g0007", "stalled", "it stopped"]]
+
+
+def test_markdown_has_every_coefficient(document, stored):
+    text = render_markdown(document)
+    for size in stored.fit.pulleys:
+        assert text.count(f"| {size} | ") == 3
+
+
+def test_report_is_written_from_the_folder_and_repeats_its_bytes(small_fit, tmp_path):
+    small_fit.write(tmp_path)
+    write_report(tmp_path)
+    first = {name: (tmp_path / name).read_bytes() for name in ("report.pdf", "report.html")}
+    assert first["report.pdf"].startswith(b"%PDF")
+    write_report(tmp_path)
+    assert {name: (tmp_path / name).read_bytes() for name in first} == first
+
+
+def test_missing_results_say_which_verb_makes_them(tmp_path):
+    with pytest.raises(InputError, match="bayesfric fit") as raised:
+        read_stored(tmp_path)
+    assert [fault.file for fault in raised.value.faults] == [
+        "fit.json",
+        "draws.nc",
+        "predictive.nc",
+    ]
+
+
+def test_files_of_different_fits_are_refused(small_fit, tmp_path):
+    small_fit.write(tmp_path)
+    text = (tmp_path / "fit.json").read_text("utf-8")
+    other = text.replace(small_fit.summary.analysis_sha256, "0" * 64)
+    (tmp_path / "fit.json").write_text(other, "utf-8")
+    with pytest.raises(InputError, match="the fit in fit"):
+        read_stored(tmp_path)
+
+
+def test_a_damaged_result_is_one_clear_error(small_fit, tmp_path):
+    small_fit.write(tmp_path)
+    (tmp_path / "draws.nc").write_bytes(b"not netCDF")
+    with pytest.raises(InputError, match=r"draws\.nc"):
+        write_report(tmp_path)
+    assert not (tmp_path / "report.pdf").exists()
