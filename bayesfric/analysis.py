@@ -96,6 +96,9 @@ class Priors(_Section):
     stainless cable has an EA of 14 to 16 kN when it is run in, a new one less; a
     length of 1.6 m (95 %: 1.1 to 2.4 m) and a few per cent of the critical damping
     (95 %: 1.3 to 20 %) are assumptions. Only EA over length counts.
+
+    On the motor board a torque constant is as good as its data sheet, some 5 %;
+    currents of a few ampere are known to 20 mA and to 2 % of the load.
     """
 
     c1: Prior = Field(HalfNormal(scale=0.05), description="Friction per tension and pulley [-].")
@@ -110,6 +113,27 @@ class Priors(_Section):
     sigma_a: Prior = Field(
         HalfNormal(scale=0.05),
         description="Error of an acceleration that comes without its standard error [m/s²].",
+    )
+    tau_motor: Prior = Field(
+        HalfNormal(scale=0.05), description="Relative friction scatter of a motor run [-]."
+    )
+    omega_motor: Prior = Field(
+        HalfNormal(scale=0.05),
+        description="Relative friction scatter of an assembly of the motor board [-].",
+    )
+    torque_constant_factor: Prior = Field(
+        Normal(mean=1.0, sd=0.05), description="Torque constant over the specified one [-]."
+    )
+    sigma_current: Prior = Field(
+        HalfNormal(scale=0.02), description="Noise of a current without load [A]."
+    )
+    load_noise: Prior = Field(
+        HalfNormal(scale=0.02), description="Noise of a current per load current [-]."
+    )
+    idle_current_sd: Positive = Field(
+        1.0,
+        description="Of the normal priors, mean 0, of the idle curve's level [A], slope [A s/m] "
+        "and curvature [A s²/m²].",
     )
     first_speed: HalfNormal = Field(
         HalfNormal(scale=1.0), description="Speed at the first event of a trial [m/s]."
@@ -151,10 +175,10 @@ class Sampler(_Section):
         None, description="Walkers an ensemble; even. Absent: the larger of 32 and 4 a parameter."
     )
     burn: Annotated[int, Field(ge=10, le=100_000)] = Field(
-        150, description="Steps of an ensemble that are thrown away."
+        200, description="Steps of an ensemble that are thrown away."
     )
     steps: Annotated[int, Field(ge=50, le=1_000_000)] = Field(
-        400, description="Steps of an ensemble that are kept, before thinning."
+        600, description="Steps of an ensemble that are kept, before thinning."
     )
     thin: Annotated[int, Field(ge=1, le=1000)] = Field(4, description="Keep each thin-th step.")
     independence_share: Annotated[float, Field(ge=0, le=1)] = Field(

@@ -1,7 +1,7 @@
 """A recording and an analysis become a stored fit: posteriors and diagnostics."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +18,8 @@ from bayesfric.checkpoint import Checkpoint
 from bayesfric.errors import Fault, InputError
 from bayesfric.laplace import laplace_approximation
 from bayesfric.likelihood.gravity import GravityLikelihood
-from bayesfric.likelihood.model import Model
+from bayesfric.likelihood.model import Model, RigLikelihood
+from bayesfric.likelihood.motor import MotorLikelihood
 from bayesfric.likelihood.screening import screen_trials
 from bayesfric.predictive import predict
 from bayesfric.priors import log_density
@@ -37,6 +38,7 @@ from bayesfric.summary import summarise
 __all__ = ["Fit", "fit"]
 
 Array = NDArray[np.float64]
+RIGS = ("gravity", "motor")
 POINTWISE_DRAWS = 2000  # draws of which the log likelihood by trial is stored
 
 
@@ -94,13 +96,14 @@ def fit(
     *,
     progress: Progress | None = None,
     checkpoint: Path | None = None,
+    rigs: Sequence[str] | None = None,
 ) -> Fit:
     """Draw from the posterior of the paper's law given a recording.
 
     Parameters
     ----------
     recording : Recording
-        With gravity trials; other kinds are not used.
+        With gravity trials, motor runs or both.
     analysis : Analysis or None
         Priors, scatter, sampler and seed; None for the defaults.
     progress : callable or None
@@ -108,6 +111,9 @@ def fit(
     checkpoint : Path or None
         Folder that keeps the draws on the way: a fit that is killed and called
         again goes on to the same result. Remove it when the fit is written.
+    rigs : sequence of str or None
+        Whose data enter: ``gravity``, ``motor`` or both. None is the gravity board
+        where there is one, else the motor board.
 
     Returns
     -------
@@ -117,11 +123,10 @@ def fit(
     Raises
     ------
     InputError
-        The recording has no gravity trials that could enter.
+        A rig is unknown or has no data in the recording, or no trial could enter.
     """
     analysis = Analysis() if analysis is None else analysis
-    if recording.gravity is None:
-        raise InputError([Fault(recording.name, "gravity_trials.csv, the only kind fitted yet")])
+    chosen = _choose(recording, rigs)
     attributes = provenance(
         seed=analysis.seed,
         recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
@@ -131,13 +136,19 @@ def fit(
     seconds: dict[str, float] = {}
     with threadpool_limits(limits=1):  # one BLAS thread: the same bytes, and faster
         with _timed(seconds, "reduce"):
-            screened = screen_trials(recording.gravity, recording.rig)
-            if screened.gravity.trials.empty:
-                raise InputError(
-                    [Fault(recording.name, "a trial that enters the fit; all stalled")]
-                )
-            likelihood = GravityLikelihood(screened.gravity, recording.rig, analysis)
-            model = Model([likelihood])
+            screened = None
+            likelihoods: dict[str, RigLikelihood] = {}
+            if "gravity" in chosen and recording.gravity is not None:
+                screened = screen_trials(recording.gravity, recording.rig)
+                if screened.gravity.trials.empty:
+                    expected = "a trial that enters the fit; all are left out"
+                    raise InputError([Fault(recording.name, expected)])
+                gravity = GravityLikelihood(screened.gravity, recording.rig, analysis)
+                likelihoods["gravity"] = gravity
+            if "motor" in chosen and recording.motor is not None:
+                motor = MotorLikelihood(recording.motor, recording.rig, analysis)
+                likelihoods["motor"] = motor
+            model = Model(list(likelihoods.values()))
         with _timed(seconds, "laplace"):
             laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
         with _timed(seconds, "draws"):
@@ -147,19 +158,36 @@ def fit(
                 analysis.sampler,
                 analysis.seed,
                 progress,
-                Checkpoint(checkpoint, attributes.model_dump_json()),
+                Checkpoint(checkpoint, ",".join(chosen) + attributes.model_dump_json()),
             )
         with _timed(seconds, "summary"):
             theta = model.natural(draws.z)
             summary = summarise(
-                attributes.model_dump(), recording, screened, model, draws, theta, analysis
+                attributes.model_dump(), recording, chosen, screened, model, draws, theta, analysis
             )
-            tree = _draws_tree(model, likelihood, theta, attributes.model_dump(mode="json"))
+            tree = _draws_tree(model, likelihoods, theta, attributes.model_dump(mode="json"))
         with _timed(seconds, "predictive"):
-            predictive = predict(
-                likelihood, screened.gravity, recording.rig, model, theta, analysis
-            )
+            predictive = predict(recording, screened, likelihoods, model, theta, analysis)
     return Fit(summary, tree, predictive, seconds)
+
+
+def _choose(recording: Recording, rigs: Sequence[str] | None) -> tuple[str, ...]:
+    """Return the rigs to fit, in the order of :data:`RIGS`."""
+    there = [rig for rig in RIGS if getattr(recording, rig) is not None]
+    if rigs is None:
+        if not there:
+            expected = "gravity_trials.csv or motor_runs.csv, the kinds that can be fitted"
+            raise InputError([Fault(recording.name, expected)])
+        return (there[0],)
+    unknown = [Fault("rigs", f"one of {', '.join(RIGS)}", value=r) for r in rigs if r not in RIGS]
+    absent = [
+        Fault(recording.name, f"data of the rig {rig!r}, which was asked for")
+        for rig in rigs
+        if rig in RIGS and rig not in there
+    ]
+    if unknown or absent or not rigs:
+        raise InputError([*unknown, *absent] or [Fault("rigs", f"one of {', '.join(RIGS)}")])
+    return tuple(rig for rig in RIGS if rig in rigs)
 
 
 @contextmanager
@@ -170,7 +198,10 @@ def _timed(seconds: dict[str, float], stage: str) -> Any:
 
 
 def _draws_tree(
-    model: Model, likelihood: GravityLikelihood, theta: Array, attributes: dict[str, Any]
+    model: Model,
+    likelihoods: Mapping[str, RigLikelihood],
+    theta: Array,
+    attributes: dict[str, Any],
 ) -> xr.DataTree:
     ensembles, kept, walkers, size = theta.shape
     chains = theta.transpose(0, 2, 1, 3).reshape(ensembles * walkers, kept, size)
@@ -183,45 +214,61 @@ def _draws_tree(
     some = chains[:, ::stride]
     named = model.by_name(some.reshape(-1, size))
     shape = some.shape[:2]
-    pointwise = {
-        "setup": likelihood.setup_log_likelihood(named).reshape(*shape, -1),
-        "trial": likelihood.trial_log_likelihood(named).reshape(*shape, -1),
-    }
+    rigs = likelihoods.values()
+    setups = np.concatenate([rig.setup_log_likelihood(named) for rig in rigs], axis=-1)
+    trials = np.concatenate([rig.trial_log_likelihood(named) for rig in rigs], axis=-1)
+    # Two rigs may use the same ids: then the rig's name goes before them.
+    before = {name: f"{name}/" if len(likelihoods) > 1 else "" for name in likelihoods}
     tree = draws_tree(
         {
             "posterior": posterior,
             "log_prior": _variables(model, prior_terms),
         },
         dims={name: ["pulley"] for name, values in posterior.items() if values.ndim == 3},
-        coords={"pulley": list(likelihood.sizes)},
+        coords={"pulley": _sizes(model)},
         ensemble=np.repeat(np.arange(ensembles), walkers),
         attributes=_flat(attributes),
     )
-    likelihoods = draws_tree(
-        {"log_likelihood": pointwise},
+    pointwise = draws_tree(
+        {
+            "log_likelihood": {
+                "setup": setups.reshape(*shape, -1),
+                "trial": trials.reshape(*shape, -1),
+            }
+        },
         dims={"setup": ["setup_id"], "trial": ["trial_id"]},
         coords={
-            "setup_id": list(likelihood.setups),
-            "trial_id": likelihood.trials["trial"].tolist(),
+            "setup_id": [before[n] + s for n, rig in likelihoods.items() for s in rig.setups],
+            "trial_id": [
+                before[n] + t for n, rig in likelihoods.items() for t in rig.trials["trial"]
+            ],
             "draw": np.arange(kept)[::stride],
         },
         ensemble=np.repeat(np.arange(ensembles), walkers),
         attributes={},
     )
-    tree["log_likelihood"] = likelihoods["log_likelihood"]
+    tree["log_likelihood"] = pointwise["log_likelihood"]
     return tree
 
 
 def _variables(model: Model, values: Array) -> dict[str, Array]:
     """Gather ``c1[small]``, ``c1[medium]``, … of the last axis into ``c1`` over pulleys."""
-    variables: dict[str, list[Array]] = {}
-    for place, name in enumerate(model.names):
-        variables.setdefault(name.partition("[")[0], []).append(values[..., place])
-    grouped = {name.partition("[")[0] for name in model.names if "[" in name}
-    return {
-        name: np.stack(columns, axis=-1) if name in grouped else columns[0]
-        for name, columns in variables.items()
-    }
+    columns = dict(zip(model.names, np.moveaxis(values, -1, 0), strict=True))
+    sizes = _sizes(model)
+    variables: dict[str, Array] = {}
+    for name, column in columns.items():
+        stem = name.partition("[")[0]
+        everywhere = [f"{stem}[{size}]" for size in sizes]
+        if set(everywhere) <= set(columns):
+            variables[stem] = np.stack([columns[of_size] for of_size in everywhere], axis=-1)
+        else:
+            variables[name] = column
+    return variables
+
+
+def _sizes(model: Model) -> list[str]:
+    """Return the pulley sizes of all rigs."""
+    return [name[3:-1] for name in model.names if name.startswith("c1[")]
 
 
 def _flat(attributes: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:

@@ -3,6 +3,7 @@
 Figures draw from these arrays and compute nothing.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -12,13 +13,16 @@ from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
 from bayesfric.boards.gravity import Condition, nominal_tension, trajectory
+from bayesfric.boards.motor import nominal_tension as motor_tension
 from bayesfric.diagnostics import rank_counts
 from bayesfric.friction import Coefficients, coulomb_friction
 from bayesfric.likelihood.gravity import GravityLikelihood
 from bayesfric.likelihood.hall_events import pilot_fits
-from bayesfric.likelihood.model import Model
+from bayesfric.likelihood.model import Model, RigLikelihood
+from bayesfric.likelihood.motor import MotorLikelihood
+from bayesfric.likelihood.screening import Screened
 from bayesfric.paper import table1
-from bayesfric.recording.tables import Gravity, Rig
+from bayesfric.recording.tables import Gravity, Recording, Rig
 
 __all__ = ["QUANTILES", "predict"]
 
@@ -31,9 +35,9 @@ SHOWN_TRIALS = 6
 
 
 def predict(
-    likelihood: GravityLikelihood,
-    gravity: Gravity,
-    rig: Rig,
+    recording: Recording,
+    screened: Screened | None,
+    likelihoods: Mapping[str, RigLikelihood],
     model: Model,
     theta: Array,
     analysis: Analysis,
@@ -42,12 +46,12 @@ def predict(
 
     Parameters
     ----------
-    likelihood : GravityLikelihood
-        Of the fit.
-    gravity : Gravity
-        Trials that entered, in the likelihood's order.
-    rig : Rig
-        The board.
+    recording : Recording
+        As read.
+    screened : Screened or None
+        The gravity trials that entered; None where that board did not.
+    likelihoods : mapping of str to RigLikelihood
+        Of the fit, by rig.
     model : Model
         Of the fit.
     theta : ndarray, shape (ensembles, draws, walkers, D)
@@ -60,25 +64,28 @@ def predict(
     DataTree
         ``coefficients``: quantiles, and their ratio to Table I for its sizes.
         ``ranks``: how the draws of each ensemble rank among all.
-        ``trials``: friction observed, and predicted for a new trial on a new
-        assembly. ``curves``: friction against tension at each (size, n, θ) cell, of
-        the law and of Table I. ``trajectories``: a few trials, measured and
-        predicted from their first speed alone.
+        Of the gravity board, ``trials``: friction observed, and predicted for a new
+        trial on a new assembly; ``curves``: friction against tension at each (size,
+        n, θ) cell, of the law and of Table I; ``trajectories``: a few trials,
+        measured and predicted from their first speed alone. Of the motor board,
+        ``runs``: friction observed, and predicted for a new run on a new assembly.
     """
     rng = np.random.default_rng(np.random.SeedSequence([analysis.seed, 1]))
     flat = theta.reshape(-1, theta.shape[-1])
     some = flat[np.linspace(0, len(flat) - 1, min(DRAWS, len(flat))).astype(int)]
     named = model.by_name(some)
-    factor = 1 + likelihood.draw_scatter(named, rng)
-    return xr.DataTree.from_dict(
-        {
-            "coefficients": _coefficients(likelihood, model, flat),
-            "ranks": _ranks(model, theta),
-            "trials": _trials(likelihood, named, factor),
-            "curves": _curves(likelihood, named),
-            "trajectories": _trajectories(likelihood, gravity, rig, named, factor),
-        }
-    )
+    groups = {"coefficients": _coefficients(model, flat), "ranks": _ranks(model, theta)}
+    for likelihood in likelihoods.values():
+        factor = 1 + likelihood.draw_scatter(named, rng)
+        if isinstance(likelihood, GravityLikelihood) and screened is not None:
+            groups["trials"] = _trials(likelihood, named, factor)
+            groups["curves"] = _curves(likelihood, named)
+            groups["trajectories"] = _trajectories(
+                likelihood, screened.gravity, recording.rig, named, factor
+            )
+        elif isinstance(likelihood, MotorLikelihood):
+            groups["runs"] = _runs(likelihood, named, factor)
+    return xr.DataTree.from_dict(groups)
 
 
 def _bands(values: Array) -> Array:
@@ -86,9 +93,9 @@ def _bands(values: Array) -> Array:
     return np.moveaxis(np.quantile(values, QUANTILES, axis=0), 0, -1)
 
 
-def _coefficients(likelihood: GravityLikelihood, model: Model, flat: Array) -> xr.Dataset:
+def _coefficients(model: Model, flat: Array) -> xr.Dataset:
     draws = model.by_name(flat)
-    sizes = [size for size in likelihood.sizes if size in table1()]
+    sizes = [size for size in table1() if f"c1[{size}]" in draws]
     names = Coefficients._fields
     levels = (0.05, 0.25, 0.5, 0.75, 0.95)
     paper = np.array([[getattr(table1()[size], name).value for name in names] for size in sizes])
@@ -141,6 +148,34 @@ def _trials(likelihood: GravityLikelihood, named: dict[str, Array], factor: Arra
             "predicted_n": (("trial", "quantile"), _bands(law * factor)),
         },
         coords={"trial": trials["trial"].to_numpy(), "quantile": list(QUANTILES)},
+    )
+
+
+def _runs(likelihood: MotorLikelihood, named: dict[str, Array], factor: Array) -> xr.Dataset:
+    runs, condition = likelihood.trials, likelihood.condition
+    law = likelihood.law(named)
+    middle = {name: np.median(values, keepdims=True) for name, values in named.items()}
+    columns: dict[str, Any] = {
+        name: ("run", runs[name].to_numpy())
+        for name in (
+            "pulley_size",
+            "setup",
+            "n_pulleys",
+            "wrap_angle_deg",
+            "hanging_mass_kg",
+            "velocity_m_s",
+        )
+    }
+    friction = likelihood.observed(middle)[0]
+    return xr.Dataset(
+        columns
+        | {
+            "tension_n": ("run", motor_tension(condition, friction)),
+            "friction_n": ("run", friction),
+            "law_n": (("run", "quantile"), _bands(law)),
+            "predicted_n": (("run", "quantile"), _bands(law * factor)),
+        },
+        coords={"run": runs["trial"].to_numpy(), "quantile": list(QUANTILES)},
     )
 
 

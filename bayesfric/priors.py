@@ -1,7 +1,8 @@
 """Normalised prior densities, and the scale on which a parameter is sampled.
 
-A parameter that is positive by its prior is sampled as its logarithm, every
-other one as itself; the log density on the sampling scale includes the Jacobian.
+A parameter is sampled as the z at which a standard normal has the same quantile as
+the parameter has under its prior: the prior is N(0, 1) there, whatever its family,
+bounds are at infinity, and a scale that may vanish has no long tail.
 """
 
 from dataclasses import dataclass
@@ -9,11 +10,19 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import stats
+from scipy import special, stats
 
 from bayesfric.analysis import HalfNormal, LogNormal, Normal, Prior, Uniform
 
-__all__ = ["Parameter", "draw", "is_positive", "log_density", "prior_sd", "quantile"]
+__all__ = [
+    "Parameter",
+    "draw",
+    "from_normal",
+    "log_density",
+    "prior_sd",
+    "quantile",
+    "to_normal",
+]
 
 LOG_2PI = float(np.log(2 * np.pi))
 
@@ -35,18 +44,6 @@ class Parameter:
     name: str
     unit: str
     prior: Prior
-
-    @property
-    def positive(self) -> bool:
-        """Whether the parameter is sampled as its logarithm."""
-        return is_positive(self.prior)
-
-
-def is_positive(prior: Prior) -> bool:
-    """Return whether a prior allows positive values only."""
-    return isinstance(prior, HalfNormal | LogNormal) or (
-        isinstance(prior, Uniform) and prior.low > 0
-    )
 
 
 def log_density(prior: Prior, value: ArrayLike) -> NDArray[np.float64]:
@@ -90,6 +87,57 @@ def quantile(prior: Prior, probability: ArrayLike) -> NDArray[np.float64]:
     return np.asarray(
         _frozen(prior).ppf(np.asarray(probability, dtype=np.float64)), dtype=np.float64
     )
+
+
+def from_normal(prior: Prior, z: ArrayLike) -> NDArray[np.float64]:
+    """Return the parameter whose prior quantile is that of a standard normal z.
+
+    Parameters
+    ----------
+    prior : Prior
+        The density.
+    z : array_like
+        Sampling scale.
+    """
+    z = np.asarray(z, dtype=np.float64)
+    match prior:
+        case HalfNormal(scale=scale):
+            # Either form loses its digits in the other's tail.
+            low = np.sqrt(2) * special.erfinv(special.ndtr(np.minimum(z, 0.0)))
+            high = -special.ndtri(special.ndtr(-np.maximum(z, 0.0)) / 2)
+            return np.asarray(scale * np.where(z < 0, low, high))
+        case LogNormal(median=median, sd_log=sd):
+            return np.asarray(median * np.exp(sd * z))
+        case Normal(mean=mean, sd=sd):
+            return np.asarray(mean + sd * z)
+        case Uniform(low=lowest, high=highest):
+            return np.asarray(lowest + (highest - lowest) * special.ndtr(z))
+
+
+def to_normal(prior: Prior, value: ArrayLike) -> NDArray[np.float64]:
+    """Return the sampling scale of a parameter: the inverse of :func:`from_normal`.
+
+    Parameters
+    ----------
+    prior : Prior
+        The density.
+    value : array_like
+        In the parameter's unit; ±inf comes back at and beyond the prior's bounds.
+    """
+    x = np.asarray(value, dtype=np.float64)
+    match prior:
+        case HalfNormal(scale=scale):
+            u = np.maximum(x, 0.0) / scale
+            low = special.ndtri(special.erf(u / np.sqrt(2)))
+            high = -special.ndtri(2 * special.ndtr(-u))
+            return np.asarray(np.where(u < 0.67, low, high))
+        case LogNormal(median=median, sd_log=sd):
+            with np.errstate(divide="ignore"):
+                return np.asarray(np.log(np.maximum(x, 0.0) / median) / sd)
+        case Normal(mean=mean, sd=sd):
+            return np.asarray((x - mean) / sd)
+        case Uniform(low=lowest, high=highest):
+            return np.asarray(special.ndtri(np.clip((x - lowest) / (highest - lowest), 0.0, 1.0)))
 
 
 def prior_sd(prior: Prior) -> float:

@@ -15,7 +15,17 @@ from bayesfric.friction import Coefficients, coulomb_friction
 from bayesfric.paper import table1
 from bayesfric.recording.tables import STANDARD_GRAVITY
 
-__all__ = ["PROTOCOLS", "Assembly", "GravityTrial", "Protocol"]
+__all__ = [
+    "IDLE_REPEATS",
+    "IDLE_SPEEDS_M_S",
+    "MOTOR_ASSEMBLIES",
+    "MOTOR_SPEEDS_M_S",
+    "PROTOCOLS",
+    "Assembly",
+    "GravityTrial",
+    "MotorAssembly",
+    "Protocol",
+]
 
 TOP_ACCELERATION = 1.2  # m/s²; 1.2 m/s after 0.6 m, inside Table II
 LEAST_ACCELERATION = 0.2  # m/s²
@@ -49,6 +59,28 @@ class Assembly:
     n_pulleys: int
     wrap_angle_deg: float
     trials: tuple[GravityTrial, ...]
+
+
+@dataclass(frozen=True)
+class MotorAssembly:
+    """One assembly of the motor board and the weights that hang on it in turn.
+
+    Parameters
+    ----------
+    pulley_size : str
+        A size of Table I.
+    n_pulleys : int
+        Number of pulleys.
+    wrap_angle_deg : float
+        Average individual wrap angle [deg].
+    masses_kg : tuple of float
+        Hanging masses; each is run at every speed.
+    """
+
+    pulley_size: str
+    n_pulleys: int
+    wrap_angle_deg: float
+    masses_kg: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -137,3 +169,24 @@ PROTOCOLS = {
     ),
 }
 """The designs by name; ``paper`` has 594 trials in 54 setups, ``quick`` 180 in 30."""
+
+MOTOR_ASSEMBLIES = (
+    # Fig. 4: the medium pulley at five tensions. Fig. 5: the others at three.
+    MotorAssembly("medium", 9, 85.0, (0.5, 1.0, 1.5, 2.2, 3.0)),
+    MotorAssembly("small", 9, 85.0, (0.75, 1.5, 2.5)),
+    MotorAssembly("large", 9, 85.0, (0.75, 1.5, 2.5)),
+    # Fig. 6: two more wrap angles. Fig. 7: two more pulley counts.
+    *(
+        MotorAssembly(size, n, wrap, (1.5,))
+        for n, wrap in ((9, 50.0), (9, 135.0), (5, 85.0), (15, 85.0))
+        for size in ("small", "medium", "large")
+    ),
+)
+"""The motor board's assemblies in both protocols: 23 conditions."""
+
+MOTOR_SPEEDS_M_S = tuple(round(0.05 + 1.25 * step / 19, 4) for step in range(20))
+"""Speeds of each condition, 460 runs in all, up to Table II's 1.3 m/s."""
+
+IDLE_SPEEDS_M_S = tuple(round(0.05 * step, 2) for step in range(1, 27))
+IDLE_REPEATS = 3
+"""The idle motor is measured at these speeds, so often each."""

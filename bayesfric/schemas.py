@@ -97,10 +97,11 @@ class Excluded(_Record):
 class DataQuality(_Record):
     """What the fit used."""
 
-    trials: int = Field(description="Trials recorded.")
+    trials: int = Field(description="Gravity trials recorded.")
     trials_used: int = Field(description="Trials that enter.")
     setups: int = Field(description="Assemblies that enter.")
     events: int = Field(description="Hall events that enter.")
+    motor_runs: int = Field(0, description="Motor runs that enter.")
     replicated_cells: int = Field(
         description="(size, n, angle) cells assembled more than once; without any, setup "
         "scatter rests on its prior."

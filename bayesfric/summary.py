@@ -32,7 +32,8 @@ COEFFICIENTS = ("c1", "c2", "c3")
 def summarise(
     attributes: dict[str, Any],
     recording: Recording,
-    screened: Screened,
+    rigs: tuple[str, ...],
+    screened: Screened | None,
     model: Model,
     draws: Draws,
     theta: Array,
@@ -46,8 +47,10 @@ def summarise(
         The fields of :class:`bayesfric.schemas.Provenance`.
     recording : Recording
         As read.
-    screened : Screened
-        Which trials entered.
+    rigs : tuple of str
+        Whose data entered.
+    screened : Screened or None
+        Which gravity trials entered; None where that board did not.
     model : Model
         Of the posterior.
     draws : Draws
@@ -70,17 +73,17 @@ def summarise(
     }
     sizes = [name[3:-1] for name in entries if name.startswith("c1[")]
     ensembles, kept, walkers, _ = theta.shape
-    quality = _quality(recording, screened)
+    quality = _quality(recording, screened, motor="motor" in rigs)
     converged = all(figures.converged for figures in convergence.values())
     return FitFile(
         **attributes,
-        rigs=("gravity",),
+        rigs=rigs,
         converged=converged,
         attention=_attention(convergence, entries, quality),
         pulleys={size: {c: entries[f"{c}[{size}]"] for c in COEFFICIENTS} for size in sizes},
         scatter={n: e for n, e in entries.items() if n.startswith(("tau", "omega"))},
-        noise={n: e for n, e in entries.items() if n.startswith("sigma")},
-        parameters={},
+        noise={n: e for n, e in entries.items() if n.startswith(("sigma", "load_noise"))},
+        parameters={n: e for n, e in entries.items() if n == "torque_constant_factor"},
         sampler=SamplerSummary(
             ensembles=ensembles,
             walkers=walkers,
@@ -137,8 +140,7 @@ def _informed(model: Model, centre: Array) -> NDArray[np.bool_]:
     the priors' widths: a direction that the data leave open has a curvature below 1.
     """
     z = model.sampling(centre)
-    natural_unit = np.array([prior_sd(p.prior) for p in model.parameters])
-    unit = np.where([p.positive for p in model.parameters], natural_unit / centre, natural_unit)
+    unit = model.scale()
 
     def log_likelihood(points: Array) -> Array:
         return model.log_likelihood(model.natural(points))
@@ -150,8 +152,19 @@ def _informed(model: Model, centre: Array) -> NDArray[np.bool_]:
     return np.asarray(variance < 1)
 
 
-def _quality(recording: Recording, screened: Screened) -> DataQuality:
-    assert recording.gravity is not None
+def _quality(recording: Recording, screened: Screened | None, *, motor: bool) -> DataQuality:
+    runs = len(recording.motor.runs) if motor and recording.motor is not None else 0
+    if screened is None or recording.gravity is None:
+        return DataQuality(
+            trials=0,
+            trials_used=0,
+            setups=0,
+            events=0,
+            motor_runs=runs,
+            replicated_cells=0,
+            excluded=(),
+            notes=recording.notes,
+        )
     trials = screened.gravity.trials
     cells = trials.groupby(["pulley_size", "n_pulleys", "wrap_angle_deg"])["setup"].nunique()
     return DataQuality(
@@ -159,6 +172,7 @@ def _quality(recording: Recording, screened: Screened) -> DataQuality:
         trials_used=len(trials),
         setups=trials["setup"].nunique(),
         events=len(screened.gravity.events),
+        motor_runs=runs,
         replicated_cells=int((cells > 1).sum()),
         excluded=tuple(
             Excluded(trial=trial, rule=rule, reason=RULES[rule])
@@ -186,7 +200,7 @@ def _attention(
     open_names = [name for name, entry in entries.items() if not entry.informed]
     if open_names:
         lines.append(f"driven by the prior, not by these data: {', '.join(open_names)}")
-    if quality.replicated_cells == 0:
+    if quality.replicated_cells == 0 and quality.trials_used:
         lines.append(
             "no (size, n, angle) cell was assembled twice: setup scatter has no replicates, "
             "and effects of n and of the wrap angle rest on the prior of omega"

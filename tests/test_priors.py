@@ -7,7 +7,7 @@ from scipy.integrate import quad
 
 from bayesfric.analysis import HalfNormal, LogNormal, Normal, Priors, Uniform
 from bayesfric.paper import table1
-from bayesfric.priors import draw, log_density, prior_sd, quantile
+from bayesfric.priors import draw, from_normal, log_density, prior_sd, quantile, to_normal
 
 CASES = [
     (HalfNormal(scale=0.3), stats.halfnorm(scale=0.3), (0.0, np.inf)),
@@ -31,6 +31,20 @@ def test_draws_quantiles_and_sd(prior, reference, support):
     assert quantile(prior, [0.1, 0.9]) == pytest.approx(reference.ppf([0.1, 0.9]), rel=1e-12)
     draws = draw(prior, 2000, np.random.default_rng(1))
     assert stats.kstest(draws, reference.cdf).pvalue > 1e-3
+
+
+@pytest.mark.parametrize(("prior", "reference", "support"), CASES)
+def test_sampling_scale_has_the_quantiles_of_a_standard_normal(prior, reference, support):
+    z = np.array([-7.0, -3.0, -0.5, -1e-3, 0.0, 1e-3, 0.5, 3.0, 7.0])
+    if isinstance(prior, Uniform):
+        z = z[np.abs(z) < 5]  # beyond, doubles near the upper bound have no digits left
+    x = from_normal(prior, z)
+    # From the nearer tail, where the probability has all its digits.
+    assert reference.logcdf(x[z <= 0]) == pytest.approx(stats.norm.logcdf(z[z <= 0]), abs=1e-6)
+    assert reference.logsf(x[z >= 0]) == pytest.approx(stats.norm.logsf(z[z >= 0]), abs=1e-6)
+    assert to_normal(prior, x) == pytest.approx(z, abs=1e-8)
+    bounds = [b for b in support if np.isfinite(b)]
+    assert np.isinf(to_normal(prior, bounds)).all()
 
 
 def test_defaults_are_not_derived_from_table_1():

@@ -37,7 +37,7 @@ def exit_status(verb: Callable[P, None]) -> Callable[P, None]:
         except KeyboardInterrupt as error:
             typer.echo("interrupted", err=True)
             raise typer.Exit(3) from error
-        except (typer.Exit, typer.Abort, typer.BadParameter):
+        except (typer.Exit, typer.Abort, typer.BadParameter, BrokenPipeError):
             raise
         except Exception as error:
             traceback.print_exc()

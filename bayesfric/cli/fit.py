@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from bayesfric.cli.exits import exit_status, fail_on
-from bayesfric.cli.options import Config, FailOn, Folder, Quiet, Seed
+from bayesfric.cli.options import Config, FailOn, Folder, Quiet, Rigs, Seed
 from bayesfric.cli.progress import progress_bar
 
 __all__ = ["fit"]
@@ -17,6 +17,7 @@ __all__ = ["fit"]
 def fit(
     recording: Annotated[Path, typer.Argument(help="Folder of the recording.")],
     output: Folder = Path("bayesfric-run"),
+    rigs: Rigs = None,
     csv: Annotated[bool, typer.Option("--csv", help="Also write the draws as draws.csv.")] = False,
     seed: Seed = None,
     config: Config = None,
@@ -28,7 +29,14 @@ def fit(
     Example: bayesfric fit my-board -o my-results
     """
     fit_into(
-        recording, output, csv=csv, seed=seed, config=config, quiet=quiet, failures=fail_on_list
+        recording,
+        output,
+        rigs=rigs,
+        csv=csv,
+        seed=seed,
+        config=config,
+        quiet=quiet,
+        failures=fail_on_list,
     )
 
 
@@ -36,6 +44,7 @@ def fit_into(
     recording: Path,
     output: Path,
     *,
+    rigs: str | None,
     csv: bool,
     seed: int | None,
     config: Path | None,
@@ -52,7 +61,13 @@ def fit_into(
     found = read_recording(recording)
     checkpoint = output / ".checkpoint"
     with progress_bar("sampling", quiet=quiet) as progress:
-        result = fit_recording(found, analysis, progress=progress, checkpoint=checkpoint)
+        result = fit_recording(
+            found,
+            analysis,
+            progress=progress,
+            checkpoint=checkpoint,
+            rigs=None if rigs is None else [rig.strip() for rig in rigs.split(",")],
+        )
     result.write(output, csv=csv)
     shutil.rmtree(checkpoint)
     for size, coefficients in result.summary.pulleys.items():

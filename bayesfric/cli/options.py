@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-__all__ = ["Config", "FailOn", "Folder", "Quiet", "Seed"]
+__all__ = ["Config", "FailOn", "Folder", "Quiet", "Rigs", "Seed"]
 
 Folder = Annotated[Path, typer.Option("-o", "--output", help="Folder for the results.")]
 Seed = Annotated[
@@ -14,6 +14,12 @@ Seed = Annotated[
 Config = Annotated[
     Path | None,
     typer.Option("--config", help="Settings of the analysis: an analysis.toml."),
+]
+Rigs = Annotated[
+    str | None,
+    typer.Option(
+        "--rigs", help="Whose data enter: gravity, motor or gravity,motor; else the first there is."
+    ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", help="No progress and no chatter.")]
 FailOn = Annotated[

@@ -7,7 +7,7 @@ import typer
 
 from bayesfric.cli.exits import exit_status
 from bayesfric.cli.fit import fit_into
-from bayesfric.cli.options import Config, FailOn, Folder, Quiet, Seed
+from bayesfric.cli.options import Config, FailOn, Folder, Quiet, Rigs, Seed
 
 __all__ = ["run"]
 
@@ -18,6 +18,7 @@ def run(
         Path | None, typer.Argument(help="Folder of the recording; else the bundled one.")
     ] = None,
     output: Folder = Path("bayesfric-run"),
+    rigs: Rigs = None,
     seed: Seed = None,
     config: Config = None,
     quiet: Quiet = False,
@@ -33,7 +34,14 @@ def run(
     source = recording if recording is not None else bundled_recording()
     try:
         fit_into(
-            source, output, csv=False, seed=seed, config=config, quiet=quiet, failures=fail_on_list
+            source,
+            output,
+            rigs=rigs,
+            csv=False,
+            seed=seed,
+            config=config,
+            quiet=quiet,
+            failures=fail_on_list,
         )
     except typer.Exit as outcome:
         if outcome.exit_code != 1:

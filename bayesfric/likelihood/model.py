@@ -7,11 +7,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bayesfric.priors import Parameter, draw, log_density, prior_sd
+from bayesfric.priors import LOG_2PI, Parameter, draw, from_normal, log_density, to_normal
 
 __all__ = ["Model", "RigLikelihood"]
 
 Array = NDArray[np.float64]
+START_RANGE = 6.0  # prior standard deviations; an estimate beyond is not believed
 
 
 class RigLikelihood(Protocol):
@@ -29,6 +30,13 @@ class RigLikelihood(Protocol):
     def trials(self) -> pd.DataFrame:
         """Its N trials or runs."""
 
+    @property
+    def sizes(self) -> tuple[str, ...]:
+        """Its pulley sizes."""
+
+    def draw_scatter(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
+        """Return relative scatter of new trials on new assemblies, shape (W, N)."""
+
     def start(self) -> dict[str, float]:
         """Return rough estimates of its parameters."""
 
@@ -45,8 +53,8 @@ class RigLikelihood(Protocol):
 class Model:
     """The posterior of D parameters given the data of one or more rigs.
 
-    Points of the sampling space are vectors `z`: the logarithm of a parameter
-    that is positive by its prior, the parameter itself otherwise.
+    Points of the sampling space are vectors `z` in which every prior is N(0, 1),
+    see :func:`bayesfric.priors.from_normal`.
 
     Parameters
     ----------
@@ -58,7 +66,6 @@ class Model:
         self.likelihoods = tuple(likelihoods)
         named = {p.name: p for rig in self.likelihoods for p in rig.parameters}
         self.parameters = tuple(named.values())
-        self._positive = np.array([p.positive for p in self.parameters])
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -67,11 +74,13 @@ class Model:
 
     def natural(self, z: Array) -> Array:
         """Return parameters in their units from sampling-space points, shape (…, D)."""
-        return np.where(self._positive, np.exp(np.where(self._positive, z, 0.0)), z)
+        columns = zip(self.parameters, np.moveaxis(z, -1, 0), strict=True)
+        return np.stack([from_normal(p.prior, column) for p, column in columns], axis=-1)
 
     def sampling(self, theta: Array) -> Array:
         """Return sampling-space points from parameters in their units, shape (…, D)."""
-        return np.where(self._positive, np.log(np.where(self._positive, theta, 1.0)), theta)
+        columns = zip(self.parameters, np.moveaxis(theta, -1, 0), strict=True)
+        return np.stack([to_normal(p.prior, column) for p, column in columns], axis=-1)
 
     def by_name(self, theta: Array) -> dict[str, Array]:
         """Return the columns of an array of shape (W, D) by parameter name."""
@@ -100,14 +109,13 @@ class Model:
         Returns
         -------
         ndarray, shape (W,)
-            Log prior, plus the log Jacobian of the sampling space, plus the log
-            likelihood; −inf where the prior is zero or the parameters are so
-            extreme that the density underflows.
+            Log prior of `z`, which is N(0, 1), plus the log likelihood; −inf where the
+            parameters are so extreme that the density underflows.
         """
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             theta = self.natural(z)
-            prior = self.log_prior(theta) + np.where(self._positive, z, 0.0).sum(axis=1)
-            possible = np.isfinite(prior)
+            prior = -0.5 * (LOG_2PI + z**2).sum(axis=1)
+            possible = np.isfinite(theta).all(axis=1)
             density = np.full(z.shape[0], -np.inf)
             if possible.any():
                 density[possible] = prior[possible] + self.log_likelihood(theta[possible])
@@ -118,11 +126,12 @@ class Model:
         estimates: dict[str, float] = {}
         for rig in reversed(self.likelihoods):  # the first rig has the last word
             estimates |= rig.start()
-        return self.sampling(np.array([estimates[name] for name in self.names]))
+        z = self.sampling(np.array([estimates[name] for name in self.names]))
+        return np.clip(z, -START_RANGE, START_RANGE)
 
     def scale(self) -> Array:
         """Return the width of each prior in the sampling space, shape (D,)."""
-        return np.array([1.0 if p.positive else prior_sd(p.prior) for p in self.parameters])
+        return np.ones(len(self.parameters))
 
     def draw_prior(self, size: int, rng: np.random.Generator) -> Array:
         """Return independent prior draws in the parameters' units, shape (size, D)."""

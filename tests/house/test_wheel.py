@@ -88,3 +88,10 @@ def test_it_is_the_wheel_that_runs(elsewhere, tmp_path):
 def test_the_command_runs_in_an_empty_folder(elsewhere, tmp_path, arguments):
     assert "0.1.0" in run(elsewhere / "bin" / "bayesfric", *arguments, cwd=tmp_path)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_main_job_runs_on_the_bundled_recording(elsewhere, tmp_path):
+    run(elsewhere / "bin" / "bayesfric", "run", "-o", "results", "--quiet", cwd=tmp_path)
+    written = {path.name for path in (tmp_path / "results").iterdir()}
+    assert {"fit.json", "draws.nc", "report.pdf", "report.html", "summary.md"} <= written
+    assert (tmp_path / "results" / "report.pdf").read_bytes().startswith(b"%PDF")

@@ -60,7 +60,8 @@ def methods(_: StoredResults) -> Iterator[Block]:
             ") and a clock error (",
             Math("σ_t"),
             ", beside the rounding of the clock). The phase of a sensor is uniform over one "
-            "spacing and the first speed half-normal; both are integrated out in closed form, and so are ",
+            "spacing and the first speed half-normal; both are integrated out in closed form, and "
+            "so are ",
             Math("η_i"),
             " and ",
             Math("ε_{ij}"),

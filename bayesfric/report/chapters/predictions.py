@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from bayesfric.plots.speed import friction_against_speed
 from bayesfric.plots.style import to_svg
 from bayesfric.plots.tension import friction_against_tension
 from bayesfric.plots.trajectories import measured_and_predicted
@@ -15,9 +16,25 @@ __all__ = ["predictions"]
 REFERENCE_ANGLE_DEG = 85.0
 
 
+def _motor(stored: StoredResults) -> Iterator[Block]:
+    yield Figure(
+        to_svg(friction_against_speed(stored.predictive)),
+        "Friction of the motor board against speed, as in the paper's Figs 4 to 7: runs (dots), "
+        "and the 5 % to 95 % band of a new run on a new assembly (without the noise of the "
+        "current). A viscous term would tilt the dots against the level bands.",
+        "Panels for each pulley size of level bands of friction with scattered dots, one band for "
+        "each weight, wrap angle and number of pulleys.",
+        label="motor",
+    )
+
+
 def predictions(stored: StoredResults) -> Iterator[Block]:
     """Yield trajectories like the paper's Fig. 11 and friction against tension like Fig. 12."""
     yield Heading(1, "Measured and predicted")
+    if "runs" in stored.predictive:
+        yield from _motor(stored)
+    if "trials" not in stored.predictive:
+        return
     if "travel_m" in stored.predictive["trajectories"].data_vars:
         yield Paragraph(
             "The prediction starts with the speed that the trial had at its first event and runs "

@@ -9,7 +9,7 @@ from bayesfric.report.chapters.symbols import EXPONENTS, symbol, unit_head
 from bayesfric.report.content import Block, Code, Column, Figure, Heading, Notice, Paragraph, Table
 from bayesfric.report.quantities import MISSING, format_count, format_number, interval_cells
 from bayesfric.report.stored import StoredResults
-from bayesfric.schemas import ParameterSummary
+from bayesfric.schemas import DataQuality, ParameterSummary
 
 __all__ = ["front", "summary"]
 
@@ -22,9 +22,7 @@ def front(stored: StoredResults) -> Iterator[Block]:
         [
             "Recording ",
             Code(fit.recording.name),
-            f": {fit.recording.title}. {format_count(quality.trials_used)} of "
-            f"{format_count(quality.trials)} trials on {format_count(quality.setups)} assemblies "
-            f"enter, with {format_count(quality.events)} Hall events.",
+            f": {fit.recording.title}. {_entered(quality)}",
         ]
     )
     if fit.converged:
@@ -96,7 +94,7 @@ def summary(stored: StoredResults) -> Iterator[Block]:
             unit_head(name, entry.unit),
             *interval_cells(entry.mean, entry.q05, entry.q95, EXPONENTS.get(_stem(name), 0)),
         ]
-        for name, entry in {**fit.scatter, **fit.noise}.items()
+        for name, entry in {**fit.scatter, **fit.noise, **fit.parameters}.items()
     ]
     yield Table(
         "How friction scatters around the law, and the noise of the sensors.",
@@ -113,12 +111,31 @@ def summary(stored: StoredResults) -> Iterator[Block]:
     )
 
 
+def _entered(quality: DataQuality) -> str:
+    """Return what entered the fit, in a sentence."""
+    parts = []
+    if quality.trials_used:
+        parts.append(
+            f"{format_count(quality.trials_used)} of {format_count(quality.trials)} gravity trials "
+            f"on {format_count(quality.setups)} assemblies, with {format_count(quality.events)} "
+            "Hall events"
+        )
+    if quality.motor_runs:
+        parts.append(f"{format_count(quality.motor_runs)} runs of the motor board")
+    return f"What enters: {'; '.join(parts)}."
+
+
 MEANINGS = {
     "tau": "relative scatter of friction from trial to trial",
     "omega": "relative scatter of friction from assembly to assembly",
     "sigma_x": "position error of a Hall event",
     "sigma_t": "clock error of a Hall event",
     "sigma_a": "error of an acceleration without a standard error",
+    "tau_motor": "relative scatter of friction from motor run to motor run",
+    "omega_motor": "relative scatter of friction between assemblies of the motor board",
+    "sigma_current": "noise of a current without load",
+    "load_noise": "noise of a current per load current",
+    "torque_constant_factor": "torque constant over the specified one",
 }
 
 

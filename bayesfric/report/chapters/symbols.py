@@ -14,10 +14,27 @@ SYMBOLS = {
     "sigma_x": "σ_x",
     "sigma_t": "σ_t",
     "sigma_a": "σ_a",
+    "tau_motor": "τ_\\text{motor}",
+    "omega_motor": "ω_\\text{motor}",
+    "torque_constant_factor": "κ",
+    "sigma_current": "σ_I",
+    "load_noise": "λ",
 }
 """Parameter to formula."""
 
-EXPONENTS = {"c1": -3, "c2": -3, "c3": -6, "tau": -2, "omega": -2, "sigma_x": -6, "sigma_t": -6}
+EXPONENTS = {
+    "c1": -3,
+    "c2": -3,
+    "c3": -6,
+    "tau": -2,
+    "omega": -2,
+    "sigma_x": -6,
+    "sigma_t": -6,
+    "tau_motor": -2,
+    "omega_motor": -2,
+    "sigma_current": -3,
+    "load_noise": -3,
+}
 """Powers of ten in which tables print a parameter."""
 
 

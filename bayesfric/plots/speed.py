@@ -1,0 +1,78 @@
+"""Friction against speed on the motor board, as in the paper's Figs 4 to 7."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from bayesfric.plots.style import figure, size_styles
+
+__all__ = ["friction_against_speed"]
+
+VARIED = (
+    ("hanging_mass_kg", "{:g} kg", "weight (Figs 4, 5)"),
+    ("wrap_angle_deg", "{:g}°", "wrap angle (Fig. 6)"),
+    ("n_pulleys", "n = {:g}", "number of pulleys (Fig. 7)"),
+)
+MARKERS = "osD^v"
+
+
+def friction_against_speed(predictive: xr.DataTree) -> Figure:
+    """Draw friction against speed: a row for what varies, a column for each size.
+
+    Parameters
+    ----------
+    predictive : DataTree
+        ``predictive.nc`` with its group ``runs``.
+
+    Returns
+    -------
+    Figure
+        Runs, and the 5 % to 95 % band of a new run on a new assembly. A row holds
+        the conditions that differ in one thing from the size's most frequent one.
+    """
+    runs = predictive["runs"].to_dataset()
+    size_column = runs["pulley_size"].to_numpy()
+    sizes = list(dict.fromkeys(str(size) for size in size_column))
+    styles = size_styles(sizes)
+    columns = {name: runs[name].to_numpy() for name, _, _ in VARIED}
+    with figure(height=62.0 * len(VARIED)) as fig:
+        panels = fig.subplots(len(VARIED), len(sizes), squeeze=False)
+        for column, size in enumerate(sizes):
+            here = size_column == size
+            usual = {name: _most_frequent(values[here]) for name, values in columns.items()}
+            for row, (varied, text, title) in enumerate(VARIED):
+                axes = panels[row, column]
+                alike = here.copy()
+                for name, values in columns.items():
+                    if name != varied:
+                        alike &= values == usual[name]
+                for place, value in enumerate(np.unique(columns[varied][alike])):
+                    some = runs.isel(run=np.flatnonzero(alike & (columns[varied] == value)))
+                    some = some.sortby("velocity_m_s")
+                    speed = some["velocity_m_s"].to_numpy()
+                    low, _, high = some["predicted_n"].to_numpy().T
+                    axes.fill_between(
+                        speed, low, high, color=styles[size].color, alpha=0.25, linewidth=0
+                    )
+                    axes.plot(
+                        speed,
+                        some["friction_n"],
+                        MARKERS[place % len(MARKERS)],
+                        color=styles[size].color,
+                        markersize=2.4,
+                        label=text.format(value),
+                    )
+                axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]), top=1.45 * axes.get_ylim()[1])
+                axes.legend(loc="upper left", ncols=3, columnspacing=0.6, handletextpad=0.1)
+                if row == 0:
+                    axes.set_title(size)
+                if row == len(VARIED) - 1:
+                    axes.set_xlabel("speed [m/s]")
+                if column == 0:
+                    axes.set_ylabel(f"friction [N]\nby {title}")
+        return fig
+
+
+def _most_frequent(values: np.ndarray) -> float:
+    found, counts = np.unique(values, return_counts=True)
+    return float(found[counts.argmax()])

@@ -1,0 +1,59 @@
+"""The bundled recording, fitted afresh: precision, truth, and the tracked reference run."""
+
+import numpy as np
+import pytest
+
+import bayesfric as bf
+from bayesfric.resources import bundled_recording, reference_folder
+from bayesfric.results import read_json
+from bayesfric.schemas import FitFile
+from bayesfric.simulate import table1_coefficients
+
+
+@pytest.fixture(scope="module")
+def fresh():
+    return bf.fit(bf.read_recording(bundled_recording()))
+
+
+@pytest.fixture(scope="module")
+def reference():
+    return read_json(FitFile, reference_folder() / "fit.json")
+
+
+def entries(summary):
+    named = {
+        f"{name}[{size}]": entry
+        for size, coefficients in summary.pulleys.items()
+        for name, entry in coefficients.items()
+    }
+    return named | summary.scatter | summary.noise | summary.parameters
+
+
+def test_draws_are_as_precise_as_promised(fresh):
+    assert fresh.summary.converged
+    found = entries(fresh.summary).values()
+    assert min(entry.ess_bulk for entry in found) >= 4000
+    assert min(entry.ess_tail for entry in found) >= 1000
+    assert max(entry.r_hat for entry in found) < 1.01
+    assert max(entry.r_hat_walkers for entry in found) < 1.02
+
+
+def test_the_truth_is_inside(fresh):
+    for size, law in table1_coefficients().items():
+        for name, truth in law._asdict().items():
+            entry = fresh.summary.pulleys[size][name]
+            assert abs(entry.mean - truth) < 3.5 * entry.sd, (size, name)
+
+
+def test_posteriors_are_those_of_the_reference_run(fresh, reference):
+    """Other machines draw other chains: means agree within four Monte Carlo errors."""
+    assert fresh.summary.recording == reference.recording
+    assert fresh.summary.analysis_sha256 == reference.analysis_sha256
+    then = entries(reference)
+    now = entries(fresh.summary)
+    assert set(now) == set(then)
+    for name, entry in now.items():
+        error = np.hypot(entry.mcse_mean, then[name].mcse_mean)
+        assert abs(entry.mean - then[name].mean) < 4 * error, name
+        assert entry.sd == pytest.approx(then[name].sd, rel=0.05), name
+        assert entry.informed == then[name].informed, name
