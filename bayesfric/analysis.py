@@ -98,7 +98,8 @@ class Priors(_Section):
     (95 %: 1.3 to 20 %) are assumptions. Only EA over length counts.
 
     On the motor board a torque constant is as good as its data sheet, some 5 %;
-    currents of a few ampere are known to 20 mA and to 2 % of the load.
+    currents of a few ampere are known to 20 mA and to 2 % of the load. A motor that
+    drew 1 A idle would spend most of its current on itself.
     """
 
     c1: Prior = Field(HalfNormal(scale=0.05), description="Friction per tension and pulley [-].")
@@ -172,15 +173,15 @@ class Sampler(_Section):
         4, description="Independent ensembles; at least 4, so that R-hat means something."
     )
     walkers: Annotated[int, Field(ge=8, le=1024)] | None = Field(
-        None, description="Walkers an ensemble; even. Absent: the larger of 32 and 4 a parameter."
+        None, description="Walkers an ensemble; even. Absent: the larger of 36 and 2 a parameter."
     )
     burn: Annotated[int, Field(ge=10, le=100_000)] = Field(
         200, description="Steps of an ensemble that are thrown away."
     )
     steps: Annotated[int, Field(ge=50, le=1_000_000)] = Field(
-        600, description="Steps of an ensemble that are kept, before thinning."
+        1200, description="Steps of an ensemble that are kept, before thinning."
     )
-    thin: Annotated[int, Field(ge=1, le=1000)] = Field(4, description="Keep each thin-th step.")
+    thin: Annotated[int, Field(ge=1, le=1000)] = Field(6, description="Keep each thin-th step.")
     independence_share: Annotated[float, Field(ge=0, le=1)] = Field(
         0.9,
         description="Share of independence proposals; the rest are differential evolution.",

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.baseline import BASELINES
 from bayesfric.checkpoint import Checkpoint
 from bayesfric.errors import Fault, InputError
 from bayesfric.laplace import laplace_approximation
@@ -97,6 +98,7 @@ def fit(
     progress: Progress | None = None,
     checkpoint: Path | None = None,
     rigs: Sequence[str] | None = None,
+    baseline: str = "paper",
 ) -> Fit:
     """Draw from the posterior of the paper's law given a recording.
 
@@ -114,6 +116,8 @@ def fit(
     rigs : sequence of str or None
         Whose data enter: ``gravity``, ``motor`` or both. None is the gravity board
         where there is one, else the motor board.
+    baseline : str
+        The friction law, a name in :data:`bayesfric.baseline.BASELINES`.
 
     Returns
     -------
@@ -127,6 +131,9 @@ def fit(
     """
     analysis = Analysis() if analysis is None else analysis
     chosen = _choose(recording, rigs)
+    if baseline not in BASELINES:
+        raise InputError([Fault("baseline", f"one of {', '.join(BASELINES)}", value=baseline)])
+    law = BASELINES[baseline]
     attributes = provenance(
         seed=analysis.seed,
         recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
@@ -143,10 +150,10 @@ def fit(
                 if screened.gravity.trials.empty:
                     expected = "a trial that enters the fit; all are left out"
                     raise InputError([Fault(recording.name, expected)])
-                gravity = GravityLikelihood(screened.gravity, recording.rig, analysis)
+                gravity = GravityLikelihood(screened.gravity, recording.rig, analysis, law)
                 likelihoods["gravity"] = gravity
             if "motor" in chosen and recording.motor is not None:
-                motor = MotorLikelihood(recording.motor, recording.rig, analysis)
+                motor = MotorLikelihood(recording.motor, recording.rig, analysis, law)
                 likelihoods["motor"] = motor
             model = Model(list(likelihoods.values()))
         with _timed(seconds, "laplace"):
@@ -158,16 +165,24 @@ def fit(
                 analysis.sampler,
                 analysis.seed,
                 progress,
-                Checkpoint(checkpoint, ",".join(chosen) + attributes.model_dump_json()),
+                Checkpoint(
+                    checkpoint, ",".join([*chosen, baseline]) + attributes.model_dump_json()
+                ),
             )
         with _timed(seconds, "summary"):
             theta = model.natural(draws.z)
             summary = summarise(
-                attributes.model_dump(), recording, chosen, screened, model, draws, theta, analysis
+                attributes.model_dump() | {"rigs": chosen, "baseline": baseline},
+                recording,
+                screened,
+                model,
+                draws,
+                theta,
+                analysis,
             )
             tree = _draws_tree(model, likelihoods, theta, attributes.model_dump(mode="json"))
         with _timed(seconds, "predictive"):
-            predictive = predict(recording, screened, likelihoods, model, theta, analysis)
+            predictive = predict(recording, screened, likelihoods, model, theta, analysis, law)
     return Fit(summary, tree, predictive, seconds)
 
 

@@ -12,7 +12,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
-from bayesfric.boards.gravity import Condition, nominal_tension, trajectory
+from bayesfric.baseline import Baseline
+from bayesfric.boards.gravity import Condition, Trajectory, nominal_tension
 from bayesfric.boards.motor import nominal_tension as motor_tension
 from bayesfric.diagnostics import rank_counts
 from bayesfric.friction import Coefficients, coulomb_friction
@@ -41,6 +42,7 @@ def predict(
     model: Model,
     theta: Array,
     analysis: Analysis,
+    baseline: Baseline,
 ) -> xr.DataTree:
     """Compute predictions from draws.
 
@@ -58,6 +60,8 @@ def predict(
         Posterior draws in the parameters' units.
     analysis : Analysis
         For the seed and the form of the scatter.
+    baseline : Baseline
+        The friction law of the fit.
 
     Returns
     -------
@@ -79,9 +83,9 @@ def predict(
         factor = 1 + likelihood.draw_scatter(named, rng)
         if isinstance(likelihood, GravityLikelihood) and screened is not None:
             groups["trials"] = _trials(likelihood, named, factor)
-            groups["curves"] = _curves(likelihood, named)
+            groups["curves"] = _curves(likelihood, named, baseline)
             groups["trajectories"] = _trajectories(
-                likelihood, screened.gravity, recording.rig, named, factor
+                likelihood, screened.gravity, recording.rig, named, factor, baseline
             )
         elif isinstance(likelihood, MotorLikelihood):
             groups["runs"] = _runs(likelihood, named, factor)
@@ -179,7 +183,9 @@ def _runs(likelihood: MotorLikelihood, named: dict[str, Array], factor: Array) -
     )
 
 
-def _curves(likelihood: GravityLikelihood, named: dict[str, Array]) -> xr.Dataset:
+def _curves(
+    likelihood: GravityLikelihood, named: dict[str, Array], baseline: Baseline
+) -> xr.Dataset:
     trials = likelihood.trials
     cells = trials[["pulley_size", "n_pulleys", "wrap_angle_deg"]].drop_duplicates()
     by_size = cells["pulley_size"].map(likelihood.sizes.index)
@@ -191,7 +197,7 @@ def _curves(likelihood: GravityLikelihood, named: dict[str, Array]) -> xr.Datase
     law = np.empty((len(cells), CURVE_POINTS, len(QUANTILES)))
     for place, (size, n, wrap) in enumerate(cells.itertuples(index=False)):
         draws = Coefficients(*(named[f"{c}[{size}]"][:, None] for c in ("c1", "c2", "c3")))
-        law[place] = _bands(coulomb_friction(draws, n, wrap, tension))
+        law[place] = _bands(baseline.at_tension(draws, n, wrap, tension))
         if size in table1():
             row = table1()[size]
             printed = Coefficients(row.c1.value, row.c2.value, row.c3.value)
@@ -214,6 +220,7 @@ def _trajectories(
     rig: Rig,
     named: dict[str, Array],
     factor: Array,
+    baseline: Baseline,
 ) -> xr.Dataset:
     """Predict a few trials, free-running from the first event's speed."""
     trials = likelihood.trials
@@ -232,20 +239,18 @@ def _trajectories(
         events, since_first = events[of_sensor], since_first[of_sensor]
         time = since_first - since_first[0]
         start_speed = pilot.first_speed[fitted] + pilot.acceleration[fitted] * since_first[0]
-        motion = trajectory(
-            Coefficients(
-                *(named[f"{c}[{row['pulley_size']}]"][:, None] for c in ("c1", "c2", "c3"))
-            ),
-            Condition(
-                row["n_pulleys"],
-                row["wrap_angle_deg"],
-                row["mass_drive_kg"],
-                row["mass_load_kg"],
-                rig.gravity_m_s2,
-            ),
-            start_speed_m_s=start_speed,
-            friction_factor=factor[:, place, None],
+        condition = Condition(
+            row["n_pulleys"],
+            row["wrap_angle_deg"],
+            row["mass_drive_kg"],
+            row["mass_load_kg"],
+            rig.gravity_m_s2,
         )
+        law = Coefficients(*(named[f"{c}[{row['pulley_size']}]"] for c in Coefficients._fields))
+        friction = factor[:, place] * baseline.gravity(law, condition)
+        acceleration = (condition.drive_force_n - friction) / condition.total_mass_kg
+        still = np.zeros_like(acceleration)[:, None]
+        motion = Trajectory(acceleration[:, None], still, still + start_speed)
         tables.append(
             (row, time, events["displacement_m"].to_numpy(), _bands(motion.position(time)))
         )

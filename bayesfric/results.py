@@ -6,7 +6,7 @@ beside the target and then renames them into place.
 
 import os
 import platform
-import tempfile
+import shutil
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from importlib import metadata
@@ -172,11 +172,16 @@ def replace_outputs(folder: Path, writers: Mapping[str, Callable[[Path], object]
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=".writing-", dir=folder) as scratch:
+        scratch = folder / ".writing"
+        shutil.rmtree(scratch, ignore_errors=True)  # of a run that was killed here
+        scratch.mkdir()
+        try:
             for name, write in writers.items():
-                write(Path(scratch) / name)
+                write(scratch / name)
             for name in writers:
-                (Path(scratch) / name).replace(folder / name)
+                (scratch / name).replace(folder / name)
+        finally:
+            shutil.rmtree(scratch)
     except OSError as error:
         problem = f"a folder that can be written ({error.strerror or error})"
         raise InputError([Fault(str(folder), problem)]) from error

@@ -33,7 +33,9 @@ Progress = Callable[[int, int], None]
 Arrays = dict[str, NDArray[Any]]
 
 PROPOSAL_FREEDOM = 6.0  # heavier tails than the posterior's, as independence needs
+PROPOSAL_INFLATION = 1.3  # of its covariance: a posterior that is not normal is covered too
 PIECE_STEPS = 50  # steps between two checkpoints
+LEAST_WALKERS = 36
 START_INFLATION = 1.5  # starts are wider than the posterior, so that R-hat can tell
 
 
@@ -142,7 +144,7 @@ def sample(
         Too few points around the mode have a finite density.
     """
     size = laplace.mode.size
-    walkers = settings.walkers or max(32, 4 * size)
+    walkers = settings.walkers or max(LEAST_WALKERS, 2 * size)
     seeds = np.random.SeedSequence(seed).spawn(settings.ensembles + 1)
     per_ensemble = settings.burn + settings.steps
     total = settings.burn + settings.ensembles * per_ensemble
@@ -158,7 +160,8 @@ def sample(
     around_mode = StudentT(laplace.mode, laplace.covariance)
     pilot = runs.run("pilot", around_mode, seeds[0], settings.burn)
     settled = pilot["chain"][settings.burn // 2 :].reshape(-1, size)
-    proposal = StudentT(settled.mean(axis=0), np.cov(settled, rowvar=False))
+    spread = PROPOSAL_INFLATION * np.cov(settled, rowvar=False)
+    proposal = StudentT(settled.mean(axis=0), spread)
 
     ensembles = [
         runs.run(f"ensemble-{place}", proposal, child, per_ensemble)

@@ -115,6 +115,7 @@ class FitFile(Provenance):
 
     schema_: Literal["bayesfric.fit/1"] = Field("bayesfric.fit/1", alias="schema")
     rigs: tuple[str, ...] = Field(description="Rigs whose data entered.")
+    baseline: str = Field("paper", description="Friction law: paper or recursive.")
     converged: bool = Field(description="Whether every diagnostic is within its bound.")
     attention: tuple[str, ...] = Field(description="What a reader must know first; may be empty.")
     pulleys: dict[str, dict[str, ParameterSummary]] = Field(

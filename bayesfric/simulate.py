@@ -34,6 +34,7 @@ from bayesfric.recording.tables import Gravity, Motor, Recording, Rig
 __all__ = ["SENSORS", "Truth", "simulate_recording", "table1_coefficients"]
 
 SENSORS = ("drive", "load")
+RIGS = ("gravity", "motor")
 TRAVEL_M = 0.6
 LEAST_PATH_M = 0.001  # from release to the first event, so that the cable moves there
 RELEASE_WINDOW_S = 0.3  # the release comes this long, at most, after the clock starts
@@ -110,7 +111,7 @@ def simulate_recording(
     truth: Truth | None = None,
     name: str = "simulated",
     created: str | None = None,
-    rigs: Collection[str] = ("gravity", "motor"),
+    rigs: Collection[str] = RIGS,
 ) -> Recording:
     """Simulate the gravity board and the motor board.
 
@@ -123,7 +124,8 @@ def simulate_recording(
         board's), so that a change of one leaves the others as they were.
     truth : Truth or None
         Parameters; None is the paper's Table I with 1 % trial and 1.5 % setup
-        scatter, 30 µm and 20 µs.
+        scatter, 30 µm and 20 µs; on the motor board the specified torque constant,
+        2 mA and 0.5 % of the load.
     name : str
         Name of the recording.
     created : str or None
@@ -137,7 +139,14 @@ def simulate_recording(
         Trials in `order`, those of an assembly together. A trial that stalls
         before the fifth event of a sensor cannot be written in the recording
         format; it is left out and named in ``metadata["simulation"]["stalled"]``.
+
+    Raises
+    ------
+    ValueError
+        A rig is unknown, or there is none.
     """
+    if not rigs or set(rigs) - set(RIGS):
+        raise ValueError(f"rigs is {rigs!r}; it holds 'gravity', 'motor' or both")
     truth = Truth() if truth is None else truth
     label = protocol if isinstance(protocol, str) else "custom"
     design = PROTOCOLS[protocol] if isinstance(protocol, str) else protocol

@@ -32,7 +32,6 @@ COEFFICIENTS = ("c1", "c2", "c3")
 def summarise(
     attributes: dict[str, Any],
     recording: Recording,
-    rigs: tuple[str, ...],
     screened: Screened | None,
     model: Model,
     draws: Draws,
@@ -44,11 +43,9 @@ def summarise(
     Parameters
     ----------
     attributes : dict
-        The fields of :class:`bayesfric.schemas.Provenance`.
+        The fields of :class:`bayesfric.schemas.Provenance`, rigs and baseline.
     recording : Recording
         As read.
-    rigs : tuple of str
-        Whose data entered.
     screened : Screened or None
         Which gravity trials entered; None where that board did not.
     model : Model
@@ -73,11 +70,10 @@ def summarise(
     }
     sizes = [name[3:-1] for name in entries if name.startswith("c1[")]
     ensembles, kept, walkers, _ = theta.shape
-    quality = _quality(recording, screened, motor="motor" in rigs)
+    quality = _quality(recording, screened, motor="motor" in attributes["rigs"])
     converged = all(figures.converged for figures in convergence.values())
     return FitFile(
         **attributes,
-        rigs=rigs,
         converged=converged,
         attention=_attention(convergence, entries, quality),
         pulleys={size: {c: entries[f"{c}[{size}]"] for c in COEFFICIENTS} for size in sizes},

@@ -150,9 +150,35 @@ def test_too_few_draws_are_called_unconverged(small_recording):
     assert any("has not converged" in line for line in summary.attention)
 
 
-def test_recording_without_gravity_trials_is_refused(small_recording):
-    with pytest.raises(InputError, match=r"gravity_trials\.csv"):
-        bf.fit(dataclasses.replace(small_recording, gravity=None))
+def test_recording_without_a_board_is_refused(small_recording):
+    bare = dataclasses.replace(small_recording, gravity=None, motor=None)
+    with pytest.raises(InputError, match=r"gravity_trials\.csv or motor_runs\.csv"):
+        bf.fit(bare)
+
+
+@pytest.mark.parametrize(
+    ("rigs", "message"),
+    [(["motor"], "the rig 'motor'"), (["lathe"], "one of gravity, motor"), ([], "one of gravity")],
+)
+def test_rigs_that_are_not_there_are_refused(small_recording, rigs, message):
+    with pytest.raises(InputError, match=message):
+        bf.fit(dataclasses.replace(small_recording, motor=None), rigs=rigs)
+
+
+def test_both_rigs_share_the_coefficients_and_not_the_scatter(small_recording):
+    """The joint posterior is narrower than either, and knows the torque constant."""
+    both = bf.fit(small_recording, Analysis(seed=5, sampler=SHORT), rigs=("motor", "gravity"))
+    alone = bf.fit(small_recording, Analysis(seed=5, sampler=SHORT))
+    assert both.summary.rigs == ("gravity", "motor")
+    assert both.summary.data_quality.motor_runs == 460
+    factor = both.summary.parameters["torque_constant_factor"]
+    assert abs(factor.mean - 1.0) < 4 * factor.sd
+    assert factor.sd < 0.005  # 1 % would be 8 to 35 % of friction
+    assert {"tau", "omega", "tau_motor", "omega_motor"} == set(both.summary.scatter)
+    assert both.summary.pulleys["small"]["c3"].sd < alone.summary.pulleys["small"]["c3"].sd
+    ids = both.draws["log_likelihood"]["setup"]["setup_id"].to_numpy()
+    assert sum(name.startswith("motor/") for name in ids) == 15
+    assert sum(name.startswith("gravity/") for name in ids) == 12
 
 
 def test_outputs_are_replaced_whole_or_not_at_all(small_fit, tmp_path):

@@ -13,9 +13,20 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bayesfric.friction import Coefficients, tension_slope
+from bayesfric.friction import (
+    Coefficients,
+    equal_pulleys,
+    recursive_friction,
+    tension_slope,
+)
 
-__all__ = ["MotorCondition", "load_current", "motor_friction", "nominal_tension"]
+__all__ = [
+    "MotorCondition",
+    "load_current",
+    "motor_friction",
+    "nominal_tension",
+    "recursive_motor_friction",
+]
 
 Array = NDArray[np.float64]
 
@@ -70,6 +81,31 @@ def motor_friction(coefficients: Coefficients, condition: MotorCondition) -> Arr
     constant = np.asarray(condition.n_pulleys) * np.asarray(coefficients.c2)
     friction = sign * (slope * condition.weight_n + constant) / (1 - 0.5 * sign * slope)
     return np.asarray(friction, dtype=np.float64)
+
+
+def recursive_motor_friction(coefficients: Coefficients, condition: MotorCondition) -> Array:
+    """Return the signed friction F with the tension taken down pulley by pulley [N].
+
+    The weight is at the pulled end where it rises and at the pulling end where it
+    falls, so its side's tension m g is known exactly.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+        Friction law of the pulley size.
+    condition : MotorCondition
+        Of the run.
+
+    Returns
+    -------
+    ndarray
+        Motor-side tension minus m g.
+    """
+    loss = equal_pulleys(coefficients, condition.n_pulleys, condition.wrap_angle_deg)
+    rises = np.asarray(condition.velocity_m_s, dtype=np.float64) > 0
+    raising = recursive_friction(loss, condition.weight_n, "load")
+    lowering = -recursive_friction(loss, condition.weight_n, "drive")
+    return np.where(rises, raising, lowering)
 
 
 def nominal_tension(condition: MotorCondition, friction_n: ArrayLike) -> Array:

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from bayesfric.cli.exits import exit_status, fail_on
-from bayesfric.cli.options import Config, FailOn, Folder, Quiet, Rigs, Seed
+from bayesfric.cli.options import Baseline, Config, FailOn, Folder, Quiet, Rigs, Seed
 from bayesfric.cli.progress import progress_bar
 
 __all__ = ["fit"]
@@ -18,6 +18,7 @@ def fit(
     recording: Annotated[Path, typer.Argument(help="Folder of the recording.")],
     output: Folder = Path("bayesfric-run"),
     rigs: Rigs = None,
+    baseline: Baseline = "paper",
     csv: Annotated[bool, typer.Option("--csv", help="Also write the draws as draws.csv.")] = False,
     seed: Seed = None,
     config: Config = None,
@@ -32,6 +33,7 @@ def fit(
         recording,
         output,
         rigs=rigs,
+        baseline=baseline,
         csv=csv,
         seed=seed,
         config=config,
@@ -45,6 +47,7 @@ def fit_into(
     output: Path,
     *,
     rigs: str | None,
+    baseline: str,
     csv: bool,
     seed: int | None,
     config: Path | None,
@@ -66,6 +69,7 @@ def fit_into(
             analysis,
             progress=progress,
             checkpoint=checkpoint,
+            baseline=baseline,
             rigs=None if rigs is None else [rig.strip() for rig in rigs.split(",")],
         )
     result.write(output, csv=csv)

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-__all__ = ["Config", "FailOn", "Folder", "Quiet", "Rigs", "Seed"]
+__all__ = ["Baseline", "Config", "FailOn", "Folder", "Quiet", "Rigs", "Seed"]
 
 Folder = Annotated[Path, typer.Option("-o", "--output", help="Folder for the results.")]
 Seed = Annotated[
@@ -20,6 +20,9 @@ Rigs = Annotated[
     typer.Option(
         "--rigs", help="Whose data enter: gravity, motor or gravity,motor; else the first there is."
     ),
+]
+Baseline = Annotated[
+    str, typer.Option("--baseline", help="Friction law: paper, or recursive (pulley by pulley).")
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", help="No progress and no chatter.")]
 FailOn = Annotated[

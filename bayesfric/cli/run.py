@@ -7,7 +7,7 @@ import typer
 
 from bayesfric.cli.exits import exit_status
 from bayesfric.cli.fit import fit_into
-from bayesfric.cli.options import Config, FailOn, Folder, Quiet, Rigs, Seed
+from bayesfric.cli.options import Baseline, Config, FailOn, Folder, Quiet, Rigs, Seed
 
 __all__ = ["run"]
 
@@ -19,6 +19,7 @@ def run(
     ] = None,
     output: Folder = Path("bayesfric-run"),
     rigs: Rigs = None,
+    baseline: Baseline = "paper",
     seed: Seed = None,
     config: Config = None,
     quiet: Quiet = False,
@@ -37,6 +38,7 @@ def run(
             source,
             output,
             rigs=rigs,
+            baseline=baseline,
             csv=False,
             seed=seed,
             config=config,

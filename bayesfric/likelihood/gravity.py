@@ -15,7 +15,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
-from bayesfric.boards.gravity import Condition, board_friction, nominal_tension
+from bayesfric.baseline import BASELINES, Baseline
+from bayesfric.boards.gravity import Condition, nominal_tension
 from bayesfric.friction import REFERENCE_WRAP_ANGLE_DEG
 from bayesfric.likelihood.coefficients import SizeIndex, coefficient_parameters
 from bayesfric.likelihood.measurements import TrialMeasurements
@@ -54,6 +55,8 @@ class GravityLikelihood:
         The board.
     analysis : Analysis
         Priors and the form of the scatter.
+    baseline : Baseline
+        The friction law.
 
     Attributes
     ----------
@@ -65,7 +68,14 @@ class GravityLikelihood:
         The J assemblies in the order of every result.
     """
 
-    def __init__(self, gravity: Gravity, rig: Rig, analysis: Analysis) -> None:
+    def __init__(
+        self,
+        gravity: Gravity,
+        rig: Rig,
+        analysis: Analysis,
+        baseline: Baseline = BASELINES["paper"],
+    ) -> None:
+        self._friction = baseline.gravity
         self.trials = gravity.trials
         self.condition = trial_condition(gravity.trials, rig)
         codes, setups = pd.factorize(gravity.trials["setup"])
@@ -104,10 +114,7 @@ class GravityLikelihood:
         ndarray, shape (W, N)
             fc of eq. (15) at the nominal tension of the moving board.
         """
-        return board_friction(
-            self._size.coefficients(theta),
-            self.condition,
-        )
+        return self._friction(self._size.coefficients(theta), self.condition)
 
     def observed(self, theta: Mapping[str, Array]) -> tuple[Array, Array, Array]:
         """Return what was measured of each trial's friction, given the noise.

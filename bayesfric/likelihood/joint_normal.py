@@ -25,9 +25,9 @@ Array = NDArray[np.float64]
 
 
 class _Sums(NamedTuple):
-    """What a set of measurements adds to the density; a leading shape and …"""
+    """What a set of measurements adds to the density, arrays of shape (…)."""
 
-    count: Array  # measurements
+    size: Array  # measurements
     log_determinant: Array  # of A
     square: Array  # rᵀA⁻¹r
     right: Array  # (…, K) BᵀA⁻¹r
@@ -38,7 +38,7 @@ class _Sums(NamedTuple):
         solved = np.linalg.solve(whole, self.right[..., None])[..., 0]
         square = self.square - (self.right * solved).sum(axis=-1)
         log_determinant = self.log_determinant + np.linalg.slogdet(whole)[1]
-        return np.asarray(-0.5 * (self.count * LOG_2PI + log_determinant + square))
+        return np.asarray(-0.5 * (self.size * LOG_2PI + log_determinant + square))
 
 
 @dataclass(frozen=True)
@@ -66,8 +66,10 @@ class JointNormal:
     moved: Array
 
     def log_density(self) -> Array:
-        """Return the log density of all measurements, shape (W,)."""
-        return _Sums(*(part.sum(axis=1) for part in self._group_sums())).log_density()
+        """Return the log density of all measurements; nan where it overflows, shape (W,)."""
+        density = _Sums(*(part.sum(axis=1) for part in self._group_sums())).log_density()
+        # At a noise of 1e-80 a difference of sums overflows to a density of +inf.
+        return np.where(density < np.inf, density, np.nan)
 
     def group_log_density(self) -> Array:
         """Return the log density of each group given all others, shape (W, G)."""
@@ -108,16 +110,14 @@ class JointNormal:
         gain = 1 + total(along * self.moved)
         along_residual = total(along * self.residual)
         along_columns = np.stack([total(along * column) for column in columns], axis=-1)
-        size = len(columns)
-        inner = np.empty((*gain.shape, size, size))
-        for i in range(size):
+        inner = np.empty((*along_columns.shape, len(columns)))
+        for i in range(len(columns)):
             for j in range(i + 1):
                 inner[..., i, j] = inner[..., j, i] = total(weight * (columns[i] * columns[j]))
         share = along_columns / gain[..., None]
         right = np.stack([total(weighted * column) for column in columns], axis=-1)
-        count = total(np.ones(self.index.trials))
         return _Sums(
-            np.broadcast_to(count, gain.shape),
+            np.broadcast_to(total(np.ones(self.index.trials)), gain.shape),
             np.log(gain) - total(np.log(weight)),
             total(weighted * self.residual) - along_residual**2 / gain,
             right - share * along_residual[..., None],

@@ -1,42 +1,36 @@
 """Likelihood of the motor board: all currents, of the runs and of the idle motor.
 
-Given the parameters, a run's current is
+Given the parameters, run j on assembly i has the current
 
-    I = h(v)ᵀβ + (r / k_t)(m g + F (1 + η_i + ε_ij)) + noise,
+    I = h(v)ᵀβ + (r / k_t) (m g + F (1 + η_i + ε_ij)) + noise,
 
 with the idle curve h(v)ᵀβ shared by every run and by the idle measurements. β, η
-and ε are Gaussian and linear, so they are marginalised in closed form: the currents
-are one normal whose covariance is diagonal, plus a rank-one block an assembly, plus
-the idle curve's few columns (Woodbury's identity). The noise of a current grows with
-the load: variance σ_I² + (λ · load current)².
+and ε are Gaussian and linear, so they are integrated out in closed form: the
+currents are one normal (:mod:`bayesfric.likelihood.joint_normal`). The noise of a
+current grows with the load: its variance is σ_I² + (λ · load current)², the load
+current being the law's; the scatter of friction would change it by 0.2 %.
+The simulator that mirrors it is :mod:`bayesfric.simulate`.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
-from bayesfric.boards.motor import MotorCondition, load_current, motor_friction
-from bayesfric.friction import REFERENCE_WRAP_ANGLE_DEG
+from bayesfric.baseline import BASELINES, Baseline
+from bayesfric.boards.motor import MotorCondition, load_current, nominal_tension
 from bayesfric.likelihood.coefficients import SizeIndex, coefficient_parameters
-from bayesfric.likelihood.scatter import LOG_2PI, SetupIndex
+from bayesfric.likelihood.joint_normal import JointNormal
+from bayesfric.likelihood.scatter import SetupIndex
 from bayesfric.priors import Parameter
 from bayesfric.recording.tables import Motor, Rig
 
 __all__ = ["MotorLikelihood", "idle_basis", "run_condition"]
 
 Array = NDArray[np.float64]
-LEAST_C1 = 1e-4  # a start above zero, where least squares does not give one
-LEAST_C2_N = 1e-3
-START = {
-    "torque_constant_factor": 1.0,
-    "load_noise": 0.005,
-    "tau_motor": 0.01,
-    "omega_motor": 0.02,
-}
+LEAST_CURRENT_A = 1e-5  # of the noise, as a start, where the idle curve fits perfectly
 
 
 def run_condition(runs: pd.DataFrame, rig: Rig) -> MotorCondition:
@@ -50,54 +44,71 @@ def run_condition(runs: pd.DataFrame, rig: Rig) -> MotorCondition:
     )
 
 
-def idle_basis(velocity_m_s: Array) -> Array:
-    """Return the idle curve's columns sign(v) [1, |v|, v²], v in m/s; shape (N, 3).
+def idle_basis(velocity_m_s: Array, *, both_ways: bool) -> Array:
+    """Return the columns of the idle curve.
 
-    The idle current carries the sign of the torque that raises, as the motor's own
-    friction does: an odd curve, level plus slope plus curvature.
+    The idle current carries the sign of the torque, so it is an odd curve of the
+    signed speed, with a step at standstill: sign(v) [1, |v|, v²]. What makes the two
+    directions differ, a zero error of the sensor or brushes off centre, is one
+    constant more, where the idle motor was run in both.
+
+    Parameters
+    ----------
+    velocity_m_s : ndarray, shape (M,)
+        Signed speed, never 0 [m/s].
+    both_ways : bool
+        Whether the idle motor was measured in both directions.
+
+    Returns
+    -------
+    ndarray, shape (M, 3) or (M, 4)
+        Level, slope, curvature and asymmetry; times A, A s/m, A s²/m² and A.
     """
-    speed = np.abs(velocity_m_s)
-    columns = np.stack([np.ones_like(speed), speed, speed**2], axis=1)
-    return np.asarray(np.sign(velocity_m_s)[:, None] * columns)
-
-
-@dataclass(frozen=True)
-class _Pieces:
-    """The normal distribution of all currents, taken apart; shapes (W, …)."""
-
-    r: Array  # (W, M) residuals of β = 0
-    d: Array  # (W, M) diagonal
-    load: Array  # (W, M) u: what an assembly's η moves
-    gain: Array  # (W, G) 1 + Σ u²/d of a group
-    solved: Array  # (W, M) A⁻¹ r, with A the diagonal plus the blocks u uᵀ
-    basis: Array  # (W, 3, M) A⁻¹ B, with B the idle curve's columns
+    sign, speed = np.sign(velocity_m_s), np.abs(velocity_m_s)
+    columns = [sign, sign * speed, sign * speed**2]
+    if both_ways:
+        columns.append(np.ones_like(speed))
+    return np.stack(columns, axis=1)
 
 
 class MotorLikelihood:
     """Currents of the motor board, given coefficients, torque constant and noise.
 
+    The scatter of a run is normal: the Student-t option of the analysis is for
+    gravity-board trials.
+
     Parameters
     ----------
     motor : Motor
-        Runs and idle measurements.
+        Runs that enter and idle measurements.
     rig : Rig
         The board; torque constant and capstan radius.
     analysis : Analysis
-        Priors.
+        Priors, and whether each size has a scatter of its own.
 
     Attributes
     ----------
     parameters : tuple of Parameter
         What the likelihood depends on.
+    condition : MotorCondition
+        Of each run, arrays of shape (N,).
     trials : DataFrame
-        The N runs in the order of every result, their id as ``trial``.
+        The N runs in the order of every result, those of an assembly adjacent;
+        their id is ``trial``.
     setups : tuple of str
         The J assemblies in the order of every result.
     sizes : tuple of str
         Pulley sizes.
     """
 
-    def __init__(self, motor: Motor, rig: Rig, analysis: Analysis) -> None:
+    def __init__(
+        self,
+        motor: Motor,
+        rig: Rig,
+        analysis: Analysis,
+        baseline: Baseline = BASELINES["paper"],
+    ) -> None:
+        self._friction = baseline.motor
         assert rig.motor_torque_constant_n_m_per_a and rig.capstan_radius_m
         codes, setups = pd.factorize(motor.runs["setup"])
         order = codes.argsort(kind="stable")
@@ -105,6 +116,7 @@ class MotorLikelihood:
         self.trials = runs
         self.setups = tuple(str(setup) for setup in setups)
         self.condition = run_condition(runs, rig)
+        self._runs = len(runs)
         self._torque_constant = rig.motor_torque_constant_n_m_per_a
         self._radius = rig.capstan_radius_m
         self._size = SizeIndex.of(runs["pulley_size"])
@@ -112,29 +124,27 @@ class MotorLikelihood:
         idle_speed = motor.idle["velocity_m_s"].to_numpy(dtype=np.float64)
         speed = np.concatenate([runs["velocity_m_s"].to_numpy(dtype=np.float64), idle_speed])
         self._current = np.concatenate(
-            [runs["current_a"].to_numpy(), motor.idle["current_a"].to_numpy()]
+            [runs["current_a"].to_numpy(), motor.idle["current_a"].to_numpy()], dtype=np.float64
         )
         # The idle measurements are a last group of their own, which no η moves.
         starts = np.flatnonzero(np.diff(codes[order], prepend=-1))
-        self._runs = len(runs)
-        self._index = SetupIndex(np.append(starts, len(runs)), speed.size)
+        self._index = SetupIndex(np.append(starts, self._runs), speed.size)
         priors = analysis.priors
-        self._columns = idle_basis(speed) * priors.idle_current_sd
+        both_ways = bool((idle_speed > 0).any() and (idle_speed < 0).any())
+        self._columns = idle_basis(speed, both_ways=both_ways) * priors.idle_current_sd
+        self._by_size = analysis.scatter.by_size
+        groups = [f"[{size}]" for size in self.sizes] if self._by_size else [""]
         self.parameters = (
             *coefficient_parameters(self.sizes, analysis),
-            Parameter("tau_motor", "1", priors.tau_motor),
-            Parameter("omega_motor", "1", priors.omega_motor),
+            *(Parameter(f"tau_motor{group}", "1", priors.tau_motor) for group in groups),
+            *(Parameter(f"omega_motor{group}", "1", priors.omega_motor) for group in groups),
             Parameter("torque_constant_factor", "1", priors.torque_constant_factor),
             Parameter("sigma_current", "A", priors.sigma_current),
             Parameter("load_noise", "1", priors.load_noise),
         )
 
     def law(self, theta: Mapping[str, Array]) -> Array:
-        """Return the law's signed friction of each run [N], shape (W, N)."""
-        return motor_friction(self._size.coefficients(theta), self.condition)
-
-    def observed(self, theta: Mapping[str, Array]) -> Array:
-        """Return the signed friction that the currents show [N], shape (W, N).
+        """Return the law's signed friction of each run [N].
 
         Parameters
         ----------
@@ -144,16 +154,30 @@ class MotorLikelihood:
         Returns
         -------
         ndarray, shape (W, N)
+            fc of eq. (15) at the nominal tension of the run, with the sign of v.
+        """
+        return np.asarray(self._friction(self._size.coefficients(theta), self.condition))
+
+    def observed(self, theta: Mapping[str, Array]) -> Array:
+        """Return the signed friction that the currents show [N].
+
+        Parameters
+        ----------
+        theta : mapping of str to ndarray of shape (W,)
+            Parameters by name; only the torque constant counts.
+
+        Returns
+        -------
+        ndarray, shape (W, N)
             ``k_t (I − I_idle(v)) / r − m g`` with the idle curve of the idle
             measurements alone.
         """
-        idle = slice(self._runs, None)
-        curve = np.linalg.lstsq(self._columns[idle], self._current[idle], rcond=None)[0]
-        beyond = (self._current - self._columns @ curve)[: self._runs]
-        return np.asarray(self._per_ampere(theta) * beyond - self.condition.weight_n)
+        beyond = self._beyond_idle()[: self._runs]
+        pull = self._torque(theta) * beyond / self._radius
+        return np.asarray(pull - self.condition.weight_n)
 
     def draw_scatter(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
-        """Draw the relative deviation from the law of a new run on a new assembly.
+        """Draw η + ε of a new run on a new assembly.
 
         Parameters
         ----------
@@ -165,124 +189,68 @@ class MotorLikelihood:
         Returns
         -------
         ndarray, shape (W, N)
-            Of friction alone, without the noise of the current.
+            Relative deviation of friction from the law, without the noise of the
+            current.
         """
-        spread = np.hypot(theta["tau_motor"], theta["omega_motor"])
-        return np.asarray(spread[:, None] * rng.standard_normal((len(spread), self._runs)))
-
-    def start(self) -> dict[str, float]:
-        """Return rough estimates by least squares, a place to climb from."""
-        idle = slice(self._runs, None)
-        curve = np.linalg.lstsq(self._columns[idle], self._current[idle], rcond=None)[0]
-        left = self._current[idle] - self._columns[idle] @ curve
-        start = START | {"sigma_current": max(float(left.std()), 1e-5)}
-        friction = self.observed({"torque_constant_factor": np.ones(1)})[0]
-        sign = np.sign(np.asarray(self.condition.velocity_m_s))
-        tension = self.condition.weight_n + 0.5 * friction
-        n = np.asarray(self.condition.n_pulleys)
-        wrap = np.asarray(self.condition.wrap_angle_deg) - REFERENCE_WRAP_ANGLE_DEG
-        columns = np.stack([n * tension, n, n * tension * wrap], axis=1)
-        for place, size in enumerate(self.sizes):
-            rows = self._size.of_trial == place
-            width = np.abs(columns[rows]).max(axis=0)
-            width[width == 0] = 1.0
-            scaled = np.linalg.lstsq(columns[rows] / width, (sign * friction)[rows], rcond=1e-3)[0]
-            c1, c2, c3 = scaled / width
-            start[f"c1[{size}]"] = max(float(c1), LEAST_C1)
-            start[f"c2[{size}]"] = max(float(c2), LEAST_C2_N)
-            start[f"c3[{size}]"] = float(c3)
-        return start
+        spread = np.hypot(*self._scatter(theta))
+        shape = (len(spread), self._runs)
+        return np.asarray(spread * rng.standard_normal(shape))
 
     def log_likelihood(self, theta: Mapping[str, Array]) -> Array:
         """Return the log density of all currents, shape (W,)."""
-        pieces = self._pieces(theta)
-        inner, right = self._inner(pieces)
-        log_determinant = (
-            np.log(pieces.d).sum(-1) + np.log(pieces.gain).sum(-1) + np.linalg.slogdet(inner)[1]
-        )
-        square = (pieces.r * pieces.solved).sum(-1) - _quadratic(inner, right)
-        return np.asarray(-0.5 * (pieces.r.shape[-1] * LOG_2PI + log_determinant + square))
+        return self._currents(theta).log_density()
 
     def setup_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
         """Return each assembly's log density given all other currents, shape (W, J)."""
-        pieces = self._pieces(theta)
-        inner, right = self._inner(pieces)
-        # The same information with one assembly left out, an assembly at a time.
-        own = np.stack(
-            [
-                [self._index.total(pieces.basis[:, i] * self._columns.T[j]) for j in range(3)]
-                for i in range(3)
-            ]
-        )
-        own = np.moveaxis(own, (0, 1), (-2, -1))[:, :-1]  # (W, J, 3, 3)
-        own_right = np.moveaxis(self._index.total(pieces.basis * pieces.r[:, None]), 1, -1)[:, :-1]
-        rest = inner[:, None] - own
-        guess = np.linalg.solve(rest, (right[:, None] - own_right)[..., None])[..., 0]
-        of_trial = self._index.of_trial[: self._runs]
-        shift = (guess[:, of_trial] * self._columns[: self._runs]).sum(-1)
-        error = np.concatenate(
-            [pieces.r[:, : self._runs] - shift, np.zeros_like(pieces.r[:, self._runs :])], axis=1
-        )
-        solved = self._solve(error, pieces.d, pieces.load, pieces.gain)
-        right_error = np.moveaxis(self._index.total(pieces.basis * error[:, None]), 1, -1)[:, :-1]
-        whole = np.broadcast_to(inner[:, None], rest.shape)
-        square = self._index.total(error * solved)[:, :-1] - _quadratic(whole, right_error)
-        log_determinant = (
-            self._index.total(np.log(pieces.d))[:, :-1]
-            + np.log(pieces.gain[:, :-1])
-            + np.linalg.slogdet(inner)[1][:, None]
-            - np.linalg.slogdet(rest)[1]
-        )
-        counts = self._index.total(np.ones(self._index.trials))[:-1]
-        return np.asarray(-0.5 * (counts * LOG_2PI + log_determinant + square))
+        return self._currents(theta).group_log_density()[:, :-1]
 
     def trial_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
         """Return each run's log density given all other currents, shape (W, N)."""
-        pieces = self._pieces(theta)
-        inner, right = self._inner(pieces)
-        of_trial = self._index.of_trial
-        block = 1 / pieces.d - (pieces.load / pieces.d) ** 2 / pieces.gain[:, of_trial]
-        white = np.linalg.solve(inner, pieces.basis)
-        precision = block - (pieces.basis * white).sum(axis=1)
-        score = pieces.solved - np.einsum("wkm,wk->wm", white, right)
-        density = 0.5 * (np.log(precision) - LOG_2PI - score**2 / precision)
-        return np.asarray(density[:, : self._runs])
+        return self._currents(theta).single_log_density()[:, : self._runs]
 
-    def _per_ampere(self, theta: Mapping[str, Array]) -> Array:
-        """Return the cable's pull per ampere, k_t / r [N/A], shape (W, 1)."""
-        return self._torque_constant * theta["torque_constant_factor"][:, None] / self._radius
+    def start(self) -> dict[str, float]:
+        """Return rough estimates by least squares, a place to climb from."""
+        left = self._beyond_idle()[self._runs :]
+        friction = self.observed({"torque_constant_factor": np.ones(1)})[0]
+        start = self._size.rough_coefficients(
+            self.condition.n_pulleys,
+            self.condition.wrap_angle_deg,
+            nominal_tension(self.condition, friction),
+            np.sign(self.condition.velocity_m_s) * friction,
+        )
+        start["torque_constant_factor"] = 1.0
+        start["sigma_current"] = max(float(left.std()), LEAST_CURRENT_A)
+        start["load_noise"] = 0.005
+        for parameter in self.parameters:
+            if parameter.name.startswith(("tau", "omega")):
+                start[parameter.name] = 0.02
+        return start
 
-    def _pieces(self, theta: Mapping[str, Array]) -> _Pieces:
-        per_ampere = self._per_ampere(theta)
-        friction = self.law(theta)
-        constant = self._torque_constant * theta["torque_constant_factor"][:, None]
-        load = load_current(self.condition, friction, constant, self._radius)
-        noise = theta["sigma_current"][:, None] ** 2
-        scatter = (theta["tau_motor"][:, None] * friction / per_ampere) ** 2
-        variance = noise + (theta["load_noise"][:, None] * load) ** 2 + scatter
-        walkers, idle = len(load), self._index.trials - self._runs
-        d = np.concatenate([variance, np.broadcast_to(noise, (walkers, idle))], axis=1)
-        moved = theta["omega_motor"][:, None] * friction / per_ampere
-        moved = np.concatenate([moved, np.zeros((walkers, idle))], axis=1)
-        r = self._current - np.concatenate([load, np.zeros((walkers, idle))], axis=1)
-        gain = 1 + self._index.total(moved**2 / d)
-        basis = [self._solve(column, d, moved, gain) for column in self._columns.T]
-        solved = self._solve(r, d, moved, gain)
-        return _Pieces(r, d, moved, gain, solved, np.stack(basis, axis=1))
+    def _beyond_idle(self) -> Array:
+        """Return currents less the idle curve of the idle measurements, shape (M,)."""
+        idle = slice(self._runs, None)
+        curve = np.linalg.lstsq(self._columns[idle], self._current[idle], rcond=None)[0]
+        return np.asarray(self._current - self._columns @ curve)
 
-    def _solve(self, values: Array, d: Array, load: Array, gain: Array) -> Array:
-        """Apply the inverse of diagonal plus rank-one blocks (Sherman–Morrison)."""
-        along = load / d
-        amount = self._index.total(along * values) / gain
-        return np.asarray(values / d - along * amount[:, self._index.of_trial])
+    def _torque(self, theta: Mapping[str, Array]) -> Array:
+        """Return the torque constant k_t [N·m/A], shape (W, 1)."""
+        return self._torque_constant * theta["torque_constant_factor"][:, None]
 
-    def _inner(self, pieces: _Pieces) -> tuple[Array, Array]:
-        """Return I + BᵀA⁻¹B, shape (W, 3, 3), and BᵀA⁻¹r, shape (W, 3)."""
-        inner = np.eye(3) + np.einsum("wim,mj->wij", pieces.basis, self._columns)
-        return inner, np.einsum("wim,wm->wi", pieces.basis, pieces.r)
+    def _scatter(self, theta: Mapping[str, Array]) -> tuple[Array, Array]:
+        if self._by_size:
+            return self._size.spread(theta, "tau_motor"), self._size.spread(theta, "omega_motor")
+        return theta["tau_motor"][:, None], theta["omega_motor"][:, None]
 
-
-def _quadratic(matrix: Array, vector: Array) -> Array:
-    """Return vᵀ M⁻¹ v over the last axes."""
-    solved = np.linalg.solve(matrix, vector[..., None])[..., 0]
-    return np.asarray((vector * solved).sum(axis=-1))
+    def _currents(self, theta: Mapping[str, Array]) -> JointNormal:
+        friction, torque = self.law(theta), self._torque(theta)
+        load = load_current(self.condition, friction, torque, self._radius)
+        tau, omega = self._scatter(theta)
+        per_scatter = friction * self._radius / torque  # current of a relative deviation of 1
+        runs = slice(None, self._runs)
+        variance = np.repeat(theta["sigma_current"][:, None] ** 2, self._index.trials, axis=1)
+        variance[:, runs] += (theta["load_noise"][:, None] * load) ** 2 + (tau * per_scatter) ** 2
+        moved = np.zeros_like(variance)
+        moved[:, runs] = omega * per_scatter
+        residual = np.tile(self._current, (len(load), 1))
+        residual[:, runs] -= load
+        return JointNormal(self._index, self._columns, residual, variance, moved)

@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from bayesfric.boards.motor import MotorCondition, load_current, motor_friction, nominal_tension
+from bayesfric.boards.motor import (
+    MotorCondition,
+    load_current,
+    motor_friction,
+    nominal_tension,
+    recursive_motor_friction,
+)
 from bayesfric.friction import Coefficients, coulomb_friction
 from bayesfric.paper import paper
 from bayesfric.simulate import table1_coefficients
@@ -22,6 +28,17 @@ def test_friction_is_the_law_at_its_own_tension(velocity):
     found = motor_friction(law, condition)
     assert float(found) == pytest.approx(friction, rel=1e-12)
     assert float(nominal_tension(condition, found)) == pytest.approx(tension, rel=1e-12)
+
+
+@pytest.mark.parametrize("velocity", [0.3, -0.3])
+def test_recursive_friction_by_a_loop_over_pulleys(velocity):
+    law = Coefficients(0.0128, 0.0261, 2.79e-5)
+    a = 0.0128 + 2.79e-5 * 50
+    tension = 1.5 * G
+    for _ in range(15):  # towards the motor: up when it pulls, down when the weight does
+        tension = (tension + 0.0261) / (1 - a) if velocity > 0 else (1 - a) * tension - 0.0261
+    found = recursive_motor_friction(law, MotorCondition(15, 135.0, 1.5, velocity, G))
+    assert float(found) == pytest.approx(tension - 1.5 * G, rel=1e-12)
 
 
 def test_the_papers_nominal_tensions_come_out():

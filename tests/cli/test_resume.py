@@ -49,12 +49,13 @@ def test_ten_kills_change_nothing(board):
         time.sleep(moments.uniform(0.1, 1.0) * whole)
         process.send_signal(signal.SIGKILL)
         process.wait()
-        written = {path.name for path in (board / "broken").glob("*")} - {".checkpoint"}
-        assert written in ({*()}, {*FILES, "timings.json"})
+        names = {path.name for path in (board / "broken").glob("*")}
+        assert names - {".checkpoint", ".writing"} in (set(), {*FILES, "timings.json"})
     assert start(board, "broken").wait() == 0
     for name in FILES:
         assert (board / "broken" / name).read_bytes() == (board / "unbroken" / name).read_bytes()
-    assert not (board / "broken" / ".checkpoint").exists()
+    names = {path.name for path in (board / "broken").iterdir()}
+    assert names == {*FILES, "timings.json"}
 
 
 def test_interrupt_keeps_what_was_finished_and_exits_3(board):

@@ -22,6 +22,7 @@ ROWS = (
     ("paper", "analysis", "schemas"),
     ("friction",),
     ("boards",),
+    ("baseline",),
     ("effects",),
     ("protocols", "simulate"),
     ("priors", "likelihood"),

@@ -1,16 +1,21 @@
-"""The likelihood of motor currents against one dense normal distribution."""
+"""The likelihood of motor currents against one dense normal, and what it recovers."""
+
+import time
 
 import numpy as np
 import pandas as pd
 import pytest
 from scipy import stats
 
-from bayesfric.analysis import Analysis
+from bayesfric.analysis import Analysis, Priors, Scatter
 from bayesfric.boards.motor import motor_friction
+from bayesfric.laplace import laplace_approximation
+from bayesfric.likelihood.gravity import GravityLikelihood
 from bayesfric.likelihood.model import Model
 from bayesfric.likelihood.motor import MotorLikelihood, run_condition
+from bayesfric.likelihood.screening import screen_trials
 from bayesfric.recording.tables import Motor, Rig
-from bayesfric.simulate import table1_coefficients
+from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 
 RIG = Rig(motor_torque_constant_n_m_per_a=0.0259, capstan_radius_m=0.0065)
 VALUES = {
@@ -25,6 +30,8 @@ VALUES = {
     "sigma_current": 0.003,
     "load_noise": 0.004,
 }
+SCATTER = ("tau_motor", "omega_motor")
+GRAVITY = ("tau", "omega", "sigma_x", "sigma_t")
 
 
 def theta(**changes):
@@ -54,7 +61,12 @@ def board():
     return Motor(runs, idle)
 
 
-def dense(motor, values):
+def one_way(motor):
+    """The same board with an idle motor that was only measured raising."""
+    return Motor(motor.runs, motor.idle[motor.idle["velocity_m_s"] > 0].reset_index(drop=True))
+
+
+def dense(motor, values, idle_sd=1.0):
     """Mean and covariance of all currents, runs in the order of the file, idle last."""
     condition = run_condition(motor.runs, RIG)
     friction = motor_friction(table1_coefficients()["medium"], condition)
@@ -63,8 +75,10 @@ def dense(motor, values):
     speed = np.concatenate([motor.runs["velocity_m_s"], motor.idle["velocity_m_s"]])
     sign = np.sign(speed)
     basis = np.column_stack([sign, sign * np.abs(speed), sign * speed**2])
+    if (motor.idle["velocity_m_s"] < 0).any():
+        basis = np.column_stack([basis, np.ones_like(sign)])
     size, runs = speed.size, len(motor.runs)
-    covariance = basis @ basis.T + values["sigma_current"] ** 2 * np.eye(size)
+    covariance = idle_sd**2 * basis @ basis.T + values["sigma_current"] ** 2 * np.eye(size)
     moved = np.zeros(size)
     moved[:runs] = per_newton * friction
     covariance[:runs, :runs] += np.diag((values["load_noise"] * load) ** 2)
@@ -82,10 +96,14 @@ def log_density(current, mean, covariance, rows):
     return stats.multivariate_normal(mean[rows], covariance[chosen]).logpdf(current[rows])
 
 
-def test_all_currents_are_one_normal():
-    motor = board()
-    expected = log_density(*dense(motor, VALUES), np.arange(12))
-    likelihood = MotorLikelihood(motor, RIG, Analysis())
+@pytest.mark.parametrize("board", [board(), one_way(board())], ids=["both ways", "one way"])
+@pytest.mark.parametrize("idle_sd", [1.0, 0.01])
+def test_all_currents_are_one_normal(board, idle_sd):
+    """The error of the idle curve, shared by every run, included."""
+    current, mean, covariance = dense(board, VALUES, idle_sd)
+    expected = log_density(current, mean, covariance, np.arange(current.size))
+    analysis = Analysis(priors=Priors(idle_current_sd=idle_sd))
+    likelihood = MotorLikelihood(board, RIG, analysis)
     assert likelihood.log_likelihood(theta())[0] == pytest.approx(expected, abs=1e-7)
 
 
@@ -134,6 +152,154 @@ def test_observed_friction_is_datas_formula():
     assert by_run["c"] == pytest.approx(expected, rel=1e-9)
 
 
+def test_runs_without_a_replicate_and_one_of_them():
+    """One run, its own assembly: the smallest board there is."""
+    motor = board()
+    single = Motor(motor.runs.iloc[:1], motor.idle)
+    expected = log_density(*dense(single, VALUES), np.arange(6))
+    likelihood = MotorLikelihood(single, RIG, Analysis())
+    assert likelihood.log_likelihood(theta())[0] == pytest.approx(expected, abs=1e-7)
+    rest = log_density(*dense(single, VALUES), np.arange(1, 6))
+    for left_out in (likelihood.setup_log_likelihood, likelihood.trial_log_likelihood):
+        assert left_out(theta())[0] == pytest.approx([expected - rest], abs=1e-7)
+
+
+def test_a_scatter_of_each_size():
+    """With equal values it is the common scatter; each size's own is what counts."""
+    motor = board()
+    motor.runs["pulley_size"] = ["small", "large", "small", "small", "large", "small", "small"]
+    common = MotorLikelihood(motor, RIG, Analysis())
+    apart = MotorLikelihood(motor, RIG, Analysis(scatter=Scatter(by_size=True)))
+    names = {parameter.name for parameter in apart.parameters}
+    assert {"tau_motor[small]", "tau_motor[large]", "omega_motor[small]"} < names
+    assert not {"tau_motor", "omega_motor"} & names
+    equal = {f"{name}[{size}]": VALUES[name] for name in SCATTER for size in apart.sizes}
+    expected = common.log_likelihood(theta())[0]
+    assert apart.log_likelihood(theta(**equal))[0] == pytest.approx(expected, abs=1e-9)
+    wider = theta(**equal | {"omega_motor[large]": 0.2})
+    assert abs(apart.log_likelihood(wider)[0] - expected) > 0.1
+
+
 def test_start_has_a_finite_density():
     model = Model([MotorLikelihood(board(), RIG, Analysis())])
     assert np.isfinite(model.log_posterior(model.start()[None]))[0]
+
+
+def test_absurd_parameters_have_no_density_and_do_no_harm():
+    model = Model([MotorLikelihood(board(), RIG, Analysis())])
+    far = 30 * np.random.default_rng(0).standard_normal((3000, len(model.names)))
+    density = model.log_posterior(far)
+    assert not np.isnan(density).any()
+    assert density.max() < np.inf
+
+
+def test_new_runs_scatter_as_much_as_the_parameters_say():
+    likelihood = MotorLikelihood(board(), RIG, Analysis())
+    many = {name: np.repeat(value, 20_000) for name, value in theta().items()}
+    deviation = likelihood.draw_scatter(many, np.random.default_rng(1))
+    expected = VALUES["tau_motor"] ** 2 + VALUES["omega_motor"] ** 2
+    assert deviation.shape == (20_000, 7)
+    assert deviation.var() == pytest.approx(expected, rel=4 * np.sqrt(2 / deviation.size))
+
+
+def simulated(seed, truth, rigs=("motor",)):
+    """The likelihoods of a simulated recording."""
+    recording = simulate_recording("quick", seed=seed, truth=truth, rigs=rigs)
+    found = []
+    if "gravity" in rigs:
+        screened = screen_trials(recording.gravity, recording.rig)
+        found.append(GravityLikelihood(screened.gravity, recording.rig, Analysis()))
+    found.append(MotorLikelihood(recording.motor, recording.rig, Analysis()))
+    return found
+
+
+def values_of(truth):
+    """What the simulator was given, by the likelihoods' names."""
+    scalars = (*SCATTER, "torque_constant_factor", "sigma_current", "load_noise")
+    return VALUES | {name: getattr(truth, name) for name in scalars}
+
+
+def test_the_simulator_mirrors_the_likelihood():
+    """The score, d log p / dθ, has mean zero at the truth if and only if means, variances
+    and covariances are those of the data: every parameter's is held to that."""
+    truth = Truth(
+        tau_motor=0.03,
+        omega_motor=0.04,
+        torque_constant_factor=1.04,
+        idle_current=(0.06, 0.02, -0.01),
+        sigma_current=0.004,
+        load_noise=0.006,
+    )
+    centre = values_of(truth)
+    names = list(centre)
+    step = {name: 1e-3 * abs(value) for name, value in centre.items()}
+    points = {}
+    for name, value in centre.items():
+        shift = np.zeros(2 * len(names))
+        shift[names.index(name)], shift[len(names) + names.index(name)] = step[name], -step[name]
+        points[name] = value + shift
+    scores = []
+    for seed in range(60):
+        (likelihood,) = simulated(seed, truth)
+        up, down = np.split(likelihood.log_likelihood(points), 2)
+        scores.append(up - down)
+    mean, error = np.mean(scores, axis=0), np.std(scores, axis=0) / np.sqrt(60)
+    assert dict(zip(names, mean / error, strict=True)) == {
+        name: pytest.approx(0, abs=3.5) for name in names
+    }
+
+
+def posterior(likelihoods, truth):
+    """Laplace: standardised error of each parameter, and the torque factor's sd."""
+    model = Model(likelihoods)
+    found = laplace_approximation(model.log_posterior, model.start(), model.scale())
+    values = values_of(truth) | {n: getattr(truth, n) for n in GRAVITY}
+    at_truth = model.sampling(np.array([values[name] for name in model.names]))
+    error = (found.mode - at_truth) / np.sqrt(np.diag(found.covariance))
+    place = model.names.index("torque_constant_factor")
+    draws = np.random.default_rng(0).multivariate_normal(found.mode, found.covariance, 2000)
+    return dict(zip(model.names, error, strict=True)), model.natural(draws)[:, place]
+
+
+def test_the_board_alone_recovers_the_law_and_its_torque_constant():
+    truth = Truth()
+    errors, factor = posterior(simulated(3, truth), truth)
+    assert max(abs(error) for name, error in errors.items() if name.startswith("c")) < 3.5
+    assert factor.std() < 0.003  # of a prior of 0.05: weight does not scale with n
+    assert abs(factor.mean() - 1) < 3.5 * factor.std()
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_both_boards_recover_a_torque_constant_three_per_cent_off(seed):
+    truth = Truth(torque_constant_factor=1.03)
+    errors, factor = posterior(simulated(seed, truth, ("gravity", "motor")), truth)
+    low, high = np.quantile(factor, [0.005, 0.995])
+    assert low < 1.03 < high
+    assert 1.02 < low < high < 1.04
+    assert max(abs(error) for name, error in errors.items() if name.startswith("c")) < 3.5
+
+
+def test_the_gravity_board_does_not_know_the_torque_constant():
+    """Its data are the same bytes and its posterior has no such parameter."""
+    boards = ("gravity", "motor")
+    one, two = (
+        simulate_recording("quick", seed=4, truth=Truth(torque_constant_factor=factor), rigs=boards)
+        for factor in (1.0, 1.03)
+    )
+    assert one.gravity.trials.equals(two.gravity.trials)
+    assert one.gravity.events.equals(two.gravity.events)
+    assert not one.motor.runs.equals(two.motor.runs)
+    likelihood = GravityLikelihood(screen_trials(one.gravity, one.rig).gravity, one.rig, Analysis())
+    assert not {"torque_constant_factor", *SCATTER} & {p.name for p in likelihood.parameters}
+
+
+@pytest.mark.bench
+def test_an_ensemble_of_walkers_takes_a_few_milliseconds():
+    (likelihood,) = simulated(0, Truth())
+    ensemble = {name: np.repeat(value, 64) for name, value in theta().items()}
+    seconds = []
+    for _ in range(30):
+        start = time.perf_counter()
+        likelihood.log_likelihood(ensemble)
+        seconds.append(time.perf_counter() - start)
+    assert min(seconds) < 0.003

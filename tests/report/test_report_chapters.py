@@ -74,7 +74,7 @@ def test_unconverged_is_said_on_page_one(stored):
 
 def test_title_of_the_recording_is_on_page_one(stored):
     first = PdfReader(io.BytesIO(render_pdf(build_document(stored)))).pages[0].extract_text()
-    assert "Synthetic gravity-board recording" in " ".join(first.split())
+    assert "Synthetic pulley-board recording" in " ".join(first.split())
 
 
 def test_excluded_trials_are_listed_with_their_rule(stored):

@@ -22,6 +22,7 @@ def provenance(stored: StoredResults) -> Iterator[Block]:
             ["name", Code(fit.recording.name)],
             ["title", fit.recording.title],
             ["rigs", ", ".join(fit.rigs)],
+            ["friction law", fit.baseline],
             ["motor runs", format_count(quality.motor_runs)],
             ["trials recorded", format_count(quality.trials)],
             ["trials that enter", format_count(quality.trials_used)],
