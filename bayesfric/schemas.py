@@ -15,6 +15,7 @@ __all__ = [
     "FitFile",
     "Interval",
     "ParameterSummary",
+    "PointEstimate",
     "Provenance",
     "RecordingId",
     "SamplerSummary",
@@ -86,6 +87,17 @@ class SamplerSummary(_Record):
     )
 
 
+class PointEstimate(_Record):
+    """Coefficients of a size without uncertainty; null where the design does not allow one."""
+
+    c1: Number | None = Field(description="Friction per tension and pulley [-].")
+    c1_why: str | None = Field(None, description="Why there is no c1.")
+    c2: Number | None = Field(description="Constant friction a pulley [N].")
+    c2_why: str | None = Field(None, description="Why there is no c2.")
+    c3: Number | None = Field(description="Change of c1 with wrap [1/deg].")
+    c3_why: str | None = Field(None, description="Why there is no c3.")
+
+
 class Excluded(_Record):
     """A trial that does not enter the fit."""
 
@@ -125,6 +137,10 @@ class FitFile(Provenance):
     noise: dict[str, ParameterSummary] = Field(description="Noise of the sensors.")
     parameters: dict[str, ParameterSummary] = Field(
         description="Further parameters; empty for the paper's law."
+    )
+    paper_estimator: dict[str, PointEstimate] = Field(
+        default_factory=dict,
+        description="The paper's own estimator, eqs (6) to (15), by size; the gravity board only.",
     )
     sampler: SamplerSummary = Field(description="How the draws were made.")
     data_quality: DataQuality = Field(description="What the fit used.")

@@ -8,11 +8,12 @@ from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis, Prior
 from bayesfric.diagnostics import LIMITS, Convergence, diagnose_draws
+from bayesfric.estimator import estimate_as_the_paper
 from bayesfric.laplace import curvature_steps, finite_hessian
 from bayesfric.likelihood.model import Model
 from bayesfric.likelihood.screening import RULES, Screened
 from bayesfric.priors import Parameter, prior_sd
-from bayesfric.recording.tables import Recording
+from bayesfric.recording.tables import Recording, Rig
 from bayesfric.sampling import Draws
 from bayesfric.schemas import (
     DataQuality,
@@ -20,6 +21,7 @@ from bayesfric.schemas import (
     FitFile,
     Interval,
     ParameterSummary,
+    PointEstimate,
     SamplerSummary,
 )
 
@@ -80,6 +82,7 @@ def summarise(
         scatter={n: e for n, e in entries.items() if n.startswith(("tau", "omega"))},
         noise={n: e for n, e in entries.items() if n.startswith(("sigma", "load_noise"))},
         parameters={n: e for n, e in entries.items() if n == "torque_constant_factor"},
+        paper_estimator={} if screened is None else _as_the_paper(screened, recording.rig),
         sampler=SamplerSummary(
             ensembles=ensembles,
             walkers=walkers,
@@ -94,6 +97,21 @@ def summarise(
         ),
         data_quality=quality,
     )
+
+
+def _as_the_paper(screened: Screened, rig: Rig) -> dict[str, PointEstimate]:
+    estimates = estimate_as_the_paper(screened.gravity, rig).sizes
+    return {
+        size.pulley_size: PointEstimate(
+            c1=size.c1.value,
+            c1_why=size.c1.reason,
+            c2=size.c2.value,
+            c2_why=size.c2.reason,
+            c3=size.c3.value,
+            c3_why=size.c3.reason,
+        )
+        for size in estimates
+    }
 
 
 def _parameter(

@@ -32,7 +32,7 @@ __all__ = ["LARGEST_SHARE", "RepairedEvents", "repair_events"]
 Array = NDArray[np.float64]
 CLEAN = 0.05  # of a spacing: 0.5 mm, five times a poor sensor's noise of 0.1 mm
 SEED = 6  # events: three more than a quadratic takes
-WINDOW = 6  # events: few enough to be smooth, enough to average noise
+WINDOW = 8  # events: few enough to be smooth, enough to average noise
 ODD = 0.4  # of a spacing; in 0.4 to 0.6 neither neighbour is meant
 LEFT_OVER = 0.25  # of a spacing, after repair
 LARGEST_SHARE = 0.2  # of a train's events that may be at fault
@@ -218,7 +218,10 @@ def _one_each(time: Array, place: Array) -> NDArray[np.bool_]:
         start = int(np.clip(group - WINDOW // 2, 0, max(others.size - WINDOW, 0)))
         nearby = others[start : start + WINDOW]
         off = np.array(
-            [abs(_predict(time[nearby], place[nearby], time[e])[0] - values[group]) for e in several]
+            [
+                abs(_predict(time[nearby], place[nearby], time[e])[0] - values[group])
+                for e in several
+            ]
         )
         best = several[0] if off[0] <= NOISE_LIMIT * noise else several[off.argmin()]
         kept[several] = several == best

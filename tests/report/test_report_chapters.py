@@ -38,7 +38,8 @@ def changed(stored, **changes):
 def test_table_of_coefficients_has_the_numbers_of_the_fit(document, stored):
     rows = {(row[0], row[1][0].source): row[3:] for row in table(document, "coefficients").rows}
     entry = stored.fit.pulleys["medium"]["c2"]
-    mean, q05, q95, paper, inside = rows["medium", "c_2"]
+    mean, q05, q95, point, paper, inside = rows["medium", "c_2"]
+    assert point == f"{1e3 * stored.fit.paper_estimator['medium'].c2:.3g}"
     for text, value in ((mean, entry.mean), (q05, entry.q05), (q95, entry.q95)):
         decimals = len(text.partition(".")[2])
         assert text == f"{1e3 * value:.{decimals}f}"

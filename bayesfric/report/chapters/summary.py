@@ -50,13 +50,15 @@ def summary(stored: StoredResults) -> Iterator[Block]:
     for size, coefficients in fit.pulleys.items():
         for name, entry in coefficients.items():
             printed = getattr(table1()[size], name).value if size in table1() else None
+            point = getattr(fit.paper_estimator.get(size), name, None)
             rows.append(
                 [
                     size,
                     symbol(name),
                     unit_head(name, entry.unit),
                     *interval_cells(entry.mean, entry.q05, entry.q95, EXPONENTS[name]),
-                    MISSING if printed is None else _printed(printed, EXPONENTS[name]),
+                    _cell(point, EXPONENTS[name]),
+                    _cell(printed, EXPONENTS[name]),
                     _inside(entry, printed),
                 ]
             )
@@ -69,12 +71,15 @@ def summary(stored: StoredResults) -> Iterator[Block]:
             Column("mean", align="decimal"),
             Column("5 %", align="decimal"),
             Column("95 %", align="decimal"),
+            Column("as the paper", align="decimal"),
             Column("Table I", align="decimal"),
             "inside 90 %",
         ],
         rows,
         label="coefficients",
-        note="The interval is equal-tailed. A coefficient marked “prior” is driven by its prior: "
+        note="The interval is equal-tailed. “As the paper” is the paper's own estimator on the "
+        "same trials: least squares, slope by slope, without an uncertainty. A coefficient marked "
+        "“prior” is driven by its prior: "
         "the recording does not inform it.",
     )
     if "ratio" in stored.predictive["coefficients"].data_vars:
@@ -143,8 +148,9 @@ def _stem(name: str) -> str:
     return name.partition("[")[0]
 
 
-def _printed(value: float, exponent: int) -> str:
-    return format_number(value, exponent=exponent).split(" ")[0]
+def _cell(value: float | None, exponent: int) -> str:
+    """Return a number divided by the power of ten that the unit's cell states."""
+    return MISSING if value is None else format_number(value, exponent=exponent).split(" ")[0]
 
 
 def _inside(entry: ParameterSummary, printed: float | None) -> str:
