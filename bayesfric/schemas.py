@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 __all__ = [
     "SCHEMAS",
+    "Agreement",
     "DataQuality",
     "Excluded",
     "FitFile",
@@ -18,6 +19,7 @@ __all__ = [
     "PointEstimate",
     "Provenance",
     "RecordingId",
+    "Repaired",
     "SamplerSummary",
     "TimingsFile",
 ]
@@ -106,6 +108,35 @@ class Excluded(_Record):
     reason: str = Field(description="The rule in words.")
 
 
+class Repaired(_Record):
+    """A trial and sensor whose Hall events were not clean."""
+
+    trial: str = Field(description="Its id.")
+    sensor: str = Field(description="drive or load.")
+    missed: int = Field(description="Events that the recorder missed.")
+    doubled: int = Field(description="Events that it counted twice.")
+    removed: int = Field(description="Events taken out: doubled, stray, or all of them.")
+    used: bool = Field(
+        description="Whether the repaired events enter, unless a rule excludes the trial; "
+        "false: beyond repair, all of this sensor's left."
+    )
+
+
+class Agreement(_Record):
+    """How the two sensors of a trial agree on its acceleration."""
+
+    trials: int = Field(description="Trials whose two sensors can be compared.")
+    largest_z: Number | None = Field(
+        description="Largest |z|, the difference over its standard error; null without trials."
+    )
+    z_q95: Number | None = Field(description="95 % quantile of |z|, 1.96 by noise alone.")
+    limit_z: Number | None = Field(description="A trial disagrees beyond this |z| ...")
+    limit_friction_share: Number = Field(
+        description="... if its frictions by either sensor also differ by more than this share."
+    )
+    disagreeing: tuple[str, ...] = Field(description="Ids of the trials that disagree.")
+
+
 class DataQuality(_Record):
     """What the fit used."""
 
@@ -120,6 +151,11 @@ class DataQuality(_Record):
     )
     excluded: tuple[Excluded, ...] = Field(description="Trials left out, with the rule.")
     notes: tuple[str, ...] = Field(description="What the reader of the recording remarked.")
+    repaired: tuple[Repaired, ...] = Field((), description="Missed and doubled Hall events.")
+    agreement: Agreement | None = Field(
+        None, description="Of the sensors; null where no gravity trial was recorded."
+    )
+    stalled: tuple[str, ...] = Field((), description="Trials that stall, left out or not.")
 
 
 class FitFile(Provenance):

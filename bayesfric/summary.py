@@ -12,16 +12,19 @@ from bayesfric.estimator import estimate_as_the_paper
 from bayesfric.laplace import curvature_steps, finite_hessian
 from bayesfric.likelihood.model import Model
 from bayesfric.likelihood.screening import RULES, Screened
+from bayesfric.likelihood.sensor_agreement import MATERIAL_SHARE, SensorAgreement
 from bayesfric.priors import Parameter, prior_sd
 from bayesfric.recording.tables import Recording, Rig
 from bayesfric.sampling import Draws
 from bayesfric.schemas import (
+    Agreement,
     DataQuality,
     Excluded,
     FitFile,
     Interval,
     ParameterSummary,
     PointEstimate,
+    Repaired,
     SamplerSummary,
 )
 
@@ -193,6 +196,24 @@ def _quality(recording: Recording, screened: Screened | None, *, motor: bool) ->
             for trial, rule in screened.excluded.items()
         ),
         notes=recording.notes,
+        repaired=tuple(
+            Repaired.model_validate(row) for row in screened.repaired.to_dict("records")
+        ),
+        agreement=_agreement(screened.agreement),
+        stalled=screened.stalled,
+    )
+
+
+def _agreement(agreement: SensorAgreement) -> Agreement:
+    trials = agreement.trials
+    size = np.abs(trials["z"].to_numpy(dtype=np.float64))
+    return Agreement(
+        trials=len(trials),
+        largest_z=float(size.max()) if size.size else None,
+        z_q95=float(np.quantile(size, 0.95)) if size.size else None,
+        limit_z=agreement.limit,
+        limit_friction_share=MATERIAL_SHARE,
+        disagreeing=tuple(trials["trial"][trials["disagrees"].astype(bool)]),
     )
 
 

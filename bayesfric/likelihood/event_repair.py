@@ -17,6 +17,7 @@ No motion is assumed beyond being smooth over a few events, so that runout or
 viscous friction do not look like faults.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,11 +33,11 @@ __all__ = ["LARGEST_SHARE", "RepairedEvents", "repair_events"]
 Array = NDArray[np.float64]
 CLEAN = 0.05  # of a spacing: 0.5 mm, five times a poor sensor's noise of 0.1 mm
 SEED = 6  # events: three more than a quadratic takes
-WINDOW = 8  # events: few enough to be smooth, enough to average noise
+WINDOW = 6  # events: with more, friction that changes fast at a slow start looks like faults
 ODD = 0.4  # of a spacing; in 0.4 to 0.6 neither neighbour is meant
 LEFT_OVER = 0.25  # of a spacing, after repair
 LARGEST_SHARE = 0.2  # of a train's events that may be at fault
-NOISE_LIMIT = 4.0  # standard deviations, before the later of two edges is believed
+NOISE_LIMIT = 5.0  # standard deviations, before the later of two edges is believed
 NORMAL_MAD = 0.6745  # median absolute deviation of a standard normal
 
 
@@ -142,7 +143,7 @@ def _repair(time: Array, recorded: Array) -> _Repair:
     missed = int(excess[excess > 0].sum())
     doubled = int(seen_twice - excess[excess < 0].sum())
     left_over = np.abs(_local_residuals(time[which], place[which])).max()
-    faults = missed + max(doubled, np.count_nonzero(~kept))
+    faults = missed + max(doubled, int(np.count_nonzero(~kept)))
     usable = (
         which.size >= MINIMUM_EVENTS
         and faults <= LARGEST_SHARE * recorded.size
@@ -161,44 +162,62 @@ def _follow(time: Array, recorded: Array) -> Array | None:
     place = np.full(recorded.size, np.nan)
     place[seed : seed + width] = recorded[seed : seed + width]
     known = list(range(seed, seed + width))
-    for event in range(seed + width, recorded.size):
-        found = _nearest_place(time, place, recorded, known[-WINDOW:], known[-1], event)
-        if found >= place[known[-1]]:
-            place[event] = found
-            if found > place[known[-1]]:
-                known.append(event)
-    known = known[:WINDOW]
-    for event in range(seed - 1, -1, -1):
-        found = _nearest_place(time, place, recorded, known, known[0], event)
-        if found <= place[known[0]]:
-            place[event] = found
-            if found < place[known[0]]:
-                known = [event, *known[: WINDOW - 1]]
+    _extend(time, recorded, place, known, range(seed + width, recorded.size))
+    known = sorted(known)[WINDOW - 1 :: -1]
+    _extend(time, recorded, place, known, range(seed - 1, -1, -1))
     return place
 
 
-def _nearest_place(
-    time: Array, place: Array, recorded: Array, nearby: list[int], near: int, event: int
-) -> float:
-    """Return the whole number of spacings nearest to the motion, NaN if none is near.
+def _extend(
+    time: Array, recorded: Array, place: Array, known: list[int], ahead: Iterable[int]
+) -> None:
+    """Find the places of the events ahead, one by one.
 
-    Where the motion would turn back before the event, it says nothing of it: the
-    event stays as far from its neighbour as it was recorded.
+    `known` holds an event for each place found so far, the nearest to what is ahead
+    last; of two at one place, the one nearer to the motion. It grows on the way.
     """
-    predicted, speed = _predict(time[nearby], place[nearby], time[event])
-    if speed <= 0:
-        return float(place[near] + recorded[event] - recorded[near])
-    whole = float(np.rint(predicted))
-    return whole if abs(predicted - whole) <= ODD else np.nan
+    for event in ahead:
+        near = known[-1]
+        predicted, speed, _ = _predict(time, place, known[-WINDOW:], event)
+        found = np.rint(predicted)
+        if speed <= 0:  # the motion would have turned back: it does not reach this far
+            found = place[near] + recorded[event] - recorded[near]
+        elif abs(predicted - found) > ODD or (found - place[near]) * (event - near) < 0:
+            continue
+        place[event] = found
+        if found != place[near]:
+            known.append(event)
+        elif _off(time, place, known[:-1], event) < _off(time, place, known[:-1], near):
+            known[-1] = event
 
 
-def _predict(time: Array, place: Array, at: float) -> tuple[float, float]:
-    """Evaluate the least-squares quadratic through a few events at a time, and its slope."""
-    middle, scale = time[time.size // 2], time[-1] - time[0]
-    u, v = (time - middle) / scale, (at - middle) / scale
+def _off(time: Array, place: Array, known: list[int], event: int) -> float:
+    """Return how far an event is from the motion of those known last.
+
+    In spacings, over the standard deviation that unit noise of the events would give.
+    """
+    predicted, _, spread = _predict(time, place, known[-WINDOW:], event)
+    return abs(predicted - float(place[event])) / spread
+
+
+def _predict(
+    time: Array, place: Array, nearby: list[int], event: int
+) -> tuple[float, float, float]:
+    """Return place and slope at an event, of the quadratic through a few others.
+
+    And the standard deviation of event less quadratic for events of unit noise.
+    """
+    base, scale = nearby[-1], abs(time[nearby[-1]] - time[nearby[0]])
+    u = (time[nearby] - time[base]) / scale
+    v = (time[event] - time[base]) / scale
     columns = np.stack([np.ones_like(u), u, u**2])
-    fit = np.linalg.solve(columns @ columns.T, columns @ (place - place[0]))
-    return float(place[0] + fit[0] + fit[1] * v + fit[2] * v**2), float(fit[1] + 2 * fit[2] * v)
+    at = np.array([1.0, v, v**2])
+    solved = np.linalg.solve(
+        columns @ columns.T, np.column_stack([columns @ (place[nearby] - place[base]), at])
+    )
+    fit, along = solved.T
+    slope = fit[1] + 2 * fit[2] * v
+    return float(place[base] + fit @ at), float(slope), float(np.sqrt(1 + at @ along))
 
 
 def _one_each(time: Array, place: Array) -> NDArray[np.bool_]:
@@ -208,21 +227,17 @@ def _one_each(time: Array, place: Array) -> NDArray[np.bool_]:
     motion by more than noise explains and a later one is not.
     """
     kept = np.isfinite(place)
-    values, first, times = np.unique(place[kept], return_index=True, return_counts=True)
+    _, first, times = np.unique(place[kept], return_index=True, return_counts=True)
     candidates = np.flatnonzero(kept)
     single = candidates[first]
-    noise = np.median(np.abs(_local_residuals(time[single], place[single]))) / NORMAL_MAD
+    residual = _local_residuals(time[single], place[single])
+    noise = np.median(np.abs(residual)) / NORMAL_MAD / np.sqrt(1 - 3 / WINDOW)
     for group in np.flatnonzero(times > 1):
         several = candidates[first[group] : first[group] + times[group]]
         others = np.delete(single, group)
         start = int(np.clip(group - WINDOW // 2, 0, max(others.size - WINDOW, 0)))
-        nearby = others[start : start + WINDOW]
-        off = np.array(
-            [
-                abs(_predict(time[nearby], place[nearby], time[e])[0] - values[group])
-                for e in several
-            ]
-        )
+        nearby = others[start : start + WINDOW].tolist()
+        off = np.array([_off(time, place, nearby, event) for event in several])
         best = several[0] if off[0] <= NOISE_LIMIT * noise else several[off.argmin()]
         kept[several] = several == best
     return kept

@@ -81,7 +81,7 @@ class TrialMeasurements:
         """
         if not self._by_acceleration.size:
             return self._events.at(theta["sigma_x"], theta["sigma_t"])
-        walkers = len(next(iter(theta.values())))
+        walkers = max((len(values) for values in theta.values()), default=1)
         shape = (walkers, self._by_events.size + self._by_acceleration.size)
         mean, variance, constant = np.empty(shape), np.empty(shape), np.zeros(shape)
         if self._by_events.size:

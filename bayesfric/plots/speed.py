@@ -14,6 +14,8 @@ VARIED = (
     ("n_pulleys", "n = {:g}", "number of pulleys (Fig. 7)"),
 )
 MARKERS = "osD^v"
+PAPER_ORDER = {"small": 0, "medium": 1, "large": 2}
+HEADROOM = 1.6  # above the data, for the legend
 
 
 def friction_against_speed(predictive: xr.DataTree) -> Figure:
@@ -32,7 +34,10 @@ def friction_against_speed(predictive: xr.DataTree) -> Figure:
     """
     runs = predictive["runs"].to_dataset()
     size_column = runs["pulley_size"].to_numpy()
-    sizes = list(dict.fromkeys(str(size) for size in size_column))
+    sizes = sorted(
+        {str(size) for size in size_column},
+        key=lambda size: (PAPER_ORDER.get(size, len(PAPER_ORDER)), size),
+    )
     styles = size_styles(sizes)
     columns = {name: runs[name].to_numpy() for name, _, _ in VARIED}
     with figure(height=62.0 * len(VARIED)) as fig:
@@ -62,8 +67,18 @@ def friction_against_speed(predictive: xr.DataTree) -> Figure:
                         markersize=2.4,
                         label=text.format(value),
                     )
-                axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]), top=1.45 * axes.get_ylim()[1])
-                axes.legend(loc="upper left", ncols=3, columnspacing=0.6, handletextpad=0.1)
+                low_end, high_end = axes.get_ylim()
+                axes.set_ylim(bottom=min(0.0, low_end), top=HEADROOM * high_end)
+                legend = axes.legend(
+                    loc="upper left",
+                    ncols=3,
+                    fontsize=6,
+                    columnspacing=0.5,
+                    handletextpad=0.0,
+                    handlelength=1.2,
+                    borderpad=0.1,
+                )
+                legend.set_in_layout(False)
                 if row == 0:
                     axes.set_title(size)
                 if row == len(VARIED) - 1:
