@@ -23,14 +23,14 @@ class ProtocolName(StrEnum):
 def simulate(
     folder: Annotated[Path, typer.Argument(help="New folder; refused if it is not empty.")],
     protocol: Annotated[
-        ProtocolName, typer.Option(help="About 600 trials, or about 180.")
+        ProtocolName, typer.Option(help="About 600 gravity trials, or 180.")
     ] = ProtocolName.paper,
     seed: Seed = None,
     config: Config = None,
     quiet: Quiet = False,
     fail_on_list: FailOn = "",
 ) -> None:
-    """Simulate the paper's gravity board with Table I and write the recording.
+    """Simulate the paper's two boards with Table I and write the recording.
 
     Example: bayesfric simulate my-recording --protocol quick --seed 7
     """
@@ -51,6 +51,8 @@ def simulate(
     if not quiet:
         assert recording.gravity is not None
         stalled = recording.metadata["simulation"]["stalled"]
-        typer.echo(f"{len(recording.gravity.trials)} trials written to {folder}", err=True)
+        runs = 0 if recording.motor is None else len(recording.motor.runs)
+        trials = len(recording.gravity.trials)
+        typer.echo(f"{trials} gravity trials and {runs} motor runs written to {folder}", err=True)
         if stalled:
             typer.echo(f"stalled and left out: {', '.join(stalled)}", err=True)

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from bayesfric.analysis import Analysis
 from bayesfric.baseline import BASELINES, Baseline
 from bayesfric.boards.gravity import Condition, nominal_tension
-from bayesfric.friction import REFERENCE_WRAP_ANGLE_DEG
 from bayesfric.likelihood.coefficients import SizeIndex, coefficient_parameters
 from bayesfric.likelihood.measurements import TrialMeasurements
 from bayesfric.likelihood.scatter import SetupIndex, setup_log_density, trial_log_density
@@ -28,8 +27,7 @@ from bayesfric.recording.tables import Gravity, Rig
 __all__ = ["GravityLikelihood", "trial_condition"]
 
 Array = NDArray[np.float64]
-LEAST_C1 = 1e-4  # a start above zero, where least squares does not give one
-LEAST_C2_N = 1e-3
+START_SCATTER = 0.02  # of friction, a place to climb from
 
 
 def trial_condition(trials: pd.DataFrame, rig: Rig) -> Condition:
@@ -186,23 +184,15 @@ class GravityLikelihood:
         tension = nominal_tension(
             self.condition, (self.condition.drive_force_n - friction) / self.condition.total_mass_kg
         )
-        n = np.asarray(self.condition.n_pulleys)
-        wrap = np.asarray(self.condition.wrap_angle_deg) - REFERENCE_WRAP_ANGLE_DEG
-        columns = np.stack([n * tension, n, n * tension * wrap], axis=1)
-        start = noise
-        for place, size in enumerate(self.sizes):
-            rows = self._size.of_trial == place
-            width = np.abs(columns[rows]).max(axis=0)
-            width[width == 0] = 1.0
-            scaled = np.linalg.lstsq(columns[rows] / width, friction[rows], rcond=1e-3)[0]
-            c1, c2, c3 = scaled / width
-            start[f"c1[{size}]"] = max(c1, LEAST_C1)
-            start[f"c2[{size}]"] = max(c2, LEAST_C2_N)
-            start[f"c3[{size}]"] = c3
-        for parameter in self.parameters:
-            if parameter.name.startswith(("tau", "omega")):
-                start[parameter.name] = 0.02
-        return start
+        scatter = {
+            parameter.name: START_SCATTER
+            for parameter in self.parameters
+            if parameter.name.startswith(("tau", "omega"))
+        }
+        rough = self._size.rough_coefficients(
+            self.condition.n_pulleys, self.condition.wrap_angle_deg, tension, friction
+        )
+        return noise | scatter | rough
 
     def _scatter(self, theta: Mapping[str, Array]) -> tuple[Array, Array]:
         if self._by_size:

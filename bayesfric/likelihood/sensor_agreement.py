@@ -5,9 +5,11 @@ by event noise alone. Over the time that both cover, the difference over its
 standard error is z; times the moving mass and over the friction it is the share
 by which the two would differ in friction.
 
-A trial disagrees if |z| is beyond the limit *and* the share is: noise alone passes
-the first in one of 1/`TAIL` trials, and a sharp difference that moves the trial's
-friction by less than trials scatter anyway is no reason to lose one.
+A trial disagrees if |z| is beyond the limit *and* the share is. Noise alone passes
+the first in a share `TAIL` of trials. The second is there since a sharp difference
+that moves a trial's friction by less than trials scatter is no reason to lose one,
+and since friction that changes on the way gives the sensors, whose events are not
+at the same places, quadratics that differ a little.
 """
 
 from dataclasses import dataclass
