@@ -1,26 +1,43 @@
-"""Posteriors of the coefficients: all nine at once, and pairs for one size."""
+"""Posteriors of the coefficients: all of them at once, and pairs for one size."""
 
 import warnings
+from collections.abc import Collection
 
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 
+from bayesfric.plots.labels import parameter_label, plain
 from bayesfric.plots.style import COLORS, NEUTRAL, TEXT_WIDTH, figure, size_styles
 
-__all__ = ["coefficient_pairs", "coefficients_relative_to_paper"]
+__all__ = ["PAIRS_SHARE", "coefficient_pairs", "coefficients_relative_to_paper"]
 
 SHOWN_DRAWS = 4000  # more points would not change the contours
-PRINTED = {"c1": (1e3, "c1 [10⁻³]"), "c2": (1e3, "c2 [mN]"), "c3": (1e6, "c3 [10⁻⁶/deg]")}
+PAIRS_SHARE = 0.75
+"""Width of the figure of pairs as a share of the text's."""
+
+PRINTED = {
+    "c1": (1e3, "$c_1$ [$10^{-3}$]"),
+    "c2": (1e3, "$c_2$ [$10^{-3}$ N]"),
+    "c3": (1e6, "$c_3$ [$10^{-6}$ deg$^{-1}$]"),
+}
 
 
-def coefficients_relative_to_paper(predictive: xr.DataTree) -> Figure:
+def coefficients_relative_to_paper(
+    predictive: xr.DataTree, uninformed: Collection[str] = ()
+) -> Figure:
     """Draw each coefficient as a ratio to Table I.
 
     Parameters
     ----------
     predictive : DataTree
         ``predictive.nc`` with its group ``coefficients``.
+    uninformed : collection of str
+        Coefficients, such as ``c3[small]``, that the recording does not inform. Their
+        rows say so: intervals as wide as a prior would leave no room for the others.
 
     Returns
     -------
@@ -30,7 +47,7 @@ def coefficients_relative_to_paper(predictive: xr.DataTree) -> Figure:
     table = predictive["coefficients"].to_dataset()
     sizes = [str(size) for size in table["pulley"].to_numpy()]
     styles = size_styles(sizes)
-    with figure(height=14.0 + 5.2 * table["ratio"].isel(level=0).size) as fig:
+    with figure(height=13.0 + 3.5 * table["ratio"].isel(level=0).size) as fig:
         axes = fig.subplots()
         labels, rows = [], []
         row = 0
@@ -38,18 +55,35 @@ def coefficients_relative_to_paper(predictive: xr.DataTree) -> Figure:
             for size in sizes:
                 ratio = table["ratio"].sel(coefficient=coefficient, pulley=size).to_numpy()
                 look = styles[size]
-                axes.plot(ratio[[0, 4]], [row, row], color=look.color, linewidth=1.2)
-                axes.plot(ratio[[1, 3]], [row, row], color=look.color, linewidth=4.0)
-                axes.plot(
-                    ratio[2], row, look.marker, color="white", markeredgecolor=look.color, zorder=3
-                )
-                labels.append(f"{coefficient} {size}")
+                name = f"{coefficient}[{size}]"
+                if name in uninformed:
+                    axes.text(
+                        1.0,
+                        row,
+                        "  not informed by this recording",
+                        color=NEUTRAL,
+                        fontsize=7,
+                        verticalalignment="center",
+                    )
+                else:
+                    axes.plot(ratio[[0, 4]], [row, row], color=look.color, linewidth=1.2)
+                    axes.plot(ratio[[1, 3]], [row, row], color=look.color, linewidth=3.6)
+                    axes.plot(
+                        ratio[2],
+                        row,
+                        look.marker,
+                        color="white",
+                        markersize=3.4,
+                        markeredgecolor=look.color,
+                        zorder=3,
+                    )
+                labels.append(parameter_label(name))
                 rows.append(row)
                 row += 1
             row += 1
-        axes.axvline(1.0, color=NEUTRAL, linewidth=0.9, linestyle="--")
+        axes.axvline(1.0, color=COLORS["black"], linewidth=0.9, linestyle="--", zorder=1)
         axes.set_yticks(rows, labels)
-        axes.invert_yaxis()
+        axes.set_ylim(row - 1.4, -0.6)
         axes.grid(visible=False, axis="y")
         axes.set_xlabel("posterior / value in Table I (thick: 50 %, thin: 90 %)")
         return fig
@@ -65,7 +99,8 @@ def coefficient_pairs(draws: xr.DataTree, size: str, paper: dict[str, float] | N
     size : str
         The pulley size.
     paper : dict of str to float or None
-        Table I's values, to be marked; None where it has no such size.
+        Table I's values, to be marked; None where it has no such size. A value that
+        is further from the draws than they span is named in the legend instead.
 
     Returns
     -------
@@ -82,8 +117,17 @@ def coefficient_pairs(draws: xr.DataTree, size: str, paper: dict[str, float] | N
         axis=1,
     )
     points = points[:: max(1, len(points) // SHOWN_DRAWS)]
+    marks = [None if paper is None else scale * paper[name] for name, (scale, _) in PRINTED.items()]
+    ranges = [_range(column, mark) for column, mark in zip(points.T, marks, strict=True)]
+    shown = [
+        mark if mark is not None and low < mark < high else None
+        for mark, (low, high) in zip(marks, ranges, strict=True)
+    ]
     look = size_styles([size])[size]
-    with warnings.catch_warnings(), figure(height=0.72 * TEXT_WIDTH, constrained=False) as fig:
+    with (
+        warnings.catch_warnings(),
+        figure(PAIRS_SHARE * TEXT_WIDTH, 79.0, constrained=False) as fig,
+    ):
         warnings.simplefilter("ignore", FutureWarning)  # arviz, which corner imports
         import corner
 
@@ -91,20 +135,62 @@ def coefficient_pairs(draws: xr.DataTree, size: str, paper: dict[str, float] | N
             points,
             fig=fig,
             bins=30,
+            range=ranges,
             labels=[label for _, label in PRINTED.values()],
-            truths=paper and [scale * paper[name] for name, (scale, _) in PRINTED.items()],
-            truth_color=COLORS["black"],
             color=look.color,
             levels=(1 - np.exp(-0.5), 1 - np.exp(-2.0)),
             plot_datapoints=False,
+            plot_density=False,
+            fill_contours=True,
             smooth=1.0,
-            max_n_ticks=3,
-            labelpad=0.05,
+            contour_kwargs={"linewidths": 0.9},
             hist_kwargs={"linewidth": 1.0},
             label_kwargs={"fontsize": 8},
         )
+        corner.overplot_lines(
+            fig, shown, color=COLORS["black"], linewidth=0.9, linestyle="--", zorder=5
+        )
         for axes in fig.axes:
             axes.grid(visible=False)
+            for axis in (axes.xaxis, axes.yaxis):
+                if len(axis.get_ticklocs()):
+                    axis.set_major_locator(MaxNLocator(4, prune="both"))
             axes.tick_params(axis="both", labelrotation=0)
-        fig.subplots_adjust(left=0.16, bottom=0.17, right=0.98, top=0.98, wspace=0.12, hspace=0.12)
+            axes.xaxis.set_label_coords(0.5, -0.3)
+            axes.yaxis.set_label_coords(-0.38, 0.5)
+        fig.subplots_adjust(left=0.15, bottom=0.15, right=0.98, top=0.98, wspace=0.1, hspace=0.1)
+        fig.legend(
+            handles=_keys(look.color, shown, marks),
+            loc="upper right",
+            bbox_to_anchor=(0.98, 0.98),
+            title=f"{plain(size)} pulley",
+            title_fontsize=8.5,
+            alignment="left",
+        )
         return fig
+
+
+def _range(draws: np.ndarray, mark: float | None) -> tuple[float, float]:
+    """Return the draws' range, widened to hold a mark that is not far from it."""
+    low, high = float(draws.min()), float(draws.max())
+    margin = 0.02 * (high - low)
+    low, high = low - margin, high + margin
+    if mark is not None and low - (high - low) < mark < high + (high - low):
+        low, high = min(low, mark - margin), max(high, mark + margin)
+    return low, high
+
+
+def _keys(color: str, shown: list[float | None], marks: list[float | None]) -> list[Line2D | Patch]:
+    keys: list[Line2D | Patch] = [
+        Patch(color=color, alpha=0.8, label="holds 39 % of the draws"),
+        Patch(color=color, alpha=0.4, label="holds 86 % of the draws"),
+    ]
+    if any(mark is not None for mark in shown):
+        keys.append(
+            Line2D([], [], color=COLORS["black"], linewidth=0.9, linestyle="--", label="Table I")
+        )
+    for name, seen, mark in zip(PRINTED, shown, marks, strict=True):
+        if mark is not None and seen is None:
+            text = f"Table I beyond the panel: {parameter_label(name)} = {mark:.4g}"
+            keys.append(Patch(color="none", label=text))
+    return keys

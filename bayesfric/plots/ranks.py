@@ -1,15 +1,22 @@
 """Rank histograms by ensemble: flat where the ensembles draw from one density."""
 
+from typing import Literal
+
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
+from bayesfric.plots.labels import parameter_label
 from bayesfric.plots.style import COLORS, NEUTRAL, figure
 
 __all__ = ["rank_histograms"]
 
-LINES = ("-", "--", "-.", ":")
-COLUMNS = 4
+LineStyle = Literal["-", "--", "-.", ":"]
+LINES: tuple[LineStyle, ...] = ("-", "--", "-.", ":")
+SHADES = tuple(COLORS[name] for name in ("blue", "vermilion", "green", "purple"))
+COLUMNS = 5
+KEYS = 8  # more ensembles than that are not told apart
 
 
 def rank_histograms(predictive: xr.DataTree) -> Figure:
@@ -27,27 +34,37 @@ def rank_histograms(predictive: xr.DataTree) -> Figure:
     """
     table = predictive["ranks"].to_dataset()
     names = [str(name) for name in table["parameter"].to_numpy()]
-    rows = -(-len(names) // COLUMNS)
-    shades = [COLORS[name] for name in ("blue", "vermilion", "green", "purple")]
-    with figure(height=24.0 * rows + 6.0) as fig:
-        panels = np.atleast_2d(fig.subplots(rows, COLUMNS, sharex=True, sharey=True))
-        for panel, name in zip(panels.flat, names, strict=False):
+    relative = table["relative"].to_numpy()
+    ensembles = relative.shape[1]
+    columns = min(COLUMNS, len(names))
+    rows = -(-len(names) // columns)
+    with figure(height=23.0 * rows + 14.0) as fig:
+        panels = np.reshape(fig.subplots(rows, columns, sharex=True, sharey=True), (rows, columns))
+        for place, (panel, name) in enumerate(zip(panels.flat, names, strict=False)):
             heights = table["relative"].sel(parameter=name).to_numpy()
             edges = np.linspace(0, 1, heights.shape[1] + 1)
             for ensemble, row in enumerate(heights):
-                panel.stairs(
-                    row,
-                    edges,
-                    color=shades[ensemble % len(shades)],
-                    linestyle=LINES[ensemble % len(LINES)],
-                    linewidth=0.9,
-                    baseline=None,
-                )
-            panel.axhline(1.0, color=NEUTRAL, linewidth=0.6)
-            panel.set_title(name.replace("[", " ").rstrip("]"))
-            panel.set_ylim(0, 2)
+                color, line = _look(ensemble)
+                panel.stairs(row, edges, color=color, linestyle=line, linewidth=0.9, baseline=None)
+            panel.axhline(1.0, color=NEUTRAL, linewidth=0.6, zorder=1)
+            panel.set_title(parameter_label(name))
+            panel.set_xticks([0, 0.5, 1], ["0", "0.5", "1"])
+            panel.tick_params(labelbottom=place + columns >= len(names))
+        # The same for all panels, and no narrower than what is of interest.
+        top = max(1.5, float(relative.max()))
+        panels[0, 0].set_ylim(min(2 - top, 0.5), top)
         for panel in panels.flat[len(names) :]:
             panel.set_visible(False)
         fig.supxlabel("rank among all draws", fontsize=8)
         fig.supylabel("count / expected", fontsize=8)
+        if ensembles <= KEYS:
+            keys = [
+                Line2D([], [], color=_look(e)[0], linestyle=_look(e)[1], label=f"ensemble {e + 1}")
+                for e in range(ensembles)
+            ]
+            fig.legend(handles=keys, loc="outside upper center", ncols=min(4, ensembles))
         return fig
+
+
+def _look(ensemble: int) -> tuple[str, LineStyle]:
+    return SHADES[ensemble % len(SHADES)], LINES[ensemble % len(LINES)]

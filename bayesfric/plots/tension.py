@@ -2,18 +2,24 @@
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
-from bayesfric.plots.style import NEUTRAL, figure, size_styles
+from bayesfric.plots.labels import ordered_sizes, plain
+from bayesfric.plots.style import COLORS, NEUTRAL, SizeStyle, figure, size_styles
 
 __all__ = ["friction_against_tension"]
 
 MARKERS = "osD^vPX"
+DASHES = (0, (4, 4))  # of Table I, so that the law is seen between them
+ASIDE = 0.025  # of the greatest tension, between numbers of pulleys in the lower panels
 
 
 def friction_against_tension(predictive: xr.DataTree, wrap_angle_deg: float) -> Figure:
-    """Draw friction against nominal tension at one wrap angle, a panel a size.
+    """Draw friction against nominal tension at one wrap angle, two panels a size.
 
     Parameters
     ----------
@@ -25,52 +31,131 @@ def friction_against_tension(predictive: xr.DataTree, wrap_angle_deg: float) -> 
     Returns
     -------
     Figure
-        Trials by number of pulleys, the law's 5 % to 95 % band, and Table I.
+        Above, trials by number of pulleys, the law's 5 % to 95 % band, and Table I.
+        Below, the same relative to the law's median, with the 5 % to 95 % interval of
+        a new trial on a new assembly behind each trial; numbers of pulleys stand side by
+        side there.
     """
     trials = predictive["trials"].to_dataset()
     curves = predictive["curves"].to_dataset()
-    at_angle = trials.isel(trial=np.flatnonzero(trials["wrap_angle_deg"] == wrap_angle_deg))
-    lines = curves.isel(curve=np.flatnonzero(curves["wrap_angle_deg"] == wrap_angle_deg))
-    sizes = list(dict.fromkeys(str(size) for size in curves["pulley_size"].to_numpy()))
-    sizes = [size for size in sizes if (at_angle["pulley_size"] == size).any()]
+    trials = trials.isel(trial=np.flatnonzero(trials["wrap_angle_deg"] == wrap_angle_deg))
+    curves = curves.isel(curve=np.flatnonzero(curves["wrap_angle_deg"] == wrap_angle_deg))
+    sizes = ordered_sizes(curves["pulley_size"].to_numpy())
     styles = size_styles(sizes)
-    counts = sorted({int(n) for n in at_angle["n_pulleys"].to_numpy()})
+    counts = sorted({int(n) for n in trials["n_pulleys"].to_numpy()})
     markers = {n: MARKERS[place % len(MARKERS)] for place, n in enumerate(counts)}
-    tension = lines["tension_n"].to_numpy()
-    with figure(height=74.0) as fig:
-        for place, size in enumerate(sizes):
-            axes = fig.add_subplot(1, len(sizes), place + 1)
-            look = styles[size]
-            here = lines.isel(curve=np.flatnonzero(lines["pulley_size"] == size))
-            for curve in range(here.sizes["curve"]):
-                low, middle, high = here["law_n"].isel(curve=curve).to_numpy().T
-                paper = here["paper_n"].isel(curve=curve).to_numpy()
-                axes.fill_between(tension, low, high, color=look.color, alpha=0.3, linewidth=0)
-                axes.plot(tension, middle, color=look.color, linewidth=0.9)
-                if np.isfinite(paper).all():
-                    axes.plot(tension, paper, color=NEUTRAL, linewidth=0.9, linestyle="--")
-            points = at_angle.isel(trial=np.flatnonzero(at_angle["pulley_size"] == size))
+    middle = (len(counts) - 1) / 2
+    shifts = {n: ASIDE * (place - middle) for place, n in enumerate(counts)}
+    top = float(curves["tension_n"].max())
+    with figure(height=90.0) as fig:
+        panels = fig.subplots(2, len(sizes), squeeze=False, sharex="col", height_ratios=[3, 2])
+        for (above, below), size in zip(panels.T, sizes, strict=True):
+            law = curves.isel(curve=np.flatnonzero(curves["pulley_size"] == size))
+            points = trials.isel(trial=np.flatnonzero(trials["pulley_size"] == size))
+            _draw_friction(above, law, styles[size])
+            _draw_relative(below, law, styles[size])
             for n in counts:
                 some = points.isel(trial=np.flatnonzero(points["n_pulleys"] == n))
-                axes.plot(
-                    some["tension_n"],
-                    some["friction_n"],
-                    markers[n],
-                    color=look.color,
-                    markersize=2.6,
-                    markeredgewidth=0.3,
-                    markeredgecolor="white",
-                )
-            axes.set_title(size)
-            axes.set_xlim(left=0)
-            axes.set_ylim(bottom=0)
-            axes.set_xlabel("nominal tension [N]")
-            if place == 0:
-                axes.set_ylabel("friction [N]")
-        keys = [
-            Line2D([], [], color=NEUTRAL, marker=markers[n], linestyle="", label=f"n = {n}")
-            for n in counts
-        ]
-        keys.append(Line2D([], [], color=NEUTRAL, linestyle="--", label="Table I"))
-        fig.legend(handles=keys, loc="outside lower center", ncols=len(keys))
+                _draw_trials(above, below, some, shifts[n] * top, markers[n], styles[size])
+            above.set_title(plain(size))
+            above.set_xlim(left=0)
+            above.set_ylim(bottom=0)
+            below.set_xlabel("nominal tension [N]")
+        panels[0, 0].set_ylabel("friction [N]")
+        panels[1, 0].set_ylabel("deviation from\nthe law [%]")
+        fig.align_ylabels()
+        has_paper = bool(np.isfinite(curves["paper_n"].to_numpy()).any())
+        keys = _keys(markers, has_paper)
+        fig.legend(handles=keys, loc="outside lower center", ncols=4)
         return fig
+
+
+def _draw_friction(axes: Axes, law: xr.Dataset, look: SizeStyle) -> None:
+    """Draw the law of one size, a line and a band for each number of pulleys."""
+    tension = law["tension_n"].to_numpy()
+    for curve in range(law.sizes["curve"]):
+        low, middle, high = law["law_n"].isel(curve=curve).to_numpy().T
+        axes.fill_between(tension, low, high, color=look.color, alpha=0.35, linewidth=0)
+        axes.plot(tension, middle, color=look.color, linewidth=0.9)
+        _draw_paper(axes, tension, law["paper_n"].isel(curve=curve).to_numpy())
+
+
+def _draw_relative(axes: Axes, law: xr.Dataset, look: SizeStyle) -> None:
+    """Draw the law's own band and Table I, relative to the law's median."""
+    tension = law["tension_n"].to_numpy()
+    # Relative to its median the band hardly depends on n, so one stands for all.
+    low, middle, high = law["law_n"].isel(curve=0).to_numpy().T
+    axes.fill_between(
+        tension,
+        100 * (low / middle - 1),
+        100 * (high / middle - 1),
+        color=look.color,
+        alpha=0.35,
+        linewidth=0,
+    )
+    axes.axhline(0, color=look.color, linewidth=0.9)
+    for curve in range(law.sizes["curve"]):
+        middle = law["law_n"].isel(curve=curve).to_numpy()[:, 1]
+        paper = law["paper_n"].isel(curve=curve).to_numpy()
+        _draw_paper(axes, tension, 100 * (paper / middle - 1))
+
+
+def _draw_trials(
+    above: Axes, below: Axes, trials: xr.Dataset, shift: float, marker: str, look: SizeStyle
+) -> None:
+    """Draw trials of one number of pulleys, below with what new trials may do."""
+    tension = trials["tension_n"].to_numpy()
+    friction = trials["friction_n"].to_numpy()
+    law = trials["law_n"].to_numpy()[:, 1]
+    low, _, high = 100 * (trials["predicted_n"].to_numpy().T / law - 1)
+    below.vlines(tension + shift, low, high, color=_pale(look.color), linewidth=2.4, zorder=1)
+    for axes, places, values, width in (
+        (above, tension, friction, 3.4),
+        (below, tension + shift, 100 * (friction / law - 1), 2.4),
+    ):
+        axes.plot(
+            places,
+            values,
+            marker,
+            color="white",
+            markersize=width,
+            markeredgewidth=0.8,
+            markeredgecolor=look.color,
+            zorder=3,
+        )
+
+
+def _pale(color: str) -> tuple[float, float, float]:
+    """Return a light tint; unlike a transparent one, it does not darken where bars overlap."""
+    red, green, blue = (0.3 * part + 0.7 for part in to_rgb(color))
+    return red, green, blue
+
+
+def _draw_paper(axes: Axes, tension: np.ndarray, values: np.ndarray) -> None:
+    if np.isfinite(values).all():
+        axes.plot(tension, values, color=COLORS["black"], linewidth=0.8, linestyle=DASHES)
+
+
+def _keys(markers: dict[int, str], has_paper: bool) -> list[Line2D | Patch]:
+    keys: list[Line2D | Patch] = [
+        Line2D(
+            [],
+            [],
+            color="white",
+            marker=marker,
+            markersize=3.6,
+            markeredgewidth=0.8,
+            markeredgecolor=NEUTRAL,
+            linestyle="",
+            label=f"trial, n = {n}",
+        )
+        for n, marker in markers.items()
+    ]
+    keys.append(Line2D([], [], color=NEUTRAL, linewidth=0.9, label="law, median"))
+    keys.append(Patch(color=NEUTRAL, alpha=0.5, linewidth=0, label="law, 5 % to 95 %"))
+    keys.append(Patch(color=_pale(NEUTRAL), linewidth=0, label="new trials, 5 % to 95 %"))
+    if has_paper:
+        keys.append(
+            Line2D([], [], color=COLORS["black"], linewidth=0.8, linestyle=DASHES, label="Table I")
+        )
+    return keys

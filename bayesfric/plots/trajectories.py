@@ -3,10 +3,16 @@
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
-from bayesfric.plots.style import COLORS, figure, size_styles
+from bayesfric.plots.labels import ordered_sizes, plain
+from bayesfric.plots.style import COLORS, NEUTRAL, figure, size_styles
 
 __all__ = ["measured_and_predicted"]
+
+COLUMNS = 3
+SHOWN_EVENTS = 15  # of a trial's travel, so that the line stays visible; residuals show all
 
 
 def measured_and_predicted(predictive: xr.DataTree) -> Figure:
@@ -20,31 +26,40 @@ def measured_and_predicted(predictive: xr.DataTree) -> Figure:
     Returns
     -------
     Figure
-        A pair of panels a trial: travel, and measured minus predicted with the
-        5 % to 95 % band of a new trial on a new assembly.
+        A pair of panels a trial, fast trials of a size above its slow ones: travel,
+        and measured minus median with the 5 % to 95 % band of a new trial on a new
+        assembly.
     """
     table = predictive["trajectories"].to_dataset()
-    shown = table["shown"].to_numpy()
-    columns = min(3, len(shown))
-    blocks = -(-len(shown) // columns)
-    styles = size_styles([str(size) for size in table["pulley_size"].to_numpy()])
-    with figure(height=66.0 * blocks) as fig:
-        grid = fig.add_gridspec(2 * blocks, columns, height_ratios=[3, 2] * blocks)
-        for place in range(len(shown)):
+    table = table.isel(shown=_by_size_and_duration(table))
+    count = table.sizes["shown"]
+    blocks = -(-count // COLUMNS)
+    columns = -(-count // blocks)
+    styles = size_styles(ordered_sizes(table["pulley_size"].to_numpy()))
+    with figure(height=54.0 * blocks + 8.0) as fig:
+        grid = fig.add_gridspec(2 * blocks, columns, height_ratios=[5, 4] * blocks)
+        for place in range(count):
             trial = table.isel(shown=place)
             seen = np.isfinite(trial["time_s"].to_numpy())
             time = trial["time_s"].to_numpy()[seen]
             travel = trial["travel_m"].to_numpy()[seen]
             low, middle, high = trial["predicted_m"].to_numpy()[seen].T
-            look = styles[str(trial["pulley_size"].item())]
-            block, column = divmod(place, columns)
+            color = styles[str(trial["pulley_size"].item())].color
+            column, block = divmod(place, blocks)
             top = fig.add_subplot(grid[2 * block, column])
             below = fig.add_subplot(grid[2 * block + 1, column], sharex=top)
-            top.fill_between(time, low, high, color=look.color, alpha=0.3, linewidth=0)
-            top.plot(time, middle, color=look.color, linewidth=1.0)
-            top.plot(time, travel, ".", color=COLORS["black"], markersize=2.0)
+            top.fill_between(time, low, high, color=color, alpha=0.3, linewidth=0)
+            top.plot(time, middle, color=color, linewidth=1.0)
+            top.plot(
+                time,
+                travel,
+                "o",
+                color=COLORS["black"],
+                markersize=2.2,
+                markevery=max(1, len(time) // SHOWN_EVENTS),
+            )
             top.set_title(
-                f"{trial['pulley_size'].item()}, n = {trial['n_pulleys'].item()}, "
+                f"{plain(str(trial['pulley_size'].item()))}, n = {trial['n_pulleys'].item()}, "
                 f"{trial['wrap_angle_deg'].item():g}°\n"
                 f"{trial['mass_drive_kg'].item():.3f} / {trial['mass_load_kg'].item():.3f} kg"
             )
@@ -53,15 +68,38 @@ def measured_and_predicted(predictive: xr.DataTree) -> Figure:
                 time,
                 1e3 * (low - middle),
                 1e3 * (high - middle),
-                color=look.color,
+                color=color,
                 alpha=0.3,
                 linewidth=0,
             )
-            below.plot(time, 1e3 * (travel - middle), ".", color=COLORS["black"], markersize=2.0)
-            below.axhline(0, color=look.color, linewidth=0.8)
-            below.set_xlabel("time [s]")
+            below.axhline(0, color=color, linewidth=1.0)
+            below.plot(time, 1e3 * (travel - middle), "o", color=COLORS["black"], markersize=1.4)
+            if block == blocks - 1:
+                below.set_xlabel("time [s]")
             if column == 0:
                 top.set_ylabel("travel [m]")
-                below.set_ylabel("measured −\npredicted [mm]")
+                below.set_ylabel("residual\n[mm]")
         fig.align_ylabels()
+        keys: list[Line2D | Patch] = [
+            Line2D(
+                [],
+                [],
+                color=COLORS["black"],
+                marker="o",
+                markersize=2.2,
+                linestyle="",
+                label="Hall event",
+            ),
+            Line2D([], [], color=NEUTRAL, linewidth=1.0, label="predicted median"),
+            Patch(color=NEUTRAL, alpha=0.3, linewidth=0, label="5 % to 95 % of new trials"),
+        ]
+        fig.legend(handles=keys, loc="outside lower center", ncols=len(keys))
         return fig
+
+
+def _by_size_and_duration(table: xr.Dataset) -> list[int]:
+    """Return the places of the trials, by size and then from fast to slow."""
+    sizes = [str(size) for size in table["pulley_size"].to_numpy()]
+    order = ordered_sizes(sizes)
+    duration = np.nanmax(table["time_s"].to_numpy(), axis=1)
+    return sorted(range(len(sizes)), key=lambda place: (order.index(sizes[place]), duration[place]))

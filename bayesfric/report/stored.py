@@ -62,4 +62,8 @@ def read_stored(folder: Path) -> StoredResults:
         fit.analysis_sha256,
     ):
         raise InputError([Fault("draws.nc", "the draws of the fit in fit.json")])
-    return StoredResults(fit, draws, read_tree(folder / "predictive.nc"))
+    predictive = read_tree(folder / "predictive.nc")
+    if not {"coefficients", "ranks"} <= set(predictive.children):
+        expected = f"what this version predicts: run `bayesfric fit RECORDING -o {folder}` again"
+        raise InputError([Fault("predictive.nc", expected)])
+    return StoredResults(fit, draws, predictive)

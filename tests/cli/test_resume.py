@@ -26,11 +26,11 @@ def board(small_recording, tmp_path_factory):
     return folder
 
 
-def start(board, output):
+def start(board, output, config="analysis.toml"):
     command = [Path(sys.executable).with_name("bayesfric"), "fit", "board"]
     environment = {k: v for k, v in os.environ.items() if k != "SOURCE_DATE_EPOCH"}
     return subprocess.Popen(
-        [*command, "--config", "analysis.toml", "-o", output, "--quiet"],
+        [*command, "--config", config, "-o", output, "--quiet"],
         cwd=board,
         env=environment,
         stdout=subprocess.DEVNULL,
@@ -59,7 +59,9 @@ def test_ten_kills_change_nothing(board):
 
 
 def test_interrupt_keeps_what_was_finished_and_exits_3(board):
-    process = start(board, "interrupted")
+    # Many steps an ensemble, so that the fit cannot end before the signal on a busy machine.
+    (board / "long.toml").write_text("[sampler]\nsteps = 20000\n")
+    process = start(board, "interrupted", "long.toml")
     checkpoint = board / "interrupted" / ".checkpoint"
     while not list(checkpoint.glob("*.npz")):
         assert process.poll() is None

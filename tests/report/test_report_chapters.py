@@ -2,7 +2,10 @@
 
 import dataclasses
 import io
+import os
 import re
+import subprocess
+import sys
 
 import pytest
 from pypdf import PdfReader
@@ -36,9 +39,10 @@ def changed(stored, **changes):
 
 
 def test_table_of_coefficients_has_the_numbers_of_the_fit(document, stored):
-    rows = {(row[0], row[1][0].source): row[3:] for row in table(document, "coefficients").rows}
+    rows = {(row[0], row[1][0].source): row[2:] for row in table(document, "coefficients").rows}
     entry = stored.fit.pulleys["medium"]["c2"]
-    mean, q05, q95, point, paper, inside = rows["medium", "c_2"]
+    mean, sd, q05, q95, point, paper, inside = rows["medium", "c_2"]
+    assert float(sd) == pytest.approx(1e3 * entry.sd, rel=0.05)  # two digits
     assert point == f"{1e3 * stored.fit.paper_estimator['medium'].c2:.3g}"
     for text, value in ((mean, entry.mean), (q05, entry.q05), (q95, entry.q95)):
         decimals = len(text.partition(".")[2])
@@ -57,9 +61,12 @@ def test_an_uninformed_coefficient_is_marked(stored):
 
 def test_diagnostics_are_those_of_the_fit(document, stored):
     rows = {row[0][0].source: row for row in table(document, "diagnostics").rows[9:11]}
+    assert [column.title for column in table(document, "diagnostics").head][-1] == "informed"
     tau = stored.fit.scatter["tau"]
+    assert (rows["τ"][1], tau.prior) == ("half-normal(0.05)", "half-normal(scale=0.05)")
     assert rows["τ"][2:4] == [f"{tau.r_hat:.4f}", f"{tau.r_hat_walkers:.4f}"]
     assert re.sub(r"\D", "", rows["τ"][4]) == f"{tau.ess_bulk:.0f}"
+    assert rows["τ"][-2:] == [f"{tau.contraction:.3f}", "yes"]
 
 
 def test_unconverged_is_said_on_page_one(stored):
@@ -97,9 +104,19 @@ def test_markdown_has_every_coefficient(document, stored):
 def test_report_is_written_from_the_folder_and_repeats_its_bytes(small_fit, tmp_path):
     small_fit.write(tmp_path)
     write_report(tmp_path)
-    first = {name: (tmp_path / name).read_bytes() for name in ("report.pdf", "report.html")}
+    names = ("report.pdf", "report.html", "summary.md")
+    first = {name: (tmp_path / name).read_bytes() for name in names}
     assert first["report.pdf"].startswith(b"%PDF")
-    write_report(tmp_path)
+    # Again in another process, where sets and dictionaries of names hash otherwise.
+    again = (
+        "import sys; from pathlib import Path; from bayesfric.report.writing import write_report; "
+        "write_report(Path(sys.argv[1]))"
+    )
+    subprocess.run(
+        [sys.executable, "-c", again, str(tmp_path)],
+        check=True,
+        env={**os.environ, "PYTHONHASHSEED": "7"},
+    )
     assert {name: (tmp_path / name).read_bytes() for name in first} == first
 
 

@@ -1,12 +1,13 @@
 """Whether the draws can be trusted."""
 
+import re
 from collections.abc import Iterator
 
 from bayesfric.diagnostics import LIMITS
 from bayesfric.plots.ranks import rank_histograms
 from bayesfric.plots.style import to_svg
 from bayesfric.report.chapters.symbols import symbol
-from bayesfric.report.content import Block, Column, Figure, Heading, Paragraph, Table
+from bayesfric.report.content import Block, Code, Column, Figure, Heading, Paragraph, Table
 from bayesfric.report.quantities import format_count, format_number, format_share
 from bayesfric.report.stored import StoredResults
 
@@ -19,12 +20,13 @@ def diagnostics(stored: StoredResults) -> Iterator[Block]:
     yield Heading(1, "Diagnostics")
     yield Paragraph(
         f"{sampler.ensembles} independent ensembles of {sampler.walkers} walkers made "
-        f"{format_count(sampler.steps)} steps each after burn-in; each {sampler.thin}th is kept, "
+        f"{format_count(sampler.steps)} steps each after burn-in; {_kept(sampler.thin)}, "
         f"{format_count(sampler.draws)} draws in all. {format_share(sampler.acceptance)} of the "
         f"proposals were accepted, and an effective draw took at most "
-        f"{format_number(sampler.autocorrelation_time)} steps of a walker. Converged means: R-hat "
-        f"below {LIMITS['r_hat']}, walker by walker below {LIMITS['r_hat_walkers']}, and at least "
-        f"{LIMITS['ess']:.0f} effective draws, for every parameter."
+        f"{format_number(sampler.autocorrelation_time, digits=2)} steps of a walker. Converged "
+        f"means: R-hat below {LIMITS['r_hat']}, walker by walker below {LIMITS['r_hat_walkers']}, "
+        f"and at least {LIMITS['ess']:.0f} effective draws, for every parameter. "
+        f"{'All of that holds here.' if fit.converged else 'Some of that does not hold here.'}"
     )
     entries = {
         f"{name}[{size}]": entry
@@ -39,32 +41,47 @@ def diagnostics(stored: StoredResults) -> Iterator[Block]:
             "parameter",
             "prior",
             Column("R-hat", align="decimal"),
-            Column("by walker", align="decimal"),
+            Column("walkers", align="decimal"),
             Column("bulk ESS", align="right"),
             Column("tail ESS", align="right"),
-            Column("contraction", align="right"),
+            Column("contraction", align="decimal"),
+            "informed",
         ],
         [
             [
                 symbol(name),
-                entry.prior,
+                re.sub(r"\w+=", "", entry.prior),
                 f"{entry.r_hat:.4f}",
                 f"{entry.r_hat_walkers:.4f}",
                 format_count(round(entry.ess_bulk)),
                 format_count(round(entry.ess_tail)),
-                format_share(entry.contraction, 3),
+                f"{entry.contraction:.3f}".replace("-", "−"),
+                "yes" if entry.informed else "no",
             ]
             for name, entry in entries.items()
         ],
         label="diagnostics",
-        note="R-hat is rank-normalised and split, with the walkers of an ensemble pooled into its "
-        "chain. ESS is the number of effective draws; for the bulk, the smaller of ArviZ's and "
-        "that of batch means. Contraction is 1 − posterior sd / prior sd.",
+        note="Priors are half-normal(scale), normal(mean, sd), log-normal(median, sd of the "
+        "logarithm) or uniform(low, high). R-hat is rank-normalised and split, with the walkers "
+        "of an ensemble pooled into its chain; walkers: the same with each walker as a chain. "
+        "ESS is the number of effective draws; for the bulk, the smaller of ArviZ's and that of "
+        "batch means. Contraction is 1 − posterior sd / prior sd: 0 where the data say "
+        "nothing, 1 where they say all. Informed: the data say more than the prior.",
     )
     yield Figure(
         to_svg(rank_histograms(stored.predictive)),
-        "Ranks of the draws of each ensemble (a line each) among all. Flat lines around one say "
-        "that the ensembles draw from one density; a slope or a hump would say that they do not.",
-        "Small panels, one for each parameter, of step lines near one for each ensemble.",
+        [
+            "Ranks of the draws of each ensemble (a line each) among all. Flat lines around one "
+            "say that the ensembles draw from one density; a slope or a hump would say that they "
+            "do not. From ",
+            Code("predictive.nc"),
+            ".",
+        ],
+        "Small panels, one for each parameter, with a step line for each ensemble: the count of "
+        "its draws in equal classes of rank, over the count expected, which is one.",
         label="ranks",
     )
+
+
+def _kept(thin: int) -> str:
+    return "every step is kept" if thin == 1 else f"one step in {thin} is kept"

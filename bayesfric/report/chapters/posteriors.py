@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 
 from bayesfric.paper import table1
-from bayesfric.plots.posterior import coefficient_pairs
+from bayesfric.plots.posterior import PAIRS_SHARE, coefficient_pairs
 from bayesfric.plots.style import to_svg
-from bayesfric.report.content import Block, Figure, Heading, Paragraph
+from bayesfric.report.content import Block, Code, Figure, Heading, Paragraph, Reference
 from bayesfric.report.stored import StoredResults
 
 __all__ = ["posteriors"]
@@ -15,8 +15,12 @@ def posteriors(stored: StoredResults) -> Iterator[Block]:
     """Yield a corner figure a size."""
     yield Heading(1, "Joint posteriors")
     yield Paragraph(
-        "The coefficients of a size rest on the same trials, so their draws belong together: "
-        "propagate the draws, not the table of means."
+        [
+            "The coefficients of a size rest on the same trials, so their draws belong together: "
+            "propagate the draws, not the means and standard deviations of ",
+            Reference("coefficients"),
+            ".",
+        ]
     )
     for size in stored.fit.pulleys:
         paper = None
@@ -24,13 +28,20 @@ def posteriors(stored: StoredResults) -> Iterator[Block]:
         if size in table1():
             row = table1()[size]
             paper = {"c1": row.c1.value, "c2": row.c2.value, "c3": row.c3.value}
-            mark = "Black lines mark Table I; they should cross inside the contours."
+            mark = (
+                "Dashed lines mark Table I: where data and paper agree, they cross inside the "
+                "contours."
+            )
         yield Figure(
             to_svg(coefficient_pairs(stored.draws, size, paper)),
-            f"Posterior of the coefficients of the {size} pulley. Contours hold 39 % and 86 % of "
-            f"the draws. {mark}",
+            [
+                f"Joint posterior of the coefficients of the {size} pulley. A slanted contour says "
+                f"that two coefficients are known better together than apart. {mark} From ",
+                Code("draws.nc"),
+                ".",
+            ],
             f"A triangle of panels for the {size} pulley: histograms of c1, c2 and c3 on the "
-            "diagonal and contours of each pair below it.",
+            "diagonal, each with one peak, and below it the contours of each pair.",
             label=f"pairs-{size}",
-            width=0.8,
+            width=PAIRS_SHARE,
         )

@@ -2,9 +2,10 @@
 
 from collections.abc import Iterator
 
-from bayesfric.report.content import Block, Code, Heading, Listing, Paragraph, Table, Text
+from bayesfric.report.content import Block, Code, Heading, Listing, Paragraph, Table
 from bayesfric.report.quantities import MISSING, format_count
 from bayesfric.report.stored import StoredResults
+from bayesfric.schemas import FitFile
 
 __all__ = ["provenance"]
 
@@ -13,22 +14,16 @@ def provenance(stored: StoredResults) -> Iterator[Block]:
     """Yield data quality, versions, hashes and the command."""
     fit = stored.fit
     quality = fit.data_quality
-    versions: list[list[Text]] = [[name, Code(text)] for name, text in fit.versions.items()]
     yield Heading(1, "Data and provenance")
     yield Table(
         "The recording as it entered.",
         ["", "value"],
         [
             ["name", Code(fit.recording.name)],
-            ["title", fit.recording.title],
+            ["title", fit.recording.title or MISSING],
             ["rigs", ", ".join(fit.rigs)],
             ["friction law", fit.baseline],
-            ["motor runs", format_count(quality.motor_runs)],
-            ["trials recorded", format_count(quality.trials)],
-            ["trials that enter", format_count(quality.trials_used)],
-            ["assemblies", format_count(quality.setups)],
-            ["Hall events", format_count(quality.events)],
-            ["cells assembled more than once", format_count(quality.replicated_cells)],
+            *_counts(fit),
         ],
         label="data",
     )
@@ -46,14 +41,38 @@ def provenance(stored: StoredResults) -> Iterator[Block]:
         ["", "value"],
         [
             ["seed", Code(str(fit.seed))],
-            ["recording, SHA-256", Code(fit.recording.sha256)],
+            ["recording, SHA-256", Code(fit.recording.sha256) if fit.recording.sha256 else MISSING],
             ["analysis, SHA-256", Code(fit.analysis_sha256)],
             ["date", fit.created or MISSING],
-            *versions,
+            ["versions", ", ".join(f"{name} {text}" for name, text in fit.versions.items())],
         ],
         label="provenance",
     )
-    yield Listing(f"bayesfric run {fit.recording.name} --seed {fit.seed}")
-    yield Paragraph(
-        "With the same recording, settings and versions on one machine, this writes the same bytes."
+    baseline = "" if fit.baseline == "paper" else f" --baseline {fit.baseline}"
+    yield Listing(
+        f"bayesfric run RECORDING --rigs {','.join(fit.rigs)}{baseline} --seed {fit.seed}"
     )
+    yield Paragraph(
+        [
+            Code("RECORDING"),
+            " is the folder of the recording; settings other than the default ones are added with ",
+            Code("--config analysis.toml"),
+            ". On one machine and with the versions above, this writes the same bytes.",
+        ]
+    )
+
+
+def _counts(fit: FitFile) -> Iterator[tuple[str, str]]:
+    """Yield what each rig brought."""
+    quality = fit.data_quality
+    if "gravity" in fit.rigs:
+        yield "trials recorded", format_count(quality.trials)
+        yield "trials that enter", format_count(quality.trials_used)
+        yield "assemblies", format_count(quality.setups)
+        yield "Hall events", format_count(quality.events)
+        yield (
+            "cells (size, n, angle) assembled more than once",
+            format_count(quality.replicated_cells),
+        )
+    if "motor" in fit.rigs:
+        yield "motor runs", format_count(quality.motor_runs)

@@ -6,23 +6,40 @@ from bayesfric.paper import table1
 from bayesfric.plots.posterior import coefficients_relative_to_paper
 from bayesfric.plots.style import to_svg
 from bayesfric.report.chapters.symbols import EXPONENTS, symbol, unit_head
-from bayesfric.report.content import Block, Code, Column, Figure, Heading, Notice, Paragraph, Table
+from bayesfric.report.content import (
+    Block,
+    BulletList,
+    Code,
+    Column,
+    Figure,
+    Heading,
+    Inline,
+    Notice,
+    Paragraph,
+    Strong,
+    Table,
+)
 from bayesfric.report.quantities import MISSING, format_count, format_number, interval_cells
 from bayesfric.report.stored import StoredResults
-from bayesfric.schemas import DataQuality, ParameterSummary
+from bayesfric.schemas import DataQuality, FitFile, ParameterSummary
 
 __all__ = ["front", "summary"]
+
+BOXES = 3  # remarks; more of them as boxes would fill page one
 
 
 def front(stored: StoredResults) -> Iterator[Block]:
     """Yield what stands before the table of contents."""
     fit = stored.fit
     quality = fit.data_quality
+    title = fit.recording.title
     yield Paragraph(
         [
             "Recording ",
             Code(fit.recording.name),
-            f": {fit.recording.title}. {_entered(quality)}",
+            f": {title}. " if title else ". ",
+            _entered(quality),
+            *_synthetic(f"{title} {fit.recording.name}"),
         ]
     )
     if fit.converged:
@@ -38,8 +55,13 @@ def front(stored: StoredResults) -> Iterator[Block]:
             "run longer.",
             title="Unconverged",
         )
-    for line in fit.attention:
-        yield Notice("attention", line)
+    if len(fit.attention) <= BOXES:
+        for line in fit.attention:
+            yield Notice("attention", line)
+    else:
+        count = len(fit.attention)
+        yield Notice("attention", f"{count} remarks must be read before the numbers:")
+        yield BulletList(fit.attention)
 
 
 def summary(stored: StoredResults) -> Iterator[Block]:
@@ -54,9 +76,8 @@ def summary(stored: StoredResults) -> Iterator[Block]:
             rows.append(
                 [
                     size,
-                    symbol(name),
-                    unit_head(name, entry.unit),
-                    *interval_cells(entry.mean, entry.q05, entry.q95, EXPONENTS[name]),
+                    (*symbol(name), f" [{unit_head(name, entry.unit)}]"),
+                    *_cells(entry, EXPONENTS[name]),
                     _cell(point, EXPONENTS[name]),
                     _cell(printed, EXPONENTS[name]),
                     _inside(entry, printed),
@@ -66,9 +87,9 @@ def summary(stored: StoredResults) -> Iterator[Block]:
         "Posterior of the friction coefficients, and the paper's Table I.",
         [
             "pulley",
-            "",
-            "unit",
+            "coefficient",
             Column("mean", align="decimal"),
+            Column("sd", align="decimal"),
             Column("5 %", align="decimal"),
             Column("95 %", align="decimal"),
             Column("as the paper", align="decimal"),
@@ -77,16 +98,20 @@ def summary(stored: StoredResults) -> Iterator[Block]:
         ],
         rows,
         label="coefficients",
-        note="The interval is equal-tailed. “As the paper” is the paper's own estimator on the "
-        "same trials: least squares, slope by slope, without an uncertainty. A coefficient marked "
-        "“prior” is driven by its prior: "
-        "the recording does not inform it.",
+        note="As the paper: its own estimator on the same trials, least squares slope by slope, "
+        "without an uncertainty. Inside: whether Table I lies in the 90 % interval; “prior” where "
+        "the recording does not inform the coefficient, so that its prior drives it.",
     )
     if "ratio" in stored.predictive["coefficients"].data_vars:
         yield Figure(
-            to_svg(coefficients_relative_to_paper(stored.predictive)),
-            "Posterior of each coefficient over its value in Table I. A bar that misses the dashed "
-            "line at one says that data and paper differ by more than the uncertainty.",
+            to_svg(coefficients_relative_to_paper(stored.predictive, _uninformed(fit))),
+            [
+                "Posterior of each coefficient over its value in Table I: median and the 50 % and "
+                "90 % intervals. A bar that misses the dashed line at one says that data and paper "
+                "differ by more than the uncertainty. From ",
+                Code("predictive.nc"),
+                ".",
+            ],
             "Horizontal bars, one for each coefficient and pulley size, of the 50 and 90 percent "
             "intervals relative to the paper's value, which is a dashed vertical line at one.",
             label="relative",
@@ -97,7 +122,7 @@ def summary(stored: StoredResults) -> Iterator[Block]:
             symbol(name),
             MEANINGS[name.partition("[")[0]],
             unit_head(name, entry.unit),
-            *interval_cells(entry.mean, entry.q05, entry.q95, EXPONENTS.get(_stem(name), 0)),
+            *_cells(entry, EXPONENTS.get(_stem(name), 0)),
         ]
         for name, entry in {**fit.scatter, **fit.noise, **fit.parameters}.items()
     ]
@@ -108,6 +133,7 @@ def summary(stored: StoredResults) -> Iterator[Block]:
             "meaning",
             "unit",
             Column("mean", align="decimal"),
+            Column("sd", align="decimal"),
             Column("5 %", align="decimal"),
             Column("95 %", align="decimal"),
         ],
@@ -144,13 +170,39 @@ MEANINGS = {
 }
 
 
+def _cells(entry: ParameterSummary, exponent: int) -> tuple[str, str, str, str]:
+    """Return mean, sd, 5 % and 95 % quantile."""
+    mean, q05, q95 = interval_cells(entry.mean, entry.q05, entry.q95, exponent)
+    return mean, _cell(entry.sd, exponent, digits=2), q05, q95
+
+
+def _uninformed(fit: FitFile) -> tuple[str, ...]:
+    return tuple(
+        f"{name}[{size}]"
+        for size, coefficients in fit.pulleys.items()
+        for name, entry in coefficients.items()
+        if not entry.informed
+    )
+
+
+def _synthetic(called: str) -> tuple[Inline, ...]:
+    """Return a warning where the recording calls itself simulated."""
+    if not any(word in called.casefold() for word in ("synthetic", "simulat")):
+        return ()
+    return (
+        " ",
+        Strong("Synthetic data:"),
+        " simulated, not measured.",
+    )
+
+
 def _stem(name: str) -> str:
     return name.partition("[")[0]
 
 
-def _cell(value: float | None, exponent: int) -> str:
-    """Return a number divided by the power of ten that the unit's cell states."""
-    return MISSING if value is None else format_number(value, exponent=exponent).split(" ")[0]
+def _cell(value: float | None, exponent: int, digits: int = 3) -> str:
+    """Return a number divided by the power of ten that stands beside it."""
+    return MISSING if value is None else format_number(value, digits, None, exponent).split(" ")[0]
 
 
 def _inside(entry: ParameterSummary, printed: float | None) -> str:

@@ -1,26 +1,10 @@
 """How parameters are written: symbol, power of ten and unit."""
 
+from bayesfric.plots.labels import SYMBOLS
 from bayesfric.report.content import Math
 from bayesfric.report.quantities import format_unit
 
-__all__ = ["EXPONENTS", "SYMBOLS", "symbol", "unit_head"]
-
-SYMBOLS = {
-    "c1": "c_1",
-    "c2": "c_2",
-    "c3": "c_3",
-    "tau": "τ",
-    "omega": "ω",
-    "sigma_x": "σ_x",
-    "sigma_t": "σ_t",
-    "sigma_a": "σ_a",
-    "tau_motor": "τ_\\text{motor}",
-    "omega_motor": "ω_\\text{motor}",
-    "torque_constant_factor": "κ",
-    "sigma_current": "σ_I",
-    "load_noise": "λ",
-}
-"""Parameter to formula."""
+__all__ = ["EXPONENTS", "symbol", "unit_head"]
 
 EXPONENTS = {
     "c1": -3,

@@ -1,0 +1,68 @@
+"""How figures write parameters and pulley sizes, and in which order sizes stand."""
+
+from collections.abc import Iterable
+from functools import cache
+
+from matplotlib.font_manager import findfont, get_font
+
+__all__ = ["SYMBOLS", "ordered_sizes", "parameter_label", "plain"]
+
+SYMBOLS = {
+    "c1": "c_1",
+    "c2": "c_2",
+    "c3": "c_3",
+    "tau": "τ",
+    "omega": "ω",
+    "sigma_x": "σ_x",
+    "sigma_t": "σ_t",
+    "sigma_a": "σ_a",
+    "tau_motor": "τ_\\text{motor}",
+    "omega_motor": "ω_\\text{motor}",
+    "torque_constant_factor": "κ",
+    "sigma_current": "σ_I",
+    "load_noise": "λ",
+}
+"""Parameter to formula, in the notation of TeX."""
+
+LONGEST = 24  # characters of a name that a panel has room for
+
+
+def parameter_label(name: str) -> str:
+    """Write a parameter for a figure, ``c1[small]`` as $c_1$ small.
+
+    Parameters
+    ----------
+    name : str
+        As stored.
+
+    Returns
+    -------
+    str
+        A formula in matplotlib's notation, followed by the size if there is one.
+    """
+    stem, _, size = name.partition("[")
+    written = f"${SYMBOLS[stem]}$" if stem in SYMBOLS else plain(stem)
+    return f"{written} {plain(size[:-1])}" if size else written
+
+
+def ordered_sizes(names: Iterable[str]) -> list[str]:
+    """Return each pulley size once: small, medium, large, then others as they come."""
+    known = ("small", "medium", "large")
+    found = [str(name) for name in dict.fromkeys(names)]
+    return [size for size in known if size in found] + [s for s in found if s not in known]
+
+
+def plain(text: str) -> str:
+    """Return a name that its user chose as text in which nothing is markup.
+
+    Characters that the figures' font lacks are shown by their code, and what is
+    longer than a panel is cut.
+    """
+    text = text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}…"
+    shown = (c if ord(c) in _glyphs() and c.isprintable() else f"[U+{ord(c):04X}]" for c in text)
+    return "".join(shown).replace("$", r"\$")
+
+
+@cache
+def _glyphs() -> frozenset[int]:
+    return frozenset(get_font(findfont("DejaVu Sans")).get_charmap())
