@@ -14,9 +14,20 @@ from dataclasses import dataclass
 
 import numpy as np
 from arviz_stats.base.array import array_stats
+from numpy.linalg import LinAlgError
 from numpy.typing import NDArray
+from scipy.linalg import eigh
 
-__all__ = ["LIMITS", "Convergence", "batch_means_ess", "diagnose_draws", "rank_counts"]
+__all__ = [
+    "LIMITS",
+    "Convergence",
+    "batch_means_ess",
+    "diagnose_draws",
+    "mean_ess",
+    "multivariate_r_hat",
+    "rank_counts",
+    "smooth_weights",
+]
 
 Array = NDArray[np.float64]
 
@@ -134,3 +145,92 @@ def rank_counts(draws: Array, bins: int) -> NDArray[np.int_]:
     rank = draws.ravel().argsort(kind="stable").argsort(kind="stable")
     place = (rank * bins // draws.size).reshape(ensembles, -1)
     return np.stack([np.bincount(row, minlength=bins) for row in place])
+
+
+def mean_ess(draws: Array) -> float:
+    """Return the number of independent draws whose mean would be as well known.
+
+    Parameters
+    ----------
+    draws : ndarray, shape (ensembles, draws, walkers)
+        In the order in which they were drawn.
+
+    Returns
+    -------
+    float
+        The smaller of ArviZ's and that of batch means; all draws if they are equal.
+    """
+    if np.ptp(draws) == 0:
+        return float(draws.size)
+    ensembles, steps, walkers = draws.shape
+    by_walker = draws.transpose(0, 2, 1).reshape(ensembles * walkers, steps)
+    return min(float(array_stats.ess(by_walker, method="mean")), batch_means_ess(draws))
+
+
+def multivariate_r_hat(chains: Array) -> float:
+    """Return the largest split R-hat of any linear combination of the coordinates.
+
+    Modes that lie side by side across a narrow ridge overlap in every coordinate, but
+    not in all combinations.
+
+    Parameters
+    ----------
+    chains : ndarray, shape (chains, draws, D)
+        Each in the order in which it was drawn.
+
+    Returns
+    -------
+    float
+        inf where draws do not vary within the chains in some combination.
+
+    References
+    ----------
+    S. P. Brooks, A. Gelman, "General methods for monitoring convergence of iterative
+    simulations", Journal of Computational and Graphical Statistics 7 (1998).
+    """
+    count, steps, size = chains.shape
+    half = steps // 2
+    split = chains[:, : 2 * half].reshape(2 * count, half, size)
+    # In units of all draws, so that coordinates on tiny scales are not lost to rounding.
+    split = (split - split.mean(axis=(0, 1))) / split.std(axis=(0, 1))
+    means = split.mean(axis=1)
+    centred = (split - means[:, None]).reshape(-1, size)
+    within = centred.T @ centred / (2 * count * (half - 1))
+    between = np.atleast_2d(np.cov(means, rowvar=False))
+    try:
+        largest = eigh(between, within, eigvals_only=True)[-1]
+    except LinAlgError:
+        return float("inf")
+    return float(np.sqrt((half - 1) / half + (1 + 0.5 / count) * largest))
+
+
+def smooth_weights(log_weights: Array, r_eff: float = 1.0) -> tuple[Array, float]:
+    """Smooth the largest importance weights by a Pareto distribution fitted to them.
+
+    Parameters
+    ----------
+    log_weights : ndarray, shape (N,)
+        Unnormalised; −inf is a weight of zero. At least 25, not all zero.
+    r_eff : float
+        Effective draws over draws.
+
+    Returns
+    -------
+    log_weights : ndarray, shape (N,)
+        Smoothed, on the scale of those given.
+    pareto_k : float
+        Shape of the tail: above 0.7 the weights are not to be relied on. 0 where the
+        largest weights are all the same.
+
+    References
+    ----------
+    A. Vehtari, D. Simpson, A. Gelman, Y. Yao, J. Gabry, "Pareto smoothed importance
+    sampling", Journal of Machine Learning Research 25 (2024).
+    """
+    ordered = np.sort(log_weights)
+    if ordered[-1] - ordered[-5] < 1e-12:
+        return log_weights, 0.0  # no tail to fit
+    normalised, k = array_stats.psislw(-log_weights, r_eff=r_eff)
+    # The library normalises; weights below the tail are as they were but for that.
+    unchanged = np.argmin(np.where(np.isfinite(log_weights), log_weights, np.inf))
+    return normalised + (log_weights - normalised)[unchanged], float(k)
