@@ -1,7 +1,7 @@
 """What an effect is: something physical that the baseline leaves out."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -137,6 +137,9 @@ class Effect:
         the quantity of `acts_on`. They are averaged with equal weight.
     shape : EffectParameter or None
         A second parameter, that decides how the effect depends on the state.
+    edge : mapping of str to float
+        Where it matters most of the paper's tested range: fields of :class:`State` that
+        differ from 15 N, 85°, 9 pulleys and 0.65 m/s.
     along_path : bool
         Whether the effect changes while a trial runs, as what depends on speed does.
         Then it is linear in its amplitude.
@@ -148,6 +151,7 @@ class Effect:
     amplitude: EffectParameter
     laws: Mapping[str, Law]
     shape: EffectParameter | None = None
+    edge: Mapping[str, float] = field(default_factory=dict)
     along_path: bool = False
 
     @property

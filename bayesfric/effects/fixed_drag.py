@@ -29,4 +29,5 @@ EFFECT = Effect(
         "0.03 N and c1 T as much again at 5 N",
     ),
     laws={"constant": _constant},
+    edge={"n_pulleys": 5.0},
 )

@@ -32,4 +32,5 @@ EFFECT = Effect(
         "eq. (15))",
     ),
     laws={"power": _power},
+    edge={"n_pulleys": 19.0},
 )

@@ -46,5 +46,6 @@ EFFECT = Effect(
         typical=0.15,
     ),
     laws={"exponential": _exponential, "gaussian": _gaussian},
+    edge={"speed_m_s": 0.0},
     along_path=True,
 )

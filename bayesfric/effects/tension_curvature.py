@@ -38,4 +38,5 @@ EFFECT = Effect(
         "elements (T^(4/3)): Johnson, Contact Mechanics, 1985, ch. 4 and 9",
     ),
     laws={"quadratic": _quadratic, "power": _power},
+    edge={"tension_n": 33.0},
 )

@@ -41,5 +41,6 @@ EFFECT = Effect(
         "Concepts of Bearing Technology, 2006, ch. 10)",
     ),
     laws={"constant": _constant, "tension": _with_tension, "wrap": _with_wrap},
+    edge={"speed_m_s": 1.3},
     along_path=True,
 )

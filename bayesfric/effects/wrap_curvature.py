@@ -32,4 +32,5 @@ EFFECT = Effect(
         "(statics); belt friction grows as exp(μθ), whose bend is less",
     ),
     laws={"quadratic": _quadratic},
+    edge={"wrap_angle_deg": 150.0},
 )

@@ -35,4 +35,5 @@ EFFECT = Effect(
         "2015, ch. 3)",
     ),
     laws={"linear": _linear},
+    edge={"wrap_angle_deg": 150.0},
 )
