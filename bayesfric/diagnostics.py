@@ -1,4 +1,4 @@
-"""Whether draws can be trusted: R-hat, effective sample sizes, Monte Carlo error.
+"""Whether draws can be trusted, and weights: R-hat, effective draws, Pareto k, sensitivity.
 
 Walkers of one ensemble depend on one another, so R-hat pools them into the chain of
 their ensemble, and the effective sample size is the smaller of ArviZ's and that of
@@ -25,6 +25,7 @@ __all__ = [
     "diagnose_draws",
     "mean_ess",
     "multivariate_r_hat",
+    "power_scaling",
     "rank_counts",
     "smooth_weights",
 ]
@@ -35,6 +36,7 @@ LIMITS = {"r_hat": 1.01, "r_hat_walkers": 1.02, "ess": 400.0}
 """R-hat below, effective draws above: what counts as converged."""
 
 BATCHES = 10  # of an ensemble
+POWERS = 0.99, 1.01  # of the prior or the likelihood: a derivative by differences
 
 
 @dataclass(frozen=True)
@@ -234,3 +236,47 @@ def smooth_weights(log_weights: Array, r_eff: float = 1.0) -> tuple[Array, float
     # The library normalises; weights below the tail are as they were but for that.
     unchanged = np.argmin(np.where(np.isfinite(log_weights), log_weights, np.inf))
     return normalised + (log_weights - normalised)[unchanged], float(k)
+
+
+def power_scaling(values: Array, log_component: Array) -> Array:
+    """Return how much marginals move if the prior or the likelihood counts for more or less.
+
+    Parameters
+    ----------
+    values : ndarray, shape (chains, draws, K)
+        Of K coefficients.
+    log_component : ndarray, shape (chains, draws)
+        Log density of what is raised to a power close to 1: the prior of some or all
+        parameters, or the likelihood of all data together.
+
+    Returns
+    -------
+    ndarray, shape (K,)
+        Change of a marginal, as a distance of cumulative distributions, for a
+        doubling of the power; above 0.05 the component matters.
+
+    Raises
+    ------
+    ValueError
+        Something is not finite, or the component is the same for all draws.
+
+    References
+    ----------
+    N. Kallioinen, T. Paananen, P.-C. Bürkner, A. Vehtari, "Detecting and diagnosing
+    prior and likelihood sensitivity with power-scaling", Statistics and Computing 34
+    (2024).
+    """
+    if not (np.isfinite(values).all() and np.isfinite(log_component).all()):
+        raise ValueError("values and log_component must be finite")
+    if np.ptp(log_component) == 0:
+        raise ValueError("the component is the same for all draws: nothing moves with it")
+    low, high = POWERS
+    below, above = (
+        np.exp(array_stats.power_scale_lw(log_component, alpha=power, axis=(-2, -1)))
+        for power in POWERS
+    )
+    sensitivity = [
+        float(array_stats.power_scale_sense(values[..., place], below, above, low, high))
+        for place in range(values.shape[-1])
+    ]
+    return np.array(sensitivity)
