@@ -77,6 +77,9 @@ class Claim:
         Whose data it needs; None where it needs both or none.
     rivals : tuple of Hypothesis
         What it is compared with.
+    levels : mapping of str to int
+        How many different values a column of the trials must have for the rivals to
+        differ from the claim; ``tension`` counts sums of the two masses.
     """
 
     name: str
@@ -86,6 +89,7 @@ class Claim:
     judge: Callable[["Claim", "Case"], Finding]
     board: Board | None = None
     rivals: tuple[Hypothesis, ...] = ()
+    levels: Mapping[str, int] = field(default_factory=dict)
 
     def tasks(self, data: Mapping[str, Data]) -> list[Task]:
         """Return what must be studied, of the data that there are."""

@@ -10,6 +10,7 @@ from bayesfric.analysis import ClaimRules
 from bayesfric.claims.base import BASELINE, Case, Claim, Finding, Verdict
 from bayesfric.claims.studies import WIDTHS, Studied, Task
 from bayesfric.evidence import difference, elpd
+from bayesfric.likelihood.hypothesis import Data
 
 __all__ = ["compare", "decide"]
 
@@ -38,6 +39,8 @@ def compare(claim: Claim, case: Case) -> Finding:
     assert board is not None
     if board not in case.data:
         return Finding("not-testable", f"The recording has no {board} board.")
+    if lack := _lacking_levels(claim, case.data[board]):
+        return Finding("not-testable", lack)
     rules = case.analysis.claims
     own = case.studied[Task(board, BASELINE)]
     rivals = {one: case.studied[Task(board, one)] for one in claim.rivals}
@@ -55,17 +58,16 @@ def compare(claim: Claim, case: Case) -> Finding:
     bound = max((float(np.quantile(one.size, 0.95)) for one in with_effect), default=0.0)
     best_size = known[best].size
     beyond = float((best_size > rules.region_of_equivalence).mean()) if best_size.size else 1.0
-    predicted = difference(
-        elpd(own.setup_log_likelihood), elpd(known[best].setup_log_likelihood)
-    )
-    stable = curve[(np.array(WIDTHS) > STABLE_OVER[0] - 1e-9) & (np.array(WIDTHS) < STABLE_OVER[1] + 1e-9)]
+    predicted = difference(elpd(own.setup_log_likelihood), elpd(known[best].setup_log_likelihood))
+    widths = np.array(WIDTHS)
+    stable = curve[(widths > 0.999 * STABLE_OVER[0]) & (widths < 1.001 * STABLE_OVER[1])]
     verdict, reason = decide(
         rules,
         log10,
         (float(stable.min()), float(stable.max())),
         bound,
         beyond,
-        predicted.value / predicted.se if predicted.se > 0 else 0.0,
+        predicted.elpd / predicted.se if predicted.se > 0 else 0.0,
         best.label,
     )
     if lacking and verdict == "supported":
@@ -91,12 +93,12 @@ def compare(claim: Claim, case: Case) -> Finding:
         figures,
         log10,
         error,
-        predicted.value,
+        predicted.elpd,
         predicted.se,
         by_pulley={
             size: _by_pulley(claim, case, f"{board}/{size}") for size in case.data[board].sizes
         },
-        curve={"width": np.array(WIDTHS), "log10_bayes_factor": curve},
+        curve={"width": widths, "log10_bayes_factor": curve},
     )
 
 
@@ -169,6 +171,23 @@ def decide(
             f"{upper_bound:.1%} of friction."
         )
     return "undecided", f"The Bayes factor, 10^{log10:.1f}, decides nothing."
+
+
+def _lacking_levels(claim: Claim, data: Data) -> str:
+    """Return what does not vary enough for the rivals to differ, or nothing."""
+    gravity = data.gravity
+    if gravity is None:
+        return ""
+    trials = gravity.trials
+    total = (trials["mass_drive_kg"] + trials["mass_load_kg"]).round(2)
+    for name, least in claim.levels.items():
+        values = total if name == "tension" else trials[name]
+        if (found := values.nunique()) < least:
+            word = {"n_pulleys": "number of pulleys", "wrap_angle_deg": "wrap angle"}.get(
+                name, name
+            )
+            return f"The {word} takes {found} of at least {least} values."
+    return ""
 
 
 def _log_evidence(found: Studied) -> float:

@@ -14,4 +14,5 @@ CLAIM = Claim(
     rivals=tuple(
         Hypothesis(effects=(("tension-curvature", law),)) for law in ("quadratic", "power")
     ),
+    levels={"tension": 3},
 )

@@ -19,4 +19,5 @@ CLAIM = Claim(
         Hypothesis("no-wrap"),
         Hypothesis("bearing-load"),
     ),
+    levels={"wrap_angle_deg": 3},
 )

@@ -15,4 +15,5 @@ CLAIM = Claim(
         Hypothesis(effects=(("fixed-drag", "constant"),)),
         Hypothesis(effects=(("pulley-count-curvature", "power"),)),
     ),
+    levels={"n_pulleys": 2},
 )

@@ -18,13 +18,15 @@ from bayesfric.evidence import (
     bridge_evidence,
     laplace_evidence,
 )
+from bayesfric.friction import Coefficients
 from bayesfric.laplace import laplace_approximation
+from bayesfric.likelihood.hall_events import pilot_fits
 from bayesfric.likelihood.hypothesis import Data, Hypothesis, model_of
 from bayesfric.likelihood.model import Model
 from bayesfric.priors import log_density
 from bayesfric.sampling import sample
 
-__all__ = ["Studied", "Task", "study_all"]
+__all__ = ["WIDTHS", "Studied", "Task", "slowest_speed", "study_all"]
 
 Array = NDArray[np.float64]
 SHORT_RUN = Sampler(burn=60, steps=120, thin=3)
@@ -151,7 +153,7 @@ def _study(data: Data, analysis: Analysis, task: Task, effects: dict[str, Effect
         named,
         np.concatenate(pointwise, axis=1),
         _over_widths(model, named, task.hypothesis, effects),
-        _size_at_edge(model, named, task.hypothesis, effects),
+        _size_at_edge(data, named, task.hypothesis, effects),
     )
 
 
@@ -181,7 +183,7 @@ def _over_widths(
 
 
 def _size_at_edge(
-    model: Model,
+    data: Data,
     theta: Mapping[str, Array],
     hypothesis: Hypothesis,
     effects: dict[str, Effect],
@@ -191,13 +193,23 @@ def _size_at_edge(
         return np.empty(0)
     (name, law), effect = hypothesis.effects[0], effects[hypothesis.effects[0][0]]
     values = {p.name: theta[f"{name}.{p.name}"] for p in effect.parameters}
+    place = MIDDLE | dict(effect.edge)
+    place["speed_m_s"] = max(place["speed_m_s"], slowest_speed(data))
     shares = []
-    for rig in model.likelihoods[:1]:
-        for size in rig.sizes:
-            from bayesfric.friction import Coefficients
+    for size in data.sizes:
+        law_of_size = Coefficients(*(theta[f"{c}[{size}]"] for c in Coefficients._fields))
+        state = State.of(law_of_size, **place)
+        shares.append(np.abs(effect.laws[law](values, state) / state.friction_n))
+    return np.asarray(np.max(shares, axis=0))
 
-            coefficients = Coefficients(*(theta[f"{c}[{size}]"] for c in Coefficients._fields))
-            state = State.of(coefficients, **(MIDDLE | dict(effect.edge)))
-            shares.append(effect.laws[law](values, state) / state.friction_n)
-    largest = np.abs(np.array(shares)).max(axis=0)
-    return np.asarray(largest)
+
+def slowest_speed(data: Data) -> float:
+    """Return the least speed at which anything was measured [m/s]."""
+    speeds = []
+    if data.gravity is not None and not data.gravity.events.empty:
+        with_events = data.gravity.trials["trial"].isin(data.gravity.events["trial"])
+        pilot = pilot_fits(data.gravity.events, data.gravity.trials["trial"][with_events])
+        speeds.append(float(pilot.least_speed.min()))
+    if data.motor is not None:
+        speeds.append(float(data.motor.runs["velocity_m_s"].abs().min()))
+    return min(speeds, default=0.0)
