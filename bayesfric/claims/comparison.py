@@ -16,6 +16,11 @@ __all__ = ["compare", "decide"]
 
 Array = NDArray[np.float64]
 LN10 = float(np.log(10))
+WORDS = {
+    "tension": "tension",
+    "n_pulleys": "number of pulleys",
+    "wrap_angle_deg": "wrap angle",
+}
 STABLE_OVER = (10**-0.5, 10**0.5)  # a tenfold change of the width
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -29,9 +30,12 @@ from bayesfric.sampling import sample
 __all__ = ["WIDTHS", "Studied", "Task", "slowest_speed", "study_all"]
 
 Array = NDArray[np.float64]
-SHORT_RUN = Sampler(burn=60, steps=120, thin=3)
+SHORT_RUN = Sampler(burn=40, steps=240, thin=4)
 POINTWISE_DRAWS = 1000
 MIDDLE = {"n_pulleys": 9.0, "wrap_angle_deg": 85.0, "tension_n": 15.0, "speed_m_s": 0.65}
+AMPLITUDES = (-4.0, -3.0, -2.0, -1.0, -0.3, 0.0, 0.3, 1.0, 2.0)
+SHAPES = (-2.0, -1.0, 0.0, 1.0, 2.0)
+"""Places to climb from, as normal quantiles of the prior."""
 WIDTHS = tuple(float(width) for width in np.geomspace(0.1, 10.0, 21))
 """Factors of the width of an amplitude's prior, over which its evidence is followed."""
 
@@ -127,7 +131,8 @@ def _study(data: Data, analysis: Analysis, task: Task, effects: dict[str, Effect
     seed, proposals = np.random.SeedSequence([analysis.seed, *words]).generate_state(2)
     with threadpool_limits(limits=1):
         model = model_of(data, analysis, task.hypothesis, effects)
-        laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
+        start = _start(model, task.hypothesis, effects)
+        laplace = laplace_approximation(model.log_posterior, start, model.scale())
         screen = laplace_evidence(model.log_posterior, laplace, int(proposals))
         if not task.whole:
             why = "" if screen.reliable else f"Pareto k of {screen.pareto_k:.2f} is above 0.7"
@@ -155,6 +160,22 @@ def _study(data: Data, analysis: Analysis, task: Task, effects: dict[str, Effect
         _over_widths(model, named, task.hypothesis, effects),
         _size_at_edge(data, named, task.hypothesis, effects),
     )
+
+
+def _start(model: Model, hypothesis: Hypothesis, effects: dict[str, Effect]) -> Array:
+    """Return the best of some amplitudes and shapes, a place to climb from."""
+    start = model.start()
+    candidates = [start]
+    for name, _ in hypothesis.effects:
+        effect = effects[name]
+        places = [model.names.index(f"{name}.{p.name}") for p in effect.parameters]
+        grids = [AMPLITUDES, SHAPES][: len(places)]
+        for values in product(*grids):
+            point = start.copy()
+            point[places] = values
+            candidates.append(point)
+    points = np.array(candidates)
+    return np.asarray(points[np.argmax(model.log_posterior(points))])
 
 
 def _over_widths(

@@ -12,7 +12,7 @@ __all__ = ["LogDensity", "Proposal", "evaluate", "fit_proposal"]
 Array = NDArray[np.float64]
 LogDensity = Callable[[Array], Array]
 
-POINTS_A_CALL = 512  # of a log density: enough to vectorise, not enough to fill the memory
+POINTS_A_CALL = 128  # of a log density: enough to vectorise, and small enough for a cache
 FREEDOMS = (4, 8, 16, 32, 64, 1024)
 
 

@@ -21,8 +21,8 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
-SHAPE_RANGE = 4.0  # prior standard deviations of a shape parameter that are tabulated
-SHAPE_NODES = 49
+SHAPE_RANGE = 3.0  # prior standard deviations of a shape parameter that are tabulated
+SHAPE_NODES = 33
 START_SHARE = 0.1  # of the prior's sd, an amplitude to climb from
 REDUCED_TO = 1e-3  # of the leading response; what is cut is that share of an amplitude
 
@@ -113,7 +113,9 @@ class LinearTerm:
 
 
 def linear_terms(
-    active: Sequence[ActiveEffect], response: Callable[[ActiveEffect, Mapping[str, Any]], Array]
+    active: Sequence[ActiveEffect],
+    response: Callable[[ActiveEffect, Mapping[str, Any]], Array],
+    seen: Callable[[Array], Array],
 ) -> list[LinearTerm]:
     """Reduce effects to fixed responses.
 
@@ -123,6 +125,8 @@ def linear_terms(
         Effects that are linear in their amplitude.
     response : callable
         (effect, values of its parameters) to its response, an array of any one shape.
+    seen : callable
+        A response to what of it can be seen: decides which responses differ.
 
     Returns
     -------
@@ -139,9 +143,10 @@ def linear_terms(
         place = np.linspace(-SHAPE_RANGE, SHAPE_RANGE, SHAPE_NODES)
         shapes = from_normal(effect.shape.prior, place)
         table = np.stack([response(one, unit | {effect.shape.name: shape}) for shape in shapes])
-        flat = table.reshape(SHAPE_NODES, -1)
-        left, singular, right = np.linalg.svd(flat, full_matrices=False)
+        flat = np.stack([seen(row).ravel() for row in table])
+        left, singular, _ = np.linalg.svd(flat, full_matrices=False)
         kept = singular > REDUCED_TO * singular[0]
         spline = make_interp_spline(place, left[:, kept] * singular[kept], k=5)
-        terms.append(LinearTerm(one, right[kept].reshape(-1, *table.shape[1:]), spline))
+        responses = np.tensordot(left[:, kept].T / singular[kept, None], table, axes=1)
+        terms.append(LinearTerm(one, responses, spline))
     return terms

@@ -120,7 +120,7 @@ class GravityLikelihood:
         if moving := [active for active in here if active.effect.along_path]:
             paths = trial_paths(gravity, rig)
             self._typical_speed = paths.speed_m_s.mean(axis=1)
-            self._moving = linear_terms(moving, partial(self._slowing, paths))
+            self._moving = linear_terms(moving, partial(self._slowing, paths), paths.seen)
             added = np.concatenate([term.responses for term in self._moving])
         self._measurements = TrialMeasurements(gravity, rig, analysis, paths, added)
         self._by_size = analysis.scatter.by_size
@@ -223,14 +223,16 @@ class GravityLikelihood:
         form = self._measurements.at(theta)
         mass = self.condition.total_mass_kg
         along = np.concatenate([self._amplitudes(term, theta) for term in self._moving])
-        resting = (self.condition.drive_force_n - law) / mass - form.origin
-        motion = np.concatenate([resting[None], along])  # m0
-        slowed = np.concatenate([(law / mass)[None], -along])  # m1
-        curved = np.einsum("ij...,j...->i...", form.curvature, slowed)
-        precision = (slowed * curved).sum(axis=0)
-        scatter = ((motion * curved).sum(axis=0) - (form.slope * slowed).sum(axis=0)) / precision
-        bent = np.einsum("ij...,j...->i...", form.curvature, motion)
-        square = (motion * bent).sum(axis=0) - 2 * (form.slope * motion).sum(axis=0)
+        # With A the amplitudes, m0 = (r, A) and m1 = (f, −A).
+        mixed, squared, sloped = form.along(along)
+        resting = (self.condition.drive_force_n - law) / mass - form.origin  # r
+        slowed = law / mass  # f
+        curved, slope = form.curvature[0], form.slope[0]
+        precision = slowed**2 * curved - 2 * slowed * mixed + squared
+        across = resting * slowed * curved + (slowed - resting) * mixed - squared
+        scatter = (across - slope * slowed + sloped) / precision
+        square = resting**2 * curved + 2 * resting * mixed + squared
+        square = square - 2 * (slope * resting + sloped)
         constant = form.log_constant - 0.5 * (square - scatter**2 * precision)
         constant = constant + 0.5 * (LOG_2PI - np.log(precision)) + np.log(np.abs(law))
         return law * (1 + scatter), law**2 / precision, law, constant

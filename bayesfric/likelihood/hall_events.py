@@ -73,8 +73,8 @@ class TrialForm(NamedTuple):
     ----------
     origin : ndarray, shape (N,)
         â₀, from which acceleration is counted [m/s²].
-    curvature : ndarray, shape (1 + K, 1 + K, W, N)
-        G.
+    curvature : ndarray, shape ((1 + K)(2 + K)/2, W, N)
+        G, its upper triangle row by row.
     slope : ndarray, shape (1 + K, W, N)
         b.
     log_constant : ndarray, shape (W, N)
@@ -88,12 +88,36 @@ class TrialForm(NamedTuple):
 
     def acceleration(self) -> TrialAcceleration:
         """Return the normal density of the acceleration where no effect acts."""
-        precision, slope = self.curvature[0, 0], self.slope[0]
+        precision, slope = self.curvature[0], self.slope[0]
         return TrialAcceleration(
             self.origin + slope / precision,
             1 / precision,
             self.log_constant + 0.5 * (slope**2 / precision + LOG_2PI - np.log(precision)),
         )
+
+    def along(self, amplitudes: Array) -> tuple[Array, Array, Array]:
+        """Return the parts of the form that effects along the trial take.
+
+        Parameters
+        ----------
+        amplitudes : ndarray, shape (K, W, N)
+            A.
+
+        Returns
+        -------
+        mixed, squared, slope : ndarray, shape (W, N)
+            Of G, its product with A and the acceleration's unit, and with A twice; the
+            product of b and A.
+        """
+        count = len(amplitudes)
+        mixed = (self.curvature[1 : 1 + count] * amplitudes).sum(axis=0)
+        squared = np.zeros_like(mixed)
+        place = 1 + count
+        for first in range(count):
+            row = self.curvature[place : place + count - first] * amplitudes[first:]
+            squared += amplitudes[first] * (2 * row.sum(axis=0) - row[0])
+            place += count - first
+        return mixed, squared, (self.slope[1:] * amplitudes).sum(axis=0)
 
 
 @dataclass(frozen=True)
@@ -154,16 +178,12 @@ class EventTable:
         rows = self.spline(log_ratio) @ self.basis + self.centre
         parts = rows.reshape(len(sigma_x), -1, self.origin.size).transpose(1, 0, 2)
         size = 1 + self.columns
-        row, column = np.triu_indices(size)
-        curvature = np.empty((size, size, *scale2.shape[:1], self.origin.size))
-        curvature[row, column] = parts[: row.size] / scale2
-        curvature[column, row] = curvature[row, column]
-        slope = parts[row.size : row.size + size] / scale2
+        triangle = size * (size + 1) // 2
         squares, log_determinant = parts[-2:]
         return TrialForm(
             self.origin,
-            curvature,
-            slope,
+            parts[:triangle] / scale2,
+            parts[triangle : triangle + size] / scale2,
             self.constant
             + log_determinant
             - 0.5 * self.degrees_of_freedom * (LOG_2PI + np.log(scale2))

@@ -145,9 +145,10 @@ class TrialMeasurements:
         unknown = theta["sigma_a"][:, None] if "sigma_a" in theta else np.nan
         sd = np.where(np.isfinite(self._stated_sd), self._stated_sd, unknown)
         precision = np.broadcast_to(1 / sd**2, (walkers, sd.shape[-1]))
+        row, column = np.triu_indices(len(self._shown))
         return TrialForm(
             self._acceleration,
-            self._shown[:, None, None] * self._shown[None, :, None] * precision,
+            (self._shown[row] * self._shown[column])[:, None] * precision,
             np.zeros((len(self._shown), *precision.shape)),
             0.5 * (np.log(precision) - LOG_2PI),
         )

@@ -65,8 +65,7 @@ class Paths:
         ndarray, shape (E,)
             Travel at each event, with none and no speed at the first event [m].
         """
-        speed = self.step_s * cumulative_simpson(acceleration_m_s2, axis=1, initial=0)
-        travel = self.step_s * cumulative_simpson(speed, axis=1, initial=0)
+        speed, travel = self._integrals(acceleration_m_s2)
         place = events.tau / self.step_s[events.trial, 0]
         left = np.minimum(place.astype(int), travel.shape[1] - 2)
         share = place - left
@@ -80,6 +79,17 @@ class Paths:
             + step * share * (1 - share) ** 2 * speed[here]
             - step * share**2 * (1 - share) * speed[there]
         )
+
+    def seen(self, acceleration_m_s2: Array) -> Array:
+        """Return the added travel without what a shift and a first speed would add, (N, P)."""
+        _, travel = self._integrals(acceleration_m_s2)
+        line = np.stack([np.ones(POINTS), np.linspace(-1, 1, POINTS)])
+        line /= np.linalg.norm(line, axis=1, keepdims=True)
+        return np.asarray(travel - travel @ line.T @ line)
+
+    def _integrals(self, acceleration_m_s2: Array) -> tuple[Array, Array]:
+        speed = self.step_s * cumulative_simpson(acceleration_m_s2, axis=1, initial=0)
+        return speed, self.step_s * cumulative_simpson(speed, axis=1, initial=0)
 
 
 def trial_paths(gravity: Gravity, rig: Rig) -> Paths:
