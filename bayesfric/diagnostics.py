@@ -36,6 +36,7 @@ LIMITS = {"r_hat": 1.01, "r_hat_walkers": 1.02, "ess": 400.0}
 """R-hat below, effective draws above: what counts as converged."""
 
 BATCHES = 10  # of an ensemble
+LEAST_WEIGHTS = 25  # the tail is a fifth of them, and needs five
 POWERS = 0.99, 1.01  # of the prior or the likelihood: a derivative by differences
 
 
@@ -183,7 +184,7 @@ def multivariate_r_hat(chains: Array) -> float:
     Returns
     -------
     float
-        inf where draws do not vary within the chains in some combination.
+        Huge or inf where draws do not vary within the chains in some combination.
 
     References
     ----------
@@ -212,7 +213,7 @@ def smooth_weights(log_weights: Array, r_eff: float = 1.0) -> tuple[Array, float
     Parameters
     ----------
     log_weights : ndarray, shape (N,)
-        Unnormalised; −inf is a weight of zero. At least 25, not all zero.
+        Unnormalised; −inf is a weight of zero.
     r_eff : float
         Effective draws over draws.
 
@@ -222,20 +223,26 @@ def smooth_weights(log_weights: Array, r_eff: float = 1.0) -> tuple[Array, float
         Smoothed, on the scale of those given.
     pareto_k : float
         Shape of the tail: above 0.7 the weights are not to be relied on. 0 where the
-        largest weights are all the same.
+        largest weights are all the same, inf where fewer than 25 are not zero.
 
     References
     ----------
     A. Vehtari, D. Simpson, A. Gelman, Y. Yao, J. Gabry, "Pareto smoothed importance
     sampling", Journal of Machine Learning Research 25 (2024).
     """
-    ordered = np.sort(log_weights)
+    finite = np.isfinite(log_weights)
+    weights = log_weights[finite]
+    ordered = np.sort(weights)
+    if ordered.size < LEAST_WEIGHTS:
+        return log_weights, float("inf")
     if ordered[-1] - ordered[-5] < 1e-12:
         return log_weights, 0.0  # no tail to fit
-    normalised, k = array_stats.psislw(-log_weights, r_eff=r_eff)
-    # The library normalises; weights below the tail are as they were but for that.
-    unchanged = np.argmin(np.where(np.isfinite(log_weights), log_weights, np.inf))
-    return normalised + (log_weights - normalised)[unchanged], float(k)
+    normalised, k = array_stats.psislw(-weights, r_eff=r_eff)
+    # The library normalises; the smallest weight is as it was but for that.
+    smallest = np.argmin(weights)
+    smoothed = log_weights.copy()
+    smoothed[finite] = normalised + (weights[smallest] - normalised[smallest])
+    return smoothed, float(k)
 
 
 def power_scaling(values: Array, log_component: Array) -> Array:

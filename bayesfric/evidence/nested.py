@@ -7,7 +7,7 @@ point over its prior density there.
 
 The density of the draws is a normal in coordinates that the Yeo–Johnson power takes
 skewness from, times what a kernel estimate says the normal is wrong by (Hjort and
-Glad). Beyond the draws there is no such correction.
+Glad). Beyond the draws there is no such correction, and nothing to rely on.
 
 References
 ----------
@@ -54,8 +54,8 @@ def savage_dickey(draws: Array, point: Array, log_prior: float) -> Evidence:
     -------
     Evidence
         Log evidence of the narrow model less that of the wide one. Where the point
-        lies beyond the draws, as `method` then says, the error takes in what
-        the removal of skewness changed, as a measure of how little is known there.
+        lies beyond the draws the value follows the tail of the transformed normal,
+        which the draws cannot confirm: the error is infinite.
 
     Raises
     ------
@@ -68,25 +68,18 @@ def savage_dickey(draws: Array, point: Array, log_prior: float) -> Evidence:
             f"draws {draws.shape} must be finite, at least {LEAST_DRAWS}, and fit the "
             f"point {point.shape}"
         )
-    near = _near(draws, point)
-    extrapolated = near < LEAST_NEAR
-    value = _log_density(draws, point, extrapolated)
-    blocks = np.array_split(np.arange(count), BLOCKS)
-    without = [_log_density(np.delete(draws, b, axis=0), point, extrapolated) for b in blocks]
-    error = np.sqrt((BLOCKS - 1) * np.var(without))
-    method = "Savage–Dickey ratio"
-    if extrapolated:
-        error = np.hypot(error, value - _log_normal(draws, point))
-        method += ", beyond the draws"
-    return Evidence(value - log_prior, float(error), method)
-
-
-def _log_density(draws: Array, point: Array, extrapolated: bool) -> float:
     straight, place, log_jacobian = _straightened(draws, point)
-    parametric = _log_normal(straight, place) + log_jacobian
-    if extrapolated:
-        return parametric
-    return parametric + _correction(straight, place)
+    if _kernel(straight, place)[0].sum() < LEAST_NEAR:
+        value = _log_normal(straight, place) + log_jacobian - log_prior
+        return Evidence(value, float("inf"), "Savage–Dickey ratio, beyond the draws")
+    value = _log_density(straight, place) + log_jacobian - log_prior
+    # The powers stay: the correction makes up for what they are wrong by.
+    without = [
+        _log_density(np.delete(straight, block, axis=0), place)
+        for block in np.array_split(np.arange(count), BLOCKS)
+    ]
+    error = np.sqrt((BLOCKS - 1) * np.var(without))
+    return Evidence(value, float(error), "Savage–Dickey ratio")
 
 
 def _straightened(draws: Array, point: Array) -> tuple[Array, Array, float]:
@@ -111,34 +104,19 @@ def _log_normal(draws: Array, point: Array) -> float:
     return float(stats.multivariate_normal(mean, covariance).logpdf(point))
 
 
-def _kernels(draws: Array, point: Array) -> tuple[Array, float]:
-    """Return log kernels of each draw at the point, and the kernel's width squared."""
+def _kernel(draws: Array, point: Array) -> tuple[Array, float]:
+    """Return the kernel at the point, 1 at its peak, for each draw; and its width squared."""
     _, covariance = _moments(draws)
     count, size = draws.shape
     width2 = float(count ** (-2 / (size + 4)))  # Scott's rule, in units of the covariance
     kernel = stats.multivariate_normal(point, width2 * covariance)
-    return np.asarray(kernel.logpdf(draws)), width2
+    return np.exp(kernel.logpdf(draws) - kernel.logpdf(point)), width2
 
 
-def _near(draws: Array, point: Array) -> float:
-    """Return how many draws the kernel at the point rests on."""
-    straight, place, _ = _straightened(draws, point)
-    log_kernels, _ = _kernels(straight, place)
-    kernels = np.exp(log_kernels - log_kernels.max())
-    # A single far draw has all the weight there is, so weights are held against
-    # the kernel's own height as well.
-    height = np.exp(min(0.0, log_kernels.max() - _peak(straight)))
-    return float(kernels.sum() ** 2 / (kernels**2).sum() * height)
-
-
-def _peak(draws: Array) -> float:
-    log_kernels, _ = _kernels(draws, draws[0])
-    return float(log_kernels[0])
-
-
-def _correction(draws: Array, point: Array) -> float:
-    """Return the log of the kernel estimate over the normal, smoothed as much."""
-    log_kernels, width2 = _kernels(draws, point)
+def _log_density(draws: Array, point: Array) -> float:
+    """Return that of the normal, times a kernel estimate over the normal smoothed as much."""
+    kernels, width2 = _kernel(draws, point)
     mean, covariance = _moments(draws)
+    peak = stats.multivariate_normal(point, width2 * covariance).logpdf(point)
     smoothed = stats.multivariate_normal(mean, (1 + width2) * covariance).logpdf(point)
-    return float(np.logaddexp.reduce(log_kernels) - np.log(len(draws)) - smoothed)
+    return _log_normal(draws, point) + float(np.log(kernels.mean()) + peak - smoothed)

@@ -1,9 +1,19 @@
 """Diagnostics of draws whose effective number is known."""
 
+import arviz_base
+import arviz_stats
 import numpy as np
 import pytest
 
-from bayesfric.diagnostics import LIMITS, batch_means_ess, diagnose_draws
+from bayesfric.diagnostics import (
+    LIMITS,
+    batch_means_ess,
+    diagnose_draws,
+    mean_ess,
+    multivariate_r_hat,
+    power_scaling,
+    smooth_weights,
+)
 
 
 def autoregressive(rho, shape, seed, shared=0.0):
@@ -78,3 +88,92 @@ def test_draws_that_are_not_finite_are_refused(bad):
 def test_draws_that_do_not_vary_are_refused():
     with pytest.raises(ValueError, match="vary"):
         diagnose_draws(np.ones((4, 50, 10)))
+
+
+def test_mean_ess_of_dependent_and_of_equal_draws():
+    draws = autoregressive(0.8, (4, 2000, 20), 8)
+    assert mean_ess(draws) == pytest.approx(4 * 2000 * 20 / 9, rel=0.5)
+    assert mean_ess(np.ones((4, 50, 10))) == 2000
+    together = autoregressive(0.0, (4, 1000, 20), 9, shared=0.5)
+    assert mean_ess(together) == pytest.approx(4000 / 0.525, rel=0.5)
+
+
+def test_multivariate_r_hat_sees_what_no_coordinate_shows():
+    rng = np.random.default_rng(10)
+    along, across = 10 * rng.standard_normal((4, 500)), 0.1 * rng.standard_normal((4, 500))
+    together = multivariate_r_hat(np.stack([along + across, along - across], axis=-1))
+    across += np.array([0.5, -0.5, 0.5, -0.5])[:, None]
+    apart = np.stack([along + across, along - across], axis=-1)
+    assert together < 1.02
+    assert max(multivariate_r_hat(apart[..., i : i + 1]) for i in (0, 1)) < 1.02
+    assert multivariate_r_hat(apart) > 3
+
+
+def test_multivariate_r_hat_does_not_depend_on_units():
+    chains = np.random.default_rng(11).standard_normal((4, 100, 3))
+    mixed = 5.0 + chains @ np.array([[1.0, 0.9, 0.0], [0.0, 1e-6, 0.0], [0.0, 0.0, 1e6]])
+    assert multivariate_r_hat(mixed) == pytest.approx(multivariate_r_hat(chains), rel=1e-6)
+
+
+def test_multivariate_r_hat_splits_chains():
+    drift = np.random.default_rng(12).standard_normal((4, 200, 2))
+    drift[:, 100:] += 3.0
+    assert multivariate_r_hat(drift) > 1.5
+
+
+def test_chains_that_stand_still_have_a_huge_r_hat():
+    still = np.broadcast_to(np.arange(4.0)[:, None, None], (4, 50, 1))
+    assert multivariate_r_hat(still) > 1e6
+
+
+@pytest.mark.parametrize("shape", [0.2, 0.5, 0.9])
+def test_pareto_shape_of_pareto_weights(shape):
+    """Weights u^(−k) of a uniform u are Pareto with shape k."""
+    log_weights = -shape * np.log(np.random.default_rng(13).uniform(size=20_000))
+    smoothed, k = smooth_weights(log_weights + 1000.0)
+    assert k == pytest.approx(shape, abs=0.15)
+    # Only the tail is touched, and the scale is kept.
+    order = np.argsort(log_weights)
+    assert smoothed[order[:19_000]] == pytest.approx(log_weights[order[:19_000]] + 1000.0)
+    assert np.logaddexp.reduce(smoothed) == pytest.approx(
+        np.logaddexp.reduce(log_weights + 1000.0), abs=0.1 if shape < 0.9 else 1.0
+    )
+
+
+def test_weights_of_zero_and_equal_weights():
+    log_weights = np.concatenate([np.full(500, -np.inf), np.linspace(0, 1, 1500)])
+    smoothed, k = smooth_weights(log_weights)
+    assert (smoothed[:500] == -np.inf).all()
+    assert np.isfinite(k)
+    few = np.concatenate([np.full(500, -np.inf), np.linspace(0, 1, 24)])
+    assert smooth_weights(few)[1] == float("inf")
+    same, k = smooth_weights(np.zeros(400))
+    assert (same == 0).all()
+    assert k == 0
+
+
+def test_power_scaling_tells_data_from_prior():
+    """A coefficient that the data tell about, and one that only its prior does."""
+    rng = np.random.default_rng(14)
+    known = rng.normal(0.5, 0.1, (4, 2000))  # prior N(0, 10), measured with N(0, 0.1)
+    guessed = rng.normal(0.0, 1.0, (4, 2000))  # prior N(0, 1), not measured
+    values = np.stack([known, guessed], axis=-1)
+    prior = -0.5 * ((known / 10) ** 2 + guessed**2)
+    likelihood = -0.5 * ((known - 0.5) / 0.1) ** 2
+    of_prior, of_likelihood = power_scaling(values, prior), power_scaling(values, likelihood)
+    assert of_prior[1] > 0.05 > of_prior[0]
+    assert of_likelihood[0] > 0.05 > of_likelihood[1]
+
+
+def test_power_scaling_is_arvizs():
+    rng = np.random.default_rng(15)
+    values, prior = rng.standard_normal((4, 500, 1)), rng.standard_normal((4, 500))
+    tree = arviz_base.from_dict({"posterior": {"b": values[..., 0]}, "log_prior": {"b": prior}})
+    expected = arviz_stats.psense(tree, group="prior")["b"].item()
+    assert power_scaling(values, prior)[0] == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize(("component", "match"), [(np.nan, "finite"), (1.0, "same for all")])
+def test_power_scaling_of_nothing_is_refused(component, match):
+    with pytest.raises(ValueError, match=match):
+        power_scaling(np.zeros((4, 50, 1)), np.full((4, 50), component))

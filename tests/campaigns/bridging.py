@@ -1,0 +1,40 @@
+"""Actual errors of bridge sampling beside those that it reports."""
+
+import numpy as np
+from evidence import densities
+
+from bayesfric.evidence import bridge_evidence
+
+SEEDS = range(100)
+DENSITIES = {
+    "normal": densities.conjugate(10),
+    "skewed": densities.log_gammas(6),
+    "heavy": densities.student(5),
+    "bent": densities.banana(4),
+}
+BOUNDS = 0.8, 1.3  # of the root mean square of actual over reported error
+
+
+def case(seed):
+    """Draw from each density and bridge it."""
+    figures = {}
+    for name, known in DENSITIES.items():
+        found = bridge_evidence(known.log_density, known.chains(seed), seed)
+        figures[name] = {
+            "difference": found.log_evidence - known.log_evidence,
+            "error": found.error,
+        }
+    return {"seed": seed, "densities": figures}
+
+
+def calibration(cases):
+    """Root mean square of actual over reported error, of each density."""
+    return {
+        name: {
+            "rms_ratio": float(np.sqrt(np.mean(ratio**2))),
+            "largest_error": float(errors.max()),
+        }
+        for name in DENSITIES
+        for errors in [np.array([c["densities"][name]["error"] for c in cases])]
+        for ratio in [np.array([c["densities"][name]["difference"] for c in cases]) / errors]
+    }

@@ -1,0 +1,71 @@
+"""Bridge sampling errs by as much as it says.
+
+Densities, seeds and bounds were fixed before the first run. Continuous integration
+runs the first ten repeats and compares each with the evidence of the long run.
+"""
+
+from concurrent.futures import ProcessPoolExecutor
+
+import numpy as np
+import pytest
+from campaigns import bridging, evidence
+
+from bayesfric.campaign import run_campaign
+
+CI_SEEDS = range(10)
+
+
+def run(seeds, folder):
+    with ProcessPoolExecutor(2) as executor:
+        cases = {f"{seed:04d}": seed for seed in seeds}
+        return list(run_campaign(bridging.case, cases, folder, executor).values())
+
+
+@pytest.fixture(scope="module")
+def first_ten(tmp_path_factory):
+    return run(CI_SEEDS, tmp_path_factory.mktemp("bridging"))
+
+
+def test_ten_repeats_are_within_three_reported_errors_and_small(first_ten):
+    """Of 40 estimates one beyond three errors is chance, two are not."""
+    every = [found for case in first_ten for found in case["densities"].values()]
+    assert max(found["error"] for found in every) <= 0.02
+    far = [found for found in every if abs(found["difference"]) > 3 * found["error"]]
+    assert len(far) <= 1
+    assert all(abs(found["difference"]) < 4.5 * found["error"] for found in every)
+
+
+def test_each_of_the_ten_agrees_with_the_evidence(first_ten):
+    recorded = {case["seed"]: case for case in evidence.read("bridging")["cases"]}
+    for case in first_ten:
+        for name, now in case["densities"].items():
+            then = recorded[case["seed"]]["densities"][name]
+            error = np.hypot(now["error"], then["error"])
+            assert abs(now["difference"] - then["difference"]) < 4 * error, (case["seed"], name)
+            assert now["error"] == pytest.approx(then["error"], rel=0.5)
+
+
+def check_calibration(figures):
+    low, high = bridging.BOUNDS
+    for name, found in figures.items():
+        assert low <= found["rms_ratio"] <= high, name
+
+
+def test_the_evidence_is_calibrated():
+    cases = evidence.read("bridging")["cases"]
+    assert [case["seed"] for case in cases] == list(bridging.SEEDS)
+    check_calibration(bridging.calibration(cases))
+
+
+@pytest.mark.long
+def test_calibration_of_a_hundred_repeats():
+    cases = run(bridging.SEEDS, evidence.WORK / "bridging")
+    figures = bridging.calibration(cases)
+    evidence.write(
+        "bridging",
+        command="make test-long",
+        seeds=[bridging.SEEDS.start, bridging.SEEDS.stop - 1],
+        figures=figures,
+        cases=cases,
+    )
+    check_calibration(figures)
