@@ -57,9 +57,7 @@ def residuals_by_order(predictive: xr.DataTree, group: Literal["trials", "runs"]
                 label=plain(size),
             )
         far = table.isel({_dimension(group): table["outlier"].to_numpy().astype(bool)})
-        axes.plot(
-            far["order"], far["z"], "o", color="none", markersize=8, markeredgecolor="black"
-        )
+        axes.plot(far["order"], far["z"], "o", color="none", markersize=8, markeredgecolor="black")
         names = far[_dimension(group)].to_numpy()
         if len(names) <= NAMED:
             for name, place, z in zip(names, far["order"], far["z"], strict=True):

@@ -1,7 +1,5 @@
 """Slopes of friction, as in the paper's Figs 13, 15 and 16."""
 
-from collections.abc import Sequence
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -10,25 +8,30 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from bayesfric.plots.labels import ordered_sizes, plain
-from bayesfric.plots.style import COLORS, NEUTRAL, SizeStyle, figure, size_styles
+from bayesfric.plots.style import (
+    COLORS,
+    LINES,
+    MARKERS,
+    NEUTRAL,
+    LineStyle,
+    SizeStyle,
+    figure,
+    size_styles,
+)
 
 __all__ = ["line_against_pulleys", "wrap_slopes"]
 
-MARKERS = "osD^vPX"
-LINES = ("-", "--", "-.", ":")
 DASHES = (0, (4, 4))  # of Table I, so that the law is seen between them
 MARKER_SIZE = 3.6
 
 
-def line_against_pulleys(predictive: xr.DataTree, wrap_angle_deg: float) -> Figure:
-    """Draw slope and intercept of friction against tension over the number of pulleys.
+def line_against_pulleys(predictive: xr.DataTree) -> Figure:
+    """Draw slope and intercept of friction against tension over n, at 85°.
 
     Parameters
     ----------
     predictive : DataTree
         ``predictive.nc`` with its group ``tension_lines``.
-    wrap_angle_deg : float
-        Which angle; the law's lines are those of 85°.
 
     Returns
     -------
@@ -37,25 +40,20 @@ def line_against_pulleys(predictive: xr.DataTree, wrap_angle_deg: float) -> Figu
         95 % bar of recordings made again, the law's band, and Table I.
     """
     table = predictive["tension_lines"].to_dataset()
-    cells = table.isel(cell=np.flatnonzero(table["wrap_angle_deg"] == wrap_angle_deg))
+    cells = table.isel(cell=np.flatnonzero(table["upright"]))
     sizes = ordered_sizes(cells["pulley_size"].to_numpy())
     styles = size_styles(sizes)
     count = table["n"].to_numpy()
-    rows = (
-        ("slope", "slope_again", "slope_law", "slope_paper", 1e3, "slope [$10^{-3}$]"),
-        ("intercept_n", "intercept_again_n", "intercept_law_n", "intercept_paper_n", 1e3)
-        + ("intercept [mN]",),
-    )
+    rows = (("slope", "", "slope [$10^{-3}$]"), ("intercept", "_n", "intercept [mN]"))
     with figure(height=92.0) as fig:
         panels = fig.subplots(2, len(sizes), squeeze=False, sharex=True)
         for column, size in enumerate(sizes):
             some = cells.isel(cell=np.flatnonzero(cells["pulley_size"] == size))
             look = styles[size]
-            for axes, (value, again, law, paper, scale, label) in zip(
-                panels[:, column], rows, strict=True
-            ):
-                _draw_law(axes, count, scale * table[law].sel(pulley=size).to_numpy(), look, "-")
-                printed = scale * table[paper].sel(pulley=size).to_numpy()
+            for axes, (name, unit, label) in zip(panels[:, column], rows, strict=True):
+                law = 1e3 * table[f"{name}_law{unit}"].sel(pulley=size).to_numpy()
+                _draw_law(axes, count, law, look, "-")
+                printed = 1e3 * table[f"{name}_paper{unit}"].sel(pulley=size).to_numpy()
                 if np.isfinite(printed).all():
                     axes.plot(
                         count, printed, color=COLORS["black"], linewidth=0.8, linestyle=DASHES
@@ -63,8 +61,8 @@ def line_against_pulleys(predictive: xr.DataTree, wrap_angle_deg: float) -> Figu
                 _draw_points(
                     axes,
                     some["n_pulleys"].to_numpy(),
-                    scale * some[value].to_numpy(),
-                    scale * some[again].to_numpy(),
+                    1e3 * some[f"{name}{unit}"].to_numpy(),
+                    1e3 * some[f"{name}_again{unit}"].to_numpy(),
                     look,
                     look.marker,
                 )
@@ -74,7 +72,9 @@ def line_against_pulleys(predictive: xr.DataTree, wrap_angle_deg: float) -> Figu
             panels[1, column].set_xlabel("number of pulleys n")
             panels[1, column].set_xlim(left=0)
         fig.align_ylabels()
-        keys = [*_keys(), *_paper_key(bool(np.isfinite(table["slope_paper"].to_numpy()).any()))]
+        keys = _keys()
+        if np.isfinite(table["slope_paper"].to_numpy()).any():
+            keys.append(_dashed_key("Table I"))
         fig.legend(handles=keys, loc="outside lower center", ncols=len(keys))
         return fig
 
@@ -137,7 +137,7 @@ def wrap_slopes(predictive: xr.DataTree) -> Figure:
         return fig
 
 
-def _draw_law(axes: Axes, x: np.ndarray, law: np.ndarray, look: SizeStyle, line: str) -> None:
+def _draw_law(axes: Axes, x: np.ndarray, law: np.ndarray, look: SizeStyle, line: LineStyle) -> None:
     low, middle, high = law.T
     axes.fill_between(x, low, high, color=look.color, alpha=0.25, linewidth=0)
     axes.plot(x, middle, color=look.color, linewidth=0.9, linestyle=line)
@@ -159,7 +159,7 @@ def _draw_points(
     )
 
 
-def _point_key(label: str, color: str, marker: str, line: str) -> Line2D:
+def _point_key(label: str, color: str, marker: str, line: LineStyle) -> Line2D:
     return Line2D(
         [],
         [],
@@ -190,6 +190,5 @@ def _keys() -> list[Line2D | Patch]:
     ]
 
 
-def _paper_key(there: bool) -> Sequence[Line2D]:
-    look = {"color": COLORS["black"], "linewidth": 0.8, "linestyle": DASHES}
-    return [Line2D([], [], label="Table I", **look)] if there else []
+def _dashed_key(label: str) -> Line2D:
+    return Line2D([], [], color=COLORS["black"], linewidth=0.8, linestyle=DASHES, label=label)

@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from bayesfric.plots.style import figure, size_styles
+from bayesfric.plots.style import MARKERS, figure, size_styles
 
 __all__ = ["friction_against_speed"]
 
@@ -13,7 +13,6 @@ VARIED = (
     ("wrap_angle_deg", "{:g}°", "wrap angle (Fig. 6)"),
     ("n_pulleys", "n = {:g}", "number of pulleys (Fig. 7)"),
 )
-MARKERS = "osD^v"
 PAPER_ORDER = {"small": 0, "medium": 1, "large": 2}
 HEADROOM = 1.6  # above the data, for the legend
 

@@ -7,12 +7,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from bayesfric.plots.labels import ordered_sizes, plain
-from bayesfric.plots.style import NEUTRAL, figure, size_styles
+from bayesfric.plots.style import LINES, MARKERS, NEUTRAL, figure, size_styles
 
 __all__ = ["friction_against_wrap"]
-
-MARKERS = "osD^vPX"
-LINES = ("-", "--", "-.", ":")
 
 
 def friction_against_wrap(predictive: xr.DataTree) -> Figure:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from bayesfric.baseline import Baseline
 from bayesfric.boards.gravity import nominal_tension
-from bayesfric.estimator import CellLine, SizeEstimate, estimate_as_the_paper
+from bayesfric.estimator import CellLine, SizeEstimate, estimate_as_the_paper, is_upright
 from bayesfric.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.likelihood.gravity import GravityLikelihood
 from bayesfric.paper import table1
@@ -168,6 +168,7 @@ def _tension_lines(
             "pulley_size": ("cell", [cell.size for cell in cells]),
             "n_pulleys": ("cell", [cell.line.n_pulleys for cell in cells]),
             "wrap_angle_deg": ("cell", [cell.line.wrap_angle_deg for cell in cells]),
+            "upright": ("cell", [is_upright(cell.line.wrap_angle_deg) for cell in cells]),
             "trials": ("cell", [cell.line.trials for cell in cells]),
             "slope": ("cell", [cell.line.slope.value for cell in cells]),
             "intercept_n": ("cell", [cell.line.intercept_n for cell in cells]),
