@@ -45,7 +45,7 @@ def line_against_pulleys(predictive: xr.DataTree) -> Figure:
     styles = size_styles(sizes)
     count = table["n"].to_numpy()
     rows = (("slope", "", "slope [$10^{-3}$]"), ("intercept", "_n", "intercept [mN]"))
-    with figure(height=92.0) as fig:
+    with figure(height=76.0) as fig:
         panels = fig.subplots(2, len(sizes), squeeze=False, sharex=True)
         for column, size in enumerate(sizes):
             some = cells.isel(cell=np.flatnonzero(cells["pulley_size"] == size))
@@ -100,7 +100,7 @@ def wrap_slopes(predictive: xr.DataTree) -> Figure:
         ("n_pulleys", "n", "law_against_n", "tension_n", "level", "T = {:.1f} N"),
         ("tension_n", "tension", "law_against_tension", "n_pulleys", "count", "n = {:g}"),
     )
-    with figure(height=112.0) as fig:
+    with figure(height=88.0) as fig:
         panels = fig.subplots(2, len(sizes), squeeze=False, sharex="row")
         for column, size in enumerate(sizes):
             here = table.isel(line=np.flatnonzero(table["pulley_size"] == size))
@@ -125,7 +125,7 @@ def wrap_slopes(predictive: xr.DataTree) -> Figure:
                         marker,
                     )
                     handles.append(_point_key(text.format(value), look.color, marker, line))
-                axes.legend(handles=handles, loc="upper left", fontsize=6.5, handlelength=2.6)
+                axes.legend(handles=handles, loc="upper left", fontsize=6, borderpad=0.1)
                 axes.set_xlim(left=0)
                 if column == 0:
                     axes.set_ylabel("slope in the wrap angle\n[mN/deg]")

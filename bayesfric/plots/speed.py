@@ -39,7 +39,7 @@ def friction_against_speed(predictive: xr.DataTree) -> Figure:
     )
     styles = size_styles(sizes)
     columns = {name: runs[name].to_numpy() for name, _, _ in VARIED}
-    with figure(height=62.0 * len(VARIED)) as fig:
+    with figure(height=52.0 * len(VARIED)) as fig:
         panels = fig.subplots(len(VARIED), len(sizes), squeeze=False)
         for column, size in enumerate(sizes):
             here = size_column == size

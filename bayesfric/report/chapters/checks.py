@@ -7,7 +7,16 @@ import xarray as xr
 
 from bayesfric.plots.residuals import residuals_by_order
 from bayesfric.plots.style import to_svg
-from bayesfric.report.content import Block, Code, Column, Figure, Heading, Paragraph, Table
+from bayesfric.report.content import (
+    Block,
+    Code,
+    Column,
+    Figure,
+    Heading,
+    Paragraph,
+    Reference,
+    Table,
+)
 from bayesfric.report.quantities import format_count, format_number, format_share
 from bayesfric.report.stored import StoredResults
 
@@ -21,29 +30,32 @@ def checks(stored: StoredResults) -> Iterator[Block]:
     """Yield coverage of the predictive intervals, outliers and the figure of residuals."""
     yield Heading(1, "Predictive checks")
     yield Paragraph(
-        "Each trial is compared with what the fit predicts for a new trial of the same condition "
-        "on a new assembly, scatter and noise included: z is its distance from the predicted "
-        "median in standard deviations."
+        [
+            "Each trial is compared with what the fit predicts for a new trial of the same "
+            "condition on a new assembly, scatter and noise included. In ",
+            Reference("residuals"),
+            " z is its distance from the predicted median in standard deviations; ",
+            Reference("coverage"),
+            " counts the trials inside their interval.",
+        ]
     )
     groups = [group for group in BOARDS if group in stored.predictive]
     yield _coverage(stored, groups)
     for group in groups:
-        table = stored.predictive[group].to_dataset()
-        yield from _outliers(table, group)
-        yield Figure(
-            to_svg(residuals_by_order(stored.predictive, group)),
-            [
-                f"Friction of each {group.removesuffix('s')} of the {BOARDS[group]} board against "
-                "what a new one is predicted to do, in the order of measuring. Without a trend "
-                "the rig did not drift; those of an assembly lie together, since they share its "
-                "scatter. From ",
-                Code("predictive.nc"),
-                ".",
-            ],
-            "Points in the order of measuring scatter about zero, most of them within a shaded "
-            "band of the 90 percent interval; dotted lines above and below mark outliers.",
-            label=f"residuals-{group}",
-        )
+        yield from _outliers(stored.predictive[group].to_dataset(), group)
+    yield Figure(
+        to_svg(residuals_by_order(stored.predictive)),
+        [
+            "Friction of each trial against what a new one is predicted to do, in the order of "
+            "measuring. A trend would be a drift of the rig; trials of an assembly lie together, "
+            "since they share its scatter. From ",
+            Code("predictive.nc"),
+            ".",
+        ],
+        "Points in the order of measuring scatter about zero, most of them within a shaded "
+        "band of the 90 percent interval; dotted lines above and below mark outliers.",
+        label="residuals",
+    )
 
 
 def _coverage(stored: StoredResults, groups: list[Group]) -> Table:

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator
+from math import isnan
 
 from bayesfric.plots.slopes import line_against_pulleys, wrap_slopes
 from bayesfric.plots.speed import friction_against_speed
@@ -9,8 +10,17 @@ from bayesfric.plots.style import to_svg
 from bayesfric.plots.tension import friction_against_tension
 from bayesfric.plots.trajectories import measured_and_predicted
 from bayesfric.plots.wrap import friction_against_wrap
-from bayesfric.report.content import Block, Code, Emphasis, Figure, Heading, Inline, Paragraph
-from bayesfric.report.quantities import format_number
+from bayesfric.report.content import (
+    Block,
+    Code,
+    Emphasis,
+    Figure,
+    Heading,
+    Inline,
+    Paragraph,
+    Reference,
+)
+from bayesfric.report.quantities import format_number, format_probability
 from bayesfric.report.stored import StoredResults
 
 __all__ = ["predictions"]
@@ -28,8 +38,7 @@ def predictions(stored: StoredResults) -> Iterator[Block]:
     yield Heading(1, "Measured and predicted")
     if "trials" in stored.predictive:
         yield from _trajectories(stored)
-        yield _tension(stored)
-        yield from _slopes(stored)
+        yield from _lines(stored)
     if "runs" in stored.predictive:
         yield _motor(stored)
 
@@ -43,9 +52,13 @@ def _trajectories(stored: StoredResults) -> Iterator[Block]:
     if "travel_m" not in stored.predictive["trajectories"].data_vars:
         return
     yield Paragraph(
-        "The prediction starts with the speed that the trial had at its first event and runs "
-        "free to the end of travel. Its band is that of a new trial on a new assembly, scatter "
-        "included, so nine trials in ten should stay inside it."
+        [
+            "The prediction of ",
+            Reference("trajectories"),
+            " starts with the speed that the trial had at its first event and runs free to the "
+            "end of travel. Its band is that of a new trial on a new assembly, scatter included, "
+            "so nine trials in ten should stay inside it.",
+        ]
     )
     yield Figure(
         to_svg(measured_and_predicted(stored.predictive)),
@@ -93,9 +106,28 @@ def _tension(stored: StoredResults) -> Figure:
 def _least(stored: StoredResults, name: str, of: str) -> str:
     """Return the least R² of this recording as a clause, where there is one."""
     table = stored.predictive["tension_lines"]
-    if name not in table.data_vars or not float(table[name]) > float("-inf"):  # nan: none
+    if name not in table.data_vars or isnan(value := float(table[name])):
         return ""
-    return f"; the least R² of a {of} is {format_number(float(table[name]), 4)} here"
+    # Below 0 a constant would fit better, which is no share.
+    written = format_probability(value) if value >= 0 else format_number(value)
+    return f"; the least R² of a {of} is {written} here"
+
+
+def _lines(stored: StoredResults) -> Iterator[Block]:
+    """Yield the paper's steps, as far as the recording has the lines that they rest on."""
+    figures = [_tension(stored), *_slopes(stored)]
+    if len(figures) > 1:
+        yield Paragraph(
+            [
+                Reference(str(figures[0].label)),
+                " to ",
+                Reference(str(figures[-1].label)),
+                " take the paper's own steps: friction of each trial, its slope in tension, and "
+                "the slopes of that in the number of pulleys and the wrap angle. The posterior "
+                "takes no such steps: its bands come from all trials at once.",
+            ]
+        )
+    yield from figures
 
 
 def _slopes(stored: StoredResults) -> Iterator[Figure]:
