@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from bayesfric.report.content import Block, Code, Column, Heading, Inline, Paragraph, Table
 from bayesfric.report.quantities import MISSING, format_count, format_number, format_share
 from bayesfric.report.stored import StoredResults
-from bayesfric.schemas import Agreement, DataQuality
+from bayesfric.schemas import DataQuality
 
 __all__ = ["data_quality"]
 
@@ -17,32 +17,42 @@ def data_quality(stored: StoredResults) -> Iterator[Block]:
     quality = stored.fit.data_quality
     yield Heading(1, "Data quality")
     if "gravity" in stored.fit.rigs:
+        yield Paragraph(" ".join(_clean(quality)))
         yield from _left_out(quality)
         yield from _repairs(quality)
-        if quality.agreement is not None:
-            yield from _agreement(quality.agreement)
-        yield Paragraph(_stalls(quality))
+        yield from _agreement(quality)
     if "motor" in stored.fit.rigs:
         yield Paragraph("Every run of the motor board enters: no rule leaves one out.")
     for note in quality.notes:
         yield Paragraph(note)
 
 
-def _left_out(quality: DataQuality) -> Iterator[Block]:
+def _clean(quality: DataQuality) -> Iterator[str]:
+    """Yield in a sentence each what no table tells."""
     if not quality.excluded:
-        yield Paragraph("No trial of the gravity board was left out.")
-        return
-    yield Table(
-        "Trials left out.",
-        ["trial", "rule", "reason"],
-        [[entry.trial, entry.rule, entry.reason] for entry in quality.excluded],
-        label="excluded",
-    )
+        yield "No trial of the gravity board was left out."
+    if not quality.repaired:
+        yield "No Hall event was found missed or doubled."
+    if quality.agreement is None or not quality.agreement.trials:
+        yield "No trial has two sensors to compare."
+    if quality.stalled:
+        yield f"Trials that stall: {', '.join(quality.stalled)}."
+    else:
+        yield "No trial stalls."
+
+
+def _left_out(quality: DataQuality) -> Iterator[Block]:
+    if quality.excluded:
+        yield Table(
+            "Trials left out.",
+            ["trial", "rule", "reason"],
+            [[entry.trial, entry.rule, entry.reason] for entry in quality.excluded],
+            label="excluded",
+        )
 
 
 def _repairs(quality: DataQuality) -> Iterator[Block]:
     if not quality.repaired:
-        yield Paragraph("No Hall event was found missed or doubled.")
         return
     count = len(quality.repaired)
     more: list[Inline] = []
@@ -79,9 +89,9 @@ def _repairs(quality: DataQuality) -> Iterator[Block]:
     )
 
 
-def _agreement(agreement: Agreement) -> Iterator[Block]:
-    if not agreement.trials:
-        yield Paragraph("No trial has two sensors to compare.")
+def _agreement(quality: DataQuality) -> Iterator[Block]:
+    agreement = quality.agreement
+    if agreement is None or not agreement.trials:
         return
     yield Table(
         "Agreement of the two sensors of a trial on its acceleration.",
@@ -105,9 +115,3 @@ def _agreement(agreement: Agreement) -> Iterator[Block]:
 
 def _z(value: float | None) -> str:
     return MISSING if value is None else format_number(value, 3)
-
-
-def _stalls(quality: DataQuality) -> str:
-    if not quality.stalled:
-        return "No trial stalls."
-    return f"Trials that stall: {', '.join(quality.stalled)}."

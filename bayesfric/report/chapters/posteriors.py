@@ -31,8 +31,10 @@ def posteriors(stored: StoredResults) -> Iterator[Block]:
     )
     yield Paragraph(
         [
-            "The coefficients of a size rest on the same trials, so their draws belong together: "
-            "propagate the draws, not the means and standard deviations of ",
+            Reference("densities"),
+            " sets each posterior beside its prior. The coefficients of a size rest on the same "
+            "trials, so their draws belong together: propagate the draws, not the means and "
+            "standard deviations of ",
             Reference("coefficients"),
             ".",
         ]
