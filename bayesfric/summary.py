@@ -227,7 +227,8 @@ def _attention(
     for name, figures in convergence.items():
         if not figures.converged:
             lines.append(
-                f"Parameter {name} has not converged: R-hat {figures.r_hat:.4f} (limit {LIMITS['r_hat']}), "
+                f"Parameter {name} has not converged: R-hat {figures.r_hat:.4f} "
+                f"(limit {LIMITS['r_hat']}), "
                 f"by walker {figures.r_hat_walkers:.4f} (limit {LIMITS['r_hat_walkers']}), "
                 f"{min(figures.ess_bulk, figures.ess_tail):.0f} effective draws "
                 f"(at least {LIMITS['ess']:.0f})"
