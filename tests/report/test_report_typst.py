@@ -203,7 +203,7 @@ def test_a_heading_stays_with_what_follows_and_a_figure_with_its_caption() -> No
 
 def test_text_fills_what_a_figure_leaves_and_figures_keep_to_their_chapter() -> None:
     # Two of them do not fit on a page, and neither fits under the title.
-    square = SVG.replace(b'height="50" viewBox="0 0 100 50"', b'height="100" viewBox="0 0 100 100"')
+    square = SVG.replace(b'height="50" viewBox="0 0 100 50"', b'height="80" viewBox="0 0 100 80"')
     blocks = [
         Heading(1, "One"),
         Figure(square, "First.", "a"),
