@@ -14,6 +14,7 @@ from bayesfric.errors import Fault, InputError
 
 __all__ = [
     "Analysis",
+    "ClaimRules",
     "HalfNormal",
     "LogNormal",
     "Normal",
@@ -196,6 +197,47 @@ class Sampler(_Section):
         return self
 
 
+Share = Annotated[float, Field(gt=0, lt=1)]
+
+
+class ClaimRules(_Section):
+    """When a claim is supported, refuted, or neither.
+
+    A claim that has rivals is refuted where the Bayes factor, the size of the effect and
+    prediction all speak against it, and supported where the Bayes factor speaks for it and
+    the effect is too small to matter; both must hold over a tenfold change of the width of
+    the rivals' priors. A claim without rivals rests on a probability.
+    """
+
+    support_log10_bayes_factor: Finite = Field(
+        0.5, description="At least, in favour of the claim, to support it."
+    )
+    refute_log10_bayes_factor: Finite = Field(-1.0, description="At most, to refute it.")
+    region_of_equivalence: Share = Field(
+        0.05, description="Share of friction below which an effect does not matter [-]."
+    )
+    refute_effect_probability: Share = Field(
+        0.95, description="Of an effect beyond the region of equivalence, at least, to refute."
+    )
+    refute_elpd_errors: Positive = Field(
+        2.0, description="Standard errors by which a rival predicts better, to refute."
+    )
+    support_probability: Share = Field(0.95, description="Of a claim without rivals, at least.")
+    refute_probability: Share = Field(0.05, description="Of a claim without rivals, at most.")
+    refute_tail_probability: Share = Field(
+        0.01, description="Joint tail probability of Table I below which `coefficients` falls."
+    )
+    stiffness_tolerance: Share = Field(
+        0.01, description="Largest relative change of friction by a stretching cable."
+    )
+    rig_tolerance: Share = Field(
+        0.10, description="Largest relative difference of friction between the rigs."
+    )
+    tension_tolerance_n: Positive = Field(
+        0.15, description="Largest difference from a quoted nominal tension [N]."
+    )
+
+
 class Analysis(_Section):
     """The whole of ``analysis.toml``; every key has a default."""
 
@@ -205,6 +247,7 @@ class Analysis(_Section):
     priors: Priors = Field(default_factory=Priors, description="Prior densities.")
     scatter: Scatter = Field(default_factory=Scatter, description="Scatter of friction.")
     sampler: Sampler = Field(default_factory=Sampler, description="Ensemble sampler.")
+    claims: ClaimRules = Field(default_factory=ClaimRules, description="Verdicts on claims.")
 
 
 def read_analysis(path: Path | None, *, seed: int | None = None) -> Analysis:

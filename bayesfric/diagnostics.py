@@ -1,4 +1,4 @@
-"""Whether draws can be trusted: R-hat, effective sample sizes, Monte Carlo error.
+"""Whether draws can be trusted, and weights: R-hat, effective draws, Pareto k, sensitivity.
 
 Walkers of one ensemble depend on one another, so R-hat pools them into the chain of
 their ensemble, and the effective sample size is the smaller of ArviZ's and that of
@@ -14,9 +14,21 @@ from dataclasses import dataclass
 
 import numpy as np
 from arviz_stats.base.array import array_stats
+from numpy.linalg import LinAlgError
 from numpy.typing import NDArray
+from scipy.linalg import eigh
 
-__all__ = ["LIMITS", "Convergence", "batch_means_ess", "diagnose_draws", "rank_counts"]
+__all__ = [
+    "LIMITS",
+    "Convergence",
+    "batch_means_ess",
+    "diagnose_draws",
+    "mean_ess",
+    "multivariate_r_hat",
+    "power_scaling",
+    "rank_counts",
+    "smooth_weights",
+]
 
 Array = NDArray[np.float64]
 
@@ -24,6 +36,7 @@ LIMITS = {"r_hat": 1.01, "r_hat_walkers": 1.02, "ess": 400.0}
 """R-hat below, effective draws above: what counts as converged."""
 
 BATCHES = 10  # of an ensemble
+POWERS = 0.99, 1.01  # of the prior or the likelihood: a derivative by differences
 
 
 @dataclass(frozen=True)
@@ -134,3 +147,136 @@ def rank_counts(draws: Array, bins: int) -> NDArray[np.int_]:
     rank = draws.ravel().argsort(kind="stable").argsort(kind="stable")
     place = (rank * bins // draws.size).reshape(ensembles, -1)
     return np.stack([np.bincount(row, minlength=bins) for row in place])
+
+
+def mean_ess(draws: Array) -> float:
+    """Return the number of independent draws whose mean would be as well known.
+
+    Parameters
+    ----------
+    draws : ndarray, shape (ensembles, draws, walkers)
+        In the order in which they were drawn.
+
+    Returns
+    -------
+    float
+        The smaller of ArviZ's and that of batch means; all draws if they are equal.
+    """
+    if np.ptp(draws) == 0:
+        return float(draws.size)
+    ensembles, steps, walkers = draws.shape
+    by_walker = draws.transpose(0, 2, 1).reshape(ensembles * walkers, steps)
+    return min(float(array_stats.ess(by_walker, method="mean")), batch_means_ess(draws))
+
+
+def multivariate_r_hat(chains: Array) -> float:
+    """Return the largest split R-hat of any linear combination of the coordinates.
+
+    Modes that lie side by side across a narrow ridge overlap in every coordinate, but
+    not in all combinations.
+
+    Parameters
+    ----------
+    chains : ndarray, shape (chains, draws, D)
+        Each in the order in which it was drawn.
+
+    Returns
+    -------
+    float
+        inf where draws do not vary within the chains in some combination.
+
+    References
+    ----------
+    S. P. Brooks, A. Gelman, "General methods for monitoring convergence of iterative
+    simulations", Journal of Computational and Graphical Statistics 7 (1998).
+    """
+    count, steps, size = chains.shape
+    half = steps // 2
+    split = chains[:, : 2 * half].reshape(2 * count, half, size)
+    # In units of all draws, so that coordinates on tiny scales are not lost to rounding.
+    split = (split - split.mean(axis=(0, 1))) / split.std(axis=(0, 1))
+    means = split.mean(axis=1)
+    centred = (split - means[:, None]).reshape(-1, size)
+    within = centred.T @ centred / (2 * count * (half - 1))
+    between = np.atleast_2d(np.cov(means, rowvar=False))
+    try:
+        largest = eigh(between, within, eigvals_only=True)[-1]
+    except LinAlgError:
+        return float("inf")
+    return float(np.sqrt((half - 1) / half + (1 + 0.5 / count) * largest))
+
+
+def smooth_weights(log_weights: Array, r_eff: float = 1.0) -> tuple[Array, float]:
+    """Smooth the largest importance weights by a Pareto distribution fitted to them.
+
+    Parameters
+    ----------
+    log_weights : ndarray, shape (N,)
+        Unnormalised; −inf is a weight of zero. At least 25, not all zero.
+    r_eff : float
+        Effective draws over draws.
+
+    Returns
+    -------
+    log_weights : ndarray, shape (N,)
+        Smoothed, on the scale of those given.
+    pareto_k : float
+        Shape of the tail: above 0.7 the weights are not to be relied on. 0 where the
+        largest weights are all the same.
+
+    References
+    ----------
+    A. Vehtari, D. Simpson, A. Gelman, Y. Yao, J. Gabry, "Pareto smoothed importance
+    sampling", Journal of Machine Learning Research 25 (2024).
+    """
+    ordered = np.sort(log_weights)
+    if ordered[-1] - ordered[-5] < 1e-12:
+        return log_weights, 0.0  # no tail to fit
+    normalised, k = array_stats.psislw(-log_weights, r_eff=r_eff)
+    # The library normalises; weights below the tail are as they were but for that.
+    unchanged = np.argmin(np.where(np.isfinite(log_weights), log_weights, np.inf))
+    return normalised + (log_weights - normalised)[unchanged], float(k)
+
+
+def power_scaling(values: Array, log_component: Array) -> Array:
+    """Return how much marginals move if the prior or the likelihood counts for more or less.
+
+    Parameters
+    ----------
+    values : ndarray, shape (chains, draws, K)
+        Of K coefficients.
+    log_component : ndarray, shape (chains, draws)
+        Log density of what is raised to a power close to 1: the prior of some or all
+        parameters, or the likelihood of all data together.
+
+    Returns
+    -------
+    ndarray, shape (K,)
+        Change of a marginal, as a distance of cumulative distributions, for a
+        doubling of the power; above 0.05 the component matters.
+
+    Raises
+    ------
+    ValueError
+        Something is not finite, or the component is the same for all draws.
+
+    References
+    ----------
+    N. Kallioinen, T. Paananen, P.-C. Bürkner, A. Vehtari, "Detecting and diagnosing
+    prior and likelihood sensitivity with power-scaling", Statistics and Computing 34
+    (2024).
+    """
+    if not (np.isfinite(values).all() and np.isfinite(log_component).all()):
+        raise ValueError("values and log_component must be finite")
+    if np.ptp(log_component) == 0:
+        raise ValueError("the component is the same for all draws: nothing moves with it")
+    low, high = POWERS
+    below, above = (
+        np.exp(array_stats.power_scale_lw(log_component, alpha=power, axis=(-2, -1)))
+        for power in POWERS
+    )
+    sensitivity = [
+        float(array_stats.power_scale_sense(values[..., place], below, above, low, high))
+        for place in range(values.shape[-1])
+    ]
+    return np.array(sensitivity)

@@ -239,7 +239,7 @@ def test_an_unknown_rig_is_refused(rigs):
 
 def test_truth_is_written_down_whole():
     written = json.loads(json.dumps(Truth().as_json()))
-    assert set(written) == {item.name for item in fields(Truth)}
+    assert set(written) == {item.name for item in fields(Truth)} - {"effects"}
     assert written["coefficients"]["small"]["c1"] == 0.0128
     assert written["idle_current"] == list(Truth().idle_current)
 

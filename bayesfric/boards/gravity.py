@@ -25,6 +25,7 @@ __all__ = [
     "coulomb_acceleration",
     "nominal_tension",
     "recursive_board_friction",
+    "tension_feedback",
     "trajectory",
 ]
 
@@ -152,6 +153,26 @@ def recursive_board_friction(coefficients: Coefficients, condition: Condition) -
     acceleration = surplus / (condition.total_mass_kg - loss.share * mass_drive)
     friction = loss.share * (weight - mass_drive * acceleration) + loss.constant_n
     return np.asarray(friction, dtype=np.float64)
+
+
+def tension_feedback(coefficients: Coefficients, condition: Condition) -> Array:
+    """Return by how much friction grows for each newton of a further drag [-].
+
+    A drag slows the board, which raises the nominal tension and with it friction.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+        Friction law of the pulley size.
+    condition : Condition
+        Of the trial.
+
+    Returns
+    -------
+    ndarray
+        (m1 + m2) over the mass that multiplies a once T(a) is moved to the left.
+    """
+    return condition.total_mass_kg / _drive_and_mass(coefficients, condition)[1]
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ __all__ = [
     "motor_friction",
     "nominal_tension",
     "recursive_motor_friction",
+    "tension_feedback",
 ]
 
 Array = NDArray[np.float64]
@@ -106,6 +107,26 @@ def recursive_motor_friction(coefficients: Coefficients, condition: MotorConditi
     raising = recursive_friction(loss, condition.weight_n, "load")
     lowering = -recursive_friction(loss, condition.weight_n, "drive")
     return np.where(rises, raising, lowering)
+
+
+def tension_feedback(coefficients: Coefficients, condition: MotorCondition) -> Array:
+    """Return by how much friction grows for each newton of a further drag [-].
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+        Friction law of the pulley size.
+    condition : MotorCondition
+        Of the run.
+
+    Returns
+    -------
+    ndarray
+        ``1 / (1 − sign(v) n k / 2)``, see :func:`motor_friction`.
+    """
+    sign = np.sign(np.asarray(condition.velocity_m_s, dtype=np.float64))
+    slope = tension_slope(coefficients, condition.n_pulleys, condition.wrap_angle_deg)
+    return np.asarray(1 / (1 - 0.5 * sign * slope), dtype=np.float64)
 
 
 def nominal_tension(condition: MotorCondition, friction_n: ArrayLike) -> Array:

@@ -1,33 +1,43 @@
-r"""Hall events of a gravity-board trial, reduced to its acceleration.
+r"""Hall events of a gravity-board trial, reduced to what they say of its motion.
 
 An event of sensor s at displacement d is passed at the time t with
 
     x(t) − o_s − d = δ + v(t) ε,   δ ~ N(0, σ_x²),  ε ~ N(0, σ_t²),
 
-where x(t) = v0 τ + a τ²/2 is the travel since the trial's first event. The
-density of the raw event *times* is that of the residual times the speed v(t),
-the Jacobian. The offsets o_s (uniform over one spacing: phase on a circle) and
-the first speed v0 (half-normal) are marginalised in closed form, since the
-residual is linear in them; what is left of a trial is a normal density in its
-acceleration, times factors that depend on the noise alone:
+where x(t) = v0 τ + a τ²/2 + Σ_k A_k u_k(τ) is the travel since the trial's first
+event; u_k is what an effect that changes along the trial adds to the travel
+(:mod:`bayesfric.likelihood.paths`), and the baseline has none. The density of the raw
+event *times* is that of the residual times the speed v(t), the Jacobian. The offsets
+o_s (uniform over one spacing: phase on a circle) and the first speed v0 (half-normal)
+are marginalised in closed form, since the residual is linear in them; what is left of
+a trial is a quadratic form in w = (a − â₀, A_1, …, A_K), â₀ being a pilot's:
 
-    log p(times | a, σ) = log N(â; a, S² V) + C.
+    log p(times | w, σ) = C − (wᵀ G w − 2 bᵀ w) / 2.
 
-â, V and C depend on ρ = σ_t/σ_x only, apart from the overall scale
+G, b and C depend on ρ = σ_t/σ_x only, apart from the overall scale
 S² = σ_x² + v*² σ_t². They are tabulated once over log ρ, and the table is
 reduced to its few leading singular vectors.
 
 Speeds in the weights and in the Jacobian are those of a pilot fit a trial.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline, make_interp_spline
 
-__all__ = ["EventTable", "TrialAcceleration", "pilot_fits", "reduce_events"]
+__all__ = [
+    "EventTable",
+    "Events",
+    "TrialAcceleration",
+    "TrialForm",
+    "pilot_fits",
+    "prepare_events",
+    "reduce_events",
+]
 
 Array = NDArray[np.float64]
 LOG_2PI = float(np.log(2 * np.pi))
@@ -35,10 +45,10 @@ LOG_RHO_SPAN = 9.25  # ± about 1/v*: beyond it one noise is 1e-4 of the other
 GRID_STEP = 0.125
 SPLINE_DEGREE = 7
 REDUCED_TO = 1e-10  # singular values kept, relative to the largest
+NUISANCES = 3  # offsets of the two sensors and first speed
 
 
-@dataclass(frozen=True)
-class TrialAcceleration:
+class TrialAcceleration(NamedTuple):
     """A trial's events given the noise: a normal density of its acceleration.
 
     Parameters
@@ -56,9 +66,39 @@ class TrialAcceleration:
     log_constant: Array
 
 
+class TrialForm(NamedTuple):
+    """A trial's events given the noise: a quadratic form in its motion w.
+
+    Parameters
+    ----------
+    origin : ndarray, shape (N,)
+        â₀, from which acceleration is counted [m/s²].
+    curvature : ndarray, shape (1 + K, 1 + K, W, N)
+        G.
+    slope : ndarray, shape (1 + K, W, N)
+        b.
+    log_constant : ndarray, shape (W, N)
+        C, the log density of the events at w = 0.
+    """
+
+    origin: Array
+    curvature: Array
+    slope: Array
+    log_constant: Array
+
+    def acceleration(self) -> TrialAcceleration:
+        """Return the normal density of the acceleration where no effect acts."""
+        precision, slope = self.curvature[0, 0], self.slope[0]
+        return TrialAcceleration(
+            self.origin + slope / precision,
+            1 / precision,
+            self.log_constant + 0.5 * (slope**2 / precision + LOG_2PI - np.log(precision)),
+        )
+
+
 @dataclass(frozen=True)
 class EventTable:
-    """Tabulated sufficient statistics of N trials.
+    """Tabulated sufficient statistics of N trials and K effects along them.
 
     Parameters
     ----------
@@ -68,16 +108,20 @@ class EventTable:
         Variance of rounding the clock, added to σ_t² [s²].
     spline : BSpline
         From log(ρ v*) to the coefficients of `basis`.
-    basis : ndarray, shape (K, 4 N)
-        Leading singular vectors of the table.
-    centre : ndarray, shape (4 N,)
+    basis : ndarray, shape (L, R N)
+        Leading singular vectors of the table; R statistics a trial.
+    centre : ndarray, shape (R N,)
         Mean of the table.
     degrees_of_freedom : ndarray, shape (N,)
-        Events minus nuisances minus one.
+        Events minus nuisances.
     constant : ndarray, shape (N,)
         The part of C that no parameter moves.
+    origin : ndarray, shape (N,)
+        Pilot accelerations [m/s²].
+    columns : int
+        K.
     pilot_scale : float
-        Noise scale in which sums of squares are tabulated [m].
+        Root mean square residual of the pilot [m].
     """
 
     typical_speed: float
@@ -87,9 +131,11 @@ class EventTable:
     centre: Array
     degrees_of_freedom: Array
     constant: Array
+    origin: Array
+    columns: int
     pilot_scale: float
 
-    def at(self, sigma_x: Array, sigma_t: Array) -> TrialAcceleration:
+    def at(self, sigma_x: Array, sigma_t: Array) -> TrialForm:
         """Evaluate the statistics.
 
         Parameters
@@ -99,22 +145,29 @@ class EventTable:
 
         Returns
         -------
-        TrialAcceleration
-            Arrays of shape (W, N).
+        TrialForm
+            Of W noises and N trials.
         """
         clock = np.sqrt(sigma_t**2 + self.tick_variance) * self.typical_speed
-        scale2 = sigma_x**2 + clock**2
+        scale2 = (sigma_x**2 + clock**2)[:, None]
         log_ratio = np.clip(np.log(clock / sigma_x), -LOG_RHO_SPAN, LOG_RHO_SPAN)
         rows = self.spline(log_ratio) @ self.basis + self.centre
-        mean, log_variance, log_determinant, squares = np.split(rows, 4, axis=-1)
-        scale2 = scale2[:, None]
-        return TrialAcceleration(
-            mean,
-            scale2 * np.exp(log_variance),
+        parts = rows.reshape(len(sigma_x), -1, self.origin.size).transpose(1, 0, 2)
+        size = 1 + self.columns
+        row, column = np.triu_indices(size)
+        curvature = np.empty((size, size, *scale2.shape[:1], self.origin.size))
+        curvature[row, column] = parts[: row.size] / scale2
+        curvature[column, row] = curvature[row, column]
+        slope = parts[row.size : row.size + size] / scale2
+        squares, log_determinant = parts[-2:]
+        return TrialForm(
+            self.origin,
+            curvature,
+            slope,
             self.constant
             + log_determinant
             - 0.5 * self.degrees_of_freedom * (LOG_2PI + np.log(scale2))
-            - 0.5 * squares * (self.pilot_scale**2 / scale2),
+            - 0.5 * squares / scale2,
         )
 
 
@@ -142,34 +195,65 @@ class PilotFit:
 
 
 @dataclass(frozen=True)
-class _Events:
-    """Events of N trials, sorted by trial, as flat arrays."""
+class Events:
+    """Events of N trials, sorted by trial, as flat arrays.
+
+    Parameters
+    ----------
+    starts : ndarray of int, shape (N,)
+        Place of each trial's first row.
+    trial : ndarray of int, shape (E,)
+        Trial of each event.
+    tau : ndarray, shape (E,)
+        Time since the trial's first event [s].
+    displacement : ndarray, shape (E,)
+        Travel since the sensor's first event [m].
+    regressors : ndarray, shape (R, E)
+        −[drive], −[load], τ, τ²/2, and u_k of each effect.
+    present : ndarray of bool, shape (R, N)
+        Whether a trial has the regressor at all.
+    """
 
     starts: NDArray[np.intp]
     trial: NDArray[np.intp]
     tau: Array
     displacement: Array
-    regressors: Array  # (4, E): −[drive], −[load], τ, τ²/2
-    present: NDArray[np.bool_]  # (4, N): regressor is there
+    regressors: Array
+    present: NDArray[np.bool_]
 
     def total(self, values: Array) -> Array:
         """Sum events over each trial (last axis)."""
         return np.add.reduceat(values, self.starts, axis=-1)
 
-    def normal_equations(self, weight: Array) -> tuple[Array, Array]:
-        """Return XᵀWX, shape (N, 4, 4), and XᵀWd, shape (N, 4); absent rows are unit."""
+    def normal_equations(self, weight: Array, response: Array) -> tuple[Array, Array]:
+        """Return XᵀWX, shape (N, R, R), and XᵀWy, shape (N, R); absent nuisances are unit."""
         weighted = self.regressors * weight
-        matrix = np.empty((self.starts.size, 4, 4))
-        for row in range(4):
-            for column in range(row, 4):
+        size = len(self.regressors)
+        matrix = np.empty((self.starts.size, size, size))
+        for row in range(size):
+            for column in range(row, size):
                 matrix[:, row, column] = self.total(weighted[row] * self.regressors[column])
                 matrix[:, column, row] = matrix[:, row, column]
-        for row in range(4):
+        for row in range(NUISANCES):
             matrix[~self.present[row], row, row] = 1.0
-        return matrix, self.total(weighted * self.displacement).T
+        return matrix, self.total(weighted * response).T
 
 
-def _prepare(events: pd.DataFrame, trial_ids: pd.Series) -> _Events:
+def prepare_events(events: pd.DataFrame, trial_ids: pd.Series) -> Events:
+    """Sort events by trial.
+
+    Parameters
+    ----------
+    events : DataFrame
+        Event table of a recording; each of `trial_ids` has events.
+    trial_ids : Series of str, length N
+        The trials, in the order of the result.
+
+    Returns
+    -------
+    Events
+        With the regressors of a motion at constant acceleration.
+    """
     place = pd.Index(trial_ids).get_indexer(events["trial"])
     order = np.argsort(place, kind="stable")[np.count_nonzero(place < 0) :]
     trial = place[order]
@@ -180,7 +264,7 @@ def _prepare(events: pd.DataFrame, trial_ids: pd.Series) -> _Events:
     regressors = np.stack([-1.0 * drive, -1.0 * ~drive, tau, tau**2 / 2])
     present = np.logical_or.reduceat(regressors != 0, starts, axis=-1)
     displacement = events["displacement_m"].to_numpy()[order]
-    return _Events(starts, trial, tau, displacement, regressors, present)
+    return Events(starts, trial, tau, displacement, regressors, present)
 
 
 def pilot_fits(events: pd.DataFrame, trial_ids: pd.Series) -> PilotFit:
@@ -198,12 +282,11 @@ def pilot_fits(events: pd.DataFrame, trial_ids: pd.Series) -> PilotFit:
     PilotFit
         In the order of `trial_ids`.
     """
-    return _pilot(_prepare(events, trial_ids))
+    return _pilot(prepare_events(events, trial_ids))
 
 
-def _pilot(table: _Events) -> PilotFit:
-    matrix, right = table.normal_equations(np.ones_like(table.tau))
-    fit = np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0], dtype=np.float64)
+def _pilot(table: Events) -> PilotFit:
+    fit = _pilot_coefficients(table)
     speed = fit[table.trial, 2] + fit[table.trial, 3] * table.tau
     residual = (table.regressors * fit[table.trial].T).sum(axis=0) - table.displacement
     freedom = table.tau.size - table.present.sum()
@@ -216,6 +299,12 @@ def _pilot(table: _Events) -> PilotFit:
     )
 
 
+def _pilot_coefficients(table: Events) -> Array:
+    """Return offsets, first speed and acceleration of each trial, shape (N, 4)."""
+    matrix, right = table.normal_equations(np.ones_like(table.tau), table.displacement)
+    return np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0], dtype=np.float64)
+
+
 def reduce_events(
     events: pd.DataFrame,
     trial_ids: pd.Series,
@@ -223,6 +312,7 @@ def reduce_events(
     spacing_m: float,
     tick_s: float,
     first_speed_scale: float,
+    responses: Array | None = None,
 ) -> EventTable:
     """Tabulate the sufficient statistics of trials over the ratio of the noises.
 
@@ -239,21 +329,30 @@ def reduce_events(
         Resolution of the clock [s].
     first_speed_scale : float
         Scale of the half-normal prior of the first speed [m/s].
+    responses : ndarray, shape (K, E), or None
+        u_k, what each effect adds to the travel at unit amplitude, in the order of
+        :func:`prepare_events` [m].
 
     Returns
     -------
     EventTable
         To be evaluated at the noise of each walker.
     """
-    table = _prepare(events, trial_ids)
+    table = prepare_events(events, trial_ids)
     pilot = _pilot(table)
+    fit = _pilot_coefficients(table)
+    residual = table.displacement - (table.regressors * fit[table.trial].T).sum(axis=0)
+    responses = np.empty((0, table.tau.size)) if responses is None else responses
+    table = replace(table, regressors=np.concatenate([table.regressors, responses]))
     speed = pilot.first_speed[table.trial] + pilot.acceleration[table.trial] * table.tau
     typical = float(np.exp(np.mean(np.log(speed))))
     relative2 = (speed / typical) ** 2
     log_ratio = np.arange(-LOG_RHO_SPAN, LOG_RHO_SPAN + GRID_STEP / 2, GRID_STEP)
-    rows = np.stack(
-        [_statistics(table, relative2, ratio, pilot.rms_residual) for ratio in log_ratio]
-    )
+    rows = np.stack([_statistics(table, relative2, ratio, residual) for ratio in log_ratio])
+    # Each statistic in a unit of its own, so that a cut of the table is fair to all.
+    unit = np.abs(rows).mean(axis=0)
+    unit[unit == 0] = 1.0
+    rows /= unit
     centre = rows.mean(axis=0)
     left, singular, right = np.linalg.svd(rows - centre, full_matrices=False)
     kept = singular > REDUCED_TO * singular[0]
@@ -267,28 +366,34 @@ def reduce_events(
         typical_speed=typical,
         tick_variance=tick_s**2 / 12,
         spline=make_interp_spline(log_ratio, left[:, kept] * singular[kept], k=SPLINE_DEGREE),
-        basis=right[kept],
-        centre=centre,
-        degrees_of_freedom=table.total(np.ones_like(table.tau)) - sensors - 2.0,
+        basis=right[kept] * unit,
+        centre=centre * unit,
+        degrees_of_freedom=table.total(np.ones_like(table.tau)) - sensors - 1.0,
         constant=table.total(np.log(speed)) - sensors * np.log(spacing_m) + log_speed_prior,
+        origin=pilot.acceleration,
+        columns=len(responses),
         pilot_scale=pilot.rms_residual,
     )
 
 
-def _statistics(table: _Events, relative2: Array, log_ratio: float, scale: float) -> Array:
-    """Return [â, log V, log-determinant part of C, squares / scale²] at one noise ratio."""
+def _statistics(table: Events, relative2: Array, log_ratio: float, residual: Array) -> Array:
+    """Return G (upper triangle), b, squares and the log determinant at one noise ratio, (R N,)."""
     ratio2 = np.exp(2 * log_ratio)
     spread = (1 + ratio2 * relative2) / (1 + ratio2)  # event variance over S²
-    matrix, right = table.normal_equations(1 / spread)
-    fit = np.linalg.solve(matrix, right[..., None])[..., 0]
-    residual = (table.regressors * fit[table.trial].T).sum(axis=0) - table.displacement
-    variance = np.linalg.inv(matrix)[:, 3, 3]
-    determinant = np.linalg.slogdet(matrix)[1]
+    matrix, right = table.normal_equations(1 / spread, residual)
+    nuisance, mixed = matrix[:, :NUISANCES, :NUISANCES], matrix[:, :NUISANCES, NUISANCES:]
+    # Integrating over the nuisances leaves the Schur complement.
+    solved = np.linalg.solve(nuisance, np.concatenate([mixed, right[:, :NUISANCES, None]], axis=2))
+    curvature = matrix[:, NUISANCES:, NUISANCES:] - mixed.transpose(0, 2, 1) @ solved[..., :-1]
+    slope = right[:, NUISANCES:] - (mixed * solved[..., -1:]).sum(axis=1)
+    squares = table.total(residual**2 / spread) - (right[:, :NUISANCES] * solved[..., -1]).sum(1)
+    determinant = np.linalg.slogdet(nuisance)[1]
+    row, column = np.triu_indices(curvature.shape[1])
     return np.concatenate(
         [
-            fit[:, 3],
-            np.log(variance),
+            curvature[:, row, column].T.ravel(),
+            slope.T.ravel(),
+            squares,
             -0.5 * (table.total(np.log(spread)) + determinant),
-            table.total(residual**2 / spread) / scale**2,
         ]
     )

@@ -8,11 +8,12 @@ with the idle curve h(v)ᵀβ shared by every run and by the idle measurements. 
 and ε are Gaussian and linear, so they are integrated out in closed form: the
 currents are one normal (:mod:`bayesfric.likelihood.joint_normal`). The noise of a
 current grows with the load: its variance is σ_I² + (λ · load current)², the load
-current being the law's; the scatter of friction would change it by 0.2 %.
+current being the law's; the scatter of friction would change it by 0.2 %. Speed is
+constant in a run, so an effect on friction adds to F, and one on the motor's current to I.
 The simulator that mirrors it is :mod:`bayesfric.simulate`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -20,8 +21,20 @@ from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
 from bayesfric.baseline import BASELINES, Baseline
-from bayesfric.boards.motor import MotorCondition, load_current, nominal_tension
+from bayesfric.boards.motor import (
+    MotorCondition,
+    load_current,
+    nominal_tension,
+    tension_feedback,
+)
+from bayesfric.effects import State
 from bayesfric.likelihood.coefficients import SizeIndex, coefficient_parameters
+from bayesfric.likelihood.effect_terms import (
+    ActiveEffect,
+    parameters_of,
+    rough_values,
+    total,
+)
 from bayesfric.likelihood.joint_normal import JointNormal
 from bayesfric.likelihood.scatter import SetupIndex
 from bayesfric.priors import Parameter
@@ -30,6 +43,7 @@ from bayesfric.recording.tables import Motor, Rig
 __all__ = ["MotorLikelihood", "idle_basis", "run_condition"]
 
 Array = NDArray[np.float64]
+TENSION_ITERATIONS = 2  # each takes the error of an effect's tension down by some 20
 LEAST_CURRENT_A = 1e-5  # of the noise, as a start, where the idle curve fits perfectly
 
 
@@ -85,6 +99,10 @@ class MotorLikelihood:
         The board; torque constant and capstan radius.
     analysis : Analysis
         Priors, and whether each size has a scatter of its own.
+    baseline : Baseline
+        The friction law.
+    effects : sequence of ActiveEffect
+        What acts beside the law.
 
     Attributes
     ----------
@@ -107,8 +125,10 @@ class MotorLikelihood:
         rig: Rig,
         analysis: Analysis,
         baseline: Baseline = BASELINES["paper"],
+        effects: Sequence[ActiveEffect] = (),
     ) -> None:
         self._friction = baseline.motor
+        self._effects = tuple(effects)
         assert rig.motor_torque_constant_n_m_per_a and rig.capstan_radius_m
         codes, setups = pd.factorize(motor.runs["setup"])
         order = codes.argsort(kind="stable")
@@ -141,10 +161,11 @@ class MotorLikelihood:
             Parameter("torque_constant_factor", "1", priors.torque_constant_factor),
             Parameter("sigma_current", "A", priors.sigma_current),
             Parameter("load_noise", "1", priors.load_noise),
+            *(parameter for active in self._effects for parameter in parameters_of(active)),
         )
 
     def law(self, theta: Mapping[str, Array]) -> Array:
-        """Return the law's signed friction of each run [N].
+        """Return the signed friction of each run by the law and the effects [N].
 
         Parameters
         ----------
@@ -154,9 +175,24 @@ class MotorLikelihood:
         Returns
         -------
         ndarray, shape (W, N)
-            fc of eq. (15) at the nominal tension of the run, with the sign of v.
+            fc of eq. (15) and of the effects at the nominal tension of the run, with the
+            sign of v.
         """
-        return np.asarray(self._friction(self._size.coefficients(theta), self.condition))
+        law = self._size.coefficients(theta)
+        friction = np.asarray(self._friction(law, self.condition))
+        here = [active for active in self._effects if active.effect.acts_on == "friction"]
+        if not here:
+            return friction
+        feedback = tension_feedback(law, self.condition)
+        sign, speed = np.sign(self.condition.velocity_m_s), np.abs(self.condition.velocity_m_s)
+        drag = np.zeros_like(friction)
+        for _ in range(TENSION_ITERATIONS):  # the drag changes the tension on which it depends
+            tension = nominal_tension(self.condition, friction + sign * feedback * drag)
+            state = State.of(
+                law, self.condition.n_pulleys, self.condition.wrap_angle_deg, tension, speed
+            )
+            drag = total(here, theta, state)
+        return np.asarray(friction + sign * feedback * drag)
 
     def observed(self, theta: Mapping[str, Array]) -> Array:
         """Return the signed friction that the currents show [N].
@@ -262,7 +298,7 @@ class MotorLikelihood:
         for parameter in self.parameters:
             if parameter.name.startswith(("tau", "omega")):
                 start[parameter.name] = 0.02
-        return start
+        return start | rough_values(self._effects)
 
     def _beyond_idle(self) -> Array:
         """Return currents less the idle curve of the idle measurements, shape (M,)."""
@@ -282,6 +318,7 @@ class MotorLikelihood:
     def _currents(self, theta: Mapping[str, Array]) -> JointNormal:
         friction, torque = self.law(theta), self._torque(theta)
         load = load_current(self.condition, friction, torque, self._radius)
+        beyond = load + self._added_current(theta, load)
         tau, omega = self._scatter(theta)
         per_scatter = friction * self._radius / torque  # current of a relative deviation of 1
         runs = slice(None, self._runs)
@@ -290,5 +327,14 @@ class MotorLikelihood:
         moved = np.zeros_like(variance)
         moved[:, runs] = omega * per_scatter
         residual = np.tile(self._current, (len(load), 1))
-        residual[:, runs] -= load
+        residual[:, runs] -= beyond
         return JointNormal(self._index, self._columns, residual, variance, moved)
+
+    def _added_current(self, theta: Mapping[str, Array], load: Array) -> Array:
+        """Return what effects on the motor add to the current of each run, shape (W, N)."""
+        law = self._size.coefficients(theta)
+        speed = np.abs(self.condition.velocity_m_s)
+        condition = (self.condition.n_pulleys, self.condition.wrap_angle_deg)
+        state = State.of(law, *condition, self.condition.weight_n, speed, load)
+        here = [active for active in self._effects if active.effect.acts_on == "current"]
+        return total(here, theta, state) if here else np.zeros_like(load)

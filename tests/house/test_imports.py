@@ -55,6 +55,7 @@ ONLY = {
     "checkpoint": set(),  # any computation
     "laplace": set(),  # any density
     "sampling": {"analysis", "checkpoint", "laplace"},  # any density; analysis has its settings
+    "evidence": {"laplace", "diagnostics"},  # any density
     "export": {"recording"},  # realities of another hand share no physics with us
     "blind/engines": {"recording"},
 }

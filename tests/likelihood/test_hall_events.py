@@ -243,7 +243,7 @@ def test_table_agrees_with_a_direct_solution(ratio):
     variance = sigma_x**2 + (sigma_t**2 + TICK**2 / 12) * speed**2
     information = columns.T @ (columns / variance[:, None])
     fit = np.linalg.solve(information, columns.T @ (travel / variance))
-    found = events_table(recording).at(np.array([sigma_x]), np.array([sigma_t]))
+    found = events_table(recording).at(np.array([sigma_x]), np.array([sigma_t])).acceleration()
     assert found.mean[0, 0] == pytest.approx(fit[3], rel=1e-9)
     assert found.variance[0, 0] == pytest.approx(np.linalg.inv(information)[3, 3], rel=1e-6)
 

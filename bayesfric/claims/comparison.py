@@ -1,0 +1,219 @@
+"""A claim against its rivals: Bayes factor, size of the effect, prediction, verdict."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import logsumexp
+
+from bayesfric.analysis import ClaimRules
+from bayesfric.claims.base import BASELINE, Case, Claim, Finding, Verdict
+from bayesfric.claims.studies import WIDTHS, Studied, Task
+from bayesfric.evidence import difference, elpd
+from bayesfric.likelihood.hypothesis import Data
+
+__all__ = ["compare", "decide"]
+
+Array = NDArray[np.float64]
+LN10 = float(np.log(10))
+STABLE_OVER = (10**-0.5, 10**0.5)  # a tenfold change of the width
+
+
+def compare(claim: Claim, case: Case) -> Finding:
+    """Judge a claim by its Bayes factor against the equal-weight average of its rivals.
+
+    Parameters
+    ----------
+    claim : Claim
+        With a board and rivals.
+    case : Case
+        Of a recording.
+
+    Returns
+    -------
+    Finding
+        ``not-testable`` where the recording lacks the board or the condition that the
+        rivals differ in does not vary.
+    """
+    board = claim.board
+    assert board is not None
+    if board not in case.data:
+        return Finding("not-testable", f"The recording has no {board} board.")
+    if lack := _lacking_levels(claim, case.data[board]):
+        return Finding("not-testable", lack)
+    rules = case.analysis.claims
+    own = case.studied[Task(board, BASELINE)]
+    rivals = {one: case.studied[Task(board, one)] for one in claim.rivals}
+    lacking = [f"{one.label}: {found.why}" for one, found in rivals.items() if not found.evidence]
+    known = {one: found for one, found in rivals.items() if found.evidence is not None}
+    if own.evidence is None or not known:
+        why = own.why or "; ".join(lacking)
+        return Finding("undecided", f"No evidence can be had: {why}.", why=why)
+    log10, error = _bayes_factor(own, list(known.values()))
+    curve = np.array(
+        [_bayes_factor(own, list(known.values()), place)[0] for place in range(len(WIDTHS))]
+    )
+    best = max(known, key=lambda one: _log_evidence(known[one]))
+    with_effect = [found for found in known.values() if found.size.size]
+    bound = max((float(np.quantile(one.size, 0.95)) for one in with_effect), default=0.0)
+    best_size = known[best].size
+    beyond = float((best_size > rules.region_of_equivalence).mean()) if best_size.size else 1.0
+    predicted = difference(elpd(own.setup_log_likelihood), elpd(known[best].setup_log_likelihood))
+    widths = np.array(WIDTHS)
+    stable = curve[(widths > 0.999 * STABLE_OVER[0]) & (widths < 1.001 * STABLE_OVER[1])]
+    verdict, reason = decide(
+        rules,
+        log10,
+        (float(stable.min()), float(stable.max())),
+        bound,
+        beyond,
+        predicted.elpd / predicted.se if predicted.se > 0 else 0.0,
+        best.label,
+    )
+    if lacking and verdict == "supported":
+        verdict, reason = "undecided", f"A rival could not be weighed: {'; '.join(lacking)}."
+    figures: dict[str, Any] = {
+        "best_rival": best.label,
+        "log10_bayes_factor_against": {
+            one.label: (own.evidence.log_evidence - _log_evidence(found)) / LN10
+            for one, found in known.items()
+        },
+        "effect_upper_bound_95": bound,
+        "probability_effect_matters": beyond,
+        "lowest_over_prior_width": float(stable.min()),
+        "highest_over_prior_width": float(stable.max()),
+        "elpd_reliable": predicted.reliable,
+    }
+    notes = [f"{one.label}: {found.why}" for one, found in known.items() if found.why]
+    if notes:
+        figures["disagreeing_evidence"] = "; ".join(notes)
+    return Finding(
+        verdict,
+        reason,
+        figures,
+        log10,
+        error,
+        predicted.elpd,
+        predicted.se,
+        by_pulley={
+            size: _by_pulley(claim, case, f"{board}/{size}") for size in case.data[board].sizes
+        },
+        curve={"width": widths, "log10_bayes_factor": curve},
+    )
+
+
+def decide(
+    rules: ClaimRules,
+    log10: float,
+    over_width: tuple[float, float],
+    upper_bound: float,
+    beyond: float,
+    elpd_errors: float,
+    best: str,
+) -> tuple[Verdict, str]:
+    """Return the verdict of the rules and the reason.
+
+    Parameters
+    ----------
+    rules : ClaimRules
+        Thresholds.
+    log10 : float
+        Log10 Bayes factor in favour of the claim.
+    over_width : (float, float)
+        Its lowest and highest value over a tenfold change of the rivals' prior width.
+    upper_bound : float
+        95 % upper bound of the effect, as a share of friction.
+    beyond : float
+        Probability, under the best rival, that the effect matters.
+    elpd_errors : float
+        Difference of prediction over its standard error, positive for the claim.
+    best : str
+        Label of the best rival.
+
+    Returns
+    -------
+    verdict, reason : str
+    """
+    small = upper_bound < rules.region_of_equivalence
+    for_it = log10 >= rules.support_log10_bayes_factor
+    against = log10 <= rules.refute_log10_bayes_factor
+    if for_it and small:
+        if over_width[0] >= rules.support_log10_bayes_factor:
+            return "supported", (
+                f"The data favour the claim by 10^{log10:.1f} and leave an effect of at most "
+                f"{upper_bound:.1%} of friction."
+            )
+        return "undecided", (
+            f"The Bayes factor, 10^{log10:.1f}, falls to 10^{over_width[0]:.1f} as the width of "
+            "the rivals' priors changes tenfold."
+        )
+    if against and beyond >= rules.refute_effect_probability:
+        if over_width[1] > rules.refute_log10_bayes_factor:
+            return "undecided", (
+                f"The Bayes factor, 10^{log10:.1f}, rises to 10^{over_width[1]:.1f} as the width "
+                "of the rivals' priors changes tenfold."
+            )
+        if elpd_errors < -rules.refute_elpd_errors:
+            return "refuted", (
+                f"{best} is favoured by 10^{-log10:.1f}, makes more than "
+                f"{rules.region_of_equivalence:.0%} of friction, and predicts new assemblies "
+                "better."
+            )
+        return "undecided", f"{best} is favoured, and does not predict new assemblies better."
+    if against:
+        return "undecided", (
+            f"{best} is favoured by 10^{-log10:.1f}, but is too small to matter: probability "
+            f"{beyond:.2f} of more than {rules.region_of_equivalence:.0%} of friction."
+        )
+    if for_it:
+        return "undecided", (
+            f"The data favour the claim by 10^{log10:.1f}, but could hide an effect of "
+            f"{upper_bound:.1%} of friction."
+        )
+    return "undecided", f"The Bayes factor, 10^{log10:.1f}, decides nothing."
+
+
+def _lacking_levels(claim: Claim, data: Data) -> str:
+    """Return what does not vary enough for the rivals to differ, or nothing."""
+    gravity = data.gravity
+    if gravity is None:
+        return ""
+    trials = gravity.trials
+    total = (trials["mass_drive_kg"] + trials["mass_load_kg"]).round(2)
+    for name, least in claim.levels.items():
+        values = total if name == "tension" else trials[name]
+        if (found := values.nunique()) < least:
+            word = {"n_pulleys": "number of pulleys", "wrap_angle_deg": "wrap angle"}.get(
+                name, name
+            )
+            return f"The {word} takes {found} of at least {least} values."
+    return ""
+
+
+def _log_evidence(found: Studied) -> float:
+    assert found.evidence is not None
+    return found.evidence.log_evidence
+
+
+def _bayes_factor(
+    own: Studied, rivals: list[Studied], width: int | None = None
+) -> tuple[float, float]:
+    """Return the log10 Bayes factor against the average of the rivals, and its error."""
+    assert own.evidence is not None
+    values = np.array([_log_evidence(one) for one in rivals])
+    if width is not None:
+        values = values + [one.widths[width] if one.widths.size else 0.0 for one in rivals]
+    errors = np.array([one.evidence.error for one in rivals if one.evidence is not None])
+    average = logsumexp(values) - np.log(len(values))
+    share = np.exp(values - logsumexp(values))
+    error = np.sqrt(own.evidence.error**2 + ((share * errors) ** 2).sum())
+    return float((own.evidence.log_evidence - average) / LN10), float(error / LN10)
+
+
+def _by_pulley(claim: Claim, case: Case, name: str) -> tuple[float | None, float | None, str]:
+    own = case.studied[Task(name, BASELINE)]
+    rivals = [case.studied[Task(name, one)] for one in claim.rivals]
+    lacking = [one.why for one in (own, *rivals) if one.evidence is None]
+    if lacking:
+        return None, None, "; ".join(lacking)
+    return (*_bayes_factor(own, rivals), "")

@@ -1,0 +1,18 @@
+"""Friction is linear in tension."""
+
+from bayesfric.claims.base import Claim
+from bayesfric.claims.comparison import compare
+from bayesfric.likelihood.hypothesis import Hypothesis
+
+CLAIM = Claim(
+    name="linear-in-tension",
+    place=4,
+    statement="Friction is a straight line in tension.",
+    paper="fc is linear in T at 85°, with R² above 0.99 for each size and n (Fig. 12).",
+    judge=compare,
+    board="gravity",
+    rivals=tuple(
+        Hypothesis(effects=(("tension-curvature", law),)) for law in ("quadratic", "power")
+    ),
+    levels={"tension": 3},
+)

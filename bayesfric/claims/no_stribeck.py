@@ -1,0 +1,33 @@
+"""No Stribeck term, at the speeds that were recorded."""
+
+from dataclasses import replace
+
+from bayesfric.claims.base import Case, Claim, Finding
+from bayesfric.claims.comparison import compare
+from bayesfric.claims.studies import slowest_speed
+from bayesfric.likelihood.hypothesis import Hypothesis
+
+
+def _judge(claim: Claim, case: Case) -> Finding:
+    """Compare as ever, and say below which speed nothing is known."""
+    found = compare(claim, case)
+    if found.verdict == "not-testable":
+        return found
+    slowest = slowest_speed(case.data["gravity"])
+    return replace(
+        found,
+        reason=f"{found.reason} Below {slowest:.3f} m/s, the slowest recorded speed, the claim is "
+        "not testable.",
+        figures={**found.figures, "not_testable_below_m_s": slowest},
+    )
+
+
+CLAIM = Claim(
+    name="no-stribeck",
+    place=7,
+    statement="Friction does not rise towards standstill.",
+    paper="With rolling bearings neither stiction nor a Stribeck term is needed (Sec. II).",
+    judge=_judge,
+    board="gravity",
+    rivals=tuple(Hypothesis(effects=(("stribeck", law),)) for law in ("exponential", "gaussian")),
+)

@@ -1,0 +1,17 @@
+"""No viscous term on the gravity board."""
+
+from bayesfric.claims.base import Claim
+from bayesfric.claims.comparison import compare
+from bayesfric.likelihood.hypothesis import Hypothesis
+
+CLAIM = Claim(
+    name="no-viscous-gravity",
+    place=2,
+    statement="A falling weight's friction does not grow with its speed.",
+    paper="Trajectories fit without fv; R² of a trial is often above 0.95 (Sec. III.B, Fig. 11).",
+    judge=compare,
+    board="gravity",
+    rivals=tuple(
+        Hypothesis(effects=(("viscous", law),)) for law in ("constant", "tension", "wrap")
+    ),
+)

@@ -1,0 +1,18 @@
+"""No viscous term on the motor board."""
+
+from bayesfric.claims.base import Claim
+from bayesfric.claims.comparison import compare
+from bayesfric.likelihood.hypothesis import Hypothesis
+
+CLAIM = Claim(
+    name="no-viscous-motor",
+    place=1,
+    statement="Friction at constant speed does not depend on the speed.",
+    paper="Friction is the same at every speed, whatever tension (Figs 4, 5), wrap angle (Fig. 6) "
+    "or number of pulleys (Fig. 7).",
+    judge=compare,
+    board="motor",
+    rivals=tuple(
+        Hypothesis(effects=(("viscous", law),)) for law in ("constant", "tension", "wrap")
+    ),
+)

@@ -1,0 +1,42 @@
+"""The nominal tensions that the paper quotes follow from its Table I."""
+
+from bayesfric.boards.motor import MotorCondition, motor_friction
+from bayesfric.boards.motor import nominal_tension as tension_of
+from bayesfric.claims.base import Case, Claim, Finding
+from bayesfric.paper import paper
+from bayesfric.recording.tables import STANDARD_GRAVITY
+from bayesfric.simulate import table1_coefficients
+
+
+def _judge(_: Claim, case: Case) -> Finding:
+    """Arithmetic: no data, no probability."""
+    quoted = paper()["nominal_tension"]
+    tolerance = case.analysis.claims.tension_tolerance_n
+    condition = MotorCondition(
+        quoted["n_pulleys"],
+        quoted["wrap_angle_deg"],
+        quoted["hanging_mass_kg"],
+        1.0,
+        STANDARD_GRAVITY,
+    )
+    figures = {}
+    for size, law in table1_coefficients().items():
+        found = float(tension_of(condition, motor_friction(law, condition)))
+        figures[f"{size}_n"] = found
+        figures[f"{size}_less_quoted_n"] = found - quoted[f"{size}_n"]
+    worst = max(abs(figures[f"{size}_less_quoted_n"]) for size in table1_coefficients())
+    return Finding(
+        "supported" if worst <= tolerance else "refuted",
+        f"Eq. (16) gives the quoted tensions within {worst:.2f} N.",
+        figures | {"tolerance_n": tolerance},
+        why="arithmetic has no rival",
+    )
+
+
+CLAIM = Claim(
+    name="nominal-tension",
+    place=10,
+    statement="Table I and a weight of 1.5 kg give the nominal tensions that are quoted.",
+    paper="15.8, 15.1 and 15.0 N for small, medium and large pulleys, n = 9, 85° (Fig. 5).",
+    judge=_judge,
+)

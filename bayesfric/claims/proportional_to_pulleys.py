@@ -1,0 +1,19 @@
+"""Friction is proportional to the number of pulleys."""
+
+from bayesfric.claims.base import Claim
+from bayesfric.claims.comparison import compare
+from bayesfric.likelihood.hypothesis import Hypothesis
+
+CLAIM = Claim(
+    name="proportional-to-pulleys",
+    place=5,
+    statement="Friction is proportional to the number of pulleys, without an offset.",
+    paper="Slope and intercept of fc in T are proportional to n (eqs (6), (7)).",
+    judge=compare,
+    board="gravity",
+    rivals=(
+        Hypothesis(effects=(("fixed-drag", "constant"),)),
+        Hypothesis(effects=(("pulley-count-curvature", "power"),)),
+    ),
+    levels={"n_pulleys": 2},
+)

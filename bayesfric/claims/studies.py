@@ -1,0 +1,215 @@
+"""A hypothesis studied: its evidence, what it predicts, and how large its effect is."""
+
+from collections.abc import Mapping
+from concurrent.futures import Executor
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from bayesfric.analysis import Analysis, Sampler
+from bayesfric.effects import Effect, State
+from bayesfric.evidence import (
+    Evidence,
+    SeparatedModes,
+    agree,
+    bridge_evidence,
+    laplace_evidence,
+)
+from bayesfric.friction import Coefficients
+from bayesfric.laplace import laplace_approximation
+from bayesfric.likelihood.hall_events import pilot_fits
+from bayesfric.likelihood.hypothesis import Data, Hypothesis, model_of
+from bayesfric.likelihood.model import Model
+from bayesfric.priors import log_density
+from bayesfric.sampling import sample
+
+__all__ = ["WIDTHS", "Studied", "Task", "slowest_speed", "study_all"]
+
+Array = NDArray[np.float64]
+SHORT_RUN = Sampler(burn=60, steps=120, thin=3)
+POINTWISE_DRAWS = 1000
+MIDDLE = {"n_pulleys": 9.0, "wrap_angle_deg": 85.0, "tension_n": 15.0, "speed_m_s": 0.65}
+WIDTHS = tuple(float(width) for width in np.geomspace(0.1, 10.0, 21))
+"""Factors of the width of an amplitude's prior, over which its evidence is followed."""
+
+
+class Task(NamedTuple):
+    """What to study.
+
+    Parameters
+    ----------
+    data : str
+        Name of the data: ``gravity`` or ``motor``, or these of one size as in
+        ``gravity/small``.
+    hypothesis : Hypothesis
+        What is assumed.
+    """
+
+    data: str
+    hypothesis: Hypothesis
+
+    @property
+    def whole(self) -> bool:
+        """Whether all sizes enter, which then are sampled and not only screened."""
+        return "/" not in self.data
+
+
+@dataclass(frozen=True)
+class Studied:
+    """What a hypothesis makes of data.
+
+    Parameters
+    ----------
+    evidence : Evidence or None
+        By bridge sampling, or by importance sampling alone where one size only is
+        screened; None where none can be had.
+    why : str
+        Why there is no evidence, or in what two estimates of it differ.
+    theta : mapping of str to ndarray, shape (S,)
+        Draws by parameter; empty where only screened.
+    setup_log_likelihood : ndarray, shape (S', J)
+        Of each assembly given the others, some of the draws.
+    widths : ndarray, shape (len(WIDTHS),)
+        Change of the log evidence as the width of an amplitude's prior is multiplied
+        by :data:`WIDTHS`; empty without an effect.
+    size : ndarray, shape (S,)
+        Largest share of friction that the effect makes at its edge, over pulley sizes,
+        draw by draw; empty without an effect.
+    """
+
+    evidence: Evidence | None
+    why: str = ""
+    theta: Mapping[str, Array] = field(default_factory=dict)
+    setup_log_likelihood: Array = field(default_factory=lambda: np.empty((0, 0)))
+    widths: Array = field(default_factory=lambda: np.empty(0))
+    size: Array = field(default_factory=lambda: np.empty(0))
+
+
+def study_all(
+    tasks: list[Task],
+    data: Mapping[str, Data],
+    analysis: Analysis,
+    effects: dict[str, Effect],
+    executor: Executor | None,
+) -> dict[Task, Studied]:
+    """Study hypotheses, each with a seed of its own.
+
+    Parameters
+    ----------
+    tasks : list of Task
+        What to study.
+    data : mapping of str to Data
+        By name.
+    analysis : Analysis
+        Priors and seed.
+    effects : dict of str to Effect
+        Effects by name.
+    executor : Executor or None
+        Where to compute; None is here.
+
+    Returns
+    -------
+    dict of Task to Studied
+        The same whatever the executor.
+    """
+    each = [(data[task.data], analysis, task, effects) for task in tasks]
+    columns = zip(*each, strict=True)
+    found = map(_study, *columns) if executor is None else executor.map(_study, *columns)
+    return dict(zip(tasks, found, strict=True))
+
+
+def _study(data: Data, analysis: Analysis, task: Task, effects: dict[str, Effect]) -> Studied:
+    # The seed rests on what is studied, not on how many things are.
+    words = f"{task.data} {task.hypothesis.law} {task.hypothesis.label}".encode()
+    seed, proposals = np.random.SeedSequence([analysis.seed, *words]).generate_state(2)
+    with threadpool_limits(limits=1):
+        model = model_of(data, analysis, task.hypothesis, effects)
+        laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
+        screen = laplace_evidence(model.log_posterior, laplace, int(proposals))
+        if not task.whole:
+            why = "" if screen.reliable else f"Pareto k of {screen.pareto_k:.2f} is above 0.7"
+            return Studied(screen if screen.reliable else None, why)
+        draws = sample(model.log_posterior, laplace, SHORT_RUN, int(seed))
+        try:
+            evidence = bridge_evidence(model.log_posterior, draws.z, int(proposals))
+        except SeparatedModes as found:
+            return Studied(None, str(found))
+        theta = model.natural(draws.z).reshape(-1, len(model.parameters))
+        some = theta[np.linspace(0, len(theta) - 1, POINTWISE_DRAWS).astype(int)]
+        named = model.by_name(theta)
+        pointwise = [rig.setup_log_likelihood(model.by_name(some)) for rig in model.likelihoods]
+    why = ""
+    if screen.reliable and not agree(evidence, screen):
+        why = (
+            f"bridge sampling and importance sampling differ: {evidence.log_evidence:.2f} ± "
+            f"{evidence.error:.2f} and {screen.log_evidence:.2f} ± {screen.error:.2f} nat"
+        )
+    return Studied(
+        evidence,
+        why,
+        named,
+        np.concatenate(pointwise, axis=1),
+        _over_widths(model, named, task.hypothesis, effects),
+        _size_at_edge(data, named, task.hypothesis, effects),
+    )
+
+
+def _over_widths(
+    model: Model,
+    theta: Mapping[str, Array],
+    hypothesis: Hypothesis,
+    effects: dict[str, Effect],
+) -> Array:
+    """Return how the log evidence changes with the width of the amplitude's prior.
+
+    The evidence under another prior is that under this one times the posterior mean of
+    the ratio of the priors.
+    """
+    if not hypothesis.effects:
+        return np.empty(0)
+    effect = effects[hypothesis.effects[0][0]]
+    amplitude = theta[f"{effect.name}.{effect.amplitude.name}"]
+    prior = effect.amplitude.prior
+    here = log_density(prior, amplitude)
+    changes = []
+    for width in WIDTHS:
+        ratio = log_density(prior, amplitude / width) - np.log(width) - here
+        top = ratio.max()
+        changes.append(top + np.log(np.mean(np.exp(ratio - top))))
+    return np.array(changes)
+
+
+def _size_at_edge(
+    data: Data,
+    theta: Mapping[str, Array],
+    hypothesis: Hypothesis,
+    effects: dict[str, Effect],
+) -> Array:
+    """Return the share of friction that the effect makes where it matters most, shape (S,)."""
+    if not hypothesis.effects:
+        return np.empty(0)
+    (name, law), effect = hypothesis.effects[0], effects[hypothesis.effects[0][0]]
+    values = {p.name: theta[f"{name}.{p.name}"] for p in effect.parameters}
+    place = MIDDLE | dict(effect.edge)
+    place["speed_m_s"] = max(place["speed_m_s"], slowest_speed(data))
+    shares = []
+    for size in data.sizes:
+        law_of_size = Coefficients(*(theta[f"{c}[{size}]"] for c in Coefficients._fields))
+        state = State.of(law_of_size, **place)
+        shares.append(np.abs(effect.laws[law](values, state) / state.friction_n))
+    return np.asarray(np.max(shares, axis=0))
+
+
+def slowest_speed(data: Data) -> float:
+    """Return the least speed at which anything was measured [m/s]."""
+    speeds = []
+    if data.gravity is not None and not data.gravity.events.empty:
+        with_events = data.gravity.trials["trial"].isin(data.gravity.events["trial"])
+        pilot = pilot_fits(data.gravity.events, data.gravity.trials["trial"][with_events])
+        speeds.append(float(pilot.least_speed.min()))
+    if data.motor is not None:
+        speeds.append(float(data.motor.runs["velocity_m_s"].abs().min()))
+    return min(speeds, default=0.0)

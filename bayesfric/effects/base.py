@@ -1,0 +1,160 @@
+"""What an effect is: something physical that the baseline leaves out."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bayesfric.analysis import Prior
+from bayesfric.friction import (
+    REFERENCE_WRAP_ANGLE_DEG,
+    Coefficients,
+    coulomb_friction,
+    tension_slope,
+)
+
+__all__ = ["ActsOn", "Effect", "EffectParameter", "Law", "State"]
+
+Array = NDArray[np.float64]
+REFERENCE_TENSION_N = 15.0
+ActsOn = Literal["friction", "current"]
+
+
+class State(NamedTuple):
+    """Where a board is when an effect acts; arrays that broadcast.
+
+    Parameters
+    ----------
+    n_pulleys, wrap_angle_deg : array_like
+        Number of pulleys and their average wrap angle [deg].
+    tension_n : array_like
+        Nominal tension [N].
+    speed_m_s : array_like
+        Cable speed, not negative [m/s].
+    tension_friction_n : array_like
+        The part of the baseline's friction that grows with tension [N].
+    constant_friction_n : array_like
+        The rest of the baseline's friction [N].
+    pulley_friction_n : array_like
+        The baseline's friction of one pulley of this size at 15 N and 85° [N]: a scale
+        that knows nothing of the condition.
+    load_current_a : array_like
+        Motor current beyond that of the idle motor [A]; 0 on the gravity board.
+    """
+
+    n_pulleys: ArrayLike
+    wrap_angle_deg: ArrayLike
+    tension_n: ArrayLike
+    speed_m_s: ArrayLike
+    tension_friction_n: ArrayLike
+    constant_friction_n: ArrayLike
+    pulley_friction_n: ArrayLike
+    load_current_a: ArrayLike = 0.0
+
+    @classmethod
+    def of(
+        cls,
+        coefficients: Coefficients,
+        n_pulleys: ArrayLike,
+        wrap_angle_deg: ArrayLike,
+        tension_n: ArrayLike,
+        speed_m_s: ArrayLike,
+        load_current_a: ArrayLike = 0.0,
+    ) -> "State":
+        """Return the state, the parts of friction by eq. (15)."""
+        slope = tension_slope(coefficients, n_pulleys, wrap_angle_deg)
+        return cls(
+            n_pulleys,
+            wrap_angle_deg,
+            tension_n,
+            speed_m_s,
+            slope * np.asarray(tension_n),
+            np.asarray(n_pulleys) * np.asarray(coefficients.c2),
+            coulomb_friction(coefficients, 1.0, REFERENCE_WRAP_ANGLE_DEG, REFERENCE_TENSION_N),
+            load_current_a,
+        )
+
+    @property
+    def friction_n(self) -> Array:
+        """The baseline's friction [N]."""
+        total = np.asarray(self.tension_friction_n) + np.asarray(self.constant_friction_n)
+        return np.asarray(total, dtype=np.float64)
+
+
+Law = Callable[[Mapping[str, Any], State], Array]
+
+
+@dataclass(frozen=True)
+class EffectParameter:
+    """A number of an effect.
+
+    Parameters
+    ----------
+    name : str
+        Within the effect.
+    unit : str
+        SI, degrees for angles; 1 for a ratio.
+    meaning : str
+        In words, for reports.
+    prior : Prior
+        Wide: what would be noticed, not what is expected.
+    plausible : tuple of float
+        Lowest and highest physically plausible value.
+    reference : str
+        Where the plausible range comes from.
+    typical : float or None
+        Of a shape: the value that the simulator takes where none is given.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    prior: Prior
+    plausible: tuple[float, float]
+    reference: str
+    typical: float | None = None
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One unmodelled effect.
+
+    Parameters
+    ----------
+    name : str
+        As in commands and results.
+    acts_on : {"friction", "current"}
+        What a law returns: a force against the motion [N], which trial and setup
+        scatter multiply like all friction, or an addition to a motor current [A].
+    sentence : str
+        For the report: what the board does.
+    amplitude : EffectParameter
+        Without effect at 0.
+    laws : mapping of str to callable
+        Variants by name, of one meaning of the parameters: (parameters, state) to
+        the quantity of `acts_on`. They are averaged with equal weight.
+    shape : EffectParameter or None
+        A second parameter, that decides how the effect depends on the state.
+    edge : mapping of str to float
+        Where it matters most of the paper's tested range: fields of :class:`State` that
+        differ from 15 N, 85°, 9 pulleys and 0.65 m/s.
+    along_path : bool
+        Whether the effect changes while a trial runs, as what depends on speed does.
+        Then it is linear in its amplitude.
+    """
+
+    name: str
+    acts_on: ActsOn
+    sentence: str
+    amplitude: EffectParameter
+    laws: Mapping[str, Law]
+    shape: EffectParameter | None = None
+    edge: Mapping[str, float] = field(default_factory=dict)
+    along_path: bool = False
+
+    @property
+    def parameters(self) -> tuple[EffectParameter, ...]:
+        """Amplitude, and the shape where there is one."""
+        return (self.amplitude,) if self.shape is None else (self.amplitude, self.shape)

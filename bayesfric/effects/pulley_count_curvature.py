@@ -1,0 +1,36 @@
+"""Friction that is not proportional to the number of pulleys."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Normal
+from bayesfric.effects.base import Effect, EffectParameter, State
+
+Array = NDArray[np.float64]
+MIDDLE_COUNT = 9.0
+
+
+def _power(p: Mapping[str, Array], state: State) -> Array:
+    ratio = np.asarray(state.n_pulleys, dtype=np.float64) / MIDDLE_COUNT
+    return state.friction_n * np.expm1(p["exponent"] * np.log(ratio))
+
+
+EFFECT = Effect(
+    name="pulley-count-curvature",
+    acts_on="friction",
+    sentence="friction grows as a power of the number of pulleys other than one",
+    amplitude=EffectParameter(
+        name="exponent",
+        unit="1",
+        meaning="friction grows as n to the power of one plus this",
+        prior=Normal(mean=0.0, sd=0.2),
+        plausible=(-0.1, 0.1),
+        reference="a tension that falls along the cable and pulleys that share their alignment "
+        "change the sum by less than a tenth over 5 to 19 pulleys (pulley-by-pulley form of "
+        "eq. (15))",
+    ),
+    laws={"power": _power},
+    edge={"n_pulleys": 19.0},
+)

@@ -1,0 +1,51 @@
+"""Stribeck friction: more friction at low speed, dying out as speed grows."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import HalfNormal, LogNormal
+from bayesfric.effects.base import Effect, EffectParameter, State
+
+Array = NDArray[np.float64]
+ARMSTRONG = (
+    "Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30 (1994) 1083: static friction "
+    "up to about twice the kinetic, Stribeck speeds below some 0.3 m/s"
+)
+
+
+def _exponential(p: Mapping[str, Array], state: State) -> Array:
+    return p["rise"] * state.friction_n * np.exp(-np.asarray(state.speed_m_s) / p["speed"])
+
+
+def _gaussian(p: Mapping[str, Array], state: State) -> Array:
+    ratio = np.asarray(state.speed_m_s) / p["speed"]
+    return p["rise"] * state.friction_n * np.exp(-(ratio**2))
+
+
+EFFECT = Effect(
+    name="stribeck",
+    acts_on="friction",
+    sentence="friction is higher at low speed and falls as speed grows",
+    amplitude=EffectParameter(
+        name="rise",
+        unit="1",
+        meaning="extra friction at standstill as a share of friction",
+        prior=HalfNormal(scale=0.3),
+        plausible=(0.0, 1.0),
+        reference=ARMSTRONG,
+    ),
+    shape=EffectParameter(
+        name="speed",
+        unit="m/s",
+        meaning="Stribeck speed, at which the rise has fallen to 1/e",
+        prior=LogNormal(median=0.15, sd_log=0.7),
+        plausible=(0.001, 0.3),
+        reference=ARMSTRONG,
+        typical=0.15,
+    ),
+    laws={"exponential": _exponential, "gaussian": _gaussian},
+    edge={"speed_m_s": 0.0},
+    along_path=True,
+)

@@ -1,0 +1,42 @@
+"""Friction that is not linear in tension."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Normal
+from bayesfric.effects.base import Effect, EffectParameter, State
+
+Array = NDArray[np.float64]
+MIDDLE_TENSION_N = 16.5  # of Table II's range
+
+
+def _quadratic(p: Mapping[str, Array], state: State) -> Array:
+    beyond = np.asarray(state.tension_n) / MIDDLE_TENSION_N - 1
+    return np.asarray(p["curvature"] * np.asarray(state.tension_friction_n) * beyond)
+
+
+def _power(p: Mapping[str, Array], state: State) -> Array:
+    ratio = np.asarray(state.tension_n) / MIDDLE_TENSION_N
+    grown = np.expm1(p["curvature"] * np.log(ratio))
+    return np.asarray(state.tension_friction_n) * grown
+
+
+EFFECT = Effect(
+    name="tension-curvature",
+    acts_on="friction",
+    sentence="friction is not a straight line in tension",
+    amplitude=EffectParameter(
+        name="curvature",
+        unit="1",
+        meaning="relative change of friction per tension from 16.5 N on, for each 100 % of "
+        "tension: quadratic, or as the exponent of a power",
+        prior=Normal(mean=0.0, sd=0.2),
+        plausible=(-0.35, 0.35),
+        reference="contacts under load, from point contact (friction ∝ T^(2/3)) to rolling "
+        "elements (T^(4/3)): Johnson, Contact Mechanics, 1985, ch. 4 and 9",
+    ),
+    laws={"quadratic": _quadratic, "power": _power},
+    edge={"tension_n": 33.0},
+)

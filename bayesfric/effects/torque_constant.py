@@ -1,0 +1,31 @@
+"""A torque constant of the motor board's motor that is not the specified one."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Normal
+from bayesfric.effects.base import Effect, EffectParameter, State
+
+Array = NDArray[np.float64]
+
+
+def _scaled(p: Mapping[str, Array], state: State) -> Array:
+    return np.asarray(state.load_current_a) * (1 / (1 + p["error"]) - 1)
+
+
+EFFECT = Effect(
+    name="torque-constant",
+    acts_on="current",
+    sentence="the motor's torque constant differs from the specified one",
+    amplitude=EffectParameter(
+        name="error",
+        unit="1",
+        meaning="relative error of the torque constant",
+        prior=Normal(mean=0.0, sd=0.1),
+        plausible=(-0.1, 0.1),
+        reference="data sheets of small brushed motors give torque constants to some 5 to 10 %",
+    ),
+    laws={"scaled": _scaled},
+)

@@ -1,0 +1,46 @@
+"""Viscous friction: grows in proportion to speed, as lubricant in the bearings does."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import HalfNormal
+from bayesfric.effects.base import Effect, EffectParameter, State
+
+Array = NDArray[np.float64]
+REFERENCE_TENSION_N = 15.0
+REFERENCE_WRAP_DEG = 85.0
+
+
+def _constant(p: Mapping[str, Array], state: State) -> Array:
+    scale = np.asarray(state.n_pulleys) * np.asarray(state.pulley_friction_n)
+    return np.asarray(p["slope"] * np.asarray(state.speed_m_s) * scale)
+
+
+def _with_tension(p: Mapping[str, Array], state: State) -> Array:
+    return _constant(p, state) * (np.asarray(state.tension_n) / REFERENCE_TENSION_N)
+
+
+def _with_wrap(p: Mapping[str, Array], state: State) -> Array:
+    return _constant(p, state) * (np.asarray(state.wrap_angle_deg) / REFERENCE_WRAP_DEG)
+
+
+EFFECT = Effect(
+    name="viscous",
+    acts_on="friction",
+    sentence="friction grows in proportion to the speed of the cable",
+    amplitude=EffectParameter(
+        name="slope",
+        unit="s/m",
+        meaning="growth with speed, as a share of the friction of a pulley at 15 N and 85°",
+        prior=HalfNormal(scale=0.15),
+        plausible=(0.0, 0.3),
+        reference="the speed-dependent part of the friction of greased miniature ball bearings "
+        "stays below their load-dependent part at these speeds (Harris and Kotzalas, Essential "
+        "Concepts of Bearing Technology, 2006, ch. 10)",
+    ),
+    laws={"constant": _constant, "tension": _with_tension, "wrap": _with_wrap},
+    edge={"speed_m_s": 1.3},
+    along_path=True,
+)

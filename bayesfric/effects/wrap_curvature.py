@@ -1,0 +1,36 @@
+"""Friction that is not linear in the wrap angle."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Normal
+from bayesfric.effects.base import Effect, EffectParameter, State
+
+Array = NDArray[np.float64]
+REFERENCE_WRAP_DEG = 85.0
+SPAN_DEG = 50.0
+
+
+def _quadratic(p: Mapping[str, Array], state: State) -> Array:
+    bend = ((np.asarray(state.wrap_angle_deg) - REFERENCE_WRAP_DEG) / SPAN_DEG) ** 2
+    return np.asarray(p["curvature"] * np.asarray(state.tension_friction_n) * bend)
+
+
+EFFECT = Effect(
+    name="wrap-curvature",
+    acts_on="friction",
+    sentence="friction is not a straight line in the wrap angle",
+    amplitude=EffectParameter(
+        name="curvature",
+        unit="1",
+        meaning="relative change of friction per tension 50° from 85°, beyond the straight line",
+        prior=Normal(mean=0.0, sd=0.2),
+        plausible=(-0.15, 0.15),
+        reference="bearing load grows as 2T sin(θ/2), whose bend over ±50° is 10 % of it "
+        "(statics); belt friction grows as exp(μθ), whose bend is less",
+    ),
+    laws={"quadratic": _quadratic},
+    edge={"wrap_angle_deg": 150.0},
+)

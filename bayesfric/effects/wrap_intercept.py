@@ -1,0 +1,39 @@
+"""An angle term that does not scale with tension: c2 changes with the wrap angle."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Normal
+from bayesfric.effects.base import Effect, EffectParameter, State
+
+Array = NDArray[np.float64]
+REFERENCE_WRAP_DEG = 85.0
+SPAN_DEG = 50.0
+
+
+def _linear(p: Mapping[str, Array], state: State) -> Array:
+    turn = (np.asarray(state.wrap_angle_deg) - REFERENCE_WRAP_DEG) / SPAN_DEG
+    scale = np.asarray(state.n_pulleys) * np.asarray(state.pulley_friction_n)
+    return np.asarray(p["slope"] * scale * turn)
+
+
+EFFECT = Effect(
+    name="wrap-intercept",
+    acts_on="friction",
+    sentence="the friction that remains at no tension changes with the wrap angle",
+    amplitude=EffectParameter(
+        name="slope",
+        unit="1",
+        meaning="change of friction 50° from 85° at any tension, as a share of the friction of a "
+        "pulley at 15 N and 85°",
+        prior=Normal(mean=0.0, sd=0.2),
+        plausible=(-0.15, 0.15),
+        reference="bending a stiff cable on and off a pulley costs a force that does not grow "
+        "with tension and stays below the friction of a loaded pulley (Feyrer, Wire Ropes, "
+        "2015, ch. 3)",
+    ),
+    laws={"linear": _linear},
+    edge={"wrap_angle_deg": 150.0},
+)

@@ -1,0 +1,23 @@
+"""Evidence of a density and what leaving data out predicts; knows nothing of friction."""
+
+from bayesfric.evidence.bridge import bridge_evidence
+from bayesfric.evidence.conjugate import LinearGaussian
+from bayesfric.evidence.importance import laplace_evidence
+from bayesfric.evidence.leave_out import ELPD, Difference, difference, elpd, loo_pit
+from bayesfric.evidence.nested import savage_dickey
+from bayesfric.evidence.record import Evidence, SeparatedModes, agree
+
+__all__ = [
+    "ELPD",
+    "Difference",
+    "Evidence",
+    "LinearGaussian",
+    "SeparatedModes",
+    "agree",
+    "bridge_evidence",
+    "difference",
+    "elpd",
+    "laplace_evidence",
+    "loo_pit",
+    "savage_dickey",
+]

@@ -1,0 +1,113 @@
+"""A hypothesis is a law and what acts beside it; with data it is a model."""
+
+from dataclasses import dataclass
+
+from bayesfric.analysis import Analysis
+from bayesfric.baseline import BASELINES, RIVAL_LAWS
+from bayesfric.effects import Effect
+from bayesfric.likelihood.effect_terms import ActiveEffect
+from bayesfric.likelihood.gravity import GravityLikelihood
+from bayesfric.likelihood.model import Model, RigLikelihood
+from bayesfric.likelihood.motor import MotorLikelihood
+from bayesfric.recording.tables import Gravity, Motor, Rig
+
+__all__ = ["Data", "Hypothesis", "model_of"]
+
+LAWS = BASELINES | RIVAL_LAWS
+
+
+@dataclass(frozen=True)
+class Data:
+    """Trials and runs that enter.
+
+    Parameters
+    ----------
+    rig : Rig
+        Both boards.
+    gravity : Gravity or None
+        Screened trials, those of an assembly adjacent.
+    motor : Motor or None
+        Runs and idle measurements.
+    """
+
+    rig: Rig
+    gravity: Gravity | None = None
+    motor: Motor | None = None
+
+    @property
+    def sizes(self) -> tuple[str, ...]:
+        """Pulley sizes, in order of appearance."""
+        found: list[str] = []
+        if self.gravity is not None:
+            found += list(self.gravity.trials["pulley_size"])
+        if self.motor is not None:
+            found += list(self.motor.runs["pulley_size"])
+        return tuple(dict.fromkeys(found))
+
+    def of_size(self, size: str) -> "Data":
+        """Return the trials and runs of one pulley size; a board without any is left out."""
+        gravity, motor = None, None
+        if self.gravity is not None:
+            trials = self.gravity.trials
+            trials = trials[trials["pulley_size"] == size].reset_index(drop=True)
+            events = self.gravity.events
+            events = events[events["trial"].isin(trials["trial"])].reset_index(drop=True)
+            gravity = Gravity(trials, events) if len(trials) else None
+        if self.motor is not None:
+            runs = self.motor.runs
+            runs = runs[runs["pulley_size"] == size].reset_index(drop=True)
+            motor = Motor(runs, self.motor.idle) if len(runs) else None
+        return Data(self.rig, gravity, motor)
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """A law, and one law of each effect that acts.
+
+    Parameters
+    ----------
+    law : str
+        A name in :data:`bayesfric.baseline.BASELINES` or
+        :data:`bayesfric.baseline.RIVAL_LAWS`.
+    effects : tuple of (str, str)
+        Names of effects, each with the name of one of its laws.
+    """
+
+    law: str = "paper"
+    effects: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def label(self) -> str:
+        """The law alone, or its effects as in ``viscous/tension``."""
+        return "+".join("/".join(one) for one in self.effects) or self.law
+
+
+def model_of(
+    data: Data, analysis: Analysis, hypothesis: Hypothesis, effects: dict[str, Effect]
+) -> Model:
+    """Return the posterior of a hypothesis.
+
+    Parameters
+    ----------
+    data : Data
+        Of one board or both.
+    analysis : Analysis
+        Priors and the form of the scatter.
+    hypothesis : Hypothesis
+        What is assumed.
+    effects : dict of str to Effect
+        Where the effects of the hypothesis are found by name.
+
+    Returns
+    -------
+    Model
+        The gravity board's likelihood first.
+    """
+    law = LAWS[hypothesis.law]
+    active = [ActiveEffect(effects[name], variant) for name, variant in hypothesis.effects]
+    rigs: list[RigLikelihood] = []
+    if data.gravity is not None:
+        rigs.append(GravityLikelihood(data.gravity, data.rig, analysis, law, active))
+    if data.motor is not None:
+        rigs.append(MotorLikelihood(data.motor, data.rig, analysis, law, active))
+    return Model(rigs)

@@ -1,0 +1,159 @@
+"""Effects in the likelihood: none at amplitude 0, and the truth where one was simulated."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from bayesfric.analysis import Analysis
+from bayesfric.boards.gravity import Condition, trajectory
+from bayesfric.effects import all_effects
+from bayesfric.friction import coulomb_friction
+from bayesfric.laplace import laplace_approximation
+from bayesfric.likelihood.effect_terms import ActiveEffect
+from bayesfric.likelihood.gravity import GravityLikelihood
+from bayesfric.likelihood.model import Model
+from bayesfric.likelihood.motor import MotorLikelihood
+from bayesfric.likelihood.screening import screen_trials
+from bayesfric.protocols import PROTOCOLS, Protocol
+from bayesfric.recording.tables import Gravity
+from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
+from bayesfric.simulate.strength import at_strength
+
+LAWS = [(name, law) for name, effect in all_effects().items() for law in effect.laws]
+SMALL = Protocol({(5, 85.0): 1, (9, 50.0): 1, (15, 135.0): 1}, (6.0, 28.0), (6.0, 28.0), 2)
+
+
+def likelihoods(recording, effects=()):
+    gravity = screen_trials(recording.gravity, recording.rig).gravity
+    return [
+        GravityLikelihood(gravity, recording.rig, Analysis(), effects=effects),
+        MotorLikelihood(recording.motor, recording.rig, Analysis(), effects=effects),
+    ]
+
+
+def truth_point(truth=None):
+    truth = truth or Truth()
+    values = {
+        f"{name}[{size}]": float(value)
+        for size, law in truth.coefficients.items()
+        for name, value in law._asdict().items()
+    }
+    names = "tau omega sigma_x sigma_t tau_motor omega_motor sigma_current load_noise".split()
+    values |= {name: getattr(truth, name) for name in (*names, "torque_constant_factor")}
+    return {name: np.array([value]) for name, value in values.items()}
+
+
+@pytest.fixture(scope="module")
+def recording():
+    return simulate_recording(SMALL, seed=4)
+
+
+@pytest.fixture(scope="module")
+def baseline(recording):
+    return [rig.log_likelihood(truth_point())[0] for rig in likelihoods(recording)]
+
+
+@pytest.mark.parametrize(("name", "law"), LAWS)
+def test_no_amplitude_is_the_baseline(recording, baseline, name, law):
+    effect = all_effects()[name]
+    point = truth_point() | {f"{name}.{effect.amplitude.name}": np.zeros(1)}
+    if effect.shape is not None:
+        point[f"{name}.{effect.shape.name}"] = np.array([effect.shape.typical])
+    rigs = likelihoods(recording, [ActiveEffect(effect, law)])
+    found = [rig.log_likelihood(point)[0] for rig in rigs]
+    assert found == pytest.approx(baseline, abs=1e-6)
+
+
+def test_viscous_trial_against_a_dense_normal():
+    """All events of one assembly as one normal, its mean by the closed form of eq. (5)."""
+    slope = 0.02
+    recording = simulate_recording(
+        Protocol({(9, 85.0): 1}, (16.0,), (), 2), seed=3, effects={"viscous": 0.16}
+    )
+    trials = recording.gravity.trials
+    trials = trials[trials["setup"] == trials["setup"][0]].reset_index(drop=True)
+    events = recording.gravity.events
+    events = events[events["trial"].isin(trials["trial"])].reset_index(drop=True)
+    size = trials["pulley_size"][0]
+    law = table1_coefficients()[size]
+    truth = Truth()
+    drag = slope * 9 * float(coulomb_friction(law, 1, 85.0, 15.0))
+    means, rows, speeds = [], [], []
+    likelihood = GravityLikelihood(
+        Gravity(trials, events),
+        recording.rig,
+        Analysis(),
+        effects=[ActiveEffect(all_effects()["viscous"], "constant")],
+    )
+    for row in trials.itertuples():
+        here = events[events["trial"] == row.trial]
+        tau = (here["time_s"] - here["time_s"].min()).to_numpy()
+        drive = (here["sensor"] == "drive").to_numpy(dtype=float)
+        columns = np.stack([drive, 1 - drive, tau, tau**2 / 2], axis=1)
+        fit = np.linalg.lstsq(
+            columns * [-1, -1, 1, 1], here["displacement_m"].to_numpy(), rcond=None
+        )[0]
+        one = Condition(9, 85.0, row.mass_drive_kg, row.mass_load_kg, recording.rig.gravity_m_s2)
+
+        def travel(factor, speed, time=tau, one=one):
+            motion = trajectory(
+                law, one, start_speed_m_s=speed, viscous_n_s_m=drag, friction_factor=factor
+            )
+            return motion.position(time)
+
+        # The nuisances enter linearly around the measured first speed.
+        step = 1e-4
+        centre = travel(1.0, fit[2])
+        by_speed = (travel(1.0, fit[2] + step) - travel(1.0, fit[2] - step)) / (2 * step)
+        by_scatter = (travel(1 + step, fit[2]) - travel(1 - step, fit[2])) / (2 * step)
+        means.append(centre)
+        rows.append((here, tau, drive, by_speed, by_scatter))
+        speeds.append((fit[2] + fit[3] * tau, fit[2]))
+    total = sum(len(mean) for mean in means)
+    covariance = np.zeros((total, total))
+    start = 0
+    eta = np.zeros(total)
+    residual, log_jacobian, log_flat = [], 0.0, 0.0
+    wide = 1.0  # m and m/s: flat, beside offsets of 1e-4
+    for mean, (here, tau, drive, by_speed, by_scatter), (speed, first) in zip(
+        means, rows, speeds, strict=True
+    ):
+        own = slice(start, start + len(tau))
+        noise = truth.sigma_x**2 + (truth.sigma_t**2 + (4e-6) ** 2 / 12) * speed**2
+        block = np.diag(noise) + truth.tau**2 * np.outer(by_scatter, by_scatter)
+        for column in (drive, 1 - drive, by_speed):
+            block += wide**2 * np.outer(column, column)
+        covariance[own, own] = block
+        eta[own] = by_scatter
+        residual.append(here["displacement_m"].to_numpy() - mean)
+        log_jacobian += np.log(speed).sum()
+        # Flat: density 1/spacing of an offset, half-normal of the speed at the pilot's.
+        log_flat += 3 * np.log(wide * np.sqrt(2 * np.pi)) - 2 * np.log(0.0098)
+        log_flat += stats.halfnorm(scale=1.0).logpdf(first)
+        start += len(tau)
+    covariance += truth.omega**2 * np.outer(eta, eta)
+    white = np.linalg.solve(factor := np.linalg.cholesky(covariance), np.concatenate(residual))
+    dense = -0.5 * (white**2 + np.log(2 * np.pi)).sum() - np.log(np.diag(factor)).sum()
+    point = truth_point() | {"viscous.slope": np.array([slope])}
+    found = likelihood.log_likelihood(point)[0]
+    assert found == pytest.approx(dense + log_jacobian + log_flat, abs=0.1)
+
+
+@pytest.mark.parametrize(("name", "law"), LAWS)
+def test_a_simulated_effect_is_found_at_its_amplitude(name, law):
+    """Within four posterior standard deviations, on both boards together."""
+    effect = all_effects()[name]
+    base = simulate_recording(SMALL, seed=1)
+    applied = at_strength(name, 0.7, PROTOCOLS["quick"], base.rig, Truth(), law)
+    recording = simulate_recording("quick", seed=17, truth=Truth(effects=(applied,)))
+    model = Model(likelihoods(recording, [ActiveEffect(effect, law)]))
+    found = laplace_approximation(model.log_posterior, model.start(), model.scale())
+    truth = dict(applied.values)
+    for parameter in effect.parameters:
+        place = model.names.index(f"{name}.{parameter.name}")
+        sd = np.sqrt(found.covariance[place, place])
+        point = found.mode.copy()
+        values = np.array([model.natural(point)[place]])
+        point[place] += sd
+        width = abs(model.natural(point)[place] - values[0])
+        assert abs(values[0] - truth[parameter.name]) < 4 * width, (parameter.name, values, width)
