@@ -227,17 +227,18 @@ def _attention(
     for name, figures in convergence.items():
         if not figures.converged:
             lines.append(
-                f"{name} has not converged: R-hat {figures.r_hat:.4f} (limit {LIMITS['r_hat']}), "
+                f"Parameter {name} has not converged: R-hat {figures.r_hat:.4f} "
+                f"(limit {LIMITS['r_hat']}), "
                 f"by walker {figures.r_hat_walkers:.4f} (limit {LIMITS['r_hat_walkers']}), "
                 f"{min(figures.ess_bulk, figures.ess_tail):.0f} effective draws "
                 f"(at least {LIMITS['ess']:.0f})"
             )
     open_names = [name for name, entry in entries.items() if not entry.informed]
     if open_names:
-        lines.append(f"driven by the prior, not by these data: {', '.join(open_names)}")
+        lines.append(f"Driven by the prior, not by these data: {', '.join(open_names)}")
     if quality.replicated_cells == 0 and quality.trials_used:
         lines.append(
-            "no (size, n, angle) cell was assembled twice: setup scatter has no replicates, "
+            "No (size, n, angle) cell was assembled twice: setup scatter has no replicates, "
             "and effects of n and of the wrap angle rest on the prior of omega"
         )
     if quality.excluded:

@@ -37,3 +37,13 @@ def small_fit(small_recording):
 def root():
     """The root of the source tree."""
     return Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(scope="session")
+def wrap_fit():
+    """A fit of both boards, with two numbers of pulleys at three wrap angles each."""
+    os.environ.pop("SOURCE_DATE_EPOCH", None)
+    cells = {(n, angle): 1 for n in (9, 15) for angle in (50.0, 85.0, 135.0)}
+    design = Protocol(cells, (8.0, 16.0, 28.0), (8.0, 16.0, 28.0), 2)
+    recording = simulate_recording(design, seed=4, name="wrap-recording")
+    return fit(recording, Analysis(seed=5, sampler=QUICK_SAMPLER), rigs=("gravity", "motor"))

@@ -148,6 +148,7 @@ def test_too_few_draws_are_called_unconverged(small_recording):
     summary = bf.fit(small_recording, Analysis(sampler=few)).summary
     assert not summary.converged
     assert any("has not converged" in line for line in summary.attention)
+    assert not any(line[0].islower() for line in summary.attention)
 
 
 def test_recording_without_a_board_is_refused(small_recording):

@@ -13,7 +13,14 @@ It is printed beside the posterior.
 
 from dataclasses import dataclass
 
-from bayesfric.estimator.slopes import CellLine, SizeEstimate, Slope, WrapLine, lines_of_sizes
+from bayesfric.estimator.slopes import (
+    CellLine,
+    SizeEstimate,
+    Slope,
+    WrapLine,
+    is_upright,
+    lines_of_sizes,
+)
 from bayesfric.estimator.trials import (
     ConstantFriction,
     TrialFriction,
@@ -32,6 +39,7 @@ __all__ = [
     "WrapLine",
     "estimate_as_the_paper",
     "fit_constant_friction",
+    "is_upright",
     "lines_of_sizes",
     "trial_frictions",
 ]

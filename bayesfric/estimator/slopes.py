@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from bayesfric.estimator.trials import TrialFriction
 from bayesfric.friction import REFERENCE_WRAP_ANGLE_DEG
 
-__all__ = ["CellLine", "SizeEstimate", "Slope", "WrapLine", "lines_of_sizes"]
+__all__ = ["CellLine", "SizeEstimate", "Slope", "WrapLine", "is_upright", "lines_of_sizes"]
 
 Array = NDArray[np.float64]
 LEAST_TENSION_RATIO = 1.1  # largest over least tension of a line
@@ -125,6 +125,11 @@ def lines_of_sizes(trials: Sequence[TrialFriction]) -> tuple[SizeEstimate, ...]:
     )
 
 
+def is_upright(wrap_angle_deg: float) -> bool:
+    """Return whether a wrap angle counts as the 85° at which c1 and c2 are read off."""
+    return abs(wrap_angle_deg - REFERENCE_WRAP_ANGLE_DEG) <= ANGLE_TOLERANCE_DEG
+
+
 def _size(size: str, trials: list[TrialFriction]) -> SizeEstimate:
     keys = sorted({(trial.n_pulleys, trial.wrap_angle_deg) for trial in trials})
     cells = tuple(
@@ -132,11 +137,7 @@ def _size(size: str, trials: list[TrialFriction]) -> SizeEstimate:
         for key in keys
     )
     lines = [cell for cell in cells if cell.slope.value is not None]
-    upright = [
-        cell
-        for cell in lines
-        if abs(cell.wrap_angle_deg - REFERENCE_WRAP_ANGLE_DEG) <= ANGLE_TOLERANCE_DEG
-    ]
+    upright = [cell for cell in lines if is_upright(cell.wrap_angle_deg)]
     wraps = tuple(
         WrapLine(n, _wrap_slope([cell for cell in lines if cell.n_pulleys == n]))
         for n in sorted({n for n, _ in keys})

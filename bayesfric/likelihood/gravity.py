@@ -262,7 +262,9 @@ class GravityLikelihood:
         state = State.of(law, column.n_pulleys, column.wrap_angle_deg, tension, paths.speed_m_s)
         return -active.effect.laws[active.law](values, state) / column.total_mass_kg
 
-    def draw_scatter(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
+    def draw_scatter(
+        self, theta: Mapping[str, Array], rng: np.random.Generator, *, together: bool = False
+    ) -> Array:
         """Draw η + ε of a new trial on a new assembly.
 
         Parameters
@@ -271,6 +273,9 @@ class GravityLikelihood:
             Parameters by name.
         rng : Generator
             Source of randomness.
+        together : bool
+            Whether trials of one assembly are on one new assembly too, as when the whole
+            recording is made again; else each is on one of its own.
 
         Returns
         -------
@@ -283,7 +288,32 @@ class GravityLikelihood:
             trial = rng.standard_normal(shape)
         else:
             trial = rng.standard_t(self._freedom, shape)
-        return omega * rng.standard_normal(shape) + tau * trial
+        if not together:
+            return omega * rng.standard_normal(shape) + tau * trial
+        assembly = rng.standard_normal((len(tau), len(self.setups)))
+        return omega * assembly[:, self._index.of_trial] + tau * trial
+
+    def draw_observed(
+        self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator
+    ) -> Array:
+        """Draw what would be measured of friction that deviates so from the law.
+
+        Parameters
+        ----------
+        theta : mapping of str to ndarray of shape (W,)
+            Parameters by name.
+        deviation : ndarray, shape (W, N)
+            As :meth:`draw_scatter` draws it.
+        rng : Generator
+            Source of randomness.
+
+        Returns
+        -------
+        ndarray, shape (W, N)
+            Friction [N] with the error of the events.
+        """
+        sd = np.sqrt(self.observed(theta)[1])
+        return self.law(theta) * (1 + deviation) + sd * rng.standard_normal(deviation.shape)
 
     def start(self) -> dict[str, float]:
         """Return rough estimates by least squares, a place to climb from."""

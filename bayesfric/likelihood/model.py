@@ -34,8 +34,15 @@ class RigLikelihood(Protocol):
     def sizes(self) -> tuple[str, ...]:
         """Its pulley sizes."""
 
-    def draw_scatter(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
+    def draw_scatter(
+        self, theta: Mapping[str, Array], rng: np.random.Generator, *, together: bool = False
+    ) -> Array:
         """Return relative scatter of new trials on new assemblies, shape (W, N)."""
+
+    def draw_observed(
+        self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator
+    ) -> Array:
+        """Return friction as measured, given its relative scatter, shape (W, N)."""
 
     def start(self) -> dict[str, float]:
         """Return rough estimates of its parameters."""

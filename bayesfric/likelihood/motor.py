@@ -212,7 +212,9 @@ class MotorLikelihood:
         pull = self._torque(theta) * beyond / self._radius
         return np.asarray(pull - self.condition.weight_n)
 
-    def draw_scatter(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
+    def draw_scatter(
+        self, theta: Mapping[str, Array], rng: np.random.Generator, *, together: bool = False
+    ) -> Array:
         """Draw η + ε of a new run on a new assembly.
 
         Parameters
@@ -221,6 +223,8 @@ class MotorLikelihood:
             Parameters by name.
         rng : Generator
             Source of randomness.
+        together : bool
+            Whether runs of one assembly are on one new assembly too.
 
         Returns
         -------
@@ -228,9 +232,43 @@ class MotorLikelihood:
             Relative deviation of friction from the law, without the noise of the
             current.
         """
-        spread = np.hypot(*self._scatter(theta))
-        shape = (len(spread), self._runs)
-        return np.asarray(spread * rng.standard_normal(shape))
+        tau, omega = self._scatter(theta)
+        shape = (len(tau), self._runs)
+        if not together:
+            return np.asarray(np.hypot(tau, omega) * rng.standard_normal(shape))
+        assembly = rng.standard_normal((len(tau), len(self.setups)))
+        of_run = self._index.of_trial[: self._runs]
+        return np.asarray(omega * assembly[:, of_run] + tau * rng.standard_normal(shape))
+
+    def draw_observed(
+        self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator
+    ) -> Array:
+        """Draw what the currents would show of friction that deviates so from the law.
+
+        Parameters
+        ----------
+        theta : mapping of str to ndarray of shape (W,)
+            Parameters by name.
+        deviation : ndarray, shape (W, N)
+            As :meth:`draw_scatter` draws it.
+        rng : Generator
+            Source of randomness.
+
+        Returns
+        -------
+        ndarray, shape (W, N)
+            Signed friction [N] as :meth:`observed` reads it from the currents with the
+            median torque constant, whatever that of the draw; the idle curve's error,
+            which all runs share, is left out.
+        """
+        friction, torque = self.law(theta), self._torque(theta)
+        scattered = friction * (1 + deviation)
+        current = load_current(self.condition, scattered, torque, self._radius)
+        expected = load_current(self.condition, friction, torque, self._radius)
+        sd = np.hypot(theta["sigma_current"][:, None], theta["load_noise"][:, None] * expected)
+        current += sd * rng.standard_normal(current.shape)
+        reading = np.median(torque) / self._radius
+        return np.asarray(reading * current - self.condition.weight_n)
 
     def log_likelihood(self, theta: Mapping[str, Array]) -> Array:
         """Return the log density of all currents, shape (W,)."""

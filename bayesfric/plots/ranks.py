@@ -1,19 +1,15 @@
 """Rank histograms by ensemble: flat where the ensembles draw from one density."""
 
-from typing import Literal
-
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from bayesfric.plots.labels import parameter_label
-from bayesfric.plots.style import COLORS, NEUTRAL, figure
+from bayesfric.plots.style import COLORS, LINES, NEUTRAL, LineStyle, figure
 
 __all__ = ["rank_histograms"]
 
-LineStyle = Literal["-", "--", "-.", ":"]
-LINES: tuple[LineStyle, ...] = ("-", "--", "-.", ":")
 SHADES = tuple(COLORS[name] for name in ("blue", "vermilion", "green", "purple"))
 COLUMNS = 5
 KEYS = 8  # more ensembles than that are not told apart

@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from bayesfric.plots.style import figure, size_styles
+from bayesfric.plots.style import MARKERS, figure, size_styles
 
 __all__ = ["friction_against_speed"]
 
@@ -13,7 +13,6 @@ VARIED = (
     ("wrap_angle_deg", "{:g}°", "wrap angle (Fig. 6)"),
     ("n_pulleys", "n = {:g}", "number of pulleys (Fig. 7)"),
 )
-MARKERS = "osD^v"
 PAPER_ORDER = {"small": 0, "medium": 1, "large": 2}
 HEADROOM = 1.6  # above the data, for the legend
 
@@ -40,7 +39,7 @@ def friction_against_speed(predictive: xr.DataTree) -> Figure:
     )
     styles = size_styles(sizes)
     columns = {name: runs[name].to_numpy() for name, _, _ in VARIED}
-    with figure(height=62.0 * len(VARIED)) as fig:
+    with figure(height=52.0 * len(VARIED)) as fig:
         panels = fig.subplots(len(VARIED), len(sizes), squeeze=False)
         for column, size in enumerate(sizes):
             here = size_column == size

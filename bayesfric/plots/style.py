@@ -9,11 +9,23 @@ import io
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Literal, TypeAlias
 
 import matplotlib.style
 from matplotlib.figure import Figure
 
-__all__ = ["COLORS", "NEUTRAL", "TEXT_WIDTH", "SizeStyle", "figure", "size_styles", "to_svg"]
+__all__ = [
+    "COLORS",
+    "LINES",
+    "MARKERS",
+    "NEUTRAL",
+    "TEXT_WIDTH",
+    "LineStyle",
+    "SizeStyle",
+    "figure",
+    "size_styles",
+    "to_svg",
+]
 
 TEXT_WIDTH = 160.0
 """Width of the report's text in mm: a figure so wide is shown at its own size."""
@@ -32,6 +44,11 @@ COLORS = {
 
 NEUTRAL = "#6b6b6b"
 """For reference lines and what stays in the background."""
+
+LineStyle: TypeAlias = Literal["-", "--", "-.", ":"]
+LINES: tuple[LineStyle, ...] = ("-", "--", "-.", ":")
+MARKERS = "osD^vPX"
+"""For what is told apart within one size: numbers of pulleys, tensions."""
 
 _STYLE: dict[str, object] = {
     "figure.constrained_layout.use": True,

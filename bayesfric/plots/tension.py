@@ -9,11 +9,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from bayesfric.plots.labels import ordered_sizes, plain
-from bayesfric.plots.style import COLORS, NEUTRAL, SizeStyle, figure, size_styles
+from bayesfric.plots.style import COLORS, MARKERS, NEUTRAL, SizeStyle, figure, size_styles
 
 __all__ = ["friction_against_tension"]
 
-MARKERS = "osD^vPX"
 DASHES = (0, (4, 4))  # of Table I, so that the law is seen between them
 ASIDE = 0.025  # of the greatest tension, between numbers of pulleys in the lower panels
 

@@ -4,6 +4,8 @@ from collections.abc import Callable, Iterator
 from datetime import datetime
 from itertools import chain
 
+from bayesfric.report.chapters.checks import checks
+from bayesfric.report.chapters.data_quality import data_quality
 from bayesfric.report.chapters.diagnostics import diagnostics
 from bayesfric.report.chapters.methods import methods
 from bayesfric.report.chapters.posteriors import posteriors
@@ -19,9 +21,11 @@ CHAPTERS: tuple[Callable[[StoredResults], Iterator[Block]], ...] = (
     front,
     summary,
     predictions,
-    posteriors,
+    checks,
     methods,
+    posteriors,
     diagnostics,
+    data_quality,
     provenance,
 )
 

@@ -63,7 +63,7 @@ def read_stored(folder: Path) -> StoredResults:
     ):
         raise InputError([Fault("draws.nc", "the draws of the fit in fit.json")])
     predictive = read_tree(folder / "predictive.nc")
-    if not {"coefficients", "ranks"} <= set(predictive.children):
+    if not {"coefficients", "densities", "ranks"} <= set(predictive.children):
         expected = f"what this version predicts: run `bayesfric fit RECORDING -o {folder}` again"
         raise InputError([Fault("predictive.nc", expected)])
     return StoredResults(fit, draws, predictive)

@@ -137,3 +137,20 @@ def test_a_fit_of_accelerations_alone_recovers_the_law(small_recording):
             entry = result.summary.pulleys[size][name]
             assert abs(entry.mean - truth) < 4 * entry.sd, (size, name)
             assert entry.informed
+
+
+def test_trials_made_again_share_their_assembly_and_have_their_error():
+    likelihood = GravityLikelihood(accelerations([0.003, 0.01, 0.002, 0.02]), Rig(), Analysis())
+    many = {name: np.repeat(value, 20_000) for name, value in THETA.items()}
+    rng = np.random.default_rng(2)
+    deviation = likelihood.draw_scatter(many, rng, together=True)
+    same = np.kron(np.eye(2), np.ones((2, 2)))
+    expected = 0.03**2 * same + 0.02**2 * np.eye(4)
+    assert np.cov(deviation.T) == pytest.approx(expected, abs=0.04 * 0.03**2)
+    apart = likelihood.draw_scatter(many, rng)
+    assert np.cov(apart.T) == pytest.approx((0.03**2 + 0.02**2) * np.eye(4), abs=0.04 * 0.03**2)
+    shown = likelihood.draw_observed(many, np.zeros((20_000, 4)), rng)
+    mass = likelihood.condition.total_mass_kg
+    assert shown.std(axis=0) == pytest.approx(mass * [0.003, 0.01, 0.002, 0.02], rel=0.03)
+    law = board_friction(table1_coefficients()["medium"], likelihood.condition)
+    assert shown.mean(axis=0) == pytest.approx(law, abs=2e-3)

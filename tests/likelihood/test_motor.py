@@ -202,6 +202,35 @@ def test_new_runs_scatter_as_much_as_the_parameters_say():
     assert deviation.var() == pytest.approx(expected, rel=4 * np.sqrt(2 / deviation.size))
 
 
+def test_runs_of_an_assembly_made_again_move_together():
+    likelihood = MotorLikelihood(board(), RIG, Analysis())
+    many = {name: np.repeat(value, 20_000) for name, value in theta().items()}
+    deviation = likelihood.draw_scatter(many, np.random.default_rng(1), together=True)
+    setup = likelihood.trials["setup"].to_numpy()
+    same = setup[:, None] == setup
+    expected = VALUES["omega_motor"] ** 2 * same + VALUES["tau_motor"] ** 2 * np.eye(7)
+    largest = expected.max()
+    assert np.cov(deviation.T) == pytest.approx(expected, abs=0.04 * largest)
+
+
+def test_what_the_currents_show_has_their_noise_and_another_torque_constant():
+    likelihood = MotorLikelihood(board(), RIG, Analysis())
+    many = {name: np.repeat(value, 20_001) for name, value in theta().items()}
+    many["torque_constant_factor"][:7_000] *= 1.01  # the median stays
+    deviation = np.full((20_001, 7), 0.1)
+    shown = likelihood.draw_observed(many, deviation, np.random.default_rng(1))
+    per_newton = 0.0065 / (0.0259 * VALUES["torque_constant_factor"])
+    weight = likelihood.condition.weight_n
+    law = motor_friction(table1_coefficients()["medium"], likelihood.condition)
+    noise = np.hypot(VALUES["sigma_current"], VALUES["load_noise"] * per_newton * (weight + law))
+    sd = noise / per_newton
+    assert shown[7_000:].std(axis=0) == pytest.approx(sd, rel=0.03)
+    assert shown[7_000:].mean(axis=0) == pytest.approx(1.1 * law, abs=5 * sd.max() / 114)
+    # a motor that is 1 % stronger needs 1 % less current, all of which reads as friction
+    stronger = (weight + 1.1 * law) / 1.01 - weight
+    assert shown[:7_000].mean(axis=0) == pytest.approx(stronger, abs=5 * sd.max() / 83)
+
+
 def simulated(seed, truth, rigs=("motor",)):
     """The likelihoods of a simulated recording."""
     recording = simulate_recording("quick", seed=seed, truth=truth, rigs=rigs)

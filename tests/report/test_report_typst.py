@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 import typst
 from pypdf import PdfReader
-from report.sample import HOSTILE, document
+from report.sample import HOSTILE, SVG, document
 
 from bayesfric.report.content import (
     Code,
@@ -199,6 +199,27 @@ def test_a_heading_stays_with_what_follows_and_a_figure_with_its_caption() -> No
         heads = [i for i, text in enumerate(pages) if re.search(r"^2 Orphan$", text, re.M)]
         captions = [i for i, text in enumerate(pages) if "A blue field." in text]
         assert heads[-1:] == captions
+
+
+def test_text_fills_what_a_figure_leaves_and_figures_keep_to_their_chapter() -> None:
+    # Two of them do not fit on a page, and neither fits under the title.
+    square = SVG.replace(b'height="50" viewBox="0 0 100 50"', b'height="80" viewBox="0 0 100 80"')
+    blocks = [
+        Heading(1, "One"),
+        Figure(square, "First.", "a"),
+        Figure(square, "Second.", "a"),
+        Paragraph("filling text"),
+        Heading(1, "Two"),
+        Paragraph("later text"),
+    ]
+    reader = PdfReader(io.BytesIO(render_pdf(Document("t", "", blocks))))
+    pages = [page.extract_text() for page in reader.pages]
+    (first,) = [i for i, text in enumerate(pages) if "First." in text]
+    (second,) = [i for i, text in enumerate(pages) if "Second." in text]
+    (filling,) = [i for i, text in enumerate(pages) if "filling text" in text]
+    (later,) = [i for i, text in enumerate(pages) if "later text" in text]
+    assert filling < second
+    assert first < second <= later
 
 
 def test_a_tall_figure_fits_on_the_page() -> None:

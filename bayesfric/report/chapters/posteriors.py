@@ -1,8 +1,9 @@
-"""The joint posterior of each pulley size."""
+"""The posterior of each parameter, and the joint one of each pulley size."""
 
 from collections.abc import Iterator
 
 from bayesfric.paper import table1
+from bayesfric.plots.densities import prior_and_posterior
 from bayesfric.plots.posterior import PAIRS_SHARE, coefficient_pairs
 from bayesfric.plots.style import to_svg
 from bayesfric.report.content import Block, Code, Figure, Heading, Paragraph, Reference
@@ -12,12 +13,28 @@ __all__ = ["posteriors"]
 
 
 def posteriors(stored: StoredResults) -> Iterator[Block]:
-    """Yield a corner figure a size."""
-    yield Heading(1, "Joint posteriors")
+    """Yield prior beside posterior, and a corner figure a size."""
+    yield Heading(1, "Posteriors")
+    yield Figure(
+        to_svg(prior_and_posterior(stored.predictive)),
+        [
+            "Prior and posterior density of each parameter, on a logarithmic axis over the range "
+            "of the draws. Where the prior is level it does not push; the higher the posterior "
+            "stands above it, the more the data say. Where the two are alike, the recording says "
+            "nothing of the parameter. From ",
+            Code("predictive.nc"),
+            ".",
+        ],
+        "Small panels, one for each parameter: a filled histogram of the posterior, with one peak, "
+        "and a dashed line of the prior.",
+        label="densities",
+    )
     yield Paragraph(
         [
-            "The coefficients of a size rest on the same trials, so their draws belong together: "
-            "propagate the draws, not the means and standard deviations of ",
+            Reference("densities"),
+            " sets each posterior beside its prior. The coefficients of a size rest on the same "
+            "trials, so their draws belong together: propagate the draws, not the means and "
+            "standard deviations of ",
             Reference("coefficients"),
             ".",
         ]

@@ -11,9 +11,8 @@ __all__ = ["provenance"]
 
 
 def provenance(stored: StoredResults) -> Iterator[Block]:
-    """Yield data quality, versions, hashes and the command."""
+    """Yield what entered, versions, hashes and the command."""
     fit = stored.fit
-    quality = fit.data_quality
     yield Heading(1, "Data and provenance")
     yield Table(
         "The recording as it entered.",
@@ -27,15 +26,6 @@ def provenance(stored: StoredResults) -> Iterator[Block]:
         ],
         label="data",
     )
-    if quality.excluded:
-        yield Table(
-            "Trials left out.",
-            ["trial", "rule", "reason"],
-            [[entry.trial, entry.rule, entry.reason] for entry in quality.excluded],
-            label="excluded",
-        )
-    for note in quality.notes:
-        yield Paragraph(note)
     yield Table(
         "What makes the same result again.",
         ["", "value"],

@@ -102,6 +102,7 @@ def summary(stored: StoredResults) -> Iterator[Block]:
         "without an uncertainty. Inside: whether Table I lies in the 90 % interval; “prior” where "
         "the recording does not inform the coefficient, so that its prior drives it.",
     )
+    yield from _not_estimated(fit)
     if "ratio" in stored.predictive["coefficients"].data_vars:
         yield Figure(
             to_svg(coefficients_relative_to_paper(stored.predictive, _uninformed(fit))),
@@ -140,6 +141,18 @@ def summary(stored: StoredResults) -> Iterator[Block]:
         rows,
         label="scatter",
     )
+
+
+def _not_estimated(fit: FitFile) -> Iterator[Paragraph]:
+    """Yield why the paper's own estimator has no value, where it has none."""
+    reasons = [
+        f"{name} of {size} ({why})"
+        for size, point in fit.paper_estimator.items()
+        for name in ("c1", "c2", "c3")
+        if (why := getattr(point, f"{name}_why")) is not None
+    ]
+    if reasons:
+        yield Paragraph(f"The paper's own estimator has no {'; no '.join(reasons)}.")
 
 
 def _entered(quality: DataQuality) -> str:

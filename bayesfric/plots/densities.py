@@ -1,0 +1,63 @@
+"""Prior and posterior density of each parameter."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator, ScalarFormatter
+
+from bayesfric.plots.labels import parameter_label
+from bayesfric.plots.style import COLORS, figure
+
+__all__ = ["prior_and_posterior"]
+
+COLUMNS = 5
+
+
+def prior_and_posterior(predictive: xr.DataTree) -> Figure:
+    """Draw both densities of each parameter on one logarithmic axis, a panel a parameter.
+
+    Parameters
+    ----------
+    predictive : DataTree
+        ``predictive.nc`` with its group ``densities``.
+
+    Returns
+    -------
+    Figure
+        Over the range of the draws: the posterior as a filled histogram, the prior as a
+        dashed line.
+    """
+    table = predictive["densities"].to_dataset()
+    names = [str(name) for name in table["parameter"].to_numpy()]
+    columns = min(COLUMNS, len(names))
+    rows = -(-len(names) // columns)
+    with figure(height=29.0 * rows + 12.0) as fig:
+        panels = np.reshape(fig.subplots(rows, columns), (rows, columns))
+        for panel, name in zip(panels.flat, names, strict=False):
+            entry = table.sel(parameter=name)
+            edge, prior = entry["value"].to_numpy(), entry["prior"].to_numpy()
+            height = entry["posterior"].to_numpy()
+            seen = np.concatenate([height[height > 0], prior[prior > 0]])
+            panel.set_yscale("log")
+            panel.set_ylim(0.5 * seen.min(), 3 * seen.max())
+            panel.stairs(height, edge, color=COLORS["sky"], fill=True, linewidth=0)
+            panel.plot(edge, prior, color=COLORS["black"], linewidth=1.0, linestyle="--")
+            unit = str(entry["unit"].item()).replace("1/deg", "deg$^{-1}$")
+            panel.set_title(parameter_label(name) + (f" [{unit}]" if unit != "1" else ""))
+            panel.xaxis.set_major_locator(MaxNLocator(2))
+            form = ScalarFormatter(useMathText=True)
+            form.set_powerlimits((-2, 3))
+            panel.xaxis.set_major_formatter(form)
+            panel.xaxis.get_offset_text().set_fontsize(6.5)
+            panel.tick_params(labelsize=6.5)
+        for panel in panels.flat[len(names) :]:
+            panel.set_visible(False)
+        fig.supylabel("density [1 / unit]", fontsize=8)
+        keys: list[Line2D | Patch] = [
+            Patch(color=COLORS["sky"], linewidth=0, label="posterior"),
+            Line2D([], [], color=COLORS["black"], linewidth=1.0, linestyle="--", label="prior"),
+        ]
+        fig.legend(handles=keys, loc="outside upper center", ncols=2)
+        return fig

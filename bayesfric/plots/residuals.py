@@ -1,0 +1,98 @@
+"""Each trial against what a new trial is predicted to do, in the order of measuring."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from bayesfric.plots.labels import ordered_sizes, plain
+from bayesfric.plots.style import COLORS, NEUTRAL, SizeStyle, figure, size_styles
+
+__all__ = ["residuals_by_order"]
+
+NORMAL_90 = 1.6449
+"""Half the width of a standard normal's 90 % interval, the unit of the stored z."""
+
+NAMED = 6  # outliers that carry their id; more would hide the points
+BOARDS = {"trials": "gravity board, trials", "runs": "motor board, runs"}
+LINE = 0.9
+
+
+def residuals_by_order(predictive: xr.DataTree) -> Figure:
+    """Draw the z of each trial in the order of measuring, a panel a board.
+
+    Parameters
+    ----------
+    predictive : DataTree
+        ``predictive.nc`` with its group ``trials``, ``runs`` or both.
+
+    Returns
+    -------
+    Figure
+        A point a trial by size, the 90 % interval of new trials shaded, the limit of
+        outliers dotted; outliers are ringed and named.
+    """
+    tables = {group: predictive[group].to_dataset() for group in BOARDS if group in predictive}
+    names = [name for table in tables.values() for name in table["pulley_size"].to_numpy()]
+    styles = size_styles(ordered_sizes(names))
+    with figure(height=10.0 + 48.0 * len(tables)) as fig:
+        panels = fig.subplots(len(tables), squeeze=False)[:, 0]
+        for axes, (group, table) in zip(panels, tables.items(), strict=True):
+            _draw(axes, table, group.removesuffix("s"), styles)
+            axes.set_title(BOARDS[group])
+            axes.set_ylabel("z of friction")
+        panels[-1].set_xlabel("order of measuring")
+        keys: list[Line2D | Patch] = [
+            Line2D(
+                [],
+                [],
+                color="white",
+                marker=look.marker,
+                markersize=3.4,
+                markeredgecolor=look.color,
+                linestyle="",
+                label=plain(size),
+            )
+            for size, look in styles.items()
+        ]
+        keys.append(Patch(color=NEUTRAL, alpha=0.3, linewidth=0, label="90 % of new trials"))
+        keys.append(_dotted("outliers lie beyond"))
+        fig.legend(handles=keys, loc="outside lower center", ncols=len(keys))
+        return fig
+
+
+def _draw(axes: Axes, table: xr.Dataset, trial: str, styles: dict[str, SizeStyle]) -> None:
+    axes.axhspan(-NORMAL_90, NORMAL_90, color=NEUTRAL, alpha=0.15, linewidth=0)
+    for sign in (-1, 1):
+        limit = sign * float(table["z_limit"])
+        axes.axhline(limit, color=COLORS["black"], linewidth=LINE, linestyle=":")
+    sizes = table["pulley_size"].to_numpy()
+    order, z = table["order"].to_numpy(), table["z"].to_numpy()
+    for size, look in styles.items():
+        axes.plot(
+            order[sizes == size],
+            z[sizes == size],
+            look.marker,
+            color="white",
+            markersize=3.0,
+            markeredgewidth=0.7,
+            markeredgecolor=look.color,
+        )
+    far = np.flatnonzero(table["outlier"].to_numpy())
+    axes.plot(
+        order[far],
+        z[far],
+        "o",
+        markersize=8,
+        markeredgecolor=COLORS["black"],
+        markerfacecolor="none",
+    )
+    for place in far if len(far) <= NAMED else ():
+        name = plain(str(table[trial].to_numpy()[place]))
+        axes.annotate(name, (order[place], z[place]), (5, 3), textcoords="offset points")
+
+
+def _dotted(label: str) -> Line2D:
+    return Line2D([], [], color=COLORS["black"], linewidth=LINE, linestyle=":", label=label)

@@ -1,0 +1,194 @@
+"""Slopes of friction, as in the paper's Figs 13, 15 and 16."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from bayesfric.plots.labels import ordered_sizes, plain
+from bayesfric.plots.style import (
+    COLORS,
+    LINES,
+    MARKERS,
+    NEUTRAL,
+    LineStyle,
+    SizeStyle,
+    figure,
+    size_styles,
+)
+
+__all__ = ["line_against_pulleys", "wrap_slopes"]
+
+DASHES = (0, (4, 4))  # of Table I, so that the law is seen between them
+MARKER_SIZE = 3.6
+
+
+def line_against_pulleys(predictive: xr.DataTree) -> Figure:
+    """Draw slope and intercept of friction against tension over n, at 85°.
+
+    Parameters
+    ----------
+    predictive : DataTree
+        ``predictive.nc`` with its group ``tension_lines``.
+
+    Returns
+    -------
+    Figure
+        A column a size, slopes above and intercepts below: measured, with the 5 % to
+        95 % bar of recordings made again, the law's band, and Table I.
+    """
+    table = predictive["tension_lines"].to_dataset()
+    cells = table.isel(cell=np.flatnonzero(table["upright"]))
+    sizes = ordered_sizes(cells["pulley_size"].to_numpy())
+    styles = size_styles(sizes)
+    count = table["n"].to_numpy()
+    rows = (("slope", "", "slope [$10^{-3}$]"), ("intercept", "_n", "intercept [mN]"))
+    with figure(height=76.0) as fig:
+        panels = fig.subplots(2, len(sizes), squeeze=False, sharex=True)
+        for column, size in enumerate(sizes):
+            some = cells.isel(cell=np.flatnonzero(cells["pulley_size"] == size))
+            look = styles[size]
+            for axes, (name, unit, label) in zip(panels[:, column], rows, strict=True):
+                law = 1e3 * table[f"{name}_law{unit}"].sel(pulley=size).to_numpy()
+                _draw_law(axes, count, law, look, "-")
+                printed = 1e3 * table[f"{name}_paper{unit}"].sel(pulley=size).to_numpy()
+                if np.isfinite(printed).all():
+                    axes.plot(
+                        count, printed, color=COLORS["black"], linewidth=0.8, linestyle=DASHES
+                    )
+                _draw_points(
+                    axes,
+                    some["n_pulleys"].to_numpy(),
+                    1e3 * some[f"{name}{unit}"].to_numpy(),
+                    1e3 * some[f"{name}_again{unit}"].to_numpy(),
+                    look,
+                    look.marker,
+                )
+                if column == 0:
+                    axes.set_ylabel(label)
+            panels[0, column].set_title(plain(size))
+            panels[1, column].set_xlabel("number of pulleys n")
+            panels[1, column].set_xlim(left=0)
+        fig.align_ylabels()
+        keys = _keys()
+        if np.isfinite(table["slope_paper"].to_numpy()).any():
+            keys.append(_dashed_key("Table I"))
+        fig.legend(handles=keys, loc="outside lower center", ncols=len(keys))
+        return fig
+
+
+def wrap_slopes(predictive: xr.DataTree) -> Figure:
+    """Draw the slope of friction in the wrap angle over n and over tension.
+
+    Parameters
+    ----------
+    predictive : DataTree
+        ``predictive.nc`` with its group ``wrap_lines``.
+
+    Returns
+    -------
+    Figure
+        A column a size. Above, slopes against n, a marker and a line style for each
+        tension; below, the same slopes against tension, for each n.
+    """
+    table = predictive["wrap_lines"].to_dataset()
+    sizes = ordered_sizes(table["pulley_size"].to_numpy())
+    styles = size_styles(sizes)
+    rows = (
+        ("n_pulleys", "n", "law_against_n", "tension_n", "level", "T = {:.1f} N"),
+        ("tension_n", "tension", "law_against_tension", "n_pulleys", "count", "n = {:g}"),
+    )
+    with figure(height=88.0) as fig:
+        panels = fig.subplots(2, len(sizes), squeeze=False, sharex="row")
+        for column, size in enumerate(sizes):
+            here = table.isel(line=np.flatnonzero(table["pulley_size"] == size))
+            look = styles[size]
+            for axes, (across, grid, law, by, each, text) in zip(
+                panels[:, column], rows, strict=True
+            ):
+                handles = []
+                for place, value in enumerate(table[each].to_numpy()):
+                    some = here.isel(line=np.flatnonzero(here[by] == value))
+                    if not some.sizes["line"]:
+                        continue
+                    marker, line = MARKERS[place % len(MARKERS)], LINES[place % len(LINES)]
+                    band = table[law].sel({"pulley": size, each: value}).to_numpy()
+                    _draw_law(axes, table[grid].to_numpy(), 1e3 * band, look, line)
+                    _draw_points(
+                        axes,
+                        some[across].to_numpy(),
+                        1e3 * some["slope_n_per_deg"].to_numpy(),
+                        1e3 * some["slope_again_n_per_deg"].to_numpy(),
+                        look,
+                        marker,
+                    )
+                    handles.append(_point_key(text.format(value), look.color, marker, line))
+                axes.legend(handles=handles, loc="upper left", fontsize=6, borderpad=0.1)
+                axes.set_xlim(left=0)
+                if column == 0:
+                    axes.set_ylabel("slope in the wrap angle\n[mN/deg]")
+            panels[0, column].set_title(plain(size))
+            panels[0, column].set_xlabel("number of pulleys n")
+            panels[1, column].set_xlabel("nominal tension T [N]")
+        keys = _keys()
+        fig.legend(handles=keys, loc="outside lower center", ncols=len(keys))
+        return fig
+
+
+def _draw_law(axes: Axes, x: np.ndarray, law: np.ndarray, look: SizeStyle, line: LineStyle) -> None:
+    low, middle, high = law.T
+    axes.fill_between(x, low, high, color=look.color, alpha=0.25, linewidth=0)
+    axes.plot(x, middle, color=look.color, linewidth=0.9, linestyle=line)
+
+
+def _draw_points(
+    axes: Axes, x: np.ndarray, y: np.ndarray, again: np.ndarray, look: SizeStyle, marker: str
+) -> None:
+    axes.vlines(x, again[:, 0], again[:, 2], color=NEUTRAL, linewidth=0.9, zorder=2.5)
+    axes.plot(
+        x,
+        y,
+        marker,
+        color="white",
+        markersize=MARKER_SIZE,
+        markeredgewidth=0.9,
+        markeredgecolor=look.color,
+        zorder=3,
+    )
+
+
+def _point_key(label: str, color: str, marker: str, line: LineStyle) -> Line2D:
+    return Line2D(
+        [],
+        [],
+        color=color,
+        linewidth=0.9,
+        linestyle=line,
+        marker=marker,
+        markersize=MARKER_SIZE,
+        markerfacecolor="white",
+        label=label,
+    )
+
+
+def _keys() -> list[Line2D | Patch]:
+    return [
+        Line2D(
+            [],
+            [],
+            color="white",
+            marker="o",
+            markersize=MARKER_SIZE,
+            markeredgecolor=NEUTRAL,
+            linestyle="",
+            label="measured",
+        ),
+        Line2D([], [], color=NEUTRAL, linewidth=0.9, label="made again, 5 % to 95 %"),
+        Patch(color=NEUTRAL, alpha=0.4, linewidth=0, label="law, 5 % to 95 %"),
+    ]
+
+
+def _dashed_key(label: str) -> Line2D:
+    return Line2D([], [], color=COLORS["black"], linewidth=0.8, linestyle=DASHES, label=label)

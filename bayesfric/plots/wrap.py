@@ -1,0 +1,93 @@
+"""Friction against the wrap angle, as in the paper's Fig. 14."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from bayesfric.plots.labels import ordered_sizes, plain
+from bayesfric.plots.style import LINES, MARKERS, NEUTRAL, figure, size_styles
+
+__all__ = ["friction_against_wrap"]
+
+
+def friction_against_wrap(predictive: xr.DataTree) -> Figure:
+    """Draw friction against the wrap angle, a row for each n and a column for each size.
+
+    Parameters
+    ----------
+    predictive : DataTree
+        ``predictive.nc`` with its group ``wrap_lines``.
+
+    Returns
+    -------
+    Figure
+        In each panel, for each tension: what was measured, with the 5 % to 95 % bar of
+        recordings made again, and the law's band.
+    """
+    table = predictive["wrap_lines"].to_dataset()
+    sizes = ordered_sizes(table["pulley_size"].to_numpy())
+    styles = size_styles(sizes)
+    counts = table["count"].to_numpy()
+    levels = table["level"].to_numpy()
+    grid = table["law_angle_deg"].to_numpy()
+    with figure(height=18.0 + 31.0 * len(counts)) as fig:
+        panels = fig.subplots(len(counts), len(sizes), squeeze=False, sharex=True)
+        for row, n in enumerate(counts):
+            for column, size in enumerate(sizes):
+                axes, look = panels[row, column], styles[size]
+                here = (table["pulley_size"] == size) & (table["n_pulleys"] == n)
+                for line in np.flatnonzero(here):
+                    some = table.isel(line=line)
+                    place = int(np.flatnonzero(levels == some["tension_n"].item())[0])
+                    low, middle, high = some["law_n"].to_numpy().T
+                    axes.fill_between(grid, low, high, color=look.color, alpha=0.3, linewidth=0)
+                    axes.plot(
+                        grid,
+                        middle,
+                        color=look.color,
+                        linewidth=0.9,
+                        linestyle=LINES[place % len(LINES)],
+                    )
+                    angle = some["wrap_angle_deg"].to_numpy()
+                    again = some["friction_again_n"].to_numpy()
+                    axes.vlines(
+                        angle, again[:, 0], again[:, 2], color=NEUTRAL, linewidth=0.9, zorder=2.5
+                    )
+                    axes.plot(
+                        angle,
+                        some["friction_n"],
+                        MARKERS[place % len(MARKERS)],
+                        color="white",
+                        markersize=3.4,
+                        markeredgewidth=0.9,
+                        markeredgecolor=look.color,
+                        zorder=3,
+                    )
+                axes.set_ylim(bottom=0)
+                if row == 0:
+                    axes.set_title(plain(size))
+                if row == len(counts) - 1:
+                    axes.set_xlabel("wrap angle θ [°]")
+                if column == 0:
+                    axes.set_ylabel(f"n = {n}\nfriction [N]")
+        fig.align_ylabels()
+        keys: list[Line2D | Patch] = [
+            Line2D(
+                [],
+                [],
+                color=NEUTRAL,
+                linewidth=0.9,
+                linestyle=LINES[place % len(LINES)],
+                marker=MARKERS[place % len(MARKERS)],
+                markersize=3.4,
+                markerfacecolor="white",
+                label=f"T = {level:.1f} N",
+            )
+            for place, level in enumerate(levels)
+        ]
+        keys.append(Line2D([], [], color=NEUTRAL, linewidth=0.9, label="made again, 5 % to 95 %"))
+        keys.append(Patch(color=NEUTRAL, alpha=0.4, linewidth=0, label="law, 5 % to 95 %"))
+        fig.legend(handles=keys, loc="outside lower center", ncols=3)
+        return fig

@@ -1,0 +1,117 @@
+"""What was wrong with the recording, and what was done about it."""
+
+from collections.abc import Iterator
+
+from bayesfric.report.content import Block, Code, Column, Heading, Inline, Paragraph, Table
+from bayesfric.report.quantities import MISSING, format_count, format_number, format_share
+from bayesfric.report.stored import StoredResults
+from bayesfric.schemas import DataQuality
+
+__all__ = ["data_quality"]
+
+SHOWN = 30  # rows of a table; a recording that is worse is read in fit.json
+
+
+def data_quality(stored: StoredResults) -> Iterator[Block]:
+    """Yield trials left out, repaired events, agreement of the sensors, and stalls."""
+    quality = stored.fit.data_quality
+    yield Heading(1, "Data quality")
+    if "gravity" in stored.fit.rigs:
+        yield Paragraph(" ".join(_clean(quality)))
+        yield from _left_out(quality)
+        yield from _repairs(quality)
+        yield from _agreement(quality)
+    if "motor" in stored.fit.rigs:
+        yield Paragraph("Every run of the motor board enters: no rule leaves one out.")
+    for note in quality.notes:
+        yield Paragraph(note)
+
+
+def _clean(quality: DataQuality) -> Iterator[str]:
+    """Yield in a sentence each what no table tells."""
+    if not quality.excluded:
+        yield "No trial of the gravity board was left out."
+    if not quality.repaired:
+        yield "No Hall event was found missed or doubled."
+    if quality.agreement is None or not quality.agreement.trials:
+        yield "No trial has two sensors to compare."
+    if quality.stalled:
+        yield f"Trials that stall: {', '.join(quality.stalled)}."
+    else:
+        yield "No trial stalls."
+
+
+def _left_out(quality: DataQuality) -> Iterator[Block]:
+    if quality.excluded:
+        yield Table(
+            "Trials left out.",
+            ["trial", "rule", "reason"],
+            [[entry.trial, entry.rule, entry.reason] for entry in quality.excluded],
+            label="excluded",
+        )
+
+
+def _repairs(quality: DataQuality) -> Iterator[Block]:
+    if not quality.repaired:
+        return
+    count = len(quality.repaired)
+    more: list[Inline] = []
+    if count > SHOWN:
+        more = [f" The first {SHOWN} of {format_count(count)}; all are in ", Code("fit.json"), "."]
+    yield Table(
+        "Sensors of trials whose Hall events were not clean.",
+        [
+            "trial",
+            "sensor",
+            Column("missed", align="right"),
+            Column("doubled", align="right"),
+            Column("taken out", align="right"),
+            "used",
+        ],
+        [
+            [
+                entry.trial,
+                entry.sensor,
+                format_count(entry.missed),
+                format_count(entry.doubled),
+                format_count(entry.removed),
+                "yes" if entry.used else "no",
+            ]
+            for entry in quality.repaired[:SHOWN]
+        ],
+        label="repairs",
+        note=[
+            "Missed events leave a gap and the later ones keep their true displacement; doubled "
+            "and stray ones are taken out. Not used: beyond repair, so that all events of the "
+            "sensor are taken out.",
+            *more,
+        ],
+    )
+
+
+def _agreement(quality: DataQuality) -> Iterator[Block]:
+    agreement = quality.agreement
+    if agreement is None or not agreement.trials:
+        return
+    yield Table(
+        "Agreement of the two sensors of a trial on its acceleration.",
+        ["", Column("value", align="right")],
+        [
+            ["trials with two sensors", format_count(agreement.trials)],
+            ["95 % quantile of |z|, 1.96 by noise alone", _z(agreement.z_q95)],
+            ["largest |z|", _z(agreement.largest_z)],
+            ["limit of |z|", _z(agreement.limit_z)],
+            ["trials that disagree", format_count(len(agreement.disagreeing))],
+        ],
+        label="agreement",
+        note=[
+            "z: difference of the two accelerations over its standard error. A trial disagrees "
+            "beyond the limit if its frictions by either sensor also differ by more than "
+            f"{format_share(agreement.limit_friction_share)}.",
+            *([f" They are: {', '.join(agreement.disagreeing)}."] if agreement.disagreeing else []),
+        ],
+    )
+
+
+def _z(value: float | None) -> str:
+    return MISSING if value is None else format_number(value, 3)

@@ -1,0 +1,185 @@
+"""Data quality, predictive checks and what the paper says of each figure."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from bayesfric.report.assembly import build_document
+from bayesfric.report.chapters import checks, data_quality, predictions, summary
+from bayesfric.report.content import Figure, Paragraph, Table, inlines
+from bayesfric.report.stored import StoredResults
+from bayesfric.schemas import Agreement, Repaired
+
+
+@pytest.fixture(scope="module")
+def stored(wrap_fit):
+    return StoredResults(wrap_fit.summary, wrap_fit.draws, wrap_fit.predictive)
+
+
+def words(text):
+    return "".join(i if isinstance(i, str) else getattr(i, "text", "") for i in inlines(text))
+
+
+def paragraphs(blocks):
+    return " ".join(words(block.text) for block in blocks if isinstance(block, Paragraph))
+
+
+def tables(blocks):
+    return {block.label: block for block in blocks if isinstance(block, Table)}
+
+
+def with_quality(stored, **changes):
+    quality = stored.fit.data_quality.model_copy(update=changes)
+    fit = stored.fit.model_copy(update={"data_quality": quality})
+    return dataclasses.replace(stored, fit=fit)
+
+
+def test_a_clean_recording_is_called_clean(stored):
+    blocks = list(data_quality.data_quality(stored))
+    text = paragraphs(blocks)
+    assert "No trial of the gravity board was left out." in text
+    assert "No Hall event was found missed or doubled." in text
+    assert "No trial stalls." in text
+    assert set(tables(blocks)) == {"agreement"}
+
+
+def test_agreement_of_the_sensors_is_that_of_the_fit(stored):
+    agreement = Agreement(
+        trials=12345,
+        largest_z=4.567,
+        z_q95=2.012,
+        limit_z=3.894,
+        limit_friction_share=0.02,
+        disagreeing=("g0007", "g0011"),
+    )
+    found = tables(data_quality.data_quality(with_quality(stored, agreement=agreement)))
+    assert [row[1] for row in found["agreement"].rows] == [
+        "12\u202f345",
+        "2.01",
+        "4.57",
+        "3.89",
+        "2",
+    ]
+    assert "2.0\u202f%. They are: g0007, g0011." in words(found["agreement"].note)
+
+
+def test_repairs_are_listed_up_to_a_page(stored):
+    one = Repaired(trial="g0003", sensor="load", missed=2, doubled=1, removed=1, used=True)
+    lost = Repaired(trial="g0004", sensor="drive", missed=0, doubled=0, removed=58, used=False)
+    found = tables(data_quality.data_quality(with_quality(stored, repaired=(one, lost))))
+    assert found["repairs"].rows == [
+        ["g0003", "load", "2", "1", "1", "yes"],
+        ["g0004", "drive", "0", "0", "58", "no"],
+    ]
+    assert "fit.json" not in words(found["repairs"].note)
+    many = tables(data_quality.data_quality(with_quality(stored, repaired=(one,) * 31)))
+    assert len(many["repairs"].rows) == 30
+    assert "first 30 of 31; all are in fit.json" in words(many["repairs"].note)
+
+
+def test_stalls_are_named(stored):
+    text = paragraphs(data_quality.data_quality(with_quality(stored, stalled=("g0001", "g0009"))))
+    assert "Trials that stall: g0001, g0009." in text
+    assert "No trial stalls" not in text
+
+
+def test_why_the_papers_estimator_has_no_value(stored):
+    assert "own estimator has no" not in paragraphs(summary.summary(stored))
+    points = dict(stored.fit.paper_estimator)
+    points["small"] = points["small"].model_copy(update={"c3": None, "c3_why": "one angle only"})
+    points["large"] = points["large"].model_copy(update={"c1": None, "c1_why": "one tension"})
+    fit = stored.fit.model_copy(update={"paper_estimator": points})
+    text = paragraphs(summary.summary(dataclasses.replace(stored, fit=fit)))
+    assert "no c3 of small (one angle only)" in text
+    assert "no c1 of large (one tension)" in text
+
+
+def test_coverage_is_the_stored_one(stored):
+    found = tables(checks.checks(stored))["coverage"]
+    trials = stored.predictive["trials"]
+    low, _, high = 100 * trials["covered_expected"].to_numpy()
+    board, number, share, expected, fits = found.rows[0]
+    assert (board, number) == ("gravity board, trials", "108")
+    assert float(share.split("\u202f")[0]) == pytest.approx(
+        100 * float(trials["covered_share"]), abs=0.06
+    )
+    ends = [float(end.split("\u202f")[0]) for end in expected.split(" to ")]
+    assert ends == pytest.approx([low, high], abs=0.06)
+    assert fits == "yes"
+    assert found.rows[1][0] == "motor board, runs"
+
+
+def changed_trials(stored, **changes):
+    tree = stored.predictive.copy()
+    tree["trials"] = xr.DataTree(tree["trials"].to_dataset().assign(changes))
+    return dataclasses.replace(stored, predictive=tree)
+
+
+def test_coverage_out_of_range_is_said(stored):
+    poor = changed_trials(stored, covered_share=0.4)
+    assert tables(checks.checks(poor))["coverage"].rows[0][-1] == "no"
+
+
+def test_outliers_have_a_table_of_their_own(stored):
+    assert "outliers-trials" not in tables(checks.checks(stored))
+    assert "No trial of the gravity board lies beyond" in paragraphs(checks.checks(stored))
+    table = stored.predictive["trials"].to_dataset()
+    far = np.arange(table.sizes["trial"]) == 5
+    z = np.where(far, -4.567, table["z"].to_numpy())
+    poor = changed_trials(stored, outlier=("trial", far), z=("trial", z))
+    (row,) = tables(checks.checks(poor))["outliers-trials"].rows
+    trial = table.isel(trial=5)
+    assert row[:3] == [
+        trial["trial"].item(),
+        trial["pulley_size"].item(),
+        str(trial["n_pulleys"].item()),
+    ]
+    assert row[-1] == "−4.57"
+    assert "No trial of the gravity board" not in paragraphs(checks.checks(poor))
+
+
+@pytest.mark.parametrize(
+    ("label", "statement"),
+    [
+        ("trajectories", "without a viscous term, with R² of a trial often above 0.95"),
+        ("tension", "linear in tension at 85°, with R² above 0.99"),
+        ("pulleys", "proportional to n, without an offset, eqs. (6) and (7)"),
+        ("wrap", "linear in the wrap angle"),
+        ("wrap-slopes", "proportional to n, eqs. (10) and (11), and to T, eq. (9)"),
+        ("motor", "does not depend on speed"),
+    ],
+)
+def test_under_each_figure_stands_what_the_paper_says(stored, label, statement):
+    figures = {b.label: b for b in predictions.predictions(stored) if isinstance(b, Figure)}
+    caption = words(figures[label].caption)
+    assert "In the paper:" in caption
+    assert statement in caption
+
+
+def test_least_r_squared_of_this_recording_stands_beside_the_papers(stored):
+    figures = {b.label: b for b in predictions.predictions(stored) if isinstance(b, Figure)}
+    least = float(stored.predictive["tension_lines"]["least_r_squared"])
+    assert f"is {least:.3f} here" in words(figures["tension"].caption)
+    tree = stored.predictive.copy()
+    lines = tree["tension_lines"].to_dataset()
+    tree["tension_lines"] = xr.DataTree(lines.assign(least_r_squared=np.nan))
+    bare = dataclasses.replace(stored, predictive=tree)
+    figures = {b.label: b for b in predictions.predictions(bare) if isinstance(b, Figure)}
+    assert "here" not in words(figures["tension"].caption)
+
+
+def test_each_figure_is_referred_to_or_stands_alone_in_its_chapter(stored):
+    """Figures float, so that the text must say which one it means."""
+    from bayesfric.report.content import Reference
+
+    document = build_document(stored)
+    named = {
+        inline.label
+        for block in document.blocks
+        if isinstance(block, Paragraph)
+        for inline in inlines(block.text)
+        if isinstance(inline, Reference)
+    }
+    assert {"trajectories", "tension", "wrap-slopes", "residuals", "densities"} <= named
