@@ -182,6 +182,11 @@ class Sampler(_Section):
         1200, description="Steps of an ensemble that are kept, before thinning."
     )
     thin: Annotated[int, Field(ge=1, le=1000)] = Field(6, description="Keep each thin-th step.")
+    extensions: Annotated[int, Field(ge=0, le=100)] = Field(
+        3,
+        description="At most so often the ensembles are run on by `steps`, while the draws have "
+        "not converged; `thin` grows with it, so that the number of draws stays.",
+    )
     independence_share: Annotated[float, Field(ge=0, le=1)] = Field(
         0.9,
         description="Share of independence proposals; the rest are differential evolution.",

@@ -16,7 +16,14 @@ import numpy as np
 from arviz_stats.base.array import array_stats
 from numpy.typing import NDArray
 
-__all__ = ["LIMITS", "Convergence", "batch_means_ess", "diagnose_draws", "rank_counts"]
+__all__ = [
+    "LIMITS",
+    "Convergence",
+    "batch_means_ess",
+    "diagnose_all",
+    "diagnose_draws",
+    "rank_counts",
+]
 
 Array = NDArray[np.float64]
 
@@ -88,6 +95,17 @@ def diagnose_draws(draws: Array) -> Convergence:
         ess_tail=tail,
         mcse_mean=float(draws.std() / np.sqrt(bulk)),
     )
+
+
+def diagnose_all(theta: Array) -> list[Convergence]:
+    """Return the diagnostics of each parameter.
+
+    Parameters
+    ----------
+    theta : ndarray, shape (ensembles, draws, walkers, D)
+        In the order in which they were drawn.
+    """
+    return [diagnose_draws(theta[..., place]) for place in range(theta.shape[-1])]
 
 
 def batch_means_ess(draws: Array) -> float:

@@ -16,6 +16,7 @@ from threadpoolctl import threadpool_limits
 from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.baseline import BASELINES
 from bayesfric.checkpoint import Checkpoint
+from bayesfric.diagnostics import diagnose_all
 from bayesfric.errors import Fault, InputError
 from bayesfric.laplace import laplace_approximation
 from bayesfric.likelihood.gravity import GravityLikelihood
@@ -168,6 +169,7 @@ def fit(
                 Checkpoint(
                     checkpoint, ",".join([*chosen, baseline]) + attributes.model_dump_json()
                 ),
+                converged=lambda z: all(f.converged for f in diagnose_all(model.natural(z))),
             )
         with _timed(seconds, "summary"):
             theta = model.natural(draws.z)
@@ -178,7 +180,6 @@ def fit(
                 model,
                 draws,
                 theta,
-                analysis,
             )
             tree = _draws_tree(model, likelihoods, theta, attributes.model_dump(mode="json"))
         with _timed(seconds, "predictive"):

@@ -4,6 +4,7 @@ Knows nothing of friction. Nine moves in ten propose from a Student-t fitted aro
 the density, whatever the walker's place, with the Hastings ratio that this needs;
 the tenth is differential evolution, which mends what the Student-t does not fit.
 The proposal is fitted before the first draw that is kept, and then left alone.
+Ensembles whose draws have not converged are run on, from where they stand.
 
 References
 ----------
@@ -55,11 +56,18 @@ class Draws:
         Log density of each.
     acceptance : ndarray, shape (ensembles,)
         Share of proposals accepted, all walkers and moves.
+    steps, thin : int
+        Steps of an ensemble after burn-in, and which of them were kept.
+    extensions : int
+        Times that the ensembles were run on.
     """
 
     z: Array
     log_density: Array
     acceptance: Array
+    steps: int
+    thin: int
+    extensions: int
 
 
 class StudentT:
@@ -113,6 +121,7 @@ def sample(
     seed: int,
     progress: Progress | None = None,
     checkpoint: Checkpoint | None = None,
+    converged: Callable[[Array], bool] | None = None,
 ) -> Draws:
     """Draw from a log density with independent ensembles.
 
@@ -132,11 +141,14 @@ def sample(
     checkpoint : Checkpoint or None
         Keeps the draws on the way, so that a run that is killed goes on to the
         same result.
+    converged : callable or None
+        Whether draws, as :attr:`Draws.z`, are good enough; else the ensembles are run
+        on, by the settings' steps at a time. None takes them as they are.
 
     Returns
     -------
     Draws
-        After burn-in, each `thin`-th step.
+        After burn-in, each `thin`-th step; as many draws however often they were run on.
 
     Raises
     ------
@@ -163,15 +175,31 @@ def sample(
     spread = PROPOSAL_INFLATION * np.cov(settled, rowvar=False)
     proposal = StudentT(settled.mean(axis=0), spread)
 
-    ensembles = [
-        runs.run(f"ensemble-{place}", proposal, child, per_ensemble)
-        for place, child in enumerate(seeds[1:])
-    ]
-    kept = slice(settings.burn + settings.thin - 1, None, settings.thin)
+    extensions = 0
+    while True:
+        ensembles = [
+            runs.run(f"ensemble-{place}", proposal, child, per_ensemble)
+            for place, child in enumerate(seeds[1:])
+        ]
+        draws = _thinned(ensembles, settings, extensions)
+        if extensions == settings.extensions or converged is None or converged(draws.z):
+            return draws
+        extensions += 1
+        per_ensemble += settings.steps
+        total += settings.ensembles * settings.steps
+
+
+def _thinned(ensembles: list[Arrays], settings: Sampler, extensions: int) -> Draws:
+    """Return the draws after burn-in, the same number after any extension."""
+    steps, thin = settings.steps * (1 + extensions), settings.thin * (1 + extensions)
+    kept = slice(settings.burn + thin - 1, None, thin)
     return Draws(
         np.stack([ensemble["chain"][kept] for ensemble in ensembles]),
         np.stack([ensemble["log_density"][kept] for ensemble in ensembles]),
-        np.array([ensemble["accepted"].mean() for ensemble in ensembles]) / per_ensemble,
+        np.array([ensemble["accepted"].mean() for ensemble in ensembles]) / (settings.burn + steps),
+        steps,
+        thin,
+        extensions,
     )
 
 
@@ -191,15 +219,20 @@ class _Runs:
         self._walkers = walkers
         self._checkpoint = checkpoint
         self._report = report
+        self._pieces: dict[str, list[Arrays]] = {}
         self._done = 0
 
     def run(
         self, name: str, proposal: StudentT, seed: np.random.SeedSequence, steps: int
     ) -> Arrays:
-        """Return ``chain`` (steps, W, D), ``log_density`` and ``accepted`` (W,)."""
-        pieces: list[Arrays] = []
-        before = self._done
-        for start in range(0, steps, PIECE_STEPS):
+        """Return ``chain`` (steps, W, D), ``log_density`` and ``accepted`` (W,).
+
+        A run of this name goes on from where it was left.
+        """
+        pieces = self._pieces.setdefault(name, [])
+        first = sum(len(piece["chain"]) for piece in pieces)
+        before = self._done - first
+        for start in range(first, steps, PIECE_STEPS):
             stop = min(start + PIECE_STEPS, steps)
 
             def compute(count: int = stop - start) -> Arrays:

@@ -82,6 +82,9 @@ class SamplerSummary(_Record):
     walkers: int = Field(description="Walkers an ensemble.")
     steps: int = Field(description="Steps an ensemble after burn-in.")
     thin: int = Field(description="Each thin-th step is kept.")
+    extensions: int = Field(
+        0, description="Times the ensembles were run on because draws had not converged."
+    )
     draws: int = Field(description="Draws kept in all.")
     acceptance: Number = Field(description="Share of proposals accepted.")
     autocorrelation_time: Number = Field(

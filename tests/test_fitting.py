@@ -17,7 +17,7 @@ from bayesfric.results import read_json, read_tree
 from bayesfric.schemas import FitFile
 from bayesfric.simulate import simulate_recording
 
-SHORT = Sampler(burn=60, steps=80, thin=2)
+SHORT = Sampler(burn=60, steps=80, thin=2, extensions=0)
 
 
 def test_public_names_are_the_functions():
@@ -144,7 +144,7 @@ def test_without_replicates_the_reader_is_told():
 
 
 def test_too_few_draws_are_called_unconverged(small_recording):
-    few = Sampler(walkers=28, burn=10, steps=50, thin=2)
+    few = Sampler(walkers=28, burn=10, steps=50, thin=2, extensions=0)
     summary = bf.fit(small_recording, Analysis(sampler=few)).summary
     assert not summary.converged
     assert any("has not converged" in line for line in summary.attention)

@@ -15,7 +15,7 @@ from bayesfric.campaign import run_campaign
 from bayesfric.fitting import fit
 
 CI_SEEDS = (0, 33, 66)
-SHORT = Sampler(burn=60, steps=80, thin=2)
+SHORT = Sampler(burn=60, steps=80, thin=2, extensions=0)
 
 
 def run(seeds, folder):
