@@ -33,7 +33,7 @@ from bayesfric.results import (
     replace_outputs,
     write_netcdf,
 )
-from bayesfric.sampling import Progress, sample
+from bayesfric.sampling import Chart, Progress, sample
 from bayesfric.schemas import FitFile, RecordingId, TimingsFile
 from bayesfric.summary import summarise
 
@@ -170,6 +170,7 @@ def fit(
                     checkpoint, ",".join([*chosen, baseline]) + attributes.model_dump_json()
                 ),
                 converged=lambda z: all(f.converged for f in diagnose_all(model.natural(z))),
+                chart=Chart(model.linear, model.from_linear, model.linear_log_slope),
             )
         with _timed(seconds, "summary"):
             theta = model.natural(draws.z)
