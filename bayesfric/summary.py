@@ -26,9 +26,10 @@ from bayesfric.schemas import (
     PointEstimate,
     Repaired,
     SamplerSummary,
+    WithoutExclusions,
 )
 
-__all__ = ["summarise"]
+__all__ = ["summarise", "summarise_without_exclusions"]
 
 Array = NDArray[np.float64]
 COEFFICIENTS = ("c1", "c2", "c3")
@@ -47,7 +48,8 @@ def summarise(
     Parameters
     ----------
     attributes : dict
-        The fields of :class:`bayesfric.schemas.Provenance`, rigs and baseline.
+        The fields of :class:`bayesfric.schemas.Provenance`, rigs, baseline, and what the
+        trials that were left out would change.
     recording : Recording
         As read.
     screened : Screened or None
@@ -94,6 +96,31 @@ def summarise(
             / min(figures.ess_bulk for figures in convergence.values()),
         ),
         data_quality=quality,
+    )
+
+
+def summarise_without_exclusions(trials: int, model: Model, draws: Draws) -> WithoutExclusions:
+    """Return the coefficients of a fit that no rule kept a trial from.
+
+    Parameters
+    ----------
+    trials : int
+        Gravity trials that entered it.
+    model : Model
+        Of its posterior.
+    draws : Draws
+        As sampled.
+    """
+    theta = model.natural(draws.z)
+    places = {name: place for place, name in enumerate(model.names)}
+    sizes = [name[3:-1] for name in places if name.startswith("c1[")]
+    return WithoutExclusions(
+        trials_used=trials,
+        converged=all(figures.converged for figures in diagnose_all(theta)),
+        pulleys={
+            size: {c: _interval(theta[..., places[f"{c}[{size}]"]]) for c in COEFFICIENTS}
+            for size in sizes
+        },
     )
 
 

@@ -26,7 +26,7 @@ from bayesfric.simulate import simulate_recording, table1_coefficients
 
 SHORT = Sampler(burn=60, steps=80, thin=2, extensions=0)
 # A ridge needs a proposal that follows it, and that a first run to be fitted to.
-RIDGE = Sampler(burn=100, steps=400, thin=4, extensions=2)
+RIDGE = Sampler(burn=100, steps=300, thin=3, extensions=3)
 NORMAL_90 = 2 * 1.6449  # standard deviations between the 5 and 95 % quantiles
 ACCELERATION_SD = 0.002  # m/s²
 
@@ -95,7 +95,7 @@ CASES = {
     ),
     "one angle": (
         lambda r: simulated({(5, 85.0): 1, (9, 85.0): 2}, (6.0, 16.0, 28.0)),
-        RIDGE,
+        SHORT,
         {"c1": True, "c2": True, "c3": False},
     ),
     "one pulley": (lambda r: simulated({(1, 85.0): 2, (1, 50.0): 1, (1, 135.0): 1}), SHORT, ALL),
@@ -165,7 +165,8 @@ def test_what_is_informed_is_right_and_the_rest_is_said_to_be_open(name, small_r
             if c == "c3" and not informed[c]:
                 assert entry.sd == pytest.approx(1e-3, rel=0.15)  # the prior's
     check_friction(fitted, recording)
-    if summary.converged:
+    if sampler is RIDGE:
+        assert summary.converged
         told = any("driven by the prior" in line for line in summary.attention)
         assert told is not all(informed.values())
     fitted.write(tmp_path / "out")
@@ -175,7 +176,7 @@ def test_what_is_informed_is_right_and_the_rest_is_said_to_be_open(name, small_r
 def test_columns_that_are_left_out_say_what_is_lost(small_recording, tmp_path):
     """Without setups each (size, n, angle) is one assembly; the order is not used."""
     unordered = read_back(without_column(small_recording, "order"), tmp_path / "a")
-    whole = dataclasses.replace(small_recording, motor=None)
+    whole = read_back(dataclasses.replace(small_recording, motor=None), tmp_path / "c")
     analysis = Analysis(seed=5, sampler=SHORT)
     assert bf.fit(unordered, analysis).summary.pulleys == bf.fit(whole, analysis).summary.pulleys
     summary = bf.fit(
