@@ -183,6 +183,12 @@ class Sampler(_Section):
         1200, description="Steps of an ensemble that are kept, before thinning."
     )
     thin: Annotated[int, Field(ge=1, le=1000)] = Field(6, description="Keep each thin-th step.")
+    extensions: Annotated[int, Field(ge=0, le=100)] = Field(
+        3,
+        description="While draws have not converged, they serve as a pilot for a better proposal "
+        "and the ensembles go on for as many steps as before, thinned to as many draws; at most "
+        "so often.",
+    )
     independence_share: Annotated[float, Field(ge=0, le=1)] = Field(
         0.9,
         description="Share of independence proposals; the rest are differential evolution.",

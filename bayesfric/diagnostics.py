@@ -22,6 +22,7 @@ __all__ = [
     "LIMITS",
     "Convergence",
     "batch_means_ess",
+    "diagnose_all",
     "diagnose_draws",
     "mean_ess",
     "multivariate_r_hat",
@@ -102,6 +103,17 @@ def diagnose_draws(draws: Array) -> Convergence:
         ess_tail=tail,
         mcse_mean=float(draws.std() / np.sqrt(bulk)),
     )
+
+
+def diagnose_all(theta: Array) -> list[Convergence]:
+    """Return the diagnostics of each parameter.
+
+    Parameters
+    ----------
+    theta : ndarray, shape (ensembles, draws, walkers, D)
+        In the order in which they were drawn.
+    """
+    return [diagnose_draws(theta[..., place]) for place in range(theta.shape[-1])]
 
 
 def batch_means_ess(draws: Array) -> float:

@@ -14,14 +14,15 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis, analysis_sha256
-from bayesfric.baseline import BASELINES
+from bayesfric.baseline import BASELINES, Baseline
 from bayesfric.checkpoint import Checkpoint
+from bayesfric.diagnostics import diagnose_all
 from bayesfric.errors import Fault, InputError
 from bayesfric.laplace import laplace_approximation
 from bayesfric.likelihood.gravity import GravityLikelihood
 from bayesfric.likelihood.model import Model, RigLikelihood
 from bayesfric.likelihood.motor import MotorLikelihood
-from bayesfric.likelihood.screening import screen_trials
+from bayesfric.likelihood.screening import Screened, screen_trials
 from bayesfric.predictive import predict
 from bayesfric.priors import log_density
 from bayesfric.recording.tables import Recording
@@ -32,9 +33,9 @@ from bayesfric.results import (
     replace_outputs,
     write_netcdf,
 )
-from bayesfric.sampling import Progress, sample
+from bayesfric.sampling import Chart, Draws, Progress, sample
 from bayesfric.schemas import FitFile, RecordingId, TimingsFile
-from bayesfric.summary import summarise
+from bayesfric.summary import summarise, summarise_without_exclusions
 
 __all__ = ["Fit", "fit"]
 
@@ -144,41 +145,36 @@ def fit(
     with threadpool_limits(limits=1):  # one BLAS thread: the same bytes, and faster
         with _timed(seconds, "reduce"):
             screened = None
-            likelihoods: dict[str, RigLikelihood] = {}
             if "gravity" in chosen and recording.gravity is not None:
                 screened = screen_trials(recording.gravity, recording.rig)
                 if screened.gravity.trials.empty:
                     expected = "a trial that enters the fit; all are left out"
                     raise InputError([Fault(recording.name, expected)])
-                gravity = GravityLikelihood(screened.gravity, recording.rig, analysis, law)
-                likelihoods["gravity"] = gravity
-            if "motor" in chosen and recording.motor is not None:
-                motor = MotorLikelihood(recording.motor, recording.rig, analysis, law)
-                likelihoods["motor"] = motor
+            likelihoods = _likelihoods(recording, chosen, screened, analysis, law)
             model = Model(list(likelihoods.values()))
-        with _timed(seconds, "laplace"):
-            laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
-        with _timed(seconds, "draws"):
-            draws = sample(
-                model.log_posterior,
-                laplace,
-                analysis.sampler,
-                analysis.seed,
-                progress,
-                Checkpoint(
-                    checkpoint, ",".join([*chosen, baseline]) + attributes.model_dump_json()
-                ),
-            )
+        key = ",".join([*chosen, baseline]) + attributes.model_dump_json()
+        draws = _draw(model, analysis, Checkpoint(checkpoint, key), progress, seconds)
+        with _timed(seconds, "without_exclusions"):
+            whole, why = _all_that_can_enter(recording, screened)
+            without = None
+            if whole is not None:
+                again = Model(list(_likelihoods(recording, chosen, whole, analysis, law).values()))
+                folder = None if checkpoint is None else checkpoint / "without-exclusions"
+                without = summarise_without_exclusions(
+                    len(whole.gravity.trials),
+                    again,
+                    _draw(again, analysis, Checkpoint(folder, key), progress, {}),
+                )
         with _timed(seconds, "summary"):
             theta = model.natural(draws.z)
+            fields = {
+                "rigs": chosen,
+                "baseline": baseline,
+                "without_exclusions": without,
+                "without_exclusions_why": why,
+            }
             summary = summarise(
-                attributes.model_dump() | {"rigs": chosen, "baseline": baseline},
-                recording,
-                screened,
-                model,
-                draws,
-                theta,
-                analysis,
+                attributes.model_dump() | fields, recording, screened, model, draws, theta
             )
             tree = _draws_tree(model, likelihoods, theta, attributes.model_dump(mode="json"))
         with _timed(seconds, "predictive"):
@@ -203,6 +199,60 @@ def _choose(recording: Recording, rigs: Sequence[str] | None) -> tuple[str, ...]
     if unknown or absent or not rigs:
         raise InputError([*unknown, *absent] or [Fault("rigs", f"one of {', '.join(RIGS)}")])
     return tuple(rig for rig in RIGS if rig in rigs)
+
+
+def _likelihoods(
+    recording: Recording,
+    chosen: Sequence[str],
+    screened: Screened | None,
+    analysis: Analysis,
+    law: Baseline,
+) -> dict[str, RigLikelihood]:
+    """Return the likelihood of each rig that is fitted."""
+    likelihoods: dict[str, RigLikelihood] = {}
+    if screened is not None:
+        gravity = GravityLikelihood(screened.gravity, recording.rig, analysis, law)
+        likelihoods["gravity"] = gravity
+    if "motor" in chosen and recording.motor is not None:
+        likelihoods["motor"] = MotorLikelihood(recording.motor, recording.rig, analysis, law)
+    return likelihoods
+
+
+def _draw(
+    model: Model,
+    analysis: Analysis,
+    checkpoint: Checkpoint,
+    progress: Progress | None,
+    seconds: dict[str, float],
+) -> Draws:
+    """Draw from the posterior of a model."""
+    with _timed(seconds, "laplace"):
+        laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
+    with _timed(seconds, "draws"):
+        return sample(
+            model.log_posterior,
+            laplace,
+            analysis.sampler,
+            analysis.seed,
+            progress,
+            checkpoint,
+            converged=lambda z: all(f.converged for f in diagnose_all(model.natural(z))),
+            chart=Chart(model.linear, model.from_linear, model.linear_log_slope),
+        )
+
+
+def _all_that_can_enter(
+    recording: Recording, screened: Screened | None
+) -> tuple[Screened | None, str | None]:
+    """Return the trials with those that a rule left out, or why there are no others."""
+    if screened is None or recording.gravity is None:
+        return None, "the gravity board, whose trials the rules are for, does not enter"
+    if not screened.excluded:
+        return None, "no trial was left out"
+    whole = screen_trials(recording.gravity, recording.rig, exclude=False)
+    if len(whole.gravity.trials) == len(screened.gravity.trials):
+        return None, "no trial that was left out has a motion that can be computed"
+    return whole, None
 
 
 @contextmanager

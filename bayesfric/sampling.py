@@ -4,6 +4,8 @@ Knows nothing of friction. Nine moves in ten propose from a Student-t fitted aro
 the density, whatever the walker's place, with the Hastings ratio that this needs;
 the tenth is differential evolution, which mends what the Student-t does not fit.
 The proposal is fitted before the first draw that is kept, and then left alone.
+Draws that have not converged are taken as a better pilot: a proposal is fitted to them
+in the coordinates of a :class:`Chart`, and the ensembles are run on for new draws.
 
 References
 ----------
@@ -25,12 +27,14 @@ from bayesfric.analysis import Sampler
 from bayesfric.checkpoint import Checkpoint
 from bayesfric.laplace import Laplace
 
-__all__ = ["Draws", "SamplingError", "StudentT", "sample"]
+__all__ = ["Chart", "Draws", "SamplingError", "StudentT", "sample"]
 
 Array = NDArray[np.float64]
 LogDensity = Callable[[Array], Array]
 Progress = Callable[[int, int], None]
 Arrays = dict[str, NDArray[Any]]
+# Points to proposals and log q(points) − log q(proposals), as emcee wants it.
+Propose = Callable[[Array, np.random.RandomState], tuple[Array, Array]]
 
 PROPOSAL_FREEDOM = 6.0  # heavier tails than the posterior's, as independence needs
 PROPOSAL_INFLATION = 1.3  # of its covariance: a posterior that is not normal is covered too
@@ -55,11 +59,19 @@ class Draws:
         Log density of each.
     acceptance : ndarray, shape (ensembles,)
         Share of proposals accepted, all walkers and moves.
+    steps, thin : int
+        Steps of an ensemble with the last proposal, after burn-in, and of how many
+        one was kept.
+    extensions : int
+        Times that the ensembles were run on with a new proposal.
     """
 
     z: Array
     log_density: Array
     acceptance: Array
+    steps: int
+    thin: int
+    extensions: int
 
 
 class StudentT:
@@ -106,6 +118,54 @@ class StudentT:
         return proposed, self.log_density(points) - self.log_density(proposed)
 
 
+@dataclass(frozen=True)
+class Chart:
+    """Coordinates in which a density may be nearer to a normal one.
+
+    A narrow ridge that is straight in one chart is bent in another, where no
+    Student-t follows it.
+
+    Parameters
+    ----------
+    forward : callable
+        Points of the sampling space to their coordinates, both of shape (W, D).
+    inverse : callable
+        Back; not finite where there is no such point.
+    log_slope : callable
+        Points to the log determinant of the derivative of `forward`, shape (W,).
+    """
+
+    forward: Callable[[Array], Array]
+    inverse: Callable[[Array], Array]
+    log_slope: Callable[[Array], Array]
+
+
+SAMPLING_SPACE = Chart(lambda z: z, lambda x: x, lambda z: np.zeros(len(z)))
+
+
+Fresh = tuple[StudentT, np.random.SeedSequence]  # what a first state is drawn from
+
+
+def _charted(points: Array, chart: Chart) -> Propose:
+    """Return proposals from the Student-t around points, fitted in the coordinates of a chart."""
+    student = _around(chart.forward(points))
+
+    def propose(here: Array, rng: np.random.RandomState) -> tuple[Array, Array]:
+        there, factor = student.propose(chart.forward(here), rng)
+        z = chart.inverse(there)
+        possible = np.asarray(np.isfinite(z).all(axis=1))
+        z = np.where(possible[:, None], z, here)
+        factor = factor + chart.log_slope(here) - chart.log_slope(z)
+        return z, np.where(possible, factor, -np.inf)
+
+    return propose
+
+
+def _around(points: Array) -> StudentT:
+    """Return the Student-t that proposes where points of shape (N, D) are."""
+    return StudentT(points.mean(axis=0), PROPOSAL_INFLATION * np.cov(points, rowvar=False))
+
+
 def sample(
     log_density: LogDensity,
     laplace: Laplace,
@@ -113,6 +173,8 @@ def sample(
     seed: int,
     progress: Progress | None = None,
     checkpoint: Checkpoint | None = None,
+    converged: Callable[[Array], bool] | None = None,
+    chart: Chart = SAMPLING_SPACE,
 ) -> Draws:
     """Draw from a log density with independent ensembles.
 
@@ -132,11 +194,16 @@ def sample(
     checkpoint : Checkpoint or None
         Keeps the draws on the way, so that a run that is killed goes on to the
         same result.
+    converged : callable or None
+        Whether draws, as :attr:`Draws.z`, are good enough; else the ensembles are run
+        on for new ones. None takes them as they are.
+    chart : Chart
+        In which the proposal of a run that is continued is fitted.
 
     Returns
     -------
     Draws
-        After burn-in, each `thin`-th step.
+        After burn-in, each `thin`-th step; as many however often the ensembles were run on.
 
     Raises
     ------
@@ -146,8 +213,8 @@ def sample(
     size = laplace.mode.size
     walkers = settings.walkers or max(LEAST_WALKERS, 2 * size)
     seeds = np.random.SeedSequence(seed).spawn(settings.ensembles + 1)
-    per_ensemble = settings.burn + settings.steps
-    total = settings.burn + settings.ensembles * per_ensemble
+    total_steps = settings.burn + settings.steps  # of an ensemble
+    total = settings.burn + settings.ensembles * total_steps
 
     def report(done: int) -> None:
         if progress is not None:
@@ -158,21 +225,33 @@ def sample(
 
     # The pilot replaces the curvature at the mode by the spread of the density itself.
     around_mode = StudentT(laplace.mode, laplace.covariance)
-    pilot = runs.run("pilot", around_mode, seeds[0], settings.burn)
-    settled = pilot["chain"][settings.burn // 2 :].reshape(-1, size)
-    spread = PROPOSAL_INFLATION * np.cov(settled, rowvar=False)
-    proposal = StudentT(settled.mean(axis=0), spread)
+    pilot = runs.run("pilot", around_mode.propose, settings.burn, (around_mode, seeds[0]))
+    student = _around(pilot["chain"][settings.burn // 2 :].reshape(-1, size))
 
-    ensembles = [
-        runs.run(f"ensemble-{place}", proposal, child, per_ensemble)
-        for place, child in enumerate(seeds[1:])
-    ]
-    kept = slice(settings.burn + settings.thin - 1, None, settings.thin)
-    return Draws(
-        np.stack([ensemble["chain"][kept] for ensemble in ensembles]),
-        np.stack([ensemble["log_density"][kept] for ensemble in ensembles]),
-        np.array([ensemble["accepted"].mean() for ensemble in ensembles]) / per_ensemble,
-    )
+    propose: Propose = student.propose
+    steps, thin, extensions = settings.steps, settings.thin, 0
+    while True:
+        ensembles = [
+            runs.run(f"ensemble-{place}", propose, total_steps, (student, child))
+            for place, child in enumerate(seeds[1:])
+        ]
+        kept = slice(total_steps - steps + thin - 1, None, thin)
+        draws = Draws(
+            np.stack([ensemble["chain"][kept] for ensemble in ensembles]),
+            np.stack([ensemble["log_density"][kept] for ensemble in ensembles]),
+            np.array([ensemble["accepted"].mean() for ensemble in ensembles]) / total_steps,
+            steps,
+            thin,
+            extensions,
+        )
+        if extensions == settings.extensions or converged is None or converged(draws.z):
+            return draws
+        propose = _charted(draws.z.reshape(-1, size), chart)
+        # Each run is as long as all before it, thinned to as many draws.
+        steps, thin = settings.steps * 2**extensions, settings.thin * 2**extensions
+        extensions += 1
+        total_steps += steps
+        total += settings.ensembles * steps
 
 
 class _Runs:
@@ -191,20 +270,23 @@ class _Runs:
         self._walkers = walkers
         self._checkpoint = checkpoint
         self._report = report
+        self._pieces: dict[str, list[Arrays]] = {}
         self._done = 0
 
-    def run(
-        self, name: str, proposal: StudentT, seed: np.random.SeedSequence, steps: int
-    ) -> Arrays:
-        """Return ``chain`` (steps, W, D), ``log_density`` and ``accepted`` (W,)."""
-        pieces: list[Arrays] = []
-        before = self._done
-        for start in range(0, steps, PIECE_STEPS):
+    def run(self, name: str, propose: Propose, steps: int, fresh: Fresh) -> Arrays:
+        """Return ``chain`` (steps, W, D), ``log_density`` and ``accepted`` (W,).
+
+        A run of this name goes on from where it was left, with the steps that are missing.
+        """
+        pieces = self._pieces.setdefault(name, [])
+        first = sum(len(piece["chain"]) for piece in pieces)
+        before = self._done - first
+        for start in range(first, steps, PIECE_STEPS):
             stop = min(start + PIECE_STEPS, steps)
 
             def compute(count: int = stop - start) -> Arrays:
-                state = self._state(proposal, seed, pieces[-1] if pieces else None)
-                return self._advance(proposal, state, count)
+                state = self._state(fresh, pieces[-1] if pieces else None)
+                return self._advance(propose, state, count)
 
             pieces.append(self._checkpoint.piece(f"{name}-{start:06d}", compute))
             if self._done != before + stop:  # the piece was there already
@@ -216,11 +298,10 @@ class _Runs:
             "accepted": np.sum([piece["accepted"] for piece in pieces], axis=0),
         }
 
-    def _state(
-        self, proposal: StudentT, seed: np.random.SeedSequence, last: Arrays | None
-    ) -> emcee.State:
+    def _state(self, fresh: Fresh, last: Arrays | None) -> emcee.State:
         """Return where a piece starts: fresh, or where the last one ended."""
         if last is None:
+            proposal, seed = fresh
             rng = np.random.RandomState(np.random.MT19937(seed))
             start = _starts(self._log_density, proposal, self._walkers, rng)
             return emcee.State(start, random_state=rng.get_state())
@@ -235,14 +316,18 @@ class _Runs:
             ),
         )
 
-    def _advance(self, proposal: StudentT, state: emcee.State, steps: int) -> Arrays:
+    def _advance(self, propose: Propose, state: emcee.State, steps: int) -> Arrays:
         share = self._settings.independence_share
         moves = [
-            (emcee.moves.MHMove(proposal.propose), share),
+            (emcee.moves.MHMove(propose), share),
             (emcee.moves.DEMove(), 1 - share),
         ]
         sampler = emcee.EnsembleSampler(
-            self._walkers, proposal.location.size, self._log_density, moves=moves, vectorize=True
+            self._walkers,
+            state.coords.shape[1],
+            self._log_density,
+            moves=moves,
+            vectorize=True,
         )
         for _ in sampler.sample(state, iterations=steps):
             self._done += 1

@@ -22,6 +22,7 @@ __all__ = [
     "Repaired",
     "SamplerSummary",
     "TimingsFile",
+    "WithoutExclusions",
 ]
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
@@ -82,6 +83,9 @@ class SamplerSummary(_Record):
     walkers: int = Field(description="Walkers an ensemble.")
     steps: int = Field(description="Steps an ensemble after burn-in.")
     thin: int = Field(description="Each thin-th step is kept.")
+    extensions: int = Field(
+        0, description="Times the ensembles were run on because draws had not converged."
+    )
     draws: int = Field(description="Draws kept in all.")
     acceptance: Number = Field(description="Share of proposals accepted.")
     autocorrelation_time: Number = Field(
@@ -158,6 +162,16 @@ class DataQuality(_Record):
     stalled: tuple[str, ...] = Field((), description="Trials that stall, left out or not.")
 
 
+class WithoutExclusions(_Record):
+    """What the trials that the rules left out would change."""
+
+    trials_used: int = Field(description="Gravity trials that enter, all that can be computed.")
+    converged: bool = Field(description="Whether every diagnostic is within its bound.")
+    pulleys: dict[str, dict[str, Interval]] = Field(
+        description="c1, c2, c3 of each pulley size, in the units of the fit."
+    )
+
+
 class FitFile(Provenance):
     """``fit.json``: posteriors of a recording."""
 
@@ -178,6 +192,10 @@ class FitFile(Provenance):
         default_factory=dict,
         description="The paper's own estimator, eqs (6) to (15), by size; the gravity board only.",
     )
+    without_exclusions: WithoutExclusions | None = Field(
+        None, description="A second fit, with the same seed, that no rule kept a trial from."
+    )
+    without_exclusions_why: str | None = Field(None, description="Why there is no second fit.")
     sampler: SamplerSummary = Field(description="How the draws were made.")
     data_quality: DataQuality = Field(description="What the fit used.")
 

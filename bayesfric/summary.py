@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bayesfric.analysis import Analysis, Prior
-from bayesfric.diagnostics import LIMITS, Convergence, diagnose_draws
+from bayesfric.analysis import Prior
+from bayesfric.diagnostics import LIMITS, Convergence, diagnose_all
 from bayesfric.estimator import estimate_as_the_paper
 from bayesfric.laplace import curvature_steps, finite_hessian
 from bayesfric.likelihood.model import Model
@@ -26,9 +26,10 @@ from bayesfric.schemas import (
     PointEstimate,
     Repaired,
     SamplerSummary,
+    WithoutExclusions,
 )
 
-__all__ = ["summarise"]
+__all__ = ["summarise", "summarise_without_exclusions"]
 
 Array = NDArray[np.float64]
 COEFFICIENTS = ("c1", "c2", "c3")
@@ -41,14 +42,14 @@ def summarise(
     model: Model,
     draws: Draws,
     theta: Array,
-    analysis: Analysis,
 ) -> FitFile:
     """Return what ``fit.json`` says.
 
     Parameters
     ----------
     attributes : dict
-        The fields of :class:`bayesfric.schemas.Provenance`, rigs and baseline.
+        The fields of :class:`bayesfric.schemas.Provenance`, rigs, baseline, and what the
+        trials that were left out would change.
     recording : Recording
         As read.
     screened : Screened or None
@@ -59,13 +60,8 @@ def summarise(
         As sampled.
     theta : ndarray, shape (ensembles, draws, walkers, D)
         The draws in the parameters' units.
-    analysis : Analysis
-        Settings of the fit.
     """
-    convergence = {
-        parameter.name: diagnose_draws(theta[..., place])
-        for place, parameter in enumerate(model.parameters)
-    }
+    convergence = dict(zip(model.names, diagnose_all(theta), strict=True))
     informed = _informed(model, np.median(theta.reshape(-1, theta.shape[-1]), axis=0))
     entries = {
         parameter.name: _parameter(
@@ -89,16 +85,42 @@ def summarise(
         sampler=SamplerSummary(
             ensembles=ensembles,
             walkers=walkers,
-            steps=analysis.sampler.steps,
-            thin=analysis.sampler.thin,
+            steps=draws.steps,
+            thin=draws.thin,
+            extensions=draws.extensions,
             draws=ensembles * kept * walkers,
             acceptance=float(draws.acceptance.mean()),
             autocorrelation_time=ensembles
             * walkers
-            * analysis.sampler.steps
+            * draws.steps
             / min(figures.ess_bulk for figures in convergence.values()),
         ),
         data_quality=quality,
+    )
+
+
+def summarise_without_exclusions(trials: int, model: Model, draws: Draws) -> WithoutExclusions:
+    """Return the coefficients of a fit that no rule kept a trial from.
+
+    Parameters
+    ----------
+    trials : int
+        Gravity trials that entered it.
+    model : Model
+        Of its posterior.
+    draws : Draws
+        As sampled.
+    """
+    theta = model.natural(draws.z)
+    places = {name: place for place, name in enumerate(model.names)}
+    sizes = [name[3:-1] for name in places if name.startswith("c1[")]
+    return WithoutExclusions(
+        trials_used=trials,
+        converged=all(figures.converged for figures in diagnose_all(theta)),
+        pulleys={
+            size: {c: _interval(theta[..., places[f"{c}[{size}]"]]) for c in COEFFICIENTS}
+            for size in sizes
+        },
     )
 
 
@@ -233,7 +255,9 @@ def _attention(
                 f"{min(figures.ess_bulk, figures.ess_tail):.0f} effective draws "
                 f"(at least {LIMITS['ess']:.0f})"
             )
-    open_names = [name for name, entry in entries.items() if not entry.informed]
+    # `informed` is judged at the median: of draws that have not converged, anywhere.
+    converged = all(figures.converged for figures in convergence.values())
+    open_names = [name for name, entry in entries.items() if converged and not entry.informed]
     if open_names:
         lines.append(f"Driven by the prior, not by these data: {', '.join(open_names)}")
     if quality.replicated_cells == 0 and quality.trials_used:

@@ -10,7 +10,7 @@ from bayesfric.fitting import fit
 from bayesfric.protocols import Protocol
 from bayesfric.simulate import simulate_recording
 
-QUICK_SAMPLER = Sampler(burn=60, steps=80, thin=2)
+QUICK_SAMPLER = Sampler(burn=60, steps=80, thin=2, extensions=0)
 
 
 @pytest.fixture(autouse=True)

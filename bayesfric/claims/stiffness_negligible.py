@@ -79,7 +79,7 @@ def _least_squares(
     if stretch is not None:
         for place in (4, 5):
             matrix[:, place, place] += 1 / stretch**2
-    fit = np.linalg.solve(matrix, right[..., None])[..., 0]
+    fit = np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0], dtype=np.float64)
     return fit, fit[events.trial, 2] + fit[events.trial, 3] * events.tau
 
 

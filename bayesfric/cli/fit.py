@@ -74,15 +74,16 @@ def fit_into(
         )
     result.write(output, csv=csv)
     shutil.rmtree(checkpoint)
+    converged = result.summary.converged  # where it is not, `informed` may be wrong
     for size, coefficients in result.summary.pulleys.items():
         for name, entry in coefficients.items():
             unit = "" if entry.unit == "1" else f" {entry.unit}"
             typer.echo(
                 f"{size:<8} {name}  {entry.mean:.4g} ± {entry.sd:.2g}{unit}"
                 f"  (90 %: {entry.q05:.4g} to {entry.q95:.4g})"
-                + ("" if entry.informed else "  driven by the prior")
+                + ("" if entry.informed or not converged else "  driven by the prior")
             )
     if not quiet:
         for line in result.summary.attention:
             typer.echo(f"attention: {line}", err=True)
-    fail_on(failures, set() if result.summary.converged else {"unconverged"})
+    fail_on(failures, set() if converged else {"unconverged"})

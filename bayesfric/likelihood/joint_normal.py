@@ -22,6 +22,7 @@ from bayesfric.likelihood.scatter import LOG_2PI, SetupIndex
 __all__ = ["JointNormal"]
 
 Array = NDArray[np.float64]
+LARGEST_CONDITION = 1e12  # of the curve's precision; rounding would be felt beyond
 
 
 class _Sums(NamedTuple):
@@ -34,11 +35,25 @@ class _Sums(NamedTuple):
     inner: Array  # (…, K, K) BᵀA⁻¹B
 
     def log_density(self) -> Array:
-        whole = np.eye(self.inner.shape[-1]) + self.inner
+        whole, known = self._precision()
         solved = np.linalg.solve(whole, self.right[..., None])[..., 0]
         square = self.square - (self.right * solved).sum(axis=-1)
         log_determinant = self.log_determinant + np.linalg.slogdet(whole)[1]
-        return np.asarray(-0.5 * (self.size * LOG_2PI + log_determinant + square))
+        density = -0.5 * (self.size * LOG_2PI + log_determinant + square)
+        return np.where(known, density, np.nan)
+
+    def _precision(self) -> tuple[Array, NDArray[np.bool_]]:
+        """Return I + BᵀA⁻¹B, and where it can be inverted; the identity elsewhere.
+
+        Few measurements leave a part of the curve to its prior, whose 1 is lost beside
+        the precision of the rest when the noise is far below what anyone would record.
+        """
+        identity = np.eye(self.inner.shape[-1])
+        finite = np.asarray(np.isfinite(self.inner).all(axis=(-2, -1)))
+        whole = identity + np.where(finite[..., None, None], self.inner, 0.0)
+        values = np.linalg.eigvalsh(whole)
+        known = finite & (values[..., -1] < LARGEST_CONDITION * values[..., 0])
+        return np.where(known[..., None, None], whole, identity), known
 
 
 @dataclass(frozen=True)

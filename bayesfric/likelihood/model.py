@@ -1,12 +1,14 @@
 """Priors and likelihoods put together: one log posterior for a whole ensemble."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Protocol
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from bayesfric.analysis import Prior
+from bayesfric.friction import Coefficients
 from bayesfric.priors import LOG_2PI, Parameter, draw, from_normal, log_density, to_normal
 
 __all__ = ["Model", "RigLikelihood"]
@@ -88,6 +90,37 @@ class Model:
         """Return sampling-space points from parameters in their units, shape (…, D)."""
         columns = zip(self.parameters, np.moveaxis(theta, -1, 0), strict=True)
         return np.stack([to_normal(p.prior, column) for p, column in columns], axis=-1)
+
+    def linear(self, z: Array) -> Array:
+        """Return points with the coefficients in their units, shape (W, D).
+
+        Friction is linear in these, so what the data leave open is straight.
+        """
+        x = z.copy()
+        for place, prior in self._coefficients():
+            x[:, place] = from_normal(prior, z[:, place])
+        return x
+
+    def from_linear(self, x: Array) -> Array:
+        """Return the sampling-space points of :meth:`linear`; infinite beyond a prior's bounds."""
+        z = x.copy()
+        for place, prior in self._coefficients():
+            z[:, place] = to_normal(prior, x[:, place])
+        return z
+
+    def linear_log_slope(self, z: Array) -> Array:
+        """Return the log determinant of the derivative of :meth:`linear`, shape (W,)."""
+        slope = np.zeros(len(z))
+        for place, prior in self._coefficients():
+            # One probability in either coordinate: N(z) dz = p(x) dx.
+            normal = -0.5 * (LOG_2PI + z[:, place] ** 2)
+            slope += normal - log_density(prior, from_normal(prior, z[:, place]))
+        return slope
+
+    def _coefficients(self) -> Iterator[tuple[int, Prior]]:
+        for place, parameter in enumerate(self.parameters):
+            if parameter.name.partition("[")[0] in Coefficients._fields:
+                yield place, parameter.prior
 
     def by_name(self, theta: Array) -> dict[str, Array]:
         """Return the columns of an array of shape (W, D) by parameter name."""

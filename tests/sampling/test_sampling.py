@@ -5,8 +5,9 @@ import pytest
 from scipy import stats
 
 from bayesfric.analysis import Sampler
+from bayesfric.checkpoint import Checkpoint
 from bayesfric.laplace import Laplace, laplace_approximation
-from bayesfric.sampling import SamplingError, StudentT, sample
+from bayesfric.sampling import Chart, SamplingError, StudentT, sample
 
 SETTINGS = Sampler(walkers=32, burn=100, steps=400, thin=4)
 
@@ -17,9 +18,21 @@ def skewed(points):
     return 2 * z - np.exp(z) + stats.norm(0.5 * z, 1.0).logpdf(x) + stats.norm(x, 0.1).logpdf(y)
 
 
-def draw(seed, progress=None):
+def draw(seed, progress=None, settings=SETTINGS, **options):
     laplace = laplace_approximation(skewed, np.zeros(3), np.ones(3))
-    return sample(skewed, laplace, SETTINGS, seed, progress)
+    return sample(skewed, laplace, settings, seed, progress, **options)
+
+
+def exponential(z):
+    return np.column_stack([np.exp(z[:, 0]), z[:, 1:]])
+
+
+def logarithm(x):
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.column_stack([np.log(x[:, 0]), x[:, 1:]])
+
+
+EXPONENTIAL = Chart(exponential, logarithm, lambda z: z[:, 0])
 
 
 def test_quantiles_are_those_of_the_density():
@@ -59,6 +72,73 @@ def test_progress_counts_every_step_once():
     draw(6, lambda done, total: seen.append((done, total)))
     total = 100 + 4 * 500
     assert seen == [(step, total) for step in range(1, total + 1)]
+
+
+def never(z):
+    return False
+
+
+@pytest.mark.parametrize("share", [0.9, 1.0])
+def test_a_chart_changes_the_proposals_and_not_the_density(share):
+    """With proposals below zero in it, where no point is; also without other moves."""
+    settings = SETTINGS.model_copy(update={"extensions": 1, "independence_share": share})
+    draws = draw(1, settings=settings, converged=never, chart=EXPONENTIAL)
+    z, x, _ = draws.z.reshape(-1, 3).T
+    for probability in (0.05, 0.25, 0.5, 0.75, 0.95):
+        below = (np.exp(z) < stats.gamma(2).ppf(probability)).mean()
+        error = np.sqrt(probability * (1 - probability) / 3200)
+        assert abs(below - probability) < 4 * error
+    assert x.var() == pytest.approx((np.pi**2 / 6 - 1) / 4 + 1, rel=0.08)
+    assert not (z == draw(1).z[..., 0].ravel()).any()
+
+
+@pytest.mark.parametrize(
+    ("enough", "extensions", "steps"), [(1, 0, 400), (2, 1, 400), (3, 2, 800), (9, 3, 1600)]
+)
+def test_ensembles_run_on_until_the_draws_are_good(enough, extensions, steps):
+    asked, seen = [], []
+
+    def converged(z):
+        asked.append(z.shape)
+        return len(asked) == enough
+
+    def progress(done, total):
+        seen.append((done, total))
+
+    draws = draw(5, progress, converged=converged)
+    assert (draws.extensions, draws.steps, draws.thin) == (extensions, steps, steps // 100)
+    assert set(asked) == {(4, 100, 32, 3)}  # as many draws each time
+    assert [done for done, _ in seen] == list(range(1, len(seen) + 1))
+    assert seen[-1][0] == seen[-1][1] == 100 + 4 * (100 + 400 * 2**extensions)
+
+
+def test_draws_that_are_good_are_left_alone():
+    draws = draw(5, converged=lambda z: True, chart=EXPONENTIAL)
+    assert (draws.z == draw(5).z).all()
+
+
+def test_a_run_that_was_stopped_while_it_ran_on_goes_on_to_the_same_draws(tmp_path):
+    unbroken = draw(5, converged=never, chart=EXPONENTIAL)
+
+    def stop(done, total):
+        if done == 4444:  # in the second extension
+            raise KeyboardInterrupt
+
+    keeping = Checkpoint(tmp_path / "c", "key")
+    with pytest.raises(KeyboardInterrupt):
+        draw(5, stop, converged=never, chart=EXPONENTIAL, checkpoint=keeping)
+    assert list((tmp_path / "c").glob("ensemble-0-001000.npz"))
+    seen = []
+    again = draw(
+        5,
+        lambda done, total: seen.append(done),
+        converged=never,
+        chart=EXPONENTIAL,
+        checkpoint=keeping,
+    )
+    assert (again.z == unbroken.z).all()
+    assert (again.acceptance == unbroken.acceptance).all()
+    assert seen == sorted(set(seen))
 
 
 def test_student_t_density_and_draws_are_scipys():

@@ -1,0 +1,72 @@
+"""A torque constant 3 % off is found by the joint fit, and moves no gravity coefficient.
+
+The seeds 0…99 and the bound were fixed before the first run. Continuous integration
+runs three of them and compares each with the evidence of the long run.
+"""
+
+from concurrent.futures import ProcessPoolExecutor
+
+import numpy as np
+import pytest
+from campaigns import evidence, torque_constant
+
+from bayesfric.analysis import Analysis, Sampler
+from bayesfric.campaign import run_campaign
+from bayesfric.fitting import fit
+
+CI_SEEDS = (0, 33, 66)
+SHORT = Sampler(burn=60, steps=80, thin=2, extensions=0)
+
+
+def run(seeds, folder):
+    with ProcessPoolExecutor(1) as executor:
+        cases = {f"{seed:04d}": seed for seed in seeds}
+        return list(run_campaign(torque_constant.case, cases, folder, executor).values())
+
+
+def test_each_of_three_agrees_with_the_evidence(tmp_path):
+    """The same seed gives the same posterior, within four Monte Carlo errors."""
+    recorded = {case["seed"]: case for case in evidence.read("torque_constant")["cases"]}
+    for now in run(CI_SEEDS, tmp_path):
+        then = recorded[now["seed"]]
+        assert now["converged"]
+        assert abs(now["mean"] - then["mean"]) < 4 * np.hypot(now["mcse"], then["mcse"])
+        assert now["sd"] == pytest.approx(then["sd"], rel=0.1)
+
+
+def test_the_evidence_covers():
+    record = evidence.read("torque_constant")
+    assert [case["seed"] for case in record["cases"]] == list(torque_constant.SEEDS)
+    assert record["figures"] == torque_constant.coverage(record["cases"])
+    assert record["figures"]["covered"] >= torque_constant.LEAST_COVERED
+
+
+@pytest.mark.parametrize("seed", CI_SEEDS)
+def test_the_gravity_board_does_not_see_the_motor(seed):
+    """Its fit is the same to the last bit, whatever the torque constant is."""
+    fits = [
+        fit(
+            torque_constant.recording(seed, factor),
+            Analysis(sampler=SHORT),
+            rigs=("gravity",),
+        )
+        for factor in (1.0, torque_constant.FACTOR)
+    ]
+    shipped, off = (fit.draws["posterior"].to_dataset() for fit in fits)
+    assert off.equals(shipped)
+    assert fits[0].summary.pulleys == fits[1].summary.pulleys
+
+
+@pytest.mark.long
+def test_coverage_of_a_hundred_recordings():
+    cases = run(torque_constant.SEEDS, evidence.WORK / "torque_constant")
+    figures = torque_constant.coverage(cases)
+    print(figures)  # noqa: T201
+    evidence.write(
+        "torque_constant",
+        command="make test-long",
+        seeds=[torque_constant.SEEDS.start, torque_constant.SEEDS.stop - 1],
+        figures=figures,
+        cases=cases,
+    )
+    assert figures["covered"] >= torque_constant.LEAST_COVERED, figures
