@@ -7,13 +7,15 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from bayesfric.claims import check_claims
     from bayesfric.fitting import fit
     from bayesfric.recording import read_recording
     from bayesfric.simulate import simulate_recording
 
-__all__ = ["fit", "read_recording", "simulate_recording"]
+__all__ = ["check_claims", "fit", "read_recording", "simulate_recording"]
 
 _HOMES = {
+    "check_claims": "bayesfric.claims",
     "fit": "bayesfric.fitting",
     "read_recording": "bayesfric.recording",
     "simulate_recording": "bayesfric.simulate",

@@ -80,6 +80,8 @@ class Claim:
     levels : mapping of str to int
         How many different values a column of the trials must have for the rivals to
         differ from the claim; ``tension`` counts sums of the two masses.
+    by_size : bool
+        Whether each pulley size is also compared alone.
     """
 
     name: str
@@ -90,12 +92,15 @@ class Claim:
     board: Board | None = None
     rivals: tuple[Hypothesis, ...] = ()
     levels: Mapping[str, int] = field(default_factory=dict)
+    by_size: bool = True
 
     def tasks(self, data: Mapping[str, Data]) -> list[Task]:
         """Return what must be studied, of the data that there are."""
         if self.board is None or self.board not in data:
             return []
         names = [name for name in data if name.split("/")[0] == self.board]
+        if not self.by_size:
+            names = [self.board]
         return [Task(name, one) for name in names for one in (BASELINE, *self.rivals)]
 
 
@@ -113,13 +118,19 @@ class Case:
         ``gravity`` and ``motor`` where they are there, and these of each size.
     studied : mapping of Task to Studied
         Of every task of every claim.
+    posterior : mapping of str to ndarray, or None
+        Draws of the law given the gravity board's data by parameter, where a fit has
+        them already.
     """
 
     recording: Recording
     analysis: Analysis
     data: Mapping[str, Data]
     studied: Mapping[Task, Studied]
+    posterior: Mapping[str, Array] | None = None
 
     def baseline(self, board: Board) -> Mapping[str, Array]:
         """Return draws of the law by parameter, given one board's data."""
+        if board == "gravity" and self.posterior is not None:
+            return self.posterior
         return self.studied[Task(board, BASELINE)].theta

@@ -5,14 +5,15 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.optimize import lsq_linear
 
-from bayesfric.claims.base import Case, Claim, Finding, Verdict
-from bayesfric.evidence import savage_dickey
+from bayesfric.claims.base import BASELINE, Case, Claim, Finding, Verdict
+from bayesfric.claims.studies import Task
 from bayesfric.likelihood.coefficients import coefficient_parameters
+from bayesfric.likelihood.hypothesis import Hypothesis
 from bayesfric.paper import table1
-from bayesfric.priors import log_density
 
 Array = NDArray[np.float64]
 LN10 = float(np.log(10))
+PRINTED = Hypothesis(printed=True)
 
 
 def tail_probability(draws: Array, point: Array, rounding: Array) -> float:
@@ -38,44 +39,46 @@ def tail_probability(draws: Array, point: Array, rounding: Array) -> float:
 
 
 def _judge(claim: Claim, case: Case) -> Finding:
-    """Weigh Table I against all other values by the Savage–Dickey ratio."""
-    board = "gravity" if "gravity" in case.data else "motor"
-    sizes = [size for size in case.data[board].sizes if size in table1()]
+    """Weigh Table I, rounding included, against all that the priors allow."""
+    if "gravity" not in case.data:
+        return Finding("not-testable", "The recording has no gravity board.")
+    sizes = [size for size in case.data["gravity"].sizes if size in table1()]
     if not sizes:
         return Finding("not-testable", "The recording has no pulley size of Table I.")
-    theta = case.baseline(board)  # type: ignore[arg-type]
+    theta = case.baseline("gravity")
     parameters = coefficient_parameters(tuple(sizes), case.analysis)
     printed = [getattr(table1()[p.name[3:-1]], p.name[:2]) for p in parameters]
     point = np.array([number.value for number in printed])
     rounding = np.array([number.rounding for number in printed])
     draws = np.stack([theta[p.name] for p in parameters], axis=1)
-    # The printed point stands for all that round to it: draws moved by as much have, at
-    # the point, the mean density over those.
-    rng = np.random.default_rng([case.analysis.seed, 9])
-    moved = draws + rng.uniform(-rounding, rounding, draws.shape)
-    prior = [log_density(p.prior, value) for p, value in zip(parameters, point, strict=True)]
-    ratio = savage_dickey(moved, point, float(np.sum(prior)))
     tail = tail_probability(draws, point, rounding)
-    rules = case.analysis.claims
-    log10 = ratio.log_evidence / LN10
-    verdict: Verdict = "undecided"
-    reason = f"Table I is within the posterior (tail probability {tail:.2g})"
-    if tail < rules.refute_tail_probability:
-        verdict = "refuted"
-        reason = f"So far from Table I is a part of {tail:.1g} of the posterior, or less"
-    elif log10 >= rules.support_log10_bayes_factor:
-        verdict = "supported"
-    figures: dict[str, float | str] = {"joint_tail_probability": tail, "method": ratio.method}
+    figures: dict[str, float] = {"joint_tail_probability": tail}
     for p, column, value in zip(parameters, draws.T, point, strict=True):
         figures[f"{p.name}_over_table1"] = float(column.mean() / value)
         figures[f"{p.name}_relative_sd"] = float(column.std() / abs(value))
+    own, narrow = (case.studied[Task("gravity", one)] for one in (BASELINE, PRINTED))
+    log10, error, why = None, None, own.why or narrow.why
+    if own.evidence is not None and narrow.evidence is not None:
+        log10 = (narrow.evidence.log_evidence - own.evidence.log_evidence) / LN10
+        error = float(np.hypot(own.evidence.error, narrow.evidence.error)) / LN10
+    rules = case.analysis.claims
+    verdict: Verdict = "undecided"
+    if tail < rules.refute_tail_probability:
+        verdict = "refuted"
+        reason = f"Table I is far out in the posterior (joint tail probability {tail:.1g})"
+    else:
+        reason = f"Table I lies within the posterior (joint tail probability {tail:.2f})"
+        if log10 is not None and log10 >= rules.support_log10_bayes_factor:
+            verdict = "supported"
+    weight = "" if log10 is None else f"; the Bayes factor in favour of it is 10^{log10:.1f}"
+    width = max(value for name, value in figures.items() if name.endswith("_relative_sd"))
     return Finding(
         verdict,
-        f"{reason}; the Bayes factor in favour of it is 10^{log10:.1f}.",
+        f"{reason}{weight}. The widest coefficient is known to {width:.1%}.",
         figures,
         log10,
-        ratio.error / LN10,
-        why="prediction is not what this claim is about",
+        error,
+        why=why or "prediction is not what this claim is about",
     )
 
 
@@ -86,4 +89,6 @@ CLAIM = Claim(
     paper="Table I, as printed.",
     judge=_judge,
     board="gravity",
+    rivals=(PRINTED,),
+    by_size=False,
 )

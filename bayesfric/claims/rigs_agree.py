@@ -77,4 +77,5 @@ CLAIM = Claim(
     paper="Means of the motor board lie within 5 % of eq. (16) mostly, within 10 % at most.",
     judge=_judge,
     board="gravity",
+    by_size=False,
 )

@@ -134,4 +134,5 @@ CLAIM = Claim(
     paper="Models (3) and (4) give 0.816 and 0.818 N (medium, n = 9, 85°, 15.5 N; Sec. III.B).",
     judge=_judge,
     board="gravity",
+    by_size=False,
 )

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from bayesfric.cli.claims import claims
 from bayesfric.cli.fit import fit
 from bayesfric.cli.info import info
 from bayesfric.cli.report import report
@@ -25,7 +26,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for verb in (run, validate, simulate, fit, report, info):
+for verb in (run, validate, simulate, fit, claims, report, info):
     app.command()(verb)
 
 

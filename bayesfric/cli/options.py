@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-__all__ = ["Baseline", "Config", "FailOn", "Folder", "Quiet", "Rigs", "Seed"]
+__all__ = ["Baseline", "Config", "FailOn", "Folder", "Quiet", "Rigs", "Seed", "Workers"]
 
 Folder = Annotated[Path, typer.Option("-o", "--output", help="Folder for the results.")]
 Seed = Annotated[
@@ -23,6 +23,9 @@ Rigs = Annotated[
 ]
 Baseline = Annotated[
     str, typer.Option("--baseline", help="Friction law: paper, or recursive (pulley by pulley).")
+]
+Workers = Annotated[
+    int, typer.Option("--workers", min=1, help="Processes; any number gives the same result.")
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", help="No progress and no chatter.")]
 FailOn = Annotated[

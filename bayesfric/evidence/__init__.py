@@ -1,6 +1,6 @@
 """Evidence of a density and what leaving data out predicts; knows nothing of friction."""
 
-from bayesfric.evidence.bridge import bridge_evidence
+from bayesfric.evidence.bridge import bridge_evidence, in_one_place
 from bayesfric.evidence.conjugate import LinearGaussian
 from bayesfric.evidence.importance import laplace_evidence
 from bayesfric.evidence.leave_out import ELPD, Difference, difference, elpd, loo_pit
@@ -17,6 +17,7 @@ __all__ = [
     "bridge_evidence",
     "difference",
     "elpd",
+    "in_one_place",
     "laplace_evidence",
     "loo_pit",
     "savage_dickey",

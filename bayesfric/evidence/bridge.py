@@ -31,7 +31,7 @@ from bayesfric.diagnostics import mean_ess, multivariate_r_hat
 from bayesfric.evidence.proposal import LogDensity, evaluate, fit_proposal
 from bayesfric.evidence.record import Evidence, SeparatedModes
 
-__all__ = ["bridge_evidence"]
+__all__ = ["bridge_evidence", "in_one_place"]
 
 Array = NDArray[np.float64]
 
@@ -153,11 +153,28 @@ def _spread(count: int, available: int) -> NDArray[np.int_]:
     return (np.arange(count) * available) // count
 
 
-def _refuse_separated(draws: Array) -> None:
+def in_one_place(draws: Array) -> bool:
+    """Say whether ensembles and walkers sit in one place, as :func:`bridge_evidence` needs.
+
+    Parameters
+    ----------
+    draws : ndarray, shape (ensembles, kept, walkers, D)
+        In the order in which they were drawn.
+    """
+    pooled, single = _spread_of_places(draws)
+    return pooled <= LIMIT_ENSEMBLES and single <= LIMIT_WALKERS
+
+
+def _spread_of_places(draws: Array) -> tuple[float, float]:
+    """Return the multivariate R-hat between ensembles and between walkers."""
     ensembles, kept, walkers, size = draws.shape
-    pooled = multivariate_r_hat(draws.reshape(ensembles, kept * walkers, size))
     by_walker = draws.transpose(0, 2, 1, 3).reshape(ensembles * walkers, kept, size)
-    single = multivariate_r_hat(by_walker)
+    pooled = multivariate_r_hat(draws.reshape(ensembles, kept * walkers, size))
+    return pooled, multivariate_r_hat(by_walker)
+
+
+def _refuse_separated(draws: Array) -> None:
+    pooled, single = _spread_of_places(draws)
     if pooled > LIMIT_ENSEMBLES or single > LIMIT_WALKERS:
         raise SeparatedModes(
             f"the draws sit in different places: multivariate R-hat {pooled:.3g} between "

@@ -2,13 +2,14 @@
 
 from dataclasses import dataclass
 
-from bayesfric.analysis import Analysis
+from bayesfric.analysis import Analysis, PriorOverrides, Uniform
 from bayesfric.baseline import BASELINES, RIVAL_LAWS
 from bayesfric.effects import Effect
 from bayesfric.likelihood.effect_terms import ActiveEffect
 from bayesfric.likelihood.gravity import GravityLikelihood
 from bayesfric.likelihood.model import Model, RigLikelihood
 from bayesfric.likelihood.motor import MotorLikelihood
+from bayesfric.paper import table1
 from bayesfric.recording.tables import Gravity, Motor, Rig
 
 __all__ = ["Data", "Hypothesis", "model_of"]
@@ -71,14 +72,20 @@ class Hypothesis:
         :data:`bayesfric.baseline.RIVAL_LAWS`.
     effects : tuple of (str, str)
         Names of effects, each with the name of one of its laws.
+    printed : bool
+        Whether the coefficients are those of Table I: uniform over what rounds to the
+        printed digits, instead of the analysis' priors.
     """
 
     law: str = "paper"
     effects: tuple[tuple[str, str], ...] = ()
+    printed: bool = False
 
     @property
     def label(self) -> str:
         """The law alone, or its effects as in ``viscous/tension``."""
+        if self.printed:
+            return "table-1"
         return "+".join("/".join(one) for one in self.effects) or self.law
 
 
@@ -104,6 +111,8 @@ def model_of(
         The gravity board's likelihood first.
     """
     law = LAWS[hypothesis.law]
+    if hypothesis.printed:
+        analysis = _with_table1(analysis)
     active = [ActiveEffect(effects[name], variant) for name, variant in hypothesis.effects]
     rigs: list[RigLikelihood] = []
     if data.gravity is not None:
@@ -111,3 +120,19 @@ def model_of(
     if data.motor is not None:
         rigs.append(MotorLikelihood(data.motor, data.rig, analysis, law, active))
     return Model(rigs)
+
+
+def _with_table1(analysis: Analysis) -> Analysis:
+    """Return the analysis with priors of the sizes of Table I as narrow as its rounding."""
+    printed = {}
+    for size, row in table1().items():
+        numbers = {"c1": row.c1, "c2": row.c2, "c3": row.c3}
+        printed[size] = PriorOverrides(
+            **{
+                name: Uniform(low=n.value - n.rounding, high=n.value + n.rounding)
+                for name, n in numbers.items()
+            }
+        )
+    pulleys = {**analysis.priors.pulleys, **printed}
+    priors = analysis.priors.model_copy(update={"pulleys": pulleys})
+    return analysis.model_copy(update={"priors": priors})

@@ -1,0 +1,226 @@
+"""A recording to verdicts on every claim, and to what is stored of them."""
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from pkgutil import iter_modules
+from xml.etree import ElementTree
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.claims.base import Case, Claim, Finding
+from bayesfric.claims.contradictions import contradictions
+from bayesfric.claims.studies import study_all
+from bayesfric.effects import all_effects
+from bayesfric.likelihood.hypothesis import Data
+from bayesfric.likelihood.screening import screen_trials
+from bayesfric.recording.tables import Recording
+from bayesfric.results import json_bytes, provenance, replace_outputs, write_netcdf
+from bayesfric.schemas import (
+    ClaimResult,
+    ClaimsFile,
+    PulleyEvidence,
+    RecordingId,
+    SelfContradiction,
+)
+
+__all__ = ["Checked", "check_claims", "registered"]
+
+Array = NDArray[np.float64]
+
+
+@cache
+def registered() -> tuple[Claim, ...]:
+    """Return the claims of this folder, in the order of the report."""
+    package = __name__.rpartition(".")[0]
+    folder = [str(Path(__file__).parent)]
+    modules = [import_module(f"{package}.{found.name}") for found in iter_modules(folder)]
+    claims = [module.CLAIM for module in modules if hasattr(module, "CLAIM")]
+    return tuple(sorted(claims, key=lambda claim: claim.place))
+
+
+@dataclass(frozen=True)
+class Checked:
+    """Verdicts, ready to be written.
+
+    Parameters
+    ----------
+    summary : ClaimsFile
+        What ``claims.json`` says.
+    curves : DataTree
+        What ``claims.nc`` holds: ``curves``, the log10 Bayes factor over the width of
+        the rivals' priors.
+    seconds : float
+        Wall time.
+    """
+
+    summary: ClaimsFile
+    curves: xr.DataTree
+    seconds: float
+
+    @property
+    def refuted(self) -> tuple[str, ...]:
+        """Claims that these data refute."""
+        return tuple(one.id for one in self.summary.claims if one.verdict == "refuted")
+
+    def write(self, folder: Path | str, *, junit: Path | None = None) -> None:
+        """Write ``claims.json`` and ``claims.nc``, and a JUnit report if asked.
+
+        Parameters
+        ----------
+        folder : Path or str
+            Created if it is not there; other files in it are left alone.
+        junit : Path or None
+            A test report in which a refuted claim is a failure and one that is
+            undecided or not testable is skipped.
+
+        Raises
+        ------
+        InputError
+            The folder cannot be written.
+        """
+        writers: dict[str, Callable[[Path], object]] = {
+            "claims.json": lambda path: path.write_bytes(json_bytes(self.summary)),
+            "claims.nc": lambda path: write_netcdf(self.curves, path),
+        }
+        replace_outputs(Path(folder), writers)
+        if junit is not None:
+            replace_outputs(
+                junit.resolve().parent, {junit.name: lambda path: path.write_bytes(self._junit())}
+            )
+
+    def _junit(self) -> bytes:
+        verdicts = [one.verdict for one in self.summary.claims]
+        suite = ElementTree.Element(
+            "testsuite",
+            name="bayesfric.claims",
+            tests=str(len(verdicts)),
+            failures=str(verdicts.count("refuted")),
+            skipped=str(verdicts.count("undecided") + verdicts.count("not-testable")),
+        )
+        for one in self.summary.claims:
+            case = ElementTree.SubElement(suite, "testcase", classname="claims", name=one.id)
+            if one.verdict == "refuted":
+                ElementTree.SubElement(case, "failure", message=one.reason)
+            elif one.verdict != "supported":
+                ElementTree.SubElement(case, "skipped", message=f"{one.verdict}: {one.reason}")
+        ElementTree.indent(suite)
+        return bytes(ElementTree.tostring(suite, encoding="utf-8", xml_declaration=True)) + b"\n"
+
+
+def check_claims(
+    recording: Recording,
+    analysis: Analysis | None = None,
+    *,
+    posterior: Mapping[str, Array] | None = None,
+    executor: Executor | None = None,
+    only: Sequence[str] | None = None,
+) -> Checked:
+    """Judge the paper's claims on a recording.
+
+    Parameters
+    ----------
+    recording : Recording
+        With a gravity board, a motor board or both.
+    analysis : Analysis or None
+        Priors, rules and seed; None for the defaults.
+    posterior : mapping of str to ndarray of shape (S,), or None
+        Draws of the law given the gravity board's data by parameter name, from a fit of
+        the same recording and analysis; None draws anew.
+    executor : Executor or None
+        Where hypotheses are studied; None is here, one by one. The result is the same.
+    only : sequence of str or None
+        Ids of the claims to judge; None is all.
+
+    Returns
+    -------
+    Checked
+        Verdicts and the numbers they rest on.
+    """
+    began = time.perf_counter()
+    analysis = Analysis() if analysis is None else analysis
+    claims = [claim for claim in registered() if only is None or claim.name in only]
+    data = _data(recording)
+    tasks = list(dict.fromkeys(task for claim in claims for task in claim.tasks(data)))
+    studied = study_all(tasks, data, analysis, all_effects(), executor)
+    case = Case(recording, analysis, data, studied, posterior)
+    findings = [(claim, claim.judge(claim, case)) for claim in claims]
+    attributes = provenance(
+        seed=analysis.seed,
+        recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
+        analysis_sha256=analysis_sha256(analysis),
+        created=recording.created,
+    )
+    summary = ClaimsFile(
+        **attributes.model_dump(),
+        rules=analysis.claims.model_dump(),
+        claims=tuple(_result(claim, found) for claim, found in findings),
+        self_contradictions=tuple(
+            SelfContradiction.model_validate(one._asdict()) for one in contradictions()
+        ),
+    )
+    return Checked(summary, _curves(findings), time.perf_counter() - began)
+
+
+def _data(recording: Recording) -> dict[str, Data]:
+    """Return the data of each board, and of each board and size."""
+    data: dict[str, Data] = {}
+    if recording.gravity is not None:
+        screened = screen_trials(recording.gravity, recording.rig).gravity
+        if not screened.trials.empty:
+            data["gravity"] = Data(recording.rig, gravity=screened)
+    if recording.motor is not None:
+        data["motor"] = Data(recording.rig, motor=recording.motor)
+    for board in list(data):
+        for size in data[board].sizes:
+            data[f"{board}/{size}"] = data[board].of_size(size)
+    return data
+
+
+def _result(claim: Claim, found: Finding) -> ClaimResult:
+    return ClaimResult(
+        id=claim.name,
+        statement=claim.statement,
+        paper=claim.paper,
+        verdict=found.verdict,
+        reason=found.reason,
+        log10_bayes_factor=found.log10_bayes_factor,
+        log10_bayes_factor_why=_why(found, found.log10_bayes_factor),
+        log10_bayes_factor_se=found.log10_bayes_factor_se,
+        elpd_difference=found.elpd_difference,
+        elpd_difference_why=_why(found, found.elpd_difference),
+        elpd_difference_se=found.elpd_difference_se,
+        figures=dict(found.figures),
+        by_pulley={
+            size: PulleyEvidence(
+                log10_bayes_factor=value,
+                log10_bayes_factor_why=why or None,
+                log10_bayes_factor_se=error,
+            )
+            for size, (value, error, why) in found.by_pulley.items()
+        },
+    )
+
+
+def _why(found: Finding, value: float | None) -> str | None:
+    return None if value is not None else found.why or found.reason
+
+
+def _curves(findings: Sequence[tuple[Claim, Finding]]) -> xr.DataTree:
+    compared = {claim.name: found.curve for claim, found in findings if found.curve}
+    if not compared:
+        return xr.DataTree()
+    width = next(iter(compared.values()))["width"]
+    values = np.stack([curve["log10_bayes_factor"] for curve in compared.values()])
+    curves = xr.Dataset(
+        {"log10_bayes_factor": (("claim", "width"), values)},
+        coords={"claim": list(compared), "width": width},
+    )
+    return xr.DataTree.from_dict({"curves": curves})

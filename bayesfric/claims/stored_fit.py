@@ -1,0 +1,58 @@
+"""A fit that is stored already, if it is of the same recording and analysis."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.recording.tables import Recording
+from bayesfric.results import read_json, read_tree
+from bayesfric.schemas import FitFile
+
+__all__ = ["current_posterior"]
+
+Array = NDArray[np.float64]
+
+
+def current_posterior(
+    folder: Path, recording: Recording, analysis: Analysis
+) -> dict[str, Array] | None:
+    """Return the draws of a stored fit by parameter name, each of shape (S,).
+
+    Parameters
+    ----------
+    folder : Path
+        Where ``fit.json`` and ``draws.nc`` may be.
+    recording : Recording
+        Of which the fit must be.
+    analysis : Analysis
+        With which it must have been made.
+
+    Returns
+    -------
+    dict of str to ndarray, or None
+        None where there is no fit of the paper's law to the gravity board's data alone,
+        or it has not converged.
+    """
+    if not (folder / "fit.json").exists() or not (folder / "draws.nc").exists():
+        return None
+    summary = read_json(FitFile, folder / "fit.json")
+    current = (
+        summary.recording.sha256 == recording.sha256
+        and summary.analysis_sha256 == analysis_sha256(analysis)
+        and tuple(summary.rigs) == ("gravity",)
+        and summary.baseline == "paper"
+        and summary.converged
+    )
+    if not current:
+        return None
+    posterior = read_tree(folder / "draws.nc")["posterior"].to_dataset()
+    draws: dict[str, Array] = {}
+    for name, variable in posterior.data_vars.items():
+        if "pulley" in variable.dims:
+            for size in posterior["pulley"].to_numpy():
+                draws[f"{name}[{size}]"] = variable.sel(pulley=size).to_numpy().ravel()
+        else:
+            draws[str(name)] = variable.to_numpy().ravel()
+    return draws
