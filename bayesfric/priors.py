@@ -25,6 +25,8 @@ __all__ = [
 ]
 
 LOG_2PI = float(np.log(2 * np.pi))
+LOG_2 = float(np.log(2))
+FAR = 30.0  # standard deviations; tail probabilities soon underflow, their logarithms do not
 
 
 @dataclass(frozen=True)
@@ -104,8 +106,9 @@ def from_normal(prior: Prior, z: ArrayLike) -> NDArray[np.float64]:
         case HalfNormal(scale=scale):
             # Either form loses its digits in the other's tail.
             low = np.sqrt(2) * special.erfinv(special.ndtr(np.minimum(z, 0.0)))
-            high = -special.ndtri(special.ndtr(-np.maximum(z, 0.0)) / 2)
-            return np.asarray(scale * np.where(z < 0, low, high))
+            high = -special.ndtri(special.ndtr(-np.clip(z, 0.0, FAR)) / 2)
+            beyond = -special.ndtri_exp(special.log_ndtr(-np.maximum(z, FAR)) - LOG_2)
+            return np.asarray(scale * np.where(z < 0, low, np.where(z > FAR, beyond, high)))
         case LogNormal(median=median, sd_log=sd):
             return np.asarray(median * np.exp(sd * z))
         case Normal(mean=mean, sd=sd):
@@ -129,8 +132,9 @@ def to_normal(prior: Prior, value: ArrayLike) -> NDArray[np.float64]:
         case HalfNormal(scale=scale):
             u = np.maximum(x, 0.0) / scale
             low = special.ndtri(special.erf(u / np.sqrt(2)))
-            high = -special.ndtri(2 * special.ndtr(-u))
-            return np.asarray(np.where(u < 0.67, low, high))
+            high = -special.ndtri(2 * special.ndtr(-np.minimum(u, FAR)))
+            beyond = -special.ndtri_exp(special.log_ndtr(-np.maximum(u, FAR)) + LOG_2)
+            return np.asarray(np.where(u < 0.67, low, np.where(u > FAR, beyond, high)))
         case LogNormal(median=median, sd_log=sd):
             with np.errstate(divide="ignore"):
                 return np.asarray(np.log(np.maximum(x, 0.0) / median) / sd)
