@@ -15,10 +15,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis, analysis_sha256
-from bayesfric.claims.base import Case, Claim, Finding
-from bayesfric.claims.comparison import bayes_factor
+from bayesfric.claims.base import BASELINE, Case, Claim, Finding
+from bayesfric.claims.comparison import bayes_factor, log_evidence
 from bayesfric.claims.contradictions import contradictions
-from bayesfric.claims.studies import study_all
+from bayesfric.claims.studies import Studied, Task, study_all
 from bayesfric.effects import all_effects
 from bayesfric.likelihood.hypothesis import Data
 from bayesfric.likelihood.screening import screen_trials
@@ -149,8 +149,7 @@ def check_claims(
     analysis = Analysis() if analysis is None else analysis
     claims = [claim for claim in registered() if only is None or claim.name in only]
     data = _data(recording)
-    tasks = list(dict.fromkeys(task for claim in claims for task in claim.tasks(data)))
-    studied = study_all(tasks, data, analysis, all_effects(), executor)
+    studied = _studied(claims, data, analysis, executor)
     case = Case(recording, analysis, data, studied, posterior)
     findings = [(claim, claim.judge(claim, case)) for claim in claims]
     attributes = provenance(
@@ -168,6 +167,34 @@ def check_claims(
         ),
     )
     return Checked(summary, _curves(findings), time.perf_counter() - began)
+
+
+def _studied(
+    claims: Sequence[Claim],
+    data: Mapping[str, Data],
+    analysis: Analysis,
+    executor: Executor | None,
+) -> dict[Task, Studied]:
+    """Study all hypotheses: the law and each claim's best rival with draws, the rest screened."""
+    tasks = list(dict.fromkeys(task for claim in claims for task in claim.tasks(data)))
+    rivals = [task for task in tasks if task.hypothesis != BASELINE]
+    own = [task for task in tasks if task.hypothesis == BASELINE]
+    studied = study_all(own, data, analysis, all_effects(), executor)
+    studied |= study_all(rivals, data, analysis, all_effects(), executor, screen=True)
+    best = dict.fromkeys(one for claim in claims if (one := _best_rival(claim, data, studied)))
+    return studied | study_all(list(best), data, analysis, all_effects(), executor)
+
+
+def _best_rival(
+    claim: Claim, data: Mapping[str, Data], studied: Mapping[Task, Studied]
+) -> Task | None:
+    """Return the rival with the largest evidence, if it has no draws for prediction yet."""
+    whole = [task for task in claim.tasks(data) if task.whole and task.hypothesis != BASELINE]
+    known = [task for task in whole if studied[task].evidence is not None]
+    if not known:
+        return None
+    best = max(known, key=lambda task: log_evidence(studied[task]))
+    return None if studied[best].setup_log_likelihood.size else best
 
 
 def screen_claims(

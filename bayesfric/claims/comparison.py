@@ -11,7 +11,7 @@ from bayesfric.claims.base import BASELINE, Case, Claim, Finding, Verdict
 from bayesfric.claims.studies import WIDTHS, Studied, Task
 from bayesfric.evidence import difference, elpd
 
-__all__ = ["bayes_factor", "compare", "decide"]
+__all__ = ["bayes_factor", "compare", "decide", "log_evidence"]
 
 Array = NDArray[np.float64]
 LN10 = float(np.log(10))
@@ -50,7 +50,9 @@ def compare(claim: Claim, case: Case) -> Finding:
     curve = np.array(
         [bayes_factor(own, list(known.values()), place)[0] for place in range(len(WIDTHS))]
     )
-    best = max(known, key=lambda one: _log_evidence(known[one]))
+    # Draws, which prediction needs, there are of the best rival; screening picked it.
+    drawn = [one for one, found in known.items() if found.setup_log_likelihood.size]
+    best = max(drawn, key=lambda one: log_evidence(known[one]))
     with_effect = [found for found in known.values() if found.size.size]
     bound = max((float(np.quantile(one.size, 0.95)) for one in with_effect), default=0.0)
     best_size = known[best].size
@@ -72,7 +74,7 @@ def compare(claim: Claim, case: Case) -> Finding:
     figures: dict[str, Any] = {
         "best_rival": best.label,
         "log10_bayes_factor_against": {
-            one.label: (own.evidence.log_evidence - _log_evidence(found)) / LN10
+            one.label: (own.evidence.log_evidence - log_evidence(found)) / LN10
             for one, found in known.items()
         },
         "effect_upper_bound_95": bound,
@@ -170,7 +172,8 @@ def decide(
     return "undecided", f"The Bayes factor, 10^{log10:.1f}, decides nothing."
 
 
-def _log_evidence(found: Studied) -> float:
+def log_evidence(found: Studied) -> float:
+    """Return the log evidence of what has one [nat]."""
     assert found.evidence is not None
     return found.evidence.log_evidence
 
@@ -195,7 +198,7 @@ def bayes_factor(
     value, error : float
     """
     assert own.evidence is not None
-    values = np.array([_log_evidence(one) for one in rivals])
+    values = np.array([log_evidence(one) for one in rivals])
     if width is not None:
         values = values + [one.widths[width] if one.widths.size else 0.0 for one in rivals]
     errors = np.array([one.evidence.error for one in rivals if one.evidence is not None])

@@ -18,7 +18,7 @@ from bayesfric.evidence import (
     agree,
     bridge_evidence,
     in_one_place,
-    laplace_evidence,
+    laplace_draws,
 )
 from bayesfric.friction import Coefficients
 from bayesfric.laplace import laplace_approximation
@@ -69,14 +69,14 @@ class Studied:
     Parameters
     ----------
     evidence : Evidence or None
-        By bridge sampling, or by importance sampling alone where one size only is
-        screened; None where none can be had.
+        By bridge sampling, or by importance sampling alone where it was screened only;
+        None where none can be had.
     why : str
         Why there is no evidence, or in what two estimates of it differ.
     theta : mapping of str to ndarray, shape (S,)
-        Draws by parameter; empty where only screened.
+        Draws by parameter; empty of one size.
     setup_log_likelihood : ndarray, shape (S', J)
-        Of each assembly given the others, some of the draws.
+        Of each assembly given the others, some of the draws; empty where screened only.
     widths : ndarray, shape (len(WIDTHS),)
         Change of the log evidence as the width of an amplitude's prior is multiplied
         by :data:`WIDTHS`; empty without an effect.
@@ -146,9 +146,14 @@ def _study(
         model = model_of(data, analysis, task.hypothesis, effects)
         start = _start(model, task.hypothesis, effects)
         laplace = laplace_approximation(model.log_posterior, start, model.scale())
-        rough = laplace_evidence(model.log_posterior, laplace, int(proposals))
-        if rough.reliable and (screen or not task.whole):
+        rough, resampled = laplace_draws(model.log_posterior, laplace, int(proposals))
+        if rough.reliable and not task.whole:
             return Studied(rough)
+        if rough.reliable and screen:
+            drawn = model.by_name(model.natural(resampled))
+            widths = _over_widths(drawn, task.hypothesis, effects)
+            size = _size_at_edge(data, drawn, task.hypothesis, effects)
+            return Studied(rough, "", drawn, widths=widths, size=size)
         draws = sample(model.log_posterior, laplace, SHORT_RUN, int(seed), converged=in_one_place)
         try:
             evidence = bridge_evidence(model.log_posterior, draws.z, int(proposals))
@@ -171,7 +176,7 @@ def _study(
         why,
         named,
         np.concatenate(pointwise, axis=1),
-        _over_widths(model, named, task.hypothesis, effects),
+        _over_widths(named, task.hypothesis, effects),
         _size_at_edge(data, named, task.hypothesis, effects),
     )
 
@@ -193,7 +198,6 @@ def _start(model: Model, hypothesis: Hypothesis, effects: dict[str, Effect]) -> 
 
 
 def _over_widths(
-    model: Model,
     theta: Mapping[str, Array],
     hypothesis: Hypothesis,
     effects: dict[str, Effect],

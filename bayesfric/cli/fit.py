@@ -29,7 +29,7 @@ def fit(
 
     Example: bayesfric fit my-board -o my-results
     """
-    fit_into(
+    happened = fit_into(
         recording,
         output,
         rigs=rigs,
@@ -40,6 +40,7 @@ def fit(
         quiet=quiet,
         failures=fail_on_list,
     )
+    fail_on(fail_on_list, happened)
 
 
 def fit_into(
@@ -53,8 +54,8 @@ def fit_into(
     config: Path | None,
     quiet: bool,
     failures: str,
-) -> None:
-    """Fit, write and print; then exit with 1 if something of `failures` happened."""
+) -> set[str]:
+    """Fit, write and print; return what happened that ``--fail-on`` can name."""
     from bayesfric.analysis import read_analysis
     from bayesfric.fitting import fit as fit_recording
     from bayesfric.recording import read_recording

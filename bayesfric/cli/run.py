@@ -5,9 +5,10 @@ from typing import Annotated
 
 import typer
 
-from bayesfric.cli.exits import exit_status
+from bayesfric.cli.claims import claims_into
+from bayesfric.cli.exits import exit_status, fail_on
 from bayesfric.cli.fit import fit_into
-from bayesfric.cli.options import Baseline, Config, FailOn, Folder, Quiet, Rigs, Seed
+from bayesfric.cli.options import Baseline, Config, FailOn, Folder, Quiet, Rigs, Seed, Workers
 
 __all__ = ["run"]
 
@@ -20,12 +21,13 @@ def run(
     output: Folder = Path("bayesfric-run"),
     rigs: Rigs = None,
     baseline: Baseline = "paper",
+    workers: Workers = 2,
     seed: Seed = None,
     config: Config = None,
     quiet: Quiet = False,
     fail_on_list: FailOn = "",
 ) -> None:
-    """Fit a recording and write the report, in one go.
+    """Fit a recording, judge the claims and write the report, in one go.
 
     Example: bayesfric run my-board -o my-results
     """
@@ -33,23 +35,28 @@ def run(
     from bayesfric.resources import bundled_recording
 
     source = recording if recording is not None else bundled_recording()
-    try:
-        fit_into(
-            source,
-            output,
-            rigs=rigs,
-            baseline=baseline,
-            csv=False,
-            seed=seed,
-            config=config,
-            quiet=quiet,
-            failures=fail_on_list,
-        )
-    except typer.Exit as outcome:
-        if outcome.exit_code != 1:
-            raise
-        write_report(output)  # a failure that was asked about still gets its report
-        raise
+    happened = fit_into(
+        source,
+        output,
+        rigs=rigs,
+        baseline=baseline,
+        csv=False,
+        seed=seed,
+        config=config,
+        quiet=quiet,
+        failures=fail_on_list,
+    )
+    happened |= claims_into(
+        source,
+        output,
+        junit=None,
+        workers=workers,
+        seed=seed,
+        config=config,
+        quiet=quiet,
+        failures=fail_on_list,
+    )
     write_report(output)
     if not quiet:
         typer.echo(f"{output / 'report.pdf'}", err=True)
+    fail_on(fail_on_list, happened)  # what was asked about has its report by now

@@ -1,5 +1,6 @@
 """``bayesfric simulate``: make a synthetic recording."""
 
+import math
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -25,6 +26,14 @@ def simulate(
     protocol: Annotated[
         ProtocolName, typer.Option(help="About 600 gravity trials, or 180.")
     ] = ProtocolName.paper,
+    effect: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--effect",
+            metavar="NAME[=STRENGTH]",
+            help="What acts beside the law; 1 changes friction by 10 % rms. May be repeated.",
+        ),
+    ] = None,
     seed: Seed = None,
     config: Config = None,
     quiet: Quiet = False,
@@ -32,7 +41,7 @@ def simulate(
 ) -> None:
     """Simulate the paper's two boards with Table I and write the recording.
 
-    Example: bayesfric simulate my-recording --protocol quick --seed 7
+    Example: bayesfric simulate my-recording --protocol quick --effect viscous=0.5 --seed 7
     """
     from bayesfric.analysis import read_analysis
     from bayesfric.recording import write_recording
@@ -46,6 +55,7 @@ def simulate(
         seed=analysis.seed,
         name=folder.resolve().name,
         created=created_date(None),
+        effects=_strengths(effect or []),
     )
     write_recording(recording, folder)
     if not quiet:
@@ -56,3 +66,21 @@ def simulate(
         typer.echo(f"{trials} gravity trials and {runs} motor runs written to {folder}", err=True)
         if stalled:
             typer.echo(f"stalled and left out: {', '.join(stalled)}", err=True)
+
+
+def _strengths(given: list[str]) -> dict[str, float]:
+    """Return the strength of each effect by name; 1 where none is given."""
+    from bayesfric.errors import Fault, InputError
+
+    strengths: dict[str, float] = {}
+    for text in given:
+        name, equals, number = text.partition("=")
+        try:
+            strength = float(number) if equals else 1.0
+        except ValueError:
+            strength = float("nan")
+        if not math.isfinite(strength) or name in strengths:
+            expected = "NAME or NAME=STRENGTH, a finite number, and each name once"
+            raise InputError([Fault("command line", expected, column="--effect", value=text)])
+        strengths[name] = strength
+    return strengths

@@ -2,7 +2,7 @@
 
 from bayesfric.evidence.bridge import bridge_evidence, in_one_place
 from bayesfric.evidence.conjugate import LinearGaussian
-from bayesfric.evidence.importance import laplace_evidence
+from bayesfric.evidence.importance import laplace_draws, laplace_evidence
 from bayesfric.evidence.leave_out import ELPD, Difference, difference, elpd, loo_pit
 from bayesfric.evidence.nested import savage_dickey
 from bayesfric.evidence.record import Evidence, SeparatedModes, agree
@@ -18,6 +18,7 @@ __all__ = [
     "difference",
     "elpd",
     "in_one_place",
+    "laplace_draws",
     "laplace_evidence",
     "loo_pit",
     "savage_dickey",

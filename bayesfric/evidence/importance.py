@@ -21,7 +21,7 @@ from bayesfric.evidence.proposal import LogDensity, Proposal, evaluate
 from bayesfric.evidence.record import Evidence
 from bayesfric.laplace import Laplace
 
-__all__ = ["laplace_evidence"]
+__all__ = ["laplace_draws", "laplace_evidence"]
 
 Array = NDArray[np.float64]
 
@@ -63,6 +63,34 @@ def laplace_evidence(
     ValueError
         Too small a sample, or the density is zero at all of its points.
     """
+    return laplace_draws(log_density, laplace, seed, size)[0]
+
+
+def laplace_draws(
+    log_density: LogDensity,
+    laplace: Laplace,
+    seed: int | np.random.Generator,
+    size: int = 2000,
+) -> tuple[Evidence, Array]:
+    """Estimate the log evidence around one mode, and resample the points by their weights.
+
+    Parameters
+    ----------
+    log_density, laplace, seed, size
+        As for :func:`laplace_evidence`.
+
+    Returns
+    -------
+    evidence : Evidence
+        As of :func:`laplace_evidence`.
+    draws : ndarray, shape (size, D)
+        Of the density, some of them more than once; as good as the evidence is.
+
+    Raises
+    ------
+    ValueError
+        Too small a sample, or the density is zero at all of its points.
+    """
     if size < LEAST_SIZE:
         raise ValueError(f"a sample of {size} points; at least {LEAST_SIZE} are needed")
     rng = np.random.default_rng(seed)
@@ -70,12 +98,16 @@ def laplace_evidence(
     points, log_weights, k = _sample(log_density, proposal, size, rng)
     if k > GOOD_K:
         proposal = _refitted(points, log_weights)
-        _, log_weights, k = _sample(log_density, proposal, size, rng)
+        points, log_weights, k = _sample(log_density, proposal, size, rng)
     total = logsumexp(log_weights)
     # Relative variance of the mean weight.
     variance = np.exp(logsumexp(2 * log_weights) - 2 * total) - 1 / size
     error = float(np.sqrt(max(variance, 0.0))) if k <= LIMIT_K else float("inf")
-    return Evidence(float(total - np.log(size)), error, "importance sampling", k)
+    evidence = Evidence(float(total - np.log(size)), error, "importance sampling", k)
+    # Systematic resampling: each point as often as its weight says, to within one.
+    ladder = (np.arange(size) + rng.uniform()) / size
+    chosen = np.searchsorted(np.cumsum(np.exp(log_weights - total)), ladder)
+    return evidence, points[np.minimum(chosen, size - 1)]
 
 
 def _sample(

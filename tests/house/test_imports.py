@@ -33,7 +33,7 @@ ROWS = (
     ("evidence",),
     ("estimator",),
     ("summary", "predictive"),
-    ("fitting",),
+    ("fitting", "testing"),
     ("claims",),
     ("gap",),
     ("margins",),

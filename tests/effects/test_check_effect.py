@@ -1,0 +1,57 @@
+"""What an author of an effect is told."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from bayesfric.effects import all_effects
+from bayesfric.testing import EffectError, check_effect
+
+VISCOUS = all_effects()["viscous"]
+
+
+@pytest.mark.parametrize("name", list(all_effects()))
+def test_our_own_effects_pass(name):
+    check_effect(all_effects()[name])
+
+
+def with_law(law):
+    return dataclasses.replace(VISCOUS, laws={"mine": law})
+
+
+def with_amplitude(**changes):
+    return dataclasses.replace(VISCOUS, amplitude=dataclasses.replace(VISCOUS.amplitude, **changes))
+
+
+@pytest.mark.parametrize(
+    ("effect", "told"),
+    [
+        (with_law(lambda p, s: p["slope"] * s.speed_m_s + 0.1), "still is 0.1, not 0"),
+        (with_law(lambda p, s: p["slope"] ** 2 * s.speed_m_s), "not linear in slope"),
+        (with_law(lambda p, s: p["slope"] / (s.speed_m_s - s.speed_m_s[0])), "not finite"),
+        (with_amplitude(unit="furlong"), "'furlong' is none of"),
+        (with_amplitude(reference=""), "no reference"),
+        (with_amplitude(plausible=(5.0, 9.0)), "not in reach"),
+        (dataclasses.replace(VISCOUS, along_path=False), "not said to act along_path"),
+        (dataclasses.replace(VISCOUS, laws={}), "no law"),
+        (
+            dataclasses.replace(
+                all_effects()["stribeck"],
+                shape=dataclasses.replace(all_effects()["stribeck"].shape, typical=None),
+            ),
+            "needs a typical value",
+        ),
+    ],
+)
+def test_a_fault_is_named(effect, told):
+    with np.errstate(divide="ignore", invalid="ignore"), pytest.raises(EffectError, match=told):
+        check_effect(effect)
+
+
+def test_a_prior_that_is_not_normalised_is_named(monkeypatch):
+    from bayesfric import testing
+
+    monkeypatch.setattr(testing, "log_density", lambda prior, x: np.log(0.5) - x**2)
+    with pytest.raises(EffectError, match="integrates to"):
+        check_effect(VISCOUS)
