@@ -18,6 +18,11 @@ Array = NDArray[np.float64]
 Verdict = Literal["supported", "refuted", "undecided", "not-testable"]
 Board = Literal["gravity", "motor"]
 BASELINE = Hypothesis()
+WORDS = {
+    "tension": "tension",
+    "n_pulleys": "number of pulleys",
+    "wrap_angle_deg": "wrap angle",
+}
 
 
 @dataclass(frozen=True)
@@ -94,13 +99,30 @@ class Claim:
     levels: Mapping[str, int] = field(default_factory=dict)
     by_size: bool = True
 
+    def untestable(self, data: Mapping[str, Data]) -> str:
+        """Return what the recording lacks to compare the claim with its rivals, or nothing."""
+        if self.board is None:
+            return ""
+        if self.board not in data:
+            return f"The recording has no {self.board} board."
+        gravity = data[self.board].gravity
+        if gravity is None:
+            return ""
+        trials = gravity.trials
+        total = (trials["mass_drive_kg"] + trials["mass_load_kg"]).round(2)
+        for name, least in self.levels.items():
+            values = total if name == "tension" else trials[name]
+            if (found := values.nunique()) < least:
+                return f"The {WORDS[name]} takes {found} of at least {least} values."
+        return ""
+
     def tasks(self, data: Mapping[str, Data]) -> list[Task]:
         """Return what must be studied, of the data that there are."""
-        if self.board is None or self.board not in data:
+        if self.board is None or self.untestable(data):
             return []
-        names = [name for name in data if name.split("/")[0] == self.board]
-        if not self.by_size:
-            names = [self.board]
+        names: list[str] = [self.board]
+        if self.by_size:
+            names += [name for name in data if name.startswith(f"{self.board}/")]
         return [Task(name, one) for name in names for one in (BASELINE, *self.rivals)]
 
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.claims.base import Case, Claim, Finding
+from bayesfric.claims.comparison import bayes_factor
 from bayesfric.claims.contradictions import contradictions
 from bayesfric.claims.studies import study_all
 from bayesfric.effects import all_effects
@@ -31,7 +32,7 @@ from bayesfric.schemas import (
     SelfContradiction,
 )
 
-__all__ = ["Checked", "check_claims", "registered"]
+__all__ = ["Checked", "check_claims", "registered", "screen_claims"]
 
 Array = NDArray[np.float64]
 
@@ -167,6 +168,37 @@ def check_claims(
         ),
     )
     return Checked(summary, _curves(findings), time.perf_counter() - began)
+
+
+def screen_claims(
+    recording: Recording, analysis: Analysis | None = None, *, executor: Executor | None = None
+) -> dict[str, tuple[float, float]]:
+    """Weigh the claims that have rivals by importance sampling alone, where that is reliable.
+
+    A quick look: it cannot support or refute, which takes draws.
+
+    Parameters
+    ----------
+    recording, analysis, executor
+        As for :func:`check_claims`.
+
+    Returns
+    -------
+    dict of str to (float, float)
+        Log10 Bayes factor and its error, of the claims for which they can be had.
+    """
+    analysis = Analysis() if analysis is None else analysis
+    data = {name: one for name, one in _data(recording).items() if "/" not in name}
+    compared = [claim for claim in registered() if claim.by_size and claim.rivals]
+    claims = [claim for claim in compared if not claim.untestable(data)]
+    tasks = list(dict.fromkeys(task for claim in claims for task in claim.tasks(data)))
+    studied = study_all(tasks, data, analysis, all_effects(), executor, screen=True)
+    found = {}
+    for claim in claims:
+        own, *rivals = (studied[task] for task in claim.tasks(data))
+        if all(one.evidence is not None for one in (own, *rivals)):
+            found[claim.name] = bayes_factor(own, rivals)
+    return found
 
 
 def _data(recording: Recording) -> dict[str, Data]:

@@ -10,17 +10,11 @@ from bayesfric.analysis import ClaimRules
 from bayesfric.claims.base import BASELINE, Case, Claim, Finding, Verdict
 from bayesfric.claims.studies import WIDTHS, Studied, Task
 from bayesfric.evidence import difference, elpd
-from bayesfric.likelihood.hypothesis import Data
 
-__all__ = ["compare", "decide"]
+__all__ = ["bayes_factor", "compare", "decide"]
 
 Array = NDArray[np.float64]
 LN10 = float(np.log(10))
-WORDS = {
-    "tension": "tension",
-    "n_pulleys": "number of pulleys",
-    "wrap_angle_deg": "wrap angle",
-}
 STABLE_OVER = (10**-0.5, 10**0.5)  # a tenfold change of the width
 
 
@@ -42,9 +36,7 @@ def compare(claim: Claim, case: Case) -> Finding:
     """
     board = claim.board
     assert board is not None
-    if board not in case.data:
-        return Finding("not-testable", f"The recording has no {board} board.")
-    if lack := _lacking_levels(claim, case.data[board]):
+    if lack := claim.untestable(case.data):
         return Finding("not-testable", lack)
     rules = case.analysis.claims
     own = case.studied[Task(board, BASELINE)]
@@ -54,9 +46,9 @@ def compare(claim: Claim, case: Case) -> Finding:
     if own.evidence is None or not known:
         why = own.why or "; ".join(lacking)
         return Finding("undecided", f"No evidence can be had: {why}.", why=why)
-    log10, error = _bayes_factor(own, list(known.values()))
+    log10, error = bayes_factor(own, list(known.values()))
     curve = np.array(
-        [_bayes_factor(own, list(known.values()), place)[0] for place in range(len(WIDTHS))]
+        [bayes_factor(own, list(known.values()), place)[0] for place in range(len(WIDTHS))]
     )
     best = max(known, key=lambda one: _log_evidence(known[one]))
     with_effect = [found for found in known.values() if found.size.size]
@@ -178,32 +170,30 @@ def decide(
     return "undecided", f"The Bayes factor, 10^{log10:.1f}, decides nothing."
 
 
-def _lacking_levels(claim: Claim, data: Data) -> str:
-    """Return what does not vary enough for the rivals to differ, or nothing."""
-    gravity = data.gravity
-    if gravity is None:
-        return ""
-    trials = gravity.trials
-    total = (trials["mass_drive_kg"] + trials["mass_load_kg"]).round(2)
-    for name, least in claim.levels.items():
-        values = total if name == "tension" else trials[name]
-        if (found := values.nunique()) < least:
-            word = {"n_pulleys": "number of pulleys", "wrap_angle_deg": "wrap angle"}.get(
-                name, name
-            )
-            return f"The {word} takes {found} of at least {least} values."
-    return ""
-
-
 def _log_evidence(found: Studied) -> float:
     assert found.evidence is not None
     return found.evidence.log_evidence
 
 
-def _bayes_factor(
+def bayes_factor(
     own: Studied, rivals: list[Studied], width: int | None = None
 ) -> tuple[float, float]:
-    """Return the log10 Bayes factor against the average of the rivals, and its error."""
+    """Return the log10 Bayes factor against the equal-weight average of rivals.
+
+    Parameters
+    ----------
+    own : Studied
+        The claim's hypothesis.
+    rivals : list of Studied
+        All with an evidence.
+    width : int or None
+        Place in :data:`bayesfric.claims.studies.WIDTHS` of the width of the rivals'
+        priors; None is as they are.
+
+    Returns
+    -------
+    value, error : float
+    """
     assert own.evidence is not None
     values = np.array([_log_evidence(one) for one in rivals])
     if width is not None:
@@ -221,4 +211,4 @@ def _by_pulley(claim: Claim, case: Case, name: str) -> tuple[float | None, float
     lacking = [one.why for one in (own, *rivals) if one.evidence is None]
     if lacking:
         return None, None, "; ".join(lacking)
-    return (*_bayes_factor(own, rivals), "")
+    return (*bayes_factor(own, rivals), "")

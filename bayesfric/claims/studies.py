@@ -99,6 +99,8 @@ def study_all(
     analysis: Analysis,
     effects: dict[str, Effect],
     executor: Executor | None,
+    *,
+    screen: bool = False,
 ) -> dict[Task, Studied]:
     """Study hypotheses, each with a seed of its own.
 
@@ -114,21 +116,29 @@ def study_all(
         Effects by name.
     executor : Executor or None
         Where to compute; None is here.
+    screen : bool
+        Whether importance sampling suffices where it is reliable.
 
     Returns
     -------
     dict of Task to Studied
         The same whatever the executor.
     """
-    each = [(data[task.data], analysis, task, effects) for task in tasks]
+    each = [(data[task.data], analysis, task, effects, screen) for task in tasks]
     # All sizes together first: these take longest, and should not be left for the end.
     each.sort(key=lambda one: not one[2].whole)
-    columns = tuple(zip(*each, strict=True))
-    found = map(_study, *columns) if executor is None else executor.map(_study, *columns)
+    run = map if executor is None else executor.map
+    found = run(_study_one, each)
     return {one[2]: studied for one, studied in zip(each, found, strict=True)}
 
 
-def _study(data: Data, analysis: Analysis, task: Task, effects: dict[str, Effect]) -> Studied:
+def _study_one(given: tuple[Data, Analysis, Task, dict[str, Effect], bool]) -> Studied:
+    return _study(*given)
+
+
+def _study(
+    data: Data, analysis: Analysis, task: Task, effects: dict[str, Effect], screen: bool
+) -> Studied:
     # The seed rests on what is studied, not on how many things are.
     words = f"{task.data} {task.hypothesis.law} {task.hypothesis.label}".encode()
     seed, proposals = np.random.SeedSequence([analysis.seed, *words]).generate_state(2)
@@ -136,9 +146,9 @@ def _study(data: Data, analysis: Analysis, task: Task, effects: dict[str, Effect
         model = model_of(data, analysis, task.hypothesis, effects)
         start = _start(model, task.hypothesis, effects)
         laplace = laplace_approximation(model.log_posterior, start, model.scale())
-        screen = laplace_evidence(model.log_posterior, laplace, int(proposals))
-        if screen.reliable and not task.whole:
-            return Studied(screen)
+        rough = laplace_evidence(model.log_posterior, laplace, int(proposals))
+        if rough.reliable and (screen or not task.whole):
+            return Studied(rough)
         draws = sample(model.log_posterior, laplace, SHORT_RUN, int(seed), converged=in_one_place)
         try:
             evidence = bridge_evidence(model.log_posterior, draws.z, int(proposals))
@@ -151,10 +161,10 @@ def _study(data: Data, analysis: Analysis, task: Task, effects: dict[str, Effect
         named = model.by_name(theta)
         pointwise = [rig.setup_log_likelihood(model.by_name(some)) for rig in model.likelihoods]
     why = ""
-    if screen.reliable and not agree(evidence, screen):
+    if rough.reliable and not agree(evidence, rough):
         why = (
             f"bridge sampling and importance sampling differ: {evidence.log_evidence:.2f} ± "
-            f"{evidence.error:.2f} and {screen.log_evidence:.2f} ± {screen.error:.2f} nat"
+            f"{evidence.error:.2f} and {rough.log_evidence:.2f} ± {rough.error:.2f} nat"
         )
     return Studied(
         evidence,

@@ -292,7 +292,7 @@ def test_impossible_points_have_no_density_and_no_warning():
     model = Model([likelihood_of(few_trials(2, 12))])
     z = model.start()
     points = np.stack([z, z, z])
-    points[1, 0], points[2, -1] = 800.0, -800.0  # an infinite c1, a clock without noise
+    points[1, 0], points[2, -1] = 1e200, -800.0  # an infinite c1, a clock without noise
     density = model.log_posterior(points)
     assert np.isfinite(density[0])
     assert density[1] == -np.inf

@@ -1,0 +1,30 @@
+"""The claims on simulated `quick` recordings of the paper's law, and of one effect."""
+
+from bayesfric.analysis import ClaimRules
+from bayesfric.claims import check_claims, registered, screen_claims
+from bayesfric.simulate import simulate_recording
+
+SEEDS = range(100)
+
+
+CLEARLY = 4  # errors above the threshold that refutes
+
+
+def case(seed):
+    """Judge one recording without any effect.
+
+    A claim whose screened Bayes factor is clearly above the threshold cannot be refuted,
+    and is not judged further.
+    """
+    recording = simulate_recording("quick", seed=seed)
+    screened = screen_claims(recording)
+    limit = ClaimRules().refute_log10_bayes_factor
+    clear = {name for name, (value, error) in screened.items() if value - CLEARLY * error > limit}
+    rest = [claim.name for claim in registered() if claim.name not in clear]
+    judged = check_claims(recording, only=rest).summary.claims
+    return {
+        "seed": seed,
+        "refuted": [one.id for one in judged if one.verdict == "refuted"],
+        "judged": {one.id: one.verdict for one in judged},
+        "screened": {name: list(found) for name, found in screened.items()},
+    }

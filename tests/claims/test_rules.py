@@ -1,0 +1,153 @@
+"""Verdicts by the stated rules, arithmetic of the paper, and what cannot be tested."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from bayesfric.analysis import Analysis, ClaimRules
+from bayesfric.boards.compliant import Cable, compliant_motion
+from bayesfric.boards.gravity import Condition, board_friction
+from bayesfric.claims import check_claims, registered
+from bayesfric.claims.coefficients import tail_probability
+from bayesfric.claims.comparison import decide
+from bayesfric.claims.contradictions import contradictions
+from bayesfric.claims.stiffness_negligible import friction_ratios
+from bayesfric.likelihood.gravity import trial_condition
+from bayesfric.likelihood.hall_events import pilot_fits
+from bayesfric.protocols import Protocol
+from bayesfric.recording.tables import Gravity
+from bayesfric.simulate import simulate_recording, table1_coefficients
+
+RULES = ClaimRules()
+DESIGN_IDS = [
+    "no-viscous-motor",
+    "no-viscous-gravity",
+    "stiffness-negligible",
+    "linear-in-tension",
+    "proportional-to-pulleys",
+    "linear-in-wrap",
+    "no-stribeck",
+    "coefficients",
+    "rigs-agree",
+    "nominal-tension",
+]
+
+
+def test_the_ten_claims_are_there():
+    assert [claim.name for claim in registered()] == DESIGN_IDS
+
+
+@pytest.mark.parametrize(
+    ("log10", "width", "bound", "beyond", "elpd", "verdict"),
+    [
+        (1.5, (1.0, 2.0), 0.01, 0.0, 0.0, "supported"),
+        (0.5, (0.5, 1.0), 0.049, 0.0, -5.0, "supported"),
+        (0.49, (0.0, 1.0), 0.01, 0.0, 0.0, "undecided"),  # too weak
+        (1.5, (0.4, 2.0), 0.01, 0.0, 0.0, "undecided"),  # rests on the prior's width
+        (1.5, (1.0, 2.0), 0.05, 0.0, 0.0, "undecided"),  # could hide an effect that matters
+        (-1.0, (-2.0, -1.0), 0.2, 0.95, -2.1, "refuted"),
+        (-9.0, (-9.5, -8.5), 0.2, 1.0, -2.0, "undecided"),  # predicts no better
+        (-9.0, (-9.5, -8.5), 0.2, 0.94, -9.0, "undecided"),  # may be too small to matter
+        (-9.0, (-9.5, -0.9), 0.2, 1.0, -9.0, "undecided"),  # rests on the prior's width
+        (-0.9, (-1.5, -0.5), 0.2, 1.0, -9.0, "undecided"),  # too weak
+    ],
+)
+def test_verdicts(log10, width, bound, beyond, elpd, verdict):
+    assert decide(RULES, log10, width, bound, beyond, elpd, "rival")[0] == verdict
+
+
+def test_tail_probability_is_that_of_a_chi_square():
+    rng = np.random.default_rng(5)
+    mix = np.array([[1.0, 0.0], [0.8, 0.3]])
+    draws = rng.standard_normal((40_000, 2)) @ mix.T
+    point = mix @ np.array([1.2, -0.9])  # 1.5 standard deviations from the middle
+    exact = stats.chi2(2).sf(1.5**2)
+    found = tail_probability(draws, point, np.array([1e-9, 1e-9]))
+    assert found == pytest.approx(exact, rel=0.03)
+    # All that rounds alike reaches the middle.
+    assert tail_probability(draws, point, np.abs(point) + 0.1) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_the_paper_against_itself():
+    found = {one.topic: one.figures for one in contradictions()}
+    one = found["friction of one trial"]
+    assert one["by_law_n"] == pytest.approx(9 * (0.00416 * 15.5 + 0.0165), abs=1e-12)
+    assert one["by_law_n"] == pytest.approx(0.729, abs=5e-4)
+    assert one["relative_difference"] == pytest.approx(0.12, abs=5e-3)
+    assert found["load on the bearings"]["load_n"] == pytest.approx(64, abs=0.5)
+    assert found["wrap angle of large pulleys"] == {"robot_deg": 180.0, "valid_to_deg": 150.0}
+    assert found["speed"] == {"robot_m_s": 12.0, "tested_m_s": 1.3}
+
+
+def ringing_recording(amplitude):
+    """Trials whose events come from model (3), with a stretch off its equilibrium."""
+    recording = simulate_recording(
+        Protocol({(9, 85.0): 1}, (16.0, 30.0), (), 2), seed=3, rigs=("gravity",)
+    )
+    trials, events = recording.gravity.trials, recording.gravity.events.copy()
+    cable = Cable(15e3, 1.6, 0.05)
+    truth = []
+    for row in trials.itertuples():
+        law = table1_coefficients()[row.pulley_size]
+        condition = Condition(9, 85.0, row.mass_drive_kg, row.mass_load_kg, 9.80665)
+        friction = float(board_friction(law, condition))
+        truth.append(friction)
+        static = row.mass_load_kg * 9.80665 / float(cable.stiffness_n_m)
+        motion = compliant_motion(
+            condition, friction, cable, start_stretch_m=static * (1 + amplitude)
+        )
+        time = np.linspace(0, 4, 200_001)
+        ends = motion.ends(time)
+        for sensor, place in (("drive", ends.drive_position_m), ("load", ends.load_position_m)):
+            rows = (events["trial"] == row.trial) & (events["sensor"] == sensor)
+            travel = events.loc[rows, "displacement_m"].to_numpy() + 0.005
+            rising = np.maximum.accumulate(place)
+            events.loc[rows, "time_s"] = np.interp(travel, rising, time)
+    return Gravity(trials, events), recording.rig, np.array(truth)
+
+
+def test_friction_of_a_ringing_board_is_found_by_the_stretching_model():
+    """Model (3) gives the true friction, model (4) is off, by what the ratio says."""
+    gravity, rig, truth = ringing_recording(0.5)
+    cable = [np.array([value]) for value in (15e3, 1.6, 0.05)]
+    ratio = friction_ratios(gravity, rig, *cable, 5e-6, 1e-7)[0]
+    condition = trial_condition(gravity.trials, rig)
+    plain = pilot_fits(gravity.events, gravity.trials["trial"]).acceleration
+    rigid = condition.drive_force_n - condition.total_mass_kg * plain
+    assert np.abs(rigid / truth - 1).max() > 1e-3
+    assert ratio * rigid / truth == pytest.approx(1.0, abs=4e-4)
+
+
+def test_no_stretch_changes_nothing():
+    recording = simulate_recording(
+        Protocol({(9, 85.0): 1}, (16.0,), (), 2), seed=8, rigs=("gravity",)
+    )
+    cables = np.array([15e3, 12e3]), np.array([1.6, 2.0]), np.array([0.05, 0.2])
+    ratio = friction_ratios(recording.gravity, recording.rig, *cables, 30e-6, 20e-6)
+    assert np.abs(ratio - 1).max() < 3e-3  # what the noise has of the ringing's shape
+
+
+@pytest.mark.parametrize(
+    ("design", "claim"),
+    [
+        (Protocol({(9, 85.0): 2, (5, 50.0): 1}, (16.0,), (16.0,), 2), "linear-in-tension"),
+        (
+            Protocol({(9, 85.0): 2, (9, 50.0): 1}, (6.0, 28.0), (16.0,), 2),
+            "proportional-to-pulleys",
+        ),
+        (Protocol({(9, 85.0): 2, (5, 50.0): 1}, (6.0, 28.0), (16.0,), 2), "linear-in-wrap"),
+    ],
+)
+def test_what_did_not_vary_is_not_testable(design, claim):
+    recording = simulate_recording(design, seed=2, rigs=("gravity",))
+    (found,) = check_claims(recording, only=[claim]).summary.claims
+    assert found.verdict == "not-testable"
+    assert found.log10_bayes_factor is None
+    assert found.log10_bayes_factor_why
+
+
+def test_without_a_board_its_claims_are_not_testable():
+    recording = simulate_recording("quick", seed=2, rigs=("motor",))
+    wanted = ["no-viscous-gravity", "stiffness-negligible", "coefficients", "rigs-agree"]
+    found = check_claims(recording, Analysis(), only=wanted).summary.claims
+    assert {one.verdict for one in found} == {"not-testable"}
