@@ -47,6 +47,16 @@ def test_sampling_scale_has_the_quantiles_of_a_standard_normal(prior, reference,
     assert np.isinf(to_normal(prior, bounds)).all()
 
 
+def test_sampling_scale_goes_on_where_tail_probabilities_underflow():
+    """There a half-normal's quantile is a normal's with half the tail: u² = z² + 2 ln 2 − …"""
+    prior = HalfNormal(scale=1e-4)
+    z = np.array([29.999, 30.001, 37.0, 50.0, 5000.0])
+    x = from_normal(prior, z)
+    expected = np.sqrt(z**2 + 2 * np.log(2))
+    assert x / 1e-4 == pytest.approx(expected, rel=1e-4)
+    assert to_normal(prior, x) == pytest.approx(z, rel=1e-9)
+
+
 def test_defaults_are_not_derived_from_table_1():
     """One default serves all sizes, and Table I is far inside each, not at its centre."""
     priors = Priors()

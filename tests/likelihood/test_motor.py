@@ -193,6 +193,21 @@ def test_absurd_parameters_have_no_density_and_do_no_harm():
     assert density.max() < np.inf
 
 
+def test_one_run_and_one_idle_current():
+    """The prior holds the rest of the idle curve, until its 1 is lost in rounding."""
+    motor = Motor(board().runs.iloc[:1], board().idle.iloc[:1])
+    likelihood = MotorLikelihood(motor, RIG, Analysis())
+    noise = np.array([VALUES["sigma_current"], 1e-5, 1e-12])
+    found = likelihood.log_likelihood(
+        {name: np.repeat(value, 3) for name, value in theta().items()} | {"sigma_current": noise}
+    )
+    for place in (0, 1):
+        current, mean, covariance = dense(motor, VALUES | {"sigma_current": noise[place]})
+        expected = log_density(current, mean, covariance, np.arange(current.size))
+        assert found[place] == pytest.approx(expected, abs=1e-4)
+    assert np.isnan(found[2])
+
+
 def test_new_runs_scatter_as_much_as_the_parameters_say():
     likelihood = MotorLikelihood(board(), RIG, Analysis())
     many = {name: np.repeat(value, 20_000) for name, value in theta().items()}
