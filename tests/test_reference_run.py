@@ -1,12 +1,14 @@
 """The bundled recording, fitted afresh: precision, truth, and the tracked reference run."""
 
+from concurrent.futures import ProcessPoolExecutor
+
 import numpy as np
 import pytest
 
 import bayesfric as bf
 from bayesfric.resources import bundled_recording, reference_folder
 from bayesfric.results import read_json
-from bayesfric.schemas import FitFile
+from bayesfric.schemas import ClaimsFile, FitFile
 from bayesfric.simulate import table1_coefficients
 
 
@@ -57,3 +59,19 @@ def test_posteriors_are_those_of_the_reference_run(fresh, reference):
         assert abs(entry.mean - then[name].mean) < 4 * error, name
         assert entry.sd == pytest.approx(then[name].sd, rel=0.05), name
         assert entry.informed == then[name].informed, name
+
+
+def test_no_claim_falls_on_the_bundled_recording():
+    """It is simulated from the paper's law; verdicts are those of the reference run."""
+    then = read_json(ClaimsFile, reference_folder() / "claims.json")
+    recording = bf.read_recording(bundled_recording())
+    with ProcessPoolExecutor(2) as executor:
+        found = bf.check_claims(recording, executor=executor)
+    assert found.refuted == ()
+    now = {one.id: one for one in found.summary.claims}
+    for one in then.claims:
+        assert now[one.id].verdict == one.verdict
+        if one.log10_bayes_factor is not None:
+            error = np.hypot(one.log10_bayes_factor_se, now[one.id].log10_bayes_factor_se)
+            off = abs(now[one.id].log10_bayes_factor - one.log10_bayes_factor)
+            assert off < 4 * error, one.id

@@ -6,6 +6,7 @@ from scipy import stats
 from scipy.optimize import lsq_linear
 
 from bayesfric.claims.base import BASELINE, Case, Claim, Finding, Verdict
+from bayesfric.claims.comparison import odds, share
 from bayesfric.claims.studies import Task
 from bayesfric.likelihood.coefficients import coefficient_parameters
 from bayesfric.likelihood.hypothesis import Hypothesis
@@ -70,11 +71,11 @@ def _judge(claim: Claim, case: Case) -> Finding:
         reason = f"Table I lies within the posterior (joint tail probability {tail:.2f})"
         if log10 is not None and log10 >= rules.support_log10_bayes_factor:
             verdict = "supported"
-    weight = "" if log10 is None else f"; the Bayes factor in favour of it is 10^{log10:.1f}"
+    weight = "" if log10 is None else f"; its odds against other values are {odds(log10)}"
     width = max(value for name, value in figures.items() if name.endswith("_relative_sd"))
     return Finding(
         verdict,
-        f"{reason}{weight}. The widest coefficient is known to {width:.1%}.",
+        f"{reason}{weight}. The widest coefficient is known to {share(width)}.",
         figures,
         log10,
         error,

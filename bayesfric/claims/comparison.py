@@ -11,10 +11,12 @@ from bayesfric.claims.base import BASELINE, Case, Claim, Finding, Verdict
 from bayesfric.claims.studies import WIDTHS, Studied, Task
 from bayesfric.evidence import difference, elpd
 
-__all__ = ["bayes_factor", "compare", "decide", "log_evidence"]
+__all__ = ["bayes_factor", "compare", "decide", "log_evidence", "odds", "share"]
 
 Array = NDArray[np.float64]
 LN10 = float(np.log(10))
+SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹"
+LARGE = 2.0  # log10, from which on odds are a power of ten
 STABLE_OVER = (10**-0.5, 10**0.5)  # a tenfold change of the width
 
 
@@ -139,37 +141,50 @@ def decide(
     if for_it and small:
         if over_width[0] >= rules.support_log10_bayes_factor:
             return "supported", (
-                f"The data favour the claim by 10^{log10:.1f} and leave an effect of at most "
-                f"{upper_bound:.1%} of friction."
+                f"The data favour the claim {odds(log10)} and leave an effect of at most "
+                f"{share(upper_bound)} of friction."
             )
         return "undecided", (
-            f"The Bayes factor, 10^{log10:.1f}, falls to 10^{over_width[0]:.1f} as the width of "
-            "the rivals' priors changes tenfold."
+            f"The odds for the claim, {odds(log10)}, fall to {odds(over_width[0])} as the width "
+            "of the rivals' priors changes tenfold."
         )
     if against and beyond >= rules.refute_effect_probability:
         if over_width[1] > rules.refute_log10_bayes_factor:
             return "undecided", (
-                f"The Bayes factor, 10^{log10:.1f}, rises to 10^{over_width[1]:.1f} as the width "
+                f"The odds for {best}, {odds(-log10)}, fall to {odds(-over_width[1])} as the width "
                 "of the rivals' priors changes tenfold."
             )
         if elpd_errors < -rules.refute_elpd_errors:
             return "refuted", (
-                f"{best} is favoured by 10^{-log10:.1f}, makes more than "
-                f"{rules.region_of_equivalence:.0%} of friction, and predicts new assemblies "
+                f"{best} is favoured {odds(-log10)}, makes more than "
+                f"{share(rules.region_of_equivalence)} of friction, and predicts new assemblies "
                 "better."
             )
         return "undecided", f"{best} is favoured, and does not predict new assemblies better."
     if against:
         return "undecided", (
-            f"{best} is favoured by 10^{-log10:.1f}, but is too small to matter: probability "
-            f"{beyond:.2f} of more than {rules.region_of_equivalence:.0%} of friction."
+            f"{best} is favoured {odds(-log10)}, but is too small to matter: probability "
+            f"{beyond:.2f} of more than {share(rules.region_of_equivalence)} of friction."
         )
     if for_it:
         return "undecided", (
-            f"The data favour the claim by 10^{log10:.1f}, but could hide an effect of "
-            f"{upper_bound:.1%} of friction."
+            f"The data favour the claim {odds(log10)}, but could hide an effect of "
+            f"{share(upper_bound)} of friction."
         )
-    return "undecided", f"The Bayes factor, 10^{log10:.1f}, decides nothing."
+    return "undecided", f"Odds for the claim of {odds(log10)} decide nothing."
+
+
+def odds(log10: float) -> str:
+    """Return a Bayes factor in words, as in ``20 to 1``."""
+    size = abs(log10)
+    digits = "".join(SUPERSCRIPTS[int(digit)] for digit in str(round(size)))
+    number = f"{10**size:.2g}" if size < LARGE else f"10{digits}"
+    return f"{number} to 1" if log10 >= 0 else f"1 to {number}"
+
+
+def share(value: float) -> str:
+    """Return a share as a percentage of two digits."""
+    return f"{100 * value:.2g} %"
 
 
 def log_evidence(found: Studied) -> float:

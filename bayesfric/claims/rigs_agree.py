@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.claims.base import Case, Claim, Finding, Verdict
+from bayesfric.claims.comparison import share
 from bayesfric.likelihood.motor import MotorLikelihood
 
 Array = NDArray[np.float64]
@@ -54,9 +55,10 @@ def _judge(claim: Claim, case: Case) -> Finding:
     low, high = np.quantile(factor, [0.05, 0.95])
     return Finding(
         verdict,
-        f"All {len(groups)} conditions agree within {rules.rig_tolerance:.0%} with probability "
-        f"{probability:.2f}; the largest median difference is {np.abs(middle).max():.1%}. A torque "
-        f"constant of {np.median(factor):.4f} of the specified one reconciles the rigs best.",
+        f"All {len(groups)} conditions agree within {share(rules.rig_tolerance)} with "
+        f"probability {probability:.2f}; the largest median difference is "
+        f"{share(float(np.abs(middle).max()))}. A torque constant of {np.median(factor):.4f} of "
+        "the specified one reconciles the rigs best.",
         {
             "probability": probability,
             "conditions": len(groups),

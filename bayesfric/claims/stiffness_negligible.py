@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from bayesfric.boards.gravity import nominal_tension
 from bayesfric.claims.base import Case, Claim, Finding, Verdict
+from bayesfric.claims.comparison import share
 from bayesfric.likelihood.gravity import trial_condition
 from bayesfric.likelihood.hall_events import Events, prepare_events
 from bayesfric.priors import draw
@@ -115,8 +116,8 @@ def _judge(claim: Claim, case: Case) -> Finding:
         verdict = "refuted"
     return Finding(
         verdict,
-        f"A stretching cable changes friction by less than {rules.stiffness_tolerance:.0%} with "
-        f"probability {probability:.3f}; in the median by {np.median(off):.2%}.",
+        f"A stretching cable changes friction by less than {share(rules.stiffness_tolerance)} "
+        f"with probability {probability:.3f}; in the median by {share(float(np.median(off)))}.",
         {
             "probability": probability,
             "median_change": float(np.median(off)),

@@ -25,8 +25,8 @@ EFFECT = Effect(
         meaning="force against the motion",
         prior=HalfNormal(scale=0.1),
         plausible=(0.0, 0.1),
-        reference="two sensor pulleys of the medium size at low tension: Table I gives 2 c2 = "
-        "0.03 N and c1 T as much again at 5 N",
+        reference="argued: two sensor pulleys of the medium size at 5 N, by Table I 2 (c1 T + c2)"
+        " = 0.07 N",
     ),
     laws={"constant": _constant},
     edge={"n_pulleys": 5.0},

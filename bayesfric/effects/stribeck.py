@@ -10,8 +10,8 @@ from bayesfric.effects.base import Effect, EffectParameter, State
 
 Array = NDArray[np.float64]
 ARMSTRONG = (
-    "Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30 (1994) 1083: static friction "
-    "up to about twice the kinetic, Stribeck speeds below some 0.3 m/s"
+    "argued from the survey of Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30 "
+    "(1994) 1083: at most twice the kinetic friction at rest, and at low speeds only"
 )
 
 

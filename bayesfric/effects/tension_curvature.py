@@ -34,8 +34,9 @@ EFFECT = Effect(
         "tension: quadratic, or as the exponent of a power",
         prior=Normal(mean=0.0, sd=0.2),
         plausible=(-0.35, 0.35),
-        reference="contacts under load, from point contact (friction ∝ T^(2/3)) to rolling "
-        "elements (T^(4/3)): Johnson, Contact Mechanics, 1985, ch. 4 and 9",
+        reference="argued from contact laws, whose exponents lie a third around one: a point "
+        "contact's area grows as load to 2/3, a ball's rolling moment as load to 4/3 "
+        "(Johnson, Contact Mechanics, 1985)",
     ),
     laws={"quadratic": _quadratic, "power": _power},
     edge={"tension_n": 33.0},

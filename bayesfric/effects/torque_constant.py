@@ -25,7 +25,7 @@ EFFECT = Effect(
         meaning="relative error of the torque constant",
         prior=Normal(mean=0.0, sd=0.1),
         plausible=(-0.1, 0.1),
-        reference="data sheets of small brushed motors give torque constants to some 5 to 10 %",
+        reference="data sheets of small motors give torque constants with tolerances of 5 to 10 %",
     ),
     laws={"scaled": _scaled},
 )

@@ -36,9 +36,9 @@ EFFECT = Effect(
         meaning="growth with speed, as a share of the friction of a pulley at 15 N and 85°",
         prior=HalfNormal(scale=0.15),
         plausible=(0.0, 0.3),
-        reference="the speed-dependent part of the friction of greased miniature ball bearings "
-        "stays below their load-dependent part at these speeds (Harris and Kotzalas, Essential "
-        "Concepts of Bearing Technology, 2006, ch. 10)",
+        reference="argued: at 1.3 m/s lubricant should not cost more than 0.4 of what load costs;"
+        " that bearings have a load and a speed part is textbook (Harris and Kotzalas, "
+        "Essential Concepts of Bearing Technology, 2006)",
     ),
     laws={"constant": _constant, "tension": _with_tension, "wrap": _with_wrap},
     edge={"speed_m_s": 1.3},

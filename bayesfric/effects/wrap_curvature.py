@@ -28,8 +28,8 @@ EFFECT = Effect(
         meaning="relative change of friction per tension 50° from 85°, beyond the straight line",
         prior=Normal(mean=0.0, sd=0.2),
         plausible=(-0.15, 0.15),
-        reference="bearing load grows as 2T sin(θ/2), whose bend over ±50° is 10 % of it "
-        "(statics); belt friction grows as exp(μθ), whose bend is less",
+        reference="argued: bearing load 2T sin(θ/2) bends by a tenth of itself over ±50°, and "
+        "belt friction exp(μθ) by less",
     ),
     laws={"quadratic": _quadratic},
     edge={"wrap_angle_deg": 150.0},

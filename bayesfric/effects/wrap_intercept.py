@@ -30,9 +30,9 @@ EFFECT = Effect(
         "pulley at 15 N and 85°",
         prior=Normal(mean=0.0, sd=0.2),
         plausible=(-0.15, 0.15),
-        reference="bending a stiff cable on and off a pulley costs a force that does not grow "
-        "with tension and stays below the friction of a loaded pulley (Feyrer, Wire Ropes, "
-        "2015, ch. 3)",
+        reference="argued: bending a cable on and off a pulley costs a force that hardly grows "
+        "with tension, and less than a loaded pulley does (on rope bending, Feyrer, "
+        "Wire Ropes, 2015)",
     ),
     laws={"linear": _linear},
     edge={"wrap_angle_deg": 150.0},

@@ -5,6 +5,7 @@ from datetime import datetime
 from itertools import chain
 
 from bayesfric.report.chapters.checks import checks
+from bayesfric.report.chapters.claims import claims, verdicts
 from bayesfric.report.chapters.data_quality import data_quality
 from bayesfric.report.chapters.diagnostics import diagnostics
 from bayesfric.report.chapters.methods import methods
@@ -19,7 +20,9 @@ __all__ = ["build_document"]
 
 CHAPTERS: tuple[Callable[[StoredResults], Iterator[Block]], ...] = (
     front,
+    verdicts,
     summary,
+    claims,
     predictions,
     checks,
     methods,

@@ -7,7 +7,7 @@ import xarray as xr
 
 from bayesfric.errors import Fault, InputError
 from bayesfric.results import read_json, read_tree
-from bayesfric.schemas import FitFile
+from bayesfric.schemas import ClaimsFile, FitFile
 
 __all__ = ["StoredResults", "read_stored"]
 
@@ -22,11 +22,17 @@ class StoredResults:
         ``fit.json``.
     draws, predictive : DataTree
         ``draws.nc`` and ``predictive.nc``.
+    claims : ClaimsFile or None
+        ``claims.json``, where the claims were judged.
+    claim_curves : DataTree or None
+        ``claims.nc``, likewise.
     """
 
     fit: FitFile
     draws: xr.DataTree
     predictive: xr.DataTree
+    claims: ClaimsFile | None = None
+    claim_curves: xr.DataTree | None = None
 
 
 def read_stored(folder: Path) -> StoredResults:
@@ -45,8 +51,8 @@ def read_stored(folder: Path) -> StoredResults:
     Raises
     ------
     InputError
-        A file is missing or not what ``bayesfric fit`` writes, or the files are of
-        different fits.
+        A file is missing or not what its verb writes, or the files are of different
+        fits or recordings.
     """
     missing = [
         Fault(name, f"in {folder}: run `bayesfric fit RECORDING -o {folder}` first")
@@ -66,4 +72,9 @@ def read_stored(folder: Path) -> StoredResults:
     if not {"coefficients", "densities", "ranks"} <= set(predictive.children):
         expected = f"what this version predicts: run `bayesfric fit RECORDING -o {folder}` again"
         raise InputError([Fault("predictive.nc", expected)])
-    return StoredResults(fit, draws, predictive)
+    if not (folder / "claims.json").is_file():
+        return StoredResults(fit, draws, predictive)
+    claims = read_json(ClaimsFile, folder / "claims.json")
+    if claims.recording.sha256 != fit.recording.sha256:
+        raise InputError([Fault("claims.json", "claims of the recording in fit.json")])
+    return StoredResults(fit, draws, predictive, claims, read_tree(folder / "claims.nc"))

@@ -9,7 +9,7 @@ from bayesfric.boards.compliant import Cable, compliant_motion
 from bayesfric.boards.gravity import Condition, board_friction
 from bayesfric.claims import check_claims, registered
 from bayesfric.claims.coefficients import tail_probability
-from bayesfric.claims.comparison import decide
+from bayesfric.claims.comparison import decide, odds, share
 from bayesfric.claims.contradictions import contradictions
 from bayesfric.claims.stiffness_negligible import friction_ratios
 from bayesfric.likelihood.gravity import trial_condition
@@ -54,6 +54,13 @@ def test_the_ten_claims_are_there():
 )
 def test_verdicts(log10, width, bound, beyond, elpd, verdict):
     assert decide(RULES, log10, width, bound, beyond, elpd, "rival")[0] == verdict
+
+
+def test_odds_in_words():
+    assert odds(1.301) == "20 to 1"
+    assert odds(-1.301) == "1 to 20"
+    assert odds(26.05) == "10²⁶ to 1"
+    assert share(0.00021) == "0.021 %"
 
 
 def test_tail_probability_is_that_of_a_chi_square():

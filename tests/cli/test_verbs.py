@@ -169,7 +169,7 @@ def test_simulate_is_reproducible_and_dated_only_when_told(board):
     assert "created" not in (board / "one/x/datapackage.json").read_text()
 
 
-@pytest.mark.parametrize("verb", ["run", "validate", "simulate", "fit", "report", "info"])
+@pytest.mark.parametrize("verb", ["run", "validate", "simulate", "fit", "claims", "report", "info"])
 def test_every_verb_has_help_with_an_example(verb, tmp_path):
     done = bayesfric(verb, "--help", cwd=tmp_path)
     assert done.returncode == 0

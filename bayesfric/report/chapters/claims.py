@@ -1,0 +1,204 @@
+"""The paper's claims: verdicts on page one, and a chapter with what they rest on."""
+
+from collections.abc import Iterator
+
+from bayesfric.plots.claims import against_rivals, over_prior_width
+from bayesfric.plots.style import to_svg
+from bayesfric.report.content import (
+    Block,
+    BulletList,
+    Code,
+    Column,
+    Emphasis,
+    Figure,
+    Heading,
+    Notice,
+    Paragraph,
+    Reference,
+    Strong,
+    Table,
+)
+from bayesfric.report.quantities import MISSING
+from bayesfric.report.stored import StoredResults
+from bayesfric.schemas import ClaimResult, ClaimsFile
+
+__all__ = ["claims", "verdicts"]
+
+SIGNS = {"supported": "+", "refuted": "−", "undecided": "?", "not-testable": "0"}
+FAMILIES = {
+    "Speed": ("no-viscous-motor", "no-viscous-gravity", "no-stribeck"),
+    "Tension, pulleys and wrap angle": (
+        "linear-in-tension",
+        "proportional-to-pulleys",
+        "linear-in-wrap",
+    ),
+    "Cable": ("stiffness-negligible",),
+    "Numbers": ("coefficients", "rigs-agree", "nominal-tension"),
+}
+
+
+def verdicts(stored: StoredResults) -> Iterator[Block]:
+    """Yield the verdict table of page one, where claims were judged."""
+    if stored.claims is None:
+        return
+    fallen = [one for one in stored.claims.claims if one.verdict == "refuted"]
+    for one in fallen:
+        yield Notice("attention", [Code(one.id), f": {one.reason}"], title="Refuted")
+    yield Table(
+        "The paper's claims on this recording.",
+        [
+            "claim",
+            "verdict",
+            Column("log₁₀ BF", align="decimal"),
+            Column("±", align="decimal"),
+            Column("Δelpd", align="decimal"),
+            Column("±", align="decimal"),
+        ],
+        [
+            [
+                Code(one.id),
+                Strong(f"{SIGNS[one.verdict]} {one.verdict}"),
+                _number(one.log10_bayes_factor, 1),
+                _number(one.log10_bayes_factor_se, 2),
+                _number(one.elpd_difference, 1),
+                _number(one.elpd_difference_se, 1),
+            ]
+            for one in stored.claims.claims
+        ],
+        label="verdicts",
+        note="Bayes factors are in favour of the claim, against the average of its rivals; Δelpd "
+        "says how much better than its best rival the claim predicts an assembly that was left "
+        "out, in nat. A claim without rivals rests on a probability or on arithmetic.",
+    )
+
+
+def claims(stored: StoredResults) -> Iterator[Block]:
+    """Yield each claim with what its verdict rests on."""
+    found = stored.claims
+    if found is None:
+        return
+    by_name = {one.id: one for one in found.claims}
+    yield Heading(1, "The paper's claims")
+    yield Paragraph(_rules(found))
+    for family, names in FAMILIES.items():
+        here = [by_name.pop(name) for name in names if name in by_name]
+        if here:
+            yield Heading(2, family)
+        for one in here:
+            yield from _claim(one)
+    if by_name:
+        yield Heading(2, "Further claims")
+        for one in by_name.values():
+            yield from _claim(one)
+    yield from _figures(stored, found)
+    yield Heading(2, "The paper against itself")
+    yield BulletList(
+        [
+            [Strong(f"{_capital(one.topic)}."), f" {one.statement}"]
+            for one in found.self_contradictions
+        ]
+    )
+
+
+def _claim(one: ClaimResult) -> Iterator[Block]:
+    yield Paragraph(
+        [
+            Code(one.id),
+            ": ",
+            Emphasis(one.statement),
+            f" The paper: {one.paper} ",
+            Strong(f"{_capital(one.verdict)}."),
+            f" {one.reason}",
+            *_alone(one),
+        ]
+    )
+
+
+def _alone(one: ClaimResult) -> list[str]:
+    """Return what each pulley size says alone, in a sentence."""
+    known = {
+        size: entry.log10_bayes_factor
+        for size, entry in one.by_pulley.items()
+        if entry.log10_bayes_factor is not None
+    }
+    if not known:
+        return []
+    each = ", ".join(f"{size} {_number(value, 1)}" for size, value in known.items())
+    return [f" Log₁₀ Bayes factors of each size alone: {each}."]
+
+
+def _rules(found: ClaimsFile) -> list[str]:
+    rule = found.rules
+    return [
+        "A claim is supported where its log₁₀ Bayes factor against the equal-weight average of its "
+        f"rivals is at least {rule['support_log10_bayes_factor']:g} and the 95 % upper bound of "
+        f"the effect is below {rule['region_of_equivalence']:.0%} of friction, at 1.3 m/s or at "
+        "the edge of the paper's Table II. It is refuted where the factor is at most "
+        f"{_number(rule['refute_log10_bayes_factor'], 0)}, the effect is above that share with "
+        f"probability {rule['refute_effect_probability']:g} and the rival predicts assemblies "
+        f"better by more than {rule['refute_elpd_errors']:g} standard errors. Both must hold over "
+        "a tenfold change of the width of the rivals' priors. A claim without rivals is supported "
+        f"at a probability of {rule['support_probability']:g} and refuted at "
+        f"{rule['refute_probability']:g}; the coefficients are refuted where the joint tail "
+        f"probability of Table I is below {rule['refute_tail_probability']:g}. All else is "
+        "undecided."
+    ]
+
+
+def _figures(stored: StoredResults, found: ClaimsFile) -> Iterator[Block]:
+    factors = {
+        one.id: rivals
+        for one in found.claims
+        if isinstance(rivals := one.figures.get("log10_bayes_factor_against"), dict)
+    }
+    if not factors or stored.claim_curves is None:
+        return
+    yield Heading(2, "Against each rival")
+    yield Paragraph(
+        [
+            Reference("rivals"),
+            " sets each claim against each of its rivals, which are an effect beside the law, "
+            "written as effect/variant, or another law; ",
+            Reference("prior-width"),
+            " shows how far a verdict rests on the width of the rivals' priors.",
+        ]
+    )
+    yield Figure(
+        to_svg(against_rivals(factors)),
+        [
+            "Log₁₀ Bayes factor of each claim against each of its rivals: to the right the data "
+            "favour the claim. An arrow stands for a value, written beside it, that is beyond the "
+            "axis. From ",
+            Code("claims.json"),
+            ".",
+        ],
+        "Horizontal lines from zero to a dot, one for each rival, in groups by claim.",
+        label="rivals",
+    )
+    rule = found.rules
+    yield Figure(
+        to_svg(
+            over_prior_width(
+                stored.claim_curves,
+                rule["support_log10_bayes_factor"],
+                rule["refute_log10_bayes_factor"],
+            )
+        ),
+        [
+            "Log₁₀ Bayes factor of each claim as the width of its rivals' priors changes. Above "
+            "the dashed line a claim may be supported, below the dotted line refuted. From ",
+            Code("claims.nc"),
+            ".",
+        ],
+        "A line for each claim over the relative width of the prior from a tenth to ten, on a "
+        "logarithmic axis; lines rise with the width where the effect is small.",
+        label="prior-width",
+    )
+
+
+def _number(value: float | None, decimals: int) -> str:
+    return MISSING if value is None else f"{value:.{decimals}f}".replace("-", "−")
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]

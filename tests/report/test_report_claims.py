@@ -1,0 +1,131 @@
+"""The claims in the report: stored numbers, refuted ones first, never another recording's."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from bayesfric.errors import InputError
+from bayesfric.plots.claims import against_rivals, over_prior_width
+from bayesfric.report.chapters.claims import claims, verdicts
+from bayesfric.report.content import Heading, Notice, Paragraph, Table
+from bayesfric.report.stored import StoredResults, read_stored
+from bayesfric.results import json_bytes, write_netcdf
+from bayesfric.schemas import ClaimResult, ClaimsFile, SelfContradiction
+
+RULES = {
+    "support_log10_bayes_factor": 0.5,
+    "refute_log10_bayes_factor": -1.0,
+    "region_of_equivalence": 0.05,
+    "refute_effect_probability": 0.95,
+    "refute_elpd_errors": 2.0,
+    "support_probability": 0.95,
+    "refute_probability": 0.05,
+    "refute_tail_probability": 0.01,
+}
+
+
+def result(name, verdict, log10, **more):
+    return ClaimResult(
+        id=name,
+        statement="A statement.",
+        paper="A place.",
+        verdict=verdict,
+        reason=f"The reason of {name}.",
+        log10_bayes_factor=log10,
+        log10_bayes_factor_se=None if log10 is None else 0.0312,
+        elpd_difference=None if log10 is None else -3.14,
+        elpd_difference_se=None if log10 is None else 1.26,
+        figures=more,
+        by_pulley={},
+    )
+
+
+@pytest.fixture
+def stored(small_fit):
+    found = ClaimsFile(
+        **small_fit.summary.model_dump(
+            include={"seed", "versions", "recording", "analysis_sha256", "created"}
+        ),
+        rules=RULES,
+        claims=(
+            result(
+                "linear-in-tension",
+                "refuted",
+                -2.345,
+                log10_bayes_factor_against={"tension-curvature/power": -2.6, "far": 99.0},
+            ),
+            result("rigs-agree", "undecided", None),
+        ),
+        self_contradictions=(
+            SelfContradiction(topic="speed", statement="12 against 1.3.", figures={}),
+        ),
+    )
+    curves = xr.Dataset(
+        {"log10_bayes_factor": (("claim", "width"), [[-2.0, -2.345, -1.5]])},
+        coords={"claim": ["linear-in-tension"], "width": [0.1, 1.0, 10.0]},
+    )
+    return StoredResults(
+        small_fit.summary,
+        small_fit.draws,
+        small_fit.predictive,
+        found,
+        xr.DataTree.from_dict({"curves": curves}),
+    )
+
+
+def test_page_one_has_the_stored_verdicts(stored):
+    notice, table = verdicts(stored)
+    assert isinstance(notice, Notice)
+    assert notice.title == "Refuted"
+    assert "The reason of linear-in-tension." in str(notice.text)
+    assert isinstance(table, Table)
+    rows = [[str(getattr(cell, "text", cell)) for cell in row] for row in table.rows]
+    assert rows[0] == ["linear-in-tension", "− refuted", "−2.3", "0.03", "−3.1", "1.3"]
+    assert rows[1] == ["rigs-agree", "? undecided", *["—"] * 4]
+
+
+def test_the_chapter_tells_each_claim_and_the_rules(stored):
+    blocks = list(claims(stored))
+    words = " ".join(str(b.text) for b in blocks if isinstance(b, Paragraph))
+    assert "The reason of linear-in-tension." in words
+    assert "The reason of rigs-agree." in words
+    assert "at most −1" in words
+    assert "at least 0.5" in words
+    headings = [b.text for b in blocks if isinstance(b, Heading)]
+    assert headings[-1] == "The paper against itself"
+
+
+def test_without_claims_nothing_is_said(stored):
+    plain = dataclasses.replace(stored, claims=None, claim_curves=None)
+    assert list(verdicts(plain)) == []
+    assert list(claims(plain)) == []
+
+
+def test_claims_of_another_recording_are_refused(stored, small_fit, tmp_path):
+    small_fit.write(tmp_path)
+    write_netcdf(stored.claim_curves, tmp_path / "claims.nc")
+    (tmp_path / "claims.json").write_bytes(json_bytes(stored.claims))
+    assert read_stored(tmp_path).claims == stored.claims
+    other = stored.claims.recording.model_copy(update={"sha256": "0" * 64})
+    stale = stored.claims.model_copy(update={"recording": other})
+    (tmp_path / "claims.json").write_bytes(json_bytes(stale))
+    with pytest.raises(InputError, match=r"claims\.json"):
+        read_stored(tmp_path)
+
+
+def test_the_curve_is_the_stored_one(stored):
+    (axes,) = over_prior_width(stored.claim_curves, 0.5, -1.0).axes
+    curve, support, refute = axes.lines
+    np.testing.assert_array_equal(curve.get_xdata(), [0.1, 1.0, 10.0])
+    np.testing.assert_array_equal(curve.get_ydata(), [-2.0, -2.345, -1.5])
+    assert (support.get_ydata()[0], refute.get_ydata()[0]) == (0.5, -1.0)
+
+
+def test_what_is_beyond_the_axis_is_written(stored):
+    rivals = stored.claims.claims[0].figures["log10_bayes_factor_against"]
+    (axes,) = against_rivals({"linear-in-tension": rivals}).axes
+    dots = [line.get_xdata()[0] for line in axes.lines if len(line.get_xdata()) == 1]
+    assert dots == [-2.6, 8.0]
+    assert "99" in [text.get_text() for text in axes.texts]
