@@ -177,12 +177,12 @@ def _studied(
 ) -> dict[Task, Studied]:
     """Study all hypotheses: the law and each claim's best rival with draws, the rest screened."""
     tasks = list(dict.fromkeys(task for claim in claims for task in claim.tasks(data)))
-    rivals = [task for task in tasks if task.hypothesis != BASELINE]
-    own = [task for task in tasks if task.hypothesis == BASELINE]
-    studied = study_all(own, data, analysis, all_effects(), executor)
-    studied |= study_all(rivals, data, analysis, all_effects(), executor, screen=True)
+    own = {task for task in tasks if task.hypothesis == BASELINE}
+    studied = study_all(tasks, data, analysis, all_effects(), executor, sampled=own)
     best = dict.fromkeys(one for claim in claims if (one := _best_rival(claim, data, studied)))
-    return studied | study_all(list(best), data, analysis, all_effects(), executor)
+    return studied | study_all(
+        list(best), data, analysis, all_effects(), executor, sampled=best.keys()
+    )
 
 
 def _best_rival(
@@ -219,7 +219,7 @@ def screen_claims(
     compared = [claim for claim in registered() if claim.by_size and claim.rivals]
     claims = [claim for claim in compared if not claim.untestable(data)]
     tasks = list(dict.fromkeys(task for claim in claims for task in claim.tasks(data)))
-    studied = study_all(tasks, data, analysis, all_effects(), executor, screen=True)
+    studied = study_all(tasks, data, analysis, all_effects(), executor, sampled=())
     found = {}
     for claim in claims:
         own, *rivals = (studied[task] for task in claim.tasks(data))

@@ -1,6 +1,6 @@
 """A hypothesis studied: its evidence, what it predicts, and how large its effect is."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from itertools import product
@@ -100,7 +100,7 @@ def study_all(
     effects: dict[str, Effect],
     executor: Executor | None,
     *,
-    screen: bool = False,
+    sampled: Collection[Task],
 ) -> dict[Task, Studied]:
     """Study hypotheses, each with a seed of its own.
 
@@ -116,20 +116,29 @@ def study_all(
         Effects by name.
     executor : Executor or None
         Where to compute; None is here.
-    screen : bool
-        Whether importance sampling suffices where it is reliable.
+    sampled : collection of Task
+        Those that need draws; for the others importance sampling suffices where it is
+        reliable.
 
     Returns
     -------
     dict of Task to Studied
         The same whatever the executor.
     """
-    each = [(data[task.data], analysis, task, effects, screen) for task in tasks]
-    # All sizes together first: these take longest, and should not be left for the end.
-    each.sort(key=lambda one: not one[2].whole)
+    each = [
+        (data[task.data], analysis, task, effects, task not in sampled)
+        for task in sorted(tasks, key=lambda task: _cost(task, effects), reverse=True)
+    ]
     run = map if executor is None else executor.map
     found = run(_study_one, each)
     return {one[2]: studied for one, studied in zip(each, found, strict=True)}
+
+
+def _cost(task: Task, effects: dict[str, Effect]) -> int:
+    """Return what takes longest, and should not be left for the end: a rank."""
+    shapes = [effects[name].shape is not None for name, _ in task.hypothesis.effects]
+    along = [effects[name].along_path for name, _ in task.hypothesis.effects]
+    return 4 * task.whole + 2 * any(shapes) + any(along)
 
 
 def _study_one(given: tuple[Data, Analysis, Task, dict[str, Effect], bool]) -> Studied:
