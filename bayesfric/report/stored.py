@@ -77,4 +77,7 @@ def read_stored(folder: Path) -> StoredResults:
     claims = read_json(ClaimsFile, folder / "claims.json")
     if claims.recording.sha256 != fit.recording.sha256:
         raise InputError([Fault("claims.json", "claims of the recording in fit.json")])
+    if not (folder / "claims.nc").is_file():
+        expected = f"beside claims.json: run `bayesfric claims RECORDING -o {folder}` again"
+        raise InputError([Fault("claims.nc", expected)])
     return StoredResults(fit, draws, predictive, claims, read_tree(folder / "claims.nc"))

@@ -54,6 +54,7 @@ def stored(small_fit):
                 "linear-in-tension",
                 "refuted",
                 -2.345,
+                elpd_reliable=False,
                 log10_bayes_factor_against={"tension-curvature/power": -2.6, "far": 99.0},
             ),
             result("rigs-agree", "undecided", None),
@@ -82,7 +83,7 @@ def test_page_one_has_the_stored_verdicts(stored):
     assert "The reason of linear-in-tension." in str(notice.text)
     assert isinstance(table, Table)
     rows = [[str(getattr(cell, "text", cell)) for cell in row] for row in table.rows]
-    assert rows[0] == ["linear-in-tension", "− refuted", "−2.3", "0.03", "−3.1", "1.3"]
+    assert rows[0] == ["linear-in-tension", "− refuted", "−2.3", "0.03", "−3.1", "(1.3)"]
     assert rows[1] == ["rigs-agree", "? undecided", *["—"] * 4]
 
 
@@ -112,6 +113,10 @@ def test_claims_of_another_recording_are_refused(stored, small_fit, tmp_path):
     stale = stored.claims.model_copy(update={"recording": other})
     (tmp_path / "claims.json").write_bytes(json_bytes(stale))
     with pytest.raises(InputError, match=r"claims\.json"):
+        read_stored(tmp_path)
+    (tmp_path / "claims.json").write_bytes(json_bytes(stored.claims))
+    (tmp_path / "claims.nc").unlink()
+    with pytest.raises(InputError, match=r"claims\.nc.*bayesfric claims"):
         read_stored(tmp_path)
 
 

@@ -10,7 +10,7 @@ from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters import checks, data_quality, predictions, summary
 from bayesfric.report.content import Figure, Paragraph, Table, inlines
 from bayesfric.report.stored import StoredResults
-from bayesfric.schemas import Agreement, Repaired
+from bayesfric.schemas import Agreement, Interval, Repaired, WithoutExclusions
 
 
 @pytest.fixture(scope="module")
@@ -183,3 +183,23 @@ def test_each_figure_is_referred_to_or_stands_alone_in_its_chapter(stored):
         if isinstance(inline, Reference)
     }
     assert {"trajectories", "tension", "wrap-slopes", "residuals", "densities"} <= named
+
+
+def test_coefficients_with_and_without_the_rules_stand_side_by_side(stored):
+    fit = stored.fit
+    moved = {
+        size: {
+            name: Interval(mean=2 * entry.mean, sd=3 * entry.sd, q05=0.0, q50=0.0, q95=0.0)
+            for name, entry in coefficients.items()
+        }
+        for size, coefficients in fit.pulleys.items()
+    }
+    whole = WithoutExclusions(trials_used=1234, converged=False, pulleys=moved)
+    changed = dataclasses.replace(stored, fit=fit.model_copy(update={"without_exclusions": whole}))
+    assert "all-trials" not in tables(data_quality.data_quality(stored))
+    found = tables(data_quality.data_quality(changed))["all-trials"]
+    assert "not converged" in words(found.note)
+    for row in found.rows:
+        with_rules, sd, with_all, wide = (float(cell.replace("−", "-")) for cell in row[2:])
+        assert with_all == pytest.approx(2 * with_rules, rel=0.01, abs=0.01)
+        assert wide == pytest.approx(3 * sd, rel=0.1)

@@ -52,7 +52,7 @@ def verdicts(stored: StoredResults) -> Iterator[Block]:
             Column("log₁₀ BF", align="decimal"),
             Column("±", align="decimal"),
             Column("Δelpd", align="decimal"),
-            Column("±", align="decimal"),
+            Column("±", align="right"),
         ],
         [
             [
@@ -61,14 +61,16 @@ def verdicts(stored: StoredResults) -> Iterator[Block]:
                 _number(one.log10_bayes_factor, 1),
                 _number(one.log10_bayes_factor_se, 2),
                 _number(one.elpd_difference, 1),
-                _number(one.elpd_difference_se, 1),
+                _elpd_error(one),
             ]
             for one in stored.claims.claims
         ],
         label="verdicts",
         note="Bayes factors are in favour of the claim, against the average of its rivals; Δelpd "
         "says how much better than its best rival the claim predicts an assembly that was left "
-        "out, in nat. A claim without rivals rests on a probability or on arithmetic.",
+        "out, in nat; its error stands in brackets where it is not to be relied on (a difference "
+        "below 4 nat, fewer than 20 assemblies, or a bad Pareto k). A claim without rivals rests "
+        "on a probability or on arithmetic.",
     )
 
 
@@ -116,15 +118,20 @@ def _claim(one: ClaimResult) -> Iterator[Block]:
 
 def _alone(one: ClaimResult) -> list[str]:
     """Return what each pulley size says alone, in a sentence."""
-    known = {
-        size: entry.log10_bayes_factor
-        for size, entry in one.by_pulley.items()
-        if entry.log10_bayes_factor is not None
-    }
-    if not known:
+    if not one.by_pulley:
         return []
-    each = ", ".join(f"{size} {_number(value, 1)}" for size, value in known.items())
+    each = ", ".join(
+        f"{size} {_number(entry.log10_bayes_factor, 1)}"
+        + (f" ({entry.log10_bayes_factor_why})" if entry.log10_bayes_factor is None else "")
+        for size, entry in one.by_pulley.items()
+    )
     return [f" Log₁₀ Bayes factors of each size alone: {each}."]
+
+
+def _elpd_error(one: ClaimResult) -> str:
+    number = _number(one.elpd_difference_se, 1)
+    unreliable = one.elpd_difference_se is not None and not one.figures.get("elpd_reliable", True)
+    return f"({number})" if unreliable else number
 
 
 def _rules(found: ClaimsFile) -> list[str]:

@@ -2,10 +2,11 @@
 
 from collections.abc import Iterator
 
+from bayesfric.report.chapters.symbols import EXPONENTS, symbol, unit_head
 from bayesfric.report.content import Block, Code, Column, Heading, Inline, Paragraph, Table
 from bayesfric.report.quantities import MISSING, format_count, format_number, format_share
 from bayesfric.report.stored import StoredResults
-from bayesfric.schemas import DataQuality
+from bayesfric.schemas import DataQuality, FitFile
 
 __all__ = ["data_quality"]
 
@@ -19,6 +20,7 @@ def data_quality(stored: StoredResults) -> Iterator[Block]:
     if "gravity" in stored.fit.rigs:
         yield Paragraph(" ".join(_clean(quality)))
         yield from _left_out(quality)
+        yield from _with_all(stored.fit)
         yield from _repairs(quality)
         yield from _agreement(quality)
     if "motor" in stored.fit.rigs:
@@ -49,6 +51,44 @@ def _left_out(quality: DataQuality) -> Iterator[Block]:
             [[entry.trial, entry.rule, entry.reason] for entry in quality.excluded],
             label="excluded",
         )
+
+
+def _with_all(fit: FitFile) -> Iterator[Block]:
+    """Yield the coefficients with and without the trials that were left out."""
+    whole = fit.without_exclusions
+    if whole is None:
+        return
+    rows = []
+    for size, coefficients in whole.pulleys.items():
+        for name, interval in coefficients.items():
+            entry = fit.pulleys[size][name]
+            power = EXPONENTS[name]
+            rows.append(
+                [
+                    size,
+                    (*symbol(name), f" [{unit_head(name, entry.unit)}]"),
+                    *(
+                        format_number(value, digits, None, power).split(" ")[0]
+                        for one in (entry, interval)
+                        for value, digits in ((one.mean, 3), (one.sd, 2))
+                    ),
+                ]
+            )
+    yield Table(
+        f"Coefficients with the rules, and with all {format_count(whole.trials_used)} trials that "
+        "can be computed.",
+        [
+            "pulley",
+            "coefficient",
+            Column("with the rules", align="decimal"),
+            Column("sd", align="decimal"),
+            Column("all trials", align="decimal"),
+            Column("sd", align="decimal"),
+        ],
+        rows,
+        label="all-trials",
+        note="" if whole.converged else "The fit of all trials has not converged.",
+    )
 
 
 def _repairs(quality: DataQuality) -> Iterator[Block]:
