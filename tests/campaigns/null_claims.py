@@ -11,20 +11,23 @@ CLEARLY = 4  # errors above the threshold that refutes
 
 
 def case(seed):
-    """Judge one recording without any effect.
+    """Judge one recording without any effect."""
+    return judged(simulate_recording("quick", seed=seed)) | {"seed": seed}
+
+
+def judged(recording):
+    """Return which claims a recording refutes.
 
     A claim whose screened Bayes factor is clearly above the threshold cannot be refuted,
     and is not judged further.
     """
-    recording = simulate_recording("quick", seed=seed)
     screened = screen_claims(recording)
     limit = ClaimRules().refute_log10_bayes_factor
     clear = {name for name, (value, error) in screened.items() if value - CLEARLY * error > limit}
     rest = [claim.name for claim in registered() if claim.name not in clear]
-    judged = check_claims(recording, only=rest).summary.claims
+    found = check_claims(recording, only=rest).summary.claims
     return {
-        "seed": seed,
-        "refuted": [one.id for one in judged if one.verdict == "refuted"],
-        "judged": {one.id: one.verdict for one in judged},
+        "refuted": [one.id for one in found if one.verdict == "refuted"],
+        "judged": {one.id: one.verdict for one in found},
         "screened": {name: list(found) for name, found in screened.items()},
     }
