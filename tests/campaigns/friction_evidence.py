@@ -1,0 +1,43 @@
+"""Evidence of friction models by bridge sampling, against very large importance samples."""
+
+from threadpoolctl import threadpool_limits
+
+from bayesfric.analysis import Analysis, Sampler
+from bayesfric.effects import all_effects
+from bayesfric.evidence import bridge_evidence, in_one_place, laplace_evidence
+from bayesfric.laplace import laplace_approximation
+from bayesfric.likelihood.hypothesis import Data, Hypothesis, model_of
+from bayesfric.likelihood.screening import screen_trials
+from bayesfric.sampling import sample
+from bayesfric.simulate import simulate_recording
+
+SEED = 3
+DRAWS = 300_000
+HYPOTHESES = {
+    "paper": Hypothesis(),
+    "viscous": Hypothesis(effects=(("viscous", "constant"),)),
+    "tension-curvature": Hypothesis(effects=(("tension-curvature", "quadratic"),)),
+}
+
+
+def case(name):
+    """Return both log evidences of a hypothesis on one `quick` recording."""
+    recording = simulate_recording("quick", seed=SEED, rigs=("gravity",))
+    screened = screen_trials(recording.gravity, recording.rig).gravity
+    data = Data(recording.rig, gravity=screened)
+    settings = Sampler(burn=30, steps=120, thin=3)
+    with threadpool_limits(1):
+        model = model_of(data, Analysis(), HYPOTHESES[name], all_effects())
+        density = model.log_posterior
+        laplace = laplace_approximation(density, model.start(), model.scale())
+        draws = sample(density, laplace, settings, SEED, converged=in_one_place)
+        bridge = bridge_evidence(density, draws.z, SEED)
+        large = laplace_evidence(density, laplace, SEED + 1, size=DRAWS)
+    return {
+        "hypothesis": name,
+        "bridge": bridge.log_evidence,
+        "bridge_error": bridge.error,
+        "importance": large.log_evidence,
+        "importance_error": large.error,
+        "pareto_k": large.pareto_k,
+    }
