@@ -83,7 +83,7 @@ def test_page_one_has_the_stored_verdicts(stored):
     assert "The reason of linear-in-tension." in str(notice.text)
     assert isinstance(table, Table)
     rows = [[str(getattr(cell, "text", cell)) for cell in row] for row in table.rows]
-    assert rows[0] == ["linear-in-tension", "− refuted", "−2.3", "0.03", "−3.1", "(1.3)"]
+    assert rows[0] == ["linear-in-tension", "− refuted", "−2.3", "0.031", "−3.1", "(1.3)"]
     assert rows[1] == ["rigs-agree", "? undecided", *["—"] * 4]
 
 

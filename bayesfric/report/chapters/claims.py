@@ -59,7 +59,7 @@ def verdicts(stored: StoredResults) -> Iterator[Block]:
                 Code(one.id),
                 Strong(f"{SIGNS[one.verdict]} {one.verdict}"),
                 _number(one.log10_bayes_factor, 1),
-                _number(one.log10_bayes_factor_se, 2),
+                _number(one.log10_bayes_factor_se, 3),
                 _number(one.elpd_difference, 1),
                 _elpd_error(one),
             ]
