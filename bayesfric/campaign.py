@@ -6,14 +6,24 @@ A killed campaign goes on where it stopped. Knows nothing of friction. Works on 
 
 import json
 from collections.abc import Callable, Mapping
-from concurrent.futures import Executor, as_completed
+from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, TypeVar
 
-__all__ = ["run_campaign"]
+__all__ = ["processes", "run_campaign"]
 
 Case = TypeVar("Case")
 Result = dict[str, Any]
+
+
+def processes(workers: int) -> ProcessPoolExecutor:
+    """Return an executor over `workers` processes of this machine.
+
+    Each starts a fresh interpreter: a copy of a process that has threads can wait for
+    ever on a lock that one of them held.
+    """
+    return ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
 
 
 def run_campaign(

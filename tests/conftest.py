@@ -3,6 +3,9 @@
 import os
 from pathlib import Path
 
+# One BLAS thread a process, here and in what the tests start: the matrices are small.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import pytest
 
 from bayesfric.analysis import Analysis, Sampler

@@ -1,11 +1,10 @@
 """The bundled recording, fitted afresh: precision, truth, and the tracked reference run."""
 
-from concurrent.futures import ProcessPoolExecutor
-
 import numpy as np
 import pytest
 
 import bayesfric as bf
+from bayesfric.campaign import processes
 from bayesfric.resources import bundled_recording, reference_folder
 from bayesfric.results import read_json
 from bayesfric.schemas import ClaimsFile, FitFile
@@ -65,7 +64,7 @@ def test_no_claim_falls_on_the_bundled_recording():
     """It is simulated from the paper's law; verdicts are those of the reference run."""
     then = read_json(ClaimsFile, reference_folder() / "claims.json")
     recording = bf.read_recording(bundled_recording())
-    with ProcessPoolExecutor(2) as executor:
+    with processes(2) as executor:
         found = bf.check_claims(recording, executor=executor)
     assert found.refuted == ()
     now = {one.id: one for one in found.summary.claims}

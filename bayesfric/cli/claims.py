@@ -1,6 +1,5 @@
 """``bayesfric claims``: the paper's claims, judged by model comparison."""
 
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Annotated
 
@@ -55,6 +54,7 @@ def claims_into(
 ) -> set[str]:
     """Judge, write and print; return what happened that ``--fail-on`` can name."""
     from bayesfric.analysis import read_analysis
+    from bayesfric.campaign import processes
     from bayesfric.claims import check_claims
     from bayesfric.claims.stored_fit import current_posterior
     from bayesfric.recording import read_recording
@@ -64,7 +64,7 @@ def claims_into(
     found = read_recording(recording)
     if not quiet:
         typer.echo("comparing the claims with their rivals", err=True)
-    with ProcessPoolExecutor(workers) as executor:
+    with processes(workers) as executor:
         checked = check_claims(
             found,
             analysis,

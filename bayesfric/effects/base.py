@@ -15,11 +15,13 @@ from bayesfric.friction import (
     tension_slope,
 )
 
-__all__ = ["ActsOn", "Effect", "EffectParameter", "Law", "State"]
+__all__ = ["ActsOn", "Effect", "EffectParameter", "Law", "Reading", "State"]
 
 Array = NDArray[np.float64]
 REFERENCE_TENSION_N = 15.0
-ActsOn = Literal["friction", "current"]
+MEDIUM_RADIUS_M = 7.82e-3  # Table I
+ActsOn = Literal["friction", "drive", "reading", "current"]
+STANDARD_GRAVITY_M_S2 = 9.80665
 
 
 class State(NamedTuple):
@@ -42,6 +44,19 @@ class State(NamedTuple):
         that knows nothing of the condition.
     load_current_a : array_like
         Motor current beyond that of the idle motor [A]; 0 on the gravity board.
+    travel_m : array_like
+        Travel of the cable since the trial was released [m]; 0 in a steady run.
+    acceleration_m_s2 : array_like
+        Of the cable [m/s²]; 0 in a steady run.
+    radius_m : array_like
+        Of the pulleys, at the cable [m].
+    order : array_like
+        Place in the order of the recording, from 0 (first) to 1 (last).
+    gravity_m_s2 : array_like
+        Local acceleration of free fall [m/s²].
+    steady : bool
+        Whether the cable has run at this speed for long: what passes, as the first
+        stretch of travel does, is over, and what goes round averages out.
     """
 
     n_pulleys: ArrayLike
@@ -52,6 +67,12 @@ class State(NamedTuple):
     constant_friction_n: ArrayLike
     pulley_friction_n: ArrayLike
     load_current_a: ArrayLike = 0.0
+    travel_m: ArrayLike = 0.0
+    acceleration_m_s2: ArrayLike = 0.0
+    radius_m: ArrayLike = MEDIUM_RADIUS_M
+    order: ArrayLike = 0.5
+    gravity_m_s2: ArrayLike = STANDARD_GRAVITY_M_S2
+    steady: bool = False
 
     @classmethod
     def of(
@@ -62,8 +83,9 @@ class State(NamedTuple):
         tension_n: ArrayLike,
         speed_m_s: ArrayLike,
         load_current_a: ArrayLike = 0.0,
+        **rest: Any,
     ) -> "State":
-        """Return the state, the parts of friction by eq. (15)."""
+        """Return the state, the parts of friction by eq. (15); `rest` are other fields."""
         slope = tension_slope(coefficients, n_pulleys, wrap_angle_deg)
         return cls(
             n_pulleys,
@@ -74,6 +96,7 @@ class State(NamedTuple):
             np.asarray(n_pulleys) * np.asarray(coefficients.c2),
             coulomb_friction(coefficients, 1.0, REFERENCE_WRAP_ANGLE_DEG, REFERENCE_TENSION_N),
             load_current_a,
+            **rest,
         )
 
     @property
@@ -83,7 +106,40 @@ class State(NamedTuple):
         return np.asarray(total, dtype=np.float64)
 
 
-Law = Callable[[Mapping[str, Any], State], Array]
+class Reading(NamedTuple):
+    """Where the cable and a sensor are at an event; arrays that broadcast.
+
+    Parameters
+    ----------
+    displacement_m : array_like
+        What is written down: travel since the sensor's first event [m].
+    event : array_like
+        Number of the event at its sensor, 0 being the first.
+    is_load : array_like
+        1 at the load end's sensor, 0 at the drive end's.
+    time_s : array_like
+        Since the release [s].
+    speed_m_s, acceleration_m_s2 : array_like
+        Of the cable [m/s], [m/s²].
+    mass_drive_kg, mass_load_kg : array_like
+        On the two ends [kg].
+    magnets_per_revolution : int
+        Of the sensor pulley.
+    """
+
+    displacement_m: ArrayLike
+    event: ArrayLike
+    is_load: ArrayLike
+    time_s: ArrayLike
+    speed_m_s: ArrayLike
+    acceleration_m_s2: ArrayLike
+    mass_drive_kg: ArrayLike
+    mass_load_kg: ArrayLike
+    magnets_per_revolution: int
+
+
+Law = Callable[[Mapping[str, Any], Any], Array]
+"""(parameters, :class:`State` or, of an effect on readings, :class:`Reading`) to numbers."""
 
 
 @dataclass(frozen=True)
@@ -125,9 +181,12 @@ class Effect:
     ----------
     name : str
         As in commands and results.
-    acts_on : {"friction", "current"}
+    acts_on : {"friction", "drive", "reading", "current"}
         What a law returns: a force against the motion [N], which trial and setup
-        scatter multiply like all friction, or an addition to a motor current [A].
+        scatter multiply like all friction; a force against the motion that they leave
+        alone, as of a weight or of inertia; by how much a magnet passes beyond the place
+        that is written down [m], linear in the amplitude; or an addition to the motor
+        current of a run [A].
     sentence : str
         For the report: what the board does.
     amplitude : EffectParameter
@@ -143,6 +202,10 @@ class Effect:
     along_path : bool
         Whether the effect changes while a trial runs, as what depends on speed does.
         Then it is linear in its amplitude.
+    components : int
+        0; or how many components a law returns, stacked on a first axis, each to be
+        multiplied by a number N(0, 1) drawn anew for every trial (of an effect on
+        readings for each of its sensors): a phase that nobody recorded.
     """
 
     name: str
@@ -153,6 +216,7 @@ class Effect:
     shape: EffectParameter | None = None
     edge: Mapping[str, float] = field(default_factory=dict)
     along_path: bool = False
+    components: int = 0
 
     @property
     def parameters(self) -> tuple[EffectParameter, ...]:

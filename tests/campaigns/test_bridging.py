@@ -4,19 +4,17 @@ Densities, seeds and bounds were fixed before the first run. Continuous integrat
 runs the first ten repeats and compares each with the evidence of the long run.
 """
 
-from concurrent.futures import ProcessPoolExecutor
-
 import numpy as np
 import pytest
 from campaigns import bridging, evidence
 
-from bayesfric.campaign import run_campaign
+from bayesfric.campaign import processes, run_campaign
 
 CI_SEEDS = range(10)
 
 
 def run(seeds, folder):
-    with ProcessPoolExecutor(2) as executor:
+    with processes(2) as executor:
         cases = {f"{seed:04d}": seed for seed in seeds}
         return list(run_campaign(bridging.case, cases, folder, executor).values())
 

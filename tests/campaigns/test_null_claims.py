@@ -5,14 +5,13 @@ of them again and compares with the evidence of the long run.
 """
 
 from collections import Counter
-from concurrent.futures import ProcessPoolExecutor
 from functools import cache
 
 import numpy as np
 import pytest
 from campaigns import evidence, null_claims
 
-from bayesfric.campaign import run_campaign
+from bayesfric.campaign import processes, run_campaign
 from bayesfric.simulate import simulate_recording
 
 CI_SEEDS = range(20)
@@ -20,7 +19,7 @@ AT_MOST_REFUTED = 0.05  # of recordings, any claim
 
 
 def run(seeds, folder):
-    with ProcessPoolExecutor(2) as executor:
+    with processes(2) as executor:
         cases = {f"{seed:04d}": seed for seed in seeds}
         return list(run_campaign(null_claims.case, cases, folder, executor).values())
 

@@ -5,20 +5,19 @@ run. Continuous integration runs the first twenty and compares each with the
 evidence of the long run.
 """
 
-from concurrent.futures import ProcessPoolExecutor
 from functools import cache
 
 import numpy as np
 import pytest
 from campaigns import evidence, recovery
 
-from bayesfric.campaign import run_campaign
+from bayesfric.campaign import processes, run_campaign
 
 CI_SEEDS = range(20)
 
 
 def run(seeds, folder):
-    with ProcessPoolExecutor(2) as executor:
+    with processes(2) as executor:
         cases = {f"{seed:04d}": seed for seed in seeds}
         return list(run_campaign(recovery.case, cases, folder, executor).values())
 

@@ -4,14 +4,12 @@ The seeds 0…99 and the bound were fixed before the first run. Continuous integ
 runs three of them and compares each with the evidence of the long run.
 """
 
-from concurrent.futures import ProcessPoolExecutor
-
 import numpy as np
 import pytest
 from campaigns import evidence, torque_constant
 
 from bayesfric.analysis import Analysis, Sampler
-from bayesfric.campaign import run_campaign
+from bayesfric.campaign import processes, run_campaign
 from bayesfric.fitting import fit
 
 CI_SEEDS = (0, 33, 66)
@@ -19,7 +17,7 @@ SHORT = Sampler(burn=60, steps=80, thin=2, extensions=0)
 
 
 def run(seeds, folder):
-    with ProcessPoolExecutor(1) as executor:
+    with processes(1) as executor:
         cases = {f"{seed:04d}": seed for seed in seeds}
         return list(run_campaign(torque_constant.case, cases, folder, executor).values())
 

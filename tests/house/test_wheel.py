@@ -90,8 +90,21 @@ def test_the_command_runs_in_an_empty_folder(elsewhere, tmp_path, arguments):
     assert list(tmp_path.iterdir()) == []
 
 
+SHORT = "[sampler]\nburn = 60\nsteps = 80\nthin = 2\nextensions = 0\n"
+
+
 def test_the_main_job_runs_on_the_bundled_recording(elsewhere, tmp_path):
-    run(elsewhere / "bin" / "bayesfric", "run", "-o", "results", "--quiet", cwd=tmp_path)
+    """With few draws; `tests/test_reference_run.py` has the whole of them."""
+    (tmp_path / "analysis.toml").write_text(SHORT)
+    options = ["-o", "results", "--config", "analysis.toml", "--quiet"]
+    run(elsewhere / "bin" / "bayesfric", "run", *options, cwd=tmp_path)
     written = {path.name for path in (tmp_path / "results").iterdir()}
-    assert {"fit.json", "draws.nc", "report.pdf", "report.html", "summary.md"} <= written
+    assert {
+        "fit.json",
+        "draws.nc",
+        "claims.json",
+        "report.pdf",
+        "report.html",
+        "summary.md",
+    } <= written
     assert (tmp_path / "results" / "report.pdf").read_bytes().startswith(b"%PDF")
