@@ -1,49 +1,23 @@
-"""The models of the JSON files that the commands write.
+"""``fit.json`` and ``timings.json``."""
 
-``docs/schemas/`` holds the JSON Schemas generated from them. A version, such as
-``bayesfric.fit/1``, only ever gains keys. Numbers are SI, never NaN or infinite.
-"""
+from typing import Literal
 
-from typing import Annotated, Literal
+from pydantic import ConfigDict, Field
 
-from pydantic import BaseModel, ConfigDict, Field
+from bayesfric.schemas.base import Interval, Number, Provenance, Record
 
 __all__ = [
-    "SCHEMAS",
     "Agreement",
-    "ClaimResult",
-    "ClaimsFile",
     "DataQuality",
     "Excluded",
     "FitFile",
-    "Interval",
     "ParameterSummary",
     "PointEstimate",
-    "Provenance",
-    "PulleyEvidence",
-    "RecordingId",
     "Repaired",
     "SamplerSummary",
-    "SelfContradiction",
     "TimingsFile",
     "WithoutExclusions",
 ]
-
-Number = Annotated[float, Field(allow_inf_nan=False)]
-
-
-class _Record(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Interval(_Record):
-    """A distribution in five numbers."""
-
-    mean: Number = Field(description="Mean.")
-    sd: Number = Field(description="Standard deviation.")
-    q05: Number = Field(description="5 % quantile.")
-    q50: Number = Field(description="Median.")
-    q95: Number = Field(description="95 % quantile.")
 
 
 class ParameterSummary(Interval):
@@ -60,27 +34,7 @@ class ParameterSummary(Interval):
     informed: bool = Field(description="Whether the data say more than the prior.")
 
 
-class RecordingId(_Record):
-    """Which recording a result rests on."""
-
-    name: str = Field(description="Name in datapackage.json.")
-    title: str = Field("", description="Title in datapackage.json.")
-    sha256: str = Field(description="Over its tables, sorted by name.")
-
-
-class Provenance(_Record):
-    """What every file carries, so that it can be made again."""
-
-    seed: int = Field(description="Seed of everything random.")
-    versions: dict[str, str] = Field(description="Python and packages.")
-    recording: RecordingId = Field(description="The data.")
-    analysis_sha256: str = Field(description="Over the analysis, defaults filled in.")
-    created: str | None = Field(
-        description="SOURCE_DATE_EPOCH, else the recording's own date, else null."
-    )
-
-
-class SamplerSummary(_Record):
+class SamplerSummary(Record):
     """How the draws were made."""
 
     ensembles: int = Field(description="Independent ensembles.")
@@ -97,7 +51,7 @@ class SamplerSummary(_Record):
     )
 
 
-class PointEstimate(_Record):
+class PointEstimate(Record):
     """Coefficients of a size without uncertainty; null where the design does not allow one."""
 
     c1: Number | None = Field(description="Friction per tension and pulley [-].")
@@ -108,7 +62,7 @@ class PointEstimate(_Record):
     c3_why: str | None = Field(None, description="Why there is no c3.")
 
 
-class Excluded(_Record):
+class Excluded(Record):
     """A trial that does not enter the fit."""
 
     trial: str = Field(description="Its id.")
@@ -116,7 +70,7 @@ class Excluded(_Record):
     reason: str = Field(description="The rule in words.")
 
 
-class Repaired(_Record):
+class Repaired(Record):
     """A trial and sensor whose Hall events were not clean."""
 
     trial: str = Field(description="Its id.")
@@ -130,7 +84,7 @@ class Repaired(_Record):
     )
 
 
-class Agreement(_Record):
+class Agreement(Record):
     """How the two sensors of a trial agree on its acceleration."""
 
     trials: int = Field(description="Trials whose two sensors can be compared.")
@@ -145,7 +99,7 @@ class Agreement(_Record):
     disagreeing: tuple[str, ...] = Field(description="Ids of the trials that disagree.")
 
 
-class DataQuality(_Record):
+class DataQuality(Record):
     """What the fit used."""
 
     trials: int = Field(description="Gravity trials recorded.")
@@ -166,7 +120,7 @@ class DataQuality(_Record):
     stalled: tuple[str, ...] = Field((), description="Trials that stall, left out or not.")
 
 
-class WithoutExclusions(_Record):
+class WithoutExclusions(Record):
     """What the trials that the rules left out would change."""
 
     trials_used: int = Field(description="Gravity trials that enter, all that can be computed.")
@@ -206,74 +160,10 @@ class FitFile(Provenance):
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
 
 
-class TimingsFile(_Record):
+class TimingsFile(Record):
     """``timings.json``: wall time, kept out of the results."""
 
     schema_: Literal["bayesfric.timings/1"] = Field("bayesfric.timings/1", alias="schema")
     seconds: dict[str, Number] = Field(description="Wall seconds by stage.")
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
-
-
-class PulleyEvidence(_Record):
-    """A claim's Bayes factor from the data of one pulley size alone."""
-
-    log10_bayes_factor: Number | None = Field(description="In favour of the claim.")
-    log10_bayes_factor_why: str | None = Field(None, description="Why there is none.")
-    log10_bayes_factor_se: Number | None = Field(description="Its standard error.")
-
-
-class ClaimResult(_Record):
-    """What a recording says of one claim of the paper."""
-
-    id: str = Field(description="Name of the claim.")
-    statement: str = Field(description="What is claimed.")
-    paper: str = Field(description="What the paper states, and where.")
-    verdict: Literal["supported", "refuted", "undecided", "not-testable"] = Field(
-        description="By the rules under `rules`."
-    )
-    reason: str = Field(description="The verdict in a sentence.")
-    log10_bayes_factor: Number | None = Field(
-        description="In favour of the claim, against the equal-weight average of its rivals."
-    )
-    log10_bayes_factor_why: str | None = Field(None, description="Why there is none.")
-    log10_bayes_factor_se: Number | None = Field(description="Its standard error.")
-    elpd_difference: Number | None = Field(
-        description="Assemblies left out one at a time: positive where the claim predicts them "
-        "better than its best rival [nat]."
-    )
-    elpd_difference_why: str | None = Field(None, description="Why there is none.")
-    elpd_difference_se: Number | None = Field(description="Its standard error.")
-    figures: dict[str, Number | int | bool | str | dict[str, Number]] = Field(
-        description="Numbers that the verdict rests on."
-    )
-    by_pulley: dict[str, PulleyEvidence] = Field(description="From each size's data alone.")
-
-
-class SelfContradiction(_Record):
-    """Two statements of the paper that do not go together."""
-
-    topic: str = Field(description="In a word or two.")
-    statement: str = Field(description="With its numbers.")
-    figures: dict[str, Number] = Field(description="These numbers.")
-
-
-class ClaimsFile(Provenance):
-    """``claims.json``: the paper's claims, judged on a recording."""
-
-    schema_: Literal["bayesfric.claims/1"] = Field("bayesfric.claims/1", alias="schema")
-    rules: dict[str, Number] = Field(description="Thresholds of the verdicts.")
-    claims: tuple[ClaimResult, ...] = Field(description="In the order of the report.")
-    self_contradictions: tuple[SelfContradiction, ...] = Field(
-        description="Where the paper contradicts itself."
-    )
-
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
-
-
-SCHEMAS: dict[str, type[BaseModel]] = {
-    "fit": FitFile,
-    "claims": ClaimsFile,
-    "timings": TimingsFile,
-}
-"""The models by the name of the file that they describe."""

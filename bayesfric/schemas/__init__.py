@@ -1,0 +1,82 @@
+"""The models of the JSON files that the commands write.
+
+``docs/schemas/`` holds the JSON Schemas generated from them. A version, such as
+``bayesfric.fit/1``, only ever gains keys. Numbers are SI, never NaN or infinite.
+"""
+
+from pydantic import BaseModel
+
+from bayesfric.schemas.base import Interval, Provenance, RecordingId
+from bayesfric.schemas.claims import (
+    ClaimResult,
+    ClaimsFile,
+    PulleyEvidence,
+    SelfContradiction,
+)
+from bayesfric.schemas.diagnosis import (
+    Absorbed,
+    Axis,
+    Cause,
+    DiagnosisFile,
+    EffectNumber,
+    ExaminedEffect,
+    Gap,
+    GapRow,
+    NextExperiment,
+    Remainder,
+    Shape,
+    Unseparated,
+)
+from bayesfric.schemas.fit import (
+    Agreement,
+    DataQuality,
+    Excluded,
+    FitFile,
+    ParameterSummary,
+    PointEstimate,
+    Repaired,
+    SamplerSummary,
+    TimingsFile,
+    WithoutExclusions,
+)
+
+__all__ = [
+    "SCHEMAS",
+    "Absorbed",
+    "Agreement",
+    "Axis",
+    "Cause",
+    "ClaimResult",
+    "ClaimsFile",
+    "DataQuality",
+    "DiagnosisFile",
+    "EffectNumber",
+    "ExaminedEffect",
+    "Excluded",
+    "FitFile",
+    "Gap",
+    "GapRow",
+    "Interval",
+    "NextExperiment",
+    "ParameterSummary",
+    "PointEstimate",
+    "Provenance",
+    "PulleyEvidence",
+    "RecordingId",
+    "Remainder",
+    "Repaired",
+    "SamplerSummary",
+    "SelfContradiction",
+    "Shape",
+    "TimingsFile",
+    "Unseparated",
+    "WithoutExclusions",
+]
+
+SCHEMAS: dict[str, type[BaseModel]] = {
+    "fit": FitFile,
+    "claims": ClaimsFile,
+    "diagnosis": DiagnosisFile,
+    "timings": TimingsFile,
+}
+"""The models by the name of the file that they describe."""

@@ -1,0 +1,45 @@
+"""What every JSON file has, and the pieces that several share."""
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+__all__ = ["Interval", "Number", "Provenance", "Record", "RecordingId"]
+
+Number = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class Record(BaseModel):
+    """Frozen, and without unknown keys."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Interval(Record):
+    """A distribution in five numbers."""
+
+    mean: Number = Field(description="Mean.")
+    sd: Number = Field(description="Standard deviation.")
+    q05: Number = Field(description="5 % quantile.")
+    q50: Number = Field(description="Median.")
+    q95: Number = Field(description="95 % quantile.")
+
+
+class RecordingId(Record):
+    """Which recording a result rests on."""
+
+    name: str = Field(description="Name in datapackage.json.")
+    title: str = Field("", description="Title in datapackage.json.")
+    sha256: str = Field(description="Over its tables, sorted by name.")
+
+
+class Provenance(Record):
+    """What every file carries, so that it can be made again."""
+
+    seed: int = Field(description="Seed of everything random.")
+    versions: dict[str, str] = Field(description="Python and packages.")
+    recording: RecordingId = Field(description="The data.")
+    analysis_sha256: str = Field(description="Over the analysis, defaults filled in.")
+    created: str | None = Field(
+        description="SOURCE_DATE_EPOCH, else the recording's own date, else null."
+    )

@@ -1,0 +1,70 @@
+"""``claims.json``."""
+
+from typing import Literal
+
+from pydantic import ConfigDict, Field
+
+from bayesfric.schemas.base import Number, Provenance, Record
+
+__all__ = [
+    "ClaimResult",
+    "ClaimsFile",
+    "PulleyEvidence",
+    "SelfContradiction",
+]
+
+
+class PulleyEvidence(Record):
+    """A claim's Bayes factor from the data of one pulley size alone."""
+
+    log10_bayes_factor: Number | None = Field(description="In favour of the claim.")
+    log10_bayes_factor_why: str | None = Field(None, description="Why there is none.")
+    log10_bayes_factor_se: Number | None = Field(description="Its standard error.")
+
+
+class ClaimResult(Record):
+    """What a recording says of one claim of the paper."""
+
+    id: str = Field(description="Name of the claim.")
+    statement: str = Field(description="What is claimed.")
+    paper: str = Field(description="What the paper states, and where.")
+    verdict: Literal["supported", "refuted", "undecided", "not-testable"] = Field(
+        description="By the rules under `rules`."
+    )
+    reason: str = Field(description="The verdict in a sentence.")
+    log10_bayes_factor: Number | None = Field(
+        description="In favour of the claim, against the equal-weight average of its rivals."
+    )
+    log10_bayes_factor_why: str | None = Field(None, description="Why there is none.")
+    log10_bayes_factor_se: Number | None = Field(description="Its standard error.")
+    elpd_difference: Number | None = Field(
+        description="Assemblies left out one at a time: positive where the claim predicts them "
+        "better than its best rival [nat]."
+    )
+    elpd_difference_why: str | None = Field(None, description="Why there is none.")
+    elpd_difference_se: Number | None = Field(description="Its standard error.")
+    figures: dict[str, Number | int | bool | str | dict[str, Number]] = Field(
+        description="Numbers that the verdict rests on."
+    )
+    by_pulley: dict[str, PulleyEvidence] = Field(description="From each size's data alone.")
+
+
+class SelfContradiction(Record):
+    """Two statements of the paper that do not go together."""
+
+    topic: str = Field(description="In a word or two.")
+    statement: str = Field(description="With its numbers.")
+    figures: dict[str, Number] = Field(description="These numbers.")
+
+
+class ClaimsFile(Provenance):
+    """``claims.json``: the paper's claims, judged on a recording."""
+
+    schema_: Literal["bayesfric.claims/1"] = Field("bayesfric.claims/1", alias="schema")
+    rules: dict[str, Number] = Field(description="Thresholds of the verdicts.")
+    claims: tuple[ClaimResult, ...] = Field(description="In the order of the report.")
+    self_contradictions: tuple[SelfContradiction, ...] = Field(
+        description="Where the paper contradicts itself."
+    )
+
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)

@@ -1,0 +1,189 @@
+"""``diagnosis.json``."""
+
+from typing import Literal
+
+from pydantic import ConfigDict, Field
+
+from bayesfric.schemas.base import Interval, Number, Provenance, Record
+
+__all__ = [
+    "Absorbed",
+    "Axis",
+    "Cause",
+    "DiagnosisFile",
+    "EffectNumber",
+    "ExaminedEffect",
+    "Gap",
+    "GapRow",
+    "NextExperiment",
+    "Remainder",
+    "Shape",
+    "Unseparated",
+]
+
+
+class EffectNumber(Interval):
+    """A parameter of an effect, given that the effect acts."""
+
+    unit: str = Field(description="SI, degrees for angles.")
+    prior: str = Field(description="What was assumed before the data.")
+
+
+class Cause(Record):
+    """An effect of the most probable named hypothesis."""
+
+    effect: str = Field(description="Name of the effect.")
+    sentence: str = Field(description="What the board does.")
+    inclusion_probability: Number = Field(description="Of all hypotheses with this effect.")
+    log10_bayes_factor: Number = Field(
+        description="The hypothesis against the same without this effect."
+    )
+    log10_bayes_factor_se: Number = Field(description="Its error, by quadrature over the noise.")
+    law: str = Field(description="Most probable variant.")
+    parameters: dict[str, EffectNumber] = Field(description="Amplitude, and shape if any.")
+    plausible: bool = Field(description="Whether the amplitude's median is physically plausible.")
+    plausible_range: tuple[Number, Number] = Field(description="Of the amplitude.")
+    plausible_reference: str = Field(description="Where that range comes from.")
+    strength: Number = Field(description="Rms of its force over that of friction.")
+    below_floor: bool = Field(description="Whether its force is below the floor.")
+
+
+class Unseparated(Record):
+    """Effects that cannot be told apart."""
+
+    effects: tuple[str, ...] = Field(description="Names of hypotheses.")
+    reason: Literal["identical-on-this-rig", "these-data"] = Field(description="Why.")
+
+
+class Absorbed(Record):
+    """An effect that does nothing but move parameters of the baseline."""
+
+    effect: str = Field(description="Name of the effect.")
+    by: str = Field(description="The parameter that moves most, by its prior's width.")
+    bias: Number = Field(description="By how much at one standard deviation of the amplitude.")
+    unit: str = Field(description="Of the bias.")
+
+
+class Remainder(Record):
+    """What the named causes leave."""
+
+    significant: bool = Field(description="Whether the evidence asks for a further, smooth force.")
+    log10_bayes_factor: Number = Field(description="Of a further force against none.")
+    share_of_gap: Interval | None = Field(
+        description="Mean square of the further force over that of the systematic gap."
+    )
+    share_of_gap_why: str | None = Field(None, description="Why there is none.")
+    axis: str | None = Field(description="Where it is largest.")
+    axis_why: str | None = Field(None, description="Why there is none.")
+
+
+class Shape(Record):
+    """The residual force along an axis."""
+
+    grid: tuple[Number, ...] = Field(description="Of the covariate.")
+    gap_n: tuple[Number, ...] = Field(description="Systematic residual force [N].")
+    low_n: tuple[Number, ...] = Field(description="Lower edge of the simultaneous 95 % band [N].")
+    high_n: tuple[Number, ...] = Field(description="Upper edge [N].")
+
+
+class Axis(Record):
+    """How much of the gap lies along one covariate."""
+
+    axis: str = Field(description="Name of the covariate.")
+    unit: str = Field(description="Of the covariate.")
+    blind: bool = Field(description="True where the covariate did not vary.")
+    share: Number | None = Field(
+        description="Cross-validated part of the gap squared that a smooth of it explains."
+    )
+    share_why: str | None = Field(None, description="Why there is none.")
+    unique_share: Number | None = Field(description="What is lost when it leaves the joint smooth.")
+    unique_share_why: str | None = Field(None, description="Why there is none.")
+    confounded_with: tuple[str, ...] = Field(description="Axes whose smooths look alike here.")
+    p_value: Number | None = Field(description="Adjusted by the largest statistic of all axes.")
+    p_value_why: str | None = Field(None, description="Why there is none.")
+    shape: Shape | None = Field(description="On a grid; null where it did not vary.")
+    shape_why: str | None = Field(None, description="Why there is none.")
+
+
+class GapRow(Record):
+    """The four figures on one set of held-out data; root mean squares."""
+
+    name: str = Field(description="What was held out.")
+    as_shipped: Interval | None = Field(description="Published values, nothing refitted.")
+    as_shipped_why: str | None = Field(None, description="Why there is none.")
+    before: Interval = Field(description="Baseline, every parameter refitted.")
+    after: Interval = Field(description="With the causes, every parameter refitted.")
+    floor: Interval = Field(description="What a perfect law would leave.")
+    shrink: Interval | None = Field(description="(before² − after²) / (before² − floor²).")
+    shrink_why: str | None = Field(None, description="Why there is none.")
+
+
+class Gap(Record):
+    """How far simulation and reality are apart."""
+
+    unit: str = Field("N", description="Of everything but the trajectory.")
+    as_shipped: Interval | None = Field(description="Published values, nothing refitted.")
+    as_shipped_why: str | None = Field(None, description="Why there is none.")
+    before: Interval = Field(description="Recalibrated baseline, over folds of setups.")
+    after: Interval = Field(description="With the causes.")
+    floor: Interval = Field(description="What a perfect law would leave.")
+    systematic: Interval = Field(description="√(before² − floor²), 0 where that is negative.")
+    shrink: Interval | None = Field(description="(before² − after²) / (before² − floor²).")
+    shrink_why: str | None = Field(None, description="Why there is none.")
+    friction_rms: Number = Field(description="Of the baseline's friction, same weights [N].")
+    held_out: tuple[GapRow, ...] = Field(description="Folds over setups, and extrapolations [N].")
+    in_sample: GapRow = Field(description="On the data of the fit [N].")
+    trajectory: GapRow | None = Field(
+        description="From the first five events to the end of travel, held out [m]."
+    )
+    trajectory_why: str | None = Field(None, description="Why there is none.")
+
+
+class ExaminedEffect(Record):
+    """An effect that was weighed, or why it was not."""
+
+    effect: str = Field(description="Name of the effect.")
+    log10_bayes_factor: Number | None = Field(description="Alone, against the baseline.")
+    log10_bayes_factor_why: str | None = Field(None, description="Why there is none.")
+
+
+class NextExperiment(Record):
+    """A condition that would tell hypotheses apart."""
+
+    condition: dict[str, Number | str] = Field(description="What to set.")
+    separates: tuple[str, ...] = Field(description="Hypotheses.")
+    log10_bayes_factor: Number = Field(description="Expected.")
+
+
+class DiagnosisFile(Provenance):
+    """``diagnosis.json``: where the simulation misses, why, and how far that shrinks."""
+
+    schema_: Literal["bayesfric.diagnosis/1"] = Field("bayesfric.diagnosis/1", alias="schema")
+    rigs: tuple[str, ...] = Field(description="Rigs whose data entered.")
+    baseline: str = Field(description="Friction law that was examined.")
+    fixed: tuple[str, ...] = Field((), description="Parameters held at their shipped values.")
+    practical_share: Number = Field(description="Share of rms friction below which none cares.")
+    verdict: Literal["no-gap", "named", "unseparated", "unknown"] = Field(
+        description="By the rules of the contract."
+    )
+    verdict_probability: Number = Field(description="Of what the verdict says.")
+    sentence: str = Field(description="The verdict in words.")
+    probabilities: dict[str, Number] = Field(description="Hypothesis to posterior probability.")
+    hypothesis_prior: dict[str, Number] = Field(description="As used, by number of effects.")
+    prior_sensitivity: dict[str, dict[str, Number]] = Field(
+        description="Probabilities where the prior of none is 0.1 and 0.9."
+    )
+    unvisited_probability: Number = Field(
+        description="Bound on the total of hypotheses that were screened only."
+    )
+    causes: tuple[Cause, ...] = Field(description="Of the most probable named hypothesis.")
+    unseparated: tuple[Unseparated, ...] = Field(description="What cannot be told apart.")
+    absorbed: tuple[Absorbed, ...] = Field(description="Effects that only move the baseline.")
+    remainder: Remainder = Field(description="What the causes leave.")
+    where: tuple[Axis, ...] = Field(description="Largest share first.")
+    gap: Gap = Field(description="How far, before and after.")
+    effects: tuple[ExaminedEffect, ...] = Field(description="Every effect examined.")
+    next_experiment: tuple[NextExperiment, ...] = Field(description="What to measure next.")
+    next_experiment_why: str | None = Field(None, description="Why there is none.")
+
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
