@@ -15,6 +15,7 @@ from bayesfric.errors import Fault, InputError
 __all__ = [
     "Analysis",
     "ClaimRules",
+    "DiagnosisRules",
     "HalfNormal",
     "LogNormal",
     "Normal",
@@ -244,6 +245,16 @@ class ClaimRules(_Section):
     )
 
 
+class DiagnosisRules(_Section):
+    """What counts as a gap between simulation and reality."""
+
+    practical_share: Share = Field(
+        0.005,
+        description="Rms of the discrepancy that every hypothesis has, as a share of rms "
+        "friction; a systematic gap below it is none.",
+    )
+
+
 class Analysis(_Section):
     """The whole of ``analysis.toml``; every key has a default."""
 
@@ -254,6 +265,9 @@ class Analysis(_Section):
     scatter: Scatter = Field(default_factory=Scatter, description="Scatter of friction.")
     sampler: Sampler = Field(default_factory=Sampler, description="Ensemble sampler.")
     claims: ClaimRules = Field(default_factory=ClaimRules, description="Verdicts on claims.")
+    diagnosis: DiagnosisRules = Field(
+        default_factory=DiagnosisRules, description="Diagnosis of the sim-to-real gap."
+    )
 
 
 def read_analysis(path: Path | None, *, seed: int | None = None) -> Analysis:

@@ -16,6 +16,7 @@ from bayesfric.analysis import HalfNormal, LogNormal, Normal, Prior, Uniform
 
 __all__ = [
     "Parameter",
+    "describe",
     "draw",
     "from_normal",
     "log_density",
@@ -164,3 +165,9 @@ def _frozen(prior: Prior) -> Any:
             return stats.norm(mean, sd)
         case Uniform(low=low, high=high):
             return stats.uniform(low, high - low)
+
+
+def describe(prior: Prior) -> str:
+    """Return a prior in words, as in ``half-normal(scale=0.05)``."""
+    numbers = prior.model_dump(exclude={"family"})
+    return f"{prior.family}({', '.join(f'{key}={value:g}' for key, value in numbers.items())})"

@@ -6,14 +6,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bayesfric.analysis import Prior
 from bayesfric.diagnostics import LIMITS, Convergence, diagnose_all
 from bayesfric.estimator import estimate_as_the_paper
 from bayesfric.laplace import curvature_steps, finite_hessian
 from bayesfric.likelihood.model import Model
 from bayesfric.likelihood.screening import RULES, Screened
 from bayesfric.likelihood.sensor_agreement import MATERIAL_SHARE, SensorAgreement
-from bayesfric.priors import Parameter, prior_sd
+from bayesfric.priors import Parameter, describe, prior_sd
 from bayesfric.recording.tables import Recording, Rig
 from bayesfric.sampling import Draws
 from bayesfric.schemas import (
@@ -145,7 +144,7 @@ def _parameter(
     return ParameterSummary(
         **_interval(draws).model_dump(),
         unit=parameter.unit,
-        prior=_prior_text(parameter.prior),
+        prior=describe(parameter.prior),
         mcse_mean=figures.mcse_mean,
         ess_bulk=figures.ess_bulk,
         ess_tail=figures.ess_tail,
@@ -165,11 +164,6 @@ def _interval(draws: Array) -> Interval:
         q50=float(q50),
         q95=float(q95),
     )
-
-
-def _prior_text(prior: Prior) -> str:
-    numbers = prior.model_dump(exclude={"family"})
-    return f"{prior.family}({', '.join(f'{key}={value:g}' for key, value in numbers.items())})"
 
 
 def _informed(model: Model, centre: Array) -> NDArray[np.bool_]:

@@ -1,21 +1,55 @@
 """Unmodelled effects, one a file: what the baseline may leave out.
 
 A file of this folder that holds an ``EFFECT`` is an effect; there is no list to add
-it to.
+it to. Other packages offer theirs by the entry point ``bayesfric.effects``, and a
+user's own file is read by :func:`effect_of_file`.
 """
 
 from functools import cache
 from importlib import import_module
+from importlib.metadata import entry_points
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
 from pkgutil import iter_modules
 
 from bayesfric.effects.base import Effect, EffectParameter, Law, Reading, State
+from bayesfric.errors import Fault, InputError
 
-__all__ = ["Effect", "EffectParameter", "Law", "Reading", "State", "all_effects"]
+__all__ = ["Effect", "EffectParameter", "Law", "Reading", "State", "all_effects", "effect_of_file"]
 
 
 @cache
 def all_effects() -> dict[str, Effect]:
-    """Return the effects of this folder, name to effect, sorted by name."""
+    """Return the effects of this folder and of other packages, by name and sorted so."""
     modules = (import_module(f"{__name__}.{found.name}") for found in iter_modules(__path__))
     effects = [module.EFFECT for module in modules if hasattr(module, "EFFECT")]
+    effects += [found.load() for found in entry_points(group="bayesfric.effects")]
     return {effect.name: effect for effect in sorted(effects, key=lambda effect: effect.name)}
+
+
+def effect_of_file(path: Path) -> Effect:
+    """Return the effect that a user's Python file defines as ``EFFECT``.
+
+    Parameters
+    ----------
+    path : Path
+        The file; it is run.
+
+    Raises
+    ------
+    InputError
+        There is no such file, it does not run, or it has no ``EFFECT``.
+    """
+    expected = "a Python file that defines EFFECT, a bayesfric.effects.Effect"
+    spec = spec_from_file_location(path.stem, path) if path.is_file() else None
+    if spec is None or spec.loader is None:
+        raise InputError([Fault(str(path), expected)])
+    module = module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:  # whatever a user's file does, it is told where
+        raise InputError([Fault(str(path), f"{expected} ({error!r})")]) from error
+    effect = getattr(module, "EFFECT", None)
+    if not isinstance(effect, Effect):
+        raise InputError([Fault(str(path), expected)])
+    return effect

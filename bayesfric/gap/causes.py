@@ -1,0 +1,181 @@
+"""The named causes: how large each is, how certain, and whether it is plausible."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import norm
+
+from bayesfric.effects import EffectParameter
+from bayesfric.gap.candidates import is_positive
+from bayesfric.gap.linear_model import Acting, LinearModel
+from bayesfric.gap.shrink import interval
+from bayesfric.gap.weighing import Weighed
+from bayesfric.gap.which import NONE, Which, label
+from bayesfric.priors import describe, from_normal
+from bayesfric.schemas import Cause, EffectNumber
+
+__all__ = ["CauseDraws", "cause_draws", "causes_of"]
+
+Array = NDArray[np.float64]
+DRAWS = 2000
+LN10 = float(np.log(10))
+
+
+@dataclass(frozen=True)
+class CauseDraws:
+    """Draws of the parameters of one cause.
+
+    Parameters
+    ----------
+    amplitude : ndarray, shape (S,)
+        In the unit of the parameter.
+    shape : ndarray, shape (S,), or None
+        Likewise.
+    """
+
+    amplitude: Array
+    shape: Array | None
+
+
+def cause_draws(
+    model: LinearModel, found: Weighed, rng: np.random.Generator
+) -> dict[str, CauseDraws]:
+    """Draw the parameters of effects that act together.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Around the law that was fitted with them.
+    found : Weighed
+        Their laws and shapes, weighed.
+    rng : Generator
+        Source of randomness.
+    """
+    counts = rng.multinomial(DRAWS, np.exp(found.log_weights) / np.exp(found.log_weights).sum())
+    amplitude = {name: np.empty(0) for name in found.names}
+    shape = {name: np.empty(0) for name in found.names}
+    for choice, count in zip(found.choices, counts, strict=True):
+        if not count:
+            continue
+        drawn = _amplitudes(model, found.psi, choice, int(count), rng)
+        for place in (*choice.columns, *choice.phases):
+            candidate = model.candidates[place]
+            name, prior = candidate.effect.name, candidate.effect.amplitude.prior
+            nodes = _nodes(model, place)
+            # Within the node's own share of the prior, any value will do.
+            near = candidate.node + _half_step(nodes) * rng.uniform(-1, 1, count)
+            if place in choice.phases:
+                values, shapes = from_normal(prior, near), np.empty(0)
+            else:
+                values = drawn[place]
+                own = candidate.effect.shape
+                shapes = np.empty(0) if own is None else from_normal(own.prior, near)
+            amplitude[name] = np.append(amplitude[name], values)
+            shape[name] = np.append(shape[name], shapes)
+    return {
+        name: CauseDraws(amplitude[name], shape[name] if shape[name].size else None)
+        for name in found.names
+    }
+
+
+def _nodes(model: LinearModel, place: int) -> Array:
+    name = model.candidates[place].effect.name
+    return np.unique([c.node for c in model.candidates if c.effect.name == name])
+
+
+def _half_step(nodes: Array) -> float:
+    return float(np.diff(nodes).mean() / 2) if nodes.size > 1 else 0.0
+
+
+def _amplitudes(
+    model: LinearModel, psi: Array, choice: Acting, count: int, rng: np.random.Generator
+) -> dict[int, Array]:
+    """Draw the amplitudes of candidates with columns, none of a half-normal below 0."""
+    mean, sd = model.prior(choice.columns)
+    centre, covariance = model.information(psi, choice).posterior(mean, sd)
+    places = model.places(choice.columns)
+    drawn = rng.multivariate_normal(
+        centre[places], covariance[np.ix_(places, places)], count, method="eigh"
+    )
+    found = {}
+    for row, place in enumerate(choice.columns):
+        values = drawn[:, row]
+        if is_positive(model.candidates[place].effect.amplitude.prior):
+            # What lies below 0 is drawn again, one at a time, above it.
+            at, width = centre[places[row]], np.sqrt(covariance[places[row], places[row]])
+            low = norm.cdf(-at / width)
+            again = at + width * norm.ppf(low + (1 - low) * rng.uniform(size=count))
+            values = np.where(values > 0, values, np.maximum(again, 0.0))
+        found[place] = values * model.scale(model.layout.candidate(place))
+    return found
+
+
+def causes_of(
+    model: LinearModel,
+    found: Weighed,
+    which: Which,
+    draws: dict[str, CauseDraws],
+    strength: dict[str, float],
+    floor: float,
+) -> tuple[Cause, ...]:
+    """Return what is to be said of each cause.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Around the law that was fitted with them.
+    found : Weighed
+        Their laws and shapes, weighed.
+    which : Which
+        All hypotheses.
+    draws : dict of str to CauseDraws
+        By effect.
+    strength : dict of str to float
+        Rms of each effect's force over rms friction.
+    floor : float
+        Rms of scatter over rms friction.
+    """
+    chances = which.probabilities()
+    causes = []
+    for name in found.names:
+        rest = label(tuple(n for n in found.names if n != name))
+        gain = which.log_evidence[label(found.names)] - which.log_evidence.get(
+            rest, which.log_evidence[NONE]
+        )
+        effect = next(c.effect for c in model.candidates if c.effect.name == name)
+        own = draws[name]
+        middle = float(np.median(own.amplitude))
+        low, high = effect.amplitude.plausible
+        parameters = {effect.amplitude.name: _number(effect.amplitude, own.amplitude)}
+        if effect.shape is not None and own.shape is not None:
+            parameters[effect.shape.name] = _number(effect.shape, own.shape)
+        best = next(
+            model.candidates[place]
+            for place in (*found.best.columns, *found.best.phases)
+            if model.candidates[place].effect.name == name
+        )
+        causes.append(
+            Cause(
+                effect=name,
+                sentence=effect.sentence,
+                inclusion_probability=min(
+                    1.0, sum(p for h, p in chances.items() if name in h.split("+"))
+                ),
+                log10_bayes_factor=gain / LN10,
+                log10_bayes_factor_se=which.error / LN10,
+                law=best.law,
+                parameters=parameters,
+                plausible=low <= middle <= high,
+                plausible_range=(low, high),
+                plausible_reference=effect.amplitude.reference,
+                strength=strength[name],
+                below_floor=strength[name] < floor,
+            )
+        )
+    return tuple(causes)
+
+
+def _number(parameter: EffectParameter, draws: Array) -> EffectNumber:
+    five = interval(draws)
+    return EffectNumber(**five.model_dump(), unit=parameter.unit, prior=describe(parameter.prior))

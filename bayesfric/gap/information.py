@@ -1,0 +1,97 @@
+"""What data say of the numbers of the linear model, and the evidence that follows.
+
+Given the noise, everything is linear and Gaussian: data are a precision, a slope and a
+constant. The numbers are standard normal before the data, up to a mean.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
+
+__all__ = ["Information", "Reduced"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Reduced:
+    """A quadratic form in the amplitudes of candidates, all else integrated out.
+
+    Parameters
+    ----------
+    precision : ndarray, shape (E, E)
+        Of the data alone, without the candidates' priors.
+    slope : ndarray, shape (E,)
+        So that ``log p(data | A) = log_evidence + slopeᵀA − Aᵀ precision A / 2``.
+    log_evidence : float
+        Without any candidate.
+    """
+
+    precision: Array
+    slope: Array
+    log_evidence: float
+
+
+@dataclass(frozen=True)
+class Information:
+    """``log p(data | g) = constant + slopeᵀg − gᵀ precision g / 2``.
+
+    Parameters
+    ----------
+    precision : ndarray, shape (p, p)
+        Of the numbers g.
+    slope : ndarray, shape (p,)
+        As above.
+    constant : float
+        Log density at g = 0.
+    """
+
+    precision: Array
+    slope: Array
+    constant: float
+
+    def __add__(self, other: "Information") -> "Information":
+        """Return what independent data say together."""
+        return Information(
+            self.precision + other.precision,
+            self.slope + other.slope,
+            self.constant + other.constant,
+        )
+
+    def reduced(self, mean: Array, prior_sd: Array, candidates: NDArray[np.intp]) -> Reduced:
+        """Integrate out all numbers but the candidates.
+
+        Parameters
+        ----------
+        mean, prior_sd : ndarray, shape (p,)
+            Of each number before the data; those of the candidates are not used. A
+            standard deviation of 0 holds a number at its mean.
+        candidates : ndarray of int
+            Places of the candidates.
+        """
+        rest = np.setdiff1d(np.arange(self.slope.size), candidates)
+        scale, at = prior_sd[rest], mean[rest]
+        inner = self.precision[np.ix_(rest, rest)]
+        whole = scale[:, None] * inner * scale + np.eye(rest.size)
+        slope = scale * (self.slope[rest] - inner @ at)
+        across = self.precision[np.ix_(candidates, rest)]
+        factor = cho_factor(whole, lower=True)
+        solved = cho_solve(factor, np.column_stack([slope, (across * scale).T]))
+        log_determinant = 2 * np.log(np.diag(factor[0])).sum()
+        at_mean = self.constant + self.slope[rest] @ at - 0.5 * at @ inner @ at
+        evidence = at_mean + 0.5 * slope @ solved[:, 0] - 0.5 * log_determinant
+        return Reduced(
+            self.precision[np.ix_(candidates, candidates)] - (across * scale) @ solved[:, 1:],
+            self.slope[candidates] - across @ at - (across * scale) @ solved[:, 0],
+            float(evidence),
+        )
+
+    def posterior(self, mean: Array, prior_sd: Array) -> tuple[Array, Array]:
+        """Return mean, shape (p,), and covariance, shape (p, p), of all numbers."""
+        whole = prior_sd[:, None] * self.precision * prior_sd + np.eye(self.slope.size)
+        factor = cho_factor(whole, lower=True)
+        slope = prior_sd * (self.slope - self.precision @ mean)
+        covariance = prior_sd[:, None] * cho_solve(factor, np.eye(self.slope.size)) * prior_sd
+        return mean + prior_sd * cho_solve(factor, slope), covariance

@@ -1,0 +1,356 @@
+"""Both boards as one linear model, whose evidence is a closed form given the noise.
+
+The noise (scatter of friction, errors of events and currents) is not linear; its
+posterior is taken as normal in the logarithms around its mode.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import optimize
+
+from bayesfric.analysis import Analysis, Prior
+from bayesfric.friction import Coefficients
+from bayesfric.gap.candidates import Candidate, prior_moments
+from bayesfric.gap.gravity_part import GravityNoise, GravityPart
+from bayesfric.gap.gravity_rows import GravityRows
+from bayesfric.gap.information import Information
+from bayesfric.gap.layout import COEFFICIENTS, Layout
+from bayesfric.gap.motor_part import MotorNoise, MotorPart
+from bayesfric.gap.smooths import Smooth, smooth_along
+from bayesfric.laplace import finite_hessian
+from bayesfric.likelihood.hypothesis import Data
+from bayesfric.paper import table1
+from bayesfric.priors import log_density
+
+__all__ = ["Acting", "LinearModel"]
+
+Array = NDArray[np.float64]
+KAPPA_SD_LOG = 0.3  # of the events' variance over its first estimate
+START_SCATTER = 0.015
+STEP = 1e-4  # of a logarithm, for differences
+WIDTH = 0.15  # of a logarithm, over which the log density changes by about 1/2
+SMALLEST, LARGEST = 1e-4, 1.0  # scatter of friction that is looked at
+SHARED_AXES = ("velocity", "tension", "n_pulleys", "wrap_angle")
+TRIAL_AXES = ("displacement", "order")
+
+
+@dataclass(frozen=True)
+class Acting:
+    """Candidates that act together.
+
+    Parameters
+    ----------
+    columns : tuple of int
+        Places of candidates with a column.
+    phases : tuple of int
+        Places of candidates with phases.
+    """
+
+    columns: tuple[int, ...] = ()
+    phases: tuple[int, ...] = ()
+
+
+class LinearModel:
+    """The linear model of a recording around a reference law.
+
+    Parameters
+    ----------
+    data : Data
+        Screened trials and runs.
+    laws : mapping of str to Coefficients
+        The reference law of each pulley size.
+    candidates : sequence of Candidate
+        Effects that may act.
+    analysis : Analysis
+        Priors.
+    practical_share : float
+        Rms of the discrepancy that every hypothesis has, as a share of rms friction.
+    fixed : frozenset of str
+        Coefficients that are held at the reference law, ``c1`` or ``c1[small]``.
+    discrepancy : bool
+        Whether there are smooth forces.
+
+    Attributes
+    ----------
+    gravity : GravityPart or None
+    motor : MotorPart or None
+    friction_scale : dict of str to float
+        Rms friction of each size [N].
+    smooths : tuple of Smooth
+        Smooth forces of the discrepancy.
+    """
+
+    def __init__(
+        self,
+        data: Data,
+        laws: Mapping[str, Coefficients],
+        candidates: Sequence[Candidate],
+        analysis: Analysis,
+        practical_share: float,
+        fixed: frozenset[str] = frozenset(),
+        *,
+        discrepancy: bool = True,
+    ) -> None:
+        self.data, self.laws, self.candidates = data, dict(laws), tuple(candidates)
+        self.analysis, self.practical_share, self.fixed = analysis, practical_share, fixed
+        radii = _radii(data)
+        rows = None if data.gravity is None else GravityRows(data.gravity, data.rig, laws, radii)
+        empty = Layout(data.sizes, 0, 0, _idle_columns(data))
+        plain = np.ones(empty.local)
+        # Once without smooth forces, for friction and covariates of the runs.
+        bare = None
+        if data.motor is not None:
+            unit = dict.fromkeys(data.sizes, 1.0)
+            bare = MotorPart(data.motor, data.rig, laws, radii, empty, (), (), plain, unit)
+        self.friction_scale = _friction_scale(data.sizes, rows, bare)
+        self.smooths = _smooths(rows, bare) if discrepancy else ()
+        count = sum(smooth.count for smooth in self.smooths)
+        self.layout = Layout(data.sizes, count, len(candidates), empty.idle)
+        scales = self._scales()
+        given = (self.layout, self.smooths, self.candidates, scales, self.friction_scale)
+        self.gravity = None if rows is None else GravityPart(rows, *given, by_trial=not discrepancy)
+        self.motor = None
+        if data.motor is not None:
+            self.motor = MotorPart(data.motor, data.rig, laws, radii, *given)
+        self._mean, self._sd = self._prior()
+
+    @property
+    def start(self) -> Array:
+        """Rough logarithms of the noise, a place to climb from."""
+        noise: list[float] = []
+        if self.gravity is not None:
+            noise += [START_SCATTER, START_SCATTER, 1.0]
+        if self.motor is not None:
+            noise += [*self.motor.start()]
+        return np.log(noise)
+
+    def noise(self, psi: Array) -> tuple[GravityNoise | None, MotorNoise | None]:
+        """Return the noise of each board, from logarithms."""
+        values = [float(value) for value in np.exp(psi)]
+        gravity = GravityNoise(*values[:3]) if self.gravity is not None else None
+        motor = MotorNoise(*values[-4:]) if self.motor is not None else None
+        return gravity, motor
+
+    def scale(self, column: int) -> float:
+        """Return the unit in which a local number is counted."""
+        return float(self._scales()[column])
+
+    def kept(self, columns: Sequence[int]) -> NDArray[np.intp]:
+        """Return the local columns of the base and of some candidates."""
+        own, idle = np.arange(self.layout.own), self.layout.local - self.layout.idle
+        chosen = [self.layout.candidate(place) for place in columns]
+        return np.concatenate(
+            [own, np.array(chosen, dtype=np.intp), np.arange(idle, self.layout.local)]
+        )
+
+    def places(self, columns: Sequence[int]) -> NDArray[np.intp]:
+        """Return where candidates stand among the kept numbers."""
+        return self.layout.own * len(self.layout.sizes) + np.arange(len(columns))
+
+    def information(
+        self,
+        psi: Array,
+        acting: Acting,
+        used: Mapping[str, NDArray[np.bool_]] | None = None,
+    ) -> Information:
+        """Return what the data say at a noise.
+
+        Parameters
+        ----------
+        psi : ndarray
+            Logarithms of the noise.
+        acting : Acting
+            Candidates that enter.
+        used : mapping of str to ndarray of bool, or None
+            Trials of ``gravity`` and runs of ``motor`` that enter; None is all.
+        """
+        kept = self.kept(acting.columns)
+        gravity, motor = self.noise(psi)
+        parts = []
+        if self.gravity is not None and gravity is not None:
+            scatters = [
+                (self.gravity.blocks[place], self.candidates[place].amplitude)
+                for place in acting.phases
+            ]
+            trials = None if used is None else used["gravity"]
+            parts.append(self.gravity.information(gravity, kept, scatters, trials))
+        if self.motor is not None and motor is not None:
+            runs = None if used is None else used["motor"]
+            parts.append(self.motor.information(motor, kept, runs))
+        return parts[0] if len(parts) == 1 else parts[0] + parts[1]
+
+    def prior(self, columns: Sequence[int], share: float | None = None) -> tuple[Array, Array]:
+        """Return mean and standard deviation of the kept numbers before the data.
+
+        Parameters
+        ----------
+        columns : sequence of int
+            Candidates that enter.
+        share : float or None
+            Rms of the discrepancy; None is the practical share.
+        """
+        wide = self.practical_share if share is None else share
+        sizes, own, idle = len(self.layout.sizes), self.layout.own, self.layout.idle
+        sd = self._sd.copy()
+        sd[:, COEFFICIENTS:] *= wide
+        shared: list[float] = []
+        for place in columns:
+            at, width = prior_moments(self.candidates[place].effect.amplitude.prior)
+            shared.append(at / width)
+        mean = np.concatenate([self._mean.reshape(sizes * own), shared, np.zeros(idle)])
+        return mean, np.concatenate([sd.reshape(sizes * own), np.ones(len(shared) + idle)])
+
+    def log_prior(self, psi: Array) -> float:
+        """Return the log prior density of the logarithms of the noise."""
+        priors = self.analysis.priors
+        gravity, motor = self.noise(psi)
+        total = float(psi.sum())  # a density of logarithms
+        if gravity is not None:
+            total += float(log_density(priors.tau, gravity.tau))
+            total += float(log_density(priors.omega, gravity.omega))
+            deviation = np.log(gravity.kappa) / KAPPA_SD_LOG
+            total -= np.log(gravity.kappa) + 0.5 * deviation**2
+        if motor is not None:
+            total += float(log_density(priors.tau_motor, motor.tau))
+            total += float(log_density(priors.omega_motor, motor.omega))
+            total += float(log_density(priors.sigma_current, motor.sigma_a))
+            total += float(log_density(priors.load_noise, motor.load))
+        return total
+
+    def log_joint(self, psi: Array, acting: Acting, share: float | None = None) -> float:
+        """Return the log density of data and noise, all linear numbers integrated out."""
+        mean, sd = self.prior(acting.columns, share)
+        information = self.information(psi, acting)
+        reduced = information.reduced(mean, sd, np.array([], dtype=np.intp))
+        return reduced.log_evidence + self.log_prior(psi)
+
+    def climb(self, psi: Array, acting: Acting, share: float | None = None) -> tuple[Array, float]:
+        """Return the mode of the noise from a start, and the log joint there."""
+
+        def objective(point: Array) -> float:
+            return -self.log_joint(point, acting, share)
+
+        found = optimize.minimize(
+            objective,
+            psi,
+            method="L-BFGS-B",
+            bounds=self._bounds(),
+            options={"eps": STEP, "ftol": 1e-10, "gtol": 3e-2, "maxiter": 40},
+        )
+        return np.asarray(found.x), -float(found.fun)
+
+    def log_volume(self, psi: Array, acting: Acting, share: float | None = None) -> float:
+        """Return the log of what the noise's mode is multiplied by to integrate over it."""
+
+        def log_joint(points: Array) -> Array:
+            return np.array([self.log_joint(point, acting, share) for point in points])
+
+        hessian = finite_hessian(log_joint, psi, np.full(psi.size, WIDTH))
+        curvature = np.linalg.eigvalsh(-hessian)
+        # A noise that the data leave open has the width of its prior, about one.
+        known = np.maximum(curvature, 1.0)
+        return float(0.5 * (psi.size * np.log(2 * np.pi) - np.log(known).sum()))
+
+    def _bounds(self) -> list[tuple[float, float]]:
+        scatter = (np.log(SMALLEST), np.log(LARGEST))
+        bounds: list[tuple[float, float]] = []
+        if self.gravity is not None:
+            bounds += [scatter, scatter, (np.log(0.05), np.log(1e4))]
+        if self.motor is not None:
+            bounds += [scatter, scatter, (np.log(1e-5), 0.0), (np.log(1e-4), np.log(0.5))]
+        return bounds
+
+    def _scales(self) -> Array:
+        priors = self.analysis.priors
+        coefficients = [prior_moments(prior)[1] for prior in (priors.c1, priors.c2, priors.c3)]
+        terms = max(len(self.smooths), 1)
+        amplitudes = [prior_moments(c.effect.amplitude.prior)[1] for c in self.candidates]
+        return np.concatenate(
+            [
+                coefficients,
+                np.full(self.layout.smooths, 1 / np.sqrt(terms)),
+                amplitudes,
+                np.full(self.layout.idle, priors.idle_current_sd),
+            ]
+        )
+
+    def _prior(self) -> tuple[Array, Array]:
+        """Return means and widths of the numbers of each size, in units of the scales."""
+        scale = self._scales()[:COEFFICIENTS]
+        mean = np.zeros((len(self.layout.sizes), self.layout.own))
+        sd = np.ones_like(mean)
+        for row, size in enumerate(self.layout.sizes):
+            for column, name in enumerate(Coefficients._fields):
+                centre, width = prior_moments(_prior_of(self.analysis, name, size))
+                held = bool({name, f"{name}[{size}]"} & self.fixed)
+                at = float(np.asarray(self.laws[size][column]))
+                mean[row, column] = 0.0 if held else (centre - at) / scale[column]
+                sd[row, column] = 0.0 if held else width / scale[column]
+        return mean, sd
+
+
+def _prior_of(analysis: Analysis, name: str, size: str) -> Prior:
+    own = analysis.priors.pulleys.get(size)
+    chosen: Prior | None = None if own is None else getattr(own, name)
+    shared: Prior = getattr(analysis.priors, name)
+    return shared if chosen is None else chosen
+
+
+def _idle_columns(data: Data) -> int:
+    if data.motor is None:
+        return 0
+    speed = data.motor.idle["velocity_m_s"]
+    return 4 if (speed > 0).any() and (speed < 0).any() else 3
+
+
+def _radii(data: Data) -> dict[str, float]:
+    """Return each size's pulley radius, of the medium size where nobody says [m]."""
+    known = {size: row.radius_m for size, row in table1().items()}
+    radii = {}
+    for size in data.sizes:
+        pulley = data.rig.pulleys.get(size)
+        stated = None if pulley is None else pulley.radius_m
+        radii[size] = stated or known.get(size) or known["medium"]
+    return radii
+
+
+def _friction_scale(
+    sizes: tuple[str, ...], rows: GravityRows | None, motor: MotorPart | None
+) -> dict[str, float]:
+    scale = {}
+    for size in sizes:
+        found = []
+        for part in (rows, motor):
+            if part is not None:
+                found.append(part.friction_n[(part.trials["pulley_size"] == size).to_numpy()])
+        scale[size] = float(np.sqrt(np.mean(np.concatenate(found) ** 2)))
+    return scale
+
+
+def _smooths(rows: GravityRows | None, motor: MotorPart | None) -> tuple[Smooth, ...]:
+    found: list[Smooth | None] = []
+    here = [part.covariates() for part in (rows, motor) if part is not None]
+    ranges = {
+        axis: (
+            min(float(np.min(where[axis])) for where in here),
+            max(float(np.max(where[axis])) for where in here),
+        )
+        for axis in SHARED_AXES
+    }
+    both = ("velocity", "tension")
+    found += [smooth_along({axis: ranges[axis]}) for axis in SHARED_AXES]
+    found.append(smooth_along({axis: ranges[axis] for axis in both}))
+    if rows is not None:
+        where = rows.covariates()
+        for axis in TRIAL_AXES:
+            limits = (float(np.min(where[axis])), float(np.max(where[axis])))
+            found.append(smooth_along({axis: limits}, "gravity"))
+    if rows is not None and motor is not None:
+        where = motor.covariates()
+        for axis in SHARED_AXES:
+            limits = (float(np.min(where[axis])), float(np.max(where[axis])))
+            found.append(smooth_along({axis: limits}, "motor"))
+    return tuple(smooth for smooth in found if smooth is not None)

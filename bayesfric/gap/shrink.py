@@ -1,0 +1,293 @@
+"""How far simulation and reality are apart, and how far that shrinks.
+
+On data held out of the fit, every parameter refitted in both arms: residual forces in
+windows, their sampling variance taken off, equal weight a condition. The floor is what
+friction's own scatter leaves. Intervals come from drawing assemblies anew, and the
+scatter's own uncertainty.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.friction import Coefficients
+from bayesfric.gap.linear_model import Acting, LinearModel
+from bayesfric.gap.residuals import Residuals, fitted, numbers_of_laws, residuals_of
+from bayesfric.schemas import GapRow, Interval
+
+__all__ = ["Arms", "GapFigures", "Squares", "folds_of", "gap_row", "interval", "measure_gap"]
+
+Array = NDArray[np.float64]
+FOLDS = 5
+DRAWS = 400
+SURE = 0.95  # probability that the gap before is above the floor
+NEAR = 0.8  # of the range of tension, from which on a trial is extrapolated to
+
+
+@dataclass(frozen=True)
+class Arms:
+    """The baseline, and the baseline with the causes, around the same reference law.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Without discrepancy; its candidates are the causes that have columns.
+    before_psi, after_psi : ndarray
+        Logarithms of the noise of each arm.
+    after : Acting
+        The causes.
+    shipped : mapping of str to Coefficients, or None
+        Published values of every size, if there are any.
+    """
+
+    model: LinearModel
+    before_psi: Array
+    after_psi: Array
+    after: Acting
+    shipped: Mapping[str, Coefficients] | None
+
+
+@dataclass(frozen=True)
+class Squares:
+    """Weighted squares of each window, sampling variance taken off, (R,) each.
+
+    Parameters
+    ----------
+    as_shipped, before, after, floor : ndarray or None
+        In the unit squared.
+    setup : ndarray of int
+        Assembly of each.
+    """
+
+    as_shipped: Array | None
+    before: Array
+    after: Array
+    floor: Array
+    setup: NDArray[np.intp]
+
+    def of(self, rows: NDArray[np.bool_]) -> "Squares":
+        """Return those of some rows."""
+        shipped = None if self.as_shipped is None else self.as_shipped[rows]
+        return Squares(
+            shipped, self.before[rows], self.after[rows], self.floor[rows], self.setup[rows]
+        )
+
+    def over(self, weight: float) -> "Squares":
+        """Return them for weights that add up to 1 again."""
+        shipped = None if self.as_shipped is None else self.as_shipped / weight
+        return Squares(
+            shipped, self.before / weight, self.after / weight, self.floor / weight, self.setup
+        )
+
+
+@dataclass(frozen=True)
+class GapFigures:
+    """Residuals held out, in both arms.
+
+    Parameters
+    ----------
+    residuals : Residuals
+        Around the reference law.
+    fold : ndarray of int, shape (R,)
+        In which each window was held out.
+    before, after : ndarray, shape (R,)
+        Held-out residual force of each arm [N].
+    held_out : tuple of (str, Squares)
+        Of the folds, then of what was extrapolated to.
+    in_sample : Squares
+        Of the same with nothing held out.
+    """
+
+    residuals: Residuals
+    fold: NDArray[np.intp]
+    before: Array
+    after: Array
+    held_out: tuple[tuple[str, Squares], ...]
+    in_sample: Squares
+
+    def strengths(self, arms: Arms) -> dict[str, float]:
+        """Return the rms force of each cause over rms friction, by name."""
+        model, acting, found = arms.model, arms.after, self.residuals
+        weight = found.weight
+        friction2 = (weight * found.friction_n**2).sum()
+        numbers, _ = fitted(model, arms.after_psi, acting)
+        count = model.layout.own * len(model.layout.sizes)
+        strengths = {}
+        for place in acting.columns:
+            force = found.columns[:, model.layout.candidate(place)] * numbers[count + place]
+            share = np.sqrt((weight * force**2).sum() / friction2)
+            strengths[model.candidates[place].effect.name] = float(share)
+        for place in acting.phases:
+            # Its force goes round: only its size is known, which is the amplitude itself.
+            candidate = model.candidates[place]
+            strengths[candidate.effect.name] = candidate.amplitude
+        return strengths
+
+
+def folds_of(setup: NDArray[np.intp], rng: np.random.Generator) -> NDArray[np.intp]:
+    """Return the fold of each assembly's rows, shape of `setup`."""
+    names = np.unique(setup)
+    fold = np.empty(names.size, dtype=np.intp)
+    fold[rng.permutation(names.size)] = np.arange(names.size) % min(FOLDS, names.size)
+    return np.asarray(fold[np.searchsorted(names, setup)])
+
+
+def measure_gap(arms: Arms, rng: np.random.Generator) -> GapFigures:
+    """Refit both arms fold by fold and return what is left.
+
+    Parameters
+    ----------
+    arms : Arms
+        The two models.
+    rng : Generator
+        Assigns assemblies to folds.
+    """
+    residuals = residuals_of(arms.model, arms.after_psi)
+    fold = folds_of(residuals.setup, rng)
+    left = np.full((3, fold.size), np.nan)
+    for number in range(int(fold.max()) + 1):
+        rows = fold == number
+        left[:, rows] = _left(arms, residuals, rows)[:, rows]
+    nowhere = np.zeros(fold.size, dtype=bool)
+    held_out = [("folds over assemblies", squares_of(residuals, left))]
+    for name, rows in _outermost(residuals).items():
+        squares = squares_of(residuals, _left(arms, residuals, rows)).of(rows)
+        held_out.append((name, squares.over(float(residuals.weight[rows].sum()))))
+    in_sample = squares_of(residuals, _left(arms, residuals, nowhere))
+    return GapFigures(residuals, fold, left[1], left[2], tuple(held_out), in_sample)
+
+
+def used_rows(model: LinearModel, residuals: Residuals, out: NDArray[np.bool_]) -> dict[str, Any]:
+    """Return which trials and runs stay where those of some windows are left out."""
+    gone = np.zeros(len(residuals.names), dtype=bool)
+    gone[residuals.trial[out]] = True
+    trials = 0 if model.gravity is None else len(model.gravity.rows.trials)
+    return {"gravity": ~gone[:trials], "motor": ~gone[trials:]}
+
+
+def _left(arms: Arms, residuals: Residuals, out: NDArray[np.bool_]) -> Array:
+    """Return residuals as shipped, before and after, fitted without some; (3, R) [N]."""
+    model = arms.model
+    used = used_rows(model, residuals, out)
+    plain, _ = fitted(model, arms.before_psi, Acting(), used)
+    caused, _ = fitted(model, arms.after_psi, arms.after, used)
+    shipped = np.full(out.size, np.nan)
+    if arms.shipped is not None:
+        shipped = residuals.left(model, numbers_of_laws(model, arms.shipped, plain))
+    return np.stack([shipped, residuals.left(model, plain), residuals.left(model, caused)])
+
+
+def _outermost(residuals: Residuals) -> dict[str, NDArray[np.bool_]]:
+    """Return the windows of what lies at the end of a range, and of each rig."""
+    found: dict[str, NDArray[np.bool_]] = {}
+    where = residuals.covariates
+    rig = where["rig"]
+    gravity = rig == 0
+    if gravity.any():
+        tension = where["tension"]
+        # Trials of one pair of masses differ in tension by what they accelerate.
+        top = gravity & (tension > np.ptp(tension[gravity]) * NEAR + tension[gravity].min())
+        found["top tension"] = top
+        found["largest number of pulleys"] = where["n_pulleys"] == where["n_pulleys"].max()
+        found["extreme wrap angle"] = where["wrap_angle"] == where["wrap_angle"].max()
+    if gravity.any() and not gravity.all():
+        found["the motor board, from the gravity board"] = ~gravity
+        found["the gravity board, from the motor board"] = gravity
+    sizes = np.unique(where["pulley_size"])
+    return {
+        name: rows
+        for name, rows in found.items()
+        if rows.any() and all((~rows & (where["pulley_size"] == s)).any() for s in sizes)
+    }
+
+
+def squares_of(residuals: Residuals, left: Array) -> Squares:
+    """Return weighted squares of windows, sampling variance taken off.
+
+    Parameters
+    ----------
+    residuals : Residuals
+        For weights, variance and scatter.
+    left : ndarray, shape (3, R)
+        Residual forces as shipped, before and after [N].
+    """
+    weight = residuals.weight
+    floor = weight * residuals.friction_n**2 * (residuals.scatter**2).sum(axis=1)
+    shipped, before, after = weight * (left**2 - residuals.variance)
+    known = None if np.isnan(shipped).all() else shipped
+    return Squares(known, before, after, floor, residuals.setup)
+
+
+def gap_row(
+    name: str, squares: Squares, *, causes: bool, shipped_why: str, rng: np.random.Generator
+) -> tuple[GapRow, Interval, Array]:
+    """Return the four figures, the systematic gap, and its draws.
+
+    Parameters
+    ----------
+    name : str
+        What was held out.
+    squares : Squares
+        Of the windows.
+    causes : bool
+        Whether there are any; without them nothing shrinks.
+    shipped_why : str
+        Why nothing was shipped.
+    rng : Generator
+        For the bootstrap over assemblies.
+    """
+    setups, inverse = np.unique(squares.setup, return_inverse=True)
+
+    def sums(values: Array) -> Array:
+        return np.asarray(np.bincount(inverse, values, setups.size), dtype=np.float64)
+
+    count = rng.multinomial(setups.size, np.full(setups.size, 1 / setups.size), DRAWS)
+    # The scatter is known from some setups only: its variance is uncertain by so much.
+    doubt = rng.chisquare(max(setups.size - 1, 1), DRAWS) / max(setups.size - 1, 1)
+    floor2 = (squares.floor.sum()) * doubt
+
+    def draws(values: Array) -> Array:
+        return np.asarray(count @ sums(values))
+
+    before2, after2 = draws(squares.before), draws(squares.after)
+    gap2 = before2 - floor2
+    systematic = np.sqrt(np.maximum(gap2, 0.0))
+    shrink, why = None, None
+    if not causes:
+        why = "no cause is named, so nothing was added that could shrink the gap"
+    elif np.mean(gap2 > 0) < SURE:
+        why = f"the gap is above the floor with a probability of {np.mean(gap2 > 0):.2f} only"
+    else:
+        ratio = (before2 - after2) / np.where(gap2 > 0, gap2, np.nan)
+        centre = (squares.before.sum() - squares.after.sum()) / (
+            squares.before.sum() - squares.floor.sum()
+        )
+        shrink = interval(ratio[np.isfinite(ratio)], middle=float(centre))
+    shipped = None
+    if squares.as_shipped is not None:
+        shipped = interval(_root(draws(squares.as_shipped)))
+    row = GapRow(
+        name=name,
+        as_shipped=shipped,
+        as_shipped_why=None if shipped is not None else shipped_why,
+        before=interval(_root(before2)),
+        after=interval(_root(after2)),
+        floor=interval(_root(floor2)),
+        shrink=shrink,
+        shrink_why=why,
+    )
+    return row, interval(systematic), systematic
+
+
+def _root(values: Array) -> Array:
+    return np.sqrt(np.maximum(values, 0.0))
+
+
+def interval(draws: Array, middle: float | None = None) -> Interval:
+    """Return the five numbers of draws; with a middle, the draws are moved to it."""
+    moved = draws if middle is None else draws - float(np.median(draws)) + middle
+    low, half, high = (float(q) for q in np.quantile(moved, [0.05, 0.5, 0.95]))
+    return Interval(mean=float(moved.mean()), sd=float(moved.std()), q05=low, q50=half, q95=high)

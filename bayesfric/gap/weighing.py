@@ -1,0 +1,159 @@
+"""The evidence of effects that act together, their laws and shapes averaged."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import log_ndtr, logsumexp
+
+from bayesfric.gap.candidates import is_positive
+from bayesfric.gap.information import Reduced
+from bayesfric.gap.linear_model import Acting, LinearModel
+
+__all__ = ["Weighed", "candidates_by_name", "combine", "single_gains", "weigh"]
+
+Array = NDArray[np.float64]
+ROUNDS = 3  # of choosing laws and shapes, and noise, in turn
+WORTH = -40.0  # log weight below the best, of a choice of laws and shapes that is kept
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """Effects that act together, weighed.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Effects; none for the baseline alone.
+    log_evidence : float
+        Without the volume of the noise's mode, which hypotheses share unless it is
+        computed.
+    psi : ndarray
+        Logarithms of the noise at the mode.
+    choices : tuple of Acting
+        Candidates that act, one choice of laws and shapes each.
+    log_weights : ndarray
+        Of each choice, normalised.
+    """
+
+    names: tuple[str, ...]
+    log_evidence: float
+    psi: Array
+    choices: tuple[Acting, ...]
+    log_weights: Array
+
+    @property
+    def best(self) -> Acting:
+        """The most probable choice of laws and shapes."""
+        return self.choices[int(np.argmax(self.log_weights))]
+
+
+def candidates_by_name(model: LinearModel) -> dict[str, list[int]]:
+    """Return the places of each effect's candidates."""
+    places: dict[str, list[int]] = {}
+    for place, candidate in enumerate(model.candidates):
+        places.setdefault(candidate.effect.name, []).append(place)
+    return places
+
+
+def weigh(model: LinearModel, names: Sequence[str], psi: Array, *, climb: bool = True) -> Weighed:
+    """Weigh effects that act together.
+
+    Parameters
+    ----------
+    model : LinearModel
+        The boards.
+    names : sequence of str
+        Effects.
+    psi : ndarray
+        Logarithms of the noise, a start.
+    climb : bool
+        Whether to look for the mode of the noise; else it is taken as `psi`.
+    """
+    places = candidates_by_name(model)
+    each = [places[name] for name in names]
+    for _ in range(ROUNDS if climb else 1):
+        choices, log_values = _choices(model, each, psi)
+        best = choices[int(np.argmax(log_values))]
+        if not climb:
+            break
+        moved, _ = model.climb(psi, best)
+        settled = bool(np.abs(moved - psi).max() < 1e-2)
+        psi = moved
+        if settled:
+            break
+    if climb:
+        choices, log_values = _choices(model, each, psi)
+    total = float(logsumexp(log_values))
+    kept = np.flatnonzero(log_values > log_values.max() + WORTH)
+    return Weighed(
+        tuple(names),
+        total + model.log_prior(psi),
+        psi,
+        tuple(choices[index] for index in kept),
+        log_values[kept] - logsumexp(log_values[kept]),
+    )
+
+
+def _choices(model: LinearModel, each: list[list[int]], psi: Array) -> tuple[list[Acting], Array]:
+    """Return every choice of a candidate from each effect, with its weighted log evidence."""
+    with_phases = [[p for p in places if model.candidates[p].effect.components] for places in each]
+    columns = tuple(
+        p for places in each for p in places if not model.candidates[p].effect.components
+    )
+    fixed = [places for places in with_phases if places]
+    free = [places for places, phases in zip(each, with_phases, strict=True) if not phases]
+    mean, sd = model.prior(columns)
+    choices, values = [], []
+    for phases in product(*fixed):
+        information = model.information(psi, Acting(columns, phases))
+        reduced = information.reduced(mean, sd, model.places(columns))
+        weight = sum(model.candidates[p].log_weight for p in phases)
+        for chosen in product(*free):
+            choices.append(Acting(chosen, phases))
+            inside = [columns.index(place) for place in chosen]
+            log_weight = weight + sum(model.candidates[p].log_weight for p in chosen)
+            values.append(log_weight + combine(model, reduced, inside, chosen))
+    return choices, np.array(values)
+
+
+def combine(
+    model: LinearModel, reduced: Reduced, inside: Sequence[int], chosen: Iterable[int]
+) -> float:
+    """Return the log evidence of candidates that act together.
+
+    Parameters
+    ----------
+    model : LinearModel
+        For the priors.
+    reduced : Reduced
+        The quadratic form in the amplitudes.
+    inside : sequence of int
+        Their places in it.
+    chosen : iterable of int
+        Their places among the model's candidates.
+    """
+    if not inside:
+        return reduced.log_evidence
+    index = np.array(inside)
+    precision = reduced.precision[np.ix_(index, index)] + np.eye(index.size)
+    slope = reduced.slope[index]
+    covariance = np.linalg.inv(precision)
+    mean = covariance @ slope
+    value = reduced.log_evidence + 0.5 * slope @ mean + 0.5 * np.linalg.slogdet(covariance)[1]
+    # A half-normal is a folded normal: twice the share of it that lies above zero.
+    for row, place in enumerate(chosen):
+        if is_positive(model.candidates[place].effect.amplitude.prior):
+            value += np.log(2) + log_ndtr(mean[row] / np.sqrt(covariance[row, row]))
+    return float(value)
+
+
+def single_gains(model: LinearModel, reduced: Reduced) -> Array:
+    """Return what each candidate alone adds to the log evidence, shape (E,)."""
+    precision = np.diag(reduced.precision) + 1
+    gains = 0.5 * reduced.slope**2 / precision - 0.5 * np.log(precision)
+    positive = np.array([is_positive(c.effect.amplitude.prior) for c in model.candidates])
+    share = np.log(2) + log_ndtr(reduced.slope / np.sqrt(precision))
+    return np.asarray(gains + np.where(positive, share, 0.0))

@@ -1,0 +1,252 @@
+"""Which effect causes the gap: probabilities of none, one, two, more, and of none of these."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from itertools import combinations
+from math import comb
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import logsumexp
+from scipy.stats import halfnorm
+
+from bayesfric.gap.classes import Classes, classes_of
+from bayesfric.gap.linear_model import Acting, LinearModel
+from bayesfric.gap.weighing import Weighed, weigh
+
+__all__ = ["NONE", "PRIOR", "UNKNOWN", "Which", "label", "unknown_evidence", "which_effect"]
+
+Array = NDArray[np.float64]
+NONE, UNKNOWN = "none", "unknown"
+PRIOR = {"none": 0.5, "one": 0.3, "two": 0.08, "more": 0.02, "unknown": 0.1}
+"""Prior probabilities by number of effects, shared equally within a number."""
+UNKNOWN_SCALE = 0.1  # of rms friction: of the half-normal of an unknown force's rms
+UNKNOWN_NODES = np.linspace(0.025, 0.975, 20)  # quantiles of that half-normal
+FINALISTS = 10  # pairs that are weighed with all laws and shapes
+NEAR = 4.0  # nat from the best, of a hypothesis whose noise is integrated over
+WITHIN = 12.0  # nat from the best, of a pair that is worth it
+GAIN = 1.0  # nat that an effect adds, from which on the noise is looked at anew
+WORTH = 3.0  # nat that a further effect has to gain, beyond two
+MOST = 4  # effects at a time
+LISTED = 1e-6  # probability below which a hypothesis is not listed
+
+
+@dataclass(frozen=True)
+class Which:
+    """Hypotheses weighed.
+
+    Parameters
+    ----------
+    log_evidence : dict of str to float
+        Of each hypothesis that was weighed.
+    weighed : dict of str to Weighed
+        Named ones and ``none``.
+    classes : Classes
+        What is identical, absorbed or left out.
+    unknown : tuple of (float, float)
+        Rms of an unknown force as a share of friction, with its log weight.
+    screened : float
+        Bound on the log of prior times evidence of all hypotheses that were not weighed.
+    error : float
+        Of a difference of log evidences: by how much the noise's volume moves them.
+    representative : dict of str to str
+        The member that stands for each effect's class.
+    """
+
+    log_evidence: dict[str, float]
+    weighed: dict[str, Weighed]
+    classes: Classes
+    unknown: tuple[tuple[float, float], ...]
+    screened: float
+    error: float
+    representative: dict[str, str] = field(default_factory=dict)
+
+    def log_prior(self, name: str, none: float = PRIOR["none"]) -> float:
+        """Return the log prior probability of a hypothesis, with another one of none."""
+        rest = (1 - none) / (1 - PRIOR["none"])
+        if name == NONE:
+            return float(np.log(none))
+        if name == UNKNOWN:
+            return float(np.log(rest * PRIOR["unknown"]))
+        count, number = len(self.classes.members), len(self.weighed[name].names)
+        mass = PRIOR[{1: "one", 2: "two"}.get(number, "more")]
+        return float(np.log(rest * mass / comb(count, number)))
+
+    def probabilities(self, none: float = PRIOR["none"]) -> dict[str, float]:
+        """Return posterior probabilities, the largest first, summing to 1."""
+        names = list(self.log_evidence)
+        values = np.array([self.log_evidence[n] + self.log_prior(n, none) for n in names])
+        chances = dict(zip(names, np.exp(values - logsumexp(values)), strict=True))
+        listed = {n for n, chance in chances.items() if chance > LISTED} | {NONE, UNKNOWN}
+        total = sum(chances[name] for name in listed)
+        ranked = sorted(listed, key=lambda name: (-chances[name], name))
+        return {name: float(chances[name] / total) for name in ranked}
+
+    def unvisited(self) -> float:
+        """Return a bound on the probability of all that was not weighed."""
+        values = [self.log_evidence[n] + self.log_prior(n) for n in self.log_evidence]
+        return float(np.exp(self.screened - np.logaddexp(self.screened, logsumexp(values))))
+
+
+def label(names: tuple[str, ...]) -> str:
+    """Return the name of a joint hypothesis."""
+    return "+".join(sorted(names)) if names else NONE
+
+
+def which_effect(model: LinearModel, psi: Array) -> Which:
+    """Weigh all hypotheses.
+
+    Parameters
+    ----------
+    model : LinearModel
+        The boards with every candidate.
+    psi : ndarray
+        Logarithms of the noise under the baseline alone.
+    """
+    classes = classes_of(model, psi)
+    none = weigh(model, (), psi)
+    weighed: dict[str, Weighed] = {NONE: none}
+    every = [weigh(model, (name,), psi, climb=False) for m in classes.members for name in m]
+    singles: dict[str, Weighed] = {}
+    for one in every:
+        # Where an effect gains nothing, the noise is what it was.
+        gains = one.log_evidence > none.log_evidence + GAIN
+        singles[one.names[0]] = weigh(model, one.names, psi) if gains else one
+    log_evidence = {NONE: none.log_evidence}
+    representative: dict[str, str] = {}
+    for members in classes.members:
+        best = max(members, key=lambda name: (singles[name].log_evidence, name))
+        values = [singles[name].log_evidence for name in members]
+        weighed[best] = singles[best]
+        log_evidence[best] = float(logsumexp(values) - np.log(len(values)))
+        representative |= dict.fromkeys(members, best)
+    effects = sorted(set(representative.values()))
+    screened = _pairs(model, effects, weighed, log_evidence)
+    _further(model, effects, weighed, log_evidence)
+    unknown, value = unknown_evidence(model, psi, Acting())
+    log_evidence[UNKNOWN] = value
+    error = _volumes(model, weighed, log_evidence)
+    volume = log_evidence[NONE] - none.log_evidence
+    share = float(np.log(PRIOR["two"] / max(comb(len(effects), 2), 1)))
+    rest = [value + volume + share for value in screened.values()]
+    bound = float(logsumexp(rest)) if rest else -np.inf
+    return Which(log_evidence, weighed, classes, unknown, bound, error, representative)
+
+
+def _pairs(
+    model: LinearModel,
+    effects: list[str],
+    weighed: dict[str, Weighed],
+    log_evidence: dict[str, float],
+) -> dict[str, float]:
+    """Weigh the promising pairs; return the others' screened evidence."""
+    if len(effects) < 2:
+        return {}
+    singles = {name: weighed[name] for name in effects}
+    best = max(singles.values(), key=lambda one: one.log_evidence)
+    psi = best.psi if best.log_evidence > weighed[NONE].log_evidence else weighed[NONE].psi
+    rough = {
+        (a, b): _rough_pair(model, singles[a], singles[b], psi) for a, b in combinations(effects, 2)
+    }
+    screened: dict[str, float] = {}
+    ranked = sorted(rough, key=lambda pair: -rough[pair])
+    top = max(max(log_evidence.values()), rough[ranked[0]])
+    for place, pair in enumerate(ranked):
+        if place < FINALISTS and rough[pair] > top - WITHIN:
+            alone = max(singles[name].log_evidence for name in pair)
+            found = weigh(model, pair, psi, climb=rough[pair] > alone + GAIN)
+            weighed[label(pair)] = found
+            log_evidence[label(pair)] = found.log_evidence
+            top = max(top, found.log_evidence)
+        else:
+            screened[label(pair)] = rough[pair]
+    return screened
+
+
+def _rough_pair(model: LinearModel, one: Weighed, other: Weighed, psi: Array) -> float:
+    """Return a pair's log evidence at given noise, laws and shapes those of each alone."""
+    acting = Acting(one.best.columns + other.best.columns, one.best.phases + other.best.phases)
+    mean, sd = model.prior(acting.columns)
+    information = model.information(psi, acting)
+    reduced = information.reduced(mean, sd, np.array([], dtype=np.intp))
+    return reduced.log_evidence + model.log_prior(psi)
+
+
+def _further(
+    model: LinearModel,
+    effects: list[str],
+    weighed: dict[str, Weighed],
+    log_evidence: dict[str, float],
+) -> None:
+    """Add effects to the best hypothesis as long as the evidence asks for it."""
+    for number in range(3, MOST + 1):
+        best = max(weighed.values(), key=lambda one: one.log_evidence)
+        if len(best.names) != number - 1:
+            return
+        rough = {
+            name: _rough_pair(model, best, weighed[name], best.psi)
+            for name in effects
+            if name not in best.names
+        }
+        if not rough:
+            return
+        name = max(rough, key=lambda one: rough[one])
+        if rough[name] < best.log_evidence + WORTH:
+            return
+        found = weigh(model, (*best.names, name), best.psi)
+        weighed[label(found.names)] = found
+        log_evidence[label(found.names)] = found.log_evidence
+
+
+def unknown_evidence(
+    model: LinearModel, psi: Array, acting: Acting
+) -> tuple[tuple[tuple[float, float], ...], float]:
+    """Weigh a smooth force beyond the discrepancy, along every axis and on both boards.
+
+    Parameters
+    ----------
+    model : LinearModel
+        The boards.
+    psi : ndarray
+        Logarithms of the noise, a start.
+    acting : Acting
+        What acts beside it.
+
+    Returns
+    -------
+    nodes : tuple of (float, float)
+        Rms of the force as a share of friction, each with its log weight.
+    log_evidence : float
+        Without the volume of the noise's mode.
+    """
+    # It comes on top of the discrepancy that every hypothesis has.
+    shares = np.hypot(model.practical_share, UNKNOWN_SCALE * halfnorm.ppf(UNKNOWN_NODES))
+    at = psi
+    values = np.array([model.log_joint(at, acting, float(share)) for share in shares])
+    for _ in range(2):
+        best = float(shares[int(np.argmax(values))])
+        at, _ = model.climb(at, acting, best)
+        values = np.array([model.log_joint(at, acting, float(share)) for share in shares])
+    weights = values - logsumexp(values)
+    pairs = tuple((float(s), float(w)) for s, w in zip(shares, weights, strict=True))
+    return pairs, float(logsumexp(values) - np.log(len(shares)))
+
+
+def _volumes(
+    model: LinearModel, weighed: Mapping[str, Weighed], log_evidence: dict[str, float]
+) -> float:
+    """Integrate over the noise of the leading hypotheses, and of the rest alike.
+
+    Returns the spread of the volumes, the error of taking one for another.
+    """
+    reference = model.log_volume(weighed[NONE].psi, Acting())
+    top = max(log_evidence.values())
+    volumes = [reference]
+    for name, value in log_evidence.items():
+        near = name in weighed and name != NONE and value > top - NEAR
+        volume = reference
+        if near:
+            volume = model.log_volume(weighed[name].psi, weighed[name].best)
+            volumes.append(volume)
+        log_evidence[name] = value + volume
+    return float(np.ptp(volumes))

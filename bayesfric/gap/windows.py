@@ -1,0 +1,42 @@
+"""Residual friction force in windows: what the eye would look at."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Windows"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Windows:
+    """Residual forces against the motion, windows of trials or one a run.
+
+    Parameters
+    ----------
+    row : ndarray of int, shape (R,)
+        Trial or run of each window, ascending.
+    residual_n : ndarray, shape (R,)
+        Measured less that of the reference law [N].
+    columns : ndarray, shape (R, q)
+        What each local number adds [N].
+    covariance : tuple of ndarray
+        Of the measurement error of each trial's or run's windows [N²]; of events for
+        κ = 1.
+    covariates : mapping of str to ndarray, shape (R,)
+        Where each window lies.
+    """
+
+    row: NDArray[np.intp]
+    residual_n: Array
+    columns: Array
+    covariance: tuple[Array, ...]
+    covariates: Mapping[str, Array]
+
+    @property
+    def variance(self) -> Array:
+        """Of each window's measurement error, shape (R,) [N²]."""
+        return np.concatenate([np.diag(part) for part in self.covariance])
