@@ -21,11 +21,13 @@ from numpy.typing import NDArray
 from pydantic import BaseModel
 
 from bayesfric.errors import Fault, InputError
-from bayesfric.schemas import Provenance, RecordingId
+from bayesfric.friction import Coefficients
+from bayesfric.schemas import FitFile, Provenance, RecordingId
 
 __all__ = [
     "created_date",
     "draws_tree",
+    "fitted_coefficients",
     "json_bytes",
     "package_versions",
     "provenance",
@@ -216,3 +218,23 @@ def read_json(model: type[Record], path: Path) -> Record:
     except (OSError, ValueError) as error:
         fault = Fault(path.name, f"a file of the schema that bayesfric writes ({error})")
         raise InputError([fault]) from error
+
+
+def fitted_coefficients(folder: Path) -> dict[str, Coefficients]:
+    """Return the posterior means of a stored fit, by pulley size.
+
+    Parameters
+    ----------
+    folder : Path
+        Where ``fit.json`` is.
+
+    Raises
+    ------
+    InputError
+        There is no fit.
+    """
+    pulleys = read_json(FitFile, folder / "fit.json").pulleys
+    return {
+        size: Coefficients(*(entries[name].mean for name in Coefficients._fields))
+        for size, entries in pulleys.items()
+    }

@@ -1,14 +1,17 @@
 """Checks of an effect, for its author: run them on a file of your own before you use it."""
 
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import integrate
 
 from bayesfric.effects import Effect, State
+from bayesfric.errors import Fault, InputError
 from bayesfric.friction import Coefficients
 from bayesfric.priors import from_normal, log_density
 
-__all__ = ["EffectError", "check_effect"]
+__all__ = ["EffectError", "check_effect", "checked"]
 
 Array = NDArray[np.float64]
 UNITS = {
@@ -101,3 +104,18 @@ def _value(effect: Effect, name: str, amplitude: float, state: State) -> Array:
         values[effect.shape.name] = np.array(effect.shape.typical)
     found = np.asarray(effect.laws[name](values, state), dtype=np.float64)
     return np.broadcast_to(found, SPEEDS_M_S.shape)
+
+
+def checked(effect: Effect, path: Path) -> Effect:
+    """Return an effect of a user's file once it has passed :func:`check_effect`.
+
+    Raises
+    ------
+    InputError
+        A rule is broken; it names the file and the rule.
+    """
+    try:
+        check_effect(effect)
+    except EffectError as error:
+        raise InputError([Fault(str(path), str(error))]) from error
+    return effect

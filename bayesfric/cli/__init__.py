@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from bayesfric.cli.claims import claims
+from bayesfric.cli.diagnose import diagnose
 from bayesfric.cli.fit import fit
 from bayesfric.cli.info import info
 from bayesfric.cli.report import report
@@ -26,7 +27,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for verb in (run, validate, simulate, fit, claims, report, info):
+for verb in (run, validate, simulate, fit, claims, diagnose, report, info):
     app.command()(verb)
 
 

@@ -29,7 +29,7 @@ from bayesfric.gap.which import NONE, PRIOR, UNKNOWN, Which, which_effect
 from bayesfric.likelihood.hypothesis import Data
 from bayesfric.likelihood.screening import screen_trials
 from bayesfric.paper import table1
-from bayesfric.recording.tables import Recording
+from bayesfric.recording.tables import Gravity, Recording, Rig
 from bayesfric.results import json_bytes, provenance, replace_outputs, write_netcdf
 from bayesfric.schemas import Absorbed, DiagnosisFile, ExaminedEffect, RecordingId
 
@@ -37,6 +37,7 @@ __all__ = ["Diagnosed", "diagnose"]
 
 Array = NDArray[np.float64]
 LN10 = float(np.log(10))
+MANY = 0.1  # of the trials, whose sensors disagree, from which on it is the rig's doing
 ROUNDS = 2  # of linearising around the law that was fitted with the causes
 
 
@@ -204,13 +205,30 @@ def _diagnose(
 def _data(recording: Recording) -> Data:
     gravity, motor = None, recording.motor
     if recording.gravity is not None:
-        gravity = screen_trials(recording.gravity, recording.rig).gravity
+        gravity = _trials(recording.gravity, recording.rig)
         gravity = None if gravity.trials.empty else gravity
     if motor is not None and motor.runs.empty:
         motor = None
     if gravity is None and motor is None:
         raise InputError([Fault(recording.name, "a gravity trial or a motor run to diagnose")])
     return Data(recording.rig, gravity, motor)
+
+
+def _trials(gravity: Gravity, rig: Rig) -> Gravity:
+    """Return the trials that enter by the rules of a fit.
+
+    Where the sensors of many trials disagree, it is no fault of a trial, but of the rig,
+    and what the diagnosis is to find: these trials stay.
+    """
+    screened = screen_trials(gravity, rig)
+    disagreeing = [t for t, rule in screened.excluded.items() if rule == "sensors-disagree"]
+    if len(disagreeing) <= MANY * len(gravity.trials):
+        return screened.gravity
+    gone = set(screened.excluded) - set(disagreeing)
+    whole = screen_trials(gravity, rig, exclude=False).gravity
+    kept = whole.trials[~whole.trials["trial"].isin(gone)].reset_index(drop=True)
+    events = whole.events[whole.events["trial"].isin(kept["trial"])].reset_index(drop=True)
+    return Gravity(kept, events)
 
 
 def _held(

@@ -250,15 +250,18 @@ class GravityRows:
     def _readings(self) -> Reading:
         events, condition = self.events, self.condition
         trial, is_load = events.trial, (events.regressors[1] != 0).astype(np.float64)
-        first = self._paths.speed_m_s[:, 0] / np.maximum(self.acceleration, LEAST_ACCELERATION)
+        # The reference law's motion, not the measured one: a reading's error in proportion
+        # to what was read would explain everything.
+        rate = np.maximum(self.acceleration, LEAST_ACCELERATION)[trial]
+        first, tau = self._paths.speed_m_s[trial, 0], events.tau
         spacing = self._rig.hall_spacing_m or 1.0
         return Reading(
-            displacement_m=events.displacement,
+            displacement_m=first * tau + rate * tau**2 / 2,
             event=np.round(events.displacement / spacing),
             is_load=is_load,
-            time_s=first[trial] + events.tau,
-            speed_m_s=self._speed,
-            acceleration_m_s2=self.acceleration[trial],
+            time_s=first / rate + tau,
+            speed_m_s=first + rate * tau,
+            acceleration_m_s2=rate,
             mass_drive_kg=np.asarray(condition.mass_drive_kg)[trial],
             mass_load_kg=np.asarray(condition.mass_load_kg)[trial],
             magnets_per_revolution=self._rig.magnets_per_revolution or 1,

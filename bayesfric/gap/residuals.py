@@ -126,7 +126,7 @@ def _of_board(
 ) -> Residuals:
     table, row = rows.trials, windows.row
     keys = ["pulley_size", "n_pulleys", "wrap_angle_deg", *masses]
-    condition = table.groupby(keys, sort=False).ngroup().to_numpy(dtype=np.intp)
+    condition = table.groupby(keys, sort=False).ngroup().to_numpy().astype(np.intp)
     covariates = dict(windows.covariates)
     covariates["acceleration"] = rows.acceleration[row]
     covariates["pulley_size"] = part.size[row].astype(np.float64)

@@ -1,0 +1,91 @@
+"""``bayesfric diagnose``: where the simulation misses, why, and how far that shrinks."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from bayesfric.cli.exits import exit_status, fail_on
+from bayesfric.cli.options import Config, FailOn, Folder, Quiet, Seed
+
+__all__ = ["diagnose"]
+
+
+@exit_status
+def diagnose(
+    recording: Annotated[Path, typer.Argument(help="Folder of the recording.")],
+    output: Folder = Path("bayesfric-run"),
+    baseline: Annotated[
+        Path | None,
+        typer.Option("--baseline", help="Folder of a fit whose means are the shipped values."),
+    ] = None,
+    fixed: Annotated[
+        str,
+        typer.Option("--fixed", help="Held at their shipped values, as in c3,c1[small]."),
+    ] = "",
+    effect_module: Annotated[
+        list[Path] | None,
+        typer.Option("--effect-module", help="A Python file with an EFFECT of your own."),
+    ] = None,
+    seed: Seed = None,
+    config: Config = None,
+    quiet: Quiet = False,
+    fail_on_list: FailOn = "",
+) -> None:
+    """Attribute the sim-to-real gap to an effect; write diagnosis.json and diagnosis.nc.
+
+    Example: bayesfric diagnose my-board -o my-results --fail-on gap
+    """
+    happened = diagnose_into(
+        recording,
+        output,
+        baseline=baseline,
+        fixed=fixed,
+        effect_modules=effect_module or [],
+        seed=seed,
+        config=config,
+        quiet=quiet,
+        failures=fail_on_list,
+    )
+    fail_on(fail_on_list, happened)
+
+
+def diagnose_into(
+    recording: Path,
+    output: Path,
+    *,
+    baseline: Path | None = None,
+    fixed: str = "",
+    effect_modules: list[Path],
+    seed: int | None,
+    config: Path | None,
+    quiet: bool,
+    failures: str,
+) -> set[str]:
+    """Diagnose, write and print; return what happened that ``--fail-on`` can name."""
+    from bayesfric.analysis import read_analysis
+    from bayesfric.effects import effect_of_file
+    from bayesfric.gap import diagnose as diagnose_recording
+    from bayesfric.recording import read_recording
+    from bayesfric.results import fitted_coefficients
+    from bayesfric.testing import checked
+
+    fail_on(failures, set())  # an unknown name is told before the work
+    analysis = read_analysis(config, seed=seed)
+    effects = [checked(effect_of_file(path), path) for path in effect_modules]
+    found = read_recording(recording)
+    if not quiet:
+        typer.echo("weighing the effects that the baseline leaves out", err=True)
+    diagnosed = diagnose_recording(
+        found,
+        analysis,
+        fixed=[name.strip() for name in fixed.split(",") if name.strip()],
+        effects=effects,
+        shipped=None if baseline is None else fitted_coefficients(baseline),
+    )
+    diagnosed.write(output)
+    summary = diagnosed.summary
+    typer.echo(f"{summary.verdict}: {summary.sentence}")
+    for name, chance in list(summary.probabilities.items())[:5]:
+        typer.echo(f"  {name:<28} {chance:.3f}")
+    return set() if summary.verdict == "no-gap" else {"gap"}
