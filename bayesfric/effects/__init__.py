@@ -8,9 +8,9 @@ from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
 
-from bayesfric.effects.base import Effect, EffectParameter, Law, Reading, State
+from bayesfric.effects.base import ActsOn, Effect, EffectParameter, Law, Reading, State
 
-__all__ = ["Effect", "EffectParameter", "Law", "Reading", "State", "all_effects"]
+__all__ = ["ActsOn", "Effect", "EffectParameter", "Law", "Reading", "State", "all_effects"]
 
 
 @cache
