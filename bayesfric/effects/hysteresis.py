@@ -26,7 +26,7 @@ def _dahl(p: Mapping[str, Array], state: State) -> Array:
 
 
 def _bouc_wen(p: Mapping[str, Array], state: State) -> Array:
-    return _missing(p, state) * (1 - np.tanh(np.asarray(state.travel_m) / p["length"]))
+    return np.asarray(_missing(p, state) * (1 - np.tanh(np.asarray(state.travel_m) / p["length"])))
 
 
 EFFECT = Effect(

@@ -90,7 +90,8 @@ def _acceleration(
 
     def unscattered(a: Array) -> Array:
         here = state(a)
-        return (condition.drive_force_n - friction(here) - total(on_drive, here)) / mass
+        force = condition.drive_force_n - friction(here) - total(on_drive, here)
+        return np.asarray(force / mass)
 
     # Scatter multiplies the friction of the condition: tension is that without it.
     mean = _fixed_point(unscattered, condition.drive_force_n / mass)

@@ -77,7 +77,7 @@ def draw_events(
     rotation = spacing * sensor_rng.uniform(0, rig.magnets_per_revolution, shape)
     first = LEAST_PATH_M + rotation % spacing  # the first magnet is rotation // spacing
     release = sensor_rng.uniform(0, RELEASE_WINDOW_S, len(trials))
-    grid = np.arange(int(TRAVEL_M / spacing) + 1) * spacing
+    grid = np.arange(int(TRAVEL_M / spacing) + 1, dtype=np.float64) * spacing
     place = first[:, :, None] + grid
     law = laws_of(truth, trials["pulley_size"])
     condition = conditions_of(trials, rig)

@@ -1,7 +1,8 @@
 """The motor board, simulated: runs in their order, and the idle motor.
 
-A run's friction scatters like a trial's, and what acts on the drive does not; its current is that of the idle motor, plus
-that of the load, plus what effects on the motor add, plus noise that grows with the load.
+A run's friction scatters like a trial's, and what acts on the drive does not. Its current
+is that of the idle motor, plus that of the load, plus what effects on the motor add, plus
+noise that grows with the load.
 """
 
 from collections.abc import Mapping, Sequence
