@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import integrate
 
-from bayesfric.effects import Effect, State
+from bayesfric.effects import Effect, Reading, State
 from bayesfric.errors import Fault, InputError
 from bayesfric.friction import Coefficients
 from bayesfric.priors import from_normal, log_density
@@ -29,9 +29,34 @@ UNITS = {
     "1/deg",
     "s²/m²",
     "N s/m",
+    "N s²/m²",
+    "N/m",
+    "kg/m",
 }
 SEEN = 8.0  # prior standard deviations to either side, beyond which nothing is left
-SPEEDS_M_S = np.geomspace(0.01, 1.3, 12)
+SPEEDS_M_S = np.geomspace(0.01, 1.3, 12)  # of a trial that gains 1 m/s²
+STATE = State.of(
+    Coefficients(0.01, 0.02, 2e-5),
+    9.0,
+    85.0,
+    15.0,
+    SPEEDS_M_S,
+    2.0,
+    travel_m=SPEEDS_M_S**2 / 2,
+    acceleration_m_s2=1.0,
+    order=0.9,
+)
+READING = Reading(
+    displacement_m=0.0098 * np.arange(12.0),
+    event=np.arange(12.0),
+    is_load=np.tile([0.0, 1.0], 6),
+    time_s=SPEEDS_M_S,
+    speed_m_s=SPEEDS_M_S,
+    acceleration_m_s2=1.0,
+    mass_drive_kg=1.6,
+    mass_load_kg=1.4,
+    magnets_per_revolution=5,
+)
 
 
 class EffectError(ValueError):
@@ -45,8 +70,10 @@ def check_effect(effect: Effect) -> None:
     ----------
     effect : Effect
         To be checked: priors integrate to one; the plausible range lies where the prior
-        is; units are known; no amplitude is no effect; forces are finite; and an effect
-        along a path is linear in its amplitude.
+        is; units are known; no amplitude is no effect; a law is finite, has as many
+        components as it should, and takes arrays of amplitudes; a force that changes
+        along a trial is said to; and every effect along a path, on a drive, on readings or
+        with components is linear in its amplitude.
 
     Raises
     ------
@@ -76,34 +103,52 @@ def check_effect(effect: Effect) -> None:
         raise EffectError(f"{effect.name}.{effect.shape.name}: a shape needs a typical value")
     if not effect.laws:
         raise EffectError(f"{effect.name}: there is no law")
-    state = State.of(Coefficients(0.01, 0.02, 2e-5), 9.0, 85.0, 15.0, SPEEDS_M_S, 2.0)
     for name in effect.laws:
-        _check_law(effect, name, state)
+        _check_law(effect, name, READING if effect.acts_on == "reading" else STATE)
 
 
-def _check_law(effect: Effect, name: str, state: State) -> None:
+def _check_law(effect: Effect, name: str, where_at: State | Reading) -> None:
     where = f"{effect.name}/{name}"
-    if (none := np.abs(_value(effect, name, 0.0, state)).max()) > 0:
+    if (none := np.abs(_value(effect, name, 0.0, where_at)).max()) > 0:
         raise EffectError(f"{where}: at no amplitude it still is {none:g}, not 0")
     one = 0.01
-    force = _value(effect, name, one, state)
+    force = _value(effect, name, one, where_at)
     if not np.isfinite(force).all():
         raise EffectError(f"{where}: not finite at {effect.amplitude.name} = {one}")
-    changes = bool(np.ptp(force) > 1e-12 * np.abs(force).max())
-    if changes and not effect.along_path and effect.acts_on == "friction":
-        raise EffectError(f"{where}: it changes with speed, but is not said to act along_path")
-    if effect.along_path:
-        off = np.abs(_value(effect, name, 2 * one, state) - 2 * force).max()
+    changes = bool(np.ptp(force, axis=-1).max() > 1e-12 * np.abs(force).max())
+    if changes and not effect.along_path and effect.acts_on in ("friction", "drive"):
+        raise EffectError(
+            f"{where}: it changes with speed or travel, but is not said to act along_path"
+        )
+    two = _value(effect, name, 2 * one, where_at)
+    both = _value(effect, name, np.array([[one], [2 * one]]), where_at)
+    if np.abs(both - np.stack([force, two], axis=-2)).max() > 1e-12 * np.abs(two).max():
+        raise EffectError(f"{where}: a column of amplitudes gives other values than each alone")
+    if effect.along_path or effect.components or effect.acts_on in ("drive", "reading"):
+        off = np.abs(two - 2 * force).max()
         if off > 1e-9 * np.abs(force).max():
             raise EffectError(f"{where}: not linear in {effect.amplitude.name}; off by {off:g}")
 
 
-def _value(effect: Effect, name: str, amplitude: float, state: State) -> Array:
+def _value(effect: Effect, name: str, amplitude: float | Array, where_at: State | Reading) -> Array:
+    """Return what a law gives, shape (components if any, amplitudes if any, 12)."""
     values = {effect.amplitude.name: np.array(amplitude)}
     if effect.shape is not None:
         values[effect.shape.name] = np.array(effect.shape.typical)
-    found = np.asarray(effect.laws[name](values, state), dtype=np.float64)
-    return np.broadcast_to(found, SPEEDS_M_S.shape)
+    found = np.asarray(effect.laws[name](values, where_at), dtype=np.float64)
+    shape = np.broadcast_shapes(np.shape(amplitude), SPEEDS_M_S.shape)
+    if not effect.components:
+        fits = found.ndim <= len(shape)
+    else:
+        fits = found.ndim > 0 and len(found) == effect.components
+        shape = (effect.components, *shape)
+        fits = fits and found.ndim == len(shape)
+    if not fits:
+        raise EffectError(
+            f"{effect.name}/{name}: the law's array is of shape {found.shape}, which does not "
+            f"go with {shape}"
+        )
+    return np.broadcast_to(found, shape)
 
 
 def checked(effect: Effect, path: Path) -> Effect:

@@ -1,8 +1,8 @@
 """The gravity board with any friction force, by the 4th-order Runge-Kutta method.
 
-Eq. (4) of the paper, ``(m1 + m2) a = (m1 − m2) g − F(v, a)``, where F is whatever the
+Eq. (4) of the paper, ``(m1 + m2) a = (m1 − m2) g − F(x, v, a)``, where F is whatever the
 cable meets. The closed forms of :mod:`bayesfric.boards.gravity` are faster where they
-hold; this holds for every effect on friction.
+hold; this holds for every force.
 """
 
 from collections.abc import Callable
@@ -51,6 +51,21 @@ class SteppedMotion:
             times[trial] = self._time_at(trial, wanted.ravel()).reshape(wanted.shape)
         return times
 
+    def speed(self, time_s: Array) -> Array:
+        """Return the speed at times ≥ 0, straight between steps [m/s].
+
+        Parameters
+        ----------
+        time_s : ndarray, shape (N, …)
+            Time since the start [s].
+        """
+        speeds = np.empty(time_s.shape)
+        grid = np.arange(self.speed_m_s.shape[1])
+        for trial, wanted in enumerate(time_s):
+            step = float(self.step_s[trial, 0])
+            speeds[trial] = np.interp(wanted / step, grid, self.speed_m_s[trial])
+        return speeds
+
     def _time_at(self, trial: int, wanted: Array) -> Array:
         position, speed = self.position_m[trial], self.speed_m_s[trial]
         step = float(self.step_s[trial, 0])
@@ -70,18 +85,23 @@ class SteppedMotion:
 
 
 def step_board(
-    acceleration: Callable[[Array], Array], duration_s: Array, steps: int
+    acceleration: Callable[[Array, Array], Array],
+    duration_s: Array,
+    steps: int,
+    distance_m: float = np.inf,
 ) -> SteppedMotion:
     """Integrate trials from rest.
 
     Parameters
     ----------
     acceleration : callable
-        Speeds, shape (N,), to accelerations while the cable moves, shape (N,).
+        Travels and speeds, shape (N,), to accelerations while the cable moves, shape (N,).
     duration_s : ndarray, shape (N,)
-        How long each trial is followed [s].
+        How long each trial is followed, at most [s].
     steps : int
-        Number of steps.
+        Number of steps in that time.
+    distance_m : float
+        All is over once every trial has come so far or stays [m].
 
     Returns
     -------
@@ -89,20 +109,23 @@ def step_board(
         A trial that does not start, or stops, stays: friction at rest is set-valued.
     """
     step = duration_s / steps
-    position = np.zeros((duration_s.size, steps + 1))
-    speed = np.zeros_like(position)
-    moving = acceleration(speed[:, 0]) > 0
-    for k in range(steps):
-        v = speed[:, k]
-        a1 = acceleration(v)
+    still = np.zeros_like(duration_s)
+    positions, speeds = [still], [still]
+    moving = acceleration(still, still) > 0
+    for _ in range(steps):
+        x, v = positions[-1], speeds[-1]
+        a1 = acceleration(x, v)
         v2 = np.maximum(v + step / 2 * a1, 0)
-        a2 = acceleration(v2)
+        a2 = acceleration(x + step / 2 * v, v2)
         v3 = np.maximum(v + step / 2 * a2, 0)
-        a3 = acceleration(v3)
+        a3 = acceleration(x + step / 2 * v2, v3)
         v4 = np.maximum(v + step * a3, 0)
-        faster = v + step / 6 * (a1 + 2 * a2 + 2 * a3 + acceleration(v4))
+        a4 = acceleration(x + step * v3, v4)
+        faster = v + step / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
         moving &= faster > 0
-        speed[:, k + 1] = np.where(moving, faster, 0.0)
+        speeds.append(np.where(moving, faster, 0.0))
         advance = step / 6 * (v + 2 * v2 + 2 * v3 + v4)
-        position[:, k + 1] = position[:, k] + np.where(moving, advance, 0.0)
-    return SteppedMotion(step[:, None], position, speed)
+        positions.append(x + np.where(moving, advance, 0.0))
+        if not (moving & (positions[-1] < distance_m)).any():
+            break
+    return SteppedMotion(step[:, None], np.stack(positions, axis=1), np.stack(speeds, axis=1))

@@ -12,10 +12,19 @@ from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from pkgutil import iter_modules
 
-from bayesfric.effects.base import Effect, EffectParameter, Law, Reading, State
+from bayesfric.effects.base import ActsOn, Effect, EffectParameter, Law, Reading, State
 from bayesfric.errors import Fault, InputError
 
-__all__ = ["Effect", "EffectParameter", "Law", "Reading", "State", "all_effects", "effect_of_file"]
+__all__ = [
+    "ActsOn",
+    "Effect",
+    "EffectParameter",
+    "Law",
+    "Reading",
+    "State",
+    "all_effects",
+    "effect_of_file",
+]
 
 
 @cache

@@ -43,8 +43,9 @@ def simulate_recording(
     protocol : str or Protocol
         A name in :data:`bayesfric.protocols.PROTOCOLS`, or a design.
     seed : int
-        Seeds streams of their own (order, scatter, sensors, noise, and the motor
-        board's), so that a change of one leaves the others as they were.
+        Seeds streams of their own (order, scatter, sensors, noise, the motor board's,
+        and the phases of effects on each board), so that a change of one leaves the
+        others as they were.
     truth : Truth or None
         Parameters; None is the paper's Table I with 1 % trial and 1.5 % setup
         scatter, 30 µm and 20 µs; on the motor board the specified torque constant,
@@ -78,8 +79,8 @@ def simulate_recording(
     truth = Truth() if truth is None else truth
     label = protocol if isinstance(protocol, str) else "custom"
     design = PROTOCOLS[protocol] if isinstance(protocol, str) else protocol
-    order_rng, scatter_rng, sensor_rng, noise_rng, motor_rng = (
-        np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(5)
+    order_rng, scatter_rng, sensor_rng, noise_rng, motor_rng, trial_rng, run_rng = (
+        np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(7)
     )
     board = paper()["board"]
     rig = Rig(
@@ -96,7 +97,8 @@ def simulate_recording(
     gravity, stalled = None, []
     if "gravity" in rigs:
         trials = lay_trials(design, order_rng)
-        events, moved = draw_events(trials, rig, truth, scatter_rng, sensor_rng, noise_rng)
+        rngs = (scatter_rng, sensor_rng, noise_rng, trial_rng)
+        events, moved = draw_events(trials, rig, truth, *rngs)
         stalled = trials.loc[~moved, "trial"].tolist()
         gravity = Gravity(trials=trials[moved].reset_index(drop=True), events=events)
     return Recording(
@@ -104,7 +106,7 @@ def simulate_recording(
         title=f"Synthetic pulley-board recording, protocol {label}, seed {seed}",
         rig=rig,
         gravity=gravity,
-        motor=simulate_motor(rig, truth, motor_rng) if "motor" in rigs else None,
+        motor=simulate_motor(rig, truth, motor_rng, run_rng) if "motor" in rigs else None,
         created=created,
         metadata={
             "sources": [{"title": "Simulated by bayesfric; no board was measured"}],

@@ -1,9 +1,11 @@
 """The motor board, simulated: runs in their order, and the idle motor.
 
-A run's friction scatters like a trial's; its current is that of the idle motor, plus
-that of the load, plus what effects on the motor add, plus noise that grows with the load.
+A run's friction scatters like a trial's, and what acts on the drive does not. Its current
+is that of the idle motor, plus that of the load, plus what effects on the motor add, plus
+noise that grows with the load.
 """
 
+from collections.abc import Mapping, Sequence
 from itertools import product
 from typing import Any
 
@@ -21,6 +23,7 @@ from bayesfric.protocols import (
     MOTOR_SPEEDS_M_S,
 )
 from bayesfric.recording.tables import Motor, Rig
+from bayesfric.simulate.acting import Acting, draw_phases, of_kind, surroundings, total
 from bayesfric.simulate.truth import Truth, laws_of
 
 __all__ = ["lay_runs", "run_conditions", "simulate_motor"]
@@ -54,7 +57,9 @@ def lay_runs(rng: np.random.Generator) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def simulate_motor(rig: Rig, truth: Truth, rng: np.random.Generator) -> Motor:
+def simulate_motor(
+    rig: Rig, truth: Truth, rng: np.random.Generator, effects_rng: np.random.Generator
+) -> Motor:
     """Run every assembly, weight and speed, and the idle motor."""
     runs = lay_runs(rng)
     assert rig.motor_torque_constant_n_m_per_a and rig.capstan_radius_m
@@ -63,7 +68,10 @@ def simulate_motor(rig: Rig, truth: Truth, rng: np.random.Generator) -> Motor:
     eta = truth.omega_motor * rng.standard_normal(setup_index.max() + 1)
     factor = 1 + eta[setup_index] + truth.tau_motor * rng.standard_normal(len(runs))
     law = laws_of(truth, runs["pulley_size"])
-    friction = factor * _friction(law, condition, truth)
+    acting = draw_phases(truth, len(runs), 1, effects_rng)
+    around = {**surroundings(runs, rig), "steady": True}
+    unscattered, drag = _forces(law, condition, acting, around)
+    friction = factor * unscattered + drag
     constant = rig.motor_torque_constant_n_m_per_a * truth.torque_constant_factor
     load = load_current(condition, friction, constant, rig.capstan_radius_m)
     noise = np.hypot(truth.sigma_current, truth.load_noise * load)
@@ -75,10 +83,9 @@ def simulate_motor(rig: Rig, truth: Truth, rng: np.random.Generator) -> Motor:
         nominal_tension(condition, friction),
         np.abs(condition.velocity_m_s),
         load,
+        **around,
     )
-    for applied in truth.effects:
-        if applied.effect.acts_on == "current":
-            current = current + applied(state)
+    current = current + total(of_kind(acting, "current"), state)
     current += noise * rng.standard_normal(len(runs))
     speed = np.repeat(IDLE_SPEEDS_M_S, IDLE_REPEATS)
     idle = _idle(truth, speed) + truth.sigma_current * rng.standard_normal(speed.size)
@@ -105,16 +112,23 @@ def run_conditions(runs: pd.DataFrame, rig: Rig) -> MotorCondition:
     )
 
 
-def _friction(law: Coefficients, condition: MotorCondition, truth: Truth) -> Array:
-    """Return the signed friction of each run without scatter [N]."""
-    effects = [applied for applied in truth.effects if applied.effect.acts_on == "friction"]
-    if not effects:
-        return motor_friction(law, condition)
+def _forces(
+    law: Coefficients,
+    condition: MotorCondition,
+    acting: Sequence[Acting],
+    around: Mapping[str, Any],
+) -> tuple[Array, Array | float]:
+    """Return friction without scatter and what scatter leaves alone, both signed [N]."""
+    on_friction, on_drive = of_kind(acting, "friction"), of_kind(acting, "drive")
+    if not on_friction and not on_drive:
+        return motor_friction(law, condition), 0.0
     n, wrap = condition.n_pulleys, condition.wrap_angle_deg
     sign, speed = np.sign(condition.velocity_m_s), np.abs(condition.velocity_m_s)
-    friction = np.zeros_like(speed)
+    friction = drag = np.zeros_like(speed)
     for _ in range(TENSION_ITERATIONS):
-        state = State.of(law, n, wrap, nominal_tension(condition, friction), speed)
+        tension = nominal_tension(condition, friction + drag)
+        state = State.of(law, n, wrap, tension, speed, **around)
         size = coulomb_friction(law, n, wrap, state.tension_n)
-        friction = np.asarray(sign * (size + sum(applied(state) for applied in effects)))
-    return friction
+        friction = np.asarray(sign * (size + total(on_friction, state)))
+        drag = np.asarray(sign * total(on_drive, state))
+    return friction, drag

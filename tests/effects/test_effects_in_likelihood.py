@@ -19,7 +19,16 @@ from bayesfric.recording.tables import Gravity
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 from bayesfric.simulate.strength import at_strength
 
-LAWS = [(name, law) for name, effect in all_effects().items() for law in effect.laws]
+# The likelihood tells a law neither the travel nor the order, and has no phases.
+OF_TRAVEL_OR_ORDER = {"presliding", "hysteresis", "wear-drift"}
+LAWS = [
+    (name, law)
+    for name, effect in all_effects().items()
+    for law in effect.laws
+    if effect.acts_on in ("friction", "current")
+    and not effect.components
+    and name not in OF_TRAVEL_OR_ORDER
+]
 SMALL = Protocol({(5, 85.0): 1, (9, 50.0): 1, (15, 135.0): 1}, (6.0, 28.0), (6.0, 28.0), 2)
 
 

@@ -1,0 +1,38 @@
+"""A clock whose rate is not the specified one.
+
+To first order it is the wrong length scale, twice: from rest, v t is twice the travel. On
+the gravity board the two cannot be told apart.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Normal
+from bayesfric.effects.base import Effect, EffectParameter, Reading
+
+Array = NDArray[np.float64]
+
+
+def _proportional(p: Mapping[str, Array], reading: Reading) -> Array:
+    # A time that reads too long by ε t: by then the cable is v ε t further.
+    return np.asarray(p["excess"] * np.asarray(reading.speed_m_s) * np.asarray(reading.time_s))
+
+
+EFFECT = Effect(
+    name="clock-scale",
+    acts_on="reading",
+    sentence="the clock's rate is not the specified one",
+    amplitude=EffectParameter(
+        name="excess",
+        unit="1",
+        meaning="relative error of the times, positive where they read too long",
+        prior=Normal(mean=0.0, sd=0.01),
+        plausible=(-0.005, 0.005),
+        reference="argued: ceramic resonators, as on small controller boards, are good to half "
+        "a per cent, quartz to far less",
+    ),
+    laws={"proportional": _proportional},
+    along_path=True,
+)

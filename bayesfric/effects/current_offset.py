@@ -1,0 +1,32 @@
+"""A current sensor whose zero moved between the idle motor and the runs."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Normal
+from bayesfric.effects.base import Effect, EffectParameter, State
+
+Array = NDArray[np.float64]
+
+
+def _constant(p: Mapping[str, Array], state: State) -> Array:
+    return p["offset"] * np.ones_like(np.asarray(state.load_current_a, dtype=np.float64))
+
+
+EFFECT = Effect(
+    name="current-offset",
+    acts_on="current",
+    sentence="the zero of the current sensor moved between the idle motor and the runs",
+    amplitude=EffectParameter(
+        name="offset",
+        unit="A",
+        meaning="constant that is added to the current of the runs alone",
+        prior=Normal(mean=0.0, sd=0.05),
+        plausible=(-0.05, 0.05),
+        reference="argued: the zero of a current sensor for ten amperes is good to half a per "
+        "cent of its range",
+    ),
+    laws={"constant": _constant},
+)

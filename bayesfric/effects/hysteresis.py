@@ -1,0 +1,57 @@
+"""Memory of the path: friction that takes long to settle after the last reversal.
+
+Dahl's model from rest, dz/dx = (1 − z)/L, is the curve of presliding: a board whose cable
+only ever runs one way cannot tell the two apart, except by their lengths. The model of
+Bouc and Wen with exponent 2, dz/dx = (1 − z²)/L, is not.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import HalfNormal, LogNormal
+from bayesfric.effects.base import Effect, EffectParameter, State
+
+Array = NDArray[np.float64]
+
+
+def _missing(p: Mapping[str, Array], state: State) -> Array:
+    """Return the friction that is missing at the start, none where the start is long past."""
+    return np.asarray(-p["share"] * state.friction_n * (not state.steady))
+
+
+def _dahl(p: Mapping[str, Array], state: State) -> Array:
+    return _missing(p, state) * np.exp(-np.asarray(state.travel_m) / p["length"])
+
+
+def _bouc_wen(p: Mapping[str, Array], state: State) -> Array:
+    return np.asarray(_missing(p, state) * (1 - np.tanh(np.asarray(state.travel_m) / p["length"])))
+
+
+EFFECT = Effect(
+    name="hysteresis",
+    acts_on="friction",
+    sentence="friction remembers the path since the last reversal",
+    amplitude=EffectParameter(
+        name="share",
+        unit="1",
+        meaning="share of friction that is missing when the cable starts to run",
+        prior=HalfNormal(scale=0.5),
+        plausible=(0.0, 1.0),
+        reference="argued: from rest the state of Dahl's model (A Solid Friction Model, "
+        "Aerospace Corporation, 1968) lies between none and all of friction",
+    ),
+    shape=EffectParameter(
+        name="length",
+        unit="m",
+        meaning="travel over which the past is forgotten",
+        prior=LogNormal(median=0.08, sd_log=0.5),
+        plausible=(0.024, 0.3),
+        reference="argued: from a turn of the small pulley to half the travel of the board",
+        typical=0.08,
+    ),
+    laws={"dahl": _dahl, "bouc-wen": _bouc_wen},
+    edge={"travel_m": 0.0},
+    along_path=True,
+)

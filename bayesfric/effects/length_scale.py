@@ -1,0 +1,33 @@
+"""A mean spacing of the magnets that is not the specified one."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Normal
+from bayesfric.effects.base import Effect, EffectParameter, Reading
+
+Array = NDArray[np.float64]
+
+
+def _proportional(p: Mapping[str, Array], reading: Reading) -> Array:
+    return np.asarray(p["excess"] * np.asarray(reading.displacement_m))
+
+
+EFFECT = Effect(
+    name="length-scale",
+    acts_on="reading",
+    sentence="the mean travel between two events is not the specified one",
+    amplitude=EffectParameter(
+        name="excess",
+        unit="1",
+        meaning="relative error of the travel between two events, positive where it is longer",
+        prior=Normal(mean=0.0, sd=0.02),
+        plausible=(-0.02, 0.02),
+        reference="argued: the radius at the cable's centre, 7.8 mm, is known to a tenth of a "
+        "millimetre or so",
+    ),
+    laws={"proportional": _proportional},
+    along_path=True,
+)

@@ -1,0 +1,41 @@
+"""Magnets of the sensor pulley that sit off their places.
+
+The pattern repeats each revolution, and which magnet came first is not recorded: waves of
+one and of two periods a revolution, with free phases. They are all patterns that five
+magnets can have, beside a constant; of more magnets they are the smooth ones.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import HalfNormal
+from bayesfric.effects.base import Effect, EffectParameter, Reading
+
+Array = NDArray[np.float64]
+WAVES = (1, 2)  # periods a revolution
+
+
+def _waves(p: Mapping[str, Array], reading: Reading) -> Array:
+    turn = 2 * np.pi * np.asarray(reading.event) / reading.magnets_per_revolution
+    each = p["error"] / np.sqrt(len(WAVES))
+    return np.stack([each * wave(k * turn) for k in WAVES for wave in (np.cos, np.sin)])
+
+
+EFFECT = Effect(
+    name="magnet-spacing",
+    acts_on="reading",
+    sentence="the magnets of the sensor pulleys are off their places",
+    amplitude=EffectParameter(
+        name="error",
+        unit="m",
+        meaning="rms error of a magnet's place",
+        prior=HalfNormal(scale=1e-4),
+        plausible=(0.0, 2e-4),
+        reference="argued: magnets glued into holes sit to a tenth or two of a millimetre",
+    ),
+    laws={"waves": _waves},
+    along_path=True,
+    components=2 * len(WAVES),
+)

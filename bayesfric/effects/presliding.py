@@ -1,0 +1,53 @@
+"""Presliding: friction builds up over the first stretch of travel."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import HalfNormal, LogNormal
+from bayesfric.effects.base import Effect, EffectParameter, State
+
+Array = NDArray[np.float64]
+
+
+def _missing(p: Mapping[str, Array], state: State) -> Array:
+    """Return the friction that is missing at the start, none where the start is long past."""
+    return np.asarray(-p["share"] * state.friction_n * (not state.steady))
+
+
+def _exponential(p: Mapping[str, Array], state: State) -> Array:
+    return _missing(p, state) * np.exp(-np.asarray(state.travel_m) / p["length"])
+
+
+def _rational(p: Mapping[str, Array], state: State) -> Array:
+    return _missing(p, state) / (1 + np.asarray(state.travel_m) / p["length"])
+
+
+EFFECT = Effect(
+    name="presliding",
+    acts_on="friction",
+    sentence="friction builds up over the first stretch of travel",
+    amplitude=EffectParameter(
+        name="share",
+        unit="1",
+        meaning="share of friction that is missing at the start of a trial",
+        prior=HalfNormal(scale=0.5),
+        plausible=(0.0, 1.0),
+        reference="argued: friction that is built up from rest starts between nothing and all "
+        "of it",
+    ),
+    shape=EffectParameter(
+        name="length",
+        unit="m",
+        meaning="travel over which friction builds up: to 1/e of what was missing, or to half",
+        prior=LogNormal(median=0.02, sd_log=0.7),
+        plausible=(1e-4, 0.036),
+        reference="argued: from the stretch of the cable under 1 N of friction, 0.1 mm, to half "
+        "a turn of the large pulley, over which its balls and grease come to their paths",
+        typical=0.02,
+    ),
+    laws={"exponential": _exponential, "rational": _rational},
+    edge={"travel_m": 0.0},
+    along_path=True,
+)

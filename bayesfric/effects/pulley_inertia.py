@@ -1,0 +1,40 @@
+"""Inertia of the pulleys: mass that moves with the cable."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import HalfNormal
+from bayesfric.effects.base import MEDIUM_RADIUS_M, Effect, EffectParameter, State
+
+Array = NDArray[np.float64]
+
+
+def _same(p: Mapping[str, Array], state: State) -> Array:
+    per_pulley = p["mass"] * np.asarray(state.acceleration_m_s2) * (not state.steady)
+    return np.asarray(per_pulley * np.asarray(state.n_pulleys))
+
+
+def _discs(p: Mapping[str, Array], state: State) -> Array:
+    # Discs of one thickness: the mass, and half of it moves with the rim, ∝ radius².
+    return _same(p, state) * (np.asarray(state.radius_m) / MEDIUM_RADIUS_M) ** 2
+
+
+EFFECT = Effect(
+    name="pulley-inertia",
+    acts_on="drive",
+    sentence="the pulleys have mass that must be accelerated with the cable",
+    amplitude=EffectParameter(
+        name="mass",
+        unit="kg",
+        meaning="moment of inertia of a pulley (of the medium size, where sizes differ) over its "
+        "radius squared",
+        prior=HalfNormal(scale=0.02),
+        plausible=(0.0, 0.01),
+        reference="argued: half the mass of a steel disc of the large pulley's radius and 5 mm "
+        "is 8 g; pulleys of aluminium, or smaller, have less",
+    ),
+    laws={"same": _same, "discs": _discs},
+    edge={"acceleration_m_s2": 1.2, "n_pulleys": 19.0},
+)

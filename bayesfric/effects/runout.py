@@ -1,0 +1,36 @@
+"""Runout: friction that varies once a revolution of the pulleys."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import HalfNormal
+from bayesfric.effects.base import Effect, EffectParameter, State
+
+Array = NDArray[np.float64]
+
+
+def _once(p: Mapping[str, Array], state: State) -> Array:
+    angle = np.asarray(state.travel_m) / np.asarray(state.radius_m)
+    force = p["share"] * state.friction_n * (not state.steady)
+    return np.stack([force * np.cos(angle), force * np.sin(angle)])
+
+
+EFFECT = Effect(
+    name="runout",
+    acts_on="friction",
+    sentence="friction varies once a revolution of the pulleys",
+    amplitude=EffectParameter(
+        name="share",
+        unit="1",
+        meaning="rms of the variation, as a share of friction",
+        prior=HalfNormal(scale=0.2),
+        plausible=(0.0, 0.2),
+        reference="argued: a pulley that runs out by a tenth of its radius changes its friction "
+        "by a tenth; several pulleys in step at most double that",
+    ),
+    laws={"once": _once},
+    along_path=True,
+    components=2,
+)
