@@ -31,9 +31,7 @@ PROVENANCE = {
 
 def interval(mean: float, sd: float | None = None) -> Interval:
     sd = abs(mean) / 20 if sd is None else sd
-    return Interval(
-        mean=mean, sd=sd, q05=mean - 1.645 * sd, q50=mean, q95=mean + 1.645 * sd
-    )
+    return Interval(mean=mean, sd=sd, q05=mean - 1.645 * sd, q50=mean, q95=mean + 1.645 * sd)
 
 
 def axis(name: str, unit: str, share: float | None, low: float = 0.0, high: float = 1.0) -> Axis:
@@ -66,9 +64,7 @@ def cause(effect: str, **changes: object) -> Cause:
         "log10_bayes_factor_se": 0.056,
         "law": "constant",
         "parameters": {
-            "slope": EffectNumber(
-                **slope.model_dump(), unit="s/m", prior="half-normal(scale=0.15)"
-            )
+            "slope": EffectNumber(**slope.model_dump(), unit="s/m", prior="half-normal(scale=0.15)")
         },
         "plausible": True,
         "plausible_range": (0.0, 0.3),
