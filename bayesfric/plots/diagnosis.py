@@ -14,7 +14,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from bayesfric.analysis import Prior
 from bayesfric.plots.labels import plain
-from bayesfric.plots.style import COLORS, NEUTRAL, figure
+from bayesfric.plots.style import COLORS, NEUTRAL, figure, halves
 from bayesfric.priors import log_density
 from bayesfric.schemas.diagnosis import Axis, Cause, DiagnosisFile, EffectNumber
 
@@ -45,7 +45,7 @@ def where_it_lies(axes: Sequence[Axis], residuals: xr.Dataset | None) -> Figure:
     """
     shapes = [axis for axis in axes if axis.shape is not None][:SHAPES]
     with figure(height=max(50.0, 13.0 + 4.1 * len(axes))) as fig:
-        left, right = fig.subfigures(1, 2, width_ratios=(5, 6)) if shapes else (fig, None)
+        left, right = halves(fig, 5, 6) if shapes else (fig, None)
         _shares(left.subplots(), axes)
         keys = [
             Patch(color=COLORS["sky"], label="share"),
@@ -73,9 +73,8 @@ def _shares(panel: Axes, axes: Sequence[Axis]) -> None:
         panel.barh(row, 100 * axis.share, height=0.72, color=COLORS["sky"])
         if axis.unique_share is not None:
             panel.barh(row, 100 * axis.unique_share, height=0.36, color=COLORS["blue"])
-        panel.text(
-            100 * max(axis.share, 0.0), row, f" {100 * axis.share:.0f}", va="center", fontsize=7
-        )
+        percent = f" {100 * axis.share:.0f}".replace("-", "−")
+        panel.text(100 * max(axis.share, 0.0), row, percent, va="center", fontsize=7)
     panel.axvline(0.0, color=COLORS["black"], linewidth=0.8)
     panel.set_yticks(range(len(axes)), [axis_label(axis.axis) for axis in axes])
     panel.set_ylim(len(axes) - 0.4, -0.6)
@@ -138,7 +137,7 @@ def what_causes_it(found: DiagnosisFile, amplitudes: xr.Dataset | None) -> Figur
     shown = sorted(found.probabilities.items(), key=lambda item: -item[1])[:HYPOTHESES]
     height = max(46.0, 17.0 + 4.1 * len(shown), 14.0 + 23.0 * len(causes))
     with figure(height=height) as fig:
-        left, right = fig.subfigures(1, 2, width_ratios=(6, 5)) if causes else (fig, None)
+        left, right = halves(fig, 6, 5) if causes else (fig, None)
         _hypotheses(left.subplots(), shown, found.hypothesis_prior)
         left.legend(
             handles=[
@@ -180,18 +179,16 @@ def _hypotheses(
 ) -> None:
     for row, (name, probability) in enumerate(shown):
         panel.barh(row, probability, height=0.66, color=COLORS["blue"])
-        panel.text(
-            1.05, row, f"{probability:.3f}" if probability >= 0.0005 else "< 0.001",
-            va="center", ha="right", fontsize=7,
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.85},
-        )  # fmt: skip
+        shown_as = f"{probability:.3f}" if probability >= 0.0005 else "< 0.001"
+        panel.text(max(probability, 0.0) + 0.02, row, shown_as, va="center", fontsize=7)
         if name in prior:
             panel.plot(
                 prior[name], row, "D", color="white", markeredgecolor=COLORS["black"], markersize=4
             )
     panel.set_yticks(range(len(shown)), [plain(name) for name, _ in shown])
     panel.set_ylim(len(shown) - 0.4, -0.6)
-    panel.set_xlim(0.0, 1.06)
+    panel.set_xlim(0.0, 1.18)
+    panel.set_xticks([0.0, 0.25, 0.5, 0.75, 1.0])
     panel.grid(visible=False, axis="y")
     panel.set_xlabel("probability")
 

@@ -3,11 +3,11 @@
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 
 from bayesfric.plots.labels import plain
-from bayesfric.plots.style import COLORS, NEUTRAL, figure
+from bayesfric.plots.style import COLORS, NEUTRAL, figure, halves
 from bayesfric.schemas.diagnosis import Gap, GapRow
 
 __all__ = ["how_far"]
@@ -38,13 +38,11 @@ def how_far(gap: Gap, trajectories: xr.Dataset | None, named: bool) -> Figure:
         Left a panel in newtons and, where trajectories were run, one in millimetres; right
         a pair of panels a trial: its path, and simulated minus measured.
     """
-    kinds = [(gap, 1.0, "force [N]")]
+    kinds: list[tuple[Gap | GapRow, float, str]] = [(gap, 1.0, "force [N]")]
     if gap.trajectory is not None:
         kinds.append((gap.trajectory, 1e3, "trajectory [mm]"))
     with figure(height=64.0 if len(kinds) > 1 or trajectories is not None else 38.0) as fig:
-        left, right = (
-            fig.subfigures(1, 2, width_ratios=(3, 4)) if trajectories is not None else (fig, None)
-        )
+        left, right = halves(fig, 3, 4) if trajectories is not None else (fig, None)
         panels = np.reshape(left.subplots(len(kinds), 1), -1)
         for panel, (row, scale, label) in zip(panels, kinds, strict=True):
             _bars(panel, row, scale, named)
@@ -74,7 +72,7 @@ def _bars(panel: Axes, row: Gap | GapRow, scale: float, named: bool) -> None:
     panel.grid(visible=False, axis="y")
 
 
-def _paths(right: object, trajectories: xr.Dataset, named: bool) -> None:
+def _paths(right: SubFigure, trajectories: xr.Dataset, named: bool) -> None:
     count = trajectories.sizes["example"]
     grid = right.subplots(2, count, sharex="col", height_ratios=(2, 3), squeeze=False)
     below = grid[1]

@@ -9,10 +9,10 @@ import io
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import matplotlib.style
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 
 __all__ = [
     "COLORS",
@@ -23,6 +23,7 @@ __all__ = [
     "LineStyle",
     "SizeStyle",
     "figure",
+    "halves",
     "size_styles",
     "to_svg",
 ]
@@ -159,6 +160,12 @@ def figure(
     layout = {"figure.constrained_layout.use": constrained}
     with matplotlib.style.context(["default", _STYLE, layout]):
         yield Figure(figsize=(width / 25.4, height / 25.4))
+
+
+def halves(whole: Figure, left: float, right: float) -> tuple[SubFigure, SubFigure]:
+    """Part a figure into a left and a right one of these relative widths."""
+    parts: Any = whole.subfigures(1, 2, width_ratios=(left, right))
+    return parts[0], parts[1]
 
 
 def to_svg(figure: Figure) -> bytes:

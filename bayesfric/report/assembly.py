@@ -64,9 +64,9 @@ def build_diagnosis_document(stored: StoredDiagnosis) -> Document:
     blocks: list[Block] = [
         Paragraph(["Recording ", Code(found.recording.name), f": {found.recording.title}"]),
         verdict_line(found),
-        *diagnosis_chapter(stored),
         Heading(1, "Provenance"),
         made_from(found),
+        *diagnosis_chapter(stored),
     ]
     return Document(
         title="Cable-pulley friction",

@@ -159,7 +159,7 @@ def _not_told_apart(found: DiagnosisFile) -> Iterator[Block]:
         )
 
 
-def _remainder(found: DiagnosisFile) -> list[Text]:
+def _remainder(found: DiagnosisFile) -> list[str]:
     rest = found.remainder
     asked = "asks" if rest.significant else "does not ask"
     share = rest.share_of_gap
