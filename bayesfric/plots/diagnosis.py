@@ -13,22 +13,24 @@ from matplotlib.ticker import MaxNLocator
 from pydantic import TypeAdapter, ValidationError
 
 from bayesfric.analysis import Prior
-from bayesfric.plots.labels import plain
+from bayesfric.plots.labels import LONGEST, plain
 from bayesfric.plots.style import COLORS, NEUTRAL, figure, halves
 from bayesfric.priors import log_density
 from bayesfric.schemas.diagnosis import Axis, Cause, DiagnosisFile, EffectNumber
 
 __all__ = ["what_causes_it", "where_it_lies"]
 
+BARS = 10  # axes whose share is drawn; the table has all
 SHAPES = 4  # axes whose shape is drawn: those of the largest shares
 HYPOTHESES = 8  # most probable ones; the table has all
 AMPLITUDES = 3  # causes whose amplitude is drawn
+FEWEST = 7  # rows that a panel has room for at least
 ROOM = 2.0  # a panel of a shape is this much taller than its band; dots beyond are cut
 UNITS = {"": "", "1": "", "-": "", "deg": "°", "1/deg": "deg⁻¹", "1/m": "m⁻¹", "m/s^2": "m/s²"}
 
 
 def where_it_lies(axes: Sequence[Axis], residuals: xr.Dataset | None) -> Figure:
-    """Draw the share of each axis, and the residual force along those that matter most.
+    """Draw the share of each axis that varied, and the residual force along those that matter most.
 
     Parameters
     ----------
@@ -41,12 +43,13 @@ def where_it_lies(axes: Sequence[Axis], residuals: xr.Dataset | None) -> Figure:
     Returns
     -------
     Figure
-        Left a bar an axis; right a panel for each of up to four shapes, if there is one.
+        Left a bar for each of up to ten axes; right a panel for each of up to four shapes, if there is one.
     """
+    shares = [axis for axis in axes if not axis.blind][:BARS]
     shapes = [axis for axis in axes if axis.shape is not None][:SHAPES]
-    with figure(height=max(50.0, 13.0 + 4.1 * len(axes))) as fig:
+    with figure(height=max(46.0, 12.0 + 3.5 * len(shares))) as fig:
         left, right = halves(fig, 5, 6) if shapes else (fig, None)
-        _shares(left.subplots(), axes)
+        _shares(left.subplots(), shares)
         keys = [
             Patch(color=COLORS["sky"], label="share"),
             Patch(color=COLORS["blue"], label="of it, no other axis's"),
@@ -67,8 +70,7 @@ def where_it_lies(axes: Sequence[Axis], residuals: xr.Dataset | None) -> Figure:
 def _shares(panel: Axes, axes: Sequence[Axis]) -> None:
     for row, axis in enumerate(axes):
         if axis.share is None:
-            why = "did not vary" if axis.blind else "not known"
-            panel.text(0.0, row, f" {why}", va="center", fontsize=7, style="italic", color=NEUTRAL)
+            panel.text(0.0, row, " none", va="center", fontsize=7, style="italic", color=NEUTRAL)
             continue
         panel.barh(row, 100 * axis.share, height=0.72, color=COLORS["sky"])
         if axis.unique_share is not None:
@@ -135,9 +137,8 @@ def what_causes_it(found: DiagnosisFile, amplitudes: xr.Dataset | None) -> Figur
     """
     causes = found.causes[:AMPLITUDES] if amplitudes is not None else ()
     shown = sorted(found.probabilities.items(), key=lambda item: -item[1])[:HYPOTHESES]
-    height = max(46.0, 17.0 + 4.1 * len(shown), 14.0 + 23.0 * len(causes))
-    with figure(height=height) as fig:
-        left, right = halves(fig, 6, 5) if causes else (fig, None)
+    with figure(height=15.0 + 3.5 * max(len(shown), FEWEST)) as fig:
+        left, right = halves(fig, 6, 4 + 2 * len(causes)) if causes else (fig, None)
         _hypotheses(left.subplots(), shown, found.hypothesis_prior)
         left.legend(
             handles=[
@@ -157,7 +158,7 @@ def what_causes_it(found: DiagnosisFile, amplitudes: xr.Dataset | None) -> Figur
             ncols=2,
         )
         if right is not None and amplitudes is not None:
-            panels = np.reshape(right.subplots(len(causes), 1), -1)
+            panels = np.reshape(right.subplots(1, len(causes)), -1)
             for panel, cause in zip(panels, causes, strict=True):
                 draws = amplitudes["amplitude"].sel(cause=cause.effect).to_numpy()
                 _amplitude(panel, cause, draws[np.isfinite(draws)])
@@ -180,17 +181,26 @@ def _hypotheses(
     for row, (name, probability) in enumerate(shown):
         panel.barh(row, probability, height=0.66, color=COLORS["blue"])
         shown_as = f"{probability:.3f}" if probability >= 0.0005 else "< 0.001"
-        panel.text(max(probability, 0.0) + 0.02, row, shown_as, va="center", fontsize=7)
+        panel.text(
+            max(probability, prior.get(name, 0.0)) + 0.03, row, shown_as, va="center", fontsize=7
+        )
         if name in prior:
             panel.plot(
                 prior[name], row, "D", color="white", markeredgecolor=COLORS["black"], markersize=4
             )
-    panel.set_yticks(range(len(shown)), [plain(name) for name, _ in shown])
+    labels = panel.set_yticks(range(len(shown)), [_hypothesis(name) for name, _ in shown])
+    for label in labels:
+        if len(label.label1.get_text()) > LONGEST:
+            label.label1.set_fontsize(6.5)
     panel.set_ylim(len(shown) - 0.4, -0.6)
     panel.set_xlim(0.0, 1.18)
-    panel.set_xticks([0.0, 0.25, 0.5, 0.75, 1.0])
+    panel.set_xticks([0.0, 0.5, 1.0])
     panel.grid(visible=False, axis="y")
     panel.set_xlabel("probability")
+
+
+def _hypothesis(name: str) -> str:
+    return "+".join(plain(effect) for effect in name.split("+"))
 
 
 def _amplitude(panel: Axes, cause: Cause, draws: np.ndarray) -> None:
@@ -214,7 +224,8 @@ def _amplitude(panel: Axes, cause: Cause, draws: np.ndarray) -> None:
     panel.set_yticks([])
     panel.grid(visible=False)
     verdict = "plausible" if cause.plausible else "not plausible"
-    panel.set_title(f"{plain(cause.effect)}: {verdict}", fontsize=8, loc="left")
+    panel.set_title(f"{plain(cause.effect)}:\n{verdict}", fontsize=7.5, loc="left")
+    panel.xaxis.set_major_locator(MaxNLocator(4))
     panel.set_xlabel(with_unit(plain(name), number.unit), fontsize=7.5, labelpad=1.5)
     panel.tick_params(labelsize=6.5)
 
@@ -238,9 +249,7 @@ def stored_prior(text: str) -> Prior | None:
 
 def axis_label(name: str) -> str:
     """Write the name of an axis: ``wrap_angle`` as wrap angle."""
-    return plain({"n_pulleys": "number of pulleys", "velocity": "speed"}.get(name, name)).replace(
-        "_", " "
-    )
+    return plain(name.replace("_", " "))
 
 
 def with_unit(words: str, unit: str) -> str:

@@ -41,7 +41,7 @@ def how_far(gap: Gap, trajectories: xr.Dataset | None, named: bool) -> Figure:
     kinds: list[tuple[Gap | GapRow, float, str]] = [(gap, 1.0, "force [N]")]
     if gap.trajectory is not None:
         kinds.append((gap.trajectory, 1e3, "trajectory [mm]"))
-    with figure(height=64.0 if len(kinds) > 1 or trajectories is not None else 38.0) as fig:
+    with figure(height=57.0 if len(kinds) > 1 or trajectories is not None else 38.0) as fig:
         left, right = halves(fig, 3, 4) if trajectories is not None else (fig, None)
         panels = np.reshape(left.subplots(len(kinds), 1), -1)
         for panel, (row, scale, label) in zip(panels, kinds, strict=True):
@@ -64,7 +64,7 @@ def _bars(panel: Axes, row: Gap | GapRow, scale: float, named: bool) -> None:
         low, middle, high = scale * number.q05, scale * number.mean, scale * number.q95
         panel.barh(place, middle, height=0.66, color=color, edgecolor=COLORS["black"])
         panel.plot([low, high], [place, place], color=COLORS["black"], linewidth=1.2)
-        panel.text(high, place, f"  {middle:.3g}", va="center", fontsize=7)
+        panel.text(high, place, f"  {middle:#.3g}".rstrip("."), va="center", fontsize=7)
         ends.append(high)
     panel.set_yticks(range(len(names)), names)
     panel.set_ylim(len(names) - 0.45, -0.55)

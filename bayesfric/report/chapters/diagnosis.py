@@ -9,7 +9,7 @@ from typing import Literal
 from bayesfric.plots.diagnosis import what_causes_it, where_it_lies
 from bayesfric.plots.gap import how_far
 from bayesfric.plots.style import to_svg
-from bayesfric.report.chapters.diagnosis_details import details
+from bayesfric.report.chapters.diagnosis_details import axis_words, details
 from bayesfric.report.content import (
     Block,
     Code,
@@ -27,6 +27,12 @@ from bayesfric.schemas import Axis, Cause, DiagnosisFile, Gap, Interval
 
 __all__ = ["diagnosis", "diagnosis_chapter", "verdict_line"]
 
+VERDICTS = {
+    "no-gap": "No gap",
+    "named": "Named",
+    "unseparated": "Not told apart",
+    "unknown": "Unknown",
+}
 KINDS: dict[str, Literal["attention", "good", "info"]] = {
     "no-gap": "good",
     "named": "info",
@@ -40,7 +46,13 @@ def verdict_line(found: DiagnosisFile) -> Notice:
     """Return the verdict for the report's first page."""
     return Notice(
         KINDS[found.verdict],
-        [Strong(f"{found.verdict}. "), found.sentence, " See ", Reference("diagnosis"), "."],
+        [
+            Strong(f"{VERDICTS[found.verdict]}. "),
+            found.sentence,
+            " See ",
+            Reference("diagnosis"),
+            ".",
+        ],
         title="Sim-to-real gap",
     )
 
@@ -59,19 +71,18 @@ def diagnosis_chapter(stored: StoredDiagnosis) -> Iterator[Block]:
     yield Notice(
         KINDS[found.verdict],
         found.sentence,
-        title=f"{found.verdict} (probability {format_probability(found.verdict_probability)})",
+        title=f"{VERDICTS[found.verdict]} (probability {format_probability(found.verdict_probability)})",
     )
     yield _where(stored)
     yield _which(stored)
     yield _how_far(stored)
-    yield PageBreak()
     yield from details(found)
 
 
 def _where(stored: StoredDiagnosis) -> Figure:
     axes = stored.found.where
     known = [axis for axis in axes if axis.share is not None]
-    blind = [axis.axis for axis in axes if axis.blind]
+    blind = [axis_words(axis.axis) for axis in axes if axis.blind]
     residuals = stored.group("residuals")
     shapes = any(axis.shape is not None for axis in axes)
     return Figure(
@@ -79,14 +90,14 @@ def _where(stored: StoredDiagnosis) -> Figure:
         [
             Strong("Where. "),
             *_largest(known),
-            "Shares overlap. " if len(known) > 1 else "",
-            "Right: the systematic part of measured minus simulated friction, with its "
-            "simultaneous 95 % band; dots are windows of trials, and those far off are cut."
+            f"Did not vary, so that nothing is known: {', '.join(blind)}. " if blind else "",
+            "Right: residual force, its systematic part with a simultaneous 95 % band; dots are "
+            "windows of trials, far ones are cut."
             if shapes
             else "",
         ],
         "Left, a horizontal bar for each axis with the part of the squared gap that it explains"
-        + (f", {known[0].axis} {format_share(known[0].share)} at most" if known else "")
+        + (f", {axis_words(known[0].axis)} {format_share(known[0].share)} at most" if known else "")
         + (f"; {', '.join(blind)} did not vary" if blind else "")
         + ("; right, the residual force along the largest axes with a band." if shapes else "."),
         label="where",
@@ -99,10 +110,11 @@ def _largest(known: list[Axis]) -> list[Inline]:
     if not known:
         return ["No axis varied. "]
     first = known[0]
-    rest = ", ".join(f"{axis.axis} {format_share(axis.share)}" for axis in known[1 : 1 + FURTHER])
+    rest = ", ".join(
+        f"{axis_words(axis.axis)} {format_share(axis.share)}" for axis in known[1 : 1 + FURTHER]
+    )
     return [
-        Code(first.axis),
-        f" explains {format_share(first.share)} of gap² "
+        f"{axis_words(first.axis).capitalize()} explains {format_share(first.share)} of gap² "
         f"(adjusted p {format_probability(first.p_value)})"
         + (f"; then {rest}. " if rest else ". "),
     ]
@@ -121,8 +133,8 @@ def _which(stored: StoredDiagnosis) -> Figure:
             Code(best),
             f" ({format_probability(probability)}). ",
             *(_cause(cause) for cause in found.causes),
-            "Right: the amplitude of each cause, each density scaled to its peak, the 90 % "
-            "interval above, the plausible range hatched."
+            "Right: each cause's amplitude, densities scaled to their peaks, the 90 % interval "
+            "above."
             if drawn
             else "No effect is named, so no amplitude is shown.",
         ],
@@ -135,10 +147,10 @@ def _which(stored: StoredDiagnosis) -> Figure:
 
 
 def _cause(cause: Cause) -> str:
+    verdict = "is plausible" if cause.plausible else "is not plausible"
     return (
-        f"{cause.effect} has {format_share(cause.strength)} of the rms friction and a"
-        + ("" if cause.plausible else "n im")
-        + f"{' ' if cause.plausible else ''}plausible amplitude. "
+        f"The force of {cause.effect} is {format_share(cause.strength)} of friction (rms), and its "
+        f"amplitude {verdict}. "
     )
 
 

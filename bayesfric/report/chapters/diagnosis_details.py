@@ -26,7 +26,7 @@ from bayesfric.report.quantities import (
 )
 from bayesfric.schemas import Cause, DiagnosisFile, Gap, GapRow, Interval
 
-__all__ = ["details"]
+__all__ = ["axis_words", "details"]
 
 ROWS = 20  # hypotheses listed; diagnosis.json has all
 REASONS = {
@@ -36,13 +36,13 @@ REASONS = {
 
 
 def details(found: DiagnosisFile) -> Iterator[Block]:
-    """Yield the tables behind the page: which, where, how far, and what next."""
+    """Yield the tables behind the page: where, which, how far, and what next."""
+    yield from _where(found)
     yield Heading(2, "Which effect")
     yield from _probabilities(found)
     yield from _causes(found.causes)
     yield from _not_told_apart(found)
     yield Paragraph([Strong("Remainder. "), *_remainder(found)])
-    yield from _where(found)
     yield from _gap(found)
     yield from _examined(found)
     yield from _next(found)
@@ -169,7 +169,9 @@ def _remainder(found: DiagnosisFile) -> list[str]:
         percent = format_interval(100 * share.mean, 100 * share.q05, 100 * share.q95)
         said = f"It would be {percent} % of gap²."
     where = (
-        f" It is largest along {rest.axis}." if rest.axis else f" It has no axis ({rest.axis_why})."
+        f" It is largest along {axis_words(rest.axis)}."
+        if rest.axis
+        else f" It has no axis ({rest.axis_why})."
     )
     return [
         f"The evidence {asked} for a further, smooth force (log₁₀ Bayes factor "
@@ -191,12 +193,12 @@ def _where(found: DiagnosisFile) -> Iterator[Block]:
         ],
         [
             [
-                axis.axis,
+                axis_words(axis.axis),
                 format_unit(axis.unit),
                 _percent(axis.share),
                 _percent(axis.unique_share),
                 format_probability(axis.p_value),
-                ", ".join(axis.confounded_with) or axis.share_why or "",
+                ", ".join(map(axis_words, axis.confounded_with)) or axis.share_why or "",
             ]
             for axis in found.where
         ],
@@ -215,7 +217,7 @@ def _gap(found: DiagnosisFile) -> Iterator[Block]:
     yield Paragraph(
         [
             "The systematic gap of the recalibrated baseline, √(before² − floor²), is ",
-            f"{format_interval(systematic.mean, systematic.q05, systematic.q95, 'N')}, where "
+            f"{_thousandths(systematic)} mN, where "
             f"friction is {format_number(gap.friction_rms, unit='N')} (rms); below "
             f"{format_share(found.practical_share)} of friction none would care. ",
             Reference("gap"),
@@ -296,6 +298,11 @@ def _next(found: DiagnosisFile) -> Iterator[Block]:
         ],
         label="next",
     )
+
+
+def axis_words(name: str) -> str:
+    """Write the name of an axis: ``wrap_angle`` as wrap angle."""
+    return name.replace("_", " ")
 
 
 def _value(value: float | str) -> str:
