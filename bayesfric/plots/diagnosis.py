@@ -43,7 +43,8 @@ def where_it_lies(axes: Sequence[Axis], residuals: xr.Dataset | None) -> Figure:
     Returns
     -------
     Figure
-        Left a bar for each of up to ten axes; right a panel for each of up to four shapes, if there is one.
+        Left a bar for each of up to ten axes; right a panel for each of up to four shapes,
+        if there is one.
     """
     shares = [axis for axis in axes if not axis.blind][:BARS]
     shapes = [axis for axis in axes if axis.shape is not None][:SHAPES]
@@ -181,9 +182,8 @@ def _hypotheses(
     for row, (name, probability) in enumerate(shown):
         panel.barh(row, probability, height=0.66, color=COLORS["blue"])
         shown_as = f"{probability:.3f}" if probability >= 0.0005 else "< 0.001"
-        panel.text(
-            max(probability, prior.get(name, 0.0)) + 0.03, row, shown_as, va="center", fontsize=7
-        )
+        end = max(probability + 0.03, prior.get(name, 0.0) + 0.07)  # clear of the diamond
+        panel.text(end, row, shown_as, va="center", fontsize=7)
         if name in prior:
             panel.plot(
                 prior[name], row, "D", color="white", markeredgecolor=COLORS["black"], markersize=4

@@ -68,10 +68,11 @@ def diagnosis_chapter(stored: StoredDiagnosis) -> Iterator[Block]:
     found = stored.found
     yield PageBreak()
     yield Heading(1, "The gap between simulation and board", label="diagnosis")
+    probability = format_probability(found.verdict_probability)
     yield Notice(
         KINDS[found.verdict],
         found.sentence,
-        title=f"{VERDICTS[found.verdict]} (probability {format_probability(found.verdict_probability)})",
+        title=f"{VERDICTS[found.verdict]} (probability {probability})",
     )
     yield _where(stored)
     yield _which(stored)
@@ -136,7 +137,8 @@ def _which(stored: StoredDiagnosis) -> Figure:
             "Right: each cause's amplitude, densities scaled to their peaks, the 90 % interval "
             "above."
             if drawn
-            else "No effect is named, so no amplitude is shown.",
+            else "",
+            "" if found.causes else "No effect is named, so there is no amplitude.",
         ],
         f"Left, a horizontal bar for each hypothesis; the longest is {best} at "
         f"{format_probability(probability)}."
@@ -200,8 +202,8 @@ def _shrink(gap: Gap, named: bool) -> list[str]:
         return ["No effect is added. "]
     shrink = gap.shrink
     return [
-        "The effect closes "
-        f"{format_interval(100 * shrink.mean, 100 * shrink.q05, 100 * shrink.q95)} % of what is "
+        "Adding what is named closes "
+        f"{format_interval(100 * shrink.mean, 100 * shrink.q05, 100 * shrink.q95)}\u202f% of what is "
         "between that and the floor. "
     ]
 

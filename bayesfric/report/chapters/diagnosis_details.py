@@ -167,7 +167,7 @@ def _remainder(found: DiagnosisFile) -> list[str]:
         said = f"It has no share of the gap ({rest.share_of_gap_why})."
     else:
         percent = format_interval(100 * share.mean, 100 * share.q05, 100 * share.q95)
-        said = f"It would be {percent} % of gap²."
+        said = f"It would be {percent}\u202f% of gap²."
     where = (
         f" It is largest along {axis_words(rest.axis)}."
         if rest.axis
