@@ -200,11 +200,10 @@ def _shrink(gap: Gap, named: bool) -> list[str]:
         return [f"Shrink by an effect: none ({gap.shrink_why}). "]
     if not named:
         return ["No effect is added. "]
-    shrink = gap.shrink
+    percent = (100 * number for number in (gap.shrink.mean, gap.shrink.q05, gap.shrink.q95))
     return [
-        "Adding what is named closes "
-        f"{format_interval(100 * shrink.mean, 100 * shrink.q05, 100 * shrink.q95)}\u202f% of what is "
-        "between that and the floor. "
+        f"Adding what is named closes {format_interval(*percent)}\u202f% of what is between that "
+        "and the floor. "
     ]
 
 
