@@ -200,9 +200,9 @@ def _shrink(gap: Gap, named: bool) -> list[str]:
         return [f"Shrink by an effect: none ({gap.shrink_why}). "]
     if not named:
         return ["No effect is added. "]
-    percent = (100 * number for number in (gap.shrink.mean, gap.shrink.q05, gap.shrink.q95))
+    mean, low, high = (100 * one for one in (gap.shrink.mean, gap.shrink.q05, gap.shrink.q95))
     return [
-        f"Adding what is named closes {format_interval(*percent)}\u202f% of what is between that "
+        f"Adding what is named closes {format_interval(mean, low, high)}\u202f% of what is between that "
         "and the floor. "
     ]
 
