@@ -7,21 +7,23 @@ from itertools import chain
 from bayesfric.report.chapters.checks import checks
 from bayesfric.report.chapters.claims import claims, verdicts
 from bayesfric.report.chapters.data_quality import data_quality
+from bayesfric.report.chapters.diagnosis import diagnosis, diagnosis_chapter, verdict_line
 from bayesfric.report.chapters.diagnostics import diagnostics
 from bayesfric.report.chapters.methods import methods
 from bayesfric.report.chapters.posteriors import posteriors
 from bayesfric.report.chapters.predictions import predictions
-from bayesfric.report.chapters.provenance import provenance
+from bayesfric.report.chapters.provenance import made_from, provenance
 from bayesfric.report.chapters.summary import front, summary
-from bayesfric.report.content import Block, Document
-from bayesfric.report.stored import StoredResults
+from bayesfric.report.content import Block, Code, Document, Heading, Paragraph
+from bayesfric.report.stored import StoredDiagnosis, StoredResults
 
-__all__ = ["build_document"]
+__all__ = ["build_diagnosis_document", "build_document"]
 
 CHAPTERS: tuple[Callable[[StoredResults], Iterator[Block]], ...] = (
     front,
     verdicts,
     summary,
+    diagnosis,
     claims,
     predictions,
     checks,
@@ -47,4 +49,28 @@ def build_document(stored: StoredResults) -> Document:
         subtitle=f"Bayesian analysis of {stored.fit.recording.name}",
         blocks=tuple(chain.from_iterable(chapter(stored) for chapter in CHAPTERS)),
         date=None if created is None else datetime.fromisoformat(created),
+    )
+
+
+def build_diagnosis_document(stored: StoredDiagnosis) -> Document:
+    """Return the content of a report on a diagnosis alone, without a fit.
+
+    Parameters
+    ----------
+    stored : StoredDiagnosis
+        Results of ``bayesfric diagnose``.
+    """
+    found = stored.found
+    blocks: list[Block] = [
+        Paragraph(["Recording ", Code(found.recording.name), f": {found.recording.title}"]),
+        verdict_line(found),
+        Heading(1, "Provenance"),
+        made_from(found),
+        *diagnosis_chapter(stored),
+    ]
+    return Document(
+        title="Cable-pulley friction",
+        subtitle=f"Sim-to-real diagnosis of {found.recording.name}",
+        blocks=blocks,
+        date=None if found.created is None else datetime.fromisoformat(found.created),
     )

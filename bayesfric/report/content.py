@@ -214,6 +214,9 @@ class Figure:
         What a `Reference` names it by.
     width : float
         Share of the text width, over 0 to 1.
+    here : bool
+        Whether it stands on paper where it stands in the text; else it floats to the
+        head or foot of a page.
     """
 
     svg: bytes
@@ -221,6 +224,7 @@ class Figure:
     alt: str
     label: str | None = None
     width: float = 1.0
+    here: bool = False
 
     def __post_init__(self) -> None:
         require(b"<svg" in self.svg, f"figure: expected SVG, got {self.svg[:40]!r}")

@@ -12,6 +12,7 @@ from decimal import Decimal
 __all__ = [
     "MISSING",
     "format_count",
+    "format_fixed",
     "format_interval",
     "format_number",
     "format_probability",
@@ -157,6 +158,11 @@ def format_count(count: int) -> str:
     """Write a whole number, from five digits on in groups of three: 12 000."""
     digits = f"{abs(count):,}".replace(",", THIN) if abs(count) >= 10_000 else str(abs(count))
     return ("−" if count < 0 else "") + digits
+
+
+def format_fixed(value: float | None, decimals: int) -> str:
+    """Write a number with so many decimals, a dash for None: −2.3."""
+    return MISSING if value is None else f"{value:.{decimals}f}".replace("-", "−")
 
 
 def format_probability(p: float | None) -> str:

@@ -7,9 +7,29 @@ import xarray as xr
 
 from bayesfric.errors import Fault, InputError
 from bayesfric.results import read_json, read_tree
-from bayesfric.schemas import ClaimsFile, FitFile
+from bayesfric.schemas import ClaimsFile, DiagnosisFile, FitFile
 
-__all__ = ["StoredResults", "read_stored"]
+__all__ = ["StoredDiagnosis", "StoredResults", "read_diagnosis", "read_stored"]
+
+
+@dataclass(frozen=True)
+class StoredDiagnosis:
+    """What ``bayesfric diagnose`` left in a folder.
+
+    Parameters
+    ----------
+    found : DiagnosisFile
+        ``diagnosis.json``.
+    curves : DataTree
+        ``diagnosis.nc``.
+    """
+
+    found: DiagnosisFile
+    curves: xr.DataTree
+
+    def group(self, name: str) -> xr.Dataset | None:
+        """Return a group of the curves, None where there is none."""
+        return self.curves[name].to_dataset() if name in self.curves.children else None
 
 
 @dataclass(frozen=True)
@@ -26,6 +46,8 @@ class StoredResults:
         ``claims.json``, where the claims were judged.
     claim_curves : DataTree or None
         ``claims.nc``, likewise.
+    diagnosis : StoredDiagnosis or None
+        Where the simulation misses, where that was asked.
     """
 
     fit: FitFile
@@ -33,6 +55,7 @@ class StoredResults:
     predictive: xr.DataTree
     claims: ClaimsFile | None = None
     claim_curves: xr.DataTree | None = None
+    diagnosis: StoredDiagnosis | None = None
 
 
 def read_stored(folder: Path) -> StoredResults:
@@ -72,12 +95,38 @@ def read_stored(folder: Path) -> StoredResults:
     if not {"coefficients", "densities", "ranks"} <= set(predictive.children):
         expected = f"what this version predicts: run `bayesfric fit RECORDING -o {folder}` again"
         raise InputError([Fault("predictive.nc", expected)])
+    claims, claim_curves = _claims(folder, fit)
+    diagnosis = read_diagnosis(folder) if (folder / "diagnosis.json").is_file() else None
+    if diagnosis is not None and diagnosis.found.recording.sha256 != fit.recording.sha256:
+        raise InputError([Fault("diagnosis.json", "a diagnosis of the recording in fit.json")])
+    return StoredResults(fit, draws, predictive, claims, claim_curves, diagnosis)
+
+
+def read_diagnosis(folder: Path) -> StoredDiagnosis:
+    """Read the diagnosis in a folder.
+
+    Raises
+    ------
+    InputError
+        A file is missing or not what ``bayesfric diagnose`` writes.
+    """
+    found = read_json(DiagnosisFile, folder / "diagnosis.json")
+    _beside("diagnosis", folder, "diagnose")
+    return StoredDiagnosis(found, read_tree(folder / "diagnosis.nc"))
+
+
+def _claims(folder: Path, fit: FitFile) -> tuple[ClaimsFile | None, xr.DataTree | None]:
     if not (folder / "claims.json").is_file():
-        return StoredResults(fit, draws, predictive)
+        return None, None
     claims = read_json(ClaimsFile, folder / "claims.json")
     if claims.recording.sha256 != fit.recording.sha256:
         raise InputError([Fault("claims.json", "claims of the recording in fit.json")])
-    if not (folder / "claims.nc").is_file():
-        expected = f"beside claims.json: run `bayesfric claims RECORDING -o {folder}` again"
-        raise InputError([Fault("claims.nc", expected)])
-    return StoredResults(fit, draws, predictive, claims, read_tree(folder / "claims.nc"))
+    _beside("claims", folder, "claims")
+    return claims, read_tree(folder / "claims.nc")
+
+
+def _beside(name: str, folder: Path, verb: str) -> None:
+    """Refuse a JSON file whose curves are not beside it."""
+    if not (folder / f"{name}.nc").is_file():
+        expected = f"beside {name}.json: run `bayesfric {verb} RECORDING -o {folder}` again"
+        raise InputError([Fault(f"{name}.nc", expected)])

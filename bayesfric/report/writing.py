@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from bayesfric.report.assembly import build_document
+from bayesfric.report.assembly import build_diagnosis_document, build_document
 from bayesfric.report.html import render_html
 from bayesfric.report.markdown import render_markdown
-from bayesfric.report.stored import read_stored
+from bayesfric.report.stored import read_diagnosis, read_stored
 from bayesfric.report.typst import render_pdf
 from bayesfric.results import replace_outputs
 
@@ -25,7 +25,10 @@ def write_report(folder: Path) -> None:
     InputError
         A result is missing or damaged, or the folder cannot be written.
     """
-    document = build_document(read_stored(folder))
+    if (folder / "diagnosis.json").is_file() and not (folder / "fit.json").is_file():
+        document = build_diagnosis_document(read_diagnosis(folder))
+    else:
+        document = build_document(read_stored(folder))
     pdf = render_pdf(document)
     html = render_html(document).encode()
     summary = render_markdown(document).encode()

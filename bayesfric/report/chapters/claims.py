@@ -18,7 +18,7 @@ from bayesfric.report.content import (
     Strong,
     Table,
 )
-from bayesfric.report.quantities import MISSING
+from bayesfric.report.quantities import format_fixed
 from bayesfric.report.stored import StoredResults
 from bayesfric.schemas import ClaimResult, ClaimsFile
 
@@ -58,9 +58,9 @@ def verdicts(stored: StoredResults) -> Iterator[Block]:
             [
                 Code(one.id),
                 Strong(f"{SIGNS[one.verdict]} {one.verdict}"),
-                _number(one.log10_bayes_factor, 1),
-                _number(one.log10_bayes_factor_se, 3),
-                _number(one.elpd_difference, 1),
+                format_fixed(one.log10_bayes_factor, 1),
+                format_fixed(one.log10_bayes_factor_se, 3),
+                format_fixed(one.elpd_difference, 1),
                 _elpd_error(one),
             ]
             for one in stored.claims.claims
@@ -121,7 +121,7 @@ def _alone(one: ClaimResult) -> list[str]:
     if not one.by_pulley:
         return []
     each = ", ".join(
-        f"{size} {_number(entry.log10_bayes_factor, 1)}"
+        f"{size} {format_fixed(entry.log10_bayes_factor, 1)}"
         + (f" ({entry.log10_bayes_factor_why})" if entry.log10_bayes_factor is None else "")
         for size, entry in one.by_pulley.items()
     )
@@ -129,7 +129,7 @@ def _alone(one: ClaimResult) -> list[str]:
 
 
 def _elpd_error(one: ClaimResult) -> str:
-    number = _number(one.elpd_difference_se, 1)
+    number = format_fixed(one.elpd_difference_se, 1)
     unreliable = one.elpd_difference_se is not None and not one.figures.get("elpd_reliable", True)
     return f"({number})" if unreliable else number
 
@@ -141,8 +141,8 @@ def _rules(found: ClaimsFile) -> list[str]:
         f"rivals is at least {rule['support_log10_bayes_factor']:g} and the 95 % upper bound of "
         f"the effect is below {rule['region_of_equivalence']:.0%} of friction, at 1.3 m/s or at "
         "the edge of the paper's Table II. It is refuted where the factor is at most "
-        f"{_number(rule['refute_log10_bayes_factor'], 0)}, the effect is above that share with "
-        f"probability {rule['refute_effect_probability']:g} and the rival predicts assemblies "
+        f"{format_fixed(rule['refute_log10_bayes_factor'], 0)}, the effect is above that share "
+        f"with probability {rule['refute_effect_probability']:g} and the rival predicts assemblies "
         f"better by more than {rule['refute_elpd_errors']:g} standard errors. Both must hold over "
         "a tenfold change of the width of the rivals' priors. A claim without rivals is supported "
         f"at a probability of {rule['support_probability']:g} and refuted at "
@@ -201,10 +201,6 @@ def _figures(stored: StoredResults, found: ClaimsFile) -> Iterator[Block]:
         "logarithmic axis; lines rise with the width where the effect is small.",
         label="prior-width",
     )
-
-
-def _number(value: float | None, decimals: int) -> str:
-    return MISSING if value is None else f"{value:.{decimals}f}".replace("-", "−")
 
 
 def _capital(text: str) -> str:

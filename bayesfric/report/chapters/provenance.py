@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from bayesfric.report.content import Block, Code, Heading, Listing, Paragraph, Table
 from bayesfric.report.quantities import MISSING, format_count
 from bayesfric.report.stored import StoredResults
-from bayesfric.schemas import FitFile
+from bayesfric.schemas import FitFile, Provenance
 
-__all__ = ["provenance"]
+__all__ = ["made_from", "provenance"]
 
 
 def provenance(stored: StoredResults) -> Iterator[Block]:
@@ -26,18 +26,7 @@ def provenance(stored: StoredResults) -> Iterator[Block]:
         ],
         label="data",
     )
-    yield Table(
-        "What makes the same result again.",
-        ["", "value"],
-        [
-            ["seed", Code(str(fit.seed))],
-            ["recording, SHA-256", Code(fit.recording.sha256) if fit.recording.sha256 else MISSING],
-            ["analysis, SHA-256", Code(fit.analysis_sha256)],
-            ["date", fit.created or MISSING],
-            ["versions", ", ".join(f"{name} {text}" for name, text in fit.versions.items())],
-        ],
-        label="provenance",
-    )
+    yield made_from(fit)
     baseline = "" if fit.baseline == "paper" else f" --baseline {fit.baseline}"
     yield Listing(
         f"bayesfric run RECORDING --rigs {','.join(fit.rigs)}{baseline} --seed {fit.seed}"
@@ -49,6 +38,25 @@ def provenance(stored: StoredResults) -> Iterator[Block]:
             Code("--config analysis.toml"),
             ". On one machine and with the versions above, this writes the same bytes.",
         ]
+    )
+
+
+def made_from(record: Provenance) -> Table:
+    """Return the table of seed, hashes and versions."""
+    return Table(
+        "What makes the same result again.",
+        ["", "value"],
+        [
+            ["seed", Code(str(record.seed))],
+            [
+                "recording, SHA-256",
+                Code(record.recording.sha256) if record.recording.sha256 else MISSING,
+            ],
+            ["analysis, SHA-256", Code(record.analysis_sha256)],
+            ["date", record.created or MISSING],
+            ["versions", ", ".join(f"{name} {text}" for name, text in record.versions.items())],
+        ],
+        label="provenance",
     )
 
 

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from bayesfric.paper import table1
 from bayesfric.plots.posterior import coefficients_relative_to_paper
 from bayesfric.plots.style import to_svg
+from bayesfric.report.chapters.diagnosis import verdict_line
 from bayesfric.report.chapters.symbols import EXPONENTS, symbol, unit_head
 from bayesfric.report.content import (
     Block,
@@ -55,6 +56,8 @@ def front(stored: StoredResults) -> Iterator[Block]:
             "run longer.",
             title="Unconverged",
         )
+    if stored.diagnosis is not None:
+        yield verdict_line(stored.diagnosis.found)
     if len(fit.attention) <= BOXES:
         for line in fit.attention:
             yield Notice("attention", line)

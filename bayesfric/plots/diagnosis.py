@@ -1,0 +1,258 @@
+"""The diagnosis: where simulation misses the board, and which effect causes it."""
+
+import re
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
+from pydantic import TypeAdapter, ValidationError
+
+from bayesfric.analysis import Prior
+from bayesfric.plots.labels import LONGEST, plain
+from bayesfric.plots.style import COLORS, NEUTRAL, figure, halves
+from bayesfric.priors import log_density
+from bayesfric.schemas.diagnosis import Axis, Cause, DiagnosisFile, EffectNumber
+
+__all__ = ["what_causes_it", "where_it_lies"]
+
+BARS = 10  # axes whose share is drawn; the table has all
+SHAPES = 4  # axes whose shape is drawn: those of the largest shares
+HYPOTHESES = 8  # most probable ones; the table has all
+AMPLITUDES = 3  # causes whose amplitude is drawn
+FEWEST = 7  # rows that a panel has room for at least
+ROOM = 2.0  # a panel of a shape is this much taller than its band; dots beyond are cut
+UNITS = {"": "", "1": "", "-": "", "deg": "°", "1/deg": "deg⁻¹", "1/m": "m⁻¹", "m/s^2": "m/s²"}
+
+
+def where_it_lies(axes: Sequence[Axis], residuals: xr.Dataset | None) -> Figure:
+    """Draw the share of each axis that varied, and the residual force along those that matter most.
+
+    Parameters
+    ----------
+    axes : sequence of Axis
+        Of ``diagnosis.json``, largest share first.
+    residuals : Dataset or None
+        Group ``residuals`` of ``diagnosis.nc``: its dots stand behind the shapes of the
+        axes that it holds.
+
+    Returns
+    -------
+    Figure
+        Left a bar for each of up to ten axes; right a panel for each of up to four shapes,
+        if there is one.
+    """
+    shares = [axis for axis in axes if not axis.blind][:BARS]
+    shapes = [axis for axis in axes if axis.shape is not None][:SHAPES]
+    with figure(height=max(46.0, 12.0 + 3.5 * len(shares))) as fig:
+        left, right = halves(fig, 5, 6) if shapes else (fig, None)
+        _shares(left.subplots(), shares)
+        keys = [
+            Patch(color=COLORS["sky"], label="share"),
+            Patch(color=COLORS["blue"], label="of it, no other axis's"),
+        ]
+        left.legend(handles=keys, loc="outside upper left", ncols=2, columnspacing=1.0)
+        if right is not None:
+            columns = 1 if len(shapes) == 1 else 2
+            rows = -(-len(shapes) // columns)
+            panels = np.reshape(right.subplots(rows, columns), -1)
+            for panel, axis in zip(panels, shapes, strict=False):
+                _shape(panel, axis, residuals)
+            for panel in panels[len(shapes) :]:
+                panel.set_visible(False)
+            right.supylabel("residual force [N]", fontsize=8)
+        return fig
+
+
+def _shares(panel: Axes, axes: Sequence[Axis]) -> None:
+    for row, axis in enumerate(axes):
+        if axis.share is None:
+            panel.text(0.0, row, " none", va="center", fontsize=7, style="italic", color=NEUTRAL)
+            continue
+        panel.barh(row, 100 * axis.share, height=0.72, color=COLORS["sky"])
+        if axis.unique_share is not None:
+            panel.barh(row, 100 * axis.unique_share, height=0.36, color=COLORS["blue"])
+        percent = f" {100 * axis.share:.0f}".replace("-", "−")
+        panel.text(100 * max(axis.share, 0.0), row, percent, va="center", fontsize=7)
+    panel.axvline(0.0, color=COLORS["black"], linewidth=0.8)
+    panel.set_yticks(range(len(axes)), [axis_label(axis.axis) for axis in axes])
+    panel.set_ylim(len(axes) - 0.4, -0.6)
+    least = min([0.0, *(100 * axis.share for axis in axes if axis.share is not None)])
+    most = max([10.0, *(100 * axis.share for axis in axes if axis.share is not None)])
+    panel.set_xlim(1.1 * least, 1.15 * most)
+    panel.grid(visible=False, axis="y")
+    panel.set_xlabel("part of gap² explained [%]")
+
+
+def _shape(panel: Axes, axis: Axis, residuals: xr.Dataset | None) -> None:
+    shape = axis.shape
+    if shape is None:
+        raise ValueError(f"{axis.axis}: expected a shape, got none")
+    if residuals is not None and axis.axis in residuals.data_vars:
+        panel.plot(
+            residuals[axis.axis].to_numpy(),
+            residuals["residual_n"].to_numpy(),
+            "o",
+            color="#b0b0b0",
+            markersize=1.2,
+            markeredgewidth=0,
+            rasterized=residuals.sizes["row"] > 500,
+            zorder=1,
+        )
+    low, high = min(shape.low_n), max(shape.high_n)
+    middle, half = (low + high) / 2, ROOM * (high - low) / 2
+    panel.fill_between(
+        shape.grid, shape.low_n, shape.high_n, color=COLORS["blue"], alpha=0.35, linewidth=0
+    )
+    panel.plot(shape.grid, shape.gap_n, color=COLORS["blue"])
+    panel.axhline(0.0, color=COLORS["black"], linewidth=0.7, linestyle="--")
+    if half > 0:
+        panel.set_ylim(min(middle - half, 0.0), max(middle + half, 0.0))
+    first, last = min(shape.grid), max(shape.grid)
+    panel.set_xlim(first - 0.03 * (last - first), last + 0.03 * (last - first))
+    panel.xaxis.set_major_locator(MaxNLocator(4))
+    panel.yaxis.set_major_locator(MaxNLocator(4))
+    panel.tick_params(labelsize=6.5)
+    panel.set_xlabel(with_unit(axis_label(axis.axis), axis.unit), fontsize=7.5, labelpad=1.5)
+
+
+def what_causes_it(found: DiagnosisFile, amplitudes: xr.Dataset | None) -> Figure:
+    """Draw the most probable hypotheses, and each cause's amplitude against its prior.
+
+    Parameters
+    ----------
+    found : DiagnosisFile
+        ``diagnosis.json``.
+    amplitudes : Dataset or None
+        Group ``amplitudes`` of ``diagnosis.nc``; None where there is no cause.
+
+    Returns
+    -------
+    Figure
+        Left a bar a hypothesis, and a diamond at its prior where it has one of its own;
+        right a panel for each of up to three causes. Densities are scaled to their peaks.
+    """
+    causes = found.causes[:AMPLITUDES] if amplitudes is not None else ()
+    shown = sorted(found.probabilities.items(), key=lambda item: -item[1])[:HYPOTHESES]
+    with figure(height=15.0 + 3.5 * max(len(shown), FEWEST)) as fig:
+        left, right = halves(fig, 6, 4 + 2 * len(causes)) if causes else (fig, None)
+        _hypotheses(left.subplots(), shown, found.hypothesis_prior)
+        left.legend(
+            handles=[
+                Patch(color=COLORS["blue"], label="posterior"),
+                Line2D(
+                    [],
+                    [],
+                    linestyle="",
+                    marker="D",
+                    markersize=4,
+                    markerfacecolor="white",
+                    markeredgecolor=COLORS["black"],
+                    label="prior",
+                ),
+            ],
+            loc="outside upper left",
+            ncols=2,
+        )
+        if right is not None and amplitudes is not None:
+            panels = np.reshape(right.subplots(1, len(causes)), -1)
+            for panel, cause in zip(panels, causes, strict=True):
+                draws = amplitudes["amplitude"].sel(cause=cause.effect).to_numpy()
+                _amplitude(panel, cause, draws[np.isfinite(draws)])
+            right.legend(
+                handles=[
+                    Patch(color=COLORS["blue"], label="posterior"),
+                    Line2D([], [], color=COLORS["black"], linestyle="--", label="prior"),
+                    Patch(facecolor="#e6e6e6", hatch="////", edgecolor="white", label="plausible"),
+                ],
+                loc="outside upper left",
+                ncols=3,
+                columnspacing=1.0,
+            )
+        return fig
+
+
+def _hypotheses(
+    panel: Axes, shown: Sequence[tuple[str, float]], prior: Mapping[str, float]
+) -> None:
+    for row, (name, probability) in enumerate(shown):
+        panel.barh(row, probability, height=0.66, color=COLORS["blue"])
+        shown_as = f"{probability:.3f}" if probability >= 0.0005 else "< 0.001"
+        end = max(probability + 0.03, prior.get(name, 0.0) + 0.07)  # clear of the diamond
+        panel.text(end, row, shown_as, va="center", fontsize=7)
+        if name in prior:
+            panel.plot(
+                prior[name], row, "D", color="white", markeredgecolor=COLORS["black"], markersize=4
+            )
+    labels = panel.set_yticks(range(len(shown)), [_hypothesis(name) for name, _ in shown])
+    for label in labels:
+        if len(label.label1.get_text()) > LONGEST:
+            label.label1.set_fontsize(6.5)
+    panel.set_ylim(len(shown) - 0.4, -0.6)
+    panel.set_xlim(0.0, 1.18)
+    panel.set_xticks([0.0, 0.5, 1.0])
+    panel.grid(visible=False, axis="y")
+    panel.set_xlabel("probability")
+
+
+def _hypothesis(name: str) -> str:
+    return "+".join(plain(effect) for effect in name.split("+"))
+
+
+def _amplitude(panel: Axes, cause: Cause, draws: np.ndarray) -> None:
+    name, number = amplitude_of(cause)
+    low, high = cause.plausible_range
+    first, last = min(low, *draws), max(high, *draws)
+    edge = 0.04 * (last - first)
+    panel.axvspan(low, high, facecolor="#e6e6e6", hatch="////", edgecolor="white", linewidth=0)
+    counts, bins = np.histogram(draws, bins=25)
+    panel.stairs(counts / counts.max(), bins, fill=True, color=COLORS["blue"])
+    prior = stored_prior(number.prior)
+    if prior is not None:
+        grid = np.linspace(first - edge, last + edge, 400)
+        density = np.exp(log_density(prior, grid))
+        panel.plot(grid, density / density.max(), "--", color=COLORS["black"], linewidth=1.0)
+    # A posterior far narrower than the plausible range is a hair: its interval stands above.
+    panel.plot([number.q05, number.q95], [1.16, 1.16], color=COLORS["blue"], linewidth=1.6)
+    panel.plot(number.q50, 1.16, "o", color=COLORS["blue"], markersize=4)
+    panel.set_ylim(0.0, 1.32)
+    panel.set_xlim(first - edge, last + edge)
+    panel.set_yticks([])
+    panel.grid(visible=False)
+    verdict = "plausible" if cause.plausible else "not plausible"
+    panel.set_title(f"{plain(cause.effect)}:\n{verdict}", fontsize=7.5, loc="left")
+    panel.xaxis.set_major_locator(MaxNLocator(4))
+    panel.set_xlabel(with_unit(plain(name), number.unit), fontsize=7.5, labelpad=1.5)
+    panel.tick_params(labelsize=6.5)
+
+
+def amplitude_of(cause: Cause) -> tuple[str, EffectNumber]:
+    """Return name and numbers of a cause's amplitude: the first of its parameters."""
+    return next(iter(cause.parameters.items()))
+
+
+def stored_prior(text: str) -> Prior | None:
+    """Read a prior as it is stored, ``half-normal(scale=0.05)``; None if it is not so."""
+    found = re.fullmatch(r"([a-z-]+)\((.*)\)", text)
+    if found is None:
+        return None
+    numbers = dict(part.strip().partition("=")[::2] for part in found[2].split(","))
+    try:
+        return TypeAdapter(Prior).validate_python({"family": found[1], **numbers})
+    except ValidationError:
+        return None
+
+
+def axis_label(name: str) -> str:
+    """Write the name of an axis: ``wrap_angle`` as wrap angle."""
+    return plain(name.replace("_", " "))
+
+
+def with_unit(words: str, unit: str) -> str:
+    """Write a name with its unit in brackets, if it has one."""
+    unit = UNITS.get(unit, unit)
+    return f"{words} [{plain(unit)}]" if unit else words

@@ -1,0 +1,339 @@
+"""The tables of the diagnosis: every number that its first page rests on."""
+
+from collections.abc import Iterator, Sequence
+
+from bayesfric.report.content import (
+    Block,
+    BulletList,
+    Code,
+    Column,
+    Heading,
+    Paragraph,
+    Reference,
+    Strong,
+    Table,
+    Text,
+)
+from bayesfric.report.quantities import (
+    MISSING,
+    format_fixed,
+    format_interval,
+    format_number,
+    format_probability,
+    format_share,
+    format_unit,
+    interval_cells,
+)
+from bayesfric.schemas import Cause, DiagnosisFile, Gap, GapRow, Interval
+
+__all__ = ["axis_words", "details"]
+
+ROWS = 20  # hypotheses listed; diagnosis.json has all
+REASONS = {
+    "identical-on-this-rig": "they are identical on this rig, whatever is measured on it",
+    "these-data": "these data do not tell them apart",
+}
+
+
+def details(found: DiagnosisFile) -> Iterator[Block]:
+    """Yield the tables behind the page: where, which, how far, and what next."""
+    yield from _where(found)
+    yield Heading(2, "Which effect")
+    yield from _probabilities(found)
+    yield from _causes(found.causes)
+    yield from _not_told_apart(found)
+    yield Paragraph([Strong("Remainder. "), *_remainder(found)])
+    yield from _gap(found)
+    yield from _examined(found)
+    yield from _next(found)
+
+
+def _probabilities(found: DiagnosisFile) -> Iterator[Block]:
+    ranked = sorted(found.probabilities.items(), key=lambda item: -item[1])
+    sensitivity = found.prior_sensitivity
+    fixed = f" Held at shipped values: {', '.join(found.fixed)}." if found.fixed else ""
+    yield Paragraph(
+        [
+            f"The baseline is the {found.baseline} law, on the data of: {', '.join(found.rigs)}."
+            f"{fixed} ",
+            Reference("hypotheses"),
+            " gives each hypothesis's posterior probability, and what becomes of it where the "
+            "prior probability of ",
+            Code("none"),
+            " is another; ",
+            Code("unknown"),
+            " is a force that no effect of the list makes.",
+        ]
+    )
+    more = len(ranked) - ROWS
+    yield Table(
+        "Probabilities of the hypotheses.",
+        [
+            "hypothesis",
+            Column("probability", align="right"),
+            *(Column(["none at ", key], align="right") for key in sensitivity),
+        ],
+        [
+            [
+                Code(name),
+                format_probability(probability),
+                *(format_probability(other.get(name)) for other in sensitivity.values()),
+            ]
+            for name, probability in ranked[:ROWS]
+        ],
+        label="hypotheses",
+        note="Prior: "
+        + ", ".join(f"{name} {value:g}" for name, value in found.hypothesis_prior.items())
+        + ", shared equally within a number of effects. Hypotheses that were screened only have "
+        f"{format_probability(found.unvisited_probability)} at most, together."
+        + (f" The {more} least probable are in diagnosis.json." if more > 0 else ""),
+    )
+
+
+def _causes(causes: Sequence[Cause]) -> Iterator[Block]:
+    if not causes:
+        yield Paragraph([Strong("Causes. "), "None is named."])
+        return
+    for cause in causes:
+        yield Paragraph(
+            [
+                Code(cause.effect),
+                f": {cause.sentence}. Law: {cause.law}. It is in hypotheses that have "
+                f"{format_probability(cause.inclusion_probability)} together. Log₁₀ Bayes factor "
+                "against the same without it: "
+                f"{format_fixed(cause.log10_bayes_factor, 1)} ± "
+                f"{format_fixed(cause.log10_bayes_factor_se, 3)}. Its force is "
+                f"{format_share(cause.strength)} of that of friction (rms)"
+                + (", which is below the floor. " if cause.below_floor else ". "),
+                Strong("Plausible. " if cause.plausible else "Not plausible. "),
+                f"Source of the range: {cause.plausible_reference}.",
+            ]
+        )
+    yield Table(
+        "Parameters of the causes, given that they act.",
+        [
+            "cause",
+            "parameter",
+            "mean and 90 % interval",
+            Column("sd", align="right"),
+            "prior",
+            "plausible",
+        ],
+        [
+            [
+                Code(cause.effect),
+                _with_unit(name, number.unit),
+                format_interval(number.mean, number.q05, number.q95),
+                format_number(number.sd, digits=2),
+                number.prior,
+                # The range is the amplitude's, which is the first parameter.
+                "{:g} to {:g}".format(*cause.plausible_range).replace("-", "−")
+                if place == 0
+                else MISSING,
+            ]
+            for cause in causes
+            for place, (name, number) in enumerate(cause.parameters.items())
+        ],
+        label="causes",
+    )
+
+
+def _not_told_apart(found: DiagnosisFile) -> Iterator[Block]:
+    lines: list[Text] = [
+        [*_codes(one.effects), f": {REASONS[one.reason]}."] for one in found.unseparated
+    ]
+    if lines:
+        yield Paragraph([Strong("Not told apart.")])
+        yield BulletList(lines)
+    if found.absorbed:
+        yield Table(
+            "Effects that a parameter of the baseline absorbs, and what they do to it.",
+            ["effect", "absorbed by", Column("bias", align="right")],
+            [
+                [Code(one.effect), Code(one.by), format_number(one.bias, unit=one.unit)]
+                for one in found.absorbed
+            ],
+            label="absorbed",
+            note="Bias: by how much the parameter moves at one standard deviation of the effect's "
+            "amplitude under its prior. Such an effect leaves no gap, and is not named.",
+        )
+
+
+def _remainder(found: DiagnosisFile) -> list[str]:
+    rest = found.remainder
+    asked = "asks" if rest.significant else "does not ask"
+    share = rest.share_of_gap
+    if share is None:
+        said = f"It has no share of the gap ({rest.share_of_gap_why})."
+    else:
+        percent = format_interval(100 * share.mean, 100 * share.q05, 100 * share.q95)
+        said = f"It would be {percent}\u202f% of gap²."
+    where = (
+        f" It is largest along {axis_words(rest.axis)}."
+        if rest.axis
+        else f" It has no axis ({rest.axis_why})."
+    )
+    return [
+        f"The evidence {asked} for a further, smooth force (log₁₀ Bayes factor "
+        f"{format_fixed(rest.log10_bayes_factor, 1)}). {said}{where}"
+    ]
+
+
+def _where(found: DiagnosisFile) -> Iterator[Block]:
+    yield Heading(2, "Where the gap lies")
+    yield Table(
+        "Axes, largest share first.",
+        [
+            "axis",
+            "unit",
+            Column("share", "%", align="decimal"),
+            Column("unique", "%", align="decimal"),
+            Column("adjusted p", align="right"),
+            "looks like, or why there is none",
+        ],
+        [
+            [
+                axis_words(axis.axis),
+                format_unit(axis.unit),
+                _percent(axis.share),
+                _percent(axis.unique_share),
+                format_probability(axis.p_value),
+                ", ".join(map(axis_words, axis.confounded_with)) or axis.share_why or "",
+            ]
+            for axis in found.where
+        ],
+        label="axes",
+        note="Share: cross-validated part of gap² that a smooth of this axis alone explains; "
+        "shares overlap, and one below zero predicts worse than none. Unique: what is lost when "
+        "the axis leaves the joint smooth. p: by the largest statistic of all axes, from a "
+        "parametric bootstrap. Looks like: axes whose smooths these data do not tell from it.",
+    )
+
+
+def _gap(found: DiagnosisFile) -> Iterator[Block]:
+    gap = found.gap
+    yield Heading(2, "How far it shrinks")
+    systematic = gap.systematic
+    yield Paragraph(
+        [
+            "The systematic gap of the recalibrated baseline, √(before² − floor²), is ",
+            f"{_thousandths(systematic)} mN, where "
+            f"friction is {format_number(gap.friction_rms, unit='N')} (rms); below "
+            f"{format_share(found.practical_share)} of friction none would care. ",
+            Reference("gap"),
+            " has every figure on data that the fit has not seen; every parameter is refitted "
+            "both before and after.",
+        ]
+    )
+    rows: list[tuple[str, str, Gap | GapRow]] = [
+        ("overall", "mN", gap),
+        *((row.name, "mN", row) for row in gap.held_out),
+        ("not held out: the data of the fit", "mN", gap.in_sample),
+    ]
+    if gap.trajectory is not None:
+        rows.append(("free-running trajectory", "mm", gap.trajectory))
+    yield Table(
+        "The gap as root mean square, with 90 % intervals.",
+        ["held out", "unit", "as shipped", "recalibrated", "with the causes", "floor", "shrink, %"],
+        [
+            [
+                name,
+                unit,
+                _thousandths(row.as_shipped),
+                _thousandths(row.before),
+                _thousandths(row.after),
+                _thousandths(row.floor),
+                _cells(row.shrink, -2),
+            ]
+            for name, unit, row in rows
+        ],
+        label="gap",
+        note=["Shrink: (before² − after²) / (before² − floor²). ", *_reasons(gap, rows)],
+    )
+
+
+def _reasons(gap: Gap, rows: Sequence[tuple[str, str, Gap | GapRow]]) -> list[str]:
+    """Return why figures are missing, each reason once."""
+    said: dict[str, list[str]] = {}
+    for name, _, row in rows:
+        for what, why in (("as shipped", row.as_shipped_why), ("shrink", row.shrink_why)):
+            if why is not None:
+                said.setdefault(f"No figure for {what}: {why}", []).append(name)
+    lines = [f"{why} ({', '.join(names)}). " for why, names in said.items()]
+    return lines + ([f"No trajectory: {gap.trajectory_why}. "] if gap.trajectory is None else [])
+
+
+def _examined(found: DiagnosisFile) -> Iterator[Block]:
+    yield Heading(2, "Every effect examined")
+    yield Table(
+        "Each effect alone against the baseline.",
+        ["effect", Column("log₁₀ BF", align="decimal"), "why there is none"],
+        [
+            [
+                Code(one.effect),
+                format_fixed(one.log10_bayes_factor, 1),
+                one.log10_bayes_factor_why or "",
+            ]
+            for one in found.effects
+        ],
+        label="effects",
+    )
+
+
+def _next(found: DiagnosisFile) -> Iterator[Block]:
+    yield Heading(2, "What to measure next")
+    if not found.next_experiment:
+        yield Paragraph(f"Nothing to propose: {found.next_experiment_why}.")
+        return
+    yield Table(
+        "Conditions that would tell hypotheses apart.",
+        ["condition", "separates", Column("expected log₁₀ BF", align="decimal")],
+        [
+            [
+                ", ".join(f"{name} {_value(value)}" for name, value in one.condition.items()),
+                _codes(one.separates),
+                format_fixed(one.log10_bayes_factor, 1),
+            ]
+            for one in found.next_experiment
+        ],
+        label="next",
+    )
+
+
+def axis_words(name: str) -> str:
+    """Write the name of an axis: ``wrap_angle`` as wrap angle."""
+    return name.replace("_", " ")
+
+
+def _value(value: float | str) -> str:
+    return value if isinstance(value, str) else f"{value:g}".replace("-", "−")
+
+
+def _codes(names: Sequence[str]) -> list[Code | str]:
+    """Return names with "and" between."""
+    parts: list[Code | str] = []
+    for place, name in enumerate(names):
+        if place:
+            parts.append(" and " if place == len(names) - 1 else ", ")
+        parts.append(Code(name))
+    return parts
+
+
+def _with_unit(name: str, unit: str) -> str:
+    printed = format_unit(unit)
+    return f"{name} [{printed}]" if printed else name
+
+
+def _percent(share: float | None) -> str:
+    return MISSING if share is None else format_fixed(100 * share, 1)
+
+
+def _thousandths(number: Interval | None) -> str:
+    return _cells(number, -3)
+
+
+def _cells(number: Interval | None, exponent: int) -> str:
+    if number is None:
+        return MISSING
+    mean, low, high = interval_cells(number.mean, number.q05, number.q95, exponent)
+    return f"{mean} [{low}, {high}]"

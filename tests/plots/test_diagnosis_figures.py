@@ -1,0 +1,150 @@
+"""The figures of the diagnosis show the stored numbers where they say they do."""
+
+import numpy as np
+import pytest
+from matplotlib.collections import PolyCollection
+from report.diagnosis_sample import axis, cause, curves, diagnosis, stored_diagnosis, without_gap
+
+from bayesfric.analysis import HalfNormal, Normal
+from bayesfric.plots.diagnosis import stored_prior, what_causes_it, where_it_lies
+from bayesfric.plots.gap import how_far
+from bayesfric.plots.style import to_svg
+
+
+def panel(fig, label):
+    (found,) = [axes for axes in fig.axes if axes.get_xlabel() == label]
+    return found
+
+
+def widths(axes):
+    return [bar.get_width() for bar in axes.patches if hasattr(bar, "get_width")]
+
+
+def tick_texts(axes):
+    return [text.get_text() for text in axes.get_yticklabels()]
+
+
+def test_bars_of_where_are_the_shares_and_blind_axes_have_none():
+    stored = stored_diagnosis()
+    axes = panel(
+        where_it_lies(stored.found.where, stored.group("residuals")), "part of gap² explained [%]"
+    )
+    assert tick_texts(axes) == [
+        "velocity", "displacement", "tension", "n pulleys", "order", "setup",
+    ]  # fmt: skip
+    # Share and unique share in turn, which is half of it in the sample.
+    assert widths(axes)[:4] == pytest.approx([62.0, 31.0, 41.0, 20.5])
+    assert "−1" in [text.get_text().strip() for text in axes.texts]
+
+
+def test_shapes_are_the_stored_bands_of_the_four_largest():
+    stored = stored_diagnosis()
+    fig = where_it_lies(stored.found.where, stored.group("residuals"))
+    labels = ["velocity [m/s]", "displacement [m]", "tension [N]", "n pulleys"]
+    assert [axes.get_xlabel() for axes in fig.axes][1:] == labels
+    shape = stored.found.where[0].shape
+    axes = panel(fig, "velocity [m/s]")
+    dots, curve, zero = axes.lines
+    np.testing.assert_array_equal(curve.get_xydata().T, [shape.grid, shape.gap_n])
+    np.testing.assert_array_equal(dots.get_ydata(), stored.curves["residuals"]["residual_n"])
+    assert list(zero.get_ydata()) == [0, 0]
+    (band,) = [one for one in axes.collections if isinstance(one, PolyCollection)]
+    edges = band.get_paths()[0].vertices[:, 1]
+    assert (edges.min(), edges.max()) == (min(shape.low_n), max(shape.high_n))
+
+
+def test_without_dots_or_shapes_the_rest_is_drawn():
+    fig = where_it_lies(diagnosis().where, None)
+    assert len(panel(fig, "velocity [m/s]").lines) == 2
+    assert len(where_it_lies((axis("rig", "1", None),), None).axes) == 1
+
+
+def test_hypotheses_are_the_most_probable_with_their_priors():
+    stored = stored_diagnosis()
+    axes = panel(what_causes_it(stored.found, stored.group("amplitudes")), "probability")
+    assert widths(axes) == [0.971, 0.0123, 0.0091, 0.004, 0.002, 0.001, 0.0003, 0.0002]
+    assert tick_texts(axes)[0] == "viscous"
+    (diamond,) = axes.lines  # of the hypotheses shown, `unknown` alone has a prior of its own
+    assert (diamond.get_xdata()[0], diamond.get_ydata()[0]) == (0.1, 4)
+    assert len(what_causes_it(without_gap().found, None).axes) == 1
+
+
+def test_amplitude_stands_against_its_prior_and_the_plausible_range():
+    found = diagnosis(causes=(cause("viscous"), cause("stribeck", plausible_range=(0.0, 0.05))))
+    draws = curves(("viscous", "stribeck"))["amplitudes"].to_dataset()
+    fig = what_causes_it(found, draws)
+    first, second = fig.axes[1:]
+    assert [axes.get_title(loc="left") for axes in (first, second)] == [
+        "viscous:\nplausible",
+        "stribeck:\nplausible",
+    ]
+    span, histogram = second.patches
+    assert (span.get_x(), span.get_width()) == (0.0, 0.05)
+    values = draws["amplitude"].sel(cause="stribeck").to_numpy()
+    edges = histogram.get_data().edges
+    assert (edges[0], edges[-1]) == pytest.approx((values.min(), values.max()))
+    prior, interval, median = second.lines
+    x, y = prior.get_data()
+    inside = x >= 0
+    # A half-normal of scale 0.15, over its peak.
+    expected = np.exp(-0.5 * (x[inside] / 0.15) ** 2)
+    np.testing.assert_allclose(y[inside], expected / expected.max(), rtol=1e-12)
+    number = found.causes[1].parameters["slope"]
+    assert list(interval.get_xdata()) == [number.q05, number.q95]
+    assert median.get_xdata()[0] == number.q50
+
+
+def test_a_stored_prior_is_read_back():
+    assert stored_prior("half-normal(scale=0.15)") == HalfNormal(scale=0.15)
+    assert stored_prior("normal(mean=-1, sd=0.02)") == Normal(mean=-1, sd=0.02)
+    assert stored_prior("whatever the user thinks") is None
+    assert stored_prior("half-normal(scale=wide)") is None
+
+
+def test_bars_of_the_gap_are_the_stored_means_in_newtons_and_millimetres():
+    stored = stored_diagnosis()
+    fig = how_far(stored.found.gap, stored.group("trajectories"), named=True)
+    force = panel(fig, "rms, held out: force [N]")
+    assert widths(force) == [0.0951, 0.0523, 0.0187, 0.0174]
+    assert widths(panel(fig, "rms, held out: trajectory [mm]")) == pytest.approx(
+        [19.02, 10.46, 3.74, 3.48]
+    )
+    before = stored.found.gap.before
+    assert list(force.lines[1].get_xdata()) == [before.q05, before.q95]
+    assert tick_texts(force) == ["as shipped", "recalibrated", "with the effect", "floor"]
+
+
+def test_deviations_of_trajectories_are_simulated_minus_measured():
+    stored = stored_diagnosis()
+    table = stored.curves["trajectories"]
+    fig = how_far(stored.found.gap, stored.group("trajectories"), named=True)
+    paths, deviations = fig.axes[2:5], fig.axes[5:8]
+    assert [axes.get_title() for axes in paths] == ["g0011", "g0042", "g0107"]
+    _, before, after = deviations[1].lines
+    assert len(before.get_xdata()) == 55  # the padding is left out
+    time = table["time_s"].to_numpy()[1, :55]
+    np.testing.assert_allclose(before.get_ydata(), 12.0 * time**2, rtol=1e-9)
+    np.testing.assert_allclose(
+        after.get_ydata(), 0.2 * np.sin(40 * 0.35 * time**2), rtol=0, atol=1e-9
+    )
+
+
+def test_without_cause_shipped_values_or_trajectory_the_bars_say_so():
+    fig = how_far(without_gap().found.gap, None, named=False)
+    (axes,) = fig.axes
+    assert tick_texts(axes)[2] == "no effect added"
+    assert widths(axes) == [0.0176, 0.0176, 0.0174]
+    assert "none" in [text.get_text().strip() for text in axes.texts]
+    stored = stored_diagnosis()
+    alone = how_far(stored.found.gap, stored.group("trajectories"), named=False)
+    assert len(alone.axes[-1].lines) == 2  # zero and before: nothing comes after
+
+
+def test_they_repeat_their_bytes():
+    stored = stored_diagnosis()
+    for draw in (
+        lambda: where_it_lies(stored.found.where, stored.group("residuals")),
+        lambda: what_causes_it(stored.found, stored.group("amplitudes")),
+        lambda: how_far(stored.found.gap, stored.group("trajectories"), named=True),
+    ):
+        assert to_svg(draw()) == to_svg(draw())
