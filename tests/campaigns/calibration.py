@@ -28,6 +28,7 @@ SPREAD = 0.3
 SCATTER = ("tau", "omega", "sigma_x", "sigma_t")
 BINS = 10
 RESAMPLES = 20_000
+NARROW = 5  # place in WIDTHS: a third of the amplitude's prior width
 OPEN = (0.05, 0.95)  # a probability in between leaves both hypotheses possible
 
 
@@ -77,7 +78,8 @@ def case(given):
     -------
     dict
         Whether the effect acts, its amplitude, the log Bayes factor for it with its
-        error [nat], and how many trials did not move.
+        error [nat], the same for a third of its prior's width, and how many trials did
+        not move.
     """
     name, law, seed = given
     analysis = generating_prior(seed)
@@ -92,28 +94,39 @@ def case(given):
     tasks = [Task("gravity", one) for one in hypotheses]
     studied = study_all(tasks, data, analysis, {name: effect}, None, sampled=())
     without, with_effect = (studied[task].evidence for task in tasks)
+    narrower = float(studied[tasks[1]].widths[NARROW])
+    log_bayes_factor = with_effect.log_evidence - without.log_evidence
     return {
         "effect": name,
         "seed": seed,
         "acts": acts,
         "amplitude": truth.effects[0].values[effect.amplitude.name] if acts else 0.0,
-        "log_bayes_factor": with_effect.log_evidence - without.log_evidence,
+        "log_bayes_factor": log_bayes_factor,
+        "narrow_log_bayes_factor": log_bayes_factor + narrower,
         "error": float(np.hypot(with_effect.error, without.error)),
         "stalled": len(recording.metadata["simulation"]["stalled"]),
     }
 
 
-def figures(log_bayes_factor, acts):
+def figures(log_bayes_factor, narrow, acts):
     """Return how the probabilities of an effect compare with how often it acts.
 
     Consistency bands are those of recordings in which the effect acts as often as the
     probabilities say: the truth is drawn anew, the probabilities stay. They hold all
     bins at once.
 
+    By Good's identity the mean Bayes factor of the wrong hypothesis is 1. Against the law
+    it has a finite variance only where the effect's prior is narrower than the data's
+    error: hence `narrow`, since without the effect the identity holds for any prior of it.
+    That of the prior itself rests on factors so rare that a sample of hundreds lacks
+    them, and is compared with the same band.
+
     Parameters
     ----------
     log_bayes_factor : ndarray, shape (N,)
         For the effect, whose prior probability is 1/2 [nat].
+    narrow : ndarray, shape (N,)
+        The same with the narrower prior [nat].
     acts : ndarray of bool, shape (N,)
         The truth.
 
@@ -126,18 +139,20 @@ def figures(log_bayes_factor, acts):
     ----------
     J. Bröcker, L. A. Smith, "Increasing the reliability of reliability diagrams",
     Weather and Forecasting 22 (2007).
+    I. J. Good, "Weight of evidence: a brief survey", Bayesian Statistics 2 (1985).
     D. J. Spiegelhalter, "Probabilistic prediction in patient management and clinical
     trials", Statistics in Medicine 5 (1986).
     """
     p = 1 / (1 + np.exp(-log_bayes_factor))
     again = np.random.default_rng(95).uniform(size=(RESAMPLES, p.size)) < p
     member = np.minimum((p * BINS).astype(int), BINS - 1) == np.arange(BINS)[:, None]
-    member = member[member.any(axis=1)]
+    member = member[member.any(axis=1)].astype(float)
     count, expected = member.sum(axis=1), member @ p
     spread = np.sqrt(member @ (p * (1 - p)))
     furthest = (np.abs(again @ member.T - expected) / spread).max(axis=1)
     reach = float(np.quantile(furthest, 0.95)) * spread
     factor = np.exp(log_bayes_factor)
+    drawn = (~again @ factor) / np.maximum((~again).sum(axis=1), 1)
     return {
         "recordings": int(p.size),
         "with_effect": int(acts.sum()),
@@ -154,40 +169,22 @@ def figures(log_bayes_factor, acts):
                 strict=True,
             )
         ],
-        "good_without_effect": good(factor, ~acts, ~again),
-        "good_with_effect": good(1 / factor, acts, again),
+        "good_without_effect": mean_and_error(np.exp(narrow[~acts])),
+        "good_with_effect": mean_and_error(1 / factor[acts]),
+        "whole_width_without_effect": {
+            **mean_and_error(factor[~acts]),
+            "band_99": np.quantile(drawn, [0.005, 0.995]).tolist(),
+        },
     }
+
+
+def mean_and_error(values):
+    """Return the mean of values and its standard error."""
+    error = values.std(ddof=1) / np.sqrt(values.size)
+    return {"mean": float(values.mean()), "standard_error": float(error)}
 
 
 def spiegelhalter(p, acts):
     """Return the z of the Brier score: N(0, 1) where probabilities are calibrated."""
     variance = ((1 - 2 * p) ** 2 * p * (1 - p)).sum()
     return float(((acts - p) * (1 - 2 * p)).sum() / np.sqrt(variance))
-
-
-def good(factor, true, again):
-    """Return the mean Bayes factor of the wrong hypothesis: 1 by Good's identity.
-
-    Parameters
-    ----------
-    factor : ndarray, shape (N,)
-        Bayes factor against a hypothesis.
-    true : ndarray of bool, shape (N,)
-        Where that hypothesis holds.
-    again : ndarray of bool, shape (RESAMPLES, N)
-        Where it would hold, drawn with its posterior probabilities. The band is that of
-        these: a few large factors make the mean, and its sample's standard error would
-        be as wrong as the mean is where they have not come up.
-
-    References
-    ----------
-    I. J. Good, "Weight of evidence: a brief survey", Bayesian Statistics 2 (1985).
-    """
-    drawn = (again @ factor) / np.maximum(again.sum(axis=1), 1)
-    own = factor[true]
-    low, high = np.quantile(drawn, [0.005, 0.995])
-    return {
-        "mean": float(own.mean()),
-        "standard_error": float(own.std(ddof=1) / np.sqrt(own.size)),
-        "band_99": [float(low), float(high)],
-    }

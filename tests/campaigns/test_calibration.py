@@ -28,9 +28,10 @@ def run(seeds, folder):
 
 
 def of_effect(cases, name):
+    """Return log Bayes factors, those of the narrower prior, and where the effect acts."""
     own = [case for case in cases if case["effect"] == name]
-    log_factor = np.array([case["log_bayes_factor"] for case in own])
-    return log_factor, np.array([case["acts"] for case in own])
+    columns = "log_bayes_factor", "narrow_log_bayes_factor", "acts"
+    return tuple(np.array([case[column] for case in own]) for column in columns)
 
 
 def faults(found):
@@ -42,12 +43,12 @@ def faults(found):
     ]
     if abs(found["spiegelhalter_z"]) >= 2:
         failed.append("spiegelhalter")
-    bounded = found["good_with_effect"]  # its factors are bounded: an error is an error
-    if abs(bounded["mean"] - 1) >= 3 * bounded["standard_error"]:
-        failed.append("good with effect")
-    low, high = found["good_without_effect"]["band_99"]
-    if not low <= found["good_without_effect"]["mean"] <= high or not low <= 1 <= high:
-        failed.append("good without effect")
+    for name in ("good_without_effect", "good_with_effect"):
+        if abs(found[name]["mean"] - 1) >= 3 * found[name]["standard_error"]:
+            failed.append(name)
+    whole = found["whole_width_without_effect"]
+    if not whole["band_99"][0] <= whole["mean"] <= whole["band_99"][1]:
+        failed.append("whole width")
     return failed
 
 
@@ -81,9 +82,10 @@ def test_forty_are_calibrated(folder):
 @pytest.mark.parametrize("name", EFFECTS)
 def test_wrong_bayes_factors_would_be_noticed(name):
     """The evidence with all Bayes factors doubled or halved, or their logarithms, fails."""
-    log_factor, acts = of_effect(evidence.read("calibration")["cases"], name)
-    for wrong in (log_factor + np.log(2), log_factor - np.log(2), 2 * log_factor, log_factor / 2):
-        assert faults(calibration.figures(wrong, acts))
+    log_factor, narrow, acts = of_effect(evidence.read("calibration")["cases"], name)
+    for power, shift in ((1, np.log(2)), (1, -np.log(2)), (2, 0), (0.5, 0)):
+        wrong = calibration.figures(power * log_factor + shift, power * narrow + shift, acts)
+        assert faults(wrong), (power, shift)
 
 
 def test_spiegelhalter_by_hand():
@@ -94,14 +96,28 @@ def test_spiegelhalter_by_hand():
     assert z == pytest.approx(0.52 / np.sqrt(0.1488), rel=1e-12)
 
 
-def test_figures_of_a_conjugate_pair():
+def conjugate_pair(seed, size=400):
     """Bayes factors in closed form: y ~ N(a, 1) with a = 0 or a ~ N(0, 2²)."""
-    rng = np.random.default_rng(1)
-    acts = rng.uniform(size=4000) < 0.5
-    y = rng.standard_normal(4000) + 2 * rng.standard_normal(4000) * acts
-    log_factor = -0.5 * np.log(5) + 0.4 * y**2  # N(y; 0, 5) over N(y; 0, 1)
-    assert faults(calibration.figures(log_factor, acts)) == []
-    assert faults(calibration.figures(log_factor + 0.3, acts))
+    rng = np.random.default_rng(seed)
+    acts = rng.uniform(size=size) < 0.5
+    y = rng.standard_normal(size) + 2 * rng.standard_normal(size) * acts
+
+    def log_factor(variance):  # N(y; 0, 1 + variance) over N(y; 0, 1)
+        return -0.5 * np.log1p(variance) + 0.5 * y**2 * variance / (1 + variance)
+
+    return log_factor(4.0), log_factor(0.4), acts
+
+
+def test_figures_of_a_conjugate_pair():
+    log_factor, narrow, acts = conjugate_pair(1)
+    found = calibration.figures(log_factor, narrow, acts)
+    assert faults(found) == []
+    shifted = " ".join(faults(calibration.figures(log_factor + 0.7, narrow + 0.7, acts)))
+    for check in ("reliability", "spiegelhalter", "good_without_effect", "good_with_effect"):
+        assert check in shifted
+    # The frequencies are those of the bins: counted again, they make up all that act.
+    acting = sum(one["frequency"] * one["recordings"] for one in found["reliability"])
+    assert acting == pytest.approx(acts.sum(), rel=1e-12)
 
 
 @pytest.mark.long
