@@ -127,15 +127,15 @@ def finite_hessian(log_density: LogDensity, point: Array, unit: Array) -> Array:
             point - shifts,
             point + pairs[0] + pairs[1],
             point - pairs[0] - pairs[1],
-            point + pairs[0] - pairs[1],
-            point - pairs[0] + pairs[1],
         ]
     )
     value = log_density(points)
     centre, plus, minus = value[0], value[1 : size + 1], value[size + 1 : 2 * size + 1]
-    same1, same2, cross1, cross2 = np.split(value[2 * size + 1 :], 4)
-    hessian = np.diag((plus - 2 * centre + minus) / step**2)
-    mixed = (same1 + same2 - cross1 - cross2) / (4 * step[row] * step[column])
+    bent = plus - 2 * centre + minus
+    together = np.add(*np.split(value[2 * size + 1 :], 2)) - 2 * centre
+    hessian = np.diag(bent / step**2)
+    # Along both at once the curvature is that of each, and twice the mixed one.
+    mixed = (together - bent[row] - bent[column]) / (2 * step[row] * step[column])
     hessian[row, column] = hessian[column, row] = mixed
     return hessian
 

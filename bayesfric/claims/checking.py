@@ -181,7 +181,13 @@ def _studied(
     studied = study_all(tasks, data, analysis, all_effects(), executor, sampled=own)
     best = dict.fromkeys(one for claim in claims if (one := _best_rival(claim, data, studied)))
     return studied | study_all(
-        list(best), data, analysis, all_effects(), executor, sampled=best.keys()
+        list(best),
+        data,
+        analysis,
+        all_effects(),
+        executor,
+        sampled=best.keys(),
+        screened=studied,
     )
 
 

@@ -21,7 +21,7 @@ from bayesfric.evidence import (
     laplace_draws,
 )
 from bayesfric.friction import Coefficients
-from bayesfric.laplace import laplace_approximation
+from bayesfric.laplace import Laplace, laplace_approximation
 from bayesfric.likelihood.hall_events import pilot_fits
 from bayesfric.likelihood.hypothesis import Data, Hypothesis, model_of
 from bayesfric.likelihood.model import Model
@@ -83,6 +83,8 @@ class Studied:
     size : ndarray, shape (S,)
         Largest share of friction that the effect makes at its edge, over pulley sizes,
         draw by draw; empty without an effect.
+    laplace : Laplace or None
+        The mode, where it was screened only, for draws that are wanted later.
     """
 
     evidence: Evidence | None
@@ -91,6 +93,7 @@ class Studied:
     setup_log_likelihood: Array = field(default_factory=lambda: np.empty((0, 0)))
     widths: Array = field(default_factory=lambda: np.empty(0))
     size: Array = field(default_factory=lambda: np.empty(0))
+    laplace: Laplace | None = None
 
 
 def study_all(
@@ -101,6 +104,7 @@ def study_all(
     executor: Executor | None,
     *,
     sampled: Collection[Task],
+    screened: Mapping[Task, Studied] | None = None,
 ) -> dict[Task, Studied]:
     """Study hypotheses, each with a seed of its own.
 
@@ -119,14 +123,17 @@ def study_all(
     sampled : collection of Task
         Those that need draws; for the others importance sampling suffices where it is
         reliable.
+    screened : mapping of Task to Studied, or None
+        Studies without draws, whose modes need not be looked for again.
 
     Returns
     -------
     dict of Task to Studied
         The same whatever the executor.
     """
+    before = screened or {}
     each = [
-        (data[task.data], analysis, task, effects, task not in sampled)
+        (data[task.data], analysis, task, effects, task not in sampled, before.get(task))
         for task in sorted(tasks, key=lambda task: _cost(task, effects), reverse=True)
     ]
     run = map if executor is None else executor.map
@@ -141,28 +148,39 @@ def _cost(task: Task, effects: dict[str, Effect]) -> int:
     return 4 * task.whole + 2 * any(shapes) + any(along)
 
 
-def _study_one(given: tuple[Data, Analysis, Task, dict[str, Effect], bool]) -> Studied:
+Given = tuple[Data, Analysis, Task, dict[str, Effect], bool, Studied | None]
+
+
+def _study_one(given: Given) -> Studied:
     return _study(*given)
 
 
 def _study(
-    data: Data, analysis: Analysis, task: Task, effects: dict[str, Effect], screen: bool
+    data: Data,
+    analysis: Analysis,
+    task: Task,
+    effects: dict[str, Effect],
+    screen: bool,
+    before: Studied | None,
 ) -> Studied:
     # The seed rests on what is studied, not on how many things are.
     words = f"{task.data} {task.hypothesis.law} {task.hypothesis.label}".encode()
     seed, proposals = np.random.SeedSequence([analysis.seed, *words]).generate_state(2)
     with threadpool_limits(limits=1):
         model = model_of(data, analysis, task.hypothesis, effects)
-        start = _start(model, task.hypothesis, effects)
-        laplace = laplace_approximation(model.log_posterior, start, model.scale())
-        rough, resampled = laplace_draws(model.log_posterior, laplace, int(proposals))
-        if rough.reliable and not task.whole:
-            return Studied(rough)
-        if rough.reliable and screen:
-            drawn = model.by_name(model.natural(resampled))
-            widths = _over_widths(drawn, task.hypothesis, effects)
-            size = _size_at_edge(data, drawn, task.hypothesis, effects)
-            return Studied(rough, "", drawn, widths=widths, size=size)
+        if before is not None and before.laplace is not None and before.evidence is not None:
+            laplace, rough = before.laplace, before.evidence
+        else:
+            start = _start(model, task.hypothesis, effects)
+            laplace = laplace_approximation(model.log_posterior, start, model.scale())
+            rough, resampled = laplace_draws(model.log_posterior, laplace, int(proposals))
+            if rough.reliable and not task.whole:
+                return Studied(rough)
+            if rough.reliable and screen:
+                drawn = model.by_name(model.natural(resampled))
+                widths = _over_widths(drawn, task.hypothesis, effects)
+                size = _size_at_edge(data, drawn, task.hypothesis, effects)
+                return Studied(rough, "", drawn, widths=widths, size=size, laplace=laplace)
         draws = sample(model.log_posterior, laplace, SHORT_RUN, int(seed), converged=in_one_place)
         try:
             evidence = bridge_evidence(model.log_posterior, draws.z, int(proposals))

@@ -131,11 +131,9 @@ class EventTable:
     tick_variance : float
         Variance of rounding the clock, added to σ_t² [s²].
     spline : BSpline
-        From log(ρ v*) to the coefficients of `basis`.
-    basis : ndarray, shape (L, R N)
-        Leading singular vectors of the table; R statistics a trial.
-    centre : ndarray, shape (R N,)
-        Mean of the table.
+        From log(ρ v*) to L coefficients.
+    basis : ndarray, shape (1 + L, R N)
+        Mean of the table and its leading singular vectors; R statistics a trial.
     degrees_of_freedom : ndarray, shape (N,)
         Events minus nuisances.
     constant : ndarray, shape (N,)
@@ -152,7 +150,6 @@ class EventTable:
     tick_variance: float
     spline: BSpline
     basis: Array
-    centre: Array
     degrees_of_freedom: Array
     constant: Array
     origin: Array
@@ -175,19 +172,20 @@ class EventTable:
         clock = np.sqrt(sigma_t**2 + self.tick_variance) * self.typical_speed
         scale2 = (sigma_x**2 + clock**2)[:, None]
         log_ratio = np.clip(np.log(clock / sigma_x), -LOG_RHO_SPAN, LOG_RHO_SPAN)
-        rows = self.spline(log_ratio) @ self.basis + self.centre
+        # The scale goes into the few coefficients, not into all that comes of them.
+        rows = (np.insert(self.spline(log_ratio), 0, 1.0, axis=1) / scale2) @ self.basis
         parts = rows.reshape(len(sigma_x), -1, self.origin.size).transpose(1, 0, 2)
         size = 1 + self.columns
         triangle = size * (size + 1) // 2
-        squares, log_determinant = parts[-2:]
+        squares, log_determinant = parts[-2], parts[-1] * scale2
         return TrialForm(
             self.origin,
-            parts[:triangle] / scale2,
-            parts[triangle : triangle + size] / scale2,
+            parts[:triangle],
+            parts[triangle : triangle + size],
             self.constant
             + log_determinant
             - 0.5 * self.degrees_of_freedom * (LOG_2PI + np.log(scale2))
-            - 0.5 * squares / scale2,
+            - 0.5 * squares,
         )
 
 
@@ -386,8 +384,7 @@ def reduce_events(
         typical_speed=typical,
         tick_variance=tick_s**2 / 12,
         spline=make_interp_spline(log_ratio, left[:, kept] * singular[kept], k=SPLINE_DEGREE),
-        basis=right[kept] * unit,
-        centre=centre * unit,
+        basis=np.vstack([centre, right[kept]]) * unit,
         degrees_of_freedom=table.total(np.ones_like(table.tau)) - sensors - 1.0,
         constant=table.total(np.log(speed)) - sensors * np.log(spacing_m) + log_speed_prior,
         origin=pilot.acceleration,
