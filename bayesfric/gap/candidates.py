@@ -42,12 +42,15 @@ class Candidate:
         0 without either.
     log_weight : float
         Prior weight among the candidates of the effect.
+    cell : float
+        Width of the node's part of the prior, in normal quantiles; 0 without a node.
     """
 
     effect: Effect
     law: str
     node: float
     log_weight: float
+    cell: float = 0.0
 
     @property
     def shape(self) -> float | None:
@@ -62,20 +65,32 @@ class Candidate:
         return float(from_normal(self.effect.amplitude.prior, self.node))
 
 
-def candidates_of(effect: Effect) -> list[Candidate]:
-    """Return the candidates of an effect, their weights adding up to 1."""
-    nodes = np.zeros(1)
+def candidates_of(effect: Effect, nodes: Mapping[str, Array] | None = None) -> list[Candidate]:
+    """Return the candidates of an effect, their weights adding up to 1.
+
+    Parameters
+    ----------
+    effect : Effect
+        What may act.
+    nodes : mapping of str to ndarray, or None
+        Nodes of each law, ascending normal quantiles; None is the usual ones.
+    """
+    usual = np.zeros(1)
     if effect.components:
-        nodes = AMPLITUDE_NODES
+        usual = AMPLITUDE_NODES
     elif effect.shape is not None:
-        nodes = SHAPE_NODES
-    weights = norm.pdf(nodes)
-    log_weights = np.log(weights / weights.sum() / len(effect.laws))
-    return [
-        Candidate(effect, law, float(node), float(weight))
-        for law in effect.laws
-        for node, weight in zip(nodes, log_weights, strict=True)
-    ]
+        usual = SHAPE_NODES
+    found = []
+    for law in effect.laws:
+        places = usual if nodes is None else nodes[law]
+        cells = np.gradient(places) if places.size > 1 else np.zeros(1)
+        weights = norm.pdf(places) * (cells if places.size > 1 else 1.0)
+        log_weights = np.log(weights / weights.sum() / len(effect.laws))
+        found += [
+            Candidate(effect, law, float(node), float(weight), float(cell))
+            for node, weight, cell in zip(places, log_weights, cells, strict=True)
+        ]
+    return found
 
 
 def unit_values(candidate: Candidate) -> tuple[Mapping[str, Any], float]:

@@ -62,9 +62,8 @@ def cause_draws(
         for place in (*choice.columns, *choice.phases):
             candidate = model.candidates[place]
             name, prior = candidate.effect.name, candidate.effect.amplitude.prior
-            nodes = _nodes(model, place)
-            # Within the node's own share of the prior, any value will do.
-            near = candidate.node + _half_step(nodes) * rng.uniform(-1, 1, count)
+            # Within the node's own part of the prior, any value will do.
+            near = candidate.node + candidate.cell * rng.uniform(-0.5, 0.5, count)
             if place in choice.phases:
                 values, shapes = from_normal(prior, near), np.empty(0)
             else:
@@ -77,15 +76,6 @@ def cause_draws(
         name: CauseDraws(amplitude[name], shape[name] if shape[name].size else None)
         for name in found.names
     }
-
-
-def _nodes(model: LinearModel, place: int) -> Array:
-    name = model.candidates[place].effect.name
-    return np.unique([c.node for c in model.candidates if c.effect.name == name])
-
-
-def _half_step(nodes: Array) -> float:
-    return float(np.diff(nodes).mean() / 2) if nodes.size > 1 else 0.0
 
 
 def _amplitudes(

@@ -81,8 +81,9 @@ def classes_of(model: LinearModel, psi: Array) -> Classes:
     mean, sd = model.prior(columns)
     places = model.places(columns)
     # The coefficients are left free here: what they can take is not the effect's to show.
+    # There is no discrepancy either: what is identical is so whatever it takes up.
     free = sd.copy()
-    free[: places[0] if places.size else None] *= np.where(_is_coefficient(model), 1e3, 1.0)
+    free[: places[0] if places.size else None] = np.where(_is_coefficient(model), 1e3, 0.0)
     reduced = information.reduced(mean, free, places)
     felt, raw = np.diag(reduced.precision), np.diag(information.precision)[places]
     absorbed, left_out, entering = [], {}, []
@@ -168,8 +169,10 @@ def _alias(
             theirs = [columns.index(place) for place in rival if place in columns]
             if not mine or not theirs:
                 continue
-            pairs = ((mine, law, theirs), (theirs, rival, mine))
-            if all(_doubled(model, a, law_a, b, direction) for a, law_a, b in pairs):
+            nodes = [np.array([model.candidates[p].node for p in own]) for own in (law, rival)]
+            if _doubled(mine, nodes[0], theirs, nodes[1], direction) and _doubled(
+                theirs, nodes[1], mine, nodes[0], direction
+            ):
                 return True
     return False
 
@@ -182,17 +185,15 @@ def _laws(model: LinearModel, places: list[int]) -> list[list[int]]:
 
 
 def _doubled(
-    model: LinearModel, mine: list[int], law: list[int], theirs: list[int], direction: Array
+    mine: list[int], nodes: Array, theirs: list[int], rival_nodes: Array, direction: Array
 ) -> bool:
     """Return whether each middling shape of one law has its double among the other's."""
-    inner = [
-        i for i, place in zip(mine, law, strict=True) if abs(model.candidates[place].node) <= INNER
-    ]
-    if len(theirs) == 1:
-        return bool((np.abs(direction[inner][:, theirs[0]]) > ALIKE).all())
+    inner, other = np.array(mine)[np.abs(nodes) <= INNER], np.array(theirs)
+    if other.size == 1:
+        return bool((np.abs(direction[inner, other[0]]) > ALIKE).all())
     # Between the nodes the response is that of a spline through them.
-    weights = make_interp_spline(SHAPE_NODES, np.eye(len(theirs)), k=5)(FINE)
-    across = direction[np.ix_(inner, theirs)] @ weights.T
-    length = np.einsum("fi,ij,fj->f", weights, direction[np.ix_(theirs, theirs)], weights)
+    weights = make_interp_spline(rival_nodes, np.eye(other.size), k=5)(FINE)
+    across = direction[np.ix_(inner, other)] @ weights.T
+    length = np.einsum("fi,ij,fj->f", weights, direction[np.ix_(other, other)], weights)
     cosine = np.abs(across) / np.sqrt(length)
     return bool((cosine.max(axis=1) > ALIKE).all())

@@ -20,6 +20,7 @@ from bayesfric.gap.figures import curves_of, gap_figures
 from bayesfric.gap.linear_model import Acting, LinearModel
 from bayesfric.gap.reference import fitted_laws, reference_laws
 from bayesfric.gap.remainder import remainder_of
+from bayesfric.gap.shapes import sharpened, sharpened_around
 from bayesfric.gap.shrink import Arms, measure_gap
 from bayesfric.gap.trajectories import free_running
 from bayesfric.gap.verdict import decide, sentence_of, unseparated_of
@@ -140,8 +141,15 @@ def _diagnose(
     laws, psi = reference_laws(data, analysis, share, held, shipped)
     candidates = [one for effect in examined.values() for one in candidates_of(effect)]
     model = LinearModel(data, laws, candidates, analysis, share, held)
+    model, _ = sharpened(model, psi)
     which = which_effect(model, psi)
     found = _most_probable(which)
+    if found.names:
+        closer = sharpened_around(model, found)
+        if closer is not model:
+            model = closer
+            which = which_effect(model, psi)
+            found = _most_probable(which)
     if found.names:
         model, found = _around_causes(model, found)
     fold_rng, gap_rng, where_rng, draw_rng = (
@@ -182,8 +190,8 @@ def _diagnose(
         probabilities=chances,
         hypothesis_prior=PRIOR,
         prior_sensitivity={
-            "none=0.1": which.probabilities(0.1),
-            "none=0.9": which.probabilities(0.9),
+            "0.1": which.probabilities(0.1),
+            "0.9": which.probabilities(0.9),
         },
         unvisited_probability=which.unvisited(),
         causes=causes,
@@ -268,9 +276,7 @@ def _around_causes(model: LinearModel, found: Weighed) -> tuple[LinearModel, Wei
     for _ in range(ROUNDS):
         laws = fitted_laws(model, found.psi, found.best)
         own = [c for c in model.candidates if c.effect.name in found.names]
-        model = LinearModel(
-            model.data, laws, own, model.analysis, model.practical_share, model.fixed
-        )
+        model = model.around(laws, own)
         found = weigh(model, found.names, found.psi)
     return model, found
 

@@ -29,6 +29,8 @@ __all__ = ["GravityRows", "assemble", "rank"]
 
 Array = NDArray[np.float64]
 STATED_SD = 0.01  # m/s², of an acceleration that comes without its standard error
+PATH_DEGREE = 7  # of the travel in time: forces that die out within a tenth of a trial
+FIRST_SHARE = 8  # of a path is this one over, over which the trial is followed back
 LEAST_ACCELERATION = 0.02  # m/s², where the reference law predicts that the cable stands
 
 
@@ -81,7 +83,7 @@ class GravityRows:
         self.acceleration = np.maximum(predicted, 0.0)
         self.order = rank(gravity.trials)
         self._radius = np.array([radii[size] for size in sizes])
-        self._paths = trial_paths(gravity, rig)
+        self._paths = trial_paths(gravity, rig, PATH_DEGREE)
         self._feedback = tension_feedback(self.law, self.condition)[:, None]
         self._slowed = self._feedback / mass[:, None]
         self._travel = self._travelled()
@@ -192,9 +194,12 @@ class GravityRows:
     def _travelled(self) -> Array:
         """Return the travel since the release along every path, shape (N, P) [m]."""
         speed = self._paths.speed_m_s
-        rate = np.maximum(self.acceleration, LEAST_ACCELERATION)[:, None]
-        before = speed[:, :1] ** 2 / (2 * rate)
         step = self._paths.step_s * 0.5 * (speed[:, 1:] + speed[:, :-1])
+        # Back to the release at the acceleration of the path's first part.
+        part = speed.shape[1] // FIRST_SHARE
+        gained = speed[:, part : part + 1] ** 2 - speed[:, :1] ** 2
+        rate = gained / np.maximum(2 * step[:, :part].sum(axis=1, keepdims=True), 1e-9)
+        before = speed[:, :1] ** 2 / (2 * np.maximum(rate, LEAST_ACCELERATION))
         return np.concatenate([before, before + np.cumsum(step, axis=1)], axis=1)
 
     def _state(self) -> State:

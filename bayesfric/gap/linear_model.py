@@ -117,6 +117,14 @@ class LinearModel:
             self.motor = MotorPart(data.motor, data.rig, laws, radii, *given)
         self._mean, self._sd = self._prior()
 
+    def around(
+        self, laws: Mapping[str, Coefficients], candidates: Sequence[Candidate]
+    ) -> "LinearModel":
+        """Return the model around another reference law, with other effects that may act."""
+        return LinearModel(
+            self.data, laws, candidates, self.analysis, self.practical_share, self.fixed
+        )
+
     @property
     def start(self) -> Array:
         """Rough logarithms of the noise, a place to climb from."""

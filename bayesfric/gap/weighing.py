@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_ndtr, logsumexp
 
-from bayesfric.gap.candidates import is_positive
+from bayesfric.gap.candidates import Candidate, is_positive
 from bayesfric.gap.information import Reduced
 from bayesfric.gap.linear_model import Acting, LinearModel
 
@@ -150,10 +150,10 @@ def combine(
     return float(value)
 
 
-def single_gains(model: LinearModel, reduced: Reduced) -> Array:
+def single_gains(candidates: Sequence[Candidate], reduced: Reduced) -> Array:
     """Return what each candidate alone adds to the log evidence, shape (E,)."""
     precision = np.diag(reduced.precision) + 1
     gains = 0.5 * reduced.slope**2 / precision - 0.5 * np.log(precision)
-    positive = np.array([is_positive(c.effect.amplitude.prior) for c in model.candidates])
+    positive = np.array([is_positive(c.effect.amplitude.prior) for c in candidates])
     share = np.log(2) + log_ndtr(reduced.slope / np.sqrt(precision))
     return np.asarray(gains + np.where(positive, share, 0.0))

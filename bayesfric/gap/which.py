@@ -12,7 +12,7 @@ from scipy.stats import halfnorm
 
 from bayesfric.gap.classes import Classes, classes_of
 from bayesfric.gap.linear_model import Acting, LinearModel
-from bayesfric.gap.weighing import Weighed, weigh
+from bayesfric.gap.weighing import Weighed, combine, weigh
 
 __all__ = ["NONE", "PRIOR", "UNKNOWN", "Which", "label", "unknown_evidence", "which_effect"]
 
@@ -145,9 +145,7 @@ def _pairs(
     singles = {name: weighed[name] for name in effects}
     best = max(singles.values(), key=lambda one: one.log_evidence)
     psi = best.psi if best.log_evidence > weighed[NONE].log_evidence else weighed[NONE].psi
-    rough = {
-        (a, b): _rough_pair(model, singles[a], singles[b], psi) for a, b in combinations(effects, 2)
-    }
+    rough = _rough_pairs(model, singles, effects, psi)
     screened: dict[str, float] = {}
     ranked = sorted(rough, key=lambda pair: -rough[pair])
     top = max(max(log_evidence.values()), rough[ranked[0]])
@@ -161,6 +159,26 @@ def _pairs(
         else:
             screened[label(pair)] = rough[pair]
     return screened
+
+
+def _rough_pairs(
+    model: LinearModel, singles: dict[str, Weighed], effects: list[str], psi: Array
+) -> dict[tuple[str, str], float]:
+    """Return pairs' log evidence at given noise, laws and shapes those of each alone."""
+    with_columns = [name for name in effects if not singles[name].best.phases]
+    columns = tuple(singles[name].best.columns[0] for name in with_columns)
+    mean, sd = model.prior(columns)
+    information = model.information(psi, Acting(columns))
+    reduced = information.reduced(mean, sd, model.places(columns))
+    rough = {}
+    for a, b in combinations(effects, 2):
+        if a in with_columns and b in with_columns:
+            inside = [with_columns.index(a), with_columns.index(b)]
+            value = combine(model, reduced, inside, [columns[place] for place in inside])
+            rough[a, b] = value + model.log_prior(psi)
+        else:
+            rough[a, b] = _rough_pair(model, singles[a], singles[b], psi)
+    return rough
 
 
 def _rough_pair(model: LinearModel, one: Weighed, other: Weighed, psi: Array) -> float:
