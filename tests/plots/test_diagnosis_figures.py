@@ -1,5 +1,7 @@
 """The figures of the diagnosis show the stored numbers where they say they do."""
 
+import re
+
 import numpy as np
 import pytest
 from matplotlib.collections import PolyCollection
@@ -147,4 +149,11 @@ def test_they_repeat_their_bytes():
         lambda: what_causes_it(stored.found, stored.group("amplitudes")),
         lambda: how_far(stored.found.gap, stored.group("trajectories"), named=True),
     ):
-        assert to_svg(draw()) == to_svg(draw())
+        svg = to_svg(draw())
+        assert svg == to_svg(draw())
+        # Clip paths are numbered: matplotlib's names hold the last bit of the layout.
+        defined = re.findall(rb'<clipPath id="([^"]*)"', svg)
+        assert sorted(defined) == sorted(b"clip%d" % k for k in range(len(defined)))
+        assert set(re.findall(rb"url\(#([^)]*)\)", svg)) - set(defined) <= set(
+            re.findall(rb'<pattern id="([^"]*)"', svg)
+        )

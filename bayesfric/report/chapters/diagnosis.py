@@ -201,10 +201,8 @@ def _shrink(gap: Gap, named: bool) -> list[str]:
     if not named:
         return ["No effect is added. "]
     mean, low, high = (100 * one for one in (gap.shrink.mean, gap.shrink.q05, gap.shrink.q95))
-    return [
-        f"Adding what is named closes {format_interval(mean, low, high)}\u202f% of what is between that "
-        "and the floor. "
-    ]
+    closed = format_interval(mean, low, high)
+    return [f"Adding what is named closes {closed}\u202f% of what is between that and the floor. "]
 
 
 def _arms(gap: Gap, named: bool) -> Iterator[tuple[str, Interval]]:
