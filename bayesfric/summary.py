@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bayesfric.diagnostics import LIMITS, Convergence, diagnose_all
+from bayesfric.diagnostics import LIMITS, Convergence, diagnose_all, power_scaling
 from bayesfric.estimator import estimate_as_the_paper
 from bayesfric.laplace import curvature_steps, finite_hessian
 from bayesfric.likelihood.model import Model
 from bayesfric.likelihood.screening import RULES, Screened
 from bayesfric.likelihood.sensor_agreement import MATERIAL_SHARE, SensorAgreement
-from bayesfric.priors import Parameter, describe, prior_sd
+from bayesfric.priors import LOG_2PI, Parameter, describe, prior_sd
 from bayesfric.recording.tables import Recording, Rig
 from bayesfric.sampling import Draws
 from bayesfric.schemas import (
@@ -68,6 +68,8 @@ def summarise(
         )
         for place, parameter in enumerate(model.parameters)
     }
+    for name, moved in _sensitivity(model, draws, theta).items():
+        entries[name] = entries[name].model_copy(update=moved)
     sizes = [name[3:-1] for name in entries if name.startswith("c1[")]
     ensembles, kept, walkers, _ = theta.shape
     quality = _quality(recording, screened, motor="motor" in attributes["rigs"])
@@ -183,6 +185,25 @@ def _informed(model: Model, centre: Array) -> NDArray[np.bool_]:
     values, vectors = np.linalg.eigh(curvature)
     variance = (vectors**2 / np.maximum(values, 1e-12)).sum(axis=1)
     return np.asarray(variance < 1)
+
+
+def _sensitivity(model: Model, draws: Draws, theta: Array) -> dict[str, dict[str, float]]:
+    """Return how much each coefficient moves with the power of priors and likelihood."""
+    by_walker = draws.z.shape[:-1]
+    prior = model.log_prior(theta.reshape(-1, theta.shape[-1])).reshape(by_walker)
+    # In the sampling space, where the draws have their density, every prior is N(0, 1).
+    likelihood = draws.log_density + 0.5 * (LOG_2PI + draws.z**2).sum(axis=-1)
+    places = {n: i for i, n in enumerate(model.names) if n.partition("[")[0] in COEFFICIENTS}
+    values = theta[..., list(places.values())].reshape(len(theta), -1, len(places))
+    moved = {}
+    for key, component in (("prior", prior), ("likelihood", likelihood)):
+        flat = component.reshape(len(theta), -1)
+        # Uniform priors are the same everywhere, to whatever power.
+        moved[key] = power_scaling(values, flat) if np.ptp(flat) > 0 else np.zeros(len(places))
+    return {
+        name: {f"{key}_sensitivity": float(found[place]) for key, found in moved.items()}
+        for place, name in enumerate(places)
+    }
 
 
 def _quality(recording: Recording, screened: Screened | None, *, motor: bool) -> DataQuality:

@@ -97,6 +97,45 @@ def test_pointwise_likelihood_is_that_of_the_draws(small_fit, small_recording):
     assert float(stored.sum()) == pytest.approx(likelihood.log_likelihood(theta)[0], rel=1e-12)
 
 
+def test_sensitivity_is_that_of_priors_and_likelihood(small_recording, small_fit):
+    """Both densities of the stored draws, worked out again: priors by SciPy."""
+    from scipy import stats
+
+    from bayesfric.diagnostics import power_scaling
+    from bayesfric.likelihood.gravity import GravityLikelihood
+    from bayesfric.likelihood.screening import screen_trials
+
+    posterior = small_fit.draws["posterior"].to_dataset()
+    screened = screen_trials(small_recording.gravity, small_recording.rig)
+    likelihood = GravityLikelihood(screened.gravity, small_recording.rig, Analysis())
+    widths = {"c1": 0.05, "c2": 0.2, "tau": 0.05, "omega": 0.05, "sigma_x": 1e-4, "sigma_t": 1e-4}
+    ensembles, walkers = (getattr(small_fit.summary.sampler, n) for n in ("ensembles", "walkers"))
+
+    def by_ensemble(values):  # smoothed weights depend on what counts as a chain
+        each = values.to_numpy().reshape(ensembles, walkers, -1)
+        return each.swapaxes(1, 2).ravel()
+
+    theta = {n: by_ensemble(posterior[n]) for n in ("tau", "omega", "sigma_x", "sigma_t")}
+    for size in likelihood.sizes:
+        of_size = posterior.sel(pulley=size)
+        theta |= {f"{c}[{size}]": by_ensemble(of_size[c]) for c in ("c1", "c2", "c3")}
+    log_prior = sum(
+        stats.norm(0, 1e-3).logpdf(values)
+        if name.startswith("c3")
+        else stats.halfnorm(scale=widths[name.partition("[")[0]]).logpdf(values)
+        for name, values in theta.items()
+    )
+    log_likelihood = likelihood.log_likelihood(theta)
+    for size, coefficients in small_fit.summary.pulleys.items():
+        for name, entry in coefficients.items():
+            values = theta[f"{name}[{size}]"].reshape(ensembles, -1, 1)
+            of_prior = power_scaling(values, log_prior.reshape(ensembles, -1))
+            of_likelihood = power_scaling(values, log_likelihood.reshape(ensembles, -1))
+            assert entry.prior_sensitivity == pytest.approx(of_prior[0], rel=1e-6)
+            assert entry.likelihood_sensitivity == pytest.approx(of_likelihood[0], rel=1e-6)
+    assert all(one.prior_sensitivity is None for one in small_fit.summary.scatter.values())
+
+
 def test_same_seed_same_result(small_recording, small_fit):
     again = bf.fit(small_recording, Analysis(seed=5, sampler=SHORT))
     assert again.summary == small_fit.summary

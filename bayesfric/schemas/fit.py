@@ -32,6 +32,14 @@ class ParameterSummary(Interval):
     r_hat_walkers: Number = Field(description="The same with each walker as a chain.")
     contraction: Number = Field(description="1 - posterior sd / prior sd.")
     informed: bool = Field(description="Whether the data say more than the prior.")
+    prior_sensitivity: Number | None = Field(
+        None,
+        description="Of a coefficient: how far its cumulative distribution moves for a doubling "
+        "of the power to which all priors are raised; above 0.05 they matter.",
+    )
+    likelihood_sensitivity: Number | None = Field(
+        None, description="The same for the power of the likelihood."
+    )
 
 
 class SamplerSummary(Record):

@@ -12,6 +12,7 @@ from pypdf import PdfReader
 
 from bayesfric.errors import InputError
 from bayesfric.report.assembly import build_document
+from bayesfric.report.chapters.symbols import symbol
 from bayesfric.report.content import Notice, Table
 from bayesfric.report.markdown import render_markdown
 from bayesfric.report.stored import StoredResults, read_stored
@@ -67,6 +68,13 @@ def test_diagnostics_are_those_of_the_fit(document, stored):
     assert rows["τ"][2:4] == [f"{tau.r_hat:.4f}", f"{tau.r_hat_walkers:.4f}"]
     assert re.sub(r"\D", "", rows["τ"][4]) == f"{tau.ess_bulk:.0f}"
     assert rows["τ"][-2:] == [f"{tau.contraction:.3f}", "yes"]
+
+
+def test_sensitivity_is_that_of_the_fit(document, stored):
+    rows = table(document, "sensitivity").rows
+    entry = stored.fit.pulleys["medium"]["c2"]
+    expected = [f"{entry.prior_sensitivity:.3f}", f"{entry.likelihood_sensitivity:.3f}"]
+    assert [row[1:] for row in rows if row[0] == symbol("c2[medium]")] == [expected]
 
 
 def test_unconverged_is_said_on_page_one(stored):

@@ -1,7 +1,7 @@
 """Whether the draws can be trusted."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from bayesfric.diagnostics import LIMITS
 from bayesfric.plots.ranks import rank_histograms
@@ -10,6 +10,7 @@ from bayesfric.report.chapters.symbols import symbol
 from bayesfric.report.content import Block, Code, Column, Figure, Heading, Paragraph, Table
 from bayesfric.report.quantities import format_count, format_number, format_share
 from bayesfric.report.stored import StoredResults
+from bayesfric.schemas import ParameterSummary
 
 __all__ = ["diagnostics"]
 
@@ -68,6 +69,8 @@ def diagnostics(stored: StoredResults) -> Iterator[Block]:
         "batch means. Contraction is 1 − posterior sd / prior sd: 0 where the data say "
         "nothing, 1 where they say all. Informed: the data say more than the prior.",
     )
+    if any(entry.prior_sensitivity is not None for entry in entries.values()):
+        yield _sensitivity(entries)
     yield Figure(
         to_svg(rank_histograms(stored.predictive)),
         [
@@ -80,6 +83,30 @@ def diagnostics(stored: StoredResults) -> Iterator[Block]:
         "Small panels, one for each parameter, with a step line for each ensemble: the count of "
         "its draws in equal classes of rank, over the count expected, which is one.",
         label="ranks",
+    )
+
+
+def _sensitivity(entries: Mapping[str, ParameterSummary]) -> Table:
+    known = [
+        (symbol(name), entry.prior_sensitivity, entry.likelihood_sensitivity)
+        for name, entry in entries.items()
+        if entry.prior_sensitivity is not None and entry.likelihood_sensitivity is not None
+    ]
+    return Table(
+        "What each coefficient rests on.",
+        [
+            "coefficient",
+            Column("prior", align="decimal"),
+            Column("likelihood", align="decimal"),
+        ],
+        [
+            [name, f"{of_prior:.3f}", f"{of_likelihood:.3f}"]
+            for name, of_prior, of_likelihood in known
+        ],
+        label="sensitivity",
+        note="How far the cumulative distribution of the coefficient moves if all priors, or the "
+        "likelihood, are raised to a power, for a doubling of it: power-scaling. Below 0.05 the "
+        "component hardly matters.",
     )
 
 
