@@ -10,8 +10,9 @@ from bayesfric.boards.gravity import Condition
 from bayesfric.effects import all_effects
 from bayesfric.friction import Coefficients
 from bayesfric.protocols import Protocol
+from bayesfric.recording.tables import Pulley
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
-from bayesfric.simulate.acting import Acting
+from bayesfric.simulate.acting import Acting, surroundings
 from bayesfric.simulate.effects_on_trials import trial_motion
 from bayesfric.simulate.strength import at_strength
 from bayesfric.simulate.truth import AppliedEffect
@@ -201,9 +202,6 @@ def test_a_drive_adds_to_the_motor_board_but_what_passes_does_not():
 
 
 def test_a_radius_of_the_users_own_counts():
-    from bayesfric.recording.tables import Pulley
-    from bayesfric.simulate.acting import surroundings
-
     recording = simulate_recording("quick", seed=1, rigs=["gravity"])
     rig = dataclasses.replace(recording.rig, pulleys={"small": Pulley(radius_m=0.004)})
     around = surroundings(recording.gravity.trials, rig)
