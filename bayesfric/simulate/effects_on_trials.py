@@ -16,7 +16,6 @@ __all__ = ["Motion", "passing_times", "trial_motion"]
 
 Array = NDArray[np.float64]
 STEPS = 900  # of Runge-Kutta, over LONGEST times the time without effects
-STEPS_IN_TURN = 9000  # with effects that go round with a pulley: ten a radian at the fastest
 LONGEST = 3.0
 CORRECTIONS = 3  # of an acceleration that its own tension changes, by a hundredth of itself
 SPEED_STEP_S = 1e-3  # over which speeds are compared for an acceleration
@@ -59,14 +58,12 @@ def trial_motion(
     """
     plain = trajectory(law, condition).time_at(np.full_like(factor, distance_m))
     duration = LONGEST * np.where(np.isfinite(plain), plain, 1.0)
-    turning = any(one.phases is not None for one in of_kind(acting, "friction"))
 
     def acceleration(travel: Array, speed: Array) -> Array:
         along = {**around, "travel_m": travel}
         return _acceleration(law, condition, factor, acting, along, speed)
 
-    steps = STEPS_IN_TURN if turning else STEPS
-    return step_board(acceleration, duration, steps, distance_m)
+    return step_board(acceleration, duration, STEPS, distance_m)
 
 
 def _acceleration(

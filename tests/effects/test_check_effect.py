@@ -9,6 +9,9 @@ from bayesfric.effects import all_effects
 from bayesfric.testing import EffectError, check_effect
 
 VISCOUS = all_effects()["viscous"]
+RUNOUT = all_effects()["runout"]
+SLIP = all_effects()["slip"]
+CABLE_WEIGHT = all_effects()["cable-weight"]
 
 
 @pytest.mark.parametrize("name", list(all_effects()))
@@ -35,6 +38,17 @@ def with_amplitude(**changes):
         (with_amplitude(plausible=(5.0, 9.0)), "not in reach"),
         (dataclasses.replace(VISCOUS, along_path=False), "not said to act along_path"),
         (dataclasses.replace(VISCOUS, laws={}), "no law"),
+        (dataclasses.replace(RUNOUT, components=3), r"shape \(2, 12\), .* go with \(3, 12\)"),
+        (dataclasses.replace(RUNOUT, components=0), r"shape \(2, 12\), .* go with \(12,\)"),
+        (dataclasses.replace(CABLE_WEIGHT, along_path=False), "not said to act along_path"),
+        (
+            dataclasses.replace(SLIP, laws={"mine": lambda p, r: p["share"] ** 3 * r.time_s}),
+            "not linear in share",
+        ),
+        (
+            with_law(lambda p, s: np.ravel(p["slope"])[-1] * s.speed_m_s),
+            "a column of amplitudes gives other values",
+        ),
         (
             dataclasses.replace(
                 all_effects()["stribeck"],
