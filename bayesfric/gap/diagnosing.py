@@ -267,7 +267,7 @@ def _most_probable(which: Which) -> Weighed:
     chances = which.probabilities()
     if chances.get(NONE, 0.0) >= 0.5 or chances.get(UNKNOWN, 0.0) >= 0.5:
         return which.weighed[NONE]
-    named = [name for name in chances if name not in (NONE, UNKNOWN)]
+    named = [name for name in which.weighed if name in chances and name != NONE]
     return which.weighed[max(named, key=lambda name: chances[name])]
 
 

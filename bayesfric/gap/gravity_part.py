@@ -25,6 +25,7 @@ __all__ = ["GravityNoise", "GravityPart"]
 Array = NDArray[np.float64]
 WINDOWS = 8  # of a trial's travel
 EVENTS_A_WINDOW = 4  # at least, of both sensors
+VIEWS = 8  # selections of columns that are kept at hand
 LOG_2PI = float(np.log(2 * np.pi))
 
 
@@ -42,6 +43,17 @@ class GravityNoise(NamedTuple):
     tau: float
     omega: float
     kappa: float
+
+
+@dataclass(frozen=True)
+class _View:
+    """The sums of some columns and of some trials."""
+
+    precision: tuple[Array, ...]  # by size, (k, k)
+    slope: Array  # (n, k)
+    across: Array  # (n, k, r)
+    inner: Array  # (n, r, r)
+    right: Array  # (n, r)
 
 
 @dataclass(frozen=True)
@@ -101,6 +113,7 @@ class GravityPart:
         columns, random, self.blocks = assemble(rows, layout, smooths, candidates, scales, force)
         self.columns, self._random = columns, random
         self._sums = self._summed()
+        self._views: dict[tuple[bytes, tuple[int, ...]], _View] = {}
 
     def information(
         self,
@@ -129,9 +142,8 @@ class GravityPart:
             chosen += range(block.start, block.stop)
             spread += [amplitude] * (block.stop - block.start)
         sd = np.array(spread)
-        across = sums.across[trials][:, kept][:, :, chosen]
-        inner = sums.inner[trials][:, chosen][:, :, chosen]
-        right = sums.right[trials][:, chosen]
+        view = self._view(kept, tuple(chosen), None if used is None else trials)
+        across, inner, right = view.across, view.inner, view.right
         # (κ Λ⁻¹ + R)⁻¹ in units of the scatter, none of which has to be above 0.
         whole = np.eye(sd.size) + sd[:, None] * inner * sd / kappa
         gain = sd[:, None] * np.linalg.inv(whole) * sd / kappa
@@ -151,14 +163,13 @@ class GravityPart:
         pulled = np.bincount(group, pull / kappa, groups)
         share = noise.omega**2 / (1 + noise.omega**2 * stiffness)
         constant += 0.5 * (share * pulled**2 - np.log1p(noise.omega**2 * stiffness)).sum()
-        slopes = (sums.slope[trials][:, kept] - (across * solved[:, None]).sum(axis=-1)) / kappa
+        slopes = (view.slope - (across * solved[:, None]).sum(axis=-1)) / kappa
         count = self._layout.total(kept)
         precision, slope = np.zeros((count, count)), np.zeros(count)
         for size in range(len(self._layout.sizes)):
             mine = self.size[trials] == size
             theirs = self._size_of_setup == size
-            blocks = np.unique(self._block[trials & (self.size == size)])
-            part = sums.precision[blocks][:, kept][:, :, kept].sum(axis=0) / kappa
+            part = view.precision[size] / kappa
             left, rest = (a[mine].swapaxes(1, 2).reshape(-1, kept.size) for a in (moved, across))
             part -= left.T @ rest / kappa
             part -= (summed[theirs].T * share[theirs]) @ summed[theirs]
@@ -167,6 +178,35 @@ class GravityPart:
             slope[place] += slopes[mine].sum(axis=0)
             slope[place] -= (share[theirs] * pulled[theirs]) @ summed[theirs]
         return Information(precision, slope, float(constant))
+
+    def _view(
+        self,
+        kept: NDArray[np.intp],
+        chosen: tuple[int, ...],
+        trials: NDArray[np.bool_] | None,
+    ) -> "_View":
+        """Return the sums of some columns and trials; the last ones of all trials are kept."""
+        key = (kept.tobytes(), chosen)
+        if trials is None and key in self._views:
+            return self._views[key]
+        sums, used = self._sums, np.ones(len(self.setup), dtype=bool) if trials is None else trials
+        blocks = [
+            np.unique(self._block[used & (self.size == size)])
+            for size in range(len(self._layout.sizes))
+        ]
+        pick = list(chosen)
+        view = _View(
+            tuple(sums.precision[block].sum(axis=0)[np.ix_(kept, kept)] for block in blocks),
+            sums.slope[used][:, kept],
+            sums.across[used][:, kept][:, :, pick],
+            sums.inner[used][:, pick][:, :, pick],
+            sums.right[used][:, pick],
+        )
+        if trials is None:
+            if len(self._views) >= VIEWS:
+                self._views.clear()
+            self._views[key] = view
+        return view
 
     def phase_strength(self, place: int) -> float:
         """Return the squared signal over noise of phases at unit amplitude."""

@@ -16,7 +16,7 @@ from bayesfric.likelihood.motor import MotorLikelihood
 __all__ = ["fitted_laws", "reference_laws"]
 
 Array = NDArray[np.float64]
-ROUNDS = 3  # of fitting and linearising anew
+ROUNDS = 2  # of fitting and linearising anew
 LEAST = {"c1": 1e-5, "c2": 1e-5, "c3": -np.inf}  # a law whose friction is above zero
 
 

@@ -24,7 +24,7 @@ UNKNOWN_SCALE = 0.1  # of rms friction: of the half-normal of an unknown force's
 UNKNOWN_NODES = np.linspace(0.025, 0.975, 20)  # quantiles of that half-normal
 FINALISTS = 10  # pairs that are weighed with all laws and shapes
 NEAR = 4.0  # nat from the best, of a hypothesis whose noise is integrated over
-WITHIN = 12.0  # nat from the best, of a pair that is worth it
+WITHIN = 7.0  # nat from the best, prior included, of a pair that is worth it
 GAIN = 1.0  # nat that an effect adds, from which on the noise is looked at anew
 WORTH = 3.0  # nat that a further effect has to gain, beyond two
 MOST = 4  # effects at a time
@@ -45,8 +45,8 @@ class Which:
         What is identical, absorbed or left out.
     unknown : tuple of (float, float)
         Rms of an unknown force as a share of friction, with its log weight.
-    screened : float
-        Bound on the log of prior times evidence of all hypotheses that were not weighed.
+    screened : frozenset of str
+        Hypotheses whose evidence is that at another one's noise, laws and shapes.
     error : float
         Of a difference of log evidences: by how much the noise's volume moves them.
     representative : dict of str to str
@@ -57,7 +57,7 @@ class Which:
     weighed: dict[str, Weighed]
     classes: Classes
     unknown: tuple[tuple[float, float], ...]
-    screened: float
+    screened: frozenset[str]
     error: float
     representative: dict[str, str] = field(default_factory=dict)
 
@@ -68,7 +68,7 @@ class Which:
             return float(np.log(none))
         if name == UNKNOWN:
             return float(np.log(rest * PRIOR["unknown"]))
-        count, number = len(self.classes.members), len(self.weighed[name].names)
+        count, number = len(self.classes.members), _count(name)
         mass = PRIOR[{1: "one", 2: "two"}.get(number, "more")]
         return float(np.log(rest * mass / comb(count, number)))
 
@@ -83,9 +83,9 @@ class Which:
         return {name: float(chances[name] / total) for name in ranked}
 
     def unvisited(self) -> float:
-        """Return a bound on the probability of all that was not weighed."""
-        values = [self.log_evidence[n] + self.log_prior(n) for n in self.log_evidence]
-        return float(np.exp(self.screened - np.logaddexp(self.screened, logsumexp(values))))
+        """Return the probability of hypotheses that were screened only."""
+        chances = self.probabilities()
+        return float(sum(chances.get(name, 0.0) for name in self.screened))
 
 
 def label(names: tuple[str, ...]) -> str:
@@ -126,11 +126,7 @@ def which_effect(model: LinearModel, psi: Array) -> Which:
     unknown, value = unknown_evidence(model, psi, Acting())
     log_evidence[UNKNOWN] = value
     error = _volumes(model, weighed, log_evidence)
-    volume = log_evidence[NONE] - none.log_evidence
-    share = float(np.log(PRIOR["two"] / max(comb(len(effects), 2), 1)))
-    rest = [value + volume + share for value in screened.values()]
-    bound = float(logsumexp(rest)) if rest else -np.inf
-    return Which(log_evidence, weighed, classes, unknown, bound, error, representative)
+    return Which(log_evidence, weighed, classes, unknown, screened, error, representative)
 
 
 def _pairs(
@@ -138,33 +134,40 @@ def _pairs(
     effects: list[str],
     weighed: dict[str, Weighed],
     log_evidence: dict[str, float],
-) -> dict[str, float]:
-    """Weigh the promising pairs; return the others' screened evidence."""
+) -> frozenset[str]:
+    """Weigh the promising pairs, screen the others; return these."""
     if len(effects) < 2:
-        return {}
+        return frozenset()
     singles = {name: weighed[name] for name in effects}
     best = max(singles.values(), key=lambda one: one.log_evidence)
     psi = best.psi if best.log_evidence > weighed[NONE].log_evidence else weighed[NONE].psi
     rough = _rough_pairs(model, singles, effects, psi)
-    screened: dict[str, float] = {}
-    ranked = sorted(rough, key=lambda pair: -rough[pair])
-    top = max(max(log_evidence.values()), rough[ranked[0]])
-    for place, pair in enumerate(ranked):
-        if place < FINALISTS and rough[pair] > top - WITHIN:
-            alone = max(singles[name].log_evidence for name in pair)
-            found = weigh(model, pair, psi, climb=rough[pair] > alone + GAIN)
-            weighed[label(pair)] = found
-            log_evidence[label(pair)] = found.log_evidence
-            top = max(top, found.log_evidence)
-        else:
-            screened[label(pair)] = rough[pair]
-    return screened
+    pairs, ones = len(rough), len(effects)
+    prior = {0: PRIOR["none"], 1: PRIOR["one"] / ones, 2: PRIOR["two"] / pairs}
+    before = {name: value + np.log(prior[_count(name)]) for name, value in log_evidence.items()}
+    top = max(*before.values(), *(value + np.log(prior[2]) for value in rough.values()))
+    screened = {label(pair) for pair in rough}
+    for place, pair in enumerate(sorted(rough, key=lambda pair: -rough[pair])):
+        name = label(pair)
+        log_evidence[name] = rough[pair]
+        if place < FINALISTS and rough[pair] + np.log(prior[2]) > top - WITHIN:
+            alone = max(singles[one].log_evidence for one in pair)
+            weighed[name] = weigh(model, pair, psi, climb=rough[pair] > alone + GAIN)
+            log_evidence[name] = weighed[name].log_evidence
+            top = max(top, log_evidence[name] + np.log(prior[2]))
+            screened.remove(name)
+    return frozenset(screened)
+
+
+def _count(name: str) -> int:
+    """Return how many effects act in a hypothesis, by its name."""
+    return 0 if name == NONE else name.count("+") + 1
 
 
 def _rough_pairs(
     model: LinearModel, singles: dict[str, Weighed], effects: list[str], psi: Array
 ) -> dict[tuple[str, str], float]:
-    """Return pairs' log evidence at given noise, laws and shapes those of each alone."""
+    """Return pairs' log evidence at given noise, laws and shapes as likely as of each alone."""
     with_columns = [name for name in effects if not singles[name].best.phases]
     columns = tuple(singles[name].best.columns[0] for name in with_columns)
     mean, sd = model.prior(columns)
@@ -178,7 +181,14 @@ def _rough_pairs(
             rough[a, b] = value + model.log_prior(psi)
         else:
             rough[a, b] = _rough_pair(model, singles[a], singles[b], psi)
+        rough[a, b] += sum(_other_choices(model, singles[name]) for name in (a, b))
     return rough
+
+
+def _other_choices(model: LinearModel, one: Weighed) -> float:
+    """Return what an effect's other laws and shapes add to the log evidence of its best."""
+    (place,) = (*one.best.columns, *one.best.phases)
+    return float(model.candidates[place].log_weight - one.log_weights.max())
 
 
 def _rough_pair(model: LinearModel, one: Weighed, other: Weighed, psi: Array) -> float:

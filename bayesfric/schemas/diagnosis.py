@@ -174,7 +174,7 @@ class DiagnosisFile(Provenance):
         description="Probabilities where the prior of none is 0.1 and 0.9."
     )
     unvisited_probability: Number = Field(
-        description="Bound on the total of hypotheses that were screened only."
+        description="Of hypotheses that were screened only, together."
     )
     causes: tuple[Cause, ...] = Field(description="Of the most probable named hypothesis.")
     unseparated: tuple[Unseparated, ...] = Field(description="What cannot be told apart.")
