@@ -1,0 +1,170 @@
+"""Both boards in the linear model, against dense normals and against full physics."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.linalg import null_space
+from scipy.stats import multivariate_normal
+
+from bayesfric.analysis import Analysis
+from bayesfric.effects import all_effects
+from bayesfric.gap.candidates import candidates_of
+from bayesfric.gap.gravity_part import GravityNoise
+from bayesfric.gap.gravity_rows import GravityRows
+from bayesfric.gap.linear_model import Acting, LinearModel
+from bayesfric.gap.motor_part import MotorNoise
+from bayesfric.likelihood.hypothesis import Data
+from bayesfric.likelihood.screening import screen_trials
+from bayesfric.paper import table1
+from bayesfric.protocols import Protocol
+from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
+from bayesfric.simulate.strength import at_strength
+
+SMALL = Protocol({(9, 85.0): 2, (15, 50.0): 1}, (6.0, 28.0), (6.0, 28.0), 2)
+SHARE = 0.005
+
+
+@pytest.fixture(scope="module")
+def model():
+    """Three sizes, two effects with columns and one with phases."""
+    recording = simulate_recording(SMALL, seed=5)
+    data = Data(
+        recording.rig, screen_trials(recording.gravity, recording.rig).gravity, recording.motor
+    )
+    effects = [all_effects()[name] for name in ("viscous", "runout", "torque-constant")]
+    candidates = [one for effect in effects for one in candidates_of(effect)]
+    return LinearModel(data, table1_coefficients(), candidates, Analysis(), SHARE)
+
+
+@pytest.mark.parametrize("phases", [False, True])
+def test_gravity_board_is_a_dense_normal(model, phases):
+    """Rows of an assembly, offsets and first speeds projected out, scatter as covariance."""
+    part, noise = model.gravity, GravityNoise(0.02, 0.03, 1.3)
+    place = next(p for p, c in enumerate(model.candidates) if c.effect.components)
+    amplitude = 0.4
+    scatters = [(part.blocks[place], amplitude)] if phases else []
+    kept = model.kept((0,))
+    found = part.information(noise, kept, scatters)
+    rng = np.random.default_rng(1)
+    numbers = rng.standard_normal(found.slope.size)
+    value = found.constant + found.slope @ numbers - 0.5 * numbers @ found.precision @ numbers
+    total = 0.0
+    rows_of = list(part.rows.rows_of_trials())
+    for setup in range(len(part.setups)):
+        residual, covariance, jacobian, owner = [], [], 0.0, []
+        for trial in np.flatnonzero(part.setup == setup):
+            rows = rows_of[trial]
+            sd = np.sqrt(part.rows.variance[rows])
+            nuisance = part.rows.events.regressors[:3, rows] / sd
+            off = null_space(nuisance)
+            local = numbers[model.layout.spread(kept, part.size[trial])]
+            left = part.rows.residual[rows] - part.columns[rows][:, kept] @ local
+            residual.append(off.T @ (left / sd))
+            owner.append(off.T @ (part.scatter_column[rows] / sd))
+            own = noise.kappa * np.eye(off.shape[1])
+            if phases:
+                wave = off.T @ (part._random[rows][:, part.blocks[place]] / sd[:, None])
+                own += amplitude**2 * wave @ wave.T
+            covariance.append(own + noise.tau**2 * np.outer(owner[-1], owner[-1]))
+            jacobian -= np.log(sd).sum()
+        ends = np.cumsum([len(one) for one in residual])
+        whole = noise.omega**2 * np.outer(np.concatenate(owner), np.concatenate(owner))
+        for own, end in zip(covariance, ends, strict=True):
+            whole[end - len(own) : end, end - len(own) : end] += own
+        joined = np.concatenate(residual)
+        total += multivariate_normal.logpdf(joined, np.zeros(joined.size), whole) + jacobian
+    assert value == pytest.approx(total, rel=1e-9)
+
+
+def test_motor_board_is_a_dense_normal(model):
+    part, noise = model.motor, MotorNoise(0.02, 0.03, 0.003, 0.006)
+    kept = model.kept((0,))
+    found = part.information(noise, kept)
+    numbers = np.random.default_rng(2).standard_normal(found.slope.size)
+    value = found.constant + found.slope @ numbers - 0.5 * numbers @ found.precision @ numbers
+    local = np.stack([numbers[model.layout.spread(kept, size)] for size in part.size])
+    residual = part._current - (part.columns[:, kept] * local).sum(axis=1)
+    scatter = part._scattered()
+    same = np.equal.outer(part.setup, part.setup)
+    covariance = np.diag(part.variance(noise) + (noise.tau * scatter) ** 2)
+    covariance += noise.omega**2 * np.outer(scatter, scatter) * same
+    total = multivariate_normal.logpdf(residual, np.zeros(residual.size), covariance)
+    idle = part._idle_current - part._idle_columns @ numbers[-model.layout.idle :]
+    total += multivariate_normal.logpdf(idle / noise.sigma_a, np.zeros(idle.size)) - idle.size * (
+        np.log(noise.sigma_a)
+    )
+    assert value == pytest.approx(total, rel=1e-9)
+
+
+def test_trials_and_runs_that_are_left_out_say_nothing(model):
+    """What is left of all and what is left without some adds up to the whole."""
+    acting, psi = Acting((0,)), model.start
+    plain = LinearModel(
+        model.data, model.laws, model.candidates, Analysis(), SHARE, discrepancy=False
+    )
+    setups = plain.gravity.setup < 3
+    first = {"gravity": setups, "motor": plain.motor.setup < 5}
+    rest = {name: ~chosen for name, chosen in first.items()}
+    whole = plain.information(psi, acting)
+    # The idle motor is measured once, and counts in both parts.
+    idle = plain.information(psi, acting, {name: np.zeros_like(c) for name, c in first.items()})
+    parts = plain.information(psi, acting, first) + plain.information(psi, acting, rest)
+    np.testing.assert_allclose(parts.precision - idle.precision, whole.precision, rtol=1e-9)
+    np.testing.assert_allclose(parts.slope - idle.slope, whole.slope, rtol=1e-9, atol=1e-9)
+
+
+# Strengths at which what is not linear is a per cent of what is.
+@pytest.mark.parametrize(
+    ("name", "strength"),
+    [
+        ("viscous", 0.1),
+        ("cable-weight", 0.1),
+        ("air-drag", 0.1),
+        ("mass-error", 0.1),
+        ("pulley-inertia", 0.1),
+        ("stribeck", 0.1),
+        ("presliding", 0.1),
+        ("length-scale", 0.1),
+        ("slip", 0.1),
+        ("tension-curvature", 0.1),
+        ("wear-drift", 0.1),
+    ],
+)
+def test_columns_are_what_full_physics_does(name, strength):
+    """Without noise, a recording with an effect less one without is amplitude times column."""
+    quiet = Truth(tau=0.0, omega=0.0, sigma_x=0.0, sigma_t=0.0)
+    bare = simulate_recording(SMALL, seed=7, truth=quiet, rigs=("gravity",))
+    one = at_strength(name, strength, SMALL, bare.rig, quiet)
+    there = simulate_recording(
+        SMALL, seed=7, truth=replace(quiet, effects=(one,)), rigs=("gravity",)
+    )
+    radii = {size: row.radius_m for size, row in table1().items()}
+    laws = table1_coefficients()
+    rows = GravityRows(there.gravity, there.rig, laws, radii)
+    candidate = next(c for c in candidates_of(one.effect, _at(one)) if c.law == one.law)
+    response = one.values[one.effect.amplitude.name] * rows.candidate_columns(candidate)[:, 0]
+    plain = GravityRows(bare.gravity, bare.rig, laws, radii)
+    left, expected = _without_nuisances(rows, rows.residual), _without_nuisances(rows, response)
+    nothing = _without_nuisances(plain, plain.residual)
+    assert np.abs(nothing).max() < 0.01 * np.abs(expected).max()
+    assert np.linalg.norm(left - expected) < 0.05 * np.linalg.norm(expected)
+
+
+def _at(applied):
+    """Return nodes at the shape of an effect that is applied."""
+    from bayesfric.priors import to_normal
+
+    effect = applied.effect
+    if effect.shape is None:
+        return None
+    node = float(to_normal(effect.shape.prior, applied.values[effect.shape.name]))
+    return {law: np.array([node]) for law in effect.laws}
+
+
+def _without_nuisances(rows, values):
+    left = np.empty_like(values)
+    for own in rows.rows_of_trials():
+        nuisance = rows.events.regressors[:3, own].T
+        left[own] = values[own] - nuisance @ np.linalg.lstsq(nuisance, values[own], rcond=None)[0]
+    return left

@@ -1,0 +1,57 @@
+"""The gap's arithmetic on squares that are made up."""
+
+import numpy as np
+import pytest
+
+from bayesfric.gap.shrink import Squares, folds_of, gap_row
+
+SETUPS = np.repeat(np.arange(60), 4)
+
+
+def squares(before, after, floor, shipped=None):
+    size = SETUPS.size
+
+    def each(rms):
+        return np.full(size, rms**2 / size)
+
+    known = None if shipped is None else each(shipped)
+    return Squares(known, each(before), each(after), each(floor), SETUPS)
+
+
+def row(found, *, causes=True):
+    return gap_row("it", found, causes=causes, shipped_why="-", rng=np.random.default_rng(0))
+
+
+def test_four_figures_are_root_mean_squares():
+    found, systematic, _ = row(squares(0.5, 0.35, 0.3, shipped=0.9))
+    for value, expected in (
+        (found.as_shipped.q50, 0.9),
+        (found.before.q50, 0.5),
+        (found.after.q50, 0.35),
+    ):
+        assert value == pytest.approx(expected, rel=1e-9)
+    # The floor is as uncertain as a variance of 60 assemblies is.
+    assert found.floor.q50 == pytest.approx(0.3, rel=0.02)
+    assert systematic.q50 == pytest.approx(0.4, rel=0.02)
+
+
+def test_shrink_is_of_squares_above_the_floor():
+    found, _, _ = row(squares(0.5, 0.35, 0.3))
+    assert found.shrink.q50 == pytest.approx((0.25 - 0.1225) / (0.25 - 0.09), rel=1e-6)
+
+
+def test_no_shrink_without_a_cause_or_a_gap():
+    without, _, _ = row(squares(0.5, 0.5, 0.3), causes=False)
+    assert without.shrink is None
+    assert "no cause" in without.shrink_why
+    below, systematic, _ = row(squares(0.3, 0.3, 0.31))
+    assert below.shrink is None
+    assert "above the floor" in below.shrink_why
+    assert systematic.q05 == 0.0
+
+
+def test_folds_keep_assemblies_together_and_even():
+    fold = folds_of(SETUPS, np.random.default_rng(1))
+    for setup in range(60):
+        assert np.ptp(fold[setup == SETUPS]) == 0
+    assert np.bincount(fold).tolist() == [48] * 5
