@@ -82,6 +82,8 @@ def _amplitudes(
     model: LinearModel, psi: Array, choice: Acting, count: int, rng: np.random.Generator
 ) -> dict[int, Array]:
     """Draw the amplitudes of candidates with columns, none of a half-normal below 0."""
+    if not choice.columns:
+        return {}
     mean, sd = model.prior(choice.columns)
     centre, covariance = model.information(psi, choice).posterior(mean, sd)
     places = model.places(choice.columns)
