@@ -29,8 +29,8 @@ __all__ = ["GravityRows", "assemble", "rank"]
 
 Array = NDArray[np.float64]
 STATED_SD = 0.01  # m/s², of an acceleration that comes without its standard error
-PATH_DEGREE = 7  # of the travel in time: forces that die out within a tenth of a trial
-FIRST_SHARE = 8  # of a path is this one over, over which the trial is followed back
+PATH_DEGREE = 9  # of the travel in time: forces that die out within a tenth of a trial
+FIRST_SHARE = 32  # of a path is this one over, over which the trial is followed back
 LEAST_ACCELERATION = 0.02  # m/s², where the reference law predicts that the cable stands
 
 

@@ -57,10 +57,8 @@ def case(given):
 
     right = found.verdict == "named" and len(named) == len(effects)
     right = right and all(any(stands_for(name, cause) for cause in named) for name in effects)
-    truth = {
-        one["name"]: one["parameters"]
-        for one in recording.metadata["simulation"]["truth"]["effects"]
-    }
+    acted = recording.metadata["simulation"]["truth"]["effects"]
+    truth = {one["name"]: one["parameters"] for one in acted}
     covered = {
         f"{cause.effect}.{name}": bool(five.q05 <= truth[cause.effect][name] <= five.q95)
         for cause in found.causes
