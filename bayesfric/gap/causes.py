@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm
 
-from bayesfric.effects import EffectParameter
-from bayesfric.gap.candidates import is_positive
+from bayesfric.effects import EffectParameter, State
+from bayesfric.friction import Coefficients
+from bayesfric.gap.candidates import Candidate, is_positive, unit_values
 from bayesfric.gap.linear_model import Acting, LinearModel
 from bayesfric.gap.shrink import interval
 from bayesfric.gap.weighing import Weighed
@@ -19,6 +20,7 @@ __all__ = ["CauseDraws", "cause_draws", "causes_of"]
 
 Array = NDArray[np.float64]
 DRAWS = 2000
+REFERENCE_TENSION_N = 15.0
 LN10 = float(np.log(10))
 
 
@@ -87,20 +89,62 @@ def _amplitudes(
     mean, sd = model.prior(choice.columns)
     centre, covariance = model.information(psi, choice).posterior(mean, sd)
     places = model.places(choice.columns)
+    own = model.layout.own * np.arange(len(model.layout.sizes))
+    both = np.concatenate([places, own, own + 1])  # with c1 and c2 of each size
     drawn = rng.multivariate_normal(
-        centre[places], covariance[np.ix_(places, places)], count, method="eigh"
+        centre[both], covariance[np.ix_(both, both)], count, method="eigh"
     )
+    grown = _friction_growth(model, drawn[:, places.size :].T.reshape(2, -1, count))
     found = {}
     for row, place in enumerate(choice.columns):
-        values = drawn[:, row]
-        if is_positive(model.candidates[place].effect.amplitude.prior):
+        values, candidate = drawn[:, row], model.candidates[place]
+        if is_positive(candidate.effect.amplitude.prior):
             # What lies below 0 is drawn again, one at a time, above it.
             at, width = centre[places[row]], np.sqrt(covariance[places[row], places[row]])
             low = norm.cdf(-at / width)
             again = at + width * norm.ppf(low + (1 - low) * rng.uniform(size=count))
             values = np.where(values > 0, values, np.maximum(again, 0.0))
+        # The force is known, and a share of friction no better than friction.
+        values = values / grown ** _degree(candidate)
         found[place] = values * model.scale(model.layout.candidate(place))
     return found
+
+
+def _friction_growth(model: LinearModel, numbers: Array) -> Array:
+    """Return a pulley's friction over that of the reference law, sizes averaged, shape (S,).
+
+    Sizes count by the square of their friction, as an effect in proportion to it does.
+    """
+    total, weights = np.zeros(numbers.shape[-1]), 0.0
+    for row, size in enumerate(model.layout.sizes):
+        law = model.laws[size]
+        friction = float(np.asarray(law.c1)) * REFERENCE_TENSION_N + float(np.asarray(law.c2))
+        added = numbers[0, row] * model.scale(0) * REFERENCE_TENSION_N
+        added = added + numbers[1, row] * model.scale(1)
+        weight = model.friction_scale[size] ** 2
+        total += weight * (1 + added / friction)
+        weights += weight
+    return np.asarray(total / weights)
+
+
+def _degree(candidate: Candidate) -> float:
+    """Return by which power of friction an effect's force grows: 1 of a share of it, else 0."""
+    if candidate.effect.acts_on != "friction":
+        return 0.0
+    values, _ = unit_values(candidate)
+    place = {"travel_m": 0.1, "order": 0.8, "acceleration_m_s2": 0.5}
+    force = [
+        float(
+            np.abs(
+                candidate.effect.laws[candidate.law](
+                    values,
+                    State.of(Coefficients(k * 0.01, k * 0.02, k * 2e-5), 9, 60, 20, 0.5, **place),
+                )
+            ).max()
+        )
+        for k in (1.0, 1.01)
+    ]
+    return float(np.log(force[1] / force[0]) / np.log(1.01)) if force[0] > 0 else 0.0
 
 
 def causes_of(

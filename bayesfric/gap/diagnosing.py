@@ -39,6 +39,7 @@ __all__ = ["Diagnosed", "diagnose"]
 Array = NDArray[np.float64]
 LN10 = float(np.log(10))
 MANY = 0.1  # of the trials, whose sensors disagree, from which on it is the rig's doing
+MOSTLY = 0.5  # probability of none, or of an unknown force, that decides
 ROUNDS = 2  # of linearising around the law that was fitted with the causes
 
 
@@ -155,7 +156,7 @@ def _diagnose(
     fold_rng, gap_rng, where_rng, draw_rng = (
         np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(4)
     )
-    arms = _arms(model, found, psi, which, {s: shipped[s] for s in data.sizes if s in shipped})
+    arms = _arms(model, found, which, {s: shipped[s] for s in data.sizes if s in shipped})
     figures = measure_gap(arms, fold_rng)
     free = free_running(arms, figures.residuals, figures.fold)
     gap, systematic = gap_figures(figures, free, arms, bool(found.names), gap_rng)
@@ -265,7 +266,7 @@ def _held(
 def _most_probable(which: Which) -> Weighed:
     """Return the causes: of the most probable named hypothesis, none where none is needed."""
     chances = which.probabilities()
-    if chances.get(NONE, 0.0) >= 0.5 or chances.get(UNKNOWN, 0.0) >= 0.5:
+    if chances.get(NONE, 0.0) >= MOSTLY or chances.get(UNKNOWN, 0.0) >= MOSTLY:
         return which.weighed[NONE]
     named = [name for name in which.weighed if name in chances and name != NONE]
     return which.weighed[max(named, key=lambda name: chances[name])]
@@ -284,7 +285,6 @@ def _around_causes(model: LinearModel, found: Weighed) -> tuple[LinearModel, Wei
 def _arms(
     model: LinearModel,
     found: Weighed,
-    psi: Array,
     which: Which,
     shipped: Mapping[str, Coefficients],
 ) -> Arms:
@@ -302,7 +302,10 @@ def _arms(
     columns = len(found.best.columns)
     after = Acting(tuple(range(columns)), tuple(range(columns, len(chosen))))
     complete = set(shipped) == set(model.layout.sizes)
-    return Arms(plain, which.weighed[NONE].psi, found.psi, after, shipped if complete else None)
+    # What scatters is known best where all that is systematic has been taken up.
+    unknown = which.probabilities().get(UNKNOWN, 0.0) >= MOSTLY
+    settled = which.unknown_psi if unknown else found.psi
+    return Arms(plain, which.weighed[NONE].psi, settled, after, shipped if complete else None)
 
 
 def _examined(which: Which, names: list[str]) -> tuple[ExaminedEffect, ...]:

@@ -19,6 +19,7 @@ from bayesfric.effects import Reading, State
 from bayesfric.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.gap.candidates import Candidate, unit_values
 from bayesfric.gap.layout import Layout
+from bayesfric.gap.motion import follow, travel_before
 from bayesfric.gap.smooths import Smooth
 from bayesfric.likelihood.gravity import trial_condition
 from bayesfric.likelihood.hall_events import Events, prepare_events
@@ -29,8 +30,7 @@ __all__ = ["GravityRows", "assemble", "rank"]
 
 Array = NDArray[np.float64]
 STATED_SD = 0.01  # m/s², of an acceleration that comes without its standard error
-PATH_DEGREE = 9  # of the travel in time: forces that die out within a tenth of a trial
-FIRST_SHARE = 32  # of a path is this one over, over which the trial is followed back
+ROUGH = 9.0  # times the noise: squared, what no smooth path follows
 LEAST_ACCELERATION = 0.02  # m/s², where the reference law predicts that the cable stands
 
 
@@ -83,7 +83,9 @@ class GravityRows:
         self.acceleration = np.maximum(predicted, 0.0)
         self.order = rank(gravity.trials)
         self._radius = np.array([radii[size] for size in sizes])
-        self._paths = trial_paths(gravity, rig, PATH_DEGREE)
+        measured = prepare_events(gravity.events, gravity.trials["trial"])
+        self._paths, self._rough = follow(trial_paths(gravity, rig), measured)
+        self._before = travel_before(self._paths)
         self._feedback = tension_feedback(self.law, self.condition)[:, None]
         self._slowed = self._feedback / mass[:, None]
         self._travel = self._travelled()
@@ -195,11 +197,7 @@ class GravityRows:
         """Return the travel since the release along every path, shape (N, P) [m]."""
         speed = self._paths.speed_m_s
         step = self._paths.step_s * 0.5 * (speed[:, 1:] + speed[:, :-1])
-        # Back to the release at the acceleration of the path's first part.
-        part = speed.shape[1] // FIRST_SHARE
-        gained = speed[:, part : part + 1] ** 2 - speed[:, :1] ** 2
-        rate = gained / np.maximum(2 * step[:, :part].sum(axis=1, keepdims=True), 1e-9)
-        before = speed[:, :1] ** 2 / (2 * np.maximum(rate, LEAST_ACCELERATION))
+        before = self._before[:, None]
         return np.concatenate([before, before + np.cumsum(step, axis=1)], axis=1)
 
     def _state(self) -> State:
@@ -278,26 +276,21 @@ class GravityRows:
         stated = (stated_sd[self.events.trial] * travel) ** 2
         if alone.all():
             return np.asarray(stated)
-        square, speed2 = [], []
-        for rows in self.rows_of_trials():
-            if alone[rows][0]:
-                continue
-            tau = self.events.tau[rows]
-            nuisance = self.events.regressors[:3, rows]
-            nuisance = nuisance[(nuisance != 0).any(axis=1)]
-            powers = (tau / tau.max()) ** np.arange(2, 2 + min(5, tau.size // 6 + 1))[:, None]
-            design = np.vstack([nuisance, powers]).T
-            fit = np.linalg.lstsq(design, self.residual[rows], rcond=None)[0]
-            left = self.residual[rows] - design @ fit
-            square.append(left**2 * tau.size / max(tau.size - design.shape[1], 1))
-            speed2.append(self._speed[rows] ** 2)
-        value, grown = np.concatenate(square), np.concatenate(speed2)
-        slope, level = np.polyfit(grown, value, 1)
-        mean = value.mean()
+        square, speed2 = np.zeros_like(self.residual), self._speed**2
+        square[~alone] = self._rough**2
+        slope, level = np.polyfit(speed2[~alone], square[~alone], 1)
         # Neither part of the noise is negative.
-        if level < 0 or slope < 0:
-            level, slope = (0.0, mean / grown.mean()) if level < 0 else (mean, 0.0)
-        return np.where(alone, stated, level + slope * self._speed**2)
+        if level < 0:
+            level, slope = 0.0, square[~alone].mean() / speed2[~alone].mean()
+        elif slope < 0:
+            level, slope = square[~alone].mean(), 0.0
+        variance = level + slope * speed2
+        for rows in self.rows_of_trials():
+            # Where no smooth path follows a trial, as where the cable all but stops, what a
+            # force does along it is not known: the trial counts by so much less.
+            rough = square[rows].mean() / variance[rows].mean()
+            variance[rows] *= rough if rough > ROUGH else 1.0
+        return np.where(alone, stated, variance)
 
     def rows_of_trials(self) -> Iterator[slice]:
         """Yield the rows of each trial."""

@@ -31,7 +31,7 @@ def remainder_of(model: LinearModel, found: Weighed, gap_share: float) -> Remain
     gap_share : float
         Rms of the systematic gap over rms friction.
     """
-    nodes, evidence = unknown_evidence(model, found.psi, found.best)
+    nodes, evidence, _ = unknown_evidence(model, found.psi, found.best)
     gain = (evidence - model.log_joint(found.psi, found.best)) / LN10
     significant = gain > SIGNIFICANT
     axis, share, why = None, None, "no further force is asked for"

@@ -105,13 +105,12 @@ def residuals_of(model: LinearModel, psi: Array) -> Residuals:
         part, rows = model.gravity, model.gravity.rows
         windows = part.windows()
         masses = ["mass_drive_kg", "mass_load_kg"]
-        boards.append(
-            _of_board(part, rows, windows, masses, gravity.kappa, (gravity.tau, gravity.omega), 0)
-        )
+        # The noise of events by the first estimate of it, which no law's misfit inflates.
+        boards.append(_of_board(part, rows, windows, masses, (gravity.tau, gravity.omega), 0))
     if model.motor is not None and motor is not None:
         board, windows = model.motor, model.motor.windows(motor)
         held = ["hanging_mass_kg"]
-        boards.append(_of_board(board, board, windows, held, 1.0, (motor.tau, motor.omega), 1))
+        boards.append(_of_board(board, board, windows, held, (motor.tau, motor.omega), 1))
     return boards[0] if len(boards) == 1 else _joined(*boards)
 
 
@@ -120,7 +119,6 @@ def _of_board(
     rows: GravityRows | MotorPart,
     windows: Windows,
     masses: list[str],
-    kappa: float,
     scatter: tuple[float, float],
     rig: int,
 ) -> Residuals:
@@ -136,11 +134,11 @@ def _of_board(
         columns=windows.columns,
         size=part.size[row],
         friction_n=rows.friction_n[row],
-        variance=kappa * windows.variance,
+        variance=windows.variance,
         trial=row,
         setup=part.setup[row],
         condition=condition[row],
-        covariance=tuple(kappa * one for one in windows.covariance),
+        covariance=windows.covariance,
         scatter=np.tile(np.array(scatter), (row.size, 1)),
         covariates={axis: covariates[axis] for axis in AXES},
         names=tuple(table["trial"]),

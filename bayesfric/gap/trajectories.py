@@ -71,7 +71,7 @@ def free_running(
             if run is None:
                 continue
             off = part.rows.residual[rows] - numbers @ part.columns[rows].T
-            error = noise.kappa * run.variance.mean()
+            error = run.variance.mean()
             floor = spread2 * (run.deviation(part.scatter_column[rows]) ** 2).mean()
             mean = [(run.deviation(one) ** 2).mean() - error for one in off]
             trials.append(trial)

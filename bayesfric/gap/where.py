@@ -26,6 +26,7 @@ SCALE = 0.1  # prior sd of a smooth, as a share of friction
 GRID = 25
 ALIKE = 0.95  # canonical correlation of two axes' functions, from which on they are confounded
 BAND = 0.95
+ROUNDING = 1e-9  # of a covariate's size, which is no variation
 VISIBLE = 0.02  # of a function of an axis: less, and it does not vary here
 CATEGORIES = ("pulley_size", "rig")
 
@@ -121,7 +122,7 @@ def _blind(name: str) -> Axis:
 def _design(name: str, residuals: Residuals) -> _Design | None:
     values = residuals.covariates[name]
     known = np.isfinite(values)
-    if not known.any() or np.ptp(values[known]) == 0:
+    if not known.any() or np.ptp(values[known]) <= ROUNDING * np.abs(values[known]).max():
         return None
     if name in CATEGORIES:
         grid = np.unique(values[known])

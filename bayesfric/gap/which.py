@@ -49,6 +49,8 @@ class Which:
         Hypotheses whose evidence is that at another one's noise, laws and shapes.
     error : float
         Of a difference of log evidences: by how much the noise's volume moves them.
+    unknown_psi : ndarray
+        Logarithms of the noise where an unknown force acts.
     representative : dict of str to str
         The member that stands for each effect's class.
     """
@@ -59,6 +61,7 @@ class Which:
     unknown: tuple[tuple[float, float], ...]
     screened: frozenset[str]
     error: float
+    unknown_psi: Array
     representative: dict[str, str] = field(default_factory=dict)
 
     def log_prior(self, name: str, none: float = PRIOR["none"]) -> float:
@@ -123,10 +126,19 @@ def which_effect(model: LinearModel, psi: Array) -> Which:
     effects = sorted(set(representative.values()))
     screened = _pairs(model, effects, weighed, log_evidence)
     _further(model, effects, weighed, log_evidence)
-    unknown, value = unknown_evidence(model, psi, Acting())
+    unknown, value, unknown_psi = unknown_evidence(model, psi, Acting())
     log_evidence[UNKNOWN] = value
     error = _volumes(model, weighed, log_evidence)
-    return Which(log_evidence, weighed, classes, unknown, screened, error, representative)
+    return Which(
+        log_evidence,
+        weighed,
+        classes,
+        unknown,
+        screened,
+        error,
+        unknown_psi,
+        representative,
+    )
 
 
 def _pairs(
@@ -228,7 +240,7 @@ def _further(
 
 def unknown_evidence(
     model: LinearModel, psi: Array, acting: Acting
-) -> tuple[tuple[tuple[float, float], ...], float]:
+) -> tuple[tuple[tuple[float, float], ...], float, Array]:
     """Weigh a smooth force beyond the discrepancy, along every axis and on both boards.
 
     Parameters
@@ -246,6 +258,8 @@ def unknown_evidence(
         Rms of the force as a share of friction, each with its log weight.
     log_evidence : float
         Without the volume of the noise's mode.
+    psi : ndarray
+        Logarithms of the noise with it.
     """
     # It comes on top of the discrepancy that every hypothesis has.
     shares = np.hypot(model.practical_share, UNKNOWN_SCALE * halfnorm.ppf(UNKNOWN_NODES))
@@ -257,7 +271,7 @@ def unknown_evidence(
         values = np.array([model.log_joint(at, acting, float(share)) for share in shares])
     weights = values - logsumexp(values)
     pairs = tuple((float(s), float(w)) for s, w in zip(shares, weights, strict=True))
-    return pairs, float(logsumexp(values) - np.log(len(shares)))
+    return pairs, float(logsumexp(values) - np.log(len(shares))), at
 
 
 def _volumes(

@@ -92,7 +92,7 @@ class Paths:
         return speed, self.step_s * cumulative_simpson(speed, axis=1, initial=0)
 
 
-def trial_paths(gravity: Gravity, rig: Rig, degree: int = DEGREE) -> Paths:
+def trial_paths(gravity: Gravity, rig: Rig) -> Paths:
     """Smooth the motion of each trial.
 
     Parameters
@@ -101,8 +101,6 @@ def trial_paths(gravity: Gravity, rig: Rig, degree: int = DEGREE) -> Paths:
         N trials that enter, and their events.
     rig : Rig
         For the travel of trials without events.
-    degree : int
-        Of the polynomial; fewer where events are few.
 
     Returns
     -------
@@ -115,7 +113,7 @@ def trial_paths(gravity: Gravity, rig: Rig, degree: int = DEGREE) -> Paths:
     step, speed, acceleration = np.empty((len(trials), 1)), np.empty(shape), np.empty(shape)
     if with_events.any():
         events = prepare_events(gravity.events, trials["trial"][with_events])
-        step[with_events], speed[with_events], acceleration[with_events] = _smooth(events, degree)
+        step[with_events], speed[with_events], acceleration[with_events] = _smooth(events)
     if not with_events.all():
         alone = ~with_events
         stated = np.maximum(trials["acceleration_m_s2"].to_numpy(dtype=np.float64)[alone], 0.0)
@@ -127,7 +125,7 @@ def trial_paths(gravity: Gravity, rig: Rig, degree: int = DEGREE) -> Paths:
     return Paths(step, speed, acceleration)
 
 
-def _smooth(events: Events, highest: int) -> tuple[Array, Array, Array]:
+def _smooth(events: Events) -> tuple[Array, Array, Array]:
     """Return step, speed and acceleration of each trial."""
     count = events.starts.size
     ends = np.append(events.starts[1:], events.tau.size)
@@ -140,7 +138,7 @@ def _smooth(events: Events, highest: int) -> tuple[Array, Array, Array]:
         place = 2 * events.tau[rows] / duration[trial] - 1
         sensors = events.regressors[:2, rows][events.present[:2, trial]]
         # A trial of few events a sensor carries no more than a constant acceleration.
-        degree = min(highest, max(2, (end - start) // 5))
+        degree = min(DEGREE, max(2, (end - start) // 5))
         columns = [-sensors.T, legendre.legvander(place, degree)[:, 1:]]
         fit = np.linalg.lstsq(np.hstack(columns), events.displacement[rows], rcond=None)[0]
         series = np.append(0.0, fit[-degree:])

@@ -1,0 +1,64 @@
+"""``bayesfric diagnose``: what it writes, prints and returns."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from bayesfric.recording import write_recording
+from bayesfric.results import read_json
+from bayesfric.schemas import DiagnosisFile
+from bayesfric.simulate import simulate_recording
+
+
+def bayesfric(*arguments, cwd):
+    command = Path(sys.executable).with_name("bayesfric")
+    return subprocess.run(
+        [command, *map(str, arguments)], cwd=cwd, capture_output=True, text=True, check=False
+    )
+
+
+@pytest.fixture(scope="module")
+def board(tmp_path_factory):
+    """A recording with more friction at low speed."""
+    folder = tmp_path_factory.mktemp("a folder with spaces")
+    recording = simulate_recording("quick", seed=11, effects={"stribeck": 1.0})
+    write_recording(recording, folder / "board")
+    return folder
+
+
+def test_it_writes_prints_and_fails_on_a_gap(board):
+    done = bayesfric("diagnose", "board", "-o", "out", "--fail-on", "gap", cwd=board)
+    assert done.returncode == 1, done.stderr
+    assert {path.name for path in (board / "out").iterdir()} == {"diagnosis.json", "diagnosis.nc"}
+    summary = read_json(DiagnosisFile, board / "out" / "diagnosis.json")
+    assert [cause.effect for cause in summary.causes] == ["stribeck"]
+    assert done.stdout.startswith(f"named: {summary.sentence}")
+    report = bayesfric("report", "out", cwd=board)
+    assert report.returncode == 0, report.stderr
+    assert summary.sentence.split(",")[0] in (board / "out" / "summary.md").read_text()
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--fixed", "c9"], "--fixed"),
+        (["--effect-module", "nowhere.py"], "nowhere.py"),
+        (["--baseline", "nowhere"], "fit.json"),
+        (["--fail-on", "rain"], "rain"),
+    ],
+)
+def test_bad_usage_is_one_clear_error(board, options, said):
+    done = bayesfric("diagnose", "board", "-o", "bad", *options, cwd=board)
+    assert done.returncode == 2
+    assert said in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not (board / "bad").exists()
+
+
+def test_a_file_that_breaks_a_rule_is_refused(board):
+    (board / "broken.py").write_text("raise RuntimeError('no')\n")
+    done = bayesfric("diagnose", "board", "-o", "bad", "--effect-module", "broken.py", cwd=board)
+    assert done.returncode == 2
+    assert "broken.py" in done.stderr
