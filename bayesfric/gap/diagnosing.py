@@ -18,7 +18,7 @@ from bayesfric.gap.candidates import candidates_of
 from bayesfric.gap.causes import cause_draws, causes_of
 from bayesfric.gap.figures import curves_of, gap_figures
 from bayesfric.gap.linear_model import Acting, LinearModel
-from bayesfric.gap.reference import fitted_laws, reference_laws
+from bayesfric.gap.reference import amplitudes_of, fitted_laws, reference_laws
 from bayesfric.gap.remainder import remainder_of
 from bayesfric.gap.shapes import sharpened, sharpened_around
 from bayesfric.gap.shrink import Arms, measure_gap
@@ -26,7 +26,7 @@ from bayesfric.gap.trajectories import free_running
 from bayesfric.gap.verdict import decide, sentence_of, unseparated_of
 from bayesfric.gap.weighing import Weighed, weigh
 from bayesfric.gap.where import where_it_lies
-from bayesfric.gap.which import NONE, PRIOR, UNKNOWN, Which, which_effect
+from bayesfric.gap.which import NONE, PRIOR, UNKNOWN, Which, look_closer, which_effect
 from bayesfric.likelihood.hypothesis import Data
 from bayesfric.likelihood.screening import screen_trials
 from bayesfric.paper import table1
@@ -146,11 +146,9 @@ def _diagnose(
     which = which_effect(model, psi)
     found = _most_probable(which)
     if found.names:
-        closer = sharpened_around(model, found)
-        if closer is not model:
-            model = closer
-            which = which_effect(model, psi)
-            found = _most_probable(which)
+        model = sharpened_around(model, found)
+        which = look_closer(model, which, found)
+        found = _most_probable(which)
     if found.names:
         model, found = _around_causes(model, found)
     fold_rng, gap_rng, where_rng, draw_rng = (
@@ -277,7 +275,7 @@ def _around_causes(model: LinearModel, found: Weighed) -> tuple[LinearModel, Wei
     for _ in range(ROUNDS):
         laws = fitted_laws(model, found.psi, found.best)
         own = [c for c in model.candidates if c.effect.name in found.names]
-        model = model.around(laws, own)
+        model = model.around(laws, own, scattering=amplitudes_of(model, found))
         found = weigh(model, found.names, found.psi)
     return model, found
 
@@ -290,22 +288,17 @@ def _arms(
 ) -> Arms:
     acting = (*found.best.columns, *found.best.phases)
     chosen = [model.candidates[place] for place in acting]
-    plain = LinearModel(
-        model.data,
-        model.laws,
-        chosen,
-        model.analysis,
-        model.practical_share,
-        model.fixed,
-        discrepancy=False,
-    )
+    caused = model.around(model.laws, chosen, discrepancy=False)
+    baseline = model.around(model.laws, chosen, discrepancy=False, scattering=())
     columns = len(found.best.columns)
     after = Acting(tuple(range(columns)), tuple(range(columns, len(chosen))))
     complete = set(shipped) == set(model.layout.sizes)
     # What scatters is known best where all that is systematic has been taken up.
     unknown = which.probabilities().get(UNKNOWN, 0.0) >= MOSTLY
     settled = which.unknown_psi if unknown else found.psi
-    return Arms(plain, which.weighed[NONE].psi, settled, after, shipped if complete else None)
+    return Arms(
+        caused, baseline, which.weighed[NONE].psi, settled, after, shipped if complete else None
+    )
 
 
 def _examined(which: Which, names: list[str]) -> tuple[ExaminedEffect, ...]:

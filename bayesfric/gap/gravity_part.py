@@ -85,6 +85,8 @@ class GravityPart:
         Prior standard deviation of each local number.
     friction_scale : mapping of str to float
         Unit of the smooth forces of each size [N].
+    scattering : sequence of (Candidate, float)
+        Effects whose force scatters with friction, with their amplitudes.
     by_trial : bool
         Whether any trial can be left out; else only whole assemblies can, which takes
         less memory.
@@ -99,6 +101,7 @@ class GravityPart:
         scales: Array,
         friction_scale: Mapping[str, float],
         *,
+        scattering: Sequence[tuple[Candidate, float]],
         by_trial: bool,
     ) -> None:
         self.rows, self._layout = rows, layout
@@ -111,6 +114,8 @@ class GravityPart:
         self._size_of_setup = self.size[[int(np.argmax(codes == j)) for j in range(len(setups))]]
         force = np.array([friction_scale[size] for size in sizes])
         columns, random, self.blocks = assemble(rows, layout, smooths, candidates, scales, force)
+        for candidate, amplitude in scattering:
+            random[:, 0] += amplitude * rows.candidate_columns(candidate)[:, 0]
         self.columns, self._random = columns, random
         self._sums = self._summed()
         self._views: dict[tuple[bytes, tuple[int, ...]], _View] = {}

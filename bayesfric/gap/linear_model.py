@@ -72,6 +72,8 @@ class LinearModel:
         Coefficients that are held at the reference law, ``c1`` or ``c1[small]``.
     discrepancy : bool
         Whether there are smooth forces.
+    scattering : sequence of (Candidate, float)
+        Effects that act, with their amplitudes: what they add to friction scatters with it.
 
     Attributes
     ----------
@@ -93,6 +95,7 @@ class LinearModel:
         fixed: frozenset[str] = frozenset(),
         *,
         discrepancy: bool = True,
+        scattering: Sequence[tuple[Candidate, float]] = (),
     ) -> None:
         self.data, self.laws, self.candidates = data, dict(laws), tuple(candidates)
         self.analysis, self.practical_share, self.fixed = analysis, practical_share, fixed
@@ -110,19 +113,42 @@ class LinearModel:
         count = sum(smooth.count for smooth in self.smooths)
         self.layout = Layout(data.sizes, count, len(candidates), empty.idle)
         scales = self._scales()
+        self.scattering = [
+            (candidate, amplitude)
+            for candidate, amplitude in scattering
+            if candidate.effect.acts_on == "friction" and not candidate.effect.components
+        ]
         given = (self.layout, self.smooths, self.candidates, scales, self.friction_scale)
-        self.gravity = None if rows is None else GravityPart(rows, *given, by_trial=not discrepancy)
+        self.gravity = (
+            None
+            if rows is None
+            else GravityPart(rows, *given, scattering=self.scattering, by_trial=not discrepancy)
+        )
         self.motor = None
         if data.motor is not None:
-            self.motor = MotorPart(data.motor, data.rig, laws, radii, *given)
+            self.motor = MotorPart(
+                data.motor, data.rig, laws, radii, *given, scattering=self.scattering
+            )
         self._mean, self._sd = self._prior()
 
     def around(
-        self, laws: Mapping[str, Coefficients], candidates: Sequence[Candidate]
+        self,
+        laws: Mapping[str, Coefficients],
+        candidates: Sequence[Candidate],
+        *,
+        discrepancy: bool = True,
+        scattering: Sequence[tuple[Candidate, float]] | None = None,
     ) -> "LinearModel":
         """Return the model around another reference law, with other effects that may act."""
         return LinearModel(
-            self.data, laws, candidates, self.analysis, self.practical_share, self.fixed
+            self.data,
+            laws,
+            candidates,
+            self.analysis,
+            self.practical_share,
+            self.fixed,
+            discrepancy=discrepancy,
+            scattering=self.scattering if scattering is None else scattering,
         )
 
     @property

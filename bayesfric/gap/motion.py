@@ -15,7 +15,7 @@ __all__ = ["follow", "travel_before"]
 
 Array = NDArray[np.float64]
 DEGREE = 4
-PIECES, EVENTS_A_PIECE = 8, 10  # at most; at least, of both sensors
+PIECES, EVENTS_A_PIECE = 8, 7  # at most; at least
 FIRST_SHARE = 32  # of a path is this one over, over which the release is followed back
 LEAST_ACCELERATION = 0.02  # m/s², of a cable that is said to be released from rest
 
@@ -42,23 +42,38 @@ def follow(paths: Paths, events: Events) -> tuple[Paths, Array]:
     grid = np.linspace(0, 1, POINTS)
     ends = np.append(events.starts[1:], events.tau.size)
     for start, end in zip(events.starts, ends, strict=True):
-        rows = slice(start, end)
-        tau, trial = events.tau[rows], int(events.trial[start])
-        pieces = min(PIECES, max(1, tau.size // EVENTS_A_PIECE))
-        knots = np.concatenate([np.zeros(DEGREE), np.linspace(0, 1, pieces + 1), np.ones(DEGREE)])
-        sensors = events.regressors[:2, rows]
-        basis = BSpline.design_matrix(np.clip(tau / tau.max(), 0, 1), knots, DEGREE).toarray()
-        # One function less: the offsets of the sensors make the constant.
-        design = np.hstack([sensors[(sensors != 0).any(axis=1)].T, basis[:, 1:]])
-        fit = np.linalg.lstsq(design, events.displacement[rows], rcond=None)[0]
-        freedom = max(tau.size - design.shape[1], 1)
-        left = events.displacement[rows] - design @ fit
-        residual[rows] = left * np.sqrt(tau.size / freedom)
-        spline = BSpline(knots, np.append(0.0, fit[-(basis.shape[1] - 1) :]), DEGREE)
-        speed[trial] = spline.derivative()(grid) / tau.max()
-        acceleration[trial] = spline.derivative(2)(grid) / tau.max() ** 2
+        trial, duration = int(events.trial[start]), float(events.tau[start:end].max())
+        followed = False
+        # Each sensor by itself, lest one that slips disturbs the motion; the drive end's first.
+        for sensor in events.regressors[:2, start:end]:
+            rows = start + np.flatnonzero(sensor)
+            if not rows.size:
+                continue
+            spline, left = _fit(events.tau[rows] / duration, events.displacement[rows])
+            residual[rows] = left
+            if not followed:
+                speed[trial] = spline.derivative()(grid) / duration
+                acceleration[trial] = spline.derivative(2)(grid) / duration**2
+                followed = True
         speed[trial] = np.maximum(speed[trial], LEAST_SPEED_SHARE * speed[trial].max())
     return Paths(paths.step_s, speed, acceleration), residual
+
+
+def _fit(place: Array, displacement: Array) -> tuple[BSpline, Array]:
+    """Return a spline over 0 to 1 and its residuals, as large as the errors are."""
+    pieces = min(PIECES, max(1, place.size // EVENTS_A_PIECE))
+    # The joints span the events themselves; the ends are carried on.
+    low, high = float(place.min()), float(place.max())
+    inner = np.linspace(low, high, pieces + 1)
+    knots = np.concatenate([np.full(DEGREE, low), inner, np.full(DEGREE, high)])
+    degree = min(DEGREE, place.size - 2)
+    if degree < DEGREE:
+        knots = np.concatenate([np.full(degree + 1, low), np.full(degree + 1, high)])
+    basis = BSpline.design_matrix(place, knots, degree).toarray()
+    fit = np.linalg.lstsq(basis, displacement, rcond=None)[0]
+    freedom = max(place.size - basis.shape[1], 1)
+    left = (displacement - basis @ fit) * np.sqrt(place.size / freedom)
+    return BSpline(knots, fit, degree, extrapolate=True), left
 
 
 def travel_before(paths: Paths) -> Array:

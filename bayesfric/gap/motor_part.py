@@ -72,6 +72,8 @@ class MotorPart:
         Prior standard deviation of each local number.
     friction_scale : mapping of str to float
         Unit of the smooth forces of each size [N].
+    scattering : sequence of (Candidate, float)
+        Effects whose force scatters with friction, with their amplitudes.
 
     Attributes
     ----------
@@ -94,6 +96,8 @@ class MotorPart:
         candidates: Sequence[Candidate],
         scales: Array,
         friction_scale: Mapping[str, float],
+        *,
+        scattering: Sequence[tuple[Candidate, float]] = (),
     ) -> None:
         runs = motor.runs.rename(columns={"run": "trial"}).reset_index(drop=True)
         self.trials, self._layout = runs, layout
@@ -146,6 +150,10 @@ class MotorPart:
         if layout.idle:
             columns[:, -layout.idle :] = idle_basis(speed, both_ways=both_ways)
         self.columns = columns * scales
+        # The current of a relative deviation of friction of 1 [A].
+        self._scattered = np.asarray(self._sign * self.friction_n / self._per_ampere)
+        for candidate, amplitude in scattering:
+            self._scattered += amplitude * self._candidate(candidate)
         self._idle_columns = self._idle * scales[-layout.idle :]
 
     def covariates(self) -> dict[str, Array]:
@@ -181,7 +189,7 @@ class MotorPart:
             Runs that enter; None is all. The idle motor always does.
         """
         runs = np.ones(len(self.setup), dtype=bool) if used is None else used
-        moved = self._scattered()[runs]
+        moved = self._scattered[runs]
         variance = self.variance(noise)[runs] + (noise.tau * moved) ** 2
         columns, current = self.columns[runs][:, kept], self._current[runs]
         weighted = columns / variance[:, None]
@@ -226,10 +234,6 @@ class MotorPart:
             covariance=tuple((newton**2 * self.variance(noise))[:, None, None]),
             covariates=where | {"displacement": nowhere, "order": np.asarray(self.state.order)},
         )
-
-    def _scattered(self) -> Array:
-        """Return the current of a relative deviation of friction of 1, shape (N,) [A]."""
-        return np.asarray(self._sign * self.friction_n / self._per_ampere)
 
     def _amperes(self, force_n: Array) -> Array:
         """Return what a force against the motion adds to each current, (…, N) [A]."""

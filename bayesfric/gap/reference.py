@@ -7,13 +7,15 @@ from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
 from bayesfric.friction import Coefficients
+from bayesfric.gap.candidates import Candidate
 from bayesfric.gap.layout import COEFFICIENTS
 from bayesfric.gap.linear_model import Acting, LinearModel
+from bayesfric.gap.weighing import Weighed
 from bayesfric.likelihood.gravity import GravityLikelihood
 from bayesfric.likelihood.hypothesis import Data
 from bayesfric.likelihood.motor import MotorLikelihood
 
-__all__ = ["fitted_laws", "reference_laws"]
+__all__ = ["amplitudes_of", "fitted_laws", "reference_laws"]
 
 Array = NDArray[np.float64]
 ROUNDS = 2  # of fitting and linearising anew
@@ -79,6 +81,21 @@ def fitted_laws(model: LinearModel, psi: Array, acting: Acting) -> dict[str, Coe
             values.append(max(moved, LEAST[name]))
         laws[size] = Coefficients(*values)
     return laws
+
+
+def amplitudes_of(model: LinearModel, found: Weighed) -> list[tuple[Candidate, float]]:
+    """Return the candidates of the best choice, with the posterior means of their amplitudes."""
+    acting = found.best
+    mean, sd = model.prior(acting.columns)
+    centre, _ = model.information(found.psi, acting).posterior(mean, sd)
+    places = model.places(acting.columns)
+    return [
+        (
+            model.candidates[column],
+            float(centre[place]) * model.scale(model.layout.candidate(column)),
+        )
+        for column, place in zip(acting.columns, places, strict=True)
+    ]
 
 
 def _rough(data: Data, analysis: Analysis) -> dict[str, Coefficients]:

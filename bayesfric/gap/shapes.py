@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from bayesfric.gap.candidates import Candidate, candidates_of
 from bayesfric.gap.linear_model import Acting, LinearModel
+from bayesfric.gap.reference import amplitudes_of, fitted_laws
 from bayesfric.gap.weighing import Weighed, candidates_by_name, single_gains
 
 __all__ = ["sharpened", "sharpened_around"]
@@ -43,17 +44,19 @@ def sharpened(model: LinearModel, psi: Array) -> tuple[LinearModel, Array]:
             return model, psi
         psi, _ = model.climb(psi, Acting((int(np.argmax(gains)),)))
         gains = _gains(model, psi)
-        model = _with_nodes(model, gains, gains > GAIN)
+        model = model.around(model.laws, _with_nodes(model, gains, gains > GAIN))
     return model, psi
 
 
 def sharpened_around(model: LinearModel, found: Weighed) -> LinearModel:
-    """Add nodes to the shapes of effects that act together, given the others."""
+    """Linearise around the law fitted with effects that act together; sharpen their shapes."""
     best = np.full(len(model.candidates), -np.inf)
     for choice, weight in zip(found.choices, found.log_weights, strict=True):
         for place in choice.columns:
             best[place] = max(best[place], weight)
-    return _with_nodes(model, best, np.isfinite(best))
+    laws, scattering = fitted_laws(model, found.psi, found.best), amplitudes_of(model, found)
+    candidates = _with_nodes(model, best, np.isfinite(best))
+    return model.around(laws, candidates, scattering=scattering)
 
 
 def _gains(model: LinearModel, psi: Array) -> Array:
@@ -66,10 +69,9 @@ def _gains(model: LinearModel, psi: Array) -> Array:
     return gains
 
 
-def _with_nodes(model: LinearModel, value: Array, wanted: NDArray[np.bool_]) -> LinearModel:
-    """Return the model with nodes added around the best of each law."""
+def _with_nodes(model: LinearModel, value: Array, wanted: NDArray[np.bool_]) -> list[Candidate]:
+    """Return the candidates with nodes added around the best of each law."""
     candidates: list[Candidate] = []
-    added = False
     for places in candidates_by_name(model).values():
         effect = model.candidates[places[0]].effect
         nodes: dict[str, Array] = {}
@@ -81,6 +83,5 @@ def _with_nodes(model: LinearModel, value: Array, wanted: NDArray[np.bool_]) -> 
             if effect.shape is not None and wanted[best] and cell > NEAR:
                 more = model.candidates[best].node + cell * NEW
                 nodes[law] = np.unique(np.concatenate([nodes[law], more]).round(9))
-                added = True
         candidates += candidates_of(effect, nodes)
-    return model.around(model.laws, candidates) if added else model
+    return candidates

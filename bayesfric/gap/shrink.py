@@ -34,7 +34,9 @@ class Arms:
     Parameters
     ----------
     model : LinearModel
-        Without discrepancy; its candidates are the causes that have columns.
+        Without discrepancy; its candidates are the causes, whose force scatters.
+    baseline : LinearModel
+        The same without that.
     before_psi, after_psi : ndarray
         Logarithms of the noise of each arm.
     after : Acting
@@ -44,6 +46,7 @@ class Arms:
     """
 
     model: LinearModel
+    baseline: LinearModel
     before_psi: Array
     after_psi: Array
     after: Acting
@@ -172,7 +175,7 @@ def _left(arms: Arms, residuals: Residuals, out: NDArray[np.bool_]) -> Array:
     """Return residuals as shipped, before and after, fitted without some; (3, R) [N]."""
     model = arms.model
     used = used_rows(model, residuals, out)
-    plain, _ = fitted(model, arms.before_psi, Acting(), used)
+    plain, _ = fitted(arms.baseline, arms.before_psi, Acting(), used)
     caused, _ = fitted(model, arms.after_psi, arms.after, used)
     shipped = np.full(out.size, np.nan)
     if arms.shipped is not None:

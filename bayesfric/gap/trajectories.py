@@ -98,7 +98,7 @@ def free_running(
 def _arms(arms: Arms, residuals: Residuals, out: NDArray[np.bool_]) -> Array:
     """Return local numbers as shipped, before and after, without some windows, (3, sizes, q)."""
     model, used = arms.model, used_rows(arms.model, residuals, out)
-    plain, _ = fitted(model, arms.before_psi, Acting(), used)
+    plain, _ = fitted(arms.baseline, arms.before_psi, Acting(), used)
     caused, _ = fitted(model, arms.after_psi, arms.after, used)
     shipped = plain if arms.shipped is None else numbers_of_laws(model, arms.shipped, plain)
     return np.stack([local_numbers(model, numbers) for numbers in (shipped, plain, caused)])

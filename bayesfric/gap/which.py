@@ -1,7 +1,7 @@
 """Which effect causes the gap: probabilities of none, one, two, more, and of none of these."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 from math import comb
 
@@ -14,7 +14,16 @@ from bayesfric.gap.classes import Classes, classes_of
 from bayesfric.gap.linear_model import Acting, LinearModel
 from bayesfric.gap.weighing import Weighed, combine, weigh
 
-__all__ = ["NONE", "PRIOR", "UNKNOWN", "Which", "label", "unknown_evidence", "which_effect"]
+__all__ = [
+    "NONE",
+    "PRIOR",
+    "UNKNOWN",
+    "Which",
+    "label",
+    "look_closer",
+    "unknown_evidence",
+    "which_effect",
+]
 
 Array = NDArray[np.float64]
 NONE, UNKNOWN = "none", "unknown"
@@ -138,6 +147,63 @@ def which_effect(model: LinearModel, psi: Array) -> Which:
         error,
         unknown_psi,
         representative,
+    )
+
+
+def look_closer(model: LinearModel, which: Which, found: Weighed) -> Which:
+    """Weigh the leading hypothesis and its neighbours again, around itself.
+
+    Where an effect acts, its force scatters with friction. That is known once its size
+    is, and without it a large effect's scatter passes for a small effect more.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Around the law fitted with the causes, what they add scattering with it.
+    which : Which
+        All hypotheses, weighed around the baseline.
+    found : Weighed
+        The leading one.
+
+    Returns
+    -------
+    Which
+        With new values for the causes, each part of them, and each effect beside them.
+    """
+    again: dict[str, Weighed] = {}
+    for number in range(1, len(found.names) + 1):
+        for names in combinations(found.names, number):
+            again[label(names)] = weigh(model, names, found.psi)
+
+    def worth(one: Weighed) -> float:
+        prior = PRIOR[{1: "one", 2: "two"}.get(len(one.names), "more")]
+        count = comb(len(which.classes.members), len(one.names))
+        return one.log_evidence + float(np.log(prior / count))
+
+    best = max(again.values(), key=worth)
+    effects = sorted(set(which.representative.values()))
+    while True:
+        beside = {}
+        for name in effects:
+            names = tuple(sorted({*best.names, name}))
+            if name in best.names or len(names) > MOST or label(names) in again:
+                continue
+            one = weigh(model, names, best.psi, climb=False)
+            if one.log_evidence > best.log_evidence + GAIN:
+                one = weigh(model, names, best.psi)
+            beside[label(names)] = one
+        again |= beside
+        better = max(beside.values(), key=worth, default=best)
+        if worth(better) <= worth(best):
+            break
+        best = better
+    volume = which.log_evidence[NONE] - which.weighed[NONE].log_evidence
+    values = {name: one.log_evidence + volume for name, one in again.items()}
+    return replace(
+        which,
+        log_evidence=which.log_evidence | values,
+        weighed=which.weighed | again,
+        screened=which.screened - set(again),
     )
 
 

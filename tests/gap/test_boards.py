@@ -85,7 +85,7 @@ def test_motor_board_is_a_dense_normal(model):
     value = found.constant + found.slope @ numbers - 0.5 * numbers @ found.precision @ numbers
     local = np.stack([numbers[model.layout.spread(kept, size)] for size in part.size])
     residual = part._current - (part.columns[:, kept] * local).sum(axis=1)
-    scatter = part._scattered()
+    scatter = part._scattered
     same = np.equal.outer(part.setup, part.setup)
     covariance = np.diag(part.variance(noise) + (noise.tau * scatter) ** 2)
     covariance += noise.omega**2 * np.outer(scatter, scatter) * same
