@@ -31,7 +31,7 @@ quality: setup
 	$(python) -m mypy
 
 test-long: setup
-	$(python) -m pytest -m long
+	$(python) -m pytest -m long --timeout=0
 
 bench: setup
 	$(python) -m pytest -m bench

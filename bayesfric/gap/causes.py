@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import norm
+from scipy.stats import truncnorm
 
 from bayesfric.effects import EffectParameter, State
 from bayesfric.friction import Coefficients
@@ -101,9 +101,8 @@ def _amplitudes(
         if is_positive(candidate.effect.amplitude.prior):
             # What lies below 0 is drawn again, one at a time, above it.
             at, width = centre[places[row]], np.sqrt(covariance[places[row], places[row]])
-            low = norm.cdf(-at / width)
-            again = at + width * norm.ppf(low + (1 - low) * rng.uniform(size=count))
-            values = np.where(values > 0, values, np.maximum(again, 0.0))
+            again = truncnorm.ppf(rng.uniform(size=count), -at / width, np.inf, at, width)
+            values = np.where(values > 0, values, again)
         # The force is known, and a share of friction no better than friction.
         values = values / grown ** _degree(candidate)
         found[place] = values * model.scale(model.layout.candidate(place))
@@ -132,18 +131,22 @@ def _degree(candidate: Candidate) -> float:
     if candidate.effect.acts_on != "friction":
         return 0.0
     values, _ = unit_values(candidate)
-    place = {"travel_m": 0.1, "order": 0.8, "acceleration_m_s2": 0.5}
-    force = [
-        float(
-            np.abs(
-                candidate.effect.laws[candidate.law](
-                    values,
-                    State.of(Coefficients(k * 0.01, k * 0.02, k * 2e-5), 9, 60, 20, 0.5, **place),
-                )
-            ).max()
+    # Along a trial of 0.6 m, wherever the effect is largest.
+    along = np.linspace(0.0, 1.0, 25)
+    force = []
+    for grown in (1.0, 1.01):
+        law = Coefficients(0.01 * grown, 0.02 * grown, 2e-5 * grown)
+        state = State.of(
+            law,
+            9.0,
+            60.0,
+            20.0,
+            1.1 * along,
+            travel_m=0.6 * along,
+            acceleration_m_s2=1.0,
+            order=along,
         )
-        for k in (1.0, 1.01)
-    ]
+        force.append(float(np.abs(candidate.effect.laws[candidate.law](values, state)).max()))
     return float(np.log(force[1] / force[0]) / np.log(1.01)) if force[0] > 0 else 0.0
 
 
