@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from bayesfric.cli.claims import claims_into
+from bayesfric.cli.diagnose import diagnose_into
 from bayesfric.cli.exits import exit_status, fail_on
 from bayesfric.cli.fit import fit_into
 from bayesfric.cli.options import Baseline, Config, FailOn, Folder, Quiet, Rigs, Seed, Workers
@@ -27,7 +28,7 @@ def run(
     quiet: Quiet = False,
     fail_on_list: FailOn = "",
 ) -> None:
-    """Fit a recording, judge the claims and write the report, in one go.
+    """Fit a recording, judge the claims, diagnose the gap and write the report, in one go.
 
     Example: bayesfric run my-board -o my-results
     """
@@ -51,6 +52,15 @@ def run(
         output,
         junit=None,
         workers=workers,
+        seed=seed,
+        config=config,
+        quiet=quiet,
+        failures=fail_on_list,
+    )
+    happened |= diagnose_into(
+        source,
+        output,
+        effect_modules=[],
         seed=seed,
         config=config,
         quiet=quiet,

@@ -90,14 +90,14 @@ class Which:
         values = np.array([self.log_evidence[n] + self.log_prior(n, none) for n in names])
         chances = dict(zip(names, np.exp(values - logsumexp(values)), strict=True))
         listed = {n for n, chance in chances.items() if chance > LISTED} | {NONE, UNKNOWN}
-        total = sum(chances[name] for name in listed)
         ranked = sorted(listed, key=lambda name: (-chances[name], name))
+        total = sum(chances[name] for name in ranked)
         return {name: float(chances[name] / total) for name in ranked}
 
     def unvisited(self) -> float:
         """Return the probability of hypotheses that were screened only."""
         chances = self.probabilities()
-        return float(sum(chances.get(name, 0.0) for name in self.screened))
+        return float(sum(chances.get(name, 0.0) for name in sorted(self.screened)))
 
 
 def label(names: tuple[str, ...]) -> str:

@@ -49,6 +49,8 @@ def test_run_writes_results_and_report(board, ran):
     expected = {
         "claims.json",
         "claims.nc",
+        "diagnosis.json",
+        "diagnosis.nc",
         "draws.nc",
         "fit.json",
         "predictive.nc",
@@ -70,12 +72,20 @@ def test_same_seed_same_bytes(board, ran):
     again = bayesfric("run", "board", "--config", "analysis.toml", "-o", "again", cwd=board)
     assert again.returncode == 0
     assert again.stdout == ran.stdout
-    for name in ("fit.json", "claims.json", "report.pdf", "report.html", "summary.md"):
+    for name in (
+        "fit.json",
+        "claims.json",
+        "diagnosis.json",
+        "report.pdf",
+        "report.html",
+        "summary.md",
+    ):
         assert (board / "first" / name).read_bytes() == (board / "again" / name).read_bytes(), name
 
 
 def test_report_needs_the_folder_alone(board, ran, tmp_path):
-    for name in ("fit.json", "draws.nc", "predictive.nc", "claims.json", "claims.nc"):
+    stored = ("fit.json", "draws.nc", "predictive.nc", "claims.json", "claims.nc")
+    for name in (*stored, "diagnosis.json", "diagnosis.nc"):
         (tmp_path / name).write_bytes((board / "first" / name).read_bytes())
     done = bayesfric("report", ".", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
