@@ -7,7 +7,7 @@ import bayesfric as bf
 from bayesfric.campaign import processes
 from bayesfric.resources import bundled_recording, reference_folder
 from bayesfric.results import read_json
-from bayesfric.schemas import ClaimsFile, FitFile
+from bayesfric.schemas import ClaimsFile, DiagnosisFile, FitFile
 from bayesfric.simulate import table1_coefficients
 
 
@@ -74,3 +74,13 @@ def test_no_claim_falls_on_the_bundled_recording():
             error = np.hypot(one.log10_bayes_factor_se, now[one.id].log10_bayes_factor_se)
             off = abs(now[one.id].log10_bayes_factor - one.log10_bayes_factor)
             assert off < 4 * error, one.id
+
+
+def test_no_gap_on_the_bundled_recording():
+    """It is simulated from the paper's law; the diagnosis is that of the reference run."""
+    then = read_json(DiagnosisFile, reference_folder() / "diagnosis.json")
+    now = bf.diagnose(bf.read_recording(bundled_recording())).summary
+    assert now.verdict == then.verdict == "no-gap"
+    assert now.verdict_probability == pytest.approx(then.verdict_probability, abs=1e-3)
+    assert now.gap.before.q50 == pytest.approx(then.gap.before.q50, rel=1e-6)
+    assert {e.effect for e in now.effects} == {e.effect for e in then.effects}

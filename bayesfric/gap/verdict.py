@@ -72,8 +72,8 @@ def sentence_of(
     before, floor = f"{gap.before.q50:.3g} N", f"{gap.floor.q50:.3g} N"
     if verdict == "no-gap":
         return (
-            f"No gap: once recalibrated, the simulation misses held-out friction by {before} rms, "
-            f"and friction's own scatter is {floor} (probability {chance:.2f})."
+            f"Once recalibrated, the simulation misses held-out friction by {before} rms, and "
+            f"friction's own scatter is {floor} (probability {chance:.2f})."
         )
     if verdict == "unknown":
         axis = next((one.axis for one in where if not one.blind), None)

@@ -66,7 +66,7 @@ def test_forces_on_the_gravity_board_alone(recording, trials):
     assert rms(at["cable-weight"] * G * (2 * x - 0.6) / friction) == pytest.approx(0.1)
     assert rms(at["pulley-inertia"] * n * a / friction) == pytest.approx(0.1)
     assert rms(at["presliding"] * np.exp(-x / 0.02)) == pytest.approx(0.1)
-    assert rms(at["hysteresis"] * np.exp(-x / 0.08)) == pytest.approx(0.1)
+    assert rms(at["hysteresis"] * np.exp(-x / 0.04)) == pytest.approx(0.1)
     assert at["runout"] == pytest.approx(0.1)  # cos² + sin²
 
 
