@@ -47,9 +47,8 @@ def verdict_line(found: DiagnosisFile) -> Notice:
     return Notice(
         KINDS[found.verdict],
         [
-            Strong(f"{VERDICTS[found.verdict]}. "),
-            found.sentence,
-            " See ",
+            Strong(f"{VERDICTS[found.verdict]}."),
+            f" {found.sentence} See ",
             Reference("diagnosis"),
             ".",
         ],
