@@ -275,7 +275,7 @@ def _around_causes(model: LinearModel, found: Weighed) -> tuple[LinearModel, Wei
     for _ in range(ROUNDS):
         laws = fitted_laws(model, found.psi, found.best)
         own = [c for c in model.candidates if c.effect.name in found.names]
-        model = model.around(laws, own, scattering=amplitudes_of(model, found))
+        model = model.around(laws, own, scattering=amplitudes_of(model, found.psi, found.best))
         found = weigh(model, found.names, found.psi)
     return model, found
 

@@ -19,7 +19,7 @@ from bayesfric.effects import Reading, State
 from bayesfric.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.gap.candidates import Candidate, unit_values
 from bayesfric.gap.layout import Layout
-from bayesfric.gap.motion import follow, travel_before
+from bayesfric.gap.motion import follow, travel_to_speed
 from bayesfric.gap.smooths import Smooth
 from bayesfric.likelihood.gravity import trial_condition
 from bayesfric.likelihood.hall_events import Events, prepare_events
@@ -47,6 +47,9 @@ class GravityRows:
         The reference law of each pulley size.
     radii : mapping of str to float
         Pulley radius of each size [m].
+    acting : sequence of (Candidate, float)
+        Effects on friction, with their amplitudes, with which a trial starts to move: its
+        first speed tells how far it has come by the first event.
 
     Attributes
     ----------
@@ -72,6 +75,7 @@ class GravityRows:
         rig: Rig,
         laws: Mapping[str, Coefficients],
         radii: Mapping[str, float],
+        acting: Sequence[tuple[Candidate, float]] = (),
     ) -> None:
         self.trials, self._rig = gravity.trials, rig
         self.condition = trial_condition(gravity.trials, rig)
@@ -85,9 +89,9 @@ class GravityRows:
         self._radius = np.array([radii[size] for size in sizes])
         measured = prepare_events(gravity.events, gravity.trials["trial"])
         self._paths, self._rough = follow(trial_paths(gravity, rig), measured)
-        self._before = travel_before(self._paths)
         self._feedback = tension_feedback(self.law, self.condition)[:, None]
         self._slowed = self._feedback / mass[:, None]
+        self._before = self._travel_before(acting)
         self._travel = self._travelled()
         self.state = self._state()
         self.events, alone, stated = self._rows(gravity)
@@ -200,15 +204,32 @@ class GravityRows:
         before = self._before[:, None]
         return np.concatenate([before, before + np.cumsum(step, axis=1)], axis=1)
 
+    def _travel_before(self, acting: Sequence[tuple[Candidate, float]]) -> Array:
+        """Return the travel from the release to the first event, shape (N,) [m]."""
+
+        def acceleration(travel: Array, speed: Array) -> Array:
+            state = self._state_at(travel, speed)
+            force = np.zeros_like(travel)
+            for candidate, amplitude in acting:
+                values, small = unit_values(candidate)
+                law = candidate.effect.laws[candidate.law]
+                force = force + amplitude / small * np.asarray(law(values, state))
+            return np.asarray(self.acceleration[:, None] - self._slowed * force)
+
+        return travel_to_speed(self._paths.speed_m_s[:, 0], acceleration)
+
     def _state(self) -> State:
+        return self._state_at(self._travel, self._paths.speed_m_s)
+
+    def _state_at(self, travel_m: Array, speed_m_s: Array) -> State:
         condition = self.condition
         return State.of(
             Coefficients(*(np.asarray(part)[:, None] for part in self.law)),
             np.asarray(condition.n_pulleys)[:, None],
             np.asarray(condition.wrap_angle_deg)[:, None],
             nominal_tension(condition, self.acceleration)[:, None],
-            self._paths.speed_m_s,
-            travel_m=self._travel,
+            speed_m_s,
+            travel_m=travel_m,
             acceleration_m_s2=self.acceleration[:, None],
             radius_m=self._radius[:, None],
             order=self.order[:, None],

@@ -100,7 +100,14 @@ class LinearModel:
         self.data, self.laws, self.candidates = data, dict(laws), tuple(candidates)
         self.analysis, self.practical_share, self.fixed = analysis, practical_share, fixed
         radii = _radii(data)
-        rows = None if data.gravity is None else GravityRows(data.gravity, data.rig, laws, radii)
+        self.scattering = [
+            (candidate, amplitude)
+            for candidate, amplitude in scattering
+            if candidate.effect.acts_on == "friction" and not candidate.effect.components
+        ]
+        rows = None
+        if data.gravity is not None:
+            rows = GravityRows(data.gravity, data.rig, laws, radii, self.scattering)
         empty = Layout(data.sizes, 0, 0, _idle_columns(data))
         plain = np.ones(empty.local)
         # Once without smooth forces, for friction and covariates of the runs.
@@ -113,11 +120,6 @@ class LinearModel:
         count = sum(smooth.count for smooth in self.smooths)
         self.layout = Layout(data.sizes, count, len(candidates), empty.idle)
         scales = self._scales()
-        self.scattering = [
-            (candidate, amplitude)
-            for candidate, amplitude in scattering
-            if candidate.effect.acts_on == "friction" and not candidate.effect.components
-        ]
         given = (self.layout, self.smooths, self.candidates, scales, self.friction_scale)
         self.gravity = (
             None

@@ -4,19 +4,22 @@ A spline in time, whose pieces know nothing of each other beyond their joints: a
 which the cable rubs does not disturb the release.
 """
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import cumulative_simpson
 from scipy.interpolate import BSpline
 
 from bayesfric.likelihood.hall_events import Events
 from bayesfric.likelihood.paths import LEAST_SPEED_SHARE, POINTS, Paths
 
-__all__ = ["follow", "travel_before"]
+__all__ = ["follow", "travel_to_speed"]
 
 Array = NDArray[np.float64]
 DEGREE = 4
 PIECES, EVENTS_A_PIECE = 8, 7  # at most; at least
-FIRST_SHARE = 32  # of a path is this one over, over which the release is followed back
+STAGES, CORRECTIONS = 33, 6  # of the motion from rest to a speed
 LEAST_ACCELERATION = 0.02  # m/s², of a cable that is said to be released from rest
 
 
@@ -43,23 +46,24 @@ def follow(paths: Paths, events: Events) -> tuple[Paths, Array]:
     ends = np.append(events.starts[1:], events.tau.size)
     for start, end in zip(events.starts, ends, strict=True):
         trial, duration = int(events.trial[start]), float(events.tau[start:end].max())
-        followed = False
-        # Each sensor by itself, lest one that slips disturbs the motion; the drive end's first.
-        for sensor in events.regressors[:2, start:end]:
-            rows = start + np.flatnonzero(sensor)
-            if not rows.size:
-                continue
-            spline, left = _fit(events.tau[rows] / duration, events.displacement[rows])
-            residual[rows] = left
-            if not followed:
-                speed[trial] = spline.derivative()(grid) / duration
-                acceleration[trial] = spline.derivative(2)(grid) / duration**2
-                followed = True
+        place, displacement = events.tau[start:end] / duration, events.displacement[start:end]
+        sensors = events.regressors[:2, start:end] != 0
+        # Each sensor by itself, lest one that slips disturbs what the other leaves.
+        for rows in sensors:
+            if rows.any():
+                left = _fit(place[rows], displacement[rows])[1]
+                residual[start:end][rows] = left
+        # Together for the motion, up to where they stand and by what part they differ.
+        both = sensors.any(axis=1).all()
+        apart = [sensors[1] * one for one in (1.0, displacement)] if both else []
+        spline, _ = _fit(place, displacement, apart)
+        speed[trial] = spline.derivative()(grid) / duration
+        acceleration[trial] = spline.derivative(2)(grid) / duration**2
         speed[trial] = np.maximum(speed[trial], LEAST_SPEED_SHARE * speed[trial].max())
     return Paths(paths.step_s, speed, acceleration), residual
 
 
-def _fit(place: Array, displacement: Array) -> tuple[BSpline, Array]:
+def _fit(place: Array, displacement: Array, apart: Sequence[Array] = ()) -> tuple[BSpline, Array]:
     """Return a spline over 0 to 1 and its residuals, as large as the errors are."""
     pieces = min(PIECES, max(1, place.size // EVENTS_A_PIECE))
     # The joints span the events themselves; the ends are carried on.
@@ -70,22 +74,32 @@ def _fit(place: Array, displacement: Array) -> tuple[BSpline, Array]:
     if degree < DEGREE:
         knots = np.concatenate([np.full(degree + 1, low), np.full(degree + 1, high)])
     basis = BSpline.design_matrix(place, knots, degree).toarray()
+    count = basis.shape[1]
+    basis = np.column_stack([basis, *apart])
     fit = np.linalg.lstsq(basis, displacement, rcond=None)[0]
     freedom = max(place.size - basis.shape[1], 1)
     left = (displacement - basis @ fit) * np.sqrt(place.size / freedom)
-    return BSpline(knots, fit, degree, extrapolate=True), left
+    return BSpline(knots, fit[:count], degree, extrapolate=True), left
 
 
-def travel_before(paths: Paths) -> Array:
-    """Return the travel from the release to the first event, shape (N,) [m].
+def travel_to_speed(speed_m_s: Array, acceleration: Callable[[Array, Array], Array]) -> Array:
+    """Return the travel from rest at which speeds are reached, shape (N,) [m].
 
-    From rest at the acceleration of the path's first part, ``v²/2a``.
+    Parameters
+    ----------
+    speed_m_s : ndarray, shape (N,)
+        The speeds [m/s].
+    acceleration : callable
+        Of travel [m] and speed [m/s], both (N, S), to accelerations that broadcast to
+        (N, S) [m/s²].
     """
-    speed, step = paths.speed_m_s, paths.step_s[:, 0]
-    part = POINTS // FIRST_SHARE
-    travelled = step * 0.5 * (speed[:, 1 : part + 1] + speed[:, :part]).sum(axis=1)
-    gained = speed[:, part] ** 2 - speed[:, 0] ** 2
-    moving = travelled > 0
-    rate = gained / (2 * np.where(moving, travelled, 1.0))
-    rate = np.maximum(np.where(moving, rate, 0.0), LEAST_ACCELERATION)
-    return np.asarray(speed[:, 0] ** 2 / (2 * rate))
+    share = np.linspace(0, 1, STAGES)
+    square = speed_m_s[:, None] ** 2
+    start = np.zeros((speed_m_s.size, STAGES))
+    rate = np.maximum(acceleration(start, start + speed_m_s[:, None]), LEAST_ACCELERATION)
+    travel = square * share / (2 * rate[:, :1])
+    for _ in range(CORRECTIONS):
+        # d(v²)/dx = 2a: along the squares of the speed, dx = d(v²) / 2a.
+        rate = np.maximum(acceleration(travel, np.sqrt(square * share)), LEAST_ACCELERATION)
+        travel = square / 2 * cumulative_simpson(1 / rate, x=share, axis=1, initial=0)
+    return np.asarray(travel[:, -1])

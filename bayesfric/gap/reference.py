@@ -10,7 +10,6 @@ from bayesfric.friction import Coefficients
 from bayesfric.gap.candidates import Candidate
 from bayesfric.gap.layout import COEFFICIENTS
 from bayesfric.gap.linear_model import Acting, LinearModel
-from bayesfric.gap.weighing import Weighed
 from bayesfric.likelihood.gravity import GravityLikelihood
 from bayesfric.likelihood.hypothesis import Data
 from bayesfric.likelihood.motor import MotorLikelihood
@@ -83,11 +82,10 @@ def fitted_laws(model: LinearModel, psi: Array, acting: Acting) -> dict[str, Coe
     return laws
 
 
-def amplitudes_of(model: LinearModel, found: Weighed) -> list[tuple[Candidate, float]]:
-    """Return the candidates of the best choice, with the posterior means of their amplitudes."""
-    acting = found.best
+def amplitudes_of(model: LinearModel, psi: Array, acting: Acting) -> list[tuple[Candidate, float]]:
+    """Return the candidates that have a column, with the posterior means of their amplitudes."""
     mean, sd = model.prior(acting.columns)
-    centre, _ = model.information(found.psi, acting).posterior(mean, sd)
+    centre, _ = model.information(psi, acting).posterior(mean, sd)
     places = model.places(acting.columns)
     return [
         (

@@ -22,7 +22,10 @@ NEAR = 0.01  # width of a cell, in normal quantiles: closer, and no more nodes a
 
 
 def sharpened(model: LinearModel, psi: Array) -> tuple[LinearModel, Array]:
-    """Add nodes to the shapes of effects that help on their own.
+    """Add nodes to the shapes of effects that help on their own; start with the best of them.
+
+    With the best one a trial is followed back to its release, which effects of the first
+    stretch of travel need to be told from each other.
 
     Parameters
     ----------
@@ -42,9 +45,14 @@ def sharpened(model: LinearModel, psi: Array) -> tuple[LinearModel, Array]:
         gains = _gains(model, psi)
         if not np.any(gains > GAIN):
             return model, psi
-        psi, _ = model.climb(psi, Acting((int(np.argmax(gains)),)))
+        best = Acting((int(np.argmax(gains)),))
+        psi, _ = model.climb(psi, best)
         gains = _gains(model, psi)
-        model = model.around(model.laws, _with_nodes(model, gains, gains > GAIN))
+        model = model.around(
+            fitted_laws(model, psi, best),
+            _with_nodes(model, gains, gains > GAIN),
+            scattering=amplitudes_of(model, psi, best),
+        )
     return model, psi
 
 
@@ -54,7 +62,10 @@ def sharpened_around(model: LinearModel, found: Weighed) -> LinearModel:
     for choice, weight in zip(found.choices, found.log_weights, strict=True):
         for place in choice.columns:
             best[place] = max(best[place], weight)
-    laws, scattering = fitted_laws(model, found.psi, found.best), amplitudes_of(model, found)
+    laws, scattering = (
+        fitted_laws(model, found.psi, found.best),
+        amplitudes_of(model, found.psi, found.best),
+    )
     candidates = _with_nodes(model, best, np.isfinite(best))
     return model.around(laws, candidates, scattering=scattering)
 
