@@ -84,6 +84,8 @@ def classes_of(model: LinearModel, psi: Array) -> Classes:
     # There is no discrepancy either: what is identical is so whatever it takes up.
     free = sd.copy()
     free[: places[0] if places.size else None] = np.where(_is_coefficient(model), 1e3, 0.0)
+    after = model.layout.own * len(model.layout.sizes) + len(columns)
+    free[after : after + model.layout.small] = 0.0
     reduced = information.reduced(mean, free, places)
     felt, raw = np.diag(reduced.precision), np.diag(information.precision)[places]
     absorbed, left_out, entering = [], {}, []

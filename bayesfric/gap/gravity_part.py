@@ -81,6 +81,8 @@ class GravityPart:
         Where numbers stand.
     smooths, candidates : sequence
         In the order of the layout.
+    small : sequence of (Candidate, float)
+        Small amounts of effects, with the standard deviation of their amplitudes.
     scales : ndarray, shape (q,)
         Prior standard deviation of each local number.
     friction_scale : mapping of str to float
@@ -98,6 +100,7 @@ class GravityPart:
         layout: Layout,
         smooths: Sequence[Smooth],
         candidates: Sequence[Candidate],
+        small: Sequence[tuple[Candidate, float]],
         scales: Array,
         friction_scale: Mapping[str, float],
         *,
@@ -113,7 +116,11 @@ class GravityPart:
         self._block = np.arange(len(sizes)) if by_trial else codes
         self._size_of_setup = self.size[[int(np.argmax(codes == j)) for j in range(len(setups))]]
         force = np.array([friction_scale[size] for size in sizes])
-        columns, random, self.blocks = assemble(rows, layout, smooths, candidates, scales, force)
+        little = [candidate for candidate, _ in small]
+        columns, random, blocks = assemble(rows, layout, smooths, candidates, little, scales, force)
+        self.blocks = blocks[: len(candidates)]
+        amounts = zip(blocks[len(candidates) :], (sd for _, sd in small), strict=True)
+        self._little = [(block, sd) for block, sd in amounts if block.stop > block.start]
         for candidate, amplitude in scattering:
             random[:, 0] += amplitude * rows.candidate_columns(candidate)[:, 0]
         self.columns, self._random = columns, random
@@ -143,7 +150,9 @@ class GravityPart:
         sums, kappa = self._sums, noise.kappa
         trials = np.ones(len(self.setup), dtype=bool) if used is None else used
         chosen, spread = [0], [noise.tau]
-        for block, amplitude in scatters:
+        acting = list(scatters)
+        known = [block for block, _ in acting]
+        for block, amplitude in (*acting, *(one for one in self._little if one[0] not in known)):
             chosen += range(block.start, block.stop)
             spread += [amplitude] * (block.stop - block.start)
         sd = np.array(spread)

@@ -169,6 +169,36 @@ class GravityRows:
         parts = force if effect.components else force[None]
         return np.stack([self.forces(part) for part in parts], axis=1)
 
+    def relative_force(self, candidate: Candidate) -> Array:
+        """Return what an effect of amplitude 1 adds to friction, or its equivalent.
+
+        The equivalent of an error of readings is (m1 + m2) times the acceleration that a
+        parabola through the events takes it for.
+
+        Returns
+        -------
+        ndarray
+            As a share of the reference law's friction, broadcasts to (C, N, P); C is the
+            number of an effect's components, else 1.
+        """
+        effect, friction = candidate.effect, self.friction_n[:, None]
+        if effect.acts_on == "current":
+            return np.zeros((1, len(self.trials), 1))
+        if effect.acts_on == "reading":
+            column = self.candidate_columns(candidate).sum(axis=1)
+            off = np.array([self._parabola(rows, column[rows]) for rows in self.rows_of_trials()])
+            return np.asarray(self.condition.total_mass_kg * off / self.friction_n)[None, :, None]
+        values, small = unit_values(candidate)
+        force = np.asarray(effect.laws[candidate.law](values, self.state)) / small / friction
+        return force if effect.components else force[None]
+
+    def _parabola(self, rows: slice, displacement: Array) -> float:
+        """Return the acceleration of a parabola through one trial's rows [m/s²]."""
+        nuisance = self.events.regressors[:3, rows]
+        nuisance = nuisance[(nuisance != 0).any(axis=1)]
+        design = np.column_stack([self.events.tau[rows] ** 2 / 2, *nuisance])
+        return float(np.linalg.lstsq(design, displacement, rcond=None)[0][0])
+
     def window_columns(self, count: int) -> tuple[Array, dict[str, Array]]:
         """Return what a newton in each of some windows does, and where the windows lie.
 
@@ -332,6 +362,7 @@ def assemble(
     layout: Layout,
     smooths: Sequence[Smooth],
     candidates: Sequence[Candidate],
+    small: Sequence[Candidate],
     scales: Array,
     force_n: Array,
 ) -> tuple[Array, Array, list[slice]]:
@@ -343,7 +374,7 @@ def assemble(
         The rows.
     layout : Layout
         Where the columns stand.
-    smooths, candidates : sequence
+    smooths, candidates, small : sequence
         In the order of the layout.
     scales : ndarray, shape (q,)
         What each column is multiplied by.
@@ -357,7 +388,8 @@ def assemble(
     random : ndarray, shape (E, R)
         Of friction's scatter, then of the phases at unit amplitude.
     blocks : list of slice
-        The phases of each candidate among the columns that scatter; empty without any.
+        The phases of each candidate, then of each small amount, among the columns that
+        scatter; empty without any.
     """
     columns = np.zeros((rows.residual.size, layout.local))
     columns[:, :3] = rows.coefficient_columns()
@@ -369,9 +401,11 @@ def assemble(
     random, blocks = [rows.scatter_column()[:, None]], []
     known: dict[tuple[str, str], slice] = {}
     width = 1
-    for index, candidate in enumerate(candidates):
+    stands = [layout.candidate(index) for index in range(len(candidates))]
+    stands += [layout.small_amount(index) for index in range(len(small))]
+    for candidate, column in zip((*candidates, *small), stands, strict=True):
         if not candidate.effect.components:
-            columns[:, layout.candidate(index)] = rows.candidate_columns(candidate)[:, 0]
+            columns[:, column] = rows.candidate_columns(candidate)[:, 0]
             blocks.append(slice(0, 0))
             continue
         key = (candidate.effect.name, candidate.law)

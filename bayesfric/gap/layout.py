@@ -1,8 +1,9 @@
 """Where each number of the linear model stands.
 
 The numbers are, for each pulley size, the three coefficients of the law and the smooth
-forces of the discrepancy; then, shared by all sizes, an amplitude for each candidate
-and the idle curve of the motor. A trial or run meets those of its own size only: its
+forces of the discrepancy; then, shared by all sizes, an amplitude for each candidate,
+small amounts of every effect (the rest of the discrepancy) and the idle curve of the
+motor. A trial or run meets those of its own size only: its
 columns are the *local* ones. All are in units of their prior's standard deviation.
 """
 
@@ -30,12 +31,15 @@ class Layout:
         Candidate effects, E.
     idle : int
         Columns of the idle curve, 0 without a motor board.
+    small : int
+        Small amounts of effects.
     """
 
     sizes: tuple[str, ...]
     smooths: int
     candidates: int
     idle: int
+    small: int = 0
 
     @property
     def own(self) -> int:
@@ -45,16 +49,23 @@ class Layout:
     @property
     def local(self) -> int:
         """Columns of a trial or run."""
-        return self.own + self.candidates + self.idle
+        return self.own + self.candidates + self.small + self.idle
 
     def base(self) -> NDArray[np.intp]:
         """Local columns of every hypothesis: all but the candidates."""
-        idle = np.arange(self.own + self.candidates, self.local)
-        return np.concatenate([np.arange(self.own), idle])
+        return np.concatenate([np.arange(self.own), self.always()])
+
+    def always(self) -> NDArray[np.intp]:
+        """Local columns, shared by all sizes, that every hypothesis has."""
+        return np.arange(self.own + self.candidates, self.local)
 
     def candidate(self, place: int) -> int:
         """Local column of a candidate."""
         return self.own + place
+
+    def small_amount(self, place: int) -> int:
+        """Local column of a small amount of an effect."""
+        return self.own + self.candidates + place
 
     def spread(self, kept: NDArray[np.intp], size: int) -> NDArray[np.intp]:
         """Return where the kept local columns of a size stand among all sizes' kept ones.

@@ -19,6 +19,7 @@ from bayesfric.gap.gravity_rows import GravityRows
 from bayesfric.gap.information import Information
 from bayesfric.gap.layout import COEFFICIENTS, Layout
 from bayesfric.gap.motor_part import MotorNoise, MotorPart
+from bayesfric.gap.small_amounts import small_amounts
 from bayesfric.gap.smooths import Smooth, smooth_along
 from bayesfric.laplace import finite_hessian
 from bayesfric.likelihood.hypothesis import Data
@@ -74,6 +75,9 @@ class LinearModel:
         Whether there are smooth forces.
     scattering : sequence of (Candidate, float)
         Effects that act, with their amplitudes: what they add to friction scatters with it.
+    small : sequence of (Candidate, float), or None
+        Small amounts of effects, which are part of the discrepancy, with the standard
+        deviation of their amplitudes; None is of all candidates.
 
     Attributes
     ----------
@@ -96,6 +100,7 @@ class LinearModel:
         *,
         discrepancy: bool = True,
         scattering: Sequence[tuple[Candidate, float]] = (),
+        small: Sequence[tuple[Candidate, float]] | None = None,
     ) -> None:
         self.data, self.laws, self.candidates = data, dict(laws), tuple(candidates)
         self.analysis, self.practical_share, self.fixed = analysis, practical_share, fixed
@@ -114,13 +119,23 @@ class LinearModel:
         bare = None
         if data.motor is not None:
             unit = dict.fromkeys(data.sizes, 1.0)
-            bare = MotorPart(data.motor, data.rig, laws, radii, empty, (), (), plain, unit)
+            bare = MotorPart(data.motor, data.rig, laws, radii, empty, (), (), (), plain, unit)
         self.friction_scale = _friction_scale(data.sizes, rows, bare)
         self.smooths = _smooths(rows, bare) if discrepancy else ()
         count = sum(smooth.count for smooth in self.smooths)
-        self.layout = Layout(data.sizes, count, len(candidates), empty.idle)
+        if small is None:
+            small = small_amounts(rows, bare, candidates, practical_share)
+        self.small = tuple(small) if discrepancy else ()
+        self.layout = Layout(data.sizes, count, len(candidates), empty.idle, len(self.small))
         scales = self._scales()
-        given = (self.layout, self.smooths, self.candidates, scales, self.friction_scale)
+        given = (
+            self.layout,
+            self.smooths,
+            self.candidates,
+            self.small,
+            scales,
+            self.friction_scale,
+        )
         self.gravity = (
             None
             if rows is None
@@ -151,6 +166,7 @@ class LinearModel:
             self.fixed,
             discrepancy=discrepancy,
             scattering=self.scattering if scattering is None else scattering,
+            small=self.small or None,
         )
 
     @property
@@ -176,11 +192,8 @@ class LinearModel:
 
     def kept(self, columns: Sequence[int]) -> NDArray[np.intp]:
         """Return the local columns of the base and of some candidates."""
-        own, idle = np.arange(self.layout.own), self.layout.local - self.layout.idle
-        chosen = [self.layout.candidate(place) for place in columns]
-        return np.concatenate(
-            [own, np.array(chosen, dtype=np.intp), np.arange(idle, self.layout.local)]
-        )
+        chosen = np.array([self.layout.candidate(place) for place in columns], dtype=np.intp)
+        return np.concatenate([np.arange(self.layout.own), chosen, self.layout.always()])
 
     def places(self, columns: Sequence[int]) -> NDArray[np.intp]:
         """Return where candidates stand among the kept numbers."""
@@ -226,18 +239,21 @@ class LinearModel:
         columns : sequence of int
             Candidates that enter.
         share : float or None
-            Rms of the discrepancy; None is the practical share.
+            Rms of the smooth forces; None is the practical share, 0 is no discrepancy.
         """
         wide = self.practical_share if share is None else share
-        sizes, own, idle = len(self.layout.sizes), self.layout.own, self.layout.idle
+        sizes, own = len(self.layout.sizes), self.layout.own
+        always = self.layout.always().size
         sd = self._sd.copy()
         sd[:, COEFFICIENTS:] *= wide
         shared: list[float] = []
         for place in columns:
             at, width = prior_moments(self.candidates[place].effect.amplitude.prior)
             shared.append(at / width)
-        mean = np.concatenate([self._mean.reshape(sizes * own), shared, np.zeros(idle)])
-        return mean, np.concatenate([sd.reshape(sizes * own), np.ones(len(shared) + idle)])
+        idle = np.ones(self.layout.idle)
+        small = np.full(self.layout.small, float(wide > 0))
+        mean = np.concatenate([self._mean.reshape(sizes * own), shared, np.zeros(always)])
+        return mean, np.concatenate([sd.reshape(sizes * own), np.ones(len(shared)), small, idle])
 
     def log_prior(self, psi: Array) -> float:
         """Return the log prior density of the logarithms of the noise."""
@@ -309,6 +325,7 @@ class LinearModel:
                 coefficients,
                 np.full(self.layout.smooths, 1 / np.sqrt(terms)),
                 amplitudes,
+                [sd for _, sd in self.small],
                 np.full(self.layout.idle, priors.idle_current_sd),
             ]
         )

@@ -68,6 +68,8 @@ class MotorPart:
         Where numbers stand.
     smooths, candidates : sequence
         In the order of the layout.
+    small : sequence of (Candidate, float)
+        Small amounts of effects, with the standard deviation of their amplitudes.
     scales : ndarray, shape (q,)
         Prior standard deviation of each local number.
     friction_scale : mapping of str to float
@@ -94,6 +96,7 @@ class MotorPart:
         layout: Layout,
         smooths: Sequence[Smooth],
         candidates: Sequence[Candidate],
+        small: Sequence[tuple[Candidate, float]],
         scales: Array,
         friction_scale: Mapping[str, float],
         *,
@@ -147,6 +150,8 @@ class MotorPart:
             place += smooth.count
         for index, candidate in enumerate(candidates):
             columns[:, layout.candidate(index)] = self._candidate(candidate)
+        for index, (candidate, _) in enumerate(small):
+            columns[:, layout.small_amount(index)] = self._candidate(candidate)
         if layout.idle:
             columns[:, -layout.idle :] = idle_basis(speed, both_ways=both_ways)
         self.columns = columns * scales
@@ -165,6 +170,10 @@ class MotorPart:
             "n_pulleys": np.asarray(state.n_pulleys, dtype=np.float64),
             "wrap_angle": np.asarray(state.wrap_angle_deg, dtype=np.float64),
         }
+
+    def relative_force(self, candidate: Candidate) -> Array:
+        """Return what an effect of amplitude 1 adds to friction as a share of it, (N,)."""
+        return np.asarray(self._per_ampere * self._candidate(candidate) / self.friction_n)
 
     def start(self) -> MotorNoise:
         """Return a rough estimate of what scatters."""

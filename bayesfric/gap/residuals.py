@@ -207,7 +207,7 @@ def fitted(
             count + model.layout.candidates + np.arange(found.size - count - acted),
         ]
     )
-    total = count + model.layout.candidates + model.layout.idle
+    total = count + model.layout.candidates + model.layout.always().size
     whole, spread = np.zeros(total), np.zeros((total, total))
     whole[places], spread[np.ix_(places, places)] = found, covariance
     return whole, spread
