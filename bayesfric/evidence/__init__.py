@@ -6,6 +6,7 @@ from bayesfric.evidence.importance import laplace_draws, laplace_evidence
 from bayesfric.evidence.leave_out import ELPD, Difference, difference, elpd, loo_pit
 from bayesfric.evidence.nested import savage_dickey
 from bayesfric.evidence.record import Evidence, SeparatedModes, agree
+from bayesfric.evidence.refit import draws_without
 
 __all__ = [
     "ELPD",
@@ -16,6 +17,7 @@ __all__ = [
     "agree",
     "bridge_evidence",
     "difference",
+    "draws_without",
     "elpd",
     "in_one_place",
     "laplace_draws",
