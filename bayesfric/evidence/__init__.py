@@ -1,6 +1,6 @@
 """Evidence of a density and what leaving data out predicts; knows nothing of friction."""
 
-from bayesfric.evidence.bridge import bridge_evidence, in_one_place
+from bayesfric.evidence.bridge import bridge_evidence, bridge_ratio, in_one_place
 from bayesfric.evidence.conjugate import LinearGaussian
 from bayesfric.evidence.importance import laplace_draws, laplace_evidence
 from bayesfric.evidence.leave_out import ELPD, Difference, difference, elpd, loo_pit
@@ -16,6 +16,7 @@ __all__ = [
     "SeparatedModes",
     "agree",
     "bridge_evidence",
+    "bridge_ratio",
     "difference",
     "draws_without",
     "elpd",

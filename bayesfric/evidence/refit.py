@@ -69,7 +69,7 @@ def draws_without(
         possible = np.isfinite(density)
         if possible.any():
             rest[possible] = density[possible] - log_conditional(points[possible])
-        return np.where(np.isnan(rest), -np.inf, rest)
+        return np.where(rest < np.inf, rest, -np.inf)
 
     laplace = laplace_approximation(without, start, scale)
     found, draws = laplace_draws(without, laplace, seed, SIZE)

@@ -43,7 +43,7 @@ def friction_of_priors(predictive: xr.DataTree) -> Figure:
             axes.set_yscale("symlog", linthresh=least, linscale=0.4)
             axes.set_title(f"{plain(size)} pulley")
         panels[0].set_ylabel("friction [N]")
-        fig.supxlabel("conditions, in the order of measured friction", fontsize=8)
+        panels[len(sizes) // 2].set_xlabel("conditions, in the order of measured friction")
         keys: list[Line2D | Patch] = [
             Patch(color=NEUTRAL, alpha=0.15, linewidth=0, label="prior, 90 %"),
             Patch(color=NEUTRAL, alpha=0.4, linewidth=0, label="prior, 50 %"),
@@ -73,8 +73,8 @@ def _draw(axes: Axes, table: xr.Dataset) -> None:
             alpha=alpha,
             linewidth=0,
         )
-    axes.stairs(posterior[:, 2], edges, color=COLORS["blue"], baseline=None)
-    axes.plot(place, table["measured_n"].to_numpy(), ".", color=COLORS["black"], markersize=2.6)
+    axes.stairs(posterior[:, 2], edges, color=COLORS["blue"], baseline=None, linewidth=2.4)
+    axes.plot(place, table["measured_n"].to_numpy(), ".", color=COLORS["black"], markersize=2.0)
     if "drive_n" in table:
         drive = table["drive_n"].to_numpy()
         axes.plot(place, drive, "_", color=COLORS["vermilion"], markersize=3.0)

@@ -123,7 +123,7 @@ def _checked(
     trial: str, table: xr.Dataset, likelihood: RigLikelihood, left: LeftOut, remade: Remade
 ) -> tuple[xr.Dataset, xr.Dataset]:
     """Return the table of trials with what leaving them out says, and the checks over all."""
-    checks = coverage(likelihood.trials, remade, table["friction_n"].to_numpy())
+    checks = coverage(likelihood.trials, likelihood.sizes, remade, table["friction_n"].to_numpy())
     if left.trials is None:
         return table, checks
     table = table.assign(loo_pit=(trial, left.pit), pareto_k=(trial, left.trials.pareto_k))

@@ -1,5 +1,7 @@
 """The share of trials inside their predictive intervals, by condition."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import pandas as pd
 import xarray as xr
@@ -16,13 +18,17 @@ CELL = ("pulley_size", "n_pulleys", "wrap_angle_deg")
 MASSES = ("mass_drive_kg", "mass_load_kg", "hanging_mass_kg")
 
 
-def coverage(table: pd.DataFrame, remade: Remade, observed: Array) -> xr.Dataset:
+def coverage(
+    table: pd.DataFrame, sizes: Sequence[str], remade: Remade, observed: Array
+) -> xr.Dataset:
     """Count the trials inside the central intervals of new trials on new assemblies.
 
     Parameters
     ----------
     table : DataFrame
         The N trials or runs.
+    sizes : sequence of str
+        Pulley sizes in the order in which their conditions stand.
     remade : Remade
         New trials, and whole recordings made again.
     observed : ndarray, shape (N,)
@@ -46,9 +52,10 @@ def coverage(table: pd.DataFrame, remade: Remade, observed: Array) -> xr.Dataset
         ]
     )
     columns = [*CELL, *(name for name in MASSES if name in table)]
+    ranked = table.assign(rank=table["pulley_size"].map(list(sizes).index))
     groups = {
-        "condition": table.groupby(columns, sort=False),
-        "cell": table.groupby(list(CELL), sort=False),
+        "condition": ranked.groupby(["rank", *columns[1:]]),
+        "cell": ranked.groupby(["rank", *CELL[1:]]),
     }
     found: dict[str, object] = {
         "all_share": ("level", inside.mean(axis=1)),

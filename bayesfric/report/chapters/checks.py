@@ -19,7 +19,7 @@ from bayesfric.report.content import (
     Reference,
     Table,
 )
-from bayesfric.report.quantities import format_count, format_number, format_share
+from bayesfric.report.quantities import format_count, format_fixed, format_number, format_share
 from bayesfric.report.stored import StoredResults
 
 __all__ = ["checks"]
@@ -115,7 +115,7 @@ def _by_cell(table: xr.Dataset, group: Group) -> Table:
         ]
         for level in (0.5, 0.9):
             one = row.sel(level=level)
-            cells += [format_share(float(one["cell_share"]), 3), _expected(one["cell_expected"])]
+            cells += [_percent(one["cell_share"]), _expected(one["cell_expected"])]
         rows.append(cells)
     whole = [
         "all",
@@ -126,7 +126,7 @@ def _by_cell(table: xr.Dataset, group: Group) -> Table:
     ]
     for level in (0.5, 0.9):
         one = table.sel(level=level)
-        whole += [format_share(float(one["all_share"]), 3), _expected(one["all_expected"])]
+        whole += [_percent(one["all_share"]), _expected(one["all_expected"])]
     return Table(
         f"Coverage by condition, {BOARDS[group]} board: {group} inside their predictive interval.",
         [
@@ -135,10 +135,10 @@ def _by_cell(table: xr.Dataset, group: Group) -> Table:
             Column("wrap angle", "°", align="right"),
             Column("conditions", align="right"),
             Column(group, align="right"),
-            Column("in 50 %", align="right"),
-            Column("made again", align="right"),
-            Column("in 90 %", align="right"),
-            Column("made again", align="right"),
+            Column("in 50 %", "%", align="right"),
+            Column("made again", "%", align="right"),
+            Column("in 90 %", "%", align="right"),
+            Column("made again", "%", align="right"),
         ],
         [*rows, whole],
         label=f"coverage-{group}",
@@ -155,6 +155,10 @@ def _by_cell(table: xr.Dataset, group: Group) -> Table:
 def _keys(table: xr.Dataset, of: str) -> list[str]:
     columns = [table[f"{of}_{name}"].to_numpy() for name in CELL]
     return ["/".join(map(str, key)) for key in zip(*columns, strict=True)]
+
+
+def _percent(share: xr.DataArray) -> str:
+    return format_fixed(100 * float(share), 0)
 
 
 def _expected(share: xr.DataArray) -> str:

@@ -30,8 +30,6 @@ def posteriors(stored: StoredResults) -> Iterator[Block]:
         "and a dashed line of the prior.",
         label="densities",
     )
-    yield from prior_friction(stored)
-    yield Heading(2, "Joint posteriors")
     yield Paragraph(
         [
             Reference("densities"),
@@ -42,6 +40,8 @@ def posteriors(stored: StoredResults) -> Iterator[Block]:
             ".",
         ]
     )
+    yield from prior_friction(stored)
+    yield Heading(2, "Joint posteriors")
     for size in stored.fit.pulleys:
         paper = None
         mark = "The paper has no such size."
