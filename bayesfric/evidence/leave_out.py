@@ -122,7 +122,7 @@ def elpd(
         independent given θ, the same as log p(y_g | θ).
     refit : callable or None
         Place of a group to its exact log p(y_g | y_−g), such as from the draws of
-        :func:`bayesfric.evidence.draws_without`, or to None where that cannot be had;
+        :func:`bayesfric.evidence.refit_without`, or to None where that cannot be had;
         called where Pareto smoothing fails.
     r_eff : float
         Effective draws over draws.

@@ -16,29 +16,48 @@ Bayesian non-factorized normal and Student-t models", Computational Statistics 3
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.evidence.importance import laplace_draws
 from bayesfric.evidence.proposal import LogDensity
+from bayesfric.evidence.record import Evidence
 from bayesfric.laplace import Laplace, laplace_approximation
 
-__all__ = ["draws_without"]
+__all__ = ["Refit", "refit_without"]
 
 Array = NDArray[np.float64]
-SIZE = 2000
+SIZES = 2000, 8000  # of a sample, and of another where the first is not to be relied on
 
 
-def draws_without(
+@dataclass(frozen=True)
+class Refit:
+    """A posterior without one of its groups.
+
+    Parameters
+    ----------
+    draws : ndarray, shape (S, D)
+        Of it.
+    evidence : Evidence or None
+        Of the data without the group, on the scale of the log density that was given;
+        None where the draws are a sampler's.
+    """
+
+    draws: Array
+    evidence: Evidence | None
+
+
+def refit_without(
     log_density: LogDensity,
     log_conditional: LogDensity,
     start: Array,
     scale: Array,
     seed: int,
     sampler: Callable[[LogDensity, Laplace], Array | None] | None = None,
-) -> Array | None:
-    """Draw from a posterior without one of its groups.
+) -> Refit | None:
+    """Sample a posterior without one of its groups.
 
     Parameters
     ----------
@@ -59,8 +78,8 @@ def draws_without(
 
     Returns
     -------
-    ndarray, shape (S, D), or None
-        2000 draws, or those of the sampler; None where neither can be relied on.
+    Refit or None
+        Of at least 2000 draws, or those of the sampler; None where neither can be relied on.
     """
 
     def without(points: Array) -> Array:
@@ -72,7 +91,9 @@ def draws_without(
         return np.where(rest < np.inf, rest, -np.inf)
 
     laplace = laplace_approximation(without, start, scale)
-    found, draws = laplace_draws(without, laplace, seed, SIZE)
-    if found.reliable:
-        return draws
-    return None if sampler is None else sampler(without, laplace)
+    for size in SIZES:
+        found, draws = laplace_draws(without, laplace, seed, size)
+        if found.reliable:
+            return Refit(draws, found)
+    run = None if sampler is None else sampler(without, laplace)
+    return None if run is None else Refit(run, None)

@@ -14,8 +14,17 @@ from numpy.typing import NDArray
 from scipy.special import ndtri
 
 from bayesfric.analysis import Sampler
-from bayesfric.evidence import ELPD, bridge_ratio, draws_without, elpd, in_one_place, loo_pit
-from bayesfric.laplace import Laplace
+from bayesfric.evidence import (
+    ELPD,
+    Evidence,
+    bridge_ratio,
+    elpd,
+    in_one_place,
+    laplace_evidence,
+    loo_pit,
+    refit_without,
+)
+from bayesfric.laplace import Laplace, laplace_approximation
 from bayesfric.likelihood.model import Model, RigLikelihood
 from bayesfric.sampling import sample
 
@@ -224,6 +233,7 @@ def _leave_out(
         return None, {}
     density = getattr(likelihood, f"{kind}_log_likelihood")
     refits: dict[int, Array] = {}
+    whole: list[Evidence] = []  # of all data, once it is wanted
 
     def refit(place: int) -> float | None:
         def conditional(points: Array) -> Array:
@@ -231,15 +241,22 @@ def _leave_out(
 
         own = int(np.random.SeedSequence([seed, len(kind), place]).generate_state(1)[0])
         sampler = partial(_sample, seed=own)
-        unseen = draws_without(model.log_posterior, conditional, start, model.scale(), own, sampler)
+        unseen = refit_without(model.log_posterior, conditional, start, model.scale(), own, sampler)
         if unseen is None:
             return None
-        # The evidence with the group over that without it: the few of the one's draws
-        # that the other could have made decide, so both are asked.
-        value, error = bridge_ratio(log_likelihood[:, place], conditional(unseen))
+        # The evidence of all data over that without the group: by importance both, or by
+        # a bridge between the draws of either.
+        value, error = bridge_ratio(log_likelihood[:, place], conditional(unseen.draws))
+        if unseen.evidence is not None:
+            if not whole:
+                laplace = laplace_approximation(model.log_posterior, start, model.scale())
+                whole.append(laplace_evidence(model.log_posterior, laplace, seed))
+            both = float(np.hypot(whole[0].error, unseen.evidence.error))
+            if both < error:
+                value, error = whole[0].log_evidence - unseen.evidence.log_evidence, both
         if error > LARGEST_ERROR:
             return None
-        refits[place] = unseen
+        refits[place] = unseen.draws
         return value
 
     return elpd(log_likelihood, refit), refits

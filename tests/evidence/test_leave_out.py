@@ -9,9 +9,9 @@ from bayesfric.evidence import (
     LinearGaussian,
     bridge_ratio,
     difference,
-    draws_without,
     elpd,
     loo_pit,
+    refit_without,
 )
 
 GROUPS, EACH, DRAWS = 30, 3, 4000
@@ -135,7 +135,8 @@ def test_draws_without_a_group_have_its_exact_posterior():
         return np.atleast_1d(posterior.logpdf(points))
 
     mode, seen = posterior.mean, posterior.cov
-    found = draws_without(log_density, conditional, mode, np.full(2, 2.0), 1)
+    refit = refit_without(log_density, conditional, mode, np.full(2, 2.0), 1)
+    found = refit.draws
     rest = case.of != 0
     noise = case.model.noise[np.ix_(rest, rest)]
     without = LinearGaussian(design[rest], case.model.prior_sd, noise)
@@ -146,6 +147,9 @@ def test_draws_without_a_group_have_its_exact_posterior():
     value, error = bridge_ratio(conditional(case.draws), conditional(found))
     assert error < 0.1
     assert abs(value - case.exact(0)) < 3 * error
+    # all data have the evidence 1 here: their density is normalised
+    assert refit.evidence.error < 0.1
+    assert abs(-refit.evidence.log_evidence - case.exact(0)) < 3 * refit.evidence.error
 
 
 def test_ratio_of_two_normals_and_its_error():
@@ -182,8 +186,10 @@ def test_where_importance_sampling_fails_the_sampler_is_asked():
         return heavy(z) + conditional(z)
 
     place = np.zeros(2), np.full(2, 0.01)
-    assert draws_without(both, conditional, *place, 1) is None
-    assert draws_without(both, conditional, *place, 1, sampler) == pytest.approx(np.zeros((1, 2)))
+    assert refit_without(both, conditional, *place, 1) is None
+    found = refit_without(both, conditional, *place, 1, sampler)
+    assert found.draws == pytest.approx(np.zeros((1, 2)), abs=1e-6)
+    assert found.evidence is None
     assert asked[0] == pytest.approx(heavy(np.array([[0.3, -2.0]])))
 
 
