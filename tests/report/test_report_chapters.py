@@ -97,7 +97,7 @@ def test_coverage_by_cell_has_the_shares_of_the_checks(document, stored):
     assert [int(row[5]) for row in rows[:-1]] == [
         round(100 * share) for share in checks["cell_share"].to_numpy()[:, 0]
     ]
-    assert sum(int(row[3]) for row in rows[:-1]) == int(rows[-1][3]) == 24
+    assert sum(int(row[3]) for row in rows[:-1]) == int(rows[-1][3]) == 3 * 3 * 4
     assert sum(int(row[4]) for row in rows[:-1]) == int(rows[-1][4]) == 48
     assert int(rows[-1][7]) == round(100 * float(stored.predictive["trials"]["covered_share"]))
 
@@ -107,7 +107,7 @@ def test_friction_of_the_priors_stands_beside_the_posterior(document, stored):
     (row,) = [row for row in table(document, "prior-friction").rows if row[0] == "large"]
     middle = prior["prior_pooled_n"].to_numpy()[2]
     assert float(row[1].partition(" ")[0]) == pytest.approx(middle, rel=0.05)
-    assert row[5] == f"{100 * float(prior['prior_stuck']):.0f}\u2009%"
+    assert row[5] == f"{100 * float(prior['prior_stuck']):.0f}\u202f%"
 
 
 def test_a_fit_of_an_earlier_version_has_a_report_without_these(stored):

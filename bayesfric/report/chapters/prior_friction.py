@@ -90,7 +90,8 @@ def prior_friction(stored: StoredResults) -> Iterator[Block]:
     yield Figure(
         to_svg(friction_of_priors(stored.predictive)),
         [
-            "Friction of each condition: bands of the prior, the posterior and the measurements. "
+            "Friction of each condition: bands of the prior, the posterior, the measurements, and "
+            "on the gravity board the friction from which on it would not move. "
             "The axis is linear around zero, logarithmic above the least friction. From ",
             Code("predictive.nc"),
             ".",
