@@ -24,6 +24,8 @@ from bayesfric.likelihood.model import Model, RigLikelihood
 from bayesfric.likelihood.motor import MotorLikelihood
 from bayesfric.likelihood.screening import Screened, screen_trials
 from bayesfric.predictive import predict
+from bayesfric.predictive.left_out import LeftOut, leave_out
+from bayesfric.predictive.reported import predictions, uniformities
 from bayesfric.priors import log_density
 from bayesfric.recording.tables import Recording
 from bayesfric.results import (
@@ -165,20 +167,34 @@ def fit(
                     again,
                     _draw(again, analysis, Checkpoint(folder, key), progress, {}),
                 )
+        theta = model.natural(draws.z)
+        with _timed(seconds, "leave_out"):
+            some = _pointwise_draws(draws.z)
+            start = draws.z.reshape(-1, draws.z.shape[-1])[np.argmax(draws.log_density)]
+            flat = some.reshape(-1, some.shape[-1])
+            left_out = {
+                name: leave_out(model, rig, flat, start, analysis.seed)
+                for name, rig in likelihoods.items()
+            }
         with _timed(seconds, "summary"):
-            theta = model.natural(draws.z)
             fields = {
                 "rigs": chosen,
                 "baseline": baseline,
                 "without_exclusions": without,
                 "without_exclusions_why": why,
+                "prediction": predictions(left_out),
+                "uniformity": uniformities(left_out),
             }
             summary = summarise(
                 attributes.model_dump() | fields, recording, screened, model, draws, theta
             )
-            tree = _draws_tree(model, likelihoods, theta, attributes.model_dump(mode="json"))
+            tree = _draws_tree(
+                model, likelihoods, theta, left_out, attributes.model_dump(mode="json")
+            )
         with _timed(seconds, "predictive"):
-            predictive = predict(recording, screened, likelihoods, model, theta, analysis, law)
+            predictive = predict(
+                recording, screened, likelihoods, model, theta, left_out, analysis, law
+            )
     return Fit(summary, tree, predictive, seconds)
 
 
@@ -262,10 +278,22 @@ def _timed(seconds: dict[str, float], stage: str) -> Any:
     seconds[stage] = time.perf_counter() - start
 
 
+def _pointwise_stride(chains: int, kept: int) -> int:
+    return max(1, -(-chains * kept // POINTWISE_DRAWS))
+
+
+def _pointwise_draws(z: Array) -> Array:
+    """Return the draws of which the log likelihood by trial is stored, (chain, draw, D)."""
+    ensembles, kept, walkers, size = z.shape
+    chains = z.transpose(0, 2, 1, 3).reshape(ensembles * walkers, kept, size)
+    return chains[:, :: _pointwise_stride(len(chains), kept)]
+
+
 def _draws_tree(
     model: Model,
     likelihoods: Mapping[str, RigLikelihood],
     theta: Array,
+    left_out: Mapping[str, LeftOut],
     attributes: dict[str, Any],
 ) -> xr.DataTree:
     ensembles, kept, walkers, size = theta.shape
@@ -275,13 +303,10 @@ def _draws_tree(
         [log_density(p.prior, chains[..., place]) for place, p in enumerate(model.parameters)],
         axis=-1,
     )
-    stride = max(1, -(-chains.shape[0] * kept // POINTWISE_DRAWS))
-    some = chains[:, ::stride]
-    named = model.by_name(some.reshape(-1, size))
-    shape = some.shape[:2]
-    rigs = likelihoods.values()
-    setups = np.concatenate([rig.setup_log_likelihood(named) for rig in rigs], axis=-1)
-    trials = np.concatenate([rig.trial_log_likelihood(named) for rig in rigs], axis=-1)
+    stride = _pointwise_stride(ensembles * walkers, kept)
+    shape = (ensembles * walkers, -1)
+    setups = np.concatenate([left.setup_log_likelihood for left in left_out.values()], axis=-1)
+    trials = np.concatenate([left.trial_log_likelihood for left in left_out.values()], axis=-1)
     # Two rigs may use the same ids: then the rig's name goes before them.
     before = {name: f"{name}/" if len(likelihoods) > 1 else "" for name in likelihoods}
     tree = draws_tree(
@@ -297,8 +322,8 @@ def _draws_tree(
     pointwise = draws_tree(
         {
             "log_likelihood": {
-                "setup": setups.reshape(*shape, -1),
-                "trial": trials.reshape(*shape, -1),
+                "setup": setups.reshape(*shape, setups.shape[-1]),
+                "trial": trials.reshape(*shape, trials.shape[-1]),
             }
         },
         dims={"setup": ["setup_id"], "trial": ["trial_id"]},

@@ -1,6 +1,6 @@
 """Draws become the numbers of ``fit.json``: intervals, diagnostics, data quality."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,7 @@ from bayesfric.schemas import (
     PointEstimate,
     Repaired,
     SamplerSummary,
+    Uniformity,
     WithoutExclusions,
 )
 
@@ -32,6 +33,7 @@ __all__ = ["summarise", "summarise_without_exclusions"]
 
 Array = NDArray[np.float64]
 COEFFICIENTS = ("c1", "c2", "c3")
+NOT_UNIFORM = 0.01  # p below which a reader must know; one sound recording in a hundred has it
 
 
 def summarise(
@@ -77,7 +79,10 @@ def summarise(
     return FitFile(
         **attributes,
         converged=converged,
-        attention=_attention(convergence, entries, quality),
+        attention=(
+            *_attention(convergence, entries, quality),
+            *_not_uniform(attributes["uniformity"]),
+        ),
         pulleys={size: {c: entries[f"{c}[{size}]"] for c in COEFFICIENTS} for size in sizes},
         scatter={n: e for n, e in entries.items() if n.startswith(("tau", "omega"))},
         noise={n: e for n, e in entries.items() if n.startswith(("sigma", "load_noise"))},
@@ -283,3 +288,15 @@ def _attention(
     if quality.excluded:
         lines.append(f"{len(quality.excluded)} of {quality.trials} trials left out")
     return tuple(lines)
+
+
+def _not_uniform(found: Sequence[Uniformity]) -> Iterator[str]:
+    """Yield what leave-one-trial-out probabilities that are not uniform say of the model."""
+    for one in found:
+        if one.p_value < NOT_UNIFORM:
+            yield (
+                f"The {one.rig} board's trials are not where the fit to the others puts them: "
+                f"leave-one-out probabilities depart from uniform with p = {one.p_value:.2g}, and "
+                f"trials lie {one.spread:.2f} times as far from their prediction as the model "
+                f"says ({one.spread_q05:.2f} to {one.spread_q95:.2f} by chance)"
+            )

@@ -9,6 +9,7 @@ from scipy import stats
 
 from bayesfric.analysis import Analysis, Sampler
 from bayesfric.fitting import fit
+from bayesfric.predictive.remaking import remake
 from bayesfric.predictive.residuals import check_residuals, measuring_order
 from bayesfric.protocols import Protocol
 from bayesfric.report.assembly import build_document
@@ -190,7 +191,8 @@ def test_an_outlier_is_beyond_what_one_recording_in_twenty_has():
     deviation = 0.2 * np.repeat(stats.norm.ppf(np.arange(0.5e-4, 1, 1e-4))[:, None], 3, axis=1)
     limit = stats.norm.ppf(1 - 0.05 / 6)
     observed = np.array([12.0, 10 + 2 * (limit - 0.01), 10 - 2 * (limit + 0.01)])
-    found = check_residuals("trial", fake, {}, deviation, observed, np.random.default_rng(0))
+    remade = remake(fake, {}, deviation, np.random.default_rng(0))
+    found = check_residuals("trial", remade, observed)
     assert found["z"][1] == pytest.approx([1, limit - 0.01, -limit - 0.01], rel=1e-3)
     assert found["z_limit"] == pytest.approx(limit)
     assert found["outlier"][1].tolist() == [False, False, True]

@@ -200,7 +200,7 @@ def _best_rival(
     if not known:
         return None
     best = max(known, key=lambda task: log_evidence(studied[task]))
-    return None if studied[best].setup_log_likelihood.size else best
+    return None if studied[best].prediction else best
 
 
 def screen_claims(

@@ -9,7 +9,7 @@ from scipy.special import logsumexp
 from bayesfric.analysis import ClaimRules
 from bayesfric.claims.base import BASELINE, Case, Claim, Finding, Verdict
 from bayesfric.claims.studies import WIDTHS, Studied, Task
-from bayesfric.evidence import difference, elpd
+from bayesfric.evidence import difference
 
 __all__ = ["bayes_factor", "compare", "decide", "log_evidence", "odds", "share"]
 
@@ -53,13 +53,14 @@ def compare(claim: Claim, case: Case) -> Finding:
         [bayes_factor(own, list(known.values()), place)[0] for place in range(len(WIDTHS))]
     )
     # Draws, which prediction needs, there are of the best rival; screening picked it.
-    drawn = [one for one, found in known.items() if found.setup_log_likelihood.size]
+    drawn = {one: found.prediction for one, found in known.items() if found.prediction}
     best = max(drawn, key=lambda one: log_evidence(known[one]))
     with_effect = [found for found in known.values() if found.size.size]
     bound = max((float(np.quantile(one.size, 0.95)) for one in with_effect), default=0.0)
     best_size = known[best].size
     beyond = float((best_size > rules.region_of_equivalence).mean()) if best_size.size else 1.0
-    predicted = difference(elpd(own.setup_log_likelihood), elpd(known[best].setup_log_likelihood))
+    assert own.prediction is not None  # the law is always sampled where it has an evidence
+    predicted = difference(own.prediction, drawn[best])
     widths = np.array(WIDTHS)
     stable = curve[(widths > 0.999 * STABLE_OVER[0]) & (widths < 1.001 * STABLE_OVER[1])]
     verdict, reason = decide(
@@ -84,6 +85,8 @@ def compare(claim: Claim, case: Case) -> Finding:
         "lowest_over_prior_width": float(stable.min()),
         "highest_over_prior_width": float(stable.max()),
         "elpd_reliable": predicted.reliable,
+        "elpd_unreliable_for": "; ".join(predicted.unreliable),
+        "elpd_refitted": int(own.prediction.refitted.sum() + drawn[best].refitted.sum()),
     }
     notes = [f"{one.label}: {found.why}" for one, found in known.items() if found.why]
     if notes:

@@ -13,6 +13,7 @@ from threadpoolctl import threadpool_limits
 from bayesfric.analysis import Analysis, Sampler
 from bayesfric.effects import Effect, State
 from bayesfric.evidence import (
+    ELPD,
     Evidence,
     SeparatedModes,
     agree,
@@ -25,6 +26,7 @@ from bayesfric.laplace import Laplace, laplace_approximation
 from bayesfric.likelihood.hall_events import pilot_fits
 from bayesfric.likelihood.hypothesis import Data, Hypothesis, model_of
 from bayesfric.likelihood.model import Model
+from bayesfric.predictive.left_out import leave_setups_out
 from bayesfric.priors import log_density
 from bayesfric.sampling import sample
 
@@ -75,8 +77,8 @@ class Studied:
         Why there is no evidence, or in what two estimates of it differ.
     theta : mapping of str to ndarray, shape (S,)
         Draws by parameter; empty of one size.
-    setup_log_likelihood : ndarray, shape (S', J)
-        Of each assembly given the others, some of the draws; empty where screened only.
+    prediction : ELPD or None
+        Of each assembly left out in turn; None where screened only.
     widths : ndarray, shape (len(WIDTHS),)
         Change of the log evidence as the width of an amplitude's prior is multiplied
         by :data:`WIDTHS`; empty without an effect.
@@ -90,7 +92,7 @@ class Studied:
     evidence: Evidence | None
     why: str = ""
     theta: Mapping[str, Array] = field(default_factory=dict)
-    setup_log_likelihood: Array = field(default_factory=lambda: np.empty((0, 0)))
+    prediction: ELPD | None = None
     widths: Array = field(default_factory=lambda: np.empty(0))
     size: Array = field(default_factory=lambda: np.empty(0))
     laplace: Laplace | None = None
@@ -189,9 +191,11 @@ def _study(
         if not task.whole:
             return Studied(evidence)
         theta = model.natural(draws.z).reshape(-1, len(model.parameters))
-        some = theta[np.linspace(0, len(theta) - 1, POINTWISE_DRAWS).astype(int)]
         named = model.by_name(theta)
-        pointwise = [rig.setup_log_likelihood(model.by_name(some)) for rig in model.likelihoods]
+        flat = draws.z.reshape(theta.shape)
+        some = flat[np.linspace(0, len(flat) - 1, POINTWISE_DRAWS).astype(int)]
+        best = flat[np.argmax(draws.log_density)]
+        prediction = leave_setups_out(model, some, best, int(proposals))
     why = ""
     if rough.reliable and not agree(evidence, rough):
         why = (
@@ -202,7 +206,7 @@ def _study(
         evidence,
         why,
         named,
-        np.concatenate(pointwise, axis=1),
+        prediction,
         _over_widths(named, task.hypothesis, effects),
         _size_at_edge(data, named, task.hypothesis, effects),
     )

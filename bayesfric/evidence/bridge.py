@@ -31,7 +31,7 @@ from bayesfric.diagnostics import mean_ess, multivariate_r_hat
 from bayesfric.evidence.proposal import LogDensity, evaluate, fit_proposal
 from bayesfric.evidence.record import Evidence, SeparatedModes
 
-__all__ = ["bridge_evidence", "in_one_place"]
+__all__ = ["bridge_evidence", "bridge_ratio", "in_one_place"]
 
 Array = NDArray[np.float64]
 
@@ -86,6 +86,32 @@ def bridge_evidence(
     value2, error2 = _bridge(log_density, second, first, rng)
     error = float(np.hypot(error1, error2)) / 2
     return Evidence((value1 + value2) / 2, error, "bridge sampling")
+
+
+def bridge_ratio(at_first: Array, at_second: Array) -> tuple[float, float]:
+    """Estimate the ratio of the integrals of two densities, from independent draws of both.
+
+    Parameters
+    ----------
+    at_first, at_second : ndarray, shape (N₁,) and (N₂,)
+        Log of the first density over the second, unnormalised, at draws of the first and
+        of the second; −inf where the first is zero.
+
+    Returns
+    -------
+    log_ratio, error : float
+        Log of the first integral over the second, and its standard error [nat]; the error
+        is large where the two hardly overlap.
+
+    References
+    ----------
+    C. H. Bennett, "Efficient estimation of free energy differences from Monte Carlo
+    data", Journal of Computational Physics 22 (1976).
+    """
+    log_ratio, of_first, of_second = _stand(at_first, at_second, float(at_first.size))
+    parts = (of_first, of_second)
+    variance = sum(part.var() / part.mean() ** 2 / part.size for part in parts)
+    return log_ratio, float(np.sqrt(variance))
 
 
 def _bridge(

@@ -74,9 +74,14 @@ class ELPD:
         return _standard_error(self.pointwise)
 
     @property
+    def bad(self) -> NDArray[np.bool_]:
+        """Which groups have weights that fail, refitted or not, shape (G,)."""
+        return ~(self.pareto_k <= self.limit_k)
+
+    @property
     def reliable(self) -> bool:
         """Whether every group has been refitted or has weights that can be relied on."""
-        return bool((self.refitted | (self.pareto_k <= self.limit_k)).all())
+        return bool((self.refitted | ~self.bad).all())
 
 
 @dataclass(frozen=True)
@@ -105,7 +110,7 @@ class Difference:
 
 def elpd(
     log_likelihood: Array,
-    refit: Callable[[int], float] | None = None,
+    refit: Callable[[int], float | None] | None = None,
     r_eff: float = 1.0,
 ) -> ELPD:
     """Estimate leave-one-group-out predictive densities.
@@ -116,8 +121,9 @@ def elpd(
         log p(y_g | y_−g, θ) of each group for each posterior draw; for groups that are
         independent given θ, the same as log p(y_g | θ).
     refit : callable or None
-        Place of a group to its exact log p(y_g | y_−g); called where Pareto smoothing
-        fails.
+        Place of a group to its exact log p(y_g | y_−g), such as from the draws of
+        :func:`bayesfric.evidence.refit_without`, or to None where that cannot be had;
+        called where Pareto smoothing fails.
     r_eff : float
         Effective draws over draws.
 
@@ -141,9 +147,10 @@ def elpd(
     refitted = np.zeros(groups, dtype=bool)
     if refit is not None:
         # A k that is not a number is bad as well.
-        refitted = ~(pareto_k <= limit_k)
-        for bad in np.flatnonzero(refitted).tolist():
-            pointwise[bad] = refit(bad)
+        for bad in np.flatnonzero(~(pareto_k <= limit_k)).tolist():
+            exact = refit(bad)
+            if exact is not None:
+                pointwise[bad], refitted[bad] = exact, True
     return ELPD(pointwise, pareto_k, refitted, float(limit_k))
 
 

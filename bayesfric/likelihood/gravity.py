@@ -42,9 +42,14 @@ from bayesfric.likelihood.scatter import (
     LOG_2PI,
     SetupIndex,
     setup_log_density,
+    trial_cdf,
     trial_log_density,
 )
-from bayesfric.likelihood.student import student_setup_log_density, student_trial_log_density
+from bayesfric.likelihood.student import (
+    student_setup_log_density,
+    student_trial_cdf,
+    student_trial_log_density,
+)
 from bayesfric.priors import Parameter
 from bayesfric.recording.tables import Gravity, Rig
 
@@ -136,10 +141,12 @@ class GravityLikelihood:
         self._freedom: float | None = None
         self._setup_density = setup_log_density
         self._trial_density = trial_log_density
+        self._trial_cdf = trial_cdf
         if analysis.scatter.trial == "student-t":
             self._freedom = analysis.scatter.degrees_of_freedom
             self._setup_density = partial(student_setup_log_density, freedom=self._freedom)
             self._trial_density = partial(student_trial_log_density, freedom=self._freedom)
+            self._trial_cdf = partial(student_trial_cdf, freedom=self._freedom)
 
     def law(self, theta: Mapping[str, Array]) -> Array:
         """Return the friction of each trial by the law and the steady effects [N].
@@ -209,6 +216,31 @@ class GravityLikelihood:
         observed, variance, law, constant = self._scattered(theta)
         density = self._trial_density(self._index, observed, variance, law, *self._scatter(theta))
         return density + constant
+
+    def trial_cdf(self, theta: Mapping[str, Array]) -> Array:
+        """Return the probability of less friction of each trial given the rest, shape (W, N)."""
+        observed, variance, law, _ = self._scattered(theta)
+        return self._trial_cdf(self._index, observed, variance, law, *self._scatter(theta))
+
+    def draw_trial_cdf(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
+        """Return :meth:`trial_cdf` of recordings made again with these parameters.
+
+        Parameters
+        ----------
+        theta : mapping of str to ndarray of shape (W,)
+            Parameters by name.
+        rng : Generator
+            Source of randomness.
+
+        Returns
+        -------
+        ndarray, shape (W, N)
+            A recording made again a row, with new scatter on new assemblies.
+        """
+        _, variance, law, _ = self._scattered(theta)
+        deviation = self.draw_scatter(theta, rng, together=True)
+        again = law * (1 + deviation) + np.sqrt(variance) * rng.standard_normal(law.shape)
+        return self._trial_cdf(self._index, again, variance, law, *self._scatter(theta))
 
     def _scattered(self, theta: Mapping[str, Array]) -> tuple[Array, Array, Array, Array]:
         """Return friction observed, its variance, the law's, and the rest of the log density.

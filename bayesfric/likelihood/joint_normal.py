@@ -11,7 +11,7 @@ that everything but that matrix is a sum over groups: what one group adds can be
 off again to leave the group out.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -102,6 +102,31 @@ class JointNormal:
         for Bayesian non-factorized normal and Student-t models", Computational
         Statistics 36 (2021).
         """
+        score, precision = self._given_the_rest()
+        return np.asarray(0.5 * (np.log(precision) - LOG_2PI - score**2 / precision))
+
+    def single_z(self) -> Array:
+        """Return the standard score of each measurement given all others, shape (W, M)."""
+        score, precision = self._given_the_rest()
+        return np.asarray(score / np.sqrt(precision))
+
+    def made_again(self, rng: np.random.Generator) -> "JointNormal":
+        """Return the same normal with residuals drawn from it.
+
+        Parameters
+        ----------
+        rng : Generator
+            Source of randomness.
+        """
+        walkers, shared = len(self.residual), self.columns.shape[1]
+        own = rng.standard_normal(self.residual.shape)
+        group = rng.standard_normal((walkers, len(self.index.starts)))
+        curve = rng.standard_normal((walkers, shared)) @ self.columns.T
+        residual = np.sqrt(self.variance) * own + self.moved * group[:, self.index.of_trial] + curve
+        return replace(self, residual=residual)
+
+    def _given_the_rest(self) -> tuple[Array, Array]:
+        """Return Σ⁻¹r and the diagonal of Σ⁻¹, both of shape (W, M)."""
         along = self.moved / self.variance
         gain = (1 + self.index.total(along * self.moved))[:, self.index.of_trial]
 
@@ -115,7 +140,7 @@ class JointNormal:
         right = basis @ self.residual[:, :, None]
         precision = 1 / self.variance - along**2 / gain - (basis * white).sum(axis=1)
         score = solve(self.residual) - (white * right).sum(axis=1)
-        return np.asarray(0.5 * (np.log(precision) - LOG_2PI - score**2 / precision))
+        return score, precision
 
     def _group_sums(self) -> _Sums:
         """Return what each group adds, arrays of shape (W, G, …)."""

@@ -58,6 +58,12 @@ class RigLikelihood(Protocol):
     def trial_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
         """Return log densities of each trial given the rest, shape (W, N)."""
 
+    def trial_cdf(self, theta: Mapping[str, Array]) -> Array:
+        """Return the probability of less friction of each trial given the rest, shape (W, N)."""
+
+    def draw_trial_cdf(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
+        """Return that of recordings made again, one for each set of parameters, shape (W, N)."""
+
 
 class Model:
     """The posterior of D parameters given the data of one or more rigs.

@@ -18,6 +18,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from scipy.special import ndtr
 
 from bayesfric.analysis import Analysis
 from bayesfric.baseline import BASELINES, Baseline
@@ -281,6 +282,32 @@ class MotorLikelihood:
     def trial_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
         """Return each run's log density given all other currents, shape (W, N)."""
         return self._currents(theta).single_log_density()[:, : self._runs]
+
+    def trial_cdf(self, theta: Mapping[str, Array]) -> Array:
+        """Return the probability of less friction of each run given all else, shape (W, N)."""
+        return self._friction_cdf(self._currents(theta))
+
+    def draw_trial_cdf(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
+        """Return :meth:`trial_cdf` of recordings made again with these parameters.
+
+        Parameters
+        ----------
+        theta : mapping of str to ndarray of shape (W,)
+            Parameters by name.
+        rng : Generator
+            Source of randomness.
+
+        Returns
+        -------
+        ndarray, shape (W, N)
+            A recording made again a row, the idle curve drawn from its prior.
+        """
+        return self._friction_cdf(self._currents(theta).made_again(rng))
+
+    def _friction_cdf(self, currents: JointNormal) -> Array:
+        # Friction takes current from a motor that lifts, and gives it back as it lowers.
+        sign = np.sign(self.condition.velocity_m_s)
+        return np.asarray(ndtr(sign * currents.single_z()[:, : self._runs]))
 
     def start(self) -> dict[str, float]:
         """Return rough estimates by least squares, a place to climb from."""

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtr
 
-__all__ = ["SetupIndex", "setup_log_density", "trial_log_density"]
+__all__ = ["SetupIndex", "setup_log_density", "trial_cdf", "trial_log_density"]
 
 Array = NDArray[np.float64]
 LOG_2PI = float(np.log(2 * np.pi))
@@ -119,10 +120,34 @@ def trial_log_density(
     for Bayesian non-factorized normal and Student-t models", Computational
     Statistics 36 (2021).
     """
+    score, precision = _given_the_rest(index, observed, variance, mu, tau, omega)
+    return 0.5 * (np.log(precision) - LOG_2PI - score**2 / precision)
+
+
+def trial_cdf(
+    index: SetupIndex, observed: Array, variance: Array, mu: Array, tau: Array, omega: Array
+) -> Array:
+    """Return the probability of a lower friction of each trial given its assembly's others.
+
+    The arguments are those of :func:`setup_log_density`.
+
+    Returns
+    -------
+    ndarray, shape (…, N)
+        ``P(Y_j ≤ y_j | y_−j)``.
+    """
+    score, precision = _given_the_rest(index, observed, variance, mu, tau, omega)
+    return np.asarray(ndtr(score / np.sqrt(precision)))
+
+
+def _given_the_rest(
+    index: SetupIndex, observed: Array, variance: Array, mu: Array, tau: Array, omega: Array
+) -> tuple[Array, Array]:
+    """Return Σ⁻¹r and the diagonal of Σ⁻¹: precision times residual given the rest, and it."""
     omega = np.broadcast_to(omega, mu.shape)
     g = _gaussian(index, observed, variance, mu, tau, omega)
     shrink = (g.omega2 / (1 + g.omega2 * g.s1))[..., index.of_trial]
     weighted = g.mu / g.d
     precision = 1 / g.d - shrink * weighted**2
     score = g.r / g.d - shrink * weighted * g.s2[..., index.of_trial]
-    return 0.5 * (np.log(precision) - LOG_2PI - score**2 / precision)
+    return score, precision

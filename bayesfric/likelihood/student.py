@@ -9,11 +9,11 @@ rule on a grid around its posterior.
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import gammaln, logsumexp
+from scipy.special import gammaln, logsumexp, stdtr
 
 from bayesfric.likelihood.scatter import LOG_2PI, SetupIndex
 
-__all__ = ["student_setup_log_density", "student_trial_log_density"]
+__all__ = ["student_setup_log_density", "student_trial_cdf", "student_trial_log_density"]
 
 Array = NDArray[np.float64]
 REWEIGHTINGS = 12
@@ -52,7 +52,7 @@ def student_setup_log_density(
     ndarray, shape (…, J)
         Joint log density of the trials of each assembly.
     """
-    log_weight, trial = _on_grid(
+    log_weight, trial, _ = _on_grid(
         index, observed, variance, mu, tau, omega, freedom, SETUP_NODES, leave_out=False
     )
     return logsumexp(log_weight + index.total(trial), axis=0)
@@ -77,11 +77,39 @@ def student_trial_log_density(
     ndarray, shape (…, N)
         ``log p(y_j | y_−j)``.
     """
-    log_weight, trial = _on_grid(
+    log_weight, trial, _ = _on_grid(
         index, observed, variance, mu, tau, omega, freedom, TRIAL_NODES, leave_out=True
     )
     together = (log_weight + index.total(trial))[..., index.of_trial]
     return logsumexp(together, axis=0) - logsumexp(together - trial, axis=0)
+
+
+def student_trial_cdf(
+    index: SetupIndex,
+    observed: Array,
+    variance: Array,
+    mu: Array,
+    tau: Array,
+    omega: Array,
+    *,
+    freedom: float,
+) -> Array:
+    """Return the probability of a lower friction of each trial given its assembly's others.
+
+    The arguments are those of :func:`student_setup_log_density`.
+
+    Returns
+    -------
+    ndarray, shape (…, N)
+        ``P(Y_j ≤ y_j | y_−j)``.
+    """
+    log_weight, trial, distance = _on_grid(
+        index, observed, variance, mu, tau, omega, freedom, TRIAL_NODES, leave_out=True
+    )
+    rest = (log_weight + index.total(trial))[..., index.of_trial] - trial
+    weight = np.exp(rest - rest.max(axis=0))
+    weight /= weight.sum(axis=0)
+    return np.asarray((weight * stdtr(freedom, distance)).sum(axis=0))
 
 
 def _on_grid(
@@ -95,8 +123,11 @@ def _on_grid(
     nodes: int,
     *,
     leave_out: bool,
-) -> tuple[Array, Array]:
-    """Return the log prior weight of η, (Q, …, J), and trial log densities, (Q, …, N)."""
+) -> tuple[Array, Array, Array]:
+    """Return the log prior weight of η, (Q, …, J), and of trials, (Q, …, N), two things.
+
+    These are the log density, and the distance from the centre in units of the scale.
+    """
     scale2 = (mu * tau) ** 2 + variance
     residual = observed - mu
     omega2 = np.broadcast_to(omega, mu.shape)[..., index.starts] ** 2
@@ -113,11 +144,11 @@ def _on_grid(
     place = np.arange(nodes) - (nodes - 1) / 2
     eta = centre + step * place.reshape(-1, *np.ones(centre.ndim, dtype=int))
     log_weight = np.log(step) - 0.5 * (LOG_2PI + np.log(omega2) + eta**2 / omega2)
-    off = residual - mu * eta[..., index.of_trial]
+    distance = (residual - mu * eta[..., index.of_trial]) / np.sqrt(scale2)
     trial = (
         gammaln((freedom + 1) / 2)
         - gammaln(freedom / 2)
         - 0.5 * np.log(freedom * np.pi * scale2)
-        - 0.5 * (freedom + 1) * np.log1p(off**2 / (freedom * scale2))
+        - 0.5 * (freedom + 1) * np.log1p(distance**2 / freedom)
     )
-    return log_weight, trial
+    return log_weight, trial, distance

@@ -11,14 +11,19 @@ from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
 from bayesfric.baseline import Baseline
+from bayesfric.boards.gravity import Condition
 from bayesfric.likelihood.gravity import GravityLikelihood
 from bayesfric.likelihood.model import Model, RigLikelihood
 from bayesfric.likelihood.motor import MotorLikelihood
 from bayesfric.likelihood.screening import Screened
 from bayesfric.predictive.bands import QUANTILES
+from bayesfric.predictive.coverage import CELL, MASSES, coverage
 from bayesfric.predictive.gravity import curves, trials
+from bayesfric.predictive.left_out import LeftOut, uniformity
 from bayesfric.predictive.motor import runs
 from bayesfric.predictive.parameters import coefficients, densities, ranks
+from bayesfric.predictive.prior import PRIOR_DRAWS, friction_of_prior
+from bayesfric.predictive.remaking import Remade, remake
 from bayesfric.predictive.slopes import paper_slopes
 from bayesfric.predictive.trajectories import trajectories
 from bayesfric.recording.tables import Recording
@@ -35,6 +40,7 @@ def predict(
     likelihoods: Mapping[str, RigLikelihood],
     model: Model,
     theta: Array,
+    left_out: Mapping[str, LeftOut],
     analysis: Analysis,
     baseline: Baseline,
 ) -> xr.DataTree:
@@ -52,6 +58,8 @@ def predict(
         Of the fit.
     theta : ndarray, shape (ensembles, draws, walkers, D)
         Posterior draws in the parameters' units.
+    left_out : mapping of str to LeftOut
+        What the fit predicts of trials that it has not seen, by rig.
     analysis : Analysis
         For the seed and the form of the scatter.
     baseline : Baseline
@@ -69,6 +77,10 @@ def predict(
         ``wrap_lines``: the paper's slopes; ``trajectories``: a few trials, measured and
         predicted from their first speed alone. Of the motor board, ``runs``: friction
         observed, and predicted for a new run on a new assembly, with z and coverage.
+        Both with ``loo_pit``, the probability of less friction had the trial been left
+        out, and ``pareto_k`` of its weights; ``trial_checks`` and ``run_checks``: how far
+        these are from uniform, and coverage by condition. ``prior``: friction that the
+        priors alone imply, of the gravity board where it enters.
     """
     rng = np.random.default_rng(np.random.SeedSequence([analysis.seed, 1]))
     checks = np.random.default_rng(np.random.SeedSequence([analysis.seed, 2]))
@@ -82,10 +94,14 @@ def predict(
     }
     for likelihood in likelihoods.values():
         factor = 1 + likelihood.draw_scatter(named, rng)
+        remade = remake(likelihood, named, factor - 1, checks)
         if isinstance(likelihood, GravityLikelihood) and screened is not None:
             assert recording.gravity is not None
             recorded = recording.gravity.trials
-            groups["trials"] = trials(likelihood, recorded, named, factor, checks)
+            table = trials(likelihood, recorded, named, factor, remade)
+            found = _checked("trial", table, likelihood, left_out["gravity"], remade)
+            groups |= {"trials": found[0], "trial_checks": found[1]}
+            groups["prior"] = _prior(table, likelihood, model, named, analysis, baseline)
             groups["curves"] = curves(likelihood, named, baseline)
             groups |= paper_slopes(
                 likelihood, screened.gravity, recording.rig, named, baseline, checks
@@ -95,5 +111,48 @@ def predict(
             )
         elif isinstance(likelihood, MotorLikelihood):
             assert recording.motor is not None
-            groups["runs"] = runs(likelihood, recording.motor.runs, named, factor, checks)
+            table = runs(likelihood, recording.motor.runs, named, factor, remade)
+            found = _checked("run", table, likelihood, left_out["motor"], remade)
+            groups |= {"runs": found[0], "run_checks": found[1]}
+            if "prior" not in groups:
+                groups["prior"] = _prior(table, likelihood, model, named, analysis, baseline)
     return xr.DataTree.from_dict(groups)
+
+
+def _checked(
+    trial: str, table: xr.Dataset, likelihood: RigLikelihood, left: LeftOut, remade: Remade
+) -> tuple[xr.Dataset, xr.Dataset]:
+    """Return the table of trials with what leaving them out says, and the checks over all."""
+    checks = coverage(likelihood.trials, likelihood.sizes, remade, table["friction_n"].to_numpy())
+    if left.trials is None:
+        return table, checks
+    table = table.assign(loo_pit=(trial, left.pit), pareto_k=(trial, left.trials.pareto_k))
+    found = uniformity(left.pit, left.again)
+    return table, checks.assign_coords(probability=found.grid).assign(
+        pit_difference=("probability", found.difference),
+        pit_band=(("end", "probability"), np.stack([found.low, found.high])),
+    )
+
+
+def _prior(
+    table: xr.Dataset,
+    likelihood: RigLikelihood,
+    model: Model,
+    named: dict[str, Array],
+    analysis: Analysis,
+    baseline: Baseline,
+) -> xr.Dataset:
+    """Return what the priors imply of friction, by condition."""
+    rng = np.random.default_rng(np.random.SeedSequence([analysis.seed, 4]))
+    prior = model.by_name(model.draw_prior(PRIOR_DRAWS, rng))
+    key = [*CELL, *(name for name in MASSES if name in likelihood.trials)]
+    measured = {name: table[name].to_numpy() for name in ("tension_n", "friction_n")}
+    if isinstance(likelihood, MotorLikelihood):  # signed there: it is against the motion
+        measured["friction_n"] = np.abs(measured["friction_n"])
+    rows = likelihood.trials[key].assign(**measured)
+    rows = rows.groupby(key, sort=False, as_index=False).mean()
+    board = None
+    if isinstance(likelihood, GravityLikelihood):
+        n, wrap, drive, load = (rows[name].to_numpy(dtype=np.float64) for name in key[1:])
+        board = Condition(n, wrap, drive, load, likelihood.condition.gravity_m_s2)
+    return friction_of_prior(rows, board, prior, named, baseline)

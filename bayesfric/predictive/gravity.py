@@ -13,6 +13,7 @@ from bayesfric.friction import Coefficients, coulomb_friction
 from bayesfric.likelihood.gravity import GravityLikelihood
 from bayesfric.paper import table1
 from bayesfric.predictive.bands import QUANTILES, bands
+from bayesfric.predictive.remaking import Remade
 from bayesfric.predictive.residuals import check_residuals, measuring_order
 
 __all__ = ["CURVE_POINTS", "curves", "trials"]
@@ -26,7 +27,7 @@ def trials(
     recorded: pd.DataFrame,
     named: dict[str, Array],
     factor: Array,
-    rng: np.random.Generator,
+    remade: Remade,
 ) -> xr.Dataset:
     """Return friction observed, and predicted for a new trial on a new assembly.
 
@@ -40,8 +41,8 @@ def trials(
         Posterior draws by parameter.
     factor : ndarray, shape (W, N)
         Friction over that of the law, for new trials on new assemblies.
-    rng : Generator
-        For the check of the residuals.
+    remade : Remade
+        New trials, and whole recordings made again.
     """
     table = likelihood.trials
     law = likelihood.law(named)
@@ -63,7 +64,7 @@ def trials(
             "law_n": (("trial", "quantile"), bands(law)),
             "predicted_n": (("trial", "quantile"), bands(law * factor)),
             "order": ("trial", measuring_order(recorded, "trial", table)),
-            **check_residuals("trial", likelihood, named, factor - 1, observed, rng),
+            **check_residuals("trial", remade, observed),
         },
         coords={"trial": table["trial"].to_numpy(), "quantile": list(QUANTILES)},
     )

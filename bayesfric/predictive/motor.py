@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from bayesfric.boards.motor import nominal_tension
 from bayesfric.likelihood.motor import MotorLikelihood
 from bayesfric.predictive.bands import QUANTILES, bands
+from bayesfric.predictive.remaking import Remade
 from bayesfric.predictive.residuals import check_residuals, measuring_order
 
 __all__ = ["runs"]
@@ -22,7 +23,7 @@ def runs(
     recorded: pd.DataFrame,
     named: dict[str, Array],
     factor: Array,
-    rng: np.random.Generator,
+    remade: Remade,
 ) -> xr.Dataset:
     """Return friction observed, and predicted for a new run on a new assembly.
 
@@ -51,7 +52,7 @@ def runs(
             "law_n": (("run", "quantile"), bands(law)),
             "predicted_n": (("run", "quantile"), bands(law * factor)),
             "order": ("run", measuring_order(recorded, "run", table)),
-            **check_residuals("run", likelihood, named, factor - 1, friction, rng),
+            **check_residuals("run", remade, friction),
         },
         coords={"run": table["trial"].to_numpy(), "quantile": list(QUANTILES)},
     )

@@ -7,8 +7,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bayesfric.likelihood.model import RigLikelihood
 from bayesfric.predictive.bands import QUANTILES, bands
+from bayesfric.predictive.remaking import Remade
 
 __all__ = ["check_residuals", "measuring_order"]
 
@@ -16,30 +16,17 @@ Array = NDArray[np.float64]
 FALSE_ALARM = 0.05  # chance that a recording that obeys the model has an outlier
 
 
-def check_residuals(
-    trial: str,
-    likelihood: RigLikelihood,
-    named: dict[str, Array],
-    deviation: Array,
-    observed: Array,
-    rng: np.random.Generator,
-) -> dict[str, Any]:
+def check_residuals(trial: str, remade: Remade, observed: Array) -> dict[str, Any]:
     """Compare what was observed with new trials on new assemblies, noise included.
 
     Parameters
     ----------
     trial : str
         What the dimension of the trials is called.
-    likelihood : RigLikelihood
-        Of the fit.
-    named : dict of str to ndarray, shape (W,)
-        Posterior draws by parameter.
-    deviation : ndarray, shape (W, N)
-        Relative scatter of new trials, each on an assembly of its own.
+    remade : Remade
+        New trials, and whole recordings made again.
     observed : ndarray, shape (N,)
         Friction as measured [N].
-    rng : Generator
-        For the noise, and for whole recordings made again.
 
     Returns
     -------
@@ -51,13 +38,11 @@ def check_residuals(
         of trials inside their 90 % interval; ``covered_expected``: what that share would
         be if the recording were made again, whose assemblies shift trials together.
     """
-    low, middle, high = bands(likelihood.draw_observed(named, deviation, rng)).T
+    low, middle, high = bands(remade.apart).T
     lower, _, upper = (NormalDist().inv_cdf(level) for level in QUANTILES)
     z = (observed - middle) / ((high - low) / (upper - lower))
     limit = NormalDist().inv_cdf(1 - FALSE_ALARM / (2 * len(observed)))
-    together = likelihood.draw_scatter(named, rng, together=True)
-    again = likelihood.draw_observed(named, together, rng)
-    inside = ((low <= again) & (again <= high)).mean(axis=1)
+    inside = ((low <= remade.together) & (remade.together <= high)).mean(axis=1)
     return {
         "z": (trial, z),
         "outlier": (trial, np.abs(z) > limit),

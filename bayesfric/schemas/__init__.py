@@ -34,9 +34,11 @@ from bayesfric.schemas.fit import (
     FitFile,
     ParameterSummary,
     PointEstimate,
+    Prediction,
     Repaired,
     SamplerSummary,
     TimingsFile,
+    Uniformity,
     WithoutExclusions,
 )
 
@@ -60,6 +62,7 @@ __all__ = [
     "NextExperiment",
     "ParameterSummary",
     "PointEstimate",
+    "Prediction",
     "Provenance",
     "PulleyEvidence",
     "RecordingId",
@@ -69,6 +72,7 @@ __all__ = [
     "SelfContradiction",
     "Shape",
     "TimingsFile",
+    "Uniformity",
     "Unseparated",
     "WithoutExclusions",
 ]

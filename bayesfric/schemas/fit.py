@@ -13,9 +13,11 @@ __all__ = [
     "FitFile",
     "ParameterSummary",
     "PointEstimate",
+    "Prediction",
     "Repaired",
     "SamplerSummary",
     "TimingsFile",
+    "Uniformity",
     "WithoutExclusions",
 ]
 
@@ -128,6 +130,43 @@ class DataQuality(Record):
     stalled: tuple[str, ...] = Field((), description="Trials that stall, left out or not.")
 
 
+class Prediction(Record):
+    """How well a board's trials or assemblies are predicted, each left out in turn."""
+
+    rig: str = Field(description="gravity or motor.")
+    left_out: Literal["trial", "setup"] = Field(
+        description="One trial (or run) at a time, or one assembly."
+    )
+    groups: int = Field(description="How many were left out, one at a time.")
+    elpd: Number | None = Field(
+        description="Sum of log p(group | all others), a density of raw data [nat]."
+    )
+    elpd_why: str | None = Field(None, description="Why there is none.")
+    elpd_se: Number | None = Field(description="Standard error over other groups of the kind.")
+    elpd_se_why: str | None = Field(None, description="Why there is none.")
+    pareto_k_limit: Number | None = Field(
+        description="Above it the weights of draws that saw the group are not relied on."
+    )
+    bad: int = Field(description="Groups whose Pareto k is above the limit.")
+    refitted: int = Field(description="Of these, how many were refitted without the group.")
+
+
+class Uniformity(Record):
+    """Whether leave-one-trial-out probabilities of a board are uniform, as they should be."""
+
+    rig: str = Field(description="gravity or motor.")
+    trials: int = Field(description="Trials or runs.")
+    p_value: Number = Field(
+        description="Share of recordings made again that are as far from uniform somewhere."
+    )
+    spread: Number = Field(
+        description="Root mean square of the normal scores: how many times as far as the model "
+        "says trials lie from their prediction."
+    )
+    spread_q05: Number = Field(description="5 % quantile of it, of recordings made again.")
+    spread_q95: Number = Field(description="95 % quantile of it, of recordings made again.")
+
+
 class WithoutExclusions(Record):
     """What the trials that the rules left out would change."""
 
@@ -162,6 +201,12 @@ class FitFile(Provenance):
         None, description="A second fit, with the same seed, that no rule kept a trial from."
     )
     without_exclusions_why: str | None = Field(None, description="Why there is no second fit.")
+    prediction: tuple[Prediction, ...] = Field(
+        (), description="Of what is left out; empty in files of earlier versions."
+    )
+    uniformity: tuple[Uniformity, ...] = Field(
+        (), description="Of leave-one-trial-out probabilities, by board."
+    )
     sampler: SamplerSummary = Field(description="How the draws were made.")
     data_quality: DataQuality = Field(description="What the fit used.")
 

@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from bayesfric.evidence import ELPD, LinearGaussian, difference, elpd, loo_pit
+from bayesfric.evidence import (
+    ELPD,
+    LinearGaussian,
+    bridge_ratio,
+    difference,
+    elpd,
+    loo_pit,
+    refit_without,
+)
 
 GROUPS, EACH, DRAWS = 30, 3, 4000
 
@@ -102,6 +110,87 @@ def test_bad_groups_are_refitted():
     assert mended.reliable
     assert mended.pointwise[0] == case.exact(0)
     assert (mended.pointwise[~mended.refitted] == smoothed.pointwise[~mended.refitted]).all()
+
+
+def test_a_group_that_cannot_be_refitted_stays_unreliable():
+    log_likelihood = Case(2, lever=100.0).log_likelihood()
+    smoothed, tried = elpd(log_likelihood), elpd(log_likelihood, lambda group: None)
+    assert not tried.refitted.any()
+    assert not tried.reliable
+    assert (tried.pointwise == smoothed.pointwise).all()
+    assert tried.bad.tolist() == (smoothed.pareto_k > smoothed.limit_k).tolist()
+
+
+def test_draws_without_a_group_have_its_exact_posterior():
+    """From the density with all data alone, which a group on a long lever decides."""
+    case = Case(2, lever=100.0)
+    posterior = stats.multivariate_normal(*case.model.posterior(case.measured))
+    design = case.model.design
+
+    def conditional(points):
+        case.residual = case.measured - points @ design.T
+        return case.conditional(0)[0]
+
+    def log_density(points):
+        return np.atleast_1d(posterior.logpdf(points))
+
+    mode, seen = posterior.mean, posterior.cov
+    refit = refit_without(log_density, conditional, mode, np.full(2, 2.0), 1)
+    found = refit.draws
+    rest = case.of != 0
+    noise = case.model.noise[np.ix_(rest, rest)]
+    without = LinearGaussian(design[rest], case.model.prior_sd, noise)
+    mean, covariance = without.posterior(case.measured[rest])
+    assert abs(mean - mode)[1] > 1.5 * np.sqrt(seen[1, 1])  # all data would mislead
+    assert found.mean(axis=0) == pytest.approx(mean, abs=4 * np.sqrt(covariance.max() / 1000))
+    assert np.cov(found.T) == pytest.approx(covariance, rel=0.15, abs=0.02 * covariance.max())
+    value, error = bridge_ratio(conditional(case.draws), conditional(found))
+    assert error < 0.1
+    assert abs(value - case.exact(0)) < 3 * error
+    # all data have the evidence 1 here: their density is normalised
+    assert refit.evidence.error < 0.1
+    assert abs(-refit.evidence.log_evidence - case.exact(0)) < 3 * refit.evidence.error
+
+
+def test_ratio_of_two_normals_and_its_error():
+    """Widths of 1 and 2, apart by 1: the log ratio is −log 2, by 60 pairs of draws."""
+    rng, off = np.random.default_rng(0), []
+
+    def log_ratio(x):
+        return -0.5 * (x - 1) ** 2 + 0.5 * (x / 2) ** 2
+
+    for _ in range(60):
+        found, error = bridge_ratio(
+            log_ratio(rng.normal(1, 1, 600)), log_ratio(rng.normal(0, 2, 900))
+        )
+        off.append((found + np.log(2)) / error)
+    assert abs(np.mean(off)) < 3 / np.sqrt(60)
+    assert 0.75 < np.sqrt(np.mean(np.square(off))) < 1.3
+
+
+def test_where_importance_sampling_fails_the_sampler_is_asked():
+    """Tails heavier than any proposal's, once the group is gone."""
+    asked = []
+
+    def heavy(z):
+        return -np.log1p(z**2 / 1e-4).sum(axis=1) * 0.55
+
+    def sampler(density, laplace):
+        asked.append(density(np.array([[0.3, -2.0]])))
+        return laplace.mode[None]
+
+    def conditional(z):
+        return -(z**2).sum(axis=1)
+
+    def both(z):
+        return heavy(z) + conditional(z)
+
+    place = np.zeros(2), np.full(2, 0.01)
+    assert refit_without(both, conditional, *place, 1) is None
+    found = refit_without(both, conditional, *place, 1, sampler)
+    assert found.draws == pytest.approx(np.zeros((1, 2)), abs=1e-6)
+    assert found.evidence is None
+    assert asked[0] == pytest.approx(heavy(np.array([[0.3, -2.0]])))
 
 
 def test_few_draws_allow_less_of_the_weights(case):

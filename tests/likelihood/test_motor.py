@@ -128,6 +128,38 @@ def test_leaving_out_runs_and_assemblies_is_a_ratio_of_densities():
         assert by_setup[setup] == pytest.approx(whole - log_density(*pieces, rest), abs=1e-6)
 
 
+def test_probability_of_less_friction_of_a_run_given_all_other_currents():
+    """Of one that lowers, friction is less where the current is more."""
+    motor = board()
+    current, mean, covariance = dense(motor, VALUES)
+    likelihood = MotorLikelihood(motor, RIG, Analysis())
+    found = dict(zip(likelihood.trials["trial"], likelihood.trial_cdf(theta())[0], strict=True))
+    for place, run in enumerate(motor.runs["run"]):
+        rest = np.delete(np.arange(12), place)
+        gain = covariance[place, rest] @ np.linalg.inv(covariance[np.ix_(rest, rest)])
+        variance = covariance[place, place] - gain @ covariance[rest, place]
+        z = (current[place] - mean[place] - gain @ (current - mean)[rest]) / np.sqrt(variance)
+        sign = np.sign(motor.runs["velocity_m_s"][place])
+        assert found[run] == pytest.approx(stats.norm.cdf(sign * z), abs=1e-6), run
+
+
+def test_probabilities_of_recordings_made_again_are_uniform_and_dependent():
+    """Scores of a normal given the rest have the covariance D^-1/2 Σ^-1 D^-1/2."""
+    motor = board()
+    likelihood = MotorLikelihood(motor, RIG, Analysis())
+    many = {name: np.full(4000, value) for name, value in VALUES.items()}
+    found = likelihood.draw_trial_cdf(many, np.random.default_rng(3))
+    for run in found.T:
+        assert stats.kstest(run, "uniform").pvalue > 1e-3
+    precision = np.linalg.inv(dense(motor, VALUES)[2])[:7, :7]
+    scale = np.sqrt(np.diag(precision))
+    sign = np.sign(motor.runs["velocity_m_s"].to_numpy())
+    expected = precision / np.outer(scale, scale) * np.outer(sign, sign)
+    order = [list(motor.runs["run"]).index(run) for run in likelihood.trials["trial"]]
+    correlation = np.corrcoef(stats.norm.ppf(found).T)
+    assert correlation == pytest.approx(expected[np.ix_(order, order)], abs=0.06)
+
+
 def test_walkers_are_independent_rows():
     likelihood = MotorLikelihood(board(), RIG, Analysis())
     other = {"torque_constant_factor": 0.97, "omega_motor": 0.01, "c1[medium]": 0.005}

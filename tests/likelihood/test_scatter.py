@@ -5,8 +5,17 @@ import pytest
 from scipy import stats
 from scipy.integrate import quad
 
-from bayesfric.likelihood.scatter import SetupIndex, setup_log_density, trial_log_density
-from bayesfric.likelihood.student import student_setup_log_density, student_trial_log_density
+from bayesfric.likelihood.scatter import (
+    SetupIndex,
+    setup_log_density,
+    trial_cdf,
+    trial_log_density,
+)
+from bayesfric.likelihood.student import (
+    student_setup_log_density,
+    student_trial_cdf,
+    student_trial_log_density,
+)
 
 MU = np.array([0.9, 1.4, 2.2, 0.7, 3.0, 1.1])
 OBSERVED = np.array([0.92, 1.38, 2.31, 0.69, 2.95, 1.12])
@@ -49,6 +58,18 @@ def test_trial_given_the_rest_is_a_ratio_of_densities():
     assert trial_log_density(*arguments()) == pytest.approx(expected, abs=1e-11)
 
 
+def test_probability_of_less_friction_is_that_of_the_conditional_normal():
+    expected = []
+    for rows in GROUPS:
+        noise, off = covariance(rows), OBSERVED[rows] - MU[rows]
+        for left_out in range(len(off)):
+            rest = np.delete(np.arange(len(off)), left_out)
+            gain = noise[left_out, rest] @ np.linalg.inv(noise[np.ix_(rest, rest)])
+            variance = noise[left_out, left_out] - gain @ noise[rest, left_out]
+            expected.append(stats.norm.cdf((off[left_out] - gain @ off[rest]) / variance**0.5))
+    assert trial_cdf(*arguments()) == pytest.approx(expected, abs=1e-11)
+
+
 def test_walkers_are_independent_rows():
     tau, omega = np.array([[0.01], [0.02]]), np.array([[0.03], [0.01]])
     mu = np.stack([MU, 1.01 * MU])
@@ -87,3 +108,22 @@ def test_student_with_many_degrees_of_freedom_is_normal():
     # The t differs from the normal by O(1/ν): at ν = 1e6 by some 1e-6 a trial.
     found = student_setup_log_density(*arguments(), freedom=1e6)
     assert found == pytest.approx(setup_log_density(*arguments()), abs=1e-4)
+
+
+def test_student_probability_of_less_friction_against_quadrature():
+    mu, y, variance = MU[:3], OBSERVED[:3], VARIANCE[:3]
+    scale = np.sqrt((TAU * mu) ** 2 + variance)
+
+    def integral(of):
+        def integrand(eta):
+            rest = stats.t(4.0, mu[:2] * (1 + eta), scale[:2]).logpdf(y[:2]).sum()
+            return np.exp(stats.norm(0, OMEGA).logpdf(eta) + rest) * of(eta)
+
+        return quad(integrand, -0.4, 0.4, points=[0.0], epsabs=0, epsrel=1e-10, limit=400)[0]
+
+    below = integral(lambda eta: stats.t(4.0, mu[2] * (1 + eta), scale[2]).cdf(y[2]))
+    found = student_trial_cdf(*arguments(), freedom=4.0)
+    assert found[2] == pytest.approx(below / integral(lambda eta: 1.0), abs=1e-5)
+    assert student_trial_cdf(*arguments(), freedom=1e6) == pytest.approx(
+        trial_cdf(*arguments()), abs=1e-4
+    )

@@ -8,6 +8,7 @@ import subprocess
 import sys
 
 import pytest
+import xarray as xr
 from pypdf import PdfReader
 
 from bayesfric.errors import InputError
@@ -75,6 +76,53 @@ def test_sensitivity_is_that_of_the_fit(document, stored):
     entry = stored.fit.pulleys["medium"]["c2"]
     expected = [f"{entry.prior_sensitivity:.3f}", f"{entry.likelihood_sensitivity:.3f}"]
     assert [row[1:] for row in rows if row[0] == symbol("c2[medium]")] == [expected]
+
+
+def test_what_is_left_out_has_the_numbers_of_the_fit(stored):
+    one, two = stored.fit.prediction
+    bad = one.model_copy(update={"bad": 3, "refitted": 2, "elpd_se": None, "elpd_se_why": "one"})
+    rows = table(build_document(changed(stored, prediction=(bad, two))), "elpd").rows
+    assert [row[0] for row in rows] == [
+        "trial of the gravity board",
+        "assembly of the gravity board",
+    ]
+    assert rows[0][1:] == ["48", f"{one.elpd:.1f}", "—", "3", "2"]
+    assert rows[1][1:3] == ["12", f"{two.elpd:.1f}"]
+
+
+def test_coverage_by_cell_has_the_shares_of_the_checks(document, stored):
+    checks = stored.predictive["trial_checks"].to_dataset()
+    rows = table(document, "coverage-trials").rows
+    assert [row[0] for row in rows] == [*checks["cell_pulley_size"].to_numpy(), "all"]
+    assert [int(row[5]) for row in rows[:-1]] == [
+        round(100 * share) for share in checks["cell_share"].to_numpy()[:, 0]
+    ]
+    assert sum(int(row[3]) for row in rows[:-1]) == int(rows[-1][3]) == 3 * 3 * 4
+    assert sum(int(row[4]) for row in rows[:-1]) == int(rows[-1][4]) == 48
+    assert int(rows[-1][7]) == round(100 * float(stored.predictive["trials"]["covered_share"]))
+
+
+def test_friction_of_the_priors_stands_beside_the_posterior(document, stored):
+    prior = stored.predictive["prior"].to_dataset().sel(pulley="large")
+    (row,) = [row for row in table(document, "prior-friction").rows if row[0] == "large"]
+    middle = prior["prior_pooled_n"].to_numpy()[2]
+    assert float(row[1].partition(" ")[0]) == pytest.approx(middle, rel=0.05)
+    assert row[5] == f"{100 * float(prior['prior_stuck']):.0f}\u202f%"
+
+
+def test_a_fit_of_an_earlier_version_has_a_report_without_these(stored):
+    children = {
+        name: stored.predictive[name].to_dataset()
+        for name in stored.predictive.children
+        if name not in ("trial_checks", "prior")
+    }
+    before = dataclasses.replace(
+        changed(stored, prediction=(), uniformity=()),
+        predictive=xr.DataTree.from_dict(children),
+    )
+    labels = {getattr(block, "label", None) for block in build_document(before).blocks}
+    assert "coverage" in labels
+    assert not labels & {"coverage-trials", "loo-pit", "elpd", "prior-friction"}
 
 
 def test_unconverged_is_said_on_page_one(stored):

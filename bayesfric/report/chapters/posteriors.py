@@ -6,6 +6,7 @@ from bayesfric.paper import table1
 from bayesfric.plots.densities import prior_and_posterior
 from bayesfric.plots.posterior import PAIRS_SHARE, coefficient_pairs
 from bayesfric.plots.style import to_svg
+from bayesfric.report.chapters.prior_friction import prior_friction
 from bayesfric.report.content import Block, Code, Figure, Heading, Paragraph, Reference
 from bayesfric.report.stored import StoredResults
 
@@ -39,6 +40,8 @@ def posteriors(stored: StoredResults) -> Iterator[Block]:
             ".",
         ]
     )
+    yield from prior_friction(stored)
+    yield Heading(2, "Joint posteriors")
     for size in stored.fit.pulleys:
         paper = None
         mark = "The paper has no such size."

@@ -1,0 +1,52 @@
+"""Leave-one-trial-out probabilities: their distribution less the uniform one."""
+
+import xarray as xr
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from bayesfric.plots.style import COLORS, NEUTRAL, figure
+
+__all__ = ["leave_one_out_probabilities"]
+
+BOARDS = {"trial_checks": "gravity board, trials", "run_checks": "motor board, runs"}
+
+
+def leave_one_out_probabilities(predictive: xr.DataTree) -> Figure:
+    """Draw the distribution of the probabilities less the uniform one, a panel a board.
+
+    Parameters
+    ----------
+    predictive : DataTree
+        ``predictive.nc`` with ``pit_difference`` in its groups ``trial_checks``,
+        ``run_checks`` or both.
+
+    Returns
+    -------
+    Figure
+        A step line, and the band that 95 % of recordings made again stay within.
+    """
+    tables = {
+        group: predictive[group].to_dataset()
+        for group in BOARDS
+        if group in predictive and "pit_difference" in predictive[group].data_vars
+    }
+    with figure(height=62.0) as fig:
+        panels = fig.subplots(1, len(tables), squeeze=False, sharey=True)[0]
+        for axes, (group, table) in zip(panels, tables.items(), strict=True):
+            at = table["probability"].to_numpy()
+            low, high = table["pit_band"].to_numpy()
+            axes.fill_between(at, low, high, color=NEUTRAL, alpha=0.18, linewidth=0)
+            axes.axhline(0.0, color=NEUTRAL, linewidth=0.8)
+            difference = table["pit_difference"].to_numpy()
+            axes.step(at, difference, where="mid", color=COLORS["blue"])
+            axes.set_xlim(0, 1)
+            axes.set_title(BOARDS[group])
+            axes.set_xlabel("probability of less friction, left out")
+        panels[0].set_ylabel("share below it, less it")
+        keys: list[Line2D | Patch] = [
+            Line2D([], [], color=COLORS["blue"], label="this recording"),
+            Patch(color=NEUTRAL, alpha=0.3, linewidth=0, label="95 % of recordings made again"),
+        ]
+        fig.legend(handles=keys, loc="outside lower center", ncols=2)
+        return fig

@@ -1,0 +1,81 @@
+"""Friction that the priors alone imply, beside the posterior and what was measured."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from bayesfric.plots.labels import ordered_sizes, plain
+from bayesfric.plots.style import COLORS, NEUTRAL, figure
+
+__all__ = ["friction_of_priors"]
+
+LEAST = 0.05  # of an axis that has room for frictions down to zero [N]
+
+
+def friction_of_priors(predictive: xr.DataTree) -> Figure:
+    """Draw friction of each condition by prior and posterior, a panel a size.
+
+    Parameters
+    ----------
+    predictive : DataTree
+        ``predictive.nc`` with its group ``prior``.
+
+    Returns
+    -------
+    Figure
+        Conditions in the order of measured friction, on an axis that is logarithmic above
+        the least friction measured and linear below: bands of the prior, the posterior
+        median, what was measured, and the friction from which on the board would not move.
+    """
+    table = predictive["prior"].to_dataset()
+    sizes = ordered_sizes(table["pulley"].to_numpy())
+    measured = table["measured_n"].to_numpy()
+    least = max(LEAST, float(measured.min()))
+    with figure(height=74.0) as fig:
+        panels = fig.subplots(1, len(sizes), squeeze=False, sharey=True)[0]
+        for axes, size in zip(panels, sizes, strict=True):
+            here = np.flatnonzero(table["pulley_size"].to_numpy() == size)
+            here = here[np.argsort(measured[here], kind="stable")]
+            _draw(axes, table.isel(condition=here))
+            axes.set_yscale("symlog", linthresh=least, linscale=0.4)
+            axes.set_title(f"{plain(size)} pulley")
+        panels[0].set_ylabel("friction [N]")
+        panels[len(sizes) // 2].set_xlabel("conditions, in the order of measured friction")
+        keys: list[Line2D | Patch] = [
+            Patch(color=NEUTRAL, alpha=0.15, linewidth=0, label="prior, 90 %"),
+            Patch(color=NEUTRAL, alpha=0.4, linewidth=0, label="prior, 50 %"),
+            Line2D([], [], color=COLORS["blue"], label="posterior, median"),
+            Line2D([], [], color=COLORS["black"], marker=".", linestyle="", label="measured"),
+        ]
+        if "drive_n" in table:
+            label = "does not move from here"
+            keys.append(
+                Line2D([], [], color=COLORS["vermilion"], linestyle="", marker="_", label=label)
+            )
+        fig.legend(handles=keys, loc="outside lower center", ncols=len(keys))
+        return fig
+
+
+def _draw(axes: Axes, table: xr.Dataset) -> None:
+    place = np.arange(1, table.sizes["condition"] + 1)
+    prior, posterior = table["prior_n"].to_numpy(), table["posterior_n"].to_numpy()
+    edges = np.concatenate([place - 0.5, place[-1:] + 0.5])
+    for low, high, alpha in ((0, 4, 0.15), (1, 3, 0.3)):
+        axes.stairs(
+            prior[:, high],
+            edges,
+            baseline=prior[:, low],
+            fill=True,
+            color=NEUTRAL,
+            alpha=alpha,
+            linewidth=0,
+        )
+    axes.stairs(posterior[:, 2], edges, color=COLORS["blue"], baseline=None, linewidth=2.4)
+    axes.plot(place, table["measured_n"].to_numpy(), ".", color=COLORS["black"], markersize=2.0)
+    if "drive_n" in table:
+        drive = table["drive_n"].to_numpy()
+        axes.plot(place, drive, "_", color=COLORS["vermilion"], markersize=3.0)
+    axes.set_xlim(edges[0], edges[-1])

@@ -1,0 +1,123 @@
+"""What the fit says of trials it has not seen: probabilities, and predictive densities."""
+
+from collections.abc import Iterator
+
+from bayesfric.plots.loo_pit import leave_one_out_probabilities
+from bayesfric.plots.style import to_svg
+from bayesfric.report.content import (
+    Block,
+    Code,
+    Column,
+    Figure,
+    Heading,
+    Paragraph,
+    Reference,
+    Table,
+)
+from bayesfric.report.quantities import (
+    format_count,
+    format_fixed,
+    format_number,
+    format_probability,
+)
+from bayesfric.report.stored import StoredResults
+from bayesfric.schemas import Prediction, Uniformity
+
+__all__ = ["left_out"]
+
+KINDS = {"gravity": {"trial": "trial", "setup": "assembly"}, "motor": {"trial": "run"}}
+
+
+def left_out(stored: StoredResults) -> Iterator[Block]:
+    """Yield leave-one-trial-out probabilities and leave-one-out predictive densities."""
+    fit = stored.fit
+    if not fit.prediction:
+        return
+    yield Heading(2, "One left out")
+    if fit.uniformity:
+        yield from _probabilities(stored, fit.uniformity)
+    yield _densities(fit.prediction)
+
+
+def _probabilities(stored: StoredResults, found: tuple[Uniformity, ...]) -> Iterator[Block]:
+    yield Paragraph(
+        [
+            "Each trial is now left out in turn, and the fit to all others, those of its own "
+            "assembly included, says how probable less friction was than it had. Of a model that "
+            "is right these probabilities are uniform; in ",
+            Reference("loo-pit"),
+            " their distribution then stays inside the band. An S that first rises and then falls "
+            "says that trials scatter more than the model has it, its mirror image that they "
+            "scatter less, and a bow to one side that friction is misjudged. ",
+            " ".join(map(_uniform, found)),
+        ]
+    )
+    yield Figure(
+        to_svg(leave_one_out_probabilities(stored.predictive)),
+        [
+            "Distribution function of the leave-one-out probabilities, less that of uniform ones. "
+            "The band is simultaneous: 95 % of recordings made again stay inside it everywhere, "
+            "trials of an assembly dependent as the model has them. From ",
+            Code("predictive.nc"),
+            ".",
+        ],
+        "A panel for each board: a step line around zero, and a band that is widest in the middle "
+        "and vanishes at both ends.",
+        label="loo-pit",
+    )
+
+
+def _uniform(one: Uniformity) -> str:
+    each = "trials" if one.rig == "gravity" else "runs"
+    return (
+        f"The {format_count(one.trials)} {each} of the {one.rig} board: p = "
+        f"{format_probability(one.p_value)} of as large a departure by chance; they lie "
+        f"{format_fixed(one.spread, 2)} times as far from their prediction as the model says "
+        f"({format_fixed(one.spread_q05, 2)} to {format_fixed(one.spread_q95, 2)} if made again, "
+        "5 % to 95 %)."
+    )
+
+
+def _densities(found: tuple[Prediction, ...]) -> Table:
+    whys = {one.elpd_why for one in found if one.elpd_why}
+    return Table(
+        "Log predictive density of what is left out, one at a time.",
+        [
+            "left out",
+            Column("number", align="right"),
+            Column("elpd", "nat", align="right"),
+            Column("±", "nat", align="right"),
+            Column("bad Pareto k", align="right"),
+            Column("refitted", align="right"),
+        ],
+        [
+            [
+                f"{_kind(one)} of the {one.rig} board",
+                format_count(one.groups),
+                format_fixed(one.elpd, 1),
+                "—" if one.elpd_se is None else format_number(one.elpd_se, 2),
+                format_count(one.bad),
+                format_count(one.refitted),
+            ]
+            for one in found
+        ],
+        label="elpd",
+        note="A density of raw data: its level depends on their units and number, and only "
+        "differences between models of the same data mean something. The error is over other "
+        f"groups of the kind.{_limit(found)}{' No density: ' if whys else ''}"
+        f"{'; '.join(sorted(whys))}{'.' if whys else ''}",
+    )
+
+
+def _kind(one: Prediction) -> str:
+    return KINDS[one.rig].get(one.left_out, "assembly")
+
+
+def _limit(found: tuple[Prediction, ...]) -> str:
+    limits = [one.pareto_k_limit for one in found if one.pareto_k_limit is not None]
+    if not limits:
+        return ""
+    return (
+        f" Where a Pareto k is above {format_number(min(limits), 2)}, weights of draws that saw "
+        "the group fail, and the posterior without it is sampled anew."
+    )

@@ -1,0 +1,107 @@
+"""What the priors alone imply of friction."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.plots.labels import ordered_sizes
+from bayesfric.plots.prior_friction import friction_of_priors
+from bayesfric.plots.style import to_svg
+from bayesfric.report.content import (
+    Block,
+    Code,
+    Column,
+    Figure,
+    Heading,
+    Paragraph,
+    Reference,
+    Table,
+)
+from bayesfric.report.quantities import format_number, format_share
+from bayesfric.report.stored import StoredResults
+
+__all__ = ["prior_friction"]
+
+
+def prior_friction(stored: StoredResults) -> Iterator[Block]:
+    """Yield friction by prior and posterior, as a table and a figure."""
+    if "prior" not in stored.predictive:
+        return
+    table = stored.predictive["prior"].to_dataset()
+    moving = "prior_stuck" in table
+    yield Heading(2, "Friction of the priors alone")
+    yield Paragraph(
+        [
+            "Before any data, the priors say of the conditions of this recording what ",
+            Reference("prior-friction"),
+            " and ",
+            Reference("prior-conditions"),
+            " show. Priors that were as narrow as the posterior would have decided it; priors "
+            "whose friction nobody would believe would cost evidence.",
+            " Draws that would not move the board are part of the priors: that the trials were "
+            "recorded at all is what rules them out." * moving,
+        ]
+    )
+    columns: list[Column | str] = [
+        "pulley",
+        Column("prior", "N", align="right"),
+        Column("posterior", "N", align="right"),
+        Column("measured", "N", align="right"),
+        Column("prior pushes", align="right"),
+    ]
+    if moving:
+        columns += [
+            Column("does not move", align="right"),
+            Column("some condition", align="right"),
+        ]
+    rows = []
+    for size in ordered_sizes(table["pulley"].to_numpy()):
+        row = table.sel(pulley=size)
+        cells = [
+            size,
+            _range(row["prior_pooled_n"].to_numpy()),
+            _range(row["posterior_pooled_n"].to_numpy()),
+            " to ".join(format_number(float(end), 2) for end in row["measured_range_n"]),
+            format_share(float(row["prior_negative"])),
+        ]
+        if moving:
+            cells += [
+                format_share(float(row["prior_stuck"])),
+                format_share(float(row["prior_stuck_somewhere"]), 3),
+            ]
+        rows.append(cells)
+    yield Table(
+        "Friction over the conditions of this recording, by prior and posterior.",
+        columns,
+        rows,
+        label="prior-friction",
+        note="Median, and 5 % to 95 % in brackets, over draws of the law and conditions at the "
+        "tension measured; without scatter. Measured: least to largest mean of a condition. Prior "
+        "pushes: draws and conditions with a friction below zero, which c3 makes at wrap angles "
+        "far from 85°."
+        + (
+            " Does not move: draws and conditions in which friction at rest holds the board; some "
+            "condition: draws with at least one such condition."
+            if moving
+            else ""
+        ),
+    )
+    yield Figure(
+        to_svg(friction_of_priors(stored.predictive)),
+        [
+            "Friction of each condition: bands of the prior, the posterior, the measurements, and "
+            "on the gravity board the friction from which on it would not move. "
+            "The axis is linear around zero, logarithmic above the least friction. From ",
+            Code("predictive.nc"),
+            ".",
+        ],
+        "A panel for each pulley size. A wide grey band of the prior lies above and around a "
+        "rising blue line of the posterior, on which the measured points lie.",
+        label="prior-conditions",
+    )
+
+
+def _range(quantiles: NDArray[np.float64]) -> str:
+    low, _, middle, _, high = (format_number(float(value), 2) for value in quantiles)
+    return f"{middle} ({low} to {high})"

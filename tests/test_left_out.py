@@ -1,0 +1,154 @@
+"""Trials and assemblies left out: exact refits, and probabilities with a known answer."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from bayesfric.analysis import Analysis, LogNormal, Priors, Sampler
+from bayesfric.evidence import elpd, laplace_draws
+from bayesfric.fitting import fit
+from bayesfric.laplace import laplace_approximation
+from bayesfric.likelihood.gravity import GravityLikelihood
+from bayesfric.likelihood.model import Model
+from bayesfric.likelihood.screening import screen_trials
+from bayesfric.predictive.left_out import leave_out, leave_setups_out, uniformity
+from bayesfric.protocols import Protocol
+from bayesfric.recording.tables import Gravity
+from bayesfric.simulate import Truth, simulate_recording
+
+# tau and omega all but fixed at the values that recordings are simulated with
+KNOWN_SCATTER = Priors(
+    tau=LogNormal(median=0.01, sd_log=0.01), omega=LogNormal(median=0.015, sd_log=0.01)
+)
+DESIGN = Protocol({(9, 85.0): 2, (15, 50.0): 1, (5, 135.0): 1}, (6.0, 28.0), (6.0, 28.0), 2)
+
+
+def gravity_of(recording, without=()):
+    """The trials that enter, but for those of some assemblies."""
+    whole = screen_trials(recording.gravity, recording.rig).gravity
+    trials = whole.trials[~whole.trials["setup"].isin(without)].reset_index(drop=True)
+    events = whole.events[whole.events["trial"].isin(trials["trial"])].reset_index(drop=True)
+    return Gravity(trials, events)
+
+
+def fitted(recording, analysis=None, without=()):
+    """A model, its one likelihood, and draws and evidence by importance around the mode."""
+    likelihood = GravityLikelihood(
+        gravity_of(recording, without), recording.rig, analysis or Analysis()
+    )
+    model = Model([likelihood])
+    laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
+    found, z = laplace_draws(model.log_posterior, laplace, 1, 6000)
+    assert found.reliable
+    return model, likelihood, laplace.mode, z, found
+
+
+@pytest.fixture(scope="module")
+def lever():
+    """Four assemblies of one size, of which a single one tells c3."""
+    cells = {(9, 85.0): 3, (9, 135.0): 1}
+    recording = simulate_recording(
+        Protocol(cells, (6.0, 16.0, 28.0), (6.0, 16.0, 28.0), 2), seed=8, rigs=("gravity",)
+    )
+    trials = recording.gravity.trials
+    small = trials["trial"][trials["pulley_size"] == "small"]
+    events = recording.gravity.events
+    return dataclasses.replace(
+        recording,
+        gravity=Gravity(
+            trials[trials["trial"].isin(small)].reset_index(drop=True),
+            events[events["trial"].isin(small)].reset_index(drop=True),
+        ),
+    )
+
+
+def test_an_assembly_whose_weights_fail_is_fitted_without(lever):
+    """Against the evidences of two models, of which one was never given its trials."""
+    model, likelihood, mode, z, _ = fitted(lever)
+    trials = likelihood.trials
+    alone = trials["setup"][trials["wrap_angle_deg"] == 135.0].iloc[0]
+    place = likelihood.setups.index(alone)
+    found = leave_setups_out(model, z, mode, 5)
+    assert found.bad[place]
+    assert (found.refitted == found.bad).all()
+    assert found.reliable
+    seen, unseen = fitted(lever)[-1], fitted(lever, without=[alone])[-1]
+    exact = seen.log_evidence - unseen.log_evidence
+    assert found.pointwise[place] == pytest.approx(exact, abs=0.15)
+    smoothed = elpd(likelihood.setup_log_likelihood(model.by_name(model.natural(z))))
+    assert abs(smoothed.pointwise[place] - exact) > 0.5  # which is what the refit is for
+    left = leave_out(model, likelihood, z, mode, 5)
+    assert left.setups.pointwise == pytest.approx(found.pointwise, abs=1e-9)
+    assert left.setups.refitted.tolist() == found.refitted.tolist()
+
+
+def probabilities(seed, factor):
+    truth = Truth(tau=0.01 * factor, omega=0.015 * factor)
+    recording = simulate_recording(DESIGN, seed=seed, truth=truth, rigs=("gravity",))
+    model, likelihood, mode, z, _ = fitted(recording, Analysis(priors=KNOWN_SCATTER))
+    left = leave_out(model, likelihood, z[::10], mode, seed)
+    return left.pit, uniformity(left.pit, left.again)
+
+
+def test_recordings_of_the_model_have_uniform_probabilities():
+    found = [probabilities(seed, 1.0) for seed in range(3)]
+    together = np.concatenate([pit for pit, _ in found])
+    assert together.size == 3 * 48
+    assert stats.kstest(together, "uniform").pvalue > 0.05
+    assert min(one.p_value for _, one in found) > 0.02
+    assert np.mean([one.spread for _, one in found]) == pytest.approx(1, abs=0.1)
+
+
+def test_twice_the_scatter_does_not():
+    """And it is told how much: the density piles up at both ends."""
+    pit, found = probabilities(11, 2.0)
+    assert found.p_value < 0.002
+    assert found.spread == pytest.approx(2, abs=0.3)
+    assert found.spread_expected[2] < 1.3
+    outside = (found.difference < found.low) | (found.difference > found.high)
+    assert outside.any()
+    assert found.difference[found.grid < 0.3].max() > 0.05
+    assert found.difference[found.grid > 0.7].min() < -0.05
+    assert ((pit < 0.05) | (pit > 0.95)).mean() > 0.25
+
+
+@pytest.mark.long
+def test_p_values_of_the_right_model_are_uniform():
+    found = [probabilities(seed, 1.0)[1] for seed in range(100, 200)]
+    p_values = np.array([one.p_value for one in found])
+    assert stats.kstest(p_values, "uniform").pvalue > 1e-3
+    assert stats.binomtest(int((p_values < 0.05).sum()), 100, 0.05).pvalue > 1e-3
+
+
+def test_the_band_holds_nineteen_in_twenty_recordings_everywhere():
+    """Of 60 independent trials, whose shares below have binomial variances."""
+    rng = np.random.default_rng(0)
+    again = rng.uniform(size=(1500, 60))
+    one = uniformity(rng.uniform(size=60), again)
+    sd = np.sqrt(one.grid * (1 - one.grid) / 60)
+    assert one.high / one.high[24] == pytest.approx(sd / sd[24], rel=0.08)
+    assert (one.low == -one.high).all()
+    fresh = np.sort(rng.uniform(size=(1000, 60)), axis=1)
+    share = (fresh[:, :, None] <= one.grid).mean(axis=1)
+    inside = (np.abs(share - one.grid) <= one.high).all(axis=1).mean()
+    assert inside == pytest.approx(0.95, abs=0.02)
+    ranks = np.sort([uniformity(row, again).p_value for row in fresh[:60]])
+    assert stats.kstest(ranks, "uniform").pvalue > 0.01
+
+
+def test_the_fit_says_that_its_trials_scatter_more_than_it_assumes():
+    recording = simulate_recording(DESIGN, seed=11, truth=Truth(tau=0.02, omega=0.03))
+    sampler = Sampler(burn=60, steps=80, thin=2, extensions=0)
+    summary = fit(recording, Analysis(priors=KNOWN_SCATTER, sampler=sampler)).summary
+    (found,) = summary.uniformity
+    assert (found.rig, found.trials) == ("gravity", 48)
+    assert found.p_value < 0.002
+    assert found.spread == pytest.approx(2, abs=0.3)
+    (line,) = [line for line in summary.attention if "leave-one-out" in line]
+    assert f"{found.spread:.2f} times as far" in line
+    assert [(one.left_out, one.groups) for one in summary.prediction] == [
+        ("trial", 48),
+        ("setup", 12),
+    ]
