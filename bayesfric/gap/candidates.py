@@ -17,7 +17,14 @@ from bayesfric.analysis import HalfNormal, LogNormal, Normal, Prior
 from bayesfric.effects import Effect
 from bayesfric.priors import from_normal
 
-__all__ = ["Candidate", "candidates_of", "is_positive", "prior_moments", "unit_values"]
+__all__ = [
+    "Candidate",
+    "candidates_of",
+    "goes_to_and_fro",
+    "is_positive",
+    "prior_moments",
+    "unit_values",
+]
 
 Array = NDArray[np.float64]
 SHAPE_NODES = np.linspace(-2.4, 2.4, 13)
@@ -122,3 +129,8 @@ def prior_moments(prior: Prior) -> tuple[float, float]:
 def is_positive(prior: Prior) -> bool:
     """Return whether a prior is a folded normal."""
     return isinstance(prior, HalfNormal)
+
+
+def goes_to_and_fro(effect: Effect) -> bool:
+    """Return whether an error of readings has no equivalent force: no parabola sees it."""
+    return effect.acts_on == "reading" and bool(effect.components or effect.shape)

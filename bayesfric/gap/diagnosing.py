@@ -159,6 +159,7 @@ def _diagnose(
     free = free_running(arms, figures.residuals, figures.fold)
     gap, systematic = gap_figures(figures, free, arms, bool(found.names), gap_rng)
     chances = which.probabilities()
+    taken = float(np.median(systematic)) if found.names else 0.0
     verdict, chance = decide(chances, systematic, share * gap.friction_rms)
     named = verdict in ("named", "unseparated")
     draws = cause_draws(model, found, draw_rng) if named else {}
@@ -199,7 +200,7 @@ def _diagnose(
             Absorbed(effect=one.effect, by=one.by, bias=one.bias, unit=one.unit)
             for one in which.classes.absorbed
         ),
-        remainder=remainder_of(model, found, gap.systematic.q50 / gap.friction_rms),
+        remainder=remainder_of(model, found, taken / gap.friction_rms),
         where=where,
         gap=gap,
         effects=_examined(which, sorted(examined)),

@@ -7,7 +7,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bayesfric.gap.causes import CauseDraws
-from bayesfric.gap.shrink import Arms, GapFigures, Squares, gap_row
+from bayesfric.gap.shrink import Arms, GapFigures, Squares, explained, gap_row
 from bayesfric.gap.trajectories import Example
 from bayesfric.schemas import Gap
 
@@ -27,6 +27,9 @@ def gap_figures(
 ) -> tuple[Gap, Array]:
     """Return the four figures in newtons and metres, and draws of the systematic gap [N].
 
+    Where causes are predicted by column, and not by phases that nobody knows, the draws are
+    of what they take away, which is the same in expectation and known better.
+
     Parameters
     ----------
     figures : GapFigures
@@ -45,6 +48,8 @@ def gap_figures(
         for name, squares in figures.held_out
     ]
     (first, systematic, draws), *_ = rows
+    if causes and arms.predicted:
+        draws = explained(figures.held_out[0][1], rng)
     inside, _, _ = gap_row(
         "in sample", figures.in_sample, causes=causes, shipped_why=NO_SHIPPED, rng=rng
     )

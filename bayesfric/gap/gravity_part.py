@@ -25,6 +25,7 @@ __all__ = ["GravityNoise", "GravityPart"]
 Array = NDArray[np.float64]
 WINDOWS = 8  # of a trial's travel
 EVENTS_A_WINDOW = 4  # at least, of both sensors
+APART = (1, 2, 3)  # powers of the travel, by which two sensors differ
 VIEWS = 8  # selections of columns that are kept at hand
 LOG_2PI = float(np.log(2 * np.pi))
 
@@ -235,7 +236,7 @@ class GravityPart:
         for trial, rows in enumerate(self.rows.rows_of_trials()):
             enough = max(1, (rows.stop - rows.start) // EVENTS_A_WINDOW)
             joined = _join(WINDOWS, min(WINDOWS, enough))
-            white, project = self._whitening(rows)
+            white, project = self._whitening(rows, apart=True)
             design = project(white[:, None] * (newton[:, rows].T @ joined))
             rest = project(white[:, None] * np.column_stack([self._y[rows], self.columns[rows]]))
             precision = design.T @ design
@@ -261,11 +262,19 @@ class GravityPart:
         """Displacements less those of the reference motion."""
         return self.rows.residual
 
-    def _whitening(self, rows: slice):  # type: ignore[no-untyped-def]
-        """Return 1/sd of rows, and the projection off their nuisances."""
+    def _whitening(self, rows: slice, *, apart: bool = False):  # type: ignore[no-untyped-def]
+        """Return 1/sd of rows, and the projection off their nuisances.
+
+        With `apart`, what the two sensors differ by is one: a force is what both see.
+        """
         white = 1 / np.sqrt(self.rows.variance[rows])
         nuisance = self.rows.events.regressors[:3, rows]
         nuisance = nuisance[(nuisance != 0).any(axis=1)] * white
+        sensors = self.rows.events.regressors[:2, rows] != 0
+        if apart and (sensors.sum(axis=1) > EVENTS_A_WINDOW).all():
+            travel = self.rows.events.displacement[rows] / self.rows.events.displacement[rows].max()
+            halves = 0.5 * (sensors[1].astype(np.float64) - sensors[0]) * white
+            nuisance = np.vstack([nuisance, *(halves * travel**k for k in APART)])
         basis = np.linalg.qr(nuisance.T)[0]
         return white, lambda values: values - basis @ (basis.T @ values)
 

@@ -125,7 +125,8 @@ class LinearModel:
         count = sum(smooth.count for smooth in self.smooths)
         if small is None:
             small = small_amounts(rows, bare, candidates, practical_share)
-        self.small = tuple(small) if discrepancy else ()
+        self._amounts = tuple(small)
+        self.small = self._amounts if discrepancy else ()
         self.layout = Layout(data.sizes, count, len(candidates), empty.idle, len(self.small))
         scales = self._scales()
         given = (
@@ -166,7 +167,7 @@ class LinearModel:
             self.fixed,
             discrepancy=discrepancy,
             scattering=self.scattering if scattering is None else scattering,
-            small=self.small or None,
+            small=self._amounts,
         )
 
     @property

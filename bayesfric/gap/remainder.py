@@ -19,7 +19,7 @@ SIGNIFICANT = 1.0  # log10 Bayes factor
 DRAWS = 1000
 
 
-def remainder_of(model: LinearModel, found: Weighed, gap_share: float) -> Remainder:
+def remainder_of(model: LinearModel, found: Weighed, taken_share: float) -> Remainder:
     """Weigh a further smooth force beside the causes.
 
     Parameters
@@ -28,8 +28,9 @@ def remainder_of(model: LinearModel, found: Weighed, gap_share: float) -> Remain
         Around the law that was fitted with the causes.
     found : Weighed
         The causes; may be none.
-    gap_share : float
-        Rms of the systematic gap over rms friction.
+    taken_share : float
+        Rms of what the causes take away over rms friction; the rest of the gap is the
+        further force.
     """
     nodes, evidence, _ = unknown_evidence(model, found.psi, found.best)
     gain = (evidence - model.log_joint(found.psi, found.best)) / LN10
@@ -40,15 +41,11 @@ def remainder_of(model: LinearModel, found: Weighed, gap_share: float) -> Remain
         # Beyond the discrepancy that every hypothesis has.
         rms2 = np.array([share**2 - model.practical_share**2 for share, _ in nodes])
         weights = np.exp([weight - logsumexp([w for _, w in nodes]) for _, weight in nodes])
-        if gap_share > 0:
-            order = np.argsort(rms2)
-            ladder = (np.arange(DRAWS) + 0.5) / DRAWS
-            drawn = rms2[order][
-                np.searchsorted(np.cumsum(weights[order]), ladder).clip(max=len(nodes) - 1)
-            ]
-            share = interval(drawn / gap_share**2)
-        else:
-            why = "the gap is not above the floor"
+        order = np.argsort(rms2)
+        ladder = (np.arange(DRAWS) + 0.5) / DRAWS
+        place = np.searchsorted(np.cumsum(weights[order]), ladder).clip(max=len(nodes) - 1)
+        drawn = rms2[order][place]
+        share = interval(drawn / (drawn + taken_share**2))
     return Remainder(
         significant=bool(significant),
         log10_bayes_factor=float(gain),

@@ -14,11 +14,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.friction import Coefficients
+from bayesfric.gap.candidates import goes_to_and_fro
 from bayesfric.gap.linear_model import Acting, LinearModel
 from bayesfric.gap.residuals import Residuals, fitted, numbers_of_laws, residuals_of
 from bayesfric.schemas import GapRow, Interval
 
-__all__ = ["Arms", "GapFigures", "Squares", "folds_of", "gap_row", "interval", "measure_gap"]
+__all__ = [
+    "Arms",
+    "GapFigures",
+    "Squares",
+    "explained",
+    "folds_of",
+    "gap_row",
+    "interval",
+    "measure_gap",
+]
 
 Array = NDArray[np.float64]
 FOLDS = 5
@@ -51,6 +61,12 @@ class Arms:
     after_psi: Array
     after: Acting
     shipped: Mapping[str, Coefficients] | None
+
+    @property
+    def predicted(self) -> bool:
+        """Whether the causes act on what a new trial does, all of them."""
+        effects = [self.model.candidates[place].effect for place in self.after.columns]
+        return not self.after.phases and not any(goes_to_and_fro(effect) for effect in effects)
 
 
 @dataclass(frozen=True)
@@ -283,6 +299,18 @@ def gap_row(
         shrink_why=why,
     )
     return row, interval(systematic), systematic
+
+
+def explained(squares: Squares, rng: np.random.Generator) -> Array:
+    """Return draws of the rms of what the causes take away, √(before² − after²)₊.
+
+    Both arms have the same scatter, so that this is known far better than the distance
+    from a floor that has to be estimated.
+    """
+    setups, inverse = np.unique(squares.setup, return_inverse=True)
+    taken = np.bincount(inverse, squares.before - squares.after, setups.size)
+    count = rng.multinomial(setups.size, np.full(setups.size, 1 / setups.size), DRAWS)
+    return _root(np.asarray(count @ taken, dtype=np.float64))
 
 
 def _root(values: Array) -> Array:

@@ -10,8 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from bayesfric.effects import Effect
-from bayesfric.gap.candidates import Candidate
+from bayesfric.gap.candidates import Candidate, goes_to_and_fro
 from bayesfric.gap.gravity_rows import GravityRows
 from bayesfric.gap.motor_part import MotorPart
 
@@ -42,7 +41,7 @@ def small_amounts(
     effects = {
         candidate.effect.name: candidate.effect
         for candidate in candidates
-        if not _goes_to_and_fro(candidate.effect)
+        if not goes_to_and_fro(candidate.effect)
     }
     found: list[tuple[Candidate, float]] = []
     for effect in effects.values():
@@ -54,11 +53,6 @@ def small_amounts(
             if size > 0:
                 found.append((candidate, part / size))
     return found
-
-
-def _goes_to_and_fro(effect: Effect) -> bool:
-    """Return whether an error of readings has no equivalent force: no parabola sees it."""
-    return effect.acts_on == "reading" and bool(effect.components or effect.shape)
 
 
 def _relative_rms(rows: GravityRows | None, motor: MotorPart | None, candidate: Candidate) -> float:

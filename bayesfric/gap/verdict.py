@@ -35,7 +35,9 @@ def decide(
     none, unknown = chances.get(NONE, 0.0), chances.get(UNKNOWN, 0.0)
     if none >= HALF:
         return "no-gap", none
-    if np.quantile(systematic, UPPER) < practical:
+    # The floor is known from scatter around a law; where only an unknown force explains the
+    # data there is none to take the gap's distance from.
+    if unknown < HALF and np.quantile(systematic, UPPER) < practical:
         return "no-gap", float(np.mean(systematic < practical))
     if unknown >= HALF:
         return "unknown", unknown

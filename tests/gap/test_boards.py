@@ -9,11 +9,12 @@ from scipy.stats import multivariate_normal
 
 from bayesfric.analysis import Analysis
 from bayesfric.effects import all_effects
-from bayesfric.gap.candidates import candidates_of
+from bayesfric.gap.candidates import candidates_of, prior_moments
 from bayesfric.gap.gravity_part import GravityNoise
 from bayesfric.gap.gravity_rows import GravityRows
 from bayesfric.gap.linear_model import Acting, LinearModel
 from bayesfric.gap.motor_part import MotorNoise
+from bayesfric.gap.small_amounts import small_amounts
 from bayesfric.likelihood.hypothesis import Data
 from bayesfric.likelihood.screening import screen_trials
 from bayesfric.paper import table1
@@ -34,7 +35,7 @@ def model():
     )
     effects = [all_effects()[name] for name in ("viscous", "runout", "torque-constant")]
     candidates = [one for effect in effects for one in candidates_of(effect)]
-    return LinearModel(data, table1_coefficients(), candidates, Analysis(), SHARE)
+    return LinearModel(data, table1_coefficients(), candidates, Analysis(), SHARE, small=())
 
 
 @pytest.mark.parametrize("phases", [False, True])
@@ -168,3 +169,37 @@ def _without_nuisances(rows, values):
         nuisance = rows.events.regressors[:3, own].T
         left[own] = values[own] - nuisance @ np.linalg.lstsq(nuisance, values[own], rcond=None)[0]
     return left
+
+
+def test_a_small_amount_is_an_effect_whose_prior_is_narrow(model):
+    """As a candidate with that prior, or as phases with that amplitude."""
+    names = [candidate.effect.name for candidate in model.candidates]
+    viscous, runout = names.index("viscous"), names.index("runout")
+    sd = prior_moments(model.candidates[viscous].effect.amplitude.prior)[1]
+    amplitude = model.candidates[runout].amplitude
+    amounts = [(model.candidates[viscous], sd), (model.candidates[runout], amplitude)]
+    little = LinearModel(model.data, model.laws, (), Analysis(), SHARE, small=amounts)
+    # The motor's pairs of the noise: the same start for both.
+    as_candidates = model.log_joint(model.start, Acting((viscous,), (runout,)))
+    assert little.log_joint(model.start, Acting()) == pytest.approx(as_candidates, rel=1e-12)
+    # Without the discrepancy there are none.
+    bare = little.around(model.laws, (), discrepancy=False)
+    plain = model.around(model.laws, (), discrepancy=False)
+    assert bare.log_joint(model.start, Acting()) == plain.log_joint(model.start, Acting())
+
+
+def test_small_amounts_are_together_the_practical_share_of_friction(model):
+    """An error of lengths s looks like a force s·(m1 + m2)·a."""
+    effects = [all_effects()[name] for name in ("length-scale", "torque-constant", "slip")]
+    rows = model.gravity.rows
+    found = small_amounts(
+        rows, None, [one for effect in effects for one in candidates_of(effect)], SHARE
+    )
+    amounts = {candidate.effect.name: sd for candidate, sd in found}
+    # The torque constant does nothing here; slip is of one sensor of two.
+    assert set(amounts) == {"length-scale", "slip"}
+    mass = rows.condition.total_mass_kg
+    felt = np.sqrt(np.mean((mass * rows.acceleration / rows.friction_n) ** 2))
+    expected = SHARE / np.sqrt(3) / felt
+    assert amounts["length-scale"] == pytest.approx(expected, rel=0.03)
+    assert amounts["slip"] == pytest.approx(2 * expected, rel=0.1)
