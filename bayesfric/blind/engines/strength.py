@@ -1,10 +1,11 @@
 """Strength: how much friction an effect changes over a design.
 
-Strength 1 changes the friction force by 10 % rms along the clean motion of the true law:
-over the time of each trial, over the runs of the motor board, and where an effect acts on
-both boards, over both alike. An error of a sensor counts by the friction force that it
-pretends: the acceleration of a quadratic through each of eight windows of a trial's
-events, times the moving mass. An error of a current counts by the force that it stands for.
+Strength 1 changes friction by 10 % rms along the clean motion of the true law: the change
+as a share of the friction that the law has there and then, over the time of each trial,
+over the runs of the motor board, and where an effect acts on both boards, over both alike.
+An error of a sensor counts by the friction that it pretends: the acceleration of a
+quadratic through each of eight windows of a trial's events, times the moving mass. An
+error of a current counts by the force that it stands for.
 """
 
 from collections.abc import Sequence
@@ -80,7 +81,7 @@ def _rms(values: Array) -> float:
 
 
 def share_of_friction(effect: Acting, design: CleanDesign) -> float:
-    """Return the rms of the effect's force, or its equivalent, over rms friction."""
+    """Return the rms of what the effect changes, or its equivalent, as a share of friction."""
     entering = design.board.load_kg * (
         design.board.state.gravity_m_s2 + design.along.acceleration_m_s2
     )
@@ -88,11 +89,11 @@ def share_of_friction(effect: Acting, design: CleanDesign) -> float:
     plain = friction_along(design.along, (), one, entering)[0] - entering
     acts = effect.form.acts
     if acts in ("reading", "clock"):
-        return _rms(np.concatenate(_pretended(effect, design), axis=None)) / _rms(plain)
+        return _rms(_pretended(effect, design, plain.mean(axis=1)))
     shares = []
     if "gravity" in effect.kind.boards:
         leaving, once = friction_along(design.along, (effect,), one, entering)
-        shares.append(_rms(leaving + once - entering - plain) / _rms(plain))
+        shares.append(_rms((leaving + once - entering - plain) / plain))
     if "motor" in effect.kind.boards and design.bench is not None:
         friction = run_friction(design.bench, (), one)
         if acts == "current":
@@ -100,13 +101,13 @@ def share_of_friction(effect: Acting, design: CleanDesign) -> float:
             change = (read - load) * TORQUE_CONSTANT / CAPSTAN_M
         else:
             change = run_friction(design.bench, (effect,), one) - friction
-        shares.append(_rms(change) / _rms(friction))
+        shares.append(_rms(change / friction))
     return _rms(np.array(shares))
 
 
-def _pretended(effect: Acting, design: CleanDesign) -> list[Array]:
-    """Friction that a sensor's error pretends in each window of each trial [N]."""
-    forces = []
+def _pretended(effect: Acting, design: CleanDesign, friction: Array) -> Array:
+    """Return what a sensor's error pretends in each window of each trial, as a share."""
+    shares = []
     for at in design.passages:
         ahead = effect(at)
         if effect.form.acts == "clock":
@@ -118,8 +119,9 @@ def _pretended(effect: Acting, design: CleanDesign) -> list[Array]:
             mass = float(at.drive_kg[trial, 0] + at.load_kg[trial, 0])
             for window in np.array_split(there, WINDOWS):
                 t = time[window] - time[window].mean()
-                forces.append(2 * mass * np.polyfit(t, ahead[trial, window], 2)[0])
-    return [np.array(forces)]
+                force = 2 * mass * np.polyfit(t, ahead[trial, window], 2)[0]
+                shares.append(force / friction[trial])
+    return np.array(shares)
 
 
 def scaled(effect: Acting, design: CleanDesign) -> Acting:
