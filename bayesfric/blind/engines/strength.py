@@ -94,7 +94,7 @@ def share_of_friction(effect: Acting, design: CleanDesign) -> float:
         design.board.state.gravity_m_s2 + design.along.acceleration_m_s2
     )
     one = np.ones(1)
-    plain = friction_along(design.along, (), one, entering)[0] - entering
+    plain = friction_along(design.along, (), one, entering) - entering
     acts = effect.form.acts
     if effect.kind.name == "cable-compliance":
         return _rms(_shaken(effect, design, plain.mean(axis=1)))
@@ -102,8 +102,8 @@ def share_of_friction(effect: Acting, design: CleanDesign) -> float:
         return _rms(_pretended(effect, design, plain.mean(axis=1)))
     shares = []
     if "gravity" in effect.kind.boards:
-        leaving, once = friction_along(design.along, (effect,), one, entering)
-        shares.append(_rms((leaving + once - entering - plain) / plain))
+        friction = friction_along(design.along, (effect,), one, entering) - entering
+        shares.append(_rms((friction - plain) / plain))
     if "motor" in effect.kind.boards and design.bench is not None:
         friction = run_friction(design.bench, (), one)
         if acts == "current":
