@@ -91,6 +91,11 @@ def plain():
     return simulated((), ["gravity"])
 
 
+@pytest.fixture(scope="module")
+def pure(plain):
+    return accelerations(theirs(plain)), accelerations(ours(plain, []))
+
+
 def theirs(recording):
     return [
         t.to_numpy() for _, t in recording.gravity.events.groupby(["trial", "sensor"])["time_s"]
@@ -113,14 +118,14 @@ def ours(recording, effects):
 
 
 @pytest.mark.parametrize(("name", "form", "law", "amplitude", "shape"), OWN)
-def test_own_forms_do_what_the_packages_effects_do(plain, name, form, law, amplitude, shape):
+def test_own_forms_do_what_the_packages_effects_do(plain, pure, name, form, law, amplitude, shape):
     recording = simulated([applied(name, law, amplitude, shape)], ["gravity"])
-    expected = accelerations(theirs(recording)) - accelerations(theirs(plain))
+    expected = accelerations(theirs(recording)) - pure[0]
     kind = EFFECTS[name]
     (same,) = (one for one in kind.forms if one.name == form)
     assert same.own
     effect = Acting(kind, same, shape, amplitude)
-    found = accelerations(ours(plain, [effect])) - accelerations(ours(plain, []))
+    found = accelerations(ours(plain, [effect])) - pure[1]
     # Of 15 pulleys with T's share c1, the tension grows by 15 c1 on the way, 19 % where small:
     # the two differ by about half of that where an effect changes the tension itself.
     size = np.repeat(plain.gravity.trials["pulley_size"].to_numpy(), 4)
