@@ -62,6 +62,19 @@ class Arms:
     after: Acting
     shipped: Mapping[str, Coefficients] | None
 
+    def numbers(self, used: Mapping[str, NDArray[np.bool_]]) -> tuple[Array, Array]:
+        """Return the numbers of each arm, fitted to some trials and runs.
+
+        Parameters
+        ----------
+        used : mapping of str to ndarray of bool
+            Trials of ``gravity`` and runs of ``motor`` that enter.
+        """
+        before, _ = fitted(self.baseline, self.before_psi, Acting(), used)
+        if self.after == Acting():
+            return before, before
+        return before, fitted(self.model, self.after_psi, self.after, used)[0]
+
     @property
     def predicted(self) -> bool:
         """Whether the causes act on what a new trial does, all of them."""
@@ -191,8 +204,7 @@ def _left(arms: Arms, residuals: Residuals, out: NDArray[np.bool_]) -> Array:
     """Return residuals as shipped, before and after, fitted without some; (3, R) [N]."""
     model = arms.model
     used = used_rows(model, residuals, out)
-    plain, _ = fitted(arms.baseline, arms.before_psi, Acting(), used)
-    caused, _ = fitted(model, arms.after_psi, arms.after, used)
+    plain, caused = arms.numbers(used)
     shipped = np.full(out.size, np.nan)
     if arms.shipped is not None:
         shipped = residuals.left(model, numbers_of_laws(model, arms.shipped, plain))

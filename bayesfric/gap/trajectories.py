@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.gap.gravity_part import GravityPart
-from bayesfric.gap.linear_model import Acting
-from bayesfric.gap.residuals import Residuals, fitted, local_numbers, numbers_of_laws
+from bayesfric.gap.residuals import Residuals, local_numbers, numbers_of_laws
 from bayesfric.gap.shrink import Arms, Squares, used_rows
 
 __all__ = ["Example", "free_running"]
@@ -98,8 +97,7 @@ def free_running(
 def _arms(arms: Arms, residuals: Residuals, out: NDArray[np.bool_]) -> Array:
     """Return local numbers as shipped, before and after, without some windows, (3, sizes, q)."""
     model, used = arms.model, used_rows(arms.model, residuals, out)
-    plain, _ = fitted(arms.baseline, arms.before_psi, Acting(), used)
-    caused, _ = fitted(model, arms.after_psi, arms.after, used)
+    plain, caused = arms.numbers(used)
     shipped = plain if arms.shipped is None else numbers_of_laws(model, arms.shipped, plain)
     return np.stack([local_numbers(model, numbers) for numbers in (shipped, plain, caused)])
 
