@@ -1,4 +1,4 @@
-"""A mass on the drive side that is not what was written down."""
+"""A mass on one side that is not what was written down."""
 
 from collections.abc import Mapping
 
@@ -11,24 +11,37 @@ from bayesfric.effects.base import Effect, EffectParameter, State
 Array = NDArray[np.float64]
 
 
-def _constant(p: Mapping[str, Array], state: State) -> Array:
+def _drive_side(p: Mapping[str, Array], state: State) -> Array:
     pull = np.asarray(state.gravity_m_s2) - np.asarray(state.acceleration_m_s2)
-    return np.asarray(-p["excess"] * pull * (not state.steady))
+    return np.asarray(-p["excess"] * pull * (1 - _felt(state)) * (not state.steady))
+
+
+def _load_side(p: Mapping[str, Array], state: State) -> Array:
+    pull = np.asarray(state.gravity_m_s2) + np.asarray(state.acceleration_m_s2)
+    return np.asarray(p["excess"] * pull * (1 + _felt(state)) * (not state.steady))
+
+
+def _felt(state: State) -> Array:
+    """Return the friction by which the excess weighs on the pulleys, as a share of it.
+
+    Half of it goes into the nominal tension, the mean of both sides.
+    """
+    return np.asarray(state.tension_friction_n) / np.asarray(state.tension_n) / 2
 
 
 EFFECT = Effect(
     name="mass-error",
     acts_on="drive",
-    sentence="the mass on the drive side is off by a constant",
+    sentence="the mass on one side is off by a constant",
     amplitude=EffectParameter(
         name="excess",
         unit="kg",
-        meaning="mass on the drive side beyond what is written down",
+        meaning="mass on that side beyond what is written down",
         prior=Normal(mean=0.0, sd=0.01),
         plausible=(-0.005, 0.005),
         reference="argued: a hook or a clamp that was not weighed is a few grams, and kitchen "
         "scales are no better",
     ),
-    laws={"constant": _constant},
+    laws={"drive-side": _drive_side, "load-side": _load_side},
     edge={"n_pulleys": 5.0},
 )

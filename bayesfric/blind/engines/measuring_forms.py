@@ -32,7 +32,7 @@ MASS_ERROR = Kind(
         ),
         Form(
             "load-side",
-            False,
+            True,
             lambda p, s, t: (
                 p["amplitude"] * (s.gravity_m_s2 + s.acceleration_m_s2) * (not s.steady)
             ),
