@@ -26,7 +26,7 @@ def _felt(state: State) -> Array:
 
     Half of it goes into the nominal tension, the mean of both sides.
     """
-    return np.asarray(state.tension_friction_n) / np.asarray(state.tension_n) / 2
+    return np.asarray(0.5 * np.asarray(state.tension_friction_n) / np.asarray(state.tension_n))
 
 
 EFFECT = Effect(
