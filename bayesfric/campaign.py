@@ -26,7 +26,7 @@ from urllib.parse import urlsplit
 
 from bayesfric.errors import Fault, InputError
 
-__all__ = ["WorkerDied", "cluster", "processes", "run_campaign", "run_on_processes"]
+__all__ = ["WorkerDiedError", "cluster", "processes", "run_campaign", "run_on_processes"]
 
 Case = TypeVar("Case")
 Result = dict[str, Any]
@@ -34,7 +34,7 @@ TRIES = 2  # of a case whose worker died
 CONNECT_S = 10.0  # to wait for a scheduler
 
 
-class WorkerDied(RuntimeError):
+class WorkerDiedError(RuntimeError):
     """A case whose worker died each time that it was tried.
 
     Parameters
@@ -81,13 +81,13 @@ def cluster(address: str) -> Iterator[Executor]:
         # A client that finds nobody waits long to be closed: knock first.
         place = urlsplit(address if "://" in address else f"tcp://{address}")
         socket.create_connection((place.hostname, place.port), CONNECT_S).close()
-        client = Client(address, timeout=CONNECT_S, set_as_default=False)
+        client = Client(address, timeout=CONNECT_S, set_as_default=False)  # type: ignore[no-untyped-call]
     except (OSError, ValueError, TypeError) as error:
         expected = "the address of a Dask scheduler that answers, as in tcp://host:8786"
         fault = Fault("command line", expected, column="--scheduler", value=address)
         raise InputError([fault]) from error
     with client:
-        yield client.get_executor()
+        yield client.get_executor()  # type: ignore[no-untyped-call]
 
 
 def run_on_processes(
@@ -104,7 +104,7 @@ def run_on_processes(
 
     Raises
     ------
-    WorkerDied
+    WorkerDiedError
         A case was running each time that a process died.
     """
     tries: Counter[str] = Counter()
@@ -145,7 +145,7 @@ def run_campaign(
 
     Raises
     ------
-    WorkerDied
+    WorkerDiedError
         On a cluster, each worker that had the case died.
     """
     return _run(function, cases, folder, executor, progress, Counter(), None)
@@ -199,7 +199,7 @@ def _run(
 def _count(tries: Counter[str], name: str, fault: BaseException) -> None:
     tries[name] += 1
     if tries[name] >= TRIES:
-        raise WorkerDied(name) from fault
+        raise WorkerDiedError(name) from fault
 
 
 def _save(path: Path, result: Result) -> None:

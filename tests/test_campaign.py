@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 from local_cluster import local_cluster
 
-from bayesfric.campaign import WorkerDied, cluster, run_campaign, run_on_processes
+from bayesfric.campaign import WorkerDiedError, cluster, run_campaign, run_on_processes
 from bayesfric.errors import InputError
 
 
@@ -94,7 +94,7 @@ def test_a_case_that_kills_each_worker_is_named_and_the_rest_is_kept(tmp_path):
     notes = tmp_path / "notes"
     notes.mkdir()
     cases = {"good": ("good", notes, "plain"), "bad": ("bad", notes, "fatal")}
-    with pytest.raises(WorkerDied, match="case bad"):
+    with pytest.raises(WorkerDiedError, match="case bad"):
         run_on_processes(on_worker, cases, tmp_path / "done", 1)
     assert len(tries_of(notes, "bad")) == 2
     assert [path.stem for path in (tmp_path / "done").glob("*.json")] == ["good"]

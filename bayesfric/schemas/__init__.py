@@ -39,6 +39,16 @@ from bayesfric.schemas.fit import (
     TimingsFile,
     WithoutExclusions,
 )
+from bayesfric.schemas.scorecard import (
+    Confusion,
+    Detected,
+    Estimate,
+    Rate,
+    ReliabilityBin,
+    ScorecardFile,
+    ScoredCase,
+    Target,
+)
 
 __all__ = [
     "SCHEMAS",
@@ -48,9 +58,12 @@ __all__ = [
     "Cause",
     "ClaimResult",
     "ClaimsFile",
+    "Confusion",
     "DataQuality",
+    "Detected",
     "DiagnosisFile",
     "EffectNumber",
+    "Estimate",
     "ExaminedEffect",
     "Excluded",
     "FitFile",
@@ -62,12 +75,17 @@ __all__ = [
     "PointEstimate",
     "Provenance",
     "PulleyEvidence",
+    "Rate",
     "RecordingId",
+    "ReliabilityBin",
     "Remainder",
     "Repaired",
     "SamplerSummary",
+    "ScorecardFile",
+    "ScoredCase",
     "SelfContradiction",
     "Shape",
+    "Target",
     "TimingsFile",
     "Unseparated",
     "WithoutExclusions",
@@ -77,6 +95,7 @@ SCHEMAS: dict[str, type[BaseModel]] = {
     "fit": FitFile,
     "claims": ClaimsFile,
     "diagnosis": DiagnosisFile,
+    "scorecard": ScorecardFile,
     "timings": TimingsFile,
 }
 """The models by the name of the file that they describe."""

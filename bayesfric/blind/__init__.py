@@ -1,0 +1,1 @@
+"""Recordings whose effect is withheld, and how well the diagnosis does on them."""
