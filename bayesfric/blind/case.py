@@ -85,7 +85,7 @@ def run_case(case: Case, folder: Path, analysis: Analysis) -> dict[str, Any]:
     found = diagnose_sealed(recording, analysis.model_copy(update={"seed": case.seed}), place)
     gap, shrink = 0.0, None
     if case.effects:
-        clean = engine.make(withheld, case.seed, design=case.design, background=False, noise=False)
+        clean = engine.make(withheld, case.seed, design=case.design, noise=False)
         without_noise = CleanCase(clean.recording, analysis)
         gap = without_noise.gap
         shrink = without_noise.shrink([(cause.effect, cause.law) for cause in found.causes])

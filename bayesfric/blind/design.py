@@ -41,8 +41,11 @@ ALIKE = (
 """Effects that these boards cannot tell apart, by rank; no pair is drawn from one class."""
 ORDER_SEED = 20150928  # of the order in which pairs are gone through
 PRIOR_SEED = 1
-PRIOR = {"none": 0.5, "effect": 0.3, "pair": 0.08, "three": 0.02, "outsider": 0.1}
-"""Prior probabilities that a diagnosis reports, by what is withheld."""
+LEAST_STRENGTH = 1e-3
+KINDS: tuple[Kind, ...] = ("none", "effect", "pair", "outsider")
+PRIOR = {"none": 0.5, "effect": 0.3, "pair": 0.1, "outsider": 0.1}
+"""Prior probabilities that a diagnosis reports, by what is withheld; the 2 % of three effects
+or more are drawn as pairs, since engines withhold two at most."""
 
 
 @dataclass(frozen=True)
@@ -149,17 +152,21 @@ def cases_from_prior(
     for place in range(number):
         seed = first_seed + place
         rng = np.random.default_rng([PRIOR_SEED, seed])
-        kind = str(rng.choice(list(PRIOR), p=list(PRIOR.values())))
-        several = {"none": 0, "effect": 1, "outsider": 1, "pair": 2, "three": 3}[kind]
+        kind = KINDS[int(rng.choice(len(KINDS), p=[PRIOR[one] for one in KINDS]))]
+        several = {"none": 0, "effect": 1, "outsider": 1, "pair": 2}[kind]
         pool = list(catalogue.outsiders) if kind == "outsider" else names
-        drawn = [str(one) for one in rng.choice(pool, several, replace=False)] if several else []
-        while any(set(pair) <= alike for pair in combinations(drawn, 2) for alike in ALIKE):
-            drawn = [str(one) for one in rng.choice(pool, several, replace=False)]
-        strengths = np.abs(rng.standard_normal(several))
+        drawn = _without_repeats(rng, pool, several)
+        while any(set(drawn) <= alike for alike in ALIKE if several == 2):
+            drawn = _without_repeats(rng, pool, several)
+        strengths = np.maximum(np.abs(rng.standard_normal(several)), LEAST_STRENGTH)
         effects = tuple((one, round(float(s), 3)) for one, s in zip(drawn, strengths, strict=True))
-        stored: Kind = "pair" if several > 1 else kind  # type: ignore[assignment]
-        found[f"{seed:06d}"] = Case(f"{seed:06d}", seed, stored, effects, "random", engine, design)
+        name = f"{seed:06d}"
+        found[name] = Case(name, seed, kind, effects, "random", engine, design)
     return found
+
+
+def _without_repeats(rng: np.random.Generator, pool: Sequence[str], several: int) -> list[str]:
+    return [pool[int(place)] for place in rng.choice(len(pool), several, replace=False)]
 
 
 def _check(number: int, first_seed: int) -> None:

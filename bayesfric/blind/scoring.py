@@ -8,6 +8,8 @@ from bayesfric.schemas import DiagnosisFile, ScoredCase
 __all__ = ["FLAG_SHARE", "OTHERS", "score"]
 
 FLAG_SHARE = 0.1  # of the gap: a remainder's 5 % quantile from which on it flags an outsider
+NO_TRUE_SHRINK = "no gap without noise that causes could take up, or none is known"
+NOT_COVERED = "not rightly named, or the shrink or its true value does not exist"
 OTHERS = "other-combination"
 """Column of joint verdicts that are not the pair withheld."""
 
@@ -71,6 +73,7 @@ def score(
         withheld=tuple(names),
         form=tuple(str(one.get("form", "")) for one in withheld),
         own=all(own) if names else None,
+        own_why=None if names else "nothing is withheld",
         strength=strengths,
         noise_free_gap=gap,
         noise_free_gap_why=why,
@@ -87,7 +90,9 @@ def score(
         shrink=shrink,
         shrink_why=None if shrink is not None else found.gap.shrink_why,
         true_shrink=true_shrink,
+        true_shrink_why=None if true_shrink is not None else NO_TRUE_SHRINK,
         shrink_covered=covered,
+        shrink_covered_why=None if covered is not None else NOT_COVERED,
         parameters_covered=_covered(withheld, found) if named else {},
     )
 

@@ -96,7 +96,7 @@ class ScoredCase(Record):
     withheld: tuple[str, ...] = Field(description="Names of what is withheld.")
     form: tuple[str, ...] = Field(description="Functional form of each.")
     own: bool | None = Field(description="Whether all forms are the diagnosis's own.")
-    own_why: str | None = Field("nothing is withheld where it is null", description="Why null.")
+    own_why: str | None = Field(None, description="Why there is none.")
     strength: dict[str, Number] = Field(description="Of each; 1 is 10 % of friction, rms.")
     noise_free_gap: Number | None = Field(
         description="Without noise, baseline refitted: rms over rms friction."
@@ -119,15 +119,11 @@ class ScoredCase(Record):
     shrink: Interval | None = Field(description="As reported.")
     shrink_why: str | None = Field(None, description="Why there is none.")
     true_shrink: Number | None = Field(description="What the causes take of the noise-free gap.")
-    true_shrink_why: str | None = Field(
-        "no cause, or one that no noise-free gap shows, where it is null", description="Why null."
-    )
+    true_shrink_why: str | None = Field(None, description="Why there is none.")
     shrink_covered: bool | None = Field(
         description="Whether the 90 % interval holds the true shrink, where rightly named."
     )
-    shrink_covered_why: str | None = Field(
-        "not rightly named, or there is no shrink, where it is null", description="Why null."
-    )
+    shrink_covered_why: str | None = Field(None, description="Why there is none.")
     parameters_covered: dict[str, bool] = Field(
         description="Likewise each parameter of an own form."
     )
