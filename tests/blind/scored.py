@@ -1,6 +1,6 @@
 """Scored cases, made up."""
 
-from bayesfric.schemas import Interval, ScoredCase
+from bayesfric.schemas import ScoredCase
 
 
 def scored(kind="none", **changes):
@@ -35,8 +35,3 @@ def scored(kind="none", **changes):
         "parameters_covered": {},
     }
     return ScoredCase(**(fields | changes))
-
-
-def five(low, high):
-    middle = (low + high) / 2
-    return Interval(mean=middle, sd=0.1, q05=low, q50=middle, q95=high)

@@ -1,0 +1,53 @@
+"""Everything that may be withheld, by name, and how one is drawn."""
+
+from numpy.random import Generator
+
+from bayesfric.blind.engines import condition_forms, speed_forms, travel_forms
+from bayesfric.blind.engines.measuring_forms import MEASURING_KINDS
+from bayesfric.blind.engines.outsiders import OUTSIDERS
+from bayesfric.blind.engines.state import Acting, Form, Kind
+
+__all__ = ["EFFECTS", "OUTSIDERS_BY_NAME", "drawn", "forms_of"]
+
+EFFECTS = {
+    kind.name: kind
+    for kind in (
+        speed_forms.VISCOUS,
+        speed_forms.AIR_DRAG,
+        speed_forms.STRIBECK,
+        travel_forms.PRESLIDING,
+        travel_forms.HYSTERESIS,
+        condition_forms.TENSION_CURVATURE,
+        condition_forms.WRAP_CURVATURE,
+        condition_forms.WRAP_INTERCEPT,
+        condition_forms.FIXED_DRAG,
+        condition_forms.PULLEY_COUNT_CURVATURE,
+        condition_forms.PULLEY_INERTIA,
+        travel_forms.CABLE_WEIGHT,
+        travel_forms.RUNOUT,
+        condition_forms.WEAR_DRIFT,
+        *MEASURING_KINDS,
+    )
+}
+"""The effects of OUTPUTS.md's table that a board may have, by name."""
+OUTSIDERS_BY_NAME = {kind.name: kind for kind in OUTSIDERS}
+
+
+def forms_of(kind: Kind, which: str) -> tuple[Form, ...]:
+    """Return the forms to choose from: ``own``, ``foreign`` or ``random``, which is either.
+
+    Where there is none of the kind asked for, all are returned.
+    """
+    if which == "random":
+        return kind.forms
+    found = tuple(form for form in kind.forms if form.own == (which == "own"))
+    return found or kind.forms
+
+
+def drawn(kind: Kind, strength: float, which: str, trials: int, rng: Generator) -> Acting:
+    """Draw form, shape and sign of an effect; its amplitude is the sign alone as yet."""
+    choices = forms_of(kind, which)
+    form = choices[int(rng.integers(len(choices)))]
+    shape = form.draw(rng, trials)
+    sign = -1.0 if kind.signed and rng.random() < 0.5 else 1.0
+    return Acting(kind, form, shape, sign, strength)

@@ -1,0 +1,212 @@
+"""Effects that differ between conditions and trials, each in several forms.
+
+``own`` marks the forms that the package's effect has too; the others are what physics
+offers besides.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from bayesfric.blind.engines.factors import Parameters, scaled, share, uniform
+from bayesfric.blind.engines.law import RADII_M
+from bayesfric.blind.engines.state import Array, Form, Kind, State
+
+__all__ = [
+    "FIXED_DRAG",
+    "PULLEY_COUNT_CURVATURE",
+    "PULLEY_INERTIA",
+    "TENSION_CURVATURE",
+    "WEAR_DRIFT",
+    "WRAP_CURVATURE",
+    "WRAP_INTERCEPT",
+]
+
+MEDIUM_M = float(RADII_M[1])
+MIDDLE_RAD = float(np.deg2rad(85.0))  # the angle of Table I
+
+
+def _of_tension(change: Callable[[Parameters, Array], Array]) -> Any:
+    """Return a law: a change of the part of friction that grows with tension."""
+
+    def law(p: Parameters, s: State, tension: Array) -> Array:
+        return np.asarray(s.slope * tension * change(p, np.maximum(tension, 0.1) / 16.5))
+
+    return law
+
+
+TENSION_CURVATURE = Kind(
+    "tension-curvature",
+    "curvature",
+    "1",
+    (
+        Form("quadratic", True, _of_tension(lambda p, r: p["amplitude"] * (r - 1)), affine=False),
+        Form(
+            "power",
+            True,
+            _of_tension(lambda p, r: np.expm1(p["amplitude"] * np.log(r))),
+            affine=False,
+        ),
+        Form(
+            "saturating",
+            False,
+            _of_tension(lambda p, r: p["amplitude"] * (2 * r / (1 + r) - 1)),
+            affine=False,
+        ),
+        Form(
+            "exponential",
+            False,
+            _of_tension(lambda p, r: p["amplitude"] * (np.exp(r - 1) - 1)),
+            affine=False,
+        ),
+    ),
+    ("tension",),
+    signed=True,
+)
+
+
+def _of_wrap(change: Callable[[Parameters, State], Array]) -> Any:
+    """Return a law: a factor of the part of friction that grows with tension."""
+
+    def law(p: Parameters, s: State, tension: Array) -> Array:
+        return np.asarray(p["amplitude"] * change(p, s) * s.slope * tension)
+
+    return law
+
+
+def _radians(s: State) -> Array:
+    return np.asarray(np.deg2rad(s.wrap_angle_deg))
+
+
+WRAP_CURVATURE = Kind(
+    "wrap-curvature",
+    "curvature",
+    "1",
+    (
+        Form("quadratic", True, _of_wrap(lambda p, s: ((s.wrap_angle_deg - 85) / 50) ** 2)),
+        Form(  # the bearing load 2 T sin(θ/2), less its tangent at 85°
+            "bearing-load",
+            False,
+            _of_wrap(
+                lambda p, s: (
+                    np.sin(_radians(s) / 2) / np.sin(MIDDLE_RAD / 2)
+                    - 1
+                    - (_radians(s) - MIDDLE_RAD) / 2 / np.tan(MIDDLE_RAD / 2)
+                )
+            ),
+        ),
+        Form("cosine", False, _of_wrap(lambda p, s: 1 - np.cos(_radians(s) - MIDDLE_RAD))),
+        Form(  # belt friction, less its tangent
+            "belt",
+            False,
+            _of_wrap(lambda p, s: np.expm1(_radians(s) - MIDDLE_RAD) - (_radians(s) - MIDDLE_RAD)),
+        ),
+    ),
+    ("wrap_angle",),
+    signed=True,
+)
+
+WRAP_INTERCEPT = Kind(
+    "wrap-intercept",
+    "slope",
+    "1",
+    (
+        Form("linear", True, scaled(lambda p, s: (s.wrap_angle_deg - 85) / 50)),
+        Form(
+            "sine",
+            False,
+            scaled(lambda p, s: np.sin(_radians(s) / 2) / np.sin(MIDDLE_RAD / 2) - 1),
+        ),
+        Form("square-root", False, scaled(lambda p, s: np.sqrt(s.wrap_angle_deg / 85) - 1)),
+    ),
+    ("wrap_angle",),
+    signed=True,
+)
+
+FIXED_DRAG = Kind(
+    "fixed-drag",
+    "drag",
+    "N",
+    (
+        Form("constant", True, lambda p, s, t: p["amplitude"] * np.ones_like(s.tension_n), "once"),
+        Form(  # two sensor pulleys, whose friction grows with tension a little
+            "sensor-pulleys",
+            False,
+            lambda p, s, t: p["amplitude"] * (1 + p["growth"] * (s.tension_n / 15 - 1)),
+            "once",
+            draw=uniform(growth=(0.1, 0.4)),
+        ),
+    ),
+    ("n_pulleys",),
+)
+
+PULLEY_COUNT_CURVATURE = Kind(
+    "pulley-count-curvature",
+    "exponent",
+    "1",
+    (
+        Form(
+            "power",
+            True,
+            lambda p, s, t: s.friction(t) * np.expm1(p["amplitude"] * np.log(s.n_pulleys / 9)),
+        ),
+        Form("quadratic", False, share(lambda p, s: (s.n_pulleys - 9) / 9)),
+        Form("saturating", False, share(lambda p, s: (s.n_pulleys - 9) / (s.n_pulleys + 9) * 2)),
+    ),
+    ("n_pulleys",),
+    signed=True,
+)
+
+
+def _pulley_mass(name: str, own: bool, power: float) -> Form:
+    def law(p: Parameters, s: State, tension: Any) -> Array:
+        return np.asarray(p["amplitude"] * (s.radius_m / MEDIUM_M) ** power)
+
+    return Form(name, own, law, "inertia")
+
+
+PULLEY_INERTIA = Kind(
+    "pulley-inertia",
+    "mass",
+    "kg",
+    (
+        _pulley_mass("same", True, 0.0),
+        _pulley_mass("discs", True, 2.0),
+        _pulley_mass("rims", False, 1.0),
+        _pulley_mass("solids", False, 3.0),
+    ),
+    ("acceleration",),
+    boards=("gravity",),
+)
+
+
+def _run_in(order: Array, share: float) -> Array:
+    """Return what a decay with this share of the recording has done, its mean removed."""
+    whole = -np.expm1(-1 / share)
+    return np.asarray(-np.expm1(-order / share) / whole - (1 / whole - share))
+
+
+WEAR_DRIFT = Kind(
+    "wear-drift",
+    "change",
+    "1",
+    (
+        Form("linear", True, share(lambda p, s: s.order - 0.5)),
+        Form("saturating", True, share(lambda p, s: _run_in(s.order, 0.2))),
+        Form(
+            "slowly-saturating",
+            False,
+            share(lambda p, s: _run_in(s.order, p["time"])),
+            draw=uniform(time=(0.35, 0.7)),
+        ),
+        Form(  # a cable exchanged, a screw tightened
+            "stepwise",
+            False,
+            share(lambda p, s: np.where(s.order < p["place"], p["place"] - 1, p["place"])),
+            draw=uniform(place=(0.3, 0.7)),
+        ),
+    ),
+    ("order",),
+    signed=True,
+)

@@ -1,0 +1,51 @@
+"""Parts of which forms of friction are made: factors of a pulley's friction, and draws."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.random import Generator
+
+from bayesfric.blind.engines.state import Array, State
+
+__all__ = ["Draw", "Factor", "Parameters", "scaled", "share", "uniform", "with_tension"]
+
+Parameters = Mapping[str, Any]
+Draw = Callable[[Generator, int], dict[str, Any]]
+Factor = Callable[[Parameters, State], Any]
+
+
+def uniform(**ranges: tuple[float, float]) -> Draw:
+    """Return a draw: each number between its two limits."""
+
+    def draw(rng: Generator, trials: int) -> dict[str, Any]:
+        return {name: float(rng.uniform(*limits)) for name, limits in ranges.items()}
+
+    return draw
+
+
+def share(factor: Factor) -> Any:
+    """Return a law: a factor of the pulley's friction."""
+
+    def law(p: Parameters, s: State, tension: Array) -> Array:
+        return np.asarray(p["amplitude"] * factor(p, s) * s.friction(tension))
+
+    return law
+
+
+def scaled(factor: Factor) -> Any:
+    """Return a law: a factor of a pulley's friction at 15 N and 85°, whatever the tension."""
+
+    def law(p: Parameters, s: State, tension: Array) -> Array:
+        return np.asarray(p["amplitude"] * factor(p, s) * s.scale_n + 0.0 * tension)
+
+    return law
+
+
+def with_tension(factor: Factor) -> Any:
+    """Return a law: the same, in proportion to tension."""
+
+    def law(p: Parameters, s: State, tension: Array) -> Array:
+        return np.asarray(p["amplitude"] * factor(p, s) * s.scale_n * tension / 15.0)
+
+    return law

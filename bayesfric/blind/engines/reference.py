@@ -1,0 +1,318 @@
+"""The reference engine: a recording with something withheld, and what it was.
+
+A reality that shares no physics with the package: friction pulley by pulley, motion by
+DOP853, magnets located on it. Everything follows from the seed.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from bayesfric.blind.engines.awkward import (
+    Awkward,
+    background_of,
+    draw_awkward,
+    nearly_stalling,
+    spoiled,
+)
+from bayesfric.blind.engines.boards import SPACING_M, board_of, motor_state
+from bayesfric.blind.engines.catalogue import EFFECTS, OUTSIDERS_BY_NAME, drawn, forms_of
+from bayesfric.blind.engines.design import Trials, bench_of, trials_of, unbalanced
+from bayesfric.blind.engines.law import SIZES, Nature, draw_nature
+from bayesfric.blind.engines.motion import move
+from bayesfric.blind.engines.recorder import (
+    event_trains,
+    gravity_tables,
+    motor_tables,
+    recorded,
+)
+from bayesfric.blind.engines.state import Acting, Array, Form
+from bayesfric.blind.engines.strength import CleanDesign, scaled
+from bayesfric.recording import Recording
+
+__all__ = [
+    "Made",
+    "Withheld",
+    "effect_names",
+    "forms",
+    "make",
+    "outsider_axes",
+    "outsider_names",
+]
+
+KINDS = {"none": 0, "effect": 1, "pair": 2, "outsider": 1}  # and how many are withheld
+FORMS = ("own", "foreign", "random")
+# Independent streams of random numbers: what is drawn in one leaves the others alone.
+NATURE, AWKWARD, TRIALS, BENCH, WITHHELD, BACKGROUND, SCATTER, PHASES, EVENTS, CURRENTS = range(10)
+STUDENT_DEGREES = 5.0
+
+
+@dataclass(frozen=True)
+class Withheld:
+    """What to withhold.
+
+    Parameters
+    ----------
+    kind : str
+        ``none``, ``effect``, ``pair`` or ``outsider``.
+    effects : tuple of (str, float)
+        Names and strengths; of outsiders where the kind says so.
+    form : str
+        ``own``, ``foreign`` or ``random``. An effect that has no foreign form takes its
+        own, and the truth says so.
+    """
+
+    kind: str
+    effects: tuple[tuple[str, float], ...]
+    form: str
+
+
+@dataclass(frozen=True)
+class Made:
+    """A recording, and the truth about it.
+
+    Parameters
+    ----------
+    recording : Recording
+        Says nothing of what is withheld.
+    truth : dict
+        Plain JSON: ``coefficients``, ``scatter``, ``withheld``, ``background``,
+        ``awkward``.
+    """
+
+    recording: Recording
+    truth: dict[str, Any]
+
+
+def effect_names() -> tuple[str, ...]:
+    """Return the effects that may be withheld, as OUTPUTS.md names them."""
+    return tuple(EFFECTS)
+
+
+def forms(name: str) -> tuple[Form, ...]:
+    """Return the functional forms of an effect, the package's own first.
+
+    Raises
+    ------
+    KeyError
+        If there is no such effect.
+    """
+    return EFFECTS[name].forms
+
+
+def outsider_names() -> tuple[str, ...]:
+    """Return what may be withheld and is no effect of the package's."""
+    return tuple(OUTSIDERS_BY_NAME)
+
+
+def outsider_axes(name: str) -> tuple[str, ...]:
+    """Return the axes, as OUTPUTS.md names them, along which an outsider shows.
+
+    Raises
+    ------
+    KeyError
+        If there is no such outsider.
+    """
+    return OUTSIDERS_BY_NAME[name].axes
+
+
+def make(
+    withheld: Withheld,
+    seed: int,
+    *,
+    design: str = "quick",
+    background: bool = True,
+    noise: bool = True,
+) -> Made:
+    """Make a recording with something withheld.
+
+    Parameters
+    ----------
+    withheld : Withheld
+        What.
+    seed : int
+        Of everything; the same seed gives the same bytes.
+    design : str
+        ``quick``: 180 trials in 30 assemblies, and 460 runs of the motor board.
+    background : bool
+        Whether there are small amounts of other effects, heavy-tailed scatter, a trial that
+        nearly stalls, a dropped and a doubled event, and at times a sensor, the motor board
+        or some trials missing.
+    noise : bool
+        False gives the same truth and design without noise, scatter, background effects
+        and awkward trials: what is left of the gap is what is withheld.
+
+    Returns
+    -------
+    Made
+        The recording and its truth.
+
+    Raises
+    ------
+    ValueError
+        If `withheld` or `design` names something that there is not.
+    """
+    _check(withheld, design)
+    nature = draw_nature(_stream(seed, NATURE))
+    kinds = [(EFFECTS | OUTSIDERS_BY_NAME)[name] for name, _ in withheld.effects]
+    awkward = draw_awkward(_stream(seed, AWKWARD), {kind.needs for kind in kinds}, background)
+    trials = trials_of(_stream(seed, TRIALS))
+    if awkward.unbalanced:
+        trials = _rows(trials, unbalanced(trials, _stream(seed, AWKWARD, 1)))
+    bench = bench_of(_stream(seed, BENCH)) if awkward.motor_board else None
+    phases = {
+        at_load: _stream(seed, PHASES, int(at_load)).uniform(0, SPACING_M, (len(trials), 1))
+        for at_load in (False, True)
+        if awkward.sensors in ("both", "load" if at_load else "drive")
+    }
+    board = board_of(nature, trials)
+    runs = None if bench is None else motor_state(nature, bench)
+    clean = CleanDesign.of(board, move(board, ()), phases, runs)
+    effects = [
+        scaled(drawn(kind, strength, withheld.form, len(trials), _stream(seed, WITHHELD, i)), clean)
+        for i, (kind, (_, strength)) in enumerate(zip(kinds, withheld.effects, strict=True))
+    ]
+    other = (
+        [
+            scaled(effect, clean)
+            for effect in background_of(kinds, awkward, len(trials), _stream(seed, BACKGROUND))
+        ]
+        if background
+        else []
+    )
+    acting = effects + (other if noise else [])
+    factor, motor_factor = _scatter(nature, trials, bench, background, seed)
+    if noise and background:
+        slow, trials = nearly_stalling(nature, trials, acting, _stream(seed, AWKWARD, 2))
+        awkward = replace(awkward, nearly_stalls=slow)
+    board = board_of(nature, trials, factor if noise else None)
+    clock_start = _stream(seed, PHASES, 2).uniform(0.0, 1.0, (len(trials), 1))
+    motion = move(board, acting)
+    trains = event_trains(
+        board,
+        motion,
+        acting,
+        phases,
+        clock_start,
+        nature if noise else None,
+        _stream(seed, EVENTS),
+    )
+    if noise and background:
+        trains, awkward = spoiled(trains, awkward, _stream(seed, AWKWARD, 3))
+    tables, lost = gravity_tables(trials, trains, ticks=noise)
+    if bench is not None and runs is not None:
+        tables |= motor_tables(
+            bench,
+            runs,
+            acting,
+            motor_factor if noise else np.ones((len(bench), 1)),
+            nature,
+            _stream(seed, CURRENTS) if noise else None,
+        )
+    truth = _truth(nature, withheld, effects, other if noise else [], awkward)
+    stalled = np.flatnonzero(np.isfinite(motion.stall_m) & (motion.stall_m < 0.6))
+    truth["awkward"]["stalled"] = [f"g{i + 1:04d}" for i in stalled]
+    truth["awkward"]["left_out"] = [f"g{i + 1:04d}" for i in lost]
+    return Made(recorded(tables), truth)
+
+
+def _check(withheld: Withheld, design: str) -> None:
+    if design != "quick":
+        raise ValueError(f"design is 'quick', not {design!r}")
+    if withheld.kind not in KINDS:
+        raise ValueError(f"kind is one of {', '.join(KINDS)}, not {withheld.kind!r}")
+    if withheld.form not in FORMS:
+        raise ValueError(f"form is one of {', '.join(FORMS)}, not {withheld.form!r}")
+    if len({name for name, _ in withheld.effects}) != KINDS[withheld.kind]:
+        raise ValueError(f"{withheld.kind} takes {KINDS[withheld.kind]} different effects")
+    known = OUTSIDERS_BY_NAME if withheld.kind == "outsider" else EFFECTS
+    for name, strength in withheld.effects:
+        if name not in known:
+            raise ValueError(f"{name!r} is none of {', '.join(known)}")
+        if not 0 < strength < np.inf:
+            raise ValueError(f"the strength of {name} is above 0, not {strength}")
+    if withheld.kind != "none" and withheld.kind != "outsider":
+        for name, _ in withheld.effects:
+            forms_of(EFFECTS[name], withheld.form)
+
+
+def _stream(seed: int, *which: int) -> Generator:
+    return np.random.default_rng([seed, *which])
+
+
+def _rows(trials: Trials, stays: NDArray[np.intp]) -> Trials:
+    return Trials(**{name: values[stays] for name, values in vars(trials).items()})
+
+
+def _scatter(
+    nature: Nature, trials: Trials, bench: Any, heavy: bool, seed: int
+) -> tuple[Array, Array]:
+    """Draw the factors of friction, of the trials and, (runs, 1), of the motor board."""
+
+    def each(size: int, stream: int) -> Array:
+        rng = _stream(seed, SCATTER, stream)
+        if not heavy:
+            return rng.standard_normal(size)
+        return np.asarray(rng.standard_t(STUDENT_DEGREES, size) * np.sqrt(1 - 2 / STUDENT_DEGREES))
+
+    def by_setup(setup: Array, stream: int) -> Array:
+        setups = _stream(seed, SCATTER, stream).standard_normal(int(setup.max()) + 1)
+        return np.asarray(setups[setup])
+
+    factor = 1 + nature.tau * each(len(trials), 0) + nature.omega * by_setup(trials.setup, 1)
+    if bench is None:
+        return factor, np.ones((0, 1))
+    runs = (
+        1 + nature.tau_motor * each(len(bench), 2) + nature.omega_motor * by_setup(bench.setup, 3)
+    )
+    return factor, runs[:, None]
+
+
+def _truth(
+    nature: Nature,
+    withheld: Withheld,
+    effects: list[Acting],
+    background: list[Acting],
+    awkward: Awkward,
+) -> dict[str, Any]:
+    return {
+        "coefficients": {
+            size: dict(zip(("c1", "c2", "c3"), map(float, row), strict=True))
+            for size, row in zip(SIZES, nature.coefficients, strict=True)
+        },
+        "scatter": {
+            "tau": nature.tau,
+            "omega": nature.omega,
+            "tau_motor": nature.tau_motor,
+            "omega_motor": nature.omega_motor,
+            "sigma_x": nature.sigma_x,
+            "sigma_t": nature.sigma_t,
+            "sigma_current": nature.sigma_current,
+            "load_noise": nature.load_noise,
+            "idle_current": [float(value) for value in nature.idle],
+        },
+        "kind": withheld.kind,
+        "withheld": [_told(effect) for effect in effects],
+        "background": [_told(effect) for effect in background],
+        "awkward": dict(vars(awkward)),
+    }
+
+
+def _told(effect: Acting) -> dict[str, Any]:
+    # Phases that differ from trial to trial are no parameters.
+    shape = {
+        name: value
+        for name, value in sorted(effect.shape.items())
+        if not isinstance(value, np.ndarray)
+    }
+    return {
+        "name": effect.kind.name,
+        "form": effect.form.name,
+        "own": effect.form.own,
+        "strength": effect.strength,
+        "parameters": {effect.kind.amplitude: effect.amplitude, **shape},
+        "axes": list(effect.kind.axes),
+    }

@@ -1,0 +1,135 @@
+"""Strength: how much friction an effect changes over a design.
+
+Strength 1 changes the friction force by 10 % rms along the clean motion of the true law:
+over the time of each trial, over the runs of the motor board, and where an effect acts on
+both boards, over both alike. An error of a sensor counts by the friction force that it
+pretends: the acceleration of a quadratic through each of eight windows of a trial's
+events, times the moving mass. An error of a current counts by the force that it stands for.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bayesfric.blind.engines.boards import (
+    CAPSTAN_M,
+    TORQUE_CONSTANT,
+    motor_currents,
+    passages_of,
+    run_friction,
+)
+from bayesfric.blind.engines.measuring_forms import MAGNETS
+from bayesfric.blind.engines.motion import Board, Motion, friction_along
+from bayesfric.blind.engines.state import Acting, Array, Passage, State
+
+__all__ = ["FULL", "CleanDesign", "scaled", "share_of_friction"]
+
+FULL = 0.1  # rms share of friction at strength 1
+WINDOWS = 8
+POINTS = 60  # of time in a trial
+START = 0.02  # amplitude from which the right one is sought
+ROUNDS = 12
+
+
+@dataclass(frozen=True)
+class CleanDesign:
+    """The motion of the true law alone, without scatter, noise or effects.
+
+    Parameters
+    ----------
+    board : Board
+        The trials, friction unscattered.
+    along : State
+        The trials at instants evenly spread over their time, (trials, points).
+    passages : sequence of Passage
+        Of each sensor that there is.
+    bench : State or None
+        The runs; None without a motor board.
+    """
+
+    board: Board
+    along: State
+    passages: Sequence[Passage]
+    bench: State | None
+
+    @classmethod
+    def of(
+        cls, board: Board, motion: Motion, phases_m: dict[bool, Array], bench: State | None
+    ) -> "CleanDesign":
+        """Build it from the clean motion; `phases_m` by sensor, true for the load end's."""
+        points = (np.arange(POINTS) + 0.5) / POINTS
+        x, v, a = (np.empty((len(board.drive_kg), POINTS)) for _ in range(3))
+        for i, travel in enumerate(motion.travel_m):
+            last = motion.time_s[i, int(np.searchsorted(travel, 0.6).clip(max=travel.size - 1))]
+            at = points * last
+            x[i], v[i], a[i] = (
+                np.interp(at, motion.time_s[i], series[i])
+                for series in (motion.travel_m, motion.speed_m_s, motion.acceleration_m_s2)
+            )
+        along = replace(board.state, travel_m=x, speed_m_s=v, acceleration_m_s2=a)
+        passages = [
+            passages_of(board, motion, phase, at_load, MAGNETS)[0]
+            for at_load, phase in sorted(phases_m.items())
+        ]
+        return cls(board, along, passages, bench)
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.nanmean(np.square(values))))
+
+
+def share_of_friction(effect: Acting, design: CleanDesign) -> float:
+    """Return the rms of the effect's force, or its equivalent, over rms friction."""
+    entering = design.board.load_kg * (
+        design.board.state.gravity_m_s2 + design.along.acceleration_m_s2
+    )
+    one = np.ones(1)
+    plain = friction_along(design.along, (), one, entering)[0] - entering
+    acts = effect.form.acts
+    if acts in ("reading", "clock"):
+        return _rms(np.concatenate(_pretended(effect, design), axis=None)) / _rms(plain)
+    shares = []
+    if "gravity" in effect.kind.boards:
+        leaving, once = friction_along(design.along, (effect,), one, entering)
+        shares.append(_rms(leaving + once - entering - plain) / _rms(plain))
+    if "motor" in effect.kind.boards and design.bench is not None:
+        friction = run_friction(design.bench, (), one)
+        if acts == "current":
+            read, load = motor_currents(design.bench, (effect,), one)
+            change = (read - load) * TORQUE_CONSTANT / CAPSTAN_M
+        else:
+            change = run_friction(design.bench, (effect,), one) - friction
+        shares.append(_rms(change) / _rms(friction))
+    return _rms(np.array(shares))
+
+
+def _pretended(effect: Acting, design: CleanDesign) -> list[Array]:
+    """Friction that a sensor's error pretends in each window of each trial [N]."""
+    forces = []
+    for at in design.passages:
+        ahead = effect(at)
+        if effect.form.acts == "clock":
+            ahead = ahead * at.time_s * at.speed_m_s
+        for trial, time in enumerate(at.time_s):
+            there = np.flatnonzero(np.isfinite(time))
+            if there.size < 3 * WINDOWS:
+                continue
+            mass = float(at.drive_kg[trial, 0] + at.load_kg[trial, 0])
+            for window in np.array_split(there, WINDOWS):
+                t = time[window] - time[window].mean()
+                forces.append(2 * mass * np.polyfit(t, ahead[trial, window], 2)[0])
+    return [np.array(forces)]
+
+
+def scaled(effect: Acting, design: CleanDesign) -> Acting:
+    """Return the effect with the amplitude of its strength; the sign is its amplitude's."""
+    wanted = FULL * effect.strength
+    sign = -1.0 if effect.amplitude < 0 else 1.0
+    amplitude = START
+    for _ in range(ROUNDS):
+        reached = share_of_friction(replace(effect, amplitude=sign * amplitude), design)
+        amplitude *= wanted / reached
+        if abs(reached / wanted - 1) < 1e-10:
+            break
+    return replace(effect, amplitude=sign * amplitude)
