@@ -33,9 +33,7 @@ def judged(withheld, *, gap=0.03, true_shrink=None, **changes):
 
 def left(axis, low, significant=True):
     share = interval(low + 0.1645, 0.1)  # its 5 % quantile is `low`
-    return Remainder(
-        significant=significant, log10_bayes_factor=3.0, share_of_gap=share, axis=axis
-    )
+    return Remainder(significant=significant, log10_bayes_factor=3.0, share_of_gap=share, axis=axis)
 
 
 @pytest.mark.parametrize(
