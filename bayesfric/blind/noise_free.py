@@ -25,7 +25,8 @@ from bayesfric.simulate import table1_coefficients
 __all__ = ["CleanCase"]
 
 Array = NDArray[np.float64]
-GRAVITY_NOISE = (0.01, 0.015, 1.0)  # scatter of a trial and an assembly, events' variance
+GRAVITY_SCATTER = (0.01, 0.015)  # of a trial and an assembly
+EVENT_SD_M = 30e-6
 MOTOR_NOISE = (0.01, 0.015, 0.002, 0.005)  # likewise; of a current [A], and per load
 ROUNDS = 2  # of fitting the law and linearising around it
 
@@ -52,13 +53,10 @@ class CleanCase:
         if gravity is not None:
             whole = screen_trials(gravity, recording.rig, exclude=False).gravity
         data = Data(recording.rig, whole, motor)
-        noise = (GRAVITY_NOISE if gravity is not None else ()) + (
-            MOTOR_NOISE if motor is not None else ()
-        )
-        self._psi = np.log(np.array(noise))
         laws = {size: table1_coefficients()[size] for size in data.sizes}
         share = analysis.diagnosis.practical_share
         model = LinearModel(data, laws, (), analysis, share, discrepancy=False)
+        self._psi = _usual_noise(model)
         for _ in range(ROUNDS - 1):
             laws = fitted_laws(model, self._psi, Acting())
             model = model.around(laws, (), discrepancy=False)
@@ -100,3 +98,14 @@ class CleanCase:
         numbers, _ = fitted(model, self._psi, acting)
         rest = residuals.left(model, numbers)
         return float(np.sqrt((residuals.weight * rest**2).sum()))
+
+
+def _usual_noise(model: LinearModel) -> Array:
+    """Return logarithms of a noise as boards have it, whatever these events are free of."""
+    noise: list[float] = []
+    if model.gravity is not None:
+        first = float(np.median(model.gravity.rows.variance))
+        noise += [*GRAVITY_SCATTER, EVENT_SD_M**2 / first]
+    if model.motor is not None:
+        noise += MOTOR_NOISE
+    return np.log(noise)

@@ -175,7 +175,7 @@ def answer_of(folder, text):
     ],
 )
 def test_a_bad_answer_is_told_and_nothing_is_written(engine, tmp_path, text, said):
-    with pytest.raises(InputError, match="^answer.json") as error:
+    with pytest.raises(InputError, match=r"^answer\.json") as error:
         running.score_recording(tmp_path / "out", RECORDING, answer_of(tmp_path, text))
     assert said in str(error.value)
     assert not (tmp_path / "out").exists()
