@@ -83,11 +83,11 @@ def run_case(case: Case, folder: Path, analysis: Analysis) -> dict[str, Any]:
     place = folder / case.name
     digest = seal(place, made.truth, public, case.seed)
     found = diagnose_sealed(recording, analysis.model_copy(update={"seed": case.seed}), place)
-    gap, shrink = 0.0, None
+    gap, shrink, power = 0.0, None, None
     if case.effects:
         clean = engine.make(withheld, case.seed, design=case.design, noise=False)
         without_noise = CleanCase(clean.recording, analysis)
-        gap = without_noise.gap
+        gap, power = without_noise.gap, without_noise.oracle_power()
         shrink = without_noise.shrink([(cause.effect, cause.law) for cause in found.causes])
     scored = score(
         public | {"envelope_sha256": digest},
@@ -95,6 +95,7 @@ def run_case(case: Case, folder: Path, analysis: Analysis) -> dict[str, Any]:
         found,
         gap=gap,
         true_shrink=shrink,
+        oracle_power=power,
         known=all_effects(),
     )
     result: dict[str, Any] = scored.model_dump(mode="json")

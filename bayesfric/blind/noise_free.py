@@ -10,6 +10,7 @@ from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import norm
 
 from bayesfric.analysis import Analysis
 from bayesfric.effects import all_effects
@@ -28,6 +29,7 @@ Array = NDArray[np.float64]
 GRAVITY_SCATTER = (0.01, 0.015)  # of a trial and an assembly
 EVENT_SD_M = 30e-6
 MOTOR_NOISE = (0.01, 0.015, 0.002, 0.005)  # likewise; of a current [A], and per load
+FALSE_ALARMS = 0.02  # of the oracle, as many as are promised of the diagnosis
 ROUNDS = 2  # of fitting the law and linearising around it
 
 
@@ -94,9 +96,41 @@ class CleanCase:
         left = min(self._left(model, residuals, Acting(choice)) for choice in product(*places))
         return 1 - (left / self._friction / self.gap) ** 2
 
-    def _left(self, model: LinearModel, residuals: Residuals, acting: Acting) -> float:
+    def oracle_power(self) -> float:
+        """Return the power of the best test that knows the force that is there.
+
+        Neyman and Pearson: the likelihood ratio, at 2 % false alarms. Its signal over noise
+        is the length of what the refitted baseline leaves, in units of the measurement, the
+        scatter of trials and that of assemblies.
+        """
+        model, residuals = self._model, residuals_of(self._model, self._psi)
+        rest = self._rest(model, residuals, Acting())
+        # Events are stated for the noise that they have here, which is none.
+        gravity, _ = model.noise(self._psi)
+        trials = 0 if model.gravity is None else len(model.gravity.rows.trials)
+        kappa = 1.0 if gravity is None else gravity.kappa
+        tau, omega = residuals.scatter.T
+        square = 0.0
+        for setup in np.unique(residuals.setup):
+            rows = np.flatnonzero(residuals.setup == setup)
+            trial = residuals.trial[rows]
+            same = trial[:, None] == trial
+            friction = residuals.friction_n[rows]
+            spread = np.outer(tau[rows], tau[rows]) * same + np.outer(omega[rows], omega[rows])
+            covariance = spread * np.outer(friction, friction)
+            for one in np.unique(trial):
+                own = np.flatnonzero(trial == one)
+                scale = kappa if one < trials else 1.0
+                covariance[np.ix_(own, own)] += scale * residuals.covariance[one]
+            square += float(rest[rows] @ np.linalg.solve(covariance, rest[rows]))
+        return float(norm.cdf(np.sqrt(square) - norm.isf(FALSE_ALARMS)))
+
+    def _rest(self, model: LinearModel, residuals: Residuals, acting: Acting) -> Array:
         numbers, _ = fitted(model, self._psi, acting)
-        rest = residuals.left(model, numbers)
+        return residuals.left(model, numbers)
+
+    def _left(self, model: LinearModel, residuals: Residuals, acting: Acting) -> float:
+        rest = self._rest(model, residuals, acting)
         return float(np.sqrt((residuals.weight * rest**2).sum()))
 
 

@@ -1,9 +1,10 @@
 """Rates and figures over cases, each with a 95 % interval."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import isotonic_regression
 from scipy.stats import binomtest
 
 from bayesfric.schemas import Detected, Estimate, Rate, ReliabilityBin
@@ -14,6 +15,7 @@ Array = NDArray[np.float64]
 LEVEL = 0.95
 TAILS = ((1 - LEVEL) / 2, (1 + LEVEL) / 2)
 DRAWS = 2000
+RATE_DRAWS = 400
 SEED = 1987  # of the bootstrap and the consistency bands
 EDGES = (0.0, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0)
 DETECTED = 0.8  # of the cases
@@ -88,41 +90,43 @@ def reliability_of(probability: Sequence[float], correct: Sequence[bool]) -> lis
 
 
 def smallest_detected(named: Mapping[float, Sequence[bool]]) -> Detected:
-    """Return the smallest strength that is named in 80 % of cases, as all above it are.
+    """Return the smallest strength that is named in 80 % of cases.
+
+    Rates are taken to grow with strength (isotonic regression), since a strength has few
+    cases; the interval is over their Jeffreys posteriors (Brown, Cai and DasGupta 2001).
 
     Parameters
     ----------
     named : mapping of float to sequence of bool
         Strength to whether the effect was named, case by case.
     """
-    strengths = sorted(named)
+    strengths = np.array(sorted(named))
+    hits = np.array([sum(named[s]) for s in strengths])
+    cases = np.array([len(named[s]) for s in strengths])
     rng = np.random.default_rng(SEED)
-    rates = {s: float(np.mean(named[s])) for s in strengths}
-    drawn = {s: rng.binomial(len(named[s]), rates[s], DRAWS) / len(named[s]) for s in strengths}
-    least = _least(strengths, lambda s: np.array([rates[s]]))
-    low, high = np.quantile(_least(strengths, lambda s: drawn[s]), TAILS, method="nearest")
+    drawn = rng.beta(hits + 0.5, cases - hits + 0.5, (RATE_DRAWS, strengths.size))
+    each = [_least(strengths, rates, cases) for rates in drawn]
+    least = _least(strengths, hits / cases, cases)
+    low, high = (float(q) for q in np.quantile(each, TAILS, method="nearest"))
     why = "at no strength that was tried"
     return Detected(
-        value=_finite(least[0]),
-        value_why=None if np.isfinite(least[0]) else why,
+        value=_finite(least),
+        value_why=None if np.isfinite(least) else why,
         low=_finite(low),
         low_why=None if np.isfinite(low) else why,
         high=_finite(high),
         high_why=None if np.isfinite(high) else why,
-        cases=sum(len(each) for each in named.values()),
-        tried={f"{s:g}": rate_of(named[s]) for s in strengths},
+        cases=int(cases.sum()),
+        tried={f"{s:g}": rate_of(named[s]) for s in sorted(named)},
     )
 
 
-def _least(strengths: Sequence[float], rate: Callable[[float], Array]) -> Array:
-    """Return the smallest strength down to which rates stay high, inf where there is none."""
-    found = np.full_like(rate(strengths[0]), np.inf, dtype=np.float64)
-    holds = np.ones(found.shape, dtype=bool)
-    for strength in reversed(strengths):
-        holds &= rate(strength) >= DETECTED
-        found = np.where(holds, strength, found)
-    return found
+def _least(strengths: Array, rates: Array, cases: NDArray[np.int_]) -> float:
+    """Return the smallest strength whose rate is high, inf where there is none."""
+    grown = np.asarray(isotonic_regression(rates, weights=cases).x)
+    high = np.flatnonzero(grown >= DETECTED - 1e-12)
+    return float(strengths[high[0]]) if high.size else float("inf")
 
 
 def _finite(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
+    return value if np.isfinite(value) else None

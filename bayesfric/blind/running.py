@@ -169,6 +169,7 @@ def score_recording(
         found,
         gap=None,
         true_shrink=None,
+        oracle_power=None,
         known=all_effects(),
     )
     identity = RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256)

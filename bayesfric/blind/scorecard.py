@@ -14,6 +14,7 @@ from bayesfric.results import created_date, package_versions
 from bayesfric.schemas import (
     Confusion,
     Detected,
+    Oracle,
     Rate,
     RecordingId,
     ScorecardFile,
@@ -26,6 +27,7 @@ __all__ = ["BELOW", "scorecard_of"]
 BELOW = "below practical share"
 """Row of the confusion matrix: withheld, and too small to count."""
 KINDS = ("none", "effect", "pair", "outsider")
+SETUP_LIMITED = ("pulley-count-curvature", "wrap-curvature", "wrap-intercept")
 LEAST_CHANCE = 1e-6  # a probability below it is scored as this
 PROMISED = {"1/own": 0.95, "1/foreign": 0.90, "0.3/own": 0.85, "0.3/foreign": 0.75}
 
@@ -97,6 +99,7 @@ def scorecard_of(
         brier=estimate_of([(case.probability - case.correct) ** 2 for case in cases]),
         log_score=estimate_of([_log_score(case) for case in cases]),
         smallest_detected=_smallest(cases),
+        oracle=_oracle(cases),
         targets=_targets(cases, rates),
     )
 
@@ -151,6 +154,21 @@ def _smallest(cases: Sequence[ScoredCase]) -> dict[str, Detected]:
             (name,) = case.withheld
             found[name][case.strength[name]].append(_named(case))
     return {name: smallest_detected(found[name]) for name in sorted(found)}
+
+
+def _oracle(cases: Sequence[ScoredCase]) -> tuple[Oracle, ...]:
+    found: dict[tuple[str, float], list[ScoredCase]] = defaultdict(list)
+    for case in cases:
+        if case.kind == "effect" and case.withheld[0] in SETUP_LIMITED and case.strength:
+            found[case.withheld[0], case.strength[case.withheld[0]]].append(case)
+    rows = []
+    for effect, strength in sorted(found):
+        own = [case for case in found[effect, strength] if case.oracle_power is not None]
+        if own:
+            power = float(np.mean([case.oracle_power for case in own]))
+            named = rate_of(_named(case) for case in own)
+            rows.append(Oracle(effect=effect, strength=strength, named=named, power=power))
+    return tuple(rows)
 
 
 def _confusion(cases: Sequence[ScoredCase]) -> Confusion:

@@ -9,6 +9,7 @@ __all__ = ["FLAG_SHARE", "OTHERS", "score"]
 
 FLAG_SHARE = 0.1  # of the gap: a remainder's 5 % quantile from which on it flags an outsider
 NO_TRUE_SHRINK = "no gap without noise that causes could take up, or none is known"
+NO_ORACLE = "nothing is withheld, or nobody made this recording without noise"
 NOT_COVERED = "not rightly named, or the shrink or its true value does not exist"
 OTHERS = "other-combination"
 """Column of joint verdicts that are not the pair withheld."""
@@ -21,6 +22,7 @@ def score(
     *,
     gap: float | None,
     true_shrink: float | None,
+    oracle_power: float | None,
     known: Collection[str],
 ) -> ScoredCase:
     """Compare a verdict with the truth.
@@ -46,6 +48,8 @@ def score(
         nobody knows it, as with a user's recording.
     true_shrink : float or None
         What the named causes take of the noise-free gap, squared.
+    oracle_power : float or None
+        Of the best test that knows what is withheld, likewise.
     known : collection of str
         Effects that the diagnosis examines.
     """
@@ -77,6 +81,8 @@ def score(
         strength=strengths,
         noise_free_gap=gap,
         noise_free_gap_why=why,
+        oracle_power=oracle_power,
+        oracle_power_why=None if oracle_power is not None else NO_ORACLE,
         counts_as_none=as_none,
         verdict=found.verdict,
         causes=tuple(cause.effect for cause in found.causes),

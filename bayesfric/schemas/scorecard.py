@@ -10,6 +10,7 @@ __all__ = [
     "Confusion",
     "Detected",
     "Estimate",
+    "Oracle",
     "Rate",
     "ReliabilityBin",
     "ScorecardFile",
@@ -44,9 +45,21 @@ class Estimate(Record):
 
 
 class Detected(Estimate):
-    """The smallest strength that is named in 80 % of the cases, and in all above it."""
+    """The smallest strength that is named in 80 % of the cases, rates growing with it."""
 
     tried: dict[str, Rate] = Field(description="Strength to how often it was named.")
+
+
+class Oracle(Record):
+    """An effect that setups limit, beside the best test that knows it."""
+
+    effect: str = Field(description="Name.")
+    strength: Number = Field(description="1 is 10 % of friction, rms.")
+    named: Rate = Field(description="How often the diagnosis named it.")
+    power: Number = Field(
+        description="Mean power of the likelihood ratio test that knows the effect's exact force, "
+        "at 2 % false alarms."
+    )
 
 
 class ReliabilityBin(Record):
@@ -102,6 +115,10 @@ class ScoredCase(Record):
         description="Without noise, baseline refitted: rms over rms friction."
     )
     noise_free_gap_why: str | None = Field(None, description="Why there is none.")
+    oracle_power: Number | None = Field(
+        description="Of the best test that knows the force that is withheld."
+    )
+    oracle_power_why: str | None = Field(None, description="Why there is none.")
     counts_as_none: bool = Field(
         description="Nothing is withheld, or that gap is below the practical share."
     )
@@ -173,6 +190,9 @@ class ScorecardFile(Record):
         description="Mean log of the probability that the verdict gave to what came true [nat]."
     )
     smallest_detected: dict[str, Detected] = Field(description="By effect.")
+    oracle: tuple[Oracle, ...] = Field(
+        description="Effects that show between setups only, beside the best test possible."
+    )
     targets: tuple[Target, ...] = Field(description="Promises, and whether they are kept.")
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)

@@ -19,6 +19,7 @@ def scored(kind="none", **changes):
         "own": True if names else None,
         "strength": dict.fromkeys(names, 1.0),
         "noise_free_gap": 0.03 if names else 0.0,
+        "oracle_power": 0.9 if names else None,
         "counts_as_none": not names,
         "verdict": "named" if kind in ("effect", "pair") else "no-gap",
         "causes": names if kind in ("effect", "pair") else (),

@@ -3,18 +3,14 @@
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.stats import norm
 
 from bayesfric.analysis import Analysis
 from bayesfric.blind.noise_free import CleanCase
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 
-STILL = {
-    name: 1e-9
-    for name in (
-        *("tau", "omega", "sigma_x", "sigma_t", "tau_motor", "omega_motor"),
-        *("sigma_current", "load_noise"),
-    )
-}
+NOISE = "tau omega sigma_x sigma_t tau_motor omega_motor sigma_current load_noise"
+STILL = dict.fromkeys(NOISE.split(), 1e-9)
 
 
 def clean(effects=None, rigs=("gravity", "motor"), **truth):
@@ -33,7 +29,7 @@ def test_what_the_baseline_can_take_up_is_no_gap():
 
 
 def by_least_squares(recording):
-    """The motor board's gap: friction from currents, and the law fitted size by size."""
+    """The motor board's gap, and its signal over noise: the law is fitted size by size."""
     rig, motor = recording.rig, recording.motor
     speed, current = (motor.idle[name].to_numpy() for name in ("velocity_m_s", "current_a"))
     idle = np.poly1d(np.polyfit(speed, current, 2))
@@ -47,7 +43,7 @@ def by_least_squares(recording):
     n, wrap = runs["n_pulleys"].to_numpy(), runs["wrap_angle_deg"].to_numpy()
     tension = weight_n + friction / 2
     design = n[:, None] * np.stack([tension, np.ones(n.size), (wrap - 85) * tension], axis=1)
-    left = np.empty(n.size)
+    left, signal2 = np.empty(n.size), 0.0
     for size in runs["pulley_size"].unique():
         own = (runs["pulley_size"] == size).to_numpy()
         # Scatter is relative, and shared by the runs of an assembly.
@@ -58,13 +54,14 @@ def by_least_squares(recording):
         root = np.linalg.inv(np.linalg.cholesky(covariance)) / friction[own]
         found = np.linalg.lstsq(root @ design[own], root @ friction[own], rcond=None)[0]
         left[own] = friction[own] - design[own] @ found
-    return np.sqrt((left**2).mean() / (friction**2).mean())
+        signal2 += ((root @ left[own]) ** 2).sum()
+    return np.sqrt((left**2).mean() / (friction**2).mean()), np.sqrt(signal2)
 
 
 @pytest.mark.parametrize("effect", ["viscous", "fixed-drag"])
 def test_the_gap_is_that_of_least_squares(effect):
     recording, case = clean({effect: 1.0}, rigs=["motor"])
-    assert case.gap == pytest.approx(by_least_squares(recording), rel=0.03)
+    assert case.gap == pytest.approx(by_least_squares(recording)[0], rel=0.05)
 
 
 def test_the_right_cause_takes_all_of_it_and_a_wrong_one_does_not():
@@ -74,3 +71,13 @@ def test_the_right_cause_takes_all_of_it_and_a_wrong_one_does_not():
     assert case.shrink([("cable-weight", "passing")]) < 0.5
     assert case.shrink([]) is None
     assert case.shrink([("runout", "once")]) is None  # its phase is nobody's to know
+
+
+@pytest.mark.parametrize(("strength", "middle"), [(0.1, False), (0.6, True), (2.0, False)])
+def test_the_oracles_power_is_that_of_its_signal_over_noise(strength, middle):
+    recording, case = clean({"fixed-drag": strength}, rigs=["motor"])
+    _, signal = by_least_squares(recording)
+    # At 2 % false alarms a normal number has to pass 2.054.
+    power = norm.sf(2.054 - signal)
+    assert (0.2 < power < 0.8) == middle
+    assert case.oracle_power() == pytest.approx(power, abs=0.05)

@@ -68,7 +68,7 @@ def engine(monkeypatch):
         with ThreadPoolExecutor(workers) as executor:
             return run_campaign(work, cases, results, executor, progress)
 
-    clean = SimpleNamespace(gap=0.03, shrink=lambda causes: 0.98)
+    clean = SimpleNamespace(gap=0.03, shrink=lambda causes: 0.98, oracle_power=lambda: 0.9)
     monkeypatch.setattr(one_case, "engine_of", lambda name: engine)
     monkeypatch.setattr(one_case, "diagnose", diagnose)
     monkeypatch.setattr(one_case, "CleanCase", lambda recording, analysis: clean)

@@ -154,17 +154,34 @@ def test_the_interval_of_a_mean_is_that_of_its_bootstrap():
         ({0.1: "nn", 0.3: "yyyyn", 1.0: "yyy"}, 0.3),
         ({0.1: "yy", 0.3: "yn", 1.0: "yyy"}, 1.0),  # luck at 0.1 is no detection
         ({0.1: "yy", 0.3: "yy", 1.0: "yyyy"}, 0.1),
-        ({0.3: "yy", 1.0: "yyyn"}, None),
+        ({0.3: "yn", 1.0: "yyyn"}, None),
+        ({0.3: "yyyyyn", 0.5: "n", 1.0: "yyyyyy"}, 1.0),  # 5 of 7 up to 0.5, taken together
+        ({0.3: "yyyyyy", 0.5: "n", 1.0: "yyyyyy"}, 0.3),  # 6 of 7
     ],
 )
-def test_the_smallest_detected_holds_from_there_up(named, smallest):
+def test_the_smallest_detected_is_that_of_growing_rates(named, smallest):
     found = smallest_detected({s: [one == "y" for one in each] for s, each in named.items()})
     assert found.value == smallest
     assert (found.value_why is None) == (smallest is not None)
     assert found.tried["1"].cases == len(named[1.0])
 
 
-def test_the_interval_of_the_smallest_spans_what_resampling_finds():
-    found = smallest_detected({0.1: [False] * 5, 0.3: [True] * 4 + [False], 1.0: [True] * 5})
-    # 4 or 5 of 5 are drawn at 0.3 with a chance of 0.74, and else only 1 is left.
-    assert (found.low, found.high) == (0.3, 1.0)
+def test_the_interval_of_the_smallest_is_as_wide_as_few_cases_make_it():
+    found = smallest_detected({0.1: [False] * 40, 0.3: [True] * 33 + [False] * 7, 1.0: [True] * 40})
+    # 33 of 40 may well be less than 80 %, and 40 of 40 hardly are.
+    assert (found.value, found.low, found.high) == (0.3, 0.3, 1.0)
+    few = smallest_detected({1.0: [True] * 2})
+    assert (few.value, few.high) == (1.0, None)  # 2 of 2 prove nothing
+
+
+def test_the_best_test_stands_beside_ours_where_setups_limit():
+    wrap = {"withheld": ("wrap-intercept",), "strength": {"wrap-intercept": 0.3}}
+    cases = [
+        scored("effect", **wrap, oracle_power=0.5),
+        scored("effect", **wrap, oracle_power=0.7, **FALSE),
+        scored("effect"),
+    ]
+    given = {"engine": "reference", "design": "quick", "seed": 10_000, "planned": 3}
+    (one,) = scorecard_of(cases, analysis=Analysis(), **given).oracle
+    assert (one.effect, one.strength, one.power) == ("wrap-intercept", 0.3, pytest.approx(0.6))
+    assert counts(one.named) == (1, 2)

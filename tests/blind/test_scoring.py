@@ -28,7 +28,8 @@ def judged(withheld, *, gap=0.03, true_shrink=None, **changes):
         changes["causes"] = tuple(cause(name) for name in changes["causes"])
     found = diagnosis(**({"unseparated": ()} | changes))
     truth = {"withheld": withheld}
-    return score(PUBLIC, truth, found, gap=gap, true_shrink=true_shrink, known=all_effects())
+    numbers = {"gap": gap, "true_shrink": true_shrink, "oracle_power": None}
+    return score(PUBLIC, truth, found, **numbers, known=all_effects())
 
 
 def left(axis, low, significant=True):

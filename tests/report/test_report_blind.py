@@ -65,7 +65,7 @@ def test_every_rate_and_smallest_strength_is_told(blocks):
     assert rates["correct verdicts"][2] == "28 of 32"
     assert rates["correct, kind none"][2] == "9 of 10"
     assert rates["named, strength/form 0.3/foreign"][2] == "0 of 2"
-    assert rows(blocks, "smallest") == {"viscous": ["1", "1 to 1", "0.3: 0/2, 1: 19/20"]}
+    assert rows(blocks, "smallest") == {"viscous": ["1", "1 to —", "0.3: 0/2, 1: 19/20"]}
 
 
 def test_the_first_page_says_what_is_missed(card):

@@ -8,7 +8,6 @@ from bayesfric.report.content import (
     Block,
     Code,
     Column,
-    Emphasis,
     Figure,
     Heading,
     Inline,
@@ -153,6 +152,7 @@ def _tables(card: ScorecardFile) -> Iterator[Block]:
         "A table of counts, withheld effects as rows and verdicts as columns; what is right lies "
         "on its diagonal.",
         label="confusion",
+        here=True,
     )
     yield Heading(2, "Rates")
     rows: list[tuple[Text, Rate]] = [
@@ -183,7 +183,7 @@ def _tables(card: ScorecardFile) -> Iterator[Block]:
     )
     if card.smallest_detected:
         yield Table(
-            "Smallest strength that is named in 80 % of cases, there and at each greater one.",
+            "Smallest strength that is named in 80 % of cases.",
             [
                 "effect",
                 Column("strength", align="right"),
@@ -201,12 +201,29 @@ def _tables(card: ScorecardFile) -> Iterator[Block]:
             ],
             label="smallest",
             note=[
-                "Strength 1 is 10 % of friction, rms over the design. A dash: at no strength that ",
-                "was tried. Few cases make ",
-                Emphasis("wide"),
-                " intervals.",
+                "Strength 1 is 10 % of friction, rms over the design. Rates are taken to grow with "
+                "strength. A dash: at no strength that was tried.",
             ],
         )
+    yield from _oracle(card)
+
+
+def _oracle(card: ScorecardFile) -> Iterator[Block]:
+    if not card.oracle:
+        return
+    yield Table(
+        "Effects that show between assemblies only, beside the best test possible.",
+        [
+            "effect",
+            Column("strength", align="right"),
+            Column("named", align="right"),
+            Column("best test", align="right"),
+        ],
+        [[Code(o.effect), f"{o.strength:g}", _of(o.named), _percent(o.power)] for o in card.oracle],
+        label="oracle",
+        note="The best test knows the exact force and asks only whether it is there, with 2 % "
+        "false alarms; no diagnosis can do better, whatever it assumes.",
+    )
 
 
 def scored_from(card: ScorecardFile) -> Table:
