@@ -9,7 +9,7 @@ from bayesfric.effects import all_effects
 from bayesfric.errors import Fault, InputError
 from bayesfric.schemas.base import Number, Record
 
-__all__ = ["Answer", "WithheldEffect", "read_answer"]
+__all__ = ["AXES", "Answer", "WithheldEffect", "read_answer"]
 
 AXES = (
     "velocity",

@@ -2,7 +2,9 @@
 
 import hashlib
 import json
+import re
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -11,7 +13,7 @@ from report.diagnosis_sample import cause, diagnosis
 from bayesfric.analysis import Analysis
 from bayesfric.blind import case as one_case
 from bayesfric.blind import running
-from bayesfric.blind.answers import read_answer
+from bayesfric.blind.answers import AXES, WithheldEffect, read_answer
 from bayesfric.blind.engines.reference import Made
 from bayesfric.campaign import run_campaign
 from bayesfric.errors import InputError
@@ -195,3 +197,13 @@ def test_a_users_recording_is_scored_against_its_answer(engine, tmp_path):
     nothing = answer_of(tmp_path, '{"withheld": []}')
     card = running.score_recording(tmp_path / "out", RECORDING, nothing, analysis)
     assert card.cases[0].falsely_named
+
+
+def test_the_documented_answer_is_one_and_its_table_has_all_keys(tmp_path):
+    text = (Path(__file__).parents[2] / "docs" / "blind.md").read_text(encoding="utf-8")
+    (example,) = re.findall(r"```json\n(.*?)```", text, flags=re.DOTALL)
+    assert read_answer(answer_of(tmp_path, example))["withheld"][0]["name"] == "viscous"
+    keys = set(re.findall(r"^\| `(\w+)` \|", text, flags=re.MULTILINE))
+    assert keys == set(WithheldEffect.model_fields)
+    (axes,) = re.findall(r"^\| `axes` \|.*required of one: (.*) \|$", text, flags=re.MULTILINE)
+    assert tuple(re.findall(r"`(\w+)`", axes)) == AXES
