@@ -187,11 +187,14 @@ Drawn = tuple[Kind, tuple[tuple[str, float], ...], Literal["own", "foreign", "ra
 def _endless(catalogue: Catalogue) -> Iterator[Drawn]:
     """Yield what is withheld, kinds interleaved in proportion to their numbers."""
     effects = sorted(catalogue.effects)
+    # Each strength begins elsewhere, so that few cases are of many effects.
+    third = len(effects) // 3
+    weak, other = (effects[k:] + effects[:k] for k in (third, 2 * third))
     groups: list[tuple[int, Iterator[Drawn]]] = [
         (NONE, _nothing()),
         (EACH * len(effects), _singles(catalogue, effects, (FULL,))),
-        (EACH * len(effects), _singles(catalogue, effects, (WEAK,))),
-        (EACH_OTHER * len(effects), _singles(catalogue, effects, OTHER_STRENGTHS)),
+        (EACH * len(effects), _singles(catalogue, weak, (WEAK,))),
+        (EACH_OTHER * len(effects), _singles(catalogue, other, OTHER_STRENGTHS)),
         (OUTSIDERS, _outsiders(catalogue)),
         (PAIRS, _pairs(effects)),
     ]

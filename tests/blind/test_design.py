@@ -43,6 +43,8 @@ def test_a_third_of_it_is_a_balanced_sample():
     forms = Counter(case.form for case in full)
     assert forms["own"] == pytest.approx(forms["foreign"], abs=2)
     assert third == whole()[: len(third)]
+    few = [case.effects[0][0] for case in whole()[:30] if case.kind == "effect"]
+    assert len(set(few)) == len(few)
 
 
 def test_each_case_has_a_seed_of_its_own():
