@@ -82,14 +82,12 @@ def motor_state(nature: Nature, bench: Bench) -> State:
 def law_friction(board: Board) -> Array:
     """Return each trial's friction by the law, nothing moving yet, (trials, 1) [N]."""
     entering = board.load_kg * board.state.gravity_m_s2
-    leaving, _ = friction_along(board.state, (), np.ones(1), entering)
-    return leaving - entering
+    return friction_along(board.state, (), np.ones(1), entering) - entering
 
 
 def run_friction(state: State, effects: Sequence[Acting], factor: Array) -> Array:
     """Return friction on the motor board, which raises its weight steadily, (runs, 1) [N]."""
-    leaving, once = friction_along(state, effects, factor, state.tension_n)
-    return leaving - state.tension_n + once
+    return friction_along(state, effects, factor, state.tension_n) - state.tension_n
 
 
 def motor_currents(state: State, effects: Sequence[Acting], factor: Array) -> tuple[Array, Array]:

@@ -129,12 +129,12 @@ FIXED_DRAG = Kind(
     "drag",
     "N",
     (
-        Form("constant", True, lambda p, s, t: p["amplitude"] * np.ones_like(s.tension_n), "once"),
+        Form("constant", True, lambda p, s, t: p["amplitude"] * np.ones_like(s.tension_n), "ends"),
         Form(  # two sensor pulleys, whose friction grows with tension a little
             "sensor-pulleys",
             False,
             lambda p, s, t: p["amplitude"] * (1 + p["growth"] * (s.tension_n / 15 - 1)),
-            "once",
+            "ends",
             draw=uniform(growth=(0.1, 0.4)),
         ),
     ),

@@ -36,7 +36,7 @@ MASS_ERROR = Kind(
             lambda p, s, t: (
                 p["amplitude"] * (s.gravity_m_s2 + s.acceleration_m_s2) * (not s.steady)
             ),
-            "drive",
+            "load",
         ),
     ),
     ("n_pulleys",),

@@ -22,6 +22,7 @@ TOLERANCE = 1e-9
 LARGEST_STEP = 0.1  # of the time that a trial takes
 ENOUGH = 1e-11  # N, at which the iteration for the acceleration stops
 MOST_SECANTS = 20
+SHARE_AT_DRIVE = {"ends": 0.5, "air": 0.5, "drive": 1.0, "load": 0.0}
 NONE_AND_ONE = np.array([0.0, 1.0])[:, None, None]  # N: tensions that show a straight line
 
 
@@ -66,7 +67,7 @@ class Motion:
 
 def friction_along(
     state: State, effects: Sequence[Acting], factor: Array, entering: Array
-) -> tuple[Array, Array]:
+) -> Array:
     """Add up the pulleys from the end where the cable runs on.
 
     Parameters
@@ -78,35 +79,37 @@ def friction_along(
     factor : ndarray
         Multiplies all friction, and leaves the drive and inertia alone.
     entering : ndarray
-        Tension of the cable that runs onto the first pulley [N].
+        Pull of what hangs at the load end, by the masses that are written down [N].
 
     Returns
     -------
-    leaving, once : ndarray
-        Tension behind the last pulley, and what opposes the motion beside the pulleys [N].
+    ndarray
+        Pull that what hangs at the drive end must have [N].
     """
-    slope, constant, mass, once = _straight(state, effects, factor)
+    slope, constant, mass, (at_load, at_drive) = _straight(state, effects, factor)
+    entering = entering + at_load
     bent = [e for e in effects if e.form.acts == "pulley" and not e.form.affine]
     n = state.n_pulleys
     if not bent:
         growth, total = _powers(slope, n)
-        return growth * entering + (constant + mass * state.acceleration_m_s2) * total, once
+        inertia = mass * state.acceleration_m_s2
+        return np.asarray(growth * entering + (constant + inertia) * total + at_drive)
     shape = np.broadcast_shapes(np.shape(entering), slope.shape, state.speed_m_s.shape)
     tension = np.broadcast_to(entering, shape)
     for pulley in range(int(n.max())):
         more = sum(effect(state, tension) for effect in bent)
         step = slope * tension + constant + mass * state.acceleration_m_s2 + factor * more
         tension = np.where(pulley < n, tension + step, tension)
-    return tension, once
+    return np.asarray(tension + at_drive)
 
 
 def _straight(
     state: State, effects: Sequence[Acting], factor: Array
-) -> tuple[Array, Array, Array, Array]:
-    """Return slope and constant of a pulley, mass that it moves along, and what acts once."""
+) -> tuple[Array, Array, Array, tuple[Array, Array]]:
+    """Return a pulley's slope and constant, the mass it moves along, and forces at the ends."""
     slope, constant = state.slope, state.constant_n
     mass = np.zeros(1)
-    once = np.zeros(1)
+    at_load, at_drive = np.zeros(1), np.zeros(1)
     for effect in effects:
         acts = effect.form.acts
         if acts == "pulley" and effect.form.affine:
@@ -115,11 +118,11 @@ def _straight(
             constant = constant + at_none
         elif acts == "inertia":
             mass = mass + effect(state) * (not state.steady)
-        elif acts == "once":
-            once = once + factor * effect(state)
-        elif acts == "drive":
-            once = once + effect(state)
-    return factor * slope, factor * constant, mass, once
+        elif acts in SHARE_AT_DRIVE:
+            force = effect(state) * (factor if acts == "ends" else 1.0)
+            at_drive = at_drive + SHARE_AT_DRIVE[acts] * force
+            at_load = at_load + (1 - SHARE_AT_DRIVE[acts]) * force
+    return factor * slope, factor * constant, mass, (at_load, at_drive)
 
 
 def _powers(slope: Array, n: Array) -> tuple[Array, Array]:
@@ -154,8 +157,8 @@ def acceleration_of(board: Board, effects: Sequence[Acting], travel: Array, spee
 
     def missing(a: Array) -> Array:
         at = replace(state, acceleration_m_s2=a)
-        leaving, once = friction_along(at, effects, board.factor, board.load_kg * (g + a))
-        return np.asarray(board.drive_kg * (g - a) - leaving - once)
+        pull = friction_along(at, effects, board.factor, board.load_kg * (g + a))
+        return np.asarray(board.drive_kg * (g - a) - pull)
 
     # Secants: two steps are exact where effects are straight lines, as nearly all are.
     before, force_before = found, missing(found)

@@ -42,19 +42,19 @@ AIR_DRAG = Kind(
     "coefficient",
     "N s²/m²",
     (
-        Form("quadratic", True, lambda p, s, t: p["amplitude"] * s.speed_m_s**2, "drive"),
+        Form("quadratic", True, lambda p, s, t: p["amplitude"] * s.speed_m_s**2, "air"),
         Form(
             "power",
             False,
             lambda p, s, t: p["amplitude"] * s.speed_m_s ** p["exponent"],
-            "drive",
+            "air",
             draw=uniform(exponent=(1.75, 2.25)),
         ),
         Form(
             "with-laminar-part",
             False,
             lambda p, s, t: p["amplitude"] * (s.speed_m_s**2 + p["part"] * s.speed_m_s),
-            "drive",
+            "air",
             draw=uniform(part=(0.1, 0.3)),
         ),
     ),

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 __all__ = ["Acting", "Array", "Form", "Kind", "Passage", "State", "no_parameters"]
 
 Array = NDArray[np.float64]
-Acts = Literal["pulley", "once", "drive", "inertia", "reading", "clock", "current"]
+Acts = Literal["pulley", "ends", "air", "drive", "load", "inertia", "reading", "clock", "current"]
 
 
 @dataclass(frozen=True)
@@ -118,9 +118,10 @@ class Form:
         (parameters, where, tension) to a number. `where` is a :class:`State`, or a
         :class:`Passage` for a sensor. What is returned depends on `acts`.
     acts : str
-        ``pulley``: friction of one pulley [N] at the tension that enters it; ``once``:
-        friction that acts once, at the drive end [N]; ``drive``: the same, but trial and
-        setup scatter leave it alone; ``inertia``: mass that a pulley moves along [kg];
+        ``pulley``: friction of one pulley [N] at the tension that enters it; ``ends``:
+        friction, half of it at either end of the cable [N]; ``air``: the same, but trial
+        and setup scatter leave it alone; ``drive``, ``load``: a force at that end that
+        scatter leaves alone [N]; ``inertia``: mass that a pulley moves along [kg];
         ``reading``: by how much a magnet passes beyond its place [m]; ``clock``: share
         by which a time reads too long; ``current``: addition to the current of a run [A],
         where the tension is the load current [A].

@@ -1,0 +1,186 @@
+"""Cases of the reference engine: bytes, secrets, faults and gaps."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from bayesfric.blind.engines import awkward, reference
+from bayesfric.blind.engines.reference import Withheld, make
+from bayesfric.recording import read_recording, write_recording
+
+NONE = Withheld("none", (), "own")
+AXES = {  # of diagnosis.json
+    *("velocity", "tension", "wrap_angle", "n_pulleys", "displacement", "rotation_angle"),
+    *("time", "order", "setup", "acceleration", "sensor", "rig", "pulley_size"),
+}
+PAIR = Withheld("pair", (("viscous", 0.3), ("wear-drift", 0.5)), "foreign")
+
+
+@pytest.fixture(scope="module")
+def none():
+    return make(NONE, 3)
+
+
+@pytest.fixture(scope="module")
+def pair():
+    return make(PAIR, 3)
+
+
+@pytest.fixture(scope="module")
+def bare():
+    return make(PAIR, 3, noise=False)
+
+
+def test_the_design_is_quick(none):
+    trials, runs = none.recording.gravity.trials, none.recording.motor.runs
+    assert (len(trials), trials["setup"].nunique(), len(runs)) == (180, 30, 460)
+    assert runs["setup"].nunique() == 15
+    assert len(none.recording.motor.idle) == 78
+    cells = trials.groupby(["pulley_size", "n_pulleys", "wrap_angle_deg"])["setup"].nunique()
+    assert len(cells) == 21
+    assert sorted(cells.tolist()) == [1] * 12 + [2] * 9
+    assert (trials["mass_drive_kg"] > trials["mass_load_kg"]).all()
+
+
+def test_one_seed_one_recording_in_another_process_too(pair):
+    code = (
+        "from bayesfric.blind.engines.reference import Withheld, make; import json;"
+        "made = make(Withheld('pair', (('viscous', 0.3), ('wear-drift', 0.5)), 'foreign'), 3);"
+        "print(made.recording.sha256, json.dumps(made.truth))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    sha256, truth = done.stdout.split(maxsplit=1)
+    assert sha256 == pair.recording.sha256
+    assert json.loads(truth) == pair.truth
+
+
+def test_a_recording_that_is_written_keeps_its_fingerprint(pair, tmp_path):
+    write_recording(pair.recording, tmp_path / "case")
+    assert read_recording(tmp_path / "case").sha256 == pair.recording.sha256
+    text = (tmp_path / "case" / "datapackage.json").read_text()
+    package = json.loads(text)
+    assert set(package) == {"name", "title", "sources", "licenses", "rig", "resources"}
+    for told in (*reference.effect_names(), "seed", "foreign", "truth"):
+        assert told not in text
+
+
+def test_what_is_written_down_does_not_depend_on_what_is_withheld(none, pair):
+    assert none.recording.metadata == pair.recording.metadata
+    assert none.recording.title == pair.recording.title
+    assert none.recording.rig == pair.recording.rig
+    same = [c for c in none.recording.gravity.trials if c != "mass_drive_kg"]
+    assert none.recording.gravity.trials[same].equals(pair.recording.gravity.trials[same])
+
+
+def test_the_truth_names_form_and_strength(pair):
+    first, second = pair.truth["withheld"]
+    assert (first["name"], first["own"], first["strength"]) == ("viscous", False, 0.3)
+    assert first["form"] in {"power", "thinning"}
+    assert second["axes"] == ["order"]
+    together = sum(one["strength"] for one in pair.truth["background"])
+    assert 0 < 0.1 * together < 0.005
+    names = {one["name"] for one in pair.truth["background"]}
+    assert len(names) >= 3
+    assert not names & {"viscous", "wear-drift"}
+
+
+def test_without_noise_the_truth_is_the_same_and_the_events_are_exact(pair, bare):
+    assert bare.truth["coefficients"] == pair.truth["coefficients"]
+    assert bare.truth["withheld"] == pair.truth["withheld"]
+    assert bare.truth["background"] == []
+    assert bare.truth["awkward"]["nearly_stalls"] == ""
+    pure = make(NONE, 3, noise=False).recording
+    for _, train in pure.gravity.events.groupby(["trial", "sensor"]):
+        # Under the law alone the acceleration is constant: events are one spacing apart.
+        time = train["time_s"] - train["time_s"].mean()
+        fit = np.polyfit(time, 0.0098 * np.arange(len(train)), 2)
+        assert np.abs(np.polyval(fit, time) - 0.0098 * np.arange(len(train))).max() < 2e-9
+    both = bare.recording.gravity.events.merge(
+        pure.gravity.events, on=["trial", "sensor", "displacement_m"]
+    )
+    # The two start at one instant from one place; speed then costs time.
+    assert (both["time_s_x"] != both["time_s_y"]).mean() > 0.99
+
+
+def test_faults_are_where_the_truth_says(pair):
+    told = pair.truth["awkward"]
+    events = pair.recording.gravity.events
+
+    def odd(trial, sensor):
+        train = events[(events["trial"] == trial) & (events["sensor"] == sensor)]
+        return np.diff(train["time_s"], 2)
+
+    # A missed event doubles an interval, a bounce splits one off of 0.4 ms.
+    assert odd(*told["dropped"]).max() > 0.006
+    trial, sensor = told["doubled"]
+    train = events[(events["trial"] == trial) & (events["sensor"] == sensor)]
+    assert np.diff(train["time_s"]).min() == pytest.approx(4e-4, abs=4e-6)
+    slow = events[(events["trial"] == told["nearly_stalls"]) & (events["sensor"] == "drive")]
+    fit = np.polyfit(slow["time_s"], slow["displacement_m"], 2)
+    assert 2 * fit[0] < 0.15
+
+
+def test_gaps_in_the_design_come_with_some_seeds_and_spare_what_is_needed():
+    drawn = [awkward.draw_awkward(np.random.default_rng(seed), {""}, True) for seed in range(400)]
+    for share in (
+        np.mean([one.sensors != "both" for one in drawn]),
+        np.mean([not one.motor_board for one in drawn]),
+        np.mean([one.unbalanced for one in drawn]),
+    ):
+        assert 0.07 < share < 0.17
+    for seed in range(100):
+        rng = np.random.default_rng(seed)
+        one = awkward.draw_awkward(rng, {"motor", "both sensors"}, True)
+        assert one.motor_board
+        assert one.sensors == "both"
+        assert awkward.draw_awkward(rng, {""}, False) == awkward.Awkward()
+
+
+def test_a_design_with_gaps_is_a_recording():
+    seed = next(
+        seed
+        for seed in range(1000)
+        if (one := make_awkward(seed)).unbalanced and one.sensors != "both" and not one.motor_board
+    )
+    made = make(NONE, seed)
+    told = made.truth["awkward"]
+    assert made.recording.motor is None
+    assert set(made.recording.gravity.events["sensor"]) == {told["sensors"]}
+    trials = made.recording.gravity.trials
+    assert 140 < len(trials) < 175
+    assert trials.groupby("setup").size().min() >= 2
+    assert trials["order"].tolist() == list(range(1, len(trials) + 1))
+
+
+def make_awkward(seed):
+    return awkward.draw_awkward(np.random.default_rng([seed, reference.AWKWARD]), set(), True)
+
+
+def test_axes_and_forms_that_others_ask_for():
+    assert len(reference.effect_names()) == 22
+    assert [form.own for form in reference.forms("stribeck")] == [True, True, False, False]
+    assert reference.outsider_axes("speed-by-tension") == ("velocity", "tension")
+    told = {axis for name in reference.outsider_names() for axis in reference.outsider_axes(name)}
+    assert told <= AXES
+    assert len(told) >= 7
+
+
+@pytest.mark.parametrize(
+    ("withheld", "design", "fault"),
+    [
+        (Withheld("two", (), "own"), "quick", "kind"),
+        (Withheld("none", (), "ours"), "quick", "form"),
+        (NONE, "paper", "design"),
+        (Withheld("none", (("viscous", 1.0),), "own"), "quick", "none takes 0"),
+        (Withheld("pair", (("viscous", 1.0), ("viscous", 1.0)), "own"), "quick", "pair takes 2"),
+        (Withheld("effect", (("dip-in-travel", 1.0),), "own"), "quick", "dip-in-travel"),
+        (Withheld("outsider", (("viscous", 1.0),), "own"), "quick", "viscous"),
+        (Withheld("effect", (("viscous", 0.0),), "own"), "quick", "strength of viscous"),
+    ],
+)
+def test_what_cannot_be_withheld_is_refused(withheld, design, fault):
+    with pytest.raises(ValueError, match=fault):
+        make(withheld, 1, design=design)
