@@ -20,7 +20,7 @@ SHORT = ("withheld", "form", "strength", "noise_free_gap", "verdict", "causes", 
 
 def fixed():
     """Return the fixed cases by name."""
-    return cases_of(catalogue_of("reference"), FIXED, FIXED_SEED)
+    return cases_of(catalogue_of("reference"), number_of(FIXED), FIXED_SEED)
 
 
 def run_fixed(case, folder):
