@@ -3,9 +3,12 @@
 import json
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import pytest
 from local_cluster import local_cluster
@@ -98,6 +101,32 @@ def test_a_case_that_kills_each_worker_is_named_and_the_rest_is_kept(tmp_path):
         run_on_processes(on_worker, cases, tmp_path / "done", 1)
     assert len(tries_of(notes, "bad")) == 2
     assert [path.stem for path in (tmp_path / "done").glob("*.json")] == ["good"]
+
+
+def test_workers_end_with_who_started_them(tmp_path):
+    code = (
+        "import sys; from pathlib import Path; from test_campaign import on_worker;"
+        "from bayesfric.campaign import run_on_processes\n"
+        "if __name__ == '__main__':\n"
+        "    notes = Path(sys.argv[1])\n"
+        "    cases = {'one': ('one', notes, 'waits')}\n"
+        "    run_on_processes(on_worker, cases, notes / 'done', 1)\n"
+    )
+    script = tmp_path / "campaign_of_one.py"
+    script.write_text(code)
+    path = os.pathsep.join([str(Path(__file__).parent), *sys.path])
+    started = subprocess.Popen(
+        [sys.executable, script, tmp_path], env=os.environ | {"PYTHONPATH": path}
+    )
+    wait_for(tmp_path / "one")
+    worker = int(tries_of(tmp_path, "one")[0])
+    started.kill()
+    started.wait()
+    deadline = time.monotonic() + 20
+    with pytest.raises(ProcessLookupError):
+        while time.monotonic() < deadline:
+            os.kill(worker, 0)  # asks only whether it is there
+            time.sleep(0.05)
 
 
 def wait_for(path):

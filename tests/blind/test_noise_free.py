@@ -81,3 +81,8 @@ def test_the_oracles_power_is_that_of_its_signal_over_noise(strength, middle):
     power = norm.sf(2.054 - signal)
     assert (0.2 < power < 0.8) == middle
     assert case.oracle_power() == pytest.approx(power, abs=0.05)
+
+
+def test_nothing_on_the_gravity_board_is_seen_no_more_than_by_false_alarm():
+    # Without noise the events are far more exact than the power is stated for.
+    assert clean(rigs=["gravity"])[1].oracle_power() < 0.1

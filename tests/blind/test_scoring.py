@@ -79,6 +79,18 @@ def test_a_verdict_is_correct_where_it_names_exactly_what_is_there(withheld, fou
     assert (case.outcome, case.correct, case.falsely_named) == expected
 
 
+@pytest.mark.parametrize(
+    ("names", "causes"),
+    [
+        (["length-scale"], ["clock-scale", "length-scale"]),  # one stands for it, not both
+        (["clock-scale", "length-scale"], ["clock-scale", "viscous"]),  # viscous is not there
+    ],
+)
+def test_twins_do_not_hide_what_is_wrong(names, causes):
+    case = judged([effect(name) for name in names], causes=causes, unseparated=TWINS)
+    assert not case.correct
+
+
 def test_a_pair_of_one_class_is_not_named_by_one_of_them_twice():
     case = judged(
         [effect("viscous"), effect("length-scale")],
