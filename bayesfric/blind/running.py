@@ -85,10 +85,20 @@ def run_blind(
     folder = Path(folder)
     analysis = Analysis() if analysis is None else analysis
     lay_out = cases_from_prior if from_prior else cases_of
-    cases = lay_out(catalogue_of(engine), number, first_seed, engine=engine)
+    catalogue = catalogue_of(engine)
+    cases = lay_out(catalogue, number, first_seed, engine=engine)
     design = next(iter(cases.values())).design
     hypotheses = "prior" if from_prior else "design"
-    kept = _kept(folder, engine, design, hypotheses, analysis)
+    key = {
+        "engine": engine,
+        "catalogue": [sorted(catalogue.effects.items()), catalogue.outsiders],
+        "design": design,
+        "hypotheses": hypotheses,
+        "first_seed": first_seed,  # what a seed's case is depends on where the campaign begins
+        "analysis_sha256": analysis_sha256(analysis),
+        "versions": package_versions(),
+    }
+    kept = _kept(folder, key)
     if so_far:
         cases = {name: case for name, case in cases.items() if _done(kept, name).is_file()}
         if not cases:
@@ -187,15 +197,8 @@ def score_recording(
     return scorecard
 
 
-def _kept(folder: Path, engine: str, design: str, hypotheses: str, analysis: Analysis) -> Path:
+def _kept(folder: Path, key: dict[str, Any]) -> Path:
     """Return where the cases of such a campaign are kept: those of another one never mix in."""
-    key = {
-        "engine": engine,
-        "design": design,
-        "hypotheses": hypotheses,
-        "analysis_sha256": analysis_sha256(analysis),
-        "versions": package_versions(),
-    }
     digest = hashlib.sha256(json.dumps(key, sort_keys=True).encode()).hexdigest()
     return folder.resolve() / CASES / digest[:12]
 

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from bayesfric.cli.exits import exit_status, fail_on
-from bayesfric.cli.options import Config, FailOn, Folder, Quiet, Seed, Workers
+from bayesfric.cli.options import Config, FailOn, Folder, Quiet, Workers
 
 __all__ = ["blind"]
 
@@ -44,7 +44,12 @@ def blind(
             "Its SHA-256 is written down before the recording is diagnosed.",
         ),
     ] = None,
-    seed: Seed = None,
+    seed: Annotated[
+        int | None,
+        typer.Option(
+            "--seed", min=0, help="Of the first case; else 10000. With --from, of the diagnosis."
+        ),
+    ] = None,
     config: Config = None,
     quiet: Quiet = False,
     fail_on_list: FailOn = "",

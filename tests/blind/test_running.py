@@ -147,6 +147,15 @@ def test_cases_of_another_analysis_are_not_taken(engine, tmp_path):
     assert len(engine.diagnosed) == 6
 
 
+def test_a_seed_of_another_campaign_is_another_case(engine, tmp_path):
+    first = running.run_blind(tmp_path, number=4, first_seed=1)
+    later = running.run_blind(tmp_path, number=2, first_seed=3)
+    assert later.cases[0].seed == first.cases[2].seed
+    assert len(engine.diagnosed) == 6
+    fresh = running.run_blind(tmp_path / "fresh", number=2, first_seed=3)
+    assert [case.withheld for case in later.cases] == [case.withheld for case in fresh.cases]
+
+
 def test_every_campaign_is_logged(engine, tmp_path):
     running.run_blind(tmp_path, number=2, first_seed=3)
     running.run_blind(tmp_path, number=3)

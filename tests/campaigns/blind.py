@@ -11,6 +11,8 @@ from campaigns import evidence
 from bayesfric.analysis import Analysis
 from bayesfric.blind.case import catalogue_of, run_case
 from bayesfric.blind.design import cases_of
+from bayesfric.plots.scorecard import promises_and_reliability
+from bayesfric.plots.style import to_svg
 
 FIXED_SEED, FIXED = 1, 15
 SCORING_SEED, PRIOR_SEED = 10_000, 20_000
@@ -41,11 +43,12 @@ def number_of(everything):
 
 
 def keep(card, name, command):
-    """Write the evidence: the scorecard, and its figures with commit and command."""
+    """Write the evidence: scorecard and picture, and the figures with commit and command."""
     folder = evidence.EVIDENCE / name
     folder.mkdir(exist_ok=True)
     source = evidence.WORK / name / "scorecard.json"
     (folder / "scorecard.json").write_bytes(source.read_bytes())
+    (folder / "scorecard.svg").write_bytes(to_svg(promises_and_reliability(card)))
     figures = card.model_dump(mode="json", exclude={"cases", "versions", "confusion"})
     evidence.write(
         name,
