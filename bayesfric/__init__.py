@@ -7,19 +7,21 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from bayesfric.blind.running import run_blind
     from bayesfric.claims import check_claims
     from bayesfric.fitting import fit
     from bayesfric.gap import diagnose
     from bayesfric.recording import read_recording
     from bayesfric.simulate import simulate_recording
 
-__all__ = ["check_claims", "diagnose", "fit", "read_recording", "simulate_recording"]
+__all__ = ["check_claims", "diagnose", "fit", "read_recording", "run_blind", "simulate_recording"]
 
 _HOMES = {
     "check_claims": "bayesfric.claims",
     "diagnose": "bayesfric.gap",
     "fit": "bayesfric.fitting",
     "read_recording": "bayesfric.recording",
+    "run_blind": "bayesfric.blind.running",
     "simulate_recording": "bayesfric.simulate",
 }
 

@@ -1,20 +1,53 @@
 """Map a function over many cases, each saved when it is done.
 
-A killed campaign goes on where it stopped. Knows nothing of friction. Works on any
-:class:`concurrent.futures.Executor`: processes on one machine, or a cluster's.
+A killed campaign goes on where it stopped, and a worker that dies costs one more try of
+the cases that it had. Knows nothing of friction. Works on any
+:class:`concurrent.futures.Executor`: processes on one machine, or a Dask cluster's.
 """
 
 import json
-from collections.abc import Callable, Mapping
-from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
-from multiprocessing import get_context
+import os
+import socket
+import sys
+import threading
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    wait,
+)
+from contextlib import contextmanager
+from multiprocessing import get_context, parent_process
 from pathlib import Path
 from typing import Any, TypeVar
+from urllib.parse import urlsplit
 
-__all__ = ["processes", "run_campaign"]
+from bayesfric.errors import Fault, InputError
+
+__all__ = ["WorkerDiedError", "cluster", "processes", "run_campaign", "run_on_processes"]
 
 Case = TypeVar("Case")
 Result = dict[str, Any]
+TRIES = 2  # of a case whose worker died
+CONNECT_S = 10.0  # to wait for a scheduler
+
+
+class WorkerDiedError(RuntimeError):
+    """A case whose worker died each time that it was tried.
+
+    Parameters
+    ----------
+    name : str
+        Of the case.
+    """
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        super().__init__(f"case {name}: its worker died {TRIES} times; what is done is kept")
 
 
 def processes(workers: int) -> ProcessPoolExecutor:
@@ -23,7 +56,80 @@ def processes(workers: int) -> ProcessPoolExecutor:
     Each starts a fresh interpreter: a copy of a process that has threads can wait for
     ever on a lock that one of them held.
     """
-    return ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
+    return ProcessPoolExecutor(
+        workers, mp_context=get_context("spawn"), initializer=_end_with_parent
+    )
+
+
+def _end_with_parent() -> None:
+    """Let a worker end when whoever started it is killed, instead of waiting for ever."""
+    parent = parent_process()
+    if parent is not None:
+
+        def watch() -> None:
+            parent.join()
+            os._exit(1)
+
+        threading.Thread(target=watch, daemon=True).start()
+
+
+@contextmanager
+def cluster(address: str) -> Iterator[Executor]:
+    """Connect to a Dask cluster and lend an executor over its workers.
+
+    Parameters
+    ----------
+    address : str
+        Of its scheduler, as in ``tcp://host:8786``.
+
+    Raises
+    ------
+    InputError
+        Dask is not installed, or no scheduler answers there.
+    """
+    try:
+        from distributed import Client
+    except ImportError as error:
+        expected = "an installation with Dask: pip install 'bayesfric[dask]'"
+        fault = Fault("command line", expected, column="--scheduler", value=address)
+        raise InputError([fault]) from error
+    try:
+        # A client that finds nobody waits long to be closed: knock first.
+        place = urlsplit(address if "://" in address else f"tcp://{address}")
+        socket.create_connection((place.hostname, place.port), CONNECT_S).close()
+        client = Client(address, timeout=CONNECT_S, set_as_default=False)  # type: ignore[no-untyped-call]
+    except (OSError, ValueError, TypeError) as error:
+        expected = "the address of a Dask scheduler that answers, as in tcp://host:8786"
+        fault = Fault("command line", expected, column="--scheduler", value=address)
+        raise InputError([fault]) from error
+    with client:
+        yield client.get_executor()  # type: ignore[no-untyped-call]
+
+
+def run_on_processes(
+    function: Callable[[Case], Result],
+    cases: Mapping[str, Case],
+    folder: Path,
+    workers: int,
+    progress: Callable[[int, int], None] | None = None,
+) -> dict[str, Result]:
+    """Run cases on processes of this machine, and start them anew when one dies.
+
+    A process that dies breaks its whole executor; the cases that were running then are
+    tried once more. Parameters and result as of :func:`run_campaign`.
+
+    Raises
+    ------
+    WorkerDiedError
+        A case was running each time that a process died.
+    """
+    tries: Counter[str] = Counter()
+    while True:
+        with processes(workers) as executor:
+            try:
+                return _run(function, cases, folder, executor, progress, tries, workers)
+            except BrokenExecutor:
+                continue  # whose cases were running is in `tries`
 
 
 def run_campaign(
@@ -52,19 +158,76 @@ def run_campaign(
     -------
     dict of str to dict
         Results in the order of `cases`, whatever the order in which they finished.
+
+    Raises
+    ------
+    WorkerDiedError
+        On a cluster, each worker that had the case died.
     """
+    return _run(function, cases, folder, executor, progress, Counter(), None)
+
+
+def _run(
+    function: Callable[[Case], Result],
+    cases: Mapping[str, Case],
+    folder: Path,
+    executor: Executor,
+    progress: Callable[[int, int], None] | None,
+    tries: Counter[str],
+    at_once: int | None,
+) -> dict[str, Result]:
+    """Run what is missing, `at_once` cases at a time; count the tries that a death cost."""
     folder.mkdir(parents=True, exist_ok=True)
     missing = [name for name in cases if not (folder / f"{name}.json").exists()]
-    running = {executor.submit(function, cases[name]): name for name in missing}
     done = len(cases) - len(missing)
-    for future in as_completed(running):
-        name = running[future]
-        partial = folder / f"{name}.json.partial"
-        partial.write_text(json.dumps(future.result(), allow_nan=False), encoding="utf-8")
-        partial.replace(folder / f"{name}.json")
-        done += 1
-        if progress is not None:
-            progress(done, len(cases))
+    missing.reverse()
+    running: dict[Future[Result], str] = {}
+    try:
+        while missing or running:
+            # No more than can run: who runs when a process dies is known that way.
+            while missing and (at_once is None or len(running) < at_once):
+                name = missing.pop()
+                running[executor.submit(function, cases[name])] = name
+            finished, _ = wait(running, return_when=FIRST_COMPLETED)
+            # What is good is saved before anything is raised.
+            for future in sorted(finished, key=lambda one: one.exception() is not None):
+                name = running[future]
+                try:
+                    result = future.result()
+                except _killed_worker() as fault:
+                    _count(tries, name, fault)
+                    missing.append(name)
+                else:
+                    _save(folder / f"{name}.json", result)
+                    done += 1
+                    if progress is not None:
+                        progress(done, len(cases))
+                del running[future]
+    except BrokenExecutor as fault:
+        for name in running.values():
+            _count(tries, name, fault)
+        raise
     return {
         name: json.loads((folder / f"{name}.json").read_text(encoding="utf-8")) for name in cases
     }
+
+
+def _count(tries: Counter[str], name: str, fault: BaseException) -> None:
+    tries[name] += 1
+    if tries[name] >= TRIES:
+        raise WorkerDiedError(name) from fault
+
+
+def _save(path: Path, result: Result) -> None:
+    partial = path.with_suffix(".json.partial")
+    partial.write_text(json.dumps(result, allow_nan=False), encoding="utf-8")
+    partial.replace(path)
+
+
+def _killed_worker() -> tuple[type[BaseException], ...]:
+    """Return what Dask raises for a case that its workers died of, where Dask is in use."""
+    if "distributed" not in sys.modules:
+        return ()
+    from distributed import KilledWorker
+
+    return (KilledWorker,)

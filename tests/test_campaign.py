@@ -1,11 +1,20 @@
 """A campaign saves each case, goes on after a stop, and keeps the order of its cases."""
 
 import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import pytest
+from local_cluster import local_cluster
 
-from bayesfric.campaign import run_campaign
+from bayesfric.campaign import WorkerDiedError, cluster, run_campaign, run_on_processes
+from bayesfric.errors import InputError
 
 
 def square(case):
@@ -55,3 +64,108 @@ def test_a_result_that_is_not_json_is_refused(tmp_path):
     with ThreadPoolExecutor(1) as executor, pytest.raises(ValueError, match="not JSON compliant"):
         run_campaign(lambda _: {"x": float("nan")}, {"one": 1}, tmp_path, executor)
     assert not (tmp_path / "one.json").exists()
+
+
+def on_worker(case):
+    """Die, or wait for a death, on the way; a file tells the tries of a case apart."""
+    name, folder, kind = case
+    first = not (folder / name).exists()
+    with (folder / name).open("a") as stream:
+        stream.write(f"{os.getpid()}\n")
+    if kind == "fatal" or (kind == "dies" and first):
+        os.kill(os.getpid(), signal.SIGKILL)
+    if kind == "waits" and first:
+        time.sleep(60)  # until it is killed from outside
+    return {"name": name}
+
+
+def tries_of(folder, name):
+    return (folder / name).read_text().split()
+
+
+def test_a_dead_process_costs_one_more_try_of_what_it_ran(tmp_path):
+    notes = tmp_path / "notes"
+    notes.mkdir()
+    kinds = {"one": "plain", "two": "dies", "three": "plain", "four": "dies", "five": "plain"}
+    cases = {name: (name, notes, kind) for name, kind in kinds.items()}
+    found = run_on_processes(on_worker, cases, tmp_path / "done", 1)
+    assert list(found.values()) == [{"name": name} for name in cases]
+    assert [len(tries_of(notes, name)) for name in cases] == [1, 2, 1, 2, 1]
+
+
+def test_a_case_that_kills_each_worker_is_named_and_the_rest_is_kept(tmp_path):
+    notes = tmp_path / "notes"
+    notes.mkdir()
+    cases = {"good": ("good", notes, "plain"), "bad": ("bad", notes, "fatal")}
+    with pytest.raises(WorkerDiedError, match="case bad"):
+        run_on_processes(on_worker, cases, tmp_path / "done", 1)
+    assert len(tries_of(notes, "bad")) == 2
+    assert [path.stem for path in (tmp_path / "done").glob("*.json")] == ["good"]
+
+
+def test_workers_end_with_who_started_them(tmp_path):
+    code = (
+        "import sys; from pathlib import Path; from test_campaign import on_worker;"
+        "from bayesfric.campaign import run_on_processes\n"
+        "if __name__ == '__main__':\n"
+        "    notes = Path(sys.argv[1])\n"
+        "    cases = {'one': ('one', notes, 'waits')}\n"
+        "    run_on_processes(on_worker, cases, notes / 'done', 1)\n"
+    )
+    script = tmp_path / "campaign_of_one.py"
+    script.write_text(code)
+    path = os.pathsep.join([str(Path(__file__).parent), *sys.path])
+    started = subprocess.Popen(
+        [sys.executable, script, tmp_path], env=os.environ | {"PYTHONPATH": path}
+    )
+    wait_for(tmp_path / "one")
+    worker = int(tries_of(tmp_path, "one")[0])
+    started.kill()
+    started.wait()
+    deadline = time.monotonic() + 20
+    while is_there(worker) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not is_there(worker)
+
+
+def is_there(process):
+    try:
+        os.kill(process, 0)  # asks, and does nothing
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def wait_for(path):
+    deadline = time.monotonic() + 60
+    while not (path.exists() and path.read_text().strip()):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+def test_a_cluster_of_processes_survives_the_death_of_one(tmp_path):
+    notes = tmp_path / "notes"
+    notes.mkdir()
+    kinds = {"waiting": "waits"} | {f"plain-{k}": "plain" for k in range(6)}
+    cases = {name: (name, notes, kind) for name, kind in kinds.items()}
+    with local_cluster() as address:
+
+        def kill():
+            wait_for(notes / "waiting")
+            os.kill(int(tries_of(notes, "waiting")[0]), signal.SIGKILL)
+
+        killer = threading.Thread(target=kill)
+        killer.start()
+        with cluster(address) as executor:
+            found = run_campaign(on_worker, cases, tmp_path / "done", executor)
+        killer.join()
+    assert list(found) == list(cases)
+    assert len(set(tries_of(notes, "waiting"))) == 2  # two processes had it
+    assert len({pid for name in cases for pid in tries_of(notes, name)}) >= 2
+
+
+@pytest.mark.parametrize("address", ["nowhere:x", "tcp://127.0.0.1:1", "tcp://"])
+def test_a_scheduler_that_is_not_there_is_an_error(address):
+    expected = f"--scheduler: found '{address}', expected the address of a Dask scheduler"
+    with pytest.raises(InputError, match=expected), cluster(address):
+        pass

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from bayesfric.cli.blind import blind
 from bayesfric.cli.claims import claims
 from bayesfric.cli.diagnose import diagnose
 from bayesfric.cli.fit import fit
@@ -27,7 +28,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for verb in (run, validate, simulate, fit, claims, diagnose, report, info):
+for verb in (run, validate, simulate, fit, claims, diagnose, blind, report, info):
     app.command()(verb)
 
 

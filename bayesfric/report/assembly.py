@@ -4,6 +4,12 @@ from collections.abc import Callable, Iterator
 from datetime import datetime
 from itertools import chain
 
+from bayesfric.report.chapters.blind import (
+    blind,
+    blind_chapter,
+    scorecard_line,
+    scored_from,
+)
 from bayesfric.report.chapters.checks import checks
 from bayesfric.report.chapters.claims import claims, verdicts
 from bayesfric.report.chapters.data_quality import data_quality
@@ -16,14 +22,16 @@ from bayesfric.report.chapters.provenance import made_from, provenance
 from bayesfric.report.chapters.summary import front, summary
 from bayesfric.report.content import Block, Code, Document, Heading, Paragraph
 from bayesfric.report.stored import StoredDiagnosis, StoredResults
+from bayesfric.schemas import ScorecardFile
 
-__all__ = ["build_diagnosis_document", "build_document"]
+__all__ = ["build_diagnosis_document", "build_document", "build_scorecard_document"]
 
 CHAPTERS: tuple[Callable[[StoredResults], Iterator[Block]], ...] = (
     front,
     verdicts,
     summary,
     diagnosis,
+    blind,
     claims,
     predictions,
     checks,
@@ -52,13 +60,17 @@ def build_document(stored: StoredResults) -> Document:
     )
 
 
-def build_diagnosis_document(stored: StoredDiagnosis) -> Document:
+def build_diagnosis_document(
+    stored: StoredDiagnosis, card: ScorecardFile | None = None
+) -> Document:
     """Return the content of a report on a diagnosis alone, without a fit.
 
     Parameters
     ----------
     stored : StoredDiagnosis
         Results of ``bayesfric diagnose``.
+    card : ScorecardFile or None
+        Of ``bayesfric blind``, where it was run into the same folder.
     """
     found = stored.found
     blocks: list[Block] = [
@@ -67,10 +79,33 @@ def build_diagnosis_document(stored: StoredDiagnosis) -> Document:
         Heading(1, "Provenance"),
         made_from(found),
         *diagnosis_chapter(stored),
+        *(() if card is None else blind_chapter(card)),
     ]
     return Document(
         title="Cable-pulley friction",
         subtitle=f"Sim-to-real diagnosis of {found.recording.name}",
         blocks=blocks,
         date=None if found.created is None else datetime.fromisoformat(found.created),
+    )
+
+
+def build_scorecard_document(card: ScorecardFile) -> Document:
+    """Return the content of a report on a scorecard alone.
+
+    Parameters
+    ----------
+    card : ScorecardFile
+        Result of ``bayesfric blind``.
+    """
+    blocks: list[Block] = [
+        scorecard_line(card),
+        Heading(1, "Provenance"),
+        scored_from(card),
+        *blind_chapter(card),
+    ]
+    return Document(
+        title="Cable-pulley friction",
+        subtitle="The diagnosis on data whose effect is withheld",
+        blocks=blocks,
+        date=None if card.created is None else datetime.fromisoformat(card.created),
     )

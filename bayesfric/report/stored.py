@@ -7,9 +7,15 @@ import xarray as xr
 
 from bayesfric.errors import Fault, InputError
 from bayesfric.results import read_json, read_tree
-from bayesfric.schemas import ClaimsFile, DiagnosisFile, FitFile
+from bayesfric.schemas import ClaimsFile, DiagnosisFile, FitFile, ScorecardFile
 
-__all__ = ["StoredDiagnosis", "StoredResults", "read_diagnosis", "read_stored"]
+__all__ = [
+    "StoredDiagnosis",
+    "StoredResults",
+    "read_diagnosis",
+    "read_scorecard",
+    "read_stored",
+]
 
 
 @dataclass(frozen=True)
@@ -48,6 +54,8 @@ class StoredResults:
         ``claims.nc``, likewise.
     diagnosis : StoredDiagnosis or None
         Where the simulation misses, where that was asked.
+    scorecard : ScorecardFile or None
+        How well the diagnosis does where it is not told, likewise.
     """
 
     fit: FitFile
@@ -56,6 +64,7 @@ class StoredResults:
     claims: ClaimsFile | None = None
     claim_curves: xr.DataTree | None = None
     diagnosis: StoredDiagnosis | None = None
+    scorecard: ScorecardFile | None = None
 
 
 def read_stored(folder: Path) -> StoredResults:
@@ -99,7 +108,8 @@ def read_stored(folder: Path) -> StoredResults:
     diagnosis = read_diagnosis(folder) if (folder / "diagnosis.json").is_file() else None
     if diagnosis is not None and diagnosis.found.recording.sha256 != fit.recording.sha256:
         raise InputError([Fault("diagnosis.json", "a diagnosis of the recording in fit.json")])
-    return StoredResults(fit, draws, predictive, claims, claim_curves, diagnosis)
+    card = read_scorecard(folder)
+    return StoredResults(fit, draws, predictive, claims, claim_curves, diagnosis, card)
 
 
 def read_diagnosis(folder: Path) -> StoredDiagnosis:
@@ -113,6 +123,18 @@ def read_diagnosis(folder: Path) -> StoredDiagnosis:
     found = read_json(DiagnosisFile, folder / "diagnosis.json")
     _beside("diagnosis", folder, "diagnose")
     return StoredDiagnosis(found, read_tree(folder / "diagnosis.nc"))
+
+
+def read_scorecard(folder: Path) -> ScorecardFile | None:
+    """Read the scorecard in a folder, None where there is none.
+
+    Raises
+    ------
+    InputError
+        The file is not what ``bayesfric blind`` writes.
+    """
+    path = folder / "scorecard.json"
+    return read_json(ScorecardFile, path) if path.is_file() else None
 
 
 def _claims(folder: Path, fit: FitFile) -> tuple[ClaimsFile | None, xr.DataTree | None]:

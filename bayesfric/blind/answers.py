@@ -1,0 +1,106 @@
+"""The answer to a recording that a user brings: what is really there."""
+
+from pathlib import Path
+from typing import Any
+
+from pydantic import ConfigDict, Field, ValidationError
+
+from bayesfric.effects import all_effects
+from bayesfric.errors import Fault, InputError
+from bayesfric.schemas.base import Number, Record
+
+__all__ = ["AXES", "Answer", "WithheldEffect", "read_answer"]
+
+AXES = (
+    "velocity",
+    "tension",
+    "wrap_angle",
+    "n_pulleys",
+    "displacement",
+    "order",
+    "rig",
+)
+"""Along which a remainder can be found."""
+
+
+class WithheldEffect(Record):
+    """One effect that is there."""
+
+    name: str = Field(min_length=1, description="An effect's name, or one of the user's own.")
+    strength: Number = Field(1.0, gt=0, description="1 is 10 % of friction, rms.")
+    form: str = Field("", description="Functional form, in words.")
+    own: bool = Field(False, description="Whether the form is that of bayesfric's effect.")
+    parameters: dict[str, Number] = Field(
+        {}, description="Of bayesfric's effect, with an own form: their intervals are checked."
+    )
+    axes: tuple[str, ...] = Field(
+        (), description="Where an effect shows that bayesfric does not have; required of one."
+    )
+
+
+class Answer(Record):
+    """What ``--answer FILE`` holds: ``{"withheld": []}`` where nothing is there."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    withheld: tuple[WithheldEffect, ...] = Field(description="Every effect that is there.")
+
+
+def read_answer(path: Path) -> dict[str, Any]:
+    """Read an answer.
+
+    Parameters
+    ----------
+    path : Path
+        A JSON file.
+
+    Returns
+    -------
+    dict
+        The truth, as an engine states it.
+
+    Raises
+    ------
+    InputError
+        With every fault of the file.
+    """
+    try:
+        answer = Answer.model_validate_json(path.read_bytes())
+    except OSError as error:
+        expected = f"an answer that can be read ({error.strerror or error})"
+        raise InputError([Fault(str(path), expected)]) from error
+    except ValidationError as error:
+        raise InputError(
+            [
+                Fault(
+                    path.name,
+                    f"an answer as {{'withheld': [{{'name': …}}]}} ({fault['msg']})",
+                    column=".".join(str(part) for part in fault["loc"]) or None,
+                )
+                for fault in error.errors()
+            ]
+        ) from error
+    faults = []
+    known = all_effects()
+    for place, one in enumerate(answer.withheld):
+        key = f"withheld.{place}.axes"
+        if one.name not in known and not one.axes:
+            expected = (
+                f"the axes along which {one.name!r} shows, since it is none of the effects that "
+                f"are examined ({', '.join(known)})"
+            )
+            faults.append(Fault(path.name, expected, column=key))
+        faults += [
+            Fault(path.name, f"one of {', '.join(AXES)}", column=key, value=axis)
+            for axis in one.axes
+            if axis not in AXES
+        ]
+    names = [one.name for one in answer.withheld]
+    faults += [
+        Fault(path.name, "each effect once", column="withheld", value=name)
+        for name in sorted(set(names))
+        if names.count(name) > 1
+    ]
+    if faults:
+        raise InputError(faults)
+    truth: dict[str, Any] = answer.model_dump(mode="json")
+    return truth

@@ -1,0 +1,111 @@
+"""One case: made, sealed, diagnosed, its verdict written, and only then opened and scored."""
+
+from dataclasses import replace
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from bayesfric.analysis import Analysis
+from bayesfric.blind.design import Case, Catalogue
+from bayesfric.blind.envelope import open_envelope, seal
+from bayesfric.blind.noise_free import CleanCase
+from bayesfric.blind.scoring import score
+from bayesfric.effects import all_effects
+from bayesfric.errors import Fault, InputError
+from bayesfric.gap import diagnose
+from bayesfric.recording.tables import Recording
+from bayesfric.results import json_bytes
+from bayesfric.schemas import DiagnosisFile
+
+__all__ = ["ENGINES", "VERDICT", "catalogue_of", "diagnose_sealed", "engine_of", "run_case"]
+
+ENGINES = {"reference": "bayesfric.blind.engines.reference"}
+"""Realities of another hand, by name."""
+VERDICT = "verdict.json"
+
+
+def engine_of(name: str) -> Any:
+    """Return an engine's module.
+
+    Raises
+    ------
+    InputError
+        There is no such engine.
+    """
+    if name not in ENGINES:
+        expected = f"an engine that is available: {', '.join(sorted(ENGINES))}"
+        if name == "mujoco":
+            expected += " (mujoco is not available yet)"
+        raise InputError([Fault("command line", expected, column="--engine", value=name)])
+    return import_module(ENGINES[name])
+
+
+def catalogue_of(engine: str) -> Catalogue:
+    """Return what an engine can withhold."""
+    module = engine_of(engine)
+    effects = {}
+    for name in module.effect_names():
+        forms = [bool(form.own) for form in module.forms(name)]
+        effects[str(name)] = (any(forms), not all(forms))
+    return Catalogue(effects, tuple(module.outsider_names()))
+
+
+def run_case(case: Case, folder: Path, analysis: Analysis) -> dict[str, Any]:
+    """Run one case.
+
+    Parameters
+    ----------
+    case : Case
+        What is withheld, and the seed.
+    folder : Path
+        Gains a folder of the case's name, with its envelope and its verdict. Workers on
+        other machines write to their own folder of this name, if it is not shared.
+    analysis : Analysis
+        Of the diagnosis; the seed is the case's.
+
+    Returns
+    -------
+    dict
+        A :class:`~bayesfric.schemas.ScoredCase` as plain JSON types.
+    """
+    engine = engine_of(case.engine)
+    withheld = engine.Withheld(case.kind, case.effects, case.form)
+    made = engine.make(withheld, case.seed, design=case.design)
+    # Not a word of an engine's own about its recording reaches the diagnosis.
+    recording = replace(made.recording, name=case.name, title="A blind case", metadata={})
+    public = {
+        "name": case.name,
+        "seed": case.seed,
+        "engine": case.engine,
+        "design": case.design,
+        "recording_sha256": recording.sha256,
+    }
+    place = folder / case.name
+    digest = seal(place, made.truth, public, case.seed)
+    found = diagnose_sealed(recording, analysis.model_copy(update={"seed": case.seed}), place)
+    gap, shrink, power = 0.0, None, None
+    if case.effects:
+        clean = engine.make(withheld, case.seed, design=case.design, noise=False)
+        without_noise = CleanCase(clean.recording, analysis)
+        gap, power = without_noise.gap, without_noise.oracle_power()
+        shrink = without_noise.shrink([(cause.effect, cause.law) for cause in found.causes])
+    scored = score(
+        public | {"envelope_sha256": digest},
+        open_envelope(place),
+        found,
+        gap=gap,
+        true_shrink=shrink,
+        oracle_power=power,
+        known=all_effects(),
+    )
+    result: dict[str, Any] = scored.model_dump(mode="json")
+    return result
+
+
+def diagnose_sealed(recording: Recording, analysis: Analysis, place: Path) -> DiagnosisFile:
+    """Diagnose a recording whose answer is sealed, and write the verdict beside it."""
+    found = diagnose(recording, analysis).summary
+    partial = place / f"{VERDICT}.partial"
+    partial.write_bytes(json_bytes(found))
+    partial.replace(place / VERDICT)
+    return found

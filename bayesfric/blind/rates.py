@@ -1,0 +1,132 @@
+"""Rates and figures over cases, each with a 95 % interval."""
+
+from collections.abc import Iterable, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import isotonic_regression
+from scipy.stats import binomtest
+
+from bayesfric.schemas import Detected, Estimate, Rate, ReliabilityBin
+
+__all__ = ["estimate_of", "rate_of", "reliability_of", "smallest_detected"]
+
+Array = NDArray[np.float64]
+LEVEL = 0.95
+TAILS = ((1 - LEVEL) / 2, (1 + LEVEL) / 2)
+DRAWS = 2000
+RATE_DRAWS = 400
+SEED = 1987  # of the bootstrap and the consistency bands
+EDGES = (0.0, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0)
+DETECTED = 0.8  # of the cases
+
+
+def rate_of(hits: Iterable[bool]) -> Rate:
+    """Return a rate with the interval of Clopper and Pearson (Biometrika 26, 1934)."""
+    each = list(hits)
+    if not each:
+        return Rate(rate=None, rate_why="no case counts", low=0.0, high=1.0, hits=0, cases=0)
+    interval = binomtest(sum(each), len(each)).proportion_ci(LEVEL, method="exact")
+    return Rate(
+        rate=sum(each) / len(each),
+        low=float(interval.low),
+        high=float(interval.high),
+        hits=sum(each),
+        cases=len(each),
+    )
+
+
+def estimate_of(values: Sequence[float]) -> Estimate:
+    """Return a mean with the interval of its bootstrap (Efron 1979), percentiles."""
+    if not values:
+        why = "no case counts"
+        return Estimate(
+            value=None, value_why=why, low=None, low_why=why, high=None, high_why=why, cases=0
+        )
+    each = np.array(values)
+    rng = np.random.default_rng(SEED)
+    means = each[rng.integers(0, each.size, (DRAWS, each.size))].mean(axis=1)
+    low, high = (float(q) for q in np.quantile(means, TAILS))
+    return Estimate(value=float(each.mean()), low=low, high=high, cases=each.size)
+
+
+def reliability_of(probability: Sequence[float], correct: Sequence[bool]) -> list[ReliabilityBin]:
+    """Return how often verdicts of about one probability were correct.
+
+    The band is that of Bröcker and Smith (Weather and Forecasting 22, 2007): each case of
+    the bin comes true with the probability that it reported.
+
+    Parameters
+    ----------
+    probability : sequence of float
+        Of each verdict.
+    correct : sequence of bool
+        Whether it was.
+    """
+    chance, right = np.array(probability), np.array(correct, dtype=bool)
+    place = np.clip(np.searchsorted(EDGES, chance, side="right") - 1, 0, len(EDGES) - 2)
+    rng = np.random.default_rng(SEED)
+    found = []
+    for number in range(len(EDGES) - 1):
+        own = place == number
+        if not own.any():
+            continue
+        drawn = (rng.uniform(size=(DRAWS, int(own.sum()))) < chance[own]).mean(axis=1)
+        low, high = (float(q) for q in np.quantile(drawn, TAILS, method="nearest"))
+        rate = rate_of(bool(one) for one in right[own])
+        assert rate.rate is not None
+        found.append(
+            ReliabilityBin(
+                lower=EDGES[number],
+                upper=EDGES[number + 1],
+                cases=int(own.sum()),
+                probability=float(chance[own].mean()),
+                correct=rate,
+                band=(low, high),
+                inside=low - 1e-12 <= rate.rate <= high + 1e-12,
+            )
+        )
+    return found
+
+
+def smallest_detected(named: Mapping[float, Sequence[bool]]) -> Detected:
+    """Return the smallest strength that is named in 80 % of cases.
+
+    Rates are taken to grow with strength (isotonic regression), since a strength has few
+    cases; the interval is over their Jeffreys posteriors (Brown, Cai and DasGupta 2001).
+
+    Parameters
+    ----------
+    named : mapping of float to sequence of bool
+        Strength to whether the effect was named, case by case.
+    """
+    strengths = np.array(sorted(named))
+    hits = np.array([sum(named[s]) for s in strengths])
+    cases = np.array([len(named[s]) for s in strengths])
+    rng = np.random.default_rng(SEED)
+    drawn = rng.beta(hits + 0.5, cases - hits + 0.5, (RATE_DRAWS, strengths.size))
+    each = [_least(strengths, rates, cases) for rates in drawn]
+    least = _least(strengths, hits / cases, cases)
+    low, high = (float(q) for q in np.quantile(each, TAILS, method="nearest"))
+    why = "at no strength that was tried"
+    return Detected(
+        value=_finite(least),
+        value_why=None if np.isfinite(least) else why,
+        low=_finite(low),
+        low_why=None if np.isfinite(low) else why,
+        high=_finite(high),
+        high_why=None if np.isfinite(high) else why,
+        cases=int(cases.sum()),
+        tried={f"{s:g}": rate_of(named[s]) for s in sorted(named)},
+    )
+
+
+def _least(strengths: Array, rates: Array, cases: NDArray[np.int_]) -> float:
+    """Return the smallest strength whose rate is high, inf where there is none."""
+    grown = np.asarray(isotonic_regression(rates, weights=cases).x)
+    high = np.flatnonzero(grown >= DETECTED - 1e-12)
+    return float(strengths[high[0]]) if high.size else float("inf")
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None

@@ -1,0 +1,238 @@
+"""A campaign of blind cases, or one recording with its answer, to a scorecard."""
+
+import hashlib
+import json
+import subprocess
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.blind.answers import read_answer
+from bayesfric.blind.case import catalogue_of, diagnose_sealed, run_case
+from bayesfric.blind.design import SCORING_FROM, cases_from_prior, cases_of
+from bayesfric.blind.envelope import open_envelope, seal
+from bayesfric.blind.scorecard import scorecard_of
+from bayesfric.blind.scoring import score
+from bayesfric.campaign import cluster, run_campaign, run_on_processes
+from bayesfric.effects import all_effects
+from bayesfric.errors import Fault, InputError
+from bayesfric.recording.tables import Recording
+from bayesfric.results import json_bytes, package_versions, replace_outputs
+from bayesfric.schemas import RecordingId, ScorecardFile, ScoredCase
+
+__all__ = ["run_blind", "score_recording"]
+
+CASES = "blind"
+"""Folder of the cases beside ``scorecard.json``."""
+LOG = "log.jsonl"
+
+
+def run_blind(
+    folder: Path | str,
+    *,
+    engine: str = "reference",
+    number: int = 30,
+    first_seed: int = SCORING_FROM,
+    from_prior: bool = False,
+    workers: int = 1,
+    scheduler: str | None = None,
+    analysis: Analysis | None = None,
+    so_far: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> ScorecardFile:
+    """Diagnose recordings whose effect is withheld, and write ``scorecard.json``.
+
+    Cases that are done are kept under ``blind/``, so that a campaign that was killed goes
+    on where it stopped, and one of more cases continues one of fewer.
+
+    Parameters
+    ----------
+    folder : Path or str
+        Created if it is not there.
+    engine : str
+        Who makes the recordings.
+    number : int
+        Of cases.
+    first_seed : int
+        Of the first case; below 10,000 for tuning, from there on for scoring.
+    from_prior : bool
+        Whether hypotheses are drawn from the prior that a diagnosis reports, instead of
+        laid out.
+    workers : int
+        Processes of this machine; any number gives the same scorecard.
+    scheduler : str or None
+        Address of a Dask scheduler, whose workers take the place of processes.
+    analysis : Analysis or None
+        Of every diagnosis, but for its seed.
+    so_far : bool
+        Score the cases that are done, and run none.
+    progress : callable or None
+        Called with the cases done and the cases in all.
+
+    Returns
+    -------
+    ScorecardFile
+        What was written.
+
+    Raises
+    ------
+    InputError
+        An engine, number or seed that there is not, a scheduler that does not answer,
+        nothing done where `so_far` asks for it, or a folder that cannot be written.
+    """
+    folder = Path(folder)
+    analysis = Analysis() if analysis is None else analysis
+    lay_out = cases_from_prior if from_prior else cases_of
+    catalogue = catalogue_of(engine)
+    cases = lay_out(catalogue, number, first_seed, engine=engine)
+    design = next(iter(cases.values())).design
+    hypotheses = "prior" if from_prior else "design"
+    key = {
+        "engine": engine,
+        "catalogue": [sorted(catalogue.effects.items()), catalogue.outsiders],
+        "design": design,
+        "hypotheses": hypotheses,
+        "first_seed": first_seed,  # what a seed's case is depends on where the campaign begins
+        "analysis_sha256": analysis_sha256(analysis),
+        "versions": package_versions(),
+    }
+    kept = _kept(folder, key)
+    if so_far:
+        cases = {name: case for name, case in cases.items() if _done(kept, name).is_file()}
+        if not cases:
+            raise InputError([Fault(str(kept), "a case that is done, of these seeds")])
+    _write_log(
+        folder,
+        engine=engine,
+        design=design,
+        hypotheses=hypotheses,
+        seed=first_seed,
+        number=number,
+        scoring=first_seed >= SCORING_FROM,
+        analysis_sha256=analysis_sha256(analysis),
+        so_far=so_far,
+    )
+    work, results = partial(run_case, folder=kept, analysis=analysis), kept / "scored"
+    if scheduler is not None:
+        with cluster(scheduler) as executor:
+            found = run_campaign(work, cases, results, executor, progress)
+    else:
+        found = run_on_processes(work, cases, results, workers, progress)
+    scorecard = scorecard_of(
+        [ScoredCase.model_validate_json(json.dumps(one)) for one in found.values()],
+        analysis=analysis,
+        engine=engine,
+        design=design,
+        seed=first_seed,
+        planned=number,
+        hypotheses="prior" if from_prior else "design",
+    )
+    _write(folder, scorecard)
+    return scorecard
+
+
+def score_recording(
+    folder: Path | str,
+    recording: Recording,
+    answer: Path | str,
+    analysis: Analysis | None = None,
+) -> ScorecardFile:
+    """Seal a user's answer, diagnose the recording, open the answer, and write the scorecard.
+
+    Parameters
+    ----------
+    folder : Path or str
+        Created if it is not there.
+    recording : Recording
+        What is diagnosed.
+    answer : Path or str
+        A JSON file, see :class:`bayesfric.blind.answers.Answer`.
+    analysis : Analysis or None
+        Of the diagnosis.
+
+    Raises
+    ------
+    InputError
+        The answer is none, or the recording has nothing to diagnose.
+    """
+    folder, analysis = Path(folder), Analysis() if analysis is None else analysis
+    truth = read_answer(Path(answer))
+    public = {
+        "name": recording.name,
+        "seed": analysis.seed,
+        "engine": "user",
+        "design": "user",
+        "recording_sha256": recording.sha256,
+    }
+    place = folder / CASES / f"user-{recording.sha256[:12]}"
+    try:
+        digest = seal(place, truth, public, analysis.seed)
+    except OSError as error:
+        expected = f"a folder that can be written ({error.strerror or error})"
+        raise InputError([Fault(str(folder), expected)]) from error
+    found = diagnose_sealed(recording, analysis, place)
+    scored = score(
+        public | {"envelope_sha256": digest},
+        open_envelope(place),
+        found,
+        gap=None,
+        true_shrink=None,
+        oracle_power=None,
+        known=all_effects(),
+    )
+    identity = RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256)
+    scorecard = scorecard_of(
+        [scored],
+        analysis=analysis,
+        engine="user",
+        design="user",
+        seed=analysis.seed,
+        planned=1,
+        hypotheses="user",
+        recording=identity,
+    )
+    _write(folder, scorecard)
+    return scorecard
+
+
+def _kept(folder: Path, key: dict[str, Any]) -> Path:
+    """Return where the cases of such a campaign are kept: those of another one never mix in."""
+    digest = hashlib.sha256(json.dumps(key, sort_keys=True).encode()).hexdigest()
+    return folder.resolve() / CASES / digest[:12]
+
+
+def _done(kept: Path, name: str) -> Path:
+    return kept / "scored" / f"{name}.json"
+
+
+def _write(folder: Path, scorecard: ScorecardFile) -> None:
+    replace_outputs(
+        folder, {"scorecard.json": lambda path: path.write_bytes(json_bytes(scorecard))}
+    )
+
+
+def _write_log(folder: Path, **entry: Any) -> None:
+    """Append a line to the log of campaigns."""
+    record = entry | {"versions": package_versions(), "commit": _commit()}
+    try:
+        (folder / CASES).mkdir(parents=True, exist_ok=True)
+        with (folder / CASES / LOG).open("a", encoding="utf-8") as stream:
+            stream.write(json.dumps(record, sort_keys=True, allow_nan=False) + "\n")
+    except OSError as error:
+        expected = f"a folder that can be written ({error.strerror or error})"
+        raise InputError([Fault(str(folder), expected)]) from error
+
+
+def _commit() -> str | None:
+    """Return the commit of the source tree, marked where files differ; None outside of one."""
+    root = Path(__file__).resolve().parents[2]
+    if not ((root / ".git").exists() and (root / "pyproject.toml").is_file()):
+        return None
+    command = ["git", "describe", "--always", "--dirty", "--abbrev=12"]
+    try:
+        done = subprocess.run(command, cwd=root, capture_output=True, text=True, check=False)
+    except OSError:
+        return None
+    return done.stdout.strip() or None

@@ -1,0 +1,229 @@
+"""Scored cases to the scorecard: counts, rates with intervals, and what was promised."""
+
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Sequence
+from typing import Literal
+
+import numpy as np
+
+from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.blind.design import SCORING_FROM
+from bayesfric.blind.rates import estimate_of, rate_of, reliability_of, smallest_detected
+from bayesfric.blind.scoring import OTHERS
+from bayesfric.results import created_date, package_versions
+from bayesfric.schemas import (
+    Confusion,
+    Detected,
+    Oracle,
+    Rate,
+    RecordingId,
+    ScorecardFile,
+    ScoredCase,
+    Target,
+)
+
+__all__ = ["BELOW", "scorecard_of"]
+
+BELOW = "below practical share"
+"""Row of the confusion matrix: withheld, and too small to count."""
+KINDS = ("none", "effect", "pair", "outsider")
+SETUP_LIMITED = ("pulley-count-curvature", "wrap-curvature", "wrap-intercept")
+LEAST_CHANCE = 1e-6  # a probability below it is scored as this
+PROMISED = {"1/own": 0.95, "1/foreign": 0.90, "0.3/own": 0.85, "0.3/foreign": 0.75}
+
+
+def scorecard_of(
+    cases: Sequence[ScoredCase],
+    *,
+    analysis: Analysis,
+    engine: str,
+    design: str,
+    seed: int,
+    planned: int,
+    hypotheses: Literal["design", "prior", "user"] = "design",
+    recording: RecordingId | None = None,
+) -> ScorecardFile:
+    """Return the scorecard of the cases that are done.
+
+    Parameters
+    ----------
+    cases : sequence of ScoredCase
+        In the order of the campaign.
+    analysis : Analysis
+        Of every diagnosis, but for its seed.
+    engine, design : str
+        Who made the recordings, and after which protocol.
+    seed : int
+        Of the first case.
+    planned : int
+        Cases of the whole campaign.
+    hypotheses : {"design", "prior", "user"}
+        Where the hypotheses come from.
+    recording : RecordingId or None
+        A user's.
+    """
+    rates = _rates(cases)
+    return ScorecardFile(
+        seed=seed,
+        versions=package_versions(),
+        recording=recording,
+        recording_why=None if recording else "a campaign makes a recording for each case",
+        analysis_sha256=analysis_sha256(analysis),
+        created=(created := created_date(None)),
+        created_why=None if created else "SOURCE_DATE_EPOCH is not set",
+        engine=engine,
+        design=design,
+        hypotheses=hypotheses,
+        scoring=hypotheses != "user" and seed >= SCORING_FROM,
+        planned=planned,
+        practical_share=analysis.diagnosis.practical_share,
+        cases=tuple(cases),
+        confusion=_confusion(cases),
+        accuracy=rate_of(case.correct for case in cases),
+        accuracy_by_kind={
+            kind: rate_of(case.correct for case in cases if case.kind == kind) for kind in KINDS
+        },
+        named_rate=_named_rates(cases),
+        **rates,
+        remainder_rate={
+            form: rate_of(
+                case.remainder_significant
+                for case in _effects(cases)
+                if case.own is (form == "own")
+            )
+            for form in ("own", "foreign")
+        },
+        reliability=tuple(
+            reliability_of([case.probability for case in cases], [c.correct for c in cases])
+        ),
+        brier=estimate_of([(case.probability - case.correct) ** 2 for case in cases]),
+        log_score=estimate_of([_log_score(case) for case in cases]),
+        smallest_detected=_smallest(cases),
+        oracle=_oracle(cases),
+        targets=_targets(cases, rates),
+    )
+
+
+def _effects(cases: Iterable[ScoredCase]) -> list[ScoredCase]:
+    """Return cases of one effect that the diagnosis knows and that is there to be seen."""
+    return [case for case in cases if case.kind == "effect" and not case.counts_as_none]
+
+
+def _named(case: ScoredCase) -> bool:
+    return case.verdict == "named" and not case.falsely_named
+
+
+def _rates(cases: Sequence[ScoredCase]) -> dict[str, Rate]:
+    def over(hit: Callable[[ScoredCase], bool], counts: Callable[[ScoredCase], bool]) -> Rate:
+        return rate_of(hit(case) for case in cases if counts(case))
+
+    return {
+        "false_naming_rate": over(lambda c: c.falsely_named, lambda c: c.counts_as_none),
+        "false_alarm_rate": over(lambda c: c.verdict != "no-gap", lambda c: c.kind == "none"),
+        "unknown_detection_rate": over(
+            lambda c: c.flagged, lambda c: c.kind == "outsider" and not c.counts_as_none
+        ),
+        "pair_rate": over(_named, lambda c: c.kind == "pair" and not c.counts_as_none),
+        "shrink_coverage": over(
+            lambda c: bool(c.shrink_covered), lambda c: c.shrink_covered is not None
+        ),
+        "parameter_coverage": rate_of(
+            inside for case in cases for _, inside in sorted(case.parameters_covered.items())
+        ),
+    }
+
+
+def _named_rates(cases: Sequence[ScoredCase]) -> dict[str, Rate]:
+    found: dict[tuple[float, str], list[bool]] = defaultdict(list)
+    for case in _effects(cases):
+        for strength in case.strength.values():
+            found[strength, "own" if case.own else "foreign"].append(_named(case))
+    ranked = sorted(found, key=lambda key: (-key[0], key[1] != "own"))
+    return {f"{strength:g}/{form}": rate_of(found[strength, form]) for strength, form in ranked}
+
+
+def _log_score(case: ScoredCase) -> float:
+    chance = case.probability if case.correct else 1 - case.probability
+    return float(np.log(max(chance, LEAST_CHANCE)))
+
+
+def _smallest(cases: Sequence[ScoredCase]) -> dict[str, Detected]:
+    found: dict[str, dict[float, list[bool]]] = defaultdict(lambda: defaultdict(list))
+    for case in cases:
+        if case.kind == "effect" and case.strength:
+            (name,) = case.withheld
+            found[name][case.strength[name]].append(_named(case))
+    return {name: smallest_detected(found[name]) for name in sorted(found)}
+
+
+def _oracle(cases: Sequence[ScoredCase]) -> tuple[Oracle, ...]:
+    found: dict[tuple[str, float], list[ScoredCase]] = defaultdict(list)
+    for case in cases:
+        if case.kind == "effect" and case.withheld[0] in SETUP_LIMITED and case.strength:
+            found[case.withheld[0], case.strength[case.withheld[0]]].append(case)
+    rows = []
+    for effect, strength in sorted(found):
+        own = [case for case in found[effect, strength] if case.oracle_power is not None]
+        if own:
+            power = float(np.mean([case.oracle_power for case in own]))
+            named = rate_of(_named(case) for case in own)
+            rows.append(Oracle(effect=effect, strength=strength, named=named, power=power))
+    return tuple(rows)
+
+
+def _confusion(cases: Sequence[ScoredCase]) -> Confusion:
+    def row(case: ScoredCase) -> str:
+        if case.kind == "none":
+            return "none"
+        if case.counts_as_none:
+            return BELOW
+        return case.withheld[0] if case.kind == "effect" else case.kind
+
+    counts = Counter((row(case), case.outcome) for case in cases)
+    ends = {"none", BELOW, "pair", "outsider", OTHERS, "unknown", "unseparated"}
+    effects = sorted({name for pair in counts for name in pair} - ends)
+    rows = ("none", BELOW, *effects, "pair", "outsider")
+    columns = ("none", *effects, "pair", OTHERS, "unknown", "unseparated")
+    return Confusion(
+        rows=rows,
+        columns=columns,
+        counts=tuple(tuple(counts[one, other] for other in columns) for one in rows),
+    )
+
+
+def _targets(cases: Sequence[ScoredCase], rates: dict[str, Rate]) -> tuple[Target, ...]:
+    named, empty = _named_rates(cases), rate_of([])
+
+    def remainder(own: bool) -> Rate:
+        return rate_of(c.remainder_significant for c in _effects(cases) if c.own is own)
+
+    words = {"1": "full strength", "0.3": "strength 0.3"}
+    given: list[tuple[str, Rate, float | None, float | None]] = []
+    for key, least in PROMISED.items():
+        strength, form = key.split("/")
+        given.append((f"{words[strength]} named, {form} form", named.get(key, empty), least, None))
+    none = rate_of(c.falsely_named for c in cases if c.kind == "none")
+    given += [
+        ("no effect, falsely named", none, None, 0.02),
+        ("outsiders flagged", rates["unknown_detection_rate"], 0.9, None),
+        ("significant remainder, own form", remainder(True), None, 0.1),
+        ("significant remainder, foreign form", remainder(False), None, 0.2),
+        ("both of a pair named", rates["pair_rate"], 0.8, None),
+        ("90 % intervals of shrink", rates["shrink_coverage"], 0.85, 0.95),
+        ("90 % intervals of parameters, own forms", rates["parameter_coverage"], 0.85, 0.95),
+    ]
+    return tuple(_target(*one) for one in given)
+
+
+def _target(name: str, rate: Rate, least: float | None, most: float | None) -> Target:
+    met = None
+    if rate.rate is not None:
+        met = (least is None or rate.rate >= least) and (most is None or rate.rate <= most)
+    return Target(
+        name=name,
+        rate=rate,
+        at_least=least,
+        at_most=most,
+        met=met,
+        met_why=None if met is not None else "no case counts",
+    )

@@ -1,0 +1,183 @@
+"""What a verdict is worth once the envelope is open."""
+
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any
+
+from bayesfric.schemas import DiagnosisFile, ScoredCase
+
+__all__ = ["FLAG_SHARE", "OTHERS", "score"]
+
+FLAG_SHARE = 0.1  # of the gap: a remainder's 5 % quantile from which on it flags an outsider
+NO_TRUE_SHRINK = "no gap without noise that causes could take up, or none is known"
+NO_ORACLE = "nothing is withheld, or nobody made this recording without noise"
+NOT_COVERED = "not rightly named, or the shrink or its true value does not exist"
+OTHERS = "other-combination"
+"""Column of joint verdicts that are not the pair withheld."""
+
+
+def score(
+    public: Mapping[str, Any],
+    truth: Mapping[str, Any],
+    found: DiagnosisFile,
+    *,
+    gap: float | None,
+    true_shrink: float | None,
+    oracle_power: float | None,
+    known: Collection[str],
+) -> ScoredCase:
+    """Compare a verdict with the truth.
+
+    A case counts as ``none`` where nothing is withheld, or where what is withheld leaves
+    less than ``practical_share`` once the baseline is refitted; there ``no-gap`` is
+    correct, and so is naming what is there all the same. An effect is named where the
+    causes are exactly those withheld, or effects that the diagnosis itself calls
+    identical to them on this rig. An effect that the diagnosis does not know is flagged
+    by ``unknown``, or by a significant remainder on a true axis.
+
+    Parameters
+    ----------
+    public : mapping
+        ``name``, ``seed``, ``engine``, ``design`` and ``envelope_sha256`` of the case.
+    truth : mapping
+        ``withheld``: a list with ``name``, and where known ``form``, ``own``,
+        ``strength``, ``parameters`` and ``axes`` of each effect.
+    found : DiagnosisFile
+        The verdict.
+    gap : float or None
+        Noise-free gap over rms friction, after the baseline is refitted; None where
+        nobody knows it, as with a user's recording.
+    true_shrink : float or None
+        What the named causes take of the noise-free gap, squared.
+    oracle_power : float or None
+        Of the best test that knows what is withheld, likewise.
+    known : collection of str
+        Effects that the diagnosis examines.
+    """
+    withheld: Sequence[Mapping[str, Any]] = truth["withheld"]
+    names = [str(one["name"]) for one in withheld]
+    kind = _kind(names, known)
+    as_none = not names or (gap is not None and gap < found.practical_share)
+    named = found.verdict == "named" and kind != "outsider" and _is_named(names, found)
+    flagged = found.verdict == "unknown" or _remainder_flags(withheld, found)
+    correct = named or (kind == "outsider" and flagged)
+    if as_none:
+        correct = correct or found.verdict == "no-gap"
+    own = [bool(one.get("own", False)) for one in withheld]
+    strengths = {str(one["name"]): float(one["strength"]) for one in withheld if "strength" in one}
+    shrink = found.gap.shrink
+    covered = None
+    if named and shrink is not None and true_shrink is not None:
+        covered = shrink.q05 <= true_shrink <= shrink.q95
+    why = None
+    if gap is None:
+        why = "nobody made this recording without noise"
+    return ScoredCase(
+        **{key: public[key] for key in ("name", "seed", "engine", "design", "envelope_sha256")},
+        kind=kind,
+        withheld=tuple(names),
+        form=tuple(str(one.get("form", "")) for one in withheld),
+        own=all(own) if names else None,
+        own_why=None if names else "nothing is withheld",
+        strength=strengths,
+        noise_free_gap=gap,
+        noise_free_gap_why=why,
+        oracle_power=oracle_power,
+        oracle_power_why=None if oracle_power is not None else NO_ORACLE,
+        counts_as_none=as_none,
+        verdict=found.verdict,
+        causes=tuple(cause.effect for cause in found.causes),
+        outcome=_outcome(names, kind, named, found),
+        correct=correct,
+        probability=found.verdict_probability,
+        truth_probability=_truth_probability(names, kind, as_none, found),
+        falsely_named=found.verdict == "named" and not named,
+        flagged=flagged,
+        remainder_significant=found.remainder.significant,
+        shrink=shrink,
+        shrink_why=None if shrink is not None else found.gap.shrink_why,
+        true_shrink=true_shrink,
+        true_shrink_why=None if true_shrink is not None else NO_TRUE_SHRINK,
+        shrink_covered=covered,
+        shrink_covered_why=None if covered is not None else NOT_COVERED,
+        parameters_covered=_covered(withheld, found) if named else {},
+    )
+
+
+def _kind(names: Sequence[str], known: Collection[str]) -> str:
+    if not names:
+        return "none"
+    if any(name not in known for name in names):
+        return "outsider"
+    return "effect" if len(names) == 1 else "pair"
+
+
+def _twins(found: DiagnosisFile) -> list[set[str]]:
+    return [set(one.effects) for one in found.unseparated if one.reason == "identical-on-this-rig"]
+
+
+def _stands_for(name: str, cause: str, twins: Sequence[set[str]]) -> bool:
+    """Return whether a cause is an effect, or of its class, which is reported whole."""
+    return name == cause or any({name, cause} <= alike for alike in twins)
+
+
+def _is_named(names: Sequence[str], found: DiagnosisFile) -> bool:
+    causes, twins = [cause.effect for cause in found.causes], _twins(found)
+    return (
+        len(causes) == len(names)
+        and all(any(_stands_for(name, cause, twins) for cause in causes) for name in names)
+        and all(any(_stands_for(name, cause, twins) for name in names) for cause in causes)
+    )
+
+
+def _remainder_flags(withheld: Sequence[Mapping[str, Any]], found: DiagnosisFile) -> bool:
+    axes = {str(axis) for one in withheld for axis in one.get("axes", ())}
+    left = found.remainder
+    share = left.share_of_gap
+    return left.significant and left.axis in axes and share is not None and share.q05 > FLAG_SHARE
+
+
+def _outcome(names: Sequence[str], kind: str, named: bool, found: DiagnosisFile) -> str:
+    """Return the column of the confusion matrix."""
+    if found.verdict == "no-gap":
+        return "none"
+    if found.verdict in ("unknown", "unseparated"):
+        return found.verdict
+    if named:
+        return names[0] if kind == "effect" else "pair"
+    causes = [cause.effect for cause in found.causes]
+    return causes[0] if len(causes) == 1 else OTHERS
+
+
+def _truth_probability(
+    names: Sequence[str], kind: str, as_none: bool, found: DiagnosisFile
+) -> float:
+    """Return the posterior probability of the hypothesis that is true."""
+    if as_none:
+        return found.probabilities.get("none", 0.0)
+    if kind == "outsider":
+        return found.probabilities.get("unknown", 0.0)
+    twins = _twins(found)
+
+    def is_true(hypothesis: str) -> bool:
+        parts = hypothesis.split("+")
+        return len(parts) == len(names) and all(
+            any(_stands_for(name, part, twins) for part in parts) for name in names
+        )
+
+    return sum(chance for name, chance in found.probabilities.items() if is_true(name))
+
+
+def _covered(withheld: Sequence[Mapping[str, Any]], found: DiagnosisFile) -> dict[str, bool]:
+    """Return whether 90 % intervals of parameters hold the truth, for forms of our own."""
+    causes = {cause.effect: cause for cause in found.causes}
+    covered = {}
+    for one in withheld:
+        cause = causes.get(str(one["name"]))
+        if cause is None or not one.get("own", False):
+            continue
+        for name, value in sorted(one.get("parameters", {}).items()):
+            interval = cause.parameters.get(name)
+            if interval is not None and isinstance(value, int | float):
+                inside = interval.q05 <= float(value) <= interval.q95
+                covered[f"{cause.effect}.{name}"] = inside
+    return covered

@@ -1,0 +1,106 @@
+"""``bayesfric blind``: the diagnosis on recordings whose effect is withheld."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from bayesfric.cli.exits import exit_status, fail_on
+from bayesfric.cli.options import Config, FailOn, Folder, Quiet, Workers
+
+__all__ = ["blind"]
+
+
+@exit_status
+def blind(
+    output: Folder = Path("bayesfric-run"),
+    engine: Annotated[
+        str, typer.Option("--engine", help="Who makes the recordings: reference or mujoco.")
+    ] = "reference",
+    number: Annotated[
+        int, typer.Option("--n", min=1, help="Cases; with more, a campaign is continued.")
+    ] = 30,
+    workers: Workers = 1,
+    scheduler: Annotated[
+        str | None,
+        typer.Option("--scheduler", help="Of a Dask cluster that runs the cases: tcp://host:8786."),
+    ] = None,
+    from_prior: Annotated[
+        bool, typer.Option("--from-prior", help="Draw what is withheld from the reported prior.")
+    ] = False,
+    so_far: Annotated[
+        bool, typer.Option("--so-far", help="Score the cases that are done, and run none.")
+    ] = False,
+    recording: Annotated[
+        Path | None,
+        typer.Option("--from", help="Folder of a recording of your own, instead of a campaign."),
+    ] = None,
+    answer: Annotated[
+        Path | None,
+        typer.Option(
+            "--answer",
+            help='What is there, as JSON: {"withheld": [{"name": "viscous"}]}, or {"withheld": '
+            '[]}. An effect that bayesfric does not have needs "axes" as well, as in ["tension"]. '
+            "Its SHA-256 is written down before the recording is diagnosed.",
+        ),
+    ] = None,
+    seed: Annotated[
+        int | None,
+        typer.Option(
+            "--seed", min=0, help="Of the first case; else 10000. With --from, of the diagnosis."
+        ),
+    ] = None,
+    config: Config = None,
+    quiet: Quiet = False,
+    fail_on_list: FailOn = "",
+) -> None:
+    """Diagnose recordings whose effect is withheld; write scorecard.json.
+
+    The seed is that of the first case: below 10,000 for tuning, from there on for
+    scoring (the default). Cases that are done are kept under blind/.
+
+    Example: bayesfric blind -o my-scorecard --n 60 --workers 2
+    """
+    from bayesfric.analysis import read_analysis
+    from bayesfric.blind.design import SCORING_FROM
+    from bayesfric.blind.running import run_blind, score_recording
+    from bayesfric.cli.progress import progress_bar
+    from bayesfric.errors import Fault, InputError
+    from bayesfric.recording import read_recording
+
+    fail_on(fail_on_list, set())  # an unknown name is told before the work
+    if (recording is None) != (answer is None):
+        missing = "--from" if recording is None else "--answer"
+        expected = "--from RECORDING and --answer FILE together"
+        raise InputError([Fault("command line", expected, column=missing)])
+    if recording is not None and answer is not None:
+        scorecard = score_recording(
+            output, read_recording(recording), answer, read_analysis(config, seed=seed)
+        )
+        (case,) = scorecard.cases
+        right = "correct" if case.correct else "not correct"
+        said = ", ".join(case.causes) or "no cause"
+        typer.echo(f"{case.verdict} ({said}): {right}")
+        fail_on(fail_on_list, set() if case.verdict == "no-gap" else {"gap"})
+        return
+    with progress_bar("blind", quiet=quiet) as progress:
+        scorecard = run_blind(
+            output,
+            engine=engine,
+            number=number,
+            first_seed=SCORING_FROM if seed is None else seed,
+            from_prior=from_prior,
+            workers=workers,
+            scheduler=scheduler,
+            analysis=read_analysis(config),
+            so_far=so_far,
+            progress=progress,
+        )
+    typer.echo(f"{scorecard.accuracy.hits} of {scorecard.accuracy.cases} verdicts are correct")
+    for target in scorecard.targets:
+        if target.rate.rate is not None:
+            met = "met" if target.met else "missed"
+            typer.echo(
+                f"  {target.name:<42} {target.rate.rate:6.1%} "
+                f"[{target.rate.low:.1%}, {target.rate.high:.1%}] {met}"
+            )

@@ -1,0 +1,107 @@
+"""The scorecard of the diagnosis on data whose effect is withheld."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from bayesfric.plots.labels import plain
+from bayesfric.plots.style import COLORS, NEUTRAL, figure, halves
+from bayesfric.schemas import Confusion, ReliabilityBin, ScorecardFile, Target
+
+__all__ = ["confusion_matrix", "promises_and_reliability"]
+
+ROW_MM = 4.4
+SMALLEST_DOT, LARGEST_DOT = 3.0, 9.0  # of a bin with few and with many cases
+
+
+def promises_and_reliability(card: ScorecardFile) -> Figure:
+    """Draw rates with intervals against what was promised, and the reliability diagram.
+
+    Parameters
+    ----------
+    card : ScorecardFile
+        ``scorecard.json``.
+
+    Returns
+    -------
+    Figure
+        Left a row a promise: the rate, its 95 % interval, and the range that is promised;
+        right how often verdicts were correct over the probability that they reported.
+    """
+    with figure(height=76.0) as fig:
+        left, right = halves(fig, 8, 5)
+        _promises(left.subplots(), card.targets)
+        _reliability(right.subplots(), card.reliability)
+        return fig
+
+
+def _promises(panel: Axes, targets: tuple[Target, ...]) -> None:
+    names = []
+    for place, target in enumerate(targets):
+        names.append(target.name)
+        low = 0.0 if target.at_least is None else 100 * target.at_least
+        high = 100.0 if target.at_most is None else 100 * target.at_most
+        panel.barh(place, high - low, left=low, height=0.8, color="#dcebf5", zorder=1)
+        rate = target.rate
+        if rate.rate is None:
+            panel.text(50, place, "no case", ha="center", va="center", fontsize=6.5, color=NEUTRAL)
+            continue
+        color = COLORS["green"] if target.met else COLORS["vermilion"]
+        panel.plot([100 * rate.low, 100 * rate.high], [place, place], color=color, linewidth=1.6)
+        panel.plot(100 * rate.rate, place, "o" if target.met else "X", color=color, markersize=5)
+        panel.text(
+            103, place, f"{rate.hits}/{rate.cases}", va="center", fontsize=6.5, clip_on=False
+        )
+    panel.set_yticks(range(len(names)), names, fontsize=7)
+    panel.set_ylim(len(names) - 0.4, -0.6)
+    panel.set_xlim(-2.0, 102.0)
+    panel.set_xlabel("rate [%]; shaded: promised")
+    panel.grid(visible=False, axis="y")
+
+
+def _reliability(panel: Axes, bins: tuple[ReliabilityBin, ...]) -> None:
+    panel.plot([0, 1], [0, 1], color=NEUTRAL, linewidth=0.8, zorder=1)
+    most = max((one.cases for one in bins), default=1)
+    for one in bins:
+        assert one.correct.rate is not None
+        x, color = one.probability, COLORS["blue"] if one.inside else COLORS["vermilion"]
+        panel.plot([x, x], list(one.band), color="#c9c9c9", linewidth=6, solid_capstyle="butt")
+        size = SMALLEST_DOT + (LARGEST_DOT - SMALLEST_DOT) * np.sqrt(one.cases / most)
+        panel.plot(x, one.correct.rate, "o" if one.inside else "X", color=color, markersize=size)
+    panel.set_xlim(0.0, 1.02)
+    panel.set_ylim(-0.02, 1.02)
+    panel.set_xlabel("probability of the verdict")
+    panel.set_ylabel("share of correct verdicts")
+    panel.set_title("grey: 95 % band if probabilities are true", fontsize=7)
+
+
+def confusion_matrix(confusion: Confusion) -> Figure:
+    """Draw what was withheld against what was said, shares of a row as shades.
+
+    Parameters
+    ----------
+    confusion : Confusion
+        Of ``scorecard.json``.
+    """
+    shown = [k for k, row in enumerate(confusion.counts) if sum(row)]
+    counts = np.array([confusion.counts[k] for k in shown], dtype=np.float64)
+    counts = counts.reshape(len(shown), len(confusion.columns))
+    rows = [confusion.rows[k] for k in shown]
+    with figure(height=34.0 + ROW_MM * len(rows)) as fig:
+        panel = fig.subplots()
+        share = counts / counts.sum(axis=1, keepdims=True)
+        panel.imshow(share, cmap="Blues", vmin=0.0, vmax=1.3, aspect="auto")
+        for (row, column), count in np.ndenumerate(counts):
+            if count:
+                right = rows[row] == confusion.columns[column]
+                weight = "bold" if right else "normal"
+                panel.text(
+                    column, row, f"{count:.0f}", ha="center", va="center", fontsize=6, weight=weight
+                )
+        panel.set_xticks(range(len(confusion.columns)), [plain(c) for c in confusion.columns])
+        panel.tick_params(axis="x", rotation=90, labelsize=6.5)
+        panel.set_yticks(range(len(rows)), [plain(name) for name in rows], fontsize=6.5)
+        panel.set_xlabel("verdict")
+        panel.set_ylabel("withheld")
+        panel.grid(visible=False)
+        return fig

@@ -1,0 +1,275 @@
+"""The diagnosis on data whose effect is withheld: what was promised, and what came of it."""
+
+from collections.abc import Iterator
+
+from bayesfric.plots.scorecard import confusion_matrix, promises_and_reliability
+from bayesfric.plots.style import to_svg
+from bayesfric.report.content import (
+    Block,
+    Code,
+    Column,
+    Figure,
+    Heading,
+    Inline,
+    Notice,
+    PageBreak,
+    Paragraph,
+    Reference,
+    Strong,
+    Table,
+    Text,
+)
+from bayesfric.report.quantities import MISSING, format_fixed, format_share
+from bayesfric.report.stored import StoredResults
+from bayesfric.schemas import Estimate, Rate, ScorecardFile, Target
+
+__all__ = ["blind", "blind_chapter", "scorecard_line", "scored_from"]
+
+SOURCES = {
+    "design": "Kinds and strengths are laid out in fixed proportions.",
+    "prior": "What is withheld is drawn from the prior that a diagnosis reports.",
+    "user": "The recording and its answer are a user's.",
+}
+
+
+def blind(stored: StoredResults) -> Iterator[Block]:
+    """Yield the chapter, where there is a scorecard."""
+    if stored.scorecard is not None:
+        yield from blind_chapter(stored.scorecard)
+
+
+def scorecard_line(card: ScorecardFile) -> Notice:
+    """Return the outcome for a report's first page."""
+    missed = [target.name for target in card.targets if target.met is False]
+    kept = sum(target.met is True for target in card.targets)
+    said = f"{_of(card.accuracy)} verdicts are correct; {kept} promises are kept"
+    which = f": {'; '.join(missed)}" if missed else ""
+    return Notice(
+        "attention" if missed else "good",
+        [f"{said}, {len(missed)} missed{which}. See ", Reference("blind"), "."],
+        title="Data whose effect is withheld",
+    )
+
+
+def blind_chapter(card: ScorecardFile) -> Iterator[Block]:
+    """Yield how the cases were made, the promises, and every rate."""
+    yield PageBreak()
+    yield Heading(1, "The diagnosis where it is not told", label="blind")
+    yield Paragraph(
+        [
+            f"{len(card.cases)} of {card.planned} cases are done. In each, something is withheld "
+            "from the diagnosis, or nothing; the truth is sealed in a file whose SHA-256 is "
+            "written down before the verdict is computed, and opened after it is written. ",
+            SOURCES[card.hypotheses],
+            f" Recordings are by: {card.engine}, protocol: {card.design}. ",
+            *_seeds(card),
+            "A case whose gap without noise, after the baseline is refitted, is below "
+            f"{format_share(card.practical_share)} of rms friction counts as none. An effect "
+            "counts as named where the causes are exactly those withheld, or of a class that the "
+            "diagnosis itself reports as identical on this rig.",
+        ]
+    )
+    yield _promises(card)
+    yield _figure(card)
+    yield from _tables(card)
+
+
+def _seeds(card: ScorecardFile) -> list[Inline | str]:
+    if card.hypotheses == "user":
+        return []
+    which = "scoring" if card.scoring else "tuning"
+    words = f"The seeds, from {card.seed} on, are those of {which}"
+    if card.scoring:
+        return [f"{words}. "]
+    return [Strong(f"{words}: these rates are no proof."), " "]
+
+
+def _promises(card: ScorecardFile) -> Table:
+    return Table(
+        "What was promised, and what came of it.",
+        [
+            "promise",
+            Column("range", align="right"),
+            Column("rate", align="right"),
+            Column("95 % interval", align="right"),
+            Column("cases", align="right"),
+            "kept",
+        ],
+        [
+            [
+                target.name,
+                _range(target),
+                *_cells(target.rate),
+                _kept(target.met),
+            ]
+            for target in card.targets
+        ],
+        label="promises",
+        note="A promise is kept if the rate keeps it; the interval is that of Clopper and Pearson.",
+    )
+
+
+def _kept(met: bool | None) -> Text:
+    if met is None:
+        return MISSING
+    return "yes" if met else Strong("no")
+
+
+def _figure(card: ScorecardFile) -> Figure:
+    kept = sum(target.met is True for target in card.targets)
+    counted = sum(target.met is not None for target in card.targets)
+    inside = sum(one.inside for one in card.reliability)
+    return Figure(
+        to_svg(promises_and_reliability(card)),
+        [
+            "Left: rates with 95 % intervals; what is promised is shaded, a cross is a miss. "
+            "Right: how often verdicts are correct over the probability that they report, a dot "
+            "for each range of it; grey bars hold 95 % of what true probabilities would give. "
+            "From ",
+            Code("scorecard.json"),
+            ".",
+        ],
+        f"Left, a dot with an interval for each promise; {kept} of {counted} are kept. Right, the "
+        f"share of correct verdicts over their probability; {inside} of {len(card.reliability)} "
+        "points lie in their band.",
+        label="scorecard",
+        here=True,
+    )
+
+
+def _tables(card: ScorecardFile) -> Iterator[Block]:
+    yield Heading(2, "What was withheld and what was said")
+    yield Figure(
+        to_svg(confusion_matrix(card.confusion)),
+        [
+            "Cases by what was withheld and what the verdict said; shades are shares of a row, "
+            "bold numbers are right. For an outsider, which no effect describes, ",
+            Code("unknown"),
+            " or a significant remainder is right. From ",
+            Code("scorecard.json"),
+            ".",
+        ],
+        "A table of counts, withheld effects as rows and verdicts as columns; what is right lies "
+        "on its diagonal.",
+        label="confusion",
+        here=True,
+    )
+    yield Heading(2, "Rates")
+    rows: list[tuple[Text, Rate]] = [
+        ("correct verdicts", card.accuracy),
+        *((f"correct, kind {kind}", rate) for kind, rate in card.accuracy_by_kind.items()),
+        *((f"named, strength/form {key}", rate) for key, rate in card.named_rate.items()),
+        ("falsely named, of what counts as none", card.false_naming_rate),
+        ("any gap, of cases without an effect", card.false_alarm_rate),
+    ]
+    yield Table(
+        "All rates.",
+        [
+            "",
+            Column("rate", align="right"),
+            Column("95 % interval", align="right"),
+            Column("cases", align="right"),
+        ],
+        [[name, *_cells(rate)] for name, rate in rows],
+        label="rates",
+    )
+    yield Paragraph(
+        [
+            Strong("Scores. "),
+            "Brier score (mean square of probability less correctness) ",
+            f"{_estimate(card.brier)}; mean log of the probability that a verdict gave to what "
+            f"came true {_estimate(card.log_score)} nat.",
+        ]
+    )
+    if card.smallest_detected:
+        yield Table(
+            "Smallest strength that is named in 80 % of cases.",
+            [
+                "effect",
+                Column("strength", align="right"),
+                Column("95 % interval", align="right"),
+                "named of tried, by strength",
+            ],
+            [
+                [
+                    Code(name),
+                    _strength(one.value),
+                    f"{_strength(one.low)} to {_strength(one.high)}",
+                    ", ".join(f"{s}: {r.hits}/{r.cases}" for s, r in one.tried.items()),
+                ]
+                for name, one in card.smallest_detected.items()
+            ],
+            label="smallest",
+            note=[
+                "Strength 1 is 10 % of friction, rms over the design. Rates are taken to grow with "
+                "strength. A dash: at no strength that was tried.",
+            ],
+        )
+    yield from _oracle(card)
+
+
+def _oracle(card: ScorecardFile) -> Iterator[Block]:
+    if not card.oracle:
+        return
+    yield Table(
+        "Effects that show between assemblies only, beside the best test possible.",
+        [
+            "effect",
+            Column("strength", align="right"),
+            Column("named", align="right"),
+            Column("best test", align="right"),
+        ],
+        [[Code(o.effect), f"{o.strength:g}", _of(o.named), _percent(o.power)] for o in card.oracle],
+        label="oracle",
+        note="The best test knows the exact force and asks only whether it is there, with 2 % "
+        "false alarms; no diagnosis can do better, whatever it assumes.",
+    )
+
+
+def scored_from(card: ScorecardFile) -> Table:
+    """Return the table of seed, hash and versions."""
+    return Table(
+        "What makes the same result again.",
+        ["", "value"],
+        [
+            ["seed of the first case", Code(str(card.seed))],
+            ["analysis, SHA-256", Code(card.analysis_sha256)],
+            ["date", card.created or MISSING],
+            ["versions", ", ".join(f"{name} {text}" for name, text in card.versions.items())],
+        ],
+        label="scored-from",
+    )
+
+
+def _cells(rate: Rate) -> tuple[str, str, str]:
+    if rate.rate is None:
+        return MISSING, MISSING, "0"
+    interval = f"{_percent(rate.low)} to {_percent(rate.high)}"
+    return _percent(rate.rate), interval, f"{rate.hits} of {rate.cases}"
+
+
+def _percent(share: float) -> str:
+    return f"{format_fixed(100 * share, 1)}\u202f%"
+
+
+def _range(target: Target) -> str:
+    if target.at_least is not None and target.at_most is not None:
+        return f"{_percent(target.at_least)} to {_percent(target.at_most)}"
+    if target.at_least is not None:
+        return f"≥ {_percent(target.at_least)}"
+    return f"≤ {_percent(target.at_most or 0.0)}"
+
+
+def _of(rate: Rate) -> str:
+    return f"{rate.hits} of {rate.cases}"
+
+
+def _estimate(one: Estimate) -> str:
+    if one.value is None:
+        return MISSING
+    low, high = format_fixed(one.low, 3), format_fixed(one.high, 3)
+    return f"{format_fixed(one.value, 3)} [{low}, {high}]"
+
+
+def _strength(value: float | None) -> str:
+    return MISSING if value is None else f"{value:g}"

@@ -1,0 +1,187 @@
+"""Rates, confusion, reliability and scores of cases whose answer is known by hand."""
+
+import numpy as np
+import pytest
+from blind.scored import scored
+
+from bayesfric.analysis import Analysis
+from bayesfric.blind.rates import estimate_of, rate_of, reliability_of, smallest_detected
+from bayesfric.blind.scorecard import BELOW, scorecard_of
+
+FOREIGN = {"own": False}
+MISSED = {"verdict": "no-gap", "causes": (), "outcome": "none", "correct": False}
+FALSE = {"verdict": "named", "causes": ("runout",), "outcome": "runout", "correct": False}
+FALSE |= {"falsely_named": True}
+CASES = (
+    scored(),
+    scored(),
+    scored(probability=0.8),
+    scored(**FALSE, probability=0.9),
+    scored(verdict="unknown", outcome="unknown", correct=False, probability=0.6),
+    scored("effect", parameters_covered={"viscous.slope": True}, shrink_covered=True),
+    scored("effect", **FOREIGN, remainder_significant=True),
+    scored("effect", **FALSE),
+    scored("effect", strength={"viscous": 0.3}, parameters_covered={"viscous.slope": False}),
+    scored("effect", strength={"viscous": 0.3}, **MISSED),
+    scored("effect", noise_free_gap=0.001, counts_as_none=True, **(MISSED | {"correct": True})),
+    scored("pair"),
+    scored("pair", **(FALSE | {"outcome": "other-combination"})),
+    scored("outsider", verdict="unknown", outcome="unknown", flagged=True),
+    scored("outsider", **FALSE, remainder_significant=True, flagged=True),
+    scored("outsider", **MISSED),
+)
+
+
+@pytest.fixture(scope="module")
+def card():
+    return scorecard_of(
+        CASES, analysis=Analysis(), engine="reference", design="quick", seed=10_000, planned=16
+    )
+
+
+def counts(rate):
+    return rate.hits, rate.cases
+
+
+def test_rates_count_what_they_say(card):
+    assert counts(card.accuracy) == (9, 16)
+    assert {kind: counts(rate) for kind, rate in card.accuracy_by_kind.items()} == {
+        "none": (3, 5),
+        "effect": (4, 6),
+        "pair": (1, 2),
+        "outsider": (1, 3),
+    }
+    assert {key: counts(rate) for key, rate in card.named_rate.items()} == {
+        "1/own": (1, 2),
+        "1/foreign": (1, 1),
+        "0.3/own": (1, 2),
+    }
+    assert counts(card.false_naming_rate) == (1, 6)  # five without, one below the share
+    assert counts(card.false_alarm_rate) == (2, 5)
+    assert counts(card.unknown_detection_rate) == (2, 3)
+    assert {form: counts(rate) for form, rate in card.remainder_rate.items()} == {
+        "own": (0, 4),
+        "foreign": (1, 1),
+    }
+    assert counts(card.pair_rate) == (1, 2)
+    assert counts(card.parameter_coverage) == (1, 2)
+    assert counts(card.shrink_coverage) == (1, 1)
+
+
+def test_the_confusion_matrix_holds_every_case_once(card):
+    table = card.confusion
+    assert table.rows == ("none", BELOW, "runout", "viscous", "pair", "outsider")
+    assert table.columns == (
+        *("none", "runout", "viscous", "pair", "other-combination", "unknown", "unseparated"),
+    )
+    assert table.counts == (
+        (3, 1, 0, 0, 0, 1, 0),
+        (1, 0, 0, 0, 0, 0, 0),
+        (0, 0, 0, 0, 0, 0, 0),
+        (1, 1, 3, 0, 0, 0, 0),
+        (0, 0, 0, 1, 1, 0, 0),
+        (1, 1, 0, 0, 0, 1, 0),
+    )
+
+
+def test_scores_are_those_of_the_verdicts_probability(card):
+    # Nine correct: eight at 0.97, one at 0.8. Seven not: five at 0.97, one 0.9, one 0.6.
+    brier = (8 * 0.03**2 + 0.2**2 + 5 * 0.97**2 + 0.9**2 + 0.6**2) / 16
+    assert card.brier.value == pytest.approx(brier, abs=1e-12)
+    log = (8 * np.log(0.97) + np.log(0.8) + 5 * np.log(0.03) + np.log(0.1) + np.log(0.4)) / 16
+    assert card.log_score.value == pytest.approx(log, abs=1e-12)
+    assert card.brier.low < card.brier.value < card.brier.high
+
+
+def test_reliability_groups_by_probability(card):
+    assert [(b.lower, b.cases, b.correct.hits) for b in card.reliability] == [
+        (0.6, 1, 0),
+        (0.8, 1, 1),
+        (0.9, 1, 0),
+        (0.95, 13, 8),
+    ]
+    last = card.reliability[-1]
+    assert last.probability == pytest.approx(0.97)
+    # Of 13 that each come true with 0.97, fewer than 11 do with a chance of 0.6 %.
+    assert last.band == (11 / 13, 1.0)
+    assert not last.inside
+
+
+def test_a_band_is_that_of_the_binomial():
+    # Of 20 at 0.9: P(X <= 14) = 0.011, P(X <= 15) = 0.043, and P(X = 20) = 0.12.
+    (found,) = reliability_of([0.9] * 20, [True] * 15 + [False] * 5)
+    assert found.band == (0.75, 1.0)
+    assert found.inside
+    (found,) = reliability_of([0.9] * 20, [True] * 14 + [False] * 6)
+    assert not found.inside
+
+
+def test_targets_are_met_by_the_point_estimate(card):
+    met = {target.name: target.met for target in card.targets}
+    assert met["full strength named, own form"] is False  # 1 of 2
+    assert met["full strength named, foreign form"] is True
+    assert met["strength 0.3 named, foreign form"] is None
+    assert met["no effect, falsely named"] is False  # 1 of 5, the small one left out
+    assert met["significant remainder, own form"] is True
+    assert met["significant remainder, foreign form"] is False
+    assert met["90 % intervals of shrink"] is False  # too wide is no better than too narrow
+
+
+def test_the_interval_of_a_rate_is_exact():
+    # Clopper and Pearson: with 0 of n, the upper end is 1 - 0.025^(1/n).
+    none = rate_of([False] * 20)
+    assert (none.rate, none.low) == (0.0, 0.0)
+    assert none.high == pytest.approx(1 - 0.025 ** (1 / 20), rel=1e-6)
+    all_ = rate_of([True] * 20)
+    assert all_.low == pytest.approx(0.025 ** (1 / 20), rel=1e-6)
+    empty = rate_of([])
+    assert (empty.rate, empty.rate_why, empty.cases) == (None, "no case counts", 0)
+
+
+def test_the_interval_of_a_mean_is_that_of_its_bootstrap():
+    rng = np.random.default_rng(1)
+    values = rng.normal(2.0, 1.0, 400)
+    found = estimate_of([float(v) for v in values])
+    half = 1.96 * values.std() / 20
+    assert found.low == pytest.approx(values.mean() - half, abs=0.012)
+    assert found.high == pytest.approx(values.mean() + half, abs=0.012)
+    assert estimate_of([]).value_why == "no case counts"
+
+
+@pytest.mark.parametrize(
+    ("named", "smallest"),
+    [
+        ({0.1: "nn", 0.3: "yyyyn", 1.0: "yyy"}, 0.3),
+        ({0.1: "yy", 0.3: "yn", 1.0: "yyy"}, 1.0),  # luck at 0.1 is no detection
+        ({0.1: "yy", 0.3: "yy", 1.0: "yyyy"}, 0.1),
+        ({0.3: "yn", 1.0: "yyyn"}, None),
+        ({0.3: "yyyyyn", 0.5: "n", 1.0: "yyyyyy"}, 1.0),  # 5 of 7 up to 0.5, taken together
+        ({0.3: "yyyyyy", 0.5: "n", 1.0: "yyyyyy"}, 0.3),  # 6 of 7
+    ],
+)
+def test_the_smallest_detected_is_that_of_growing_rates(named, smallest):
+    found = smallest_detected({s: [one == "y" for one in each] for s, each in named.items()})
+    assert found.value == smallest
+    assert (found.value_why is None) == (smallest is not None)
+    assert found.tried["1"].cases == len(named[1.0])
+
+
+def test_the_interval_of_the_smallest_is_as_wide_as_few_cases_make_it():
+    found = smallest_detected({0.1: [False] * 40, 0.3: [True] * 33 + [False] * 7, 1.0: [True] * 40})
+    # 33 of 40 may well be less than 80 %, and 40 of 40 hardly are.
+    assert (found.value, found.low, found.high) == (0.3, 0.3, 1.0)
+    few = smallest_detected({1.0: [True] * 2})
+    assert (few.value, few.high) == (1.0, None)  # 2 of 2 prove nothing
+
+
+def test_the_best_test_stands_beside_ours_where_setups_limit():
+    wrap = {"withheld": ("wrap-intercept",), "strength": {"wrap-intercept": 0.3}}
+    cases = [
+        scored("effect", **wrap, oracle_power=0.5),
+        scored("effect", **wrap, oracle_power=0.7, **FALSE),
+        scored("effect"),
+    ]
+    given = {"engine": "reference", "design": "quick", "seed": 10_000, "planned": 3}
+    (one,) = scorecard_of(cases, analysis=Analysis(), **given).oracle
+    assert (one.effect, one.strength, one.power) == ("wrap-intercept", 0.3, pytest.approx(0.6))
+    assert counts(one.named) == (1, 2)

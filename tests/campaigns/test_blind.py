@@ -1,0 +1,78 @@
+"""What the diagnosis finds on recordings whose effect it is not told.
+
+Continuous integration repeats two of the fixed cases and compares with the evidence.
+The long campaigns are resumable; ``BAYESFRIC_BLIND_CASES=200`` runs or scores the first
+200 cases, which are a balanced sample.
+"""
+
+from functools import partial
+
+import pytest
+from campaigns import blind, evidence
+
+from bayesfric.blind.running import run_blind
+from bayesfric.campaign import run_on_processes
+
+CI_CASES = ("000001", "000002")
+WORKERS = 2
+
+
+def agrees(now, then):
+    """Verdicts exactly; closed forms within what another machine's arithmetic moves."""
+    exact = ("withheld", "form", "strength", "verdict", "causes", "correct")
+    assert {key: now[key] for key in exact} == {key: then[key] for key in exact}
+    assert now["noise_free_gap"] == pytest.approx(then["noise_free_gap"], rel=1e-3, abs=1e-6)
+    assert now["probability"] == pytest.approx(then["probability"], abs=1e-3)
+    if then["shrink"] is None:
+        assert now["shrink"] is None
+    else:
+        for key, value in then["shrink"].items():
+            assert now["shrink"][key] == pytest.approx(value, rel=1e-3, abs=1e-3)
+
+
+@pytest.mark.parametrize("name", CI_CASES)
+def test_a_fixed_case_agrees_with_the_evidence(name, tmp_path):
+    now = blind.run_fixed(blind.fixed()[name], tmp_path)
+    agrees(now, evidence.read("blind_fixed")["cases"][name])
+
+
+@pytest.mark.long
+def test_every_fixed_case(tmp_path):
+    """Remove ``reports/evidence/blind_fixed.json`` first to renew it."""
+    work = partial(blind.run_fixed, folder=tmp_path / "sealed")
+    found = run_on_processes(work, blind.fixed(), tmp_path / "done", WORKERS)
+    if not (evidence.EVIDENCE / "blind_fixed.json").exists():
+        evidence.write(
+            "blind_fixed",
+            command="make test-long",
+            seeds=[blind.FIXED_SEED, blind.FIXED_SEED + len(found) - 1],
+            figures={"correct": sum(case["correct"] for case in found.values())},
+            cases=found,
+        )
+    then = evidence.read("blind_fixed")["cases"]
+    for name in sorted(set(found) & set(then)):
+        agrees(found[name], then[name])
+
+
+@pytest.mark.long
+def test_the_scorecard():
+    number = blind.number_of(blind.whole())
+    card = run_blind(
+        evidence.WORK / "blind", number=number, first_seed=blind.SCORING_SEED, workers=WORKERS
+    )
+    blind.keep(card, "blind", f"BAYESFRIC_BLIND_CASES={number} make test-long")
+    assert [target.name for target in card.targets if target.met is False] == []
+
+
+@pytest.mark.long
+def test_probabilities_come_true_as_often_as_they_say():
+    number = blind.number_of(blind.PRIOR_CASES)
+    card = run_blind(
+        evidence.WORK / "blind_prior",
+        number=number,
+        first_seed=blind.PRIOR_SEED,
+        from_prior=True,
+        workers=WORKERS,
+    )
+    blind.keep(card, "blind_prior", f"BAYESFRIC_BLIND_CASES={number} make test-long")
+    assert [one.lower for one in card.reliability if not one.inside] == []

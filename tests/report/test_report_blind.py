@@ -1,0 +1,149 @@
+"""The scorecard in the report: from scorecard.json alone, every number where it is said."""
+
+from types import SimpleNamespace
+
+import pytest
+from blind.scored import scored
+from matplotlib.lines import Line2D
+
+from bayesfric.analysis import Analysis
+from bayesfric.blind.scorecard import scorecard_of
+from bayesfric.errors import InputError
+from bayesfric.plots.scorecard import confusion_matrix, promises_and_reliability
+from bayesfric.plots.style import to_svg
+from bayesfric.report.assembly import CHAPTERS, build_scorecard_document
+from bayesfric.report.chapters.blind import blind, blind_chapter, scorecard_line
+from bayesfric.report.content import Heading, Notice, Paragraph, Table, inlines
+from bayesfric.report.html import render_html
+from bayesfric.report.markdown import render_markdown
+from bayesfric.report.writing import write_report
+from bayesfric.results import json_bytes
+
+WRONG = {"causes": ("runout",), "outcome": "runout", "correct": False, "falsely_named": True}
+
+
+def card_of(cases, **changes):
+    given = {"engine": "reference", "design": "quick", "seed": 10_000, "planned": 630}
+    return scorecard_of(cases, analysis=Analysis(), **(given | changes))
+
+
+@pytest.fixture(scope="module")
+def card():
+    nulls = [scored(probability=0.9)] * 9 + [scored(verdict="named", **WRONG)]
+    effects = [scored("effect")] * 19 + [scored("effect", **WRONG)]
+    weak = [scored("effect", strength={"viscous": 0.3}, own=False, **WRONG)] * 2
+    return card_of([*nulls, *effects, *weak])
+
+
+def words(text):
+    return "".join(i if isinstance(i, str) else getattr(i, "text", "") for i in inlines(text))
+
+
+@pytest.fixture(scope="module")
+def blocks(card):
+    return list(blind_chapter(card))
+
+
+def rows(blocks, label):
+    (table,) = [b for b in blocks if isinstance(b, Table) and b.label == label]
+    return {words(row[0]): [words(cell) for cell in row[1:]] for row in table.rows}
+
+
+def test_each_promise_stands_with_its_rate_and_whether_it_is_kept(blocks):
+    promises = rows(blocks, "promises")
+    assert promises["full strength named, own form"] == [
+        *("≥ 95.0\u202f%", "95.0\u202f%", "75.1\u202f% to 99.9\u202f%", "19 of 20", "yes"),
+    ]
+    falsely = promises["no effect, falsely named"]
+    assert (falsely[0], falsely[1], falsely[4]) == ("≤ 2.0\u202f%", "10.0\u202f%", "no")
+    assert promises["both of a pair named"] == ["≥ 80.0\u202f%", "—", "—", "0", "—"]
+    assert promises["90 % intervals of shrink"][0] == "85.0\u202f% to 95.0\u202f%"
+
+
+def test_every_rate_and_smallest_strength_is_told(blocks):
+    rates = rows(blocks, "rates")
+    assert rates["correct verdicts"][2] == "28 of 32"
+    assert rates["correct, kind none"][2] == "9 of 10"
+    assert rates["named, strength/form 0.3/foreign"][2] == "0 of 2"
+    assert rows(blocks, "smallest") == {"viscous": ["1", "1 to —", "0.3: 0/2, 1: 19/20"]}
+
+
+def test_the_first_page_says_what_is_missed(card):
+    line = words(scorecard_line(card).text)
+    assert "28 of 32 verdicts are correct" in line
+    assert "2 missed" in line
+    assert "no effect, falsely named" in line
+    assert scorecard_line(card).kind == "attention"
+    fine = card_of([scored()] * 60)
+    assert scorecard_line(fine).kind == "good"
+
+
+@pytest.mark.parametrize(("seed", "said"), [(10_000, "of scoring"), (5, "no proof")])
+def test_tuning_is_not_passed_off_as_scoring(seed, said):
+    text = [words(b.text) for b in blind_chapter(card_of([scored()], seed=seed))
+            if isinstance(b, Paragraph | Notice)]  # fmt: skip
+    assert said in " ".join(text)
+
+
+def test_rates_are_drawn_where_they_are(card):
+    fig = promises_and_reliability(card)
+    left, right = fig.subfigs[0].axes[0], fig.subfigs[1].axes[0]
+    names = [text.get_text() for text in left.get_yticklabels()]
+    assert names == [target.name for target in card.targets]
+    dots = {round(line.get_ydata()[0]): line for line in left.lines if len(line.get_xdata()) == 1}
+    assert dots[0].get_xdata()[0] == pytest.approx(95.0)
+    assert (dots[0].get_marker(), dots[4].get_marker()) == ("o", "X")
+    spans = [line for line in left.lines if len(line.get_xdata()) == 2]
+    assert list(spans[0].get_xdata()) == pytest.approx([75.13, 99.87], abs=0.01)
+    points = [
+        line for line in right.lines if isinstance(line, Line2D) and len(line.get_xdata()) == 1
+    ]
+    # 0.9 came true nine times of nine; 0.97 in 19 of 23, which is out of its band.
+    assert [(p.get_xdata()[0], p.get_ydata()[0]) for p in points] == [
+        (pytest.approx(0.9), 1.0),
+        (pytest.approx(0.97), pytest.approx(19 / 23)),
+    ]
+    assert [p.get_marker() for p in points] == ["o", "X"]
+
+
+def test_the_matrix_shows_each_count_and_leaves_out_what_never_was(card):
+    fig = confusion_matrix(card.confusion)
+    panel = fig.axes[0]
+    withheld = [text.get_text() for text in panel.get_yticklabels()]
+    assert withheld == ["none", "viscous"]
+    said = [text.get_text() for text in panel.get_xticklabels()]
+    shown = {
+        (withheld[round(t.get_position()[1])], said[round(t.get_position()[0])]): t.get_text()
+        for t in panel.texts
+    }
+    assert shown == {
+        ("none", "none"): "9",
+        ("none", "runout"): "1",
+        ("viscous", "viscous"): "19",
+        ("viscous", "runout"): "3",
+    }
+    assert to_svg(fig) == to_svg(confusion_matrix(card.confusion))
+
+
+def test_a_report_is_made_of_a_scorecard_alone(card, tmp_path):
+    (tmp_path / "scorecard.json").write_bytes(json_bytes(card))
+    write_report(tmp_path)
+    assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF")
+    text = (tmp_path / "summary.md").read_text()
+    assert "28 of 32 verdicts are correct" in text
+    assert text == render_markdown(build_scorecard_document(card))
+    assert "What makes the same result again" in render_html(build_scorecard_document(card))
+
+
+def test_a_report_of_everything_has_the_chapter_where_there_is_a_scorecard(card):
+    assert blind in CHAPTERS
+    assert list(blind(SimpleNamespace(scorecard=None))) == []
+    heads = [b.text for b in blind(SimpleNamespace(scorecard=card)) if isinstance(b, Heading)]
+    assert heads[0] == "The diagnosis where it is not told"
+
+
+def test_a_damaged_scorecard_is_an_error(tmp_path):
+    (tmp_path / "scorecard.json").write_text('{"schema": "bayesfric.scorecard/1"}')
+    with pytest.raises(InputError, match=r"^scorecard\.json"):
+        write_report(tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["scorecard.json"]
