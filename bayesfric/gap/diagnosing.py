@@ -296,7 +296,7 @@ def _arms(
     complete = set(shipped) == set(model.layout.sizes)
     # What scatters is known best where all that is systematic has been taken up.
     unknown = which.probabilities().get(UNKNOWN, 0.0) >= MOSTLY
-    settled = which.unknown_psi if unknown else found.psi
+    settled = which.unknown.psi if unknown and which.unknown is not None else found.psi
     return Arms(
         caused, baseline, which.weighed[NONE].psi, settled, after, shipped if complete else None
     )

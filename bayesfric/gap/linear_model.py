@@ -26,7 +26,7 @@ from bayesfric.likelihood.hypothesis import Data
 from bayesfric.paper import table1
 from bayesfric.priors import log_density
 
-__all__ = ["Acting", "LinearModel"]
+__all__ = ["Acting", "LinearModel", "Wide"]
 
 Array = NDArray[np.float64]
 KAPPA_SD_LOG = 0.3  # of the events' variance over its first estimate
@@ -52,6 +52,22 @@ class Acting:
 
     columns: tuple[int, ...] = ()
     phases: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class Wide:
+    """Smooth forces beyond the discrepancy that every hypothesis has.
+
+    Parameters
+    ----------
+    share : float
+        Rms of the forces that are wide, as a share of rms friction.
+    smooths : tuple of int
+        Their places; the others are as wide as the discrepancy.
+    """
+
+    share: float
+    smooths: tuple[int, ...]
 
 
 class LinearModel:
@@ -232,29 +248,35 @@ class LinearModel:
             parts.append(self.motor.information(motor, kept, runs))
         return parts[0] if len(parts) == 1 else parts[0] + parts[1]
 
-    def prior(self, columns: Sequence[int], share: float | None = None) -> tuple[Array, Array]:
+    def prior(self, columns: Sequence[int], wide: Wide | None = None) -> tuple[Array, Array]:
         """Return mean and standard deviation of the kept numbers before the data.
 
         Parameters
         ----------
         columns : sequence of int
             Candidates that enter.
-        share : float or None
-            Rms of the smooth forces; None is the practical share, 0 is no discrepancy.
+        wide : Wide or None
+            Smooth forces that are wider than the discrepancy.
         """
-        wide = self.practical_share if share is None else share
         sizes, own = len(self.layout.sizes), self.layout.own
         always = self.layout.always().size
         sd = self._sd.copy()
-        sd[:, COEFFICIENTS:] *= wide
+        sd[:, COEFFICIENTS:] *= self._shares(wide)
         shared: list[float] = []
         for place in columns:
             at, width = prior_moments(self.candidates[place].effect.amplitude.prior)
             shared.append(at / width)
-        idle = np.ones(self.layout.idle)
-        small = np.full(self.layout.small, float(wide > 0))
         mean = np.concatenate([self._mean.reshape(sizes * own), shared, np.zeros(always)])
-        return mean, np.concatenate([sd.reshape(sizes * own), np.ones(len(shared)), small, idle])
+        return mean, np.concatenate([sd.reshape(sizes * own), np.ones(len(shared) + always)])
+
+    def _shares(self, wide: Wide | None) -> Array:
+        """Return what each smooth number is multiplied by, as a share of friction."""
+        shares = np.full(len(self.smooths), self.practical_share)
+        if wide is not None:
+            # The discrepancy's variance is shared by all, that of the wide ones by these.
+            part = np.sqrt(len(self.smooths) / len(wide.smooths))
+            shares[list(wide.smooths)] = part * wide.share
+        return np.repeat(shares, np.array([s.count for s in self.smooths], dtype=np.intp))
 
     def log_prior(self, psi: Array) -> float:
         """Return the log prior density of the logarithms of the noise."""
@@ -273,18 +295,25 @@ class LinearModel:
             total += float(log_density(priors.load_noise, motor.load))
         return total
 
-    def log_joint(self, psi: Array, acting: Acting, share: float | None = None) -> float:
+    def log_joint(self, psi: Array, acting: Acting, wide: Wide | None = None) -> float:
         """Return the log density of data and noise, all linear numbers integrated out."""
-        mean, sd = self.prior(acting.columns, share)
-        information = self.information(psi, acting)
-        reduced = information.reduced(mean, sd, np.array([], dtype=np.intp))
-        return reduced.log_evidence + self.log_prior(psi)
+        return float(self.log_joints(psi, acting, (wide,))[0])
 
-    def climb(self, psi: Array, acting: Acting, share: float | None = None) -> tuple[Array, float]:
+    def log_joints(self, psi: Array, acting: Acting, wide: Sequence[Wide | None]) -> Array:
+        """Return the same for several priors of the smooth forces."""
+        information = self.information(psi, acting)
+        nothing = np.array([], dtype=np.intp)
+        values = [
+            information.reduced(*self.prior(acting.columns, one), nothing).log_evidence
+            for one in wide
+        ]
+        return np.array(values) + self.log_prior(psi)
+
+    def climb(self, psi: Array, acting: Acting, wide: Wide | None = None) -> tuple[Array, float]:
         """Return the mode of the noise from a start, and the log joint there."""
 
         def objective(point: Array) -> float:
-            return -self.log_joint(point, acting, share)
+            return -self.log_joint(point, acting, wide)
 
         found = optimize.minimize(
             objective,
@@ -295,11 +324,11 @@ class LinearModel:
         )
         return np.asarray(found.x), -float(found.fun)
 
-    def log_volume(self, psi: Array, acting: Acting, share: float | None = None) -> float:
+    def log_volume(self, psi: Array, acting: Acting) -> float:
         """Return the log of what the noise's mode is multiplied by to integrate over it."""
 
         def log_joint(points: Array) -> Array:
-            return np.array([self.log_joint(point, acting, share) for point in points])
+            return np.array([self.log_joint(point, acting) for point in points])
 
         hessian = finite_hessian(log_joint, psi, np.full(psi.size, WIDTH))
         curvature = np.linalg.eigvalsh(-hessian)

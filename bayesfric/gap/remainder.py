@@ -2,13 +2,12 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import logsumexp
 
 from bayesfric.gap.layout import COEFFICIENTS
 from bayesfric.gap.linear_model import LinearModel
 from bayesfric.gap.shrink import interval
 from bayesfric.gap.weighing import Weighed
-from bayesfric.gap.which import unknown_evidence
+from bayesfric.gap.which import Unknown, unknown_evidence
 from bayesfric.schemas import Remainder
 
 __all__ = ["remainder_of"]
@@ -32,18 +31,18 @@ def remainder_of(model: LinearModel, found: Weighed, taken_share: float) -> Rema
         Rms of what the causes take away over rms friction; the rest of the gap is the
         further force.
     """
-    nodes, evidence, _ = unknown_evidence(model, found.psi, found.best)
-    gain = (evidence - model.log_joint(found.psi, found.best)) / LN10
+    further = unknown_evidence(model, found.psi, found.best)
+    gain = (further.log_evidence - model.log_joint(found.psi, found.best)) / LN10
     significant = gain > SIGNIFICANT
     axis, share, why = None, None, "no further force is asked for"
     if significant:
-        axis = _axis(model, found, nodes)
+        axis = _axis(model, found, further)
         # Beyond the discrepancy that every hypothesis has.
-        rms2 = np.array([share**2 - model.practical_share**2 for share, _ in nodes])
-        weights = np.exp([weight - logsumexp([w for _, w in nodes]) for _, weight in nodes])
+        rms2 = np.array([wide.share**2 for wide in further.nodes]) - model.practical_share**2
+        weights = np.exp(further.log_weights)
         order = np.argsort(rms2)
         ladder = (np.arange(DRAWS) + 0.5) / DRAWS
-        place = np.searchsorted(np.cumsum(weights[order]), ladder).clip(max=len(nodes) - 1)
+        place = np.searchsorted(np.cumsum(weights[order]), ladder).clip(max=rms2.size - 1)
         drawn = rms2[order][place]
         share = interval(drawn / (drawn + taken_share**2))
     return Remainder(
@@ -56,18 +55,17 @@ def remainder_of(model: LinearModel, found: Weighed, taken_share: float) -> Rema
     )
 
 
-def _axis(model: LinearModel, found: Weighed, nodes: tuple[tuple[float, float], ...]) -> str:
+def _axis(model: LinearModel, found: Weighed, further: Unknown) -> str:
     """Return the covariate along which the further force is largest."""
-    share = max(nodes, key=lambda node: node[1])[0]
-    mean, sd = model.prior(found.best.columns, share)
-    centre, _ = model.information(found.psi, found.best).posterior(mean, sd)
+    wide = further.nodes[int(np.argmax(further.log_weights))]
+    mean, sd = model.prior(found.best.columns, wide)
+    centre, _ = model.information(further.psi, found.best).posterior(mean, sd)
     own, sizes = model.layout.own, len(model.layout.sizes)
     numbers = centre[: own * sizes].reshape(sizes, own)[:, COEFFICIENTS:]
     power: dict[str, float] = {}
     start = 0
     for smooth in model.smooths:
         square = float((numbers[:, start : start + smooth.count] ** 2).sum())
-        name = "rig" if smooth.rig == "motor" else smooth.axes[0]
-        power[name] = power.get(name, 0.0) + square
+        power[smooth.axis] = power.get(smooth.axis, 0.0) + square
         start += smooth.count
     return max(power, key=lambda name: power[name])

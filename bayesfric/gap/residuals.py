@@ -197,7 +197,7 @@ def fitted(
     covariance : ndarray, shape (p, p)
         Likewise.
     """
-    mean, sd = model.prior(acting.columns, 0.0)
+    mean, sd = model.prior(acting.columns)
     found, covariance = model.information(psi, acting, used).posterior(mean, sd)
     count, acted = model.layout.own * len(model.layout.sizes), len(acting.columns)
     places = np.concatenate(

@@ -45,6 +45,11 @@ class Smooth:
     rig: str | None = None
 
     @property
+    def axis(self) -> str:
+        """What the force depends on: the first covariate, or the rig."""
+        return "rig" if self.rig == "motor" else self.axes[0]
+
+    @property
     def count(self) -> int:
         """Numbers of the process."""
         return len(self.kept)

@@ -11,13 +11,14 @@ from scipy.special import logsumexp
 from scipy.stats import halfnorm
 
 from bayesfric.gap.classes import Classes, classes_of
-from bayesfric.gap.linear_model import Acting, LinearModel
+from bayesfric.gap.linear_model import Acting, LinearModel, Wide
 from bayesfric.gap.weighing import Weighed, combine, weigh
 
 __all__ = [
     "NONE",
     "PRIOR",
     "UNKNOWN",
+    "Unknown",
     "Which",
     "label",
     "look_closer",
@@ -41,6 +42,28 @@ LISTED = 1e-6  # probability below which a hypothesis is not listed
 
 
 @dataclass(frozen=True)
+class Unknown:
+    """A smooth force that nobody named, weighed.
+
+    Parameters
+    ----------
+    nodes : tuple of Wide
+        How large it may be, and along which axes.
+    log_weights : ndarray
+        Of each node, normalised.
+    log_evidence : float
+        Without the volume of the noise's mode.
+    psi : ndarray
+        Logarithms of the noise with it.
+    """
+
+    nodes: tuple[Wide, ...]
+    log_weights: Array
+    log_evidence: float
+    psi: Array
+
+
+@dataclass(frozen=True)
 class Which:
     """Hypotheses weighed.
 
@@ -52,14 +75,12 @@ class Which:
         Named ones and ``none``.
     classes : Classes
         What is identical, absorbed or left out.
-    unknown : tuple of (float, float)
-        Rms of an unknown force as a share of friction, with its log weight.
+    unknown : Unknown or None
+        An unknown force; None where it was not weighed.
     screened : frozenset of str
         Hypotheses whose evidence is that at another one's noise, laws and shapes.
     error : float
         Of a difference of log evidences: by how much the noise's volume moves them.
-    unknown_psi : ndarray
-        Logarithms of the noise where an unknown force acts.
     representative : dict of str to str
         The member that stands for each effect's class.
     """
@@ -67,10 +88,9 @@ class Which:
     log_evidence: dict[str, float]
     weighed: dict[str, Weighed]
     classes: Classes
-    unknown: tuple[tuple[float, float], ...]
+    unknown: Unknown | None
     screened: frozenset[str]
     error: float
-    unknown_psi: Array
     representative: dict[str, str] = field(default_factory=dict)
 
     def log_prior(self, name: str, none: float = PRIOR["none"]) -> float:
@@ -135,8 +155,8 @@ def which_effect(model: LinearModel, psi: Array) -> Which:
     effects = sorted(set(representative.values()))
     screened = _pairs(model, effects, weighed, log_evidence)
     _further(model, effects, weighed, log_evidence)
-    unknown, value, unknown_psi = unknown_evidence(model, psi, Acting())
-    log_evidence[UNKNOWN] = value
+    unknown = unknown_evidence(model, psi, Acting())
+    log_evidence[UNKNOWN] = unknown.log_evidence
     error = _volumes(model, weighed, log_evidence)
     return Which(
         log_evidence,
@@ -145,7 +165,6 @@ def which_effect(model: LinearModel, psi: Array) -> Which:
         unknown,
         screened,
         error,
-        unknown_psi,
         representative,
     )
 
@@ -304,10 +323,8 @@ def _further(
         log_evidence[label(found.names)] = found.log_evidence
 
 
-def unknown_evidence(
-    model: LinearModel, psi: Array, acting: Acting
-) -> tuple[tuple[tuple[float, float], ...], float, Array]:
-    """Weigh a smooth force beyond the discrepancy, along every axis and on both boards.
+def unknown_evidence(model: LinearModel, psi: Array, acting: Acting) -> Unknown:
+    """Weigh a smooth force beyond the discrepancy, along all axes or any single one.
 
     Parameters
     ----------
@@ -317,27 +334,28 @@ def unknown_evidence(
         Logarithms of the noise, a start.
     acting : Acting
         What acts beside it.
-
-    Returns
-    -------
-    nodes : tuple of (float, float)
-        Rms of the force as a share of friction, each with its log weight.
-    log_evidence : float
-        Without the volume of the noise's mode.
-    psi : ndarray
-        Logarithms of the noise with it.
     """
+    if not model.smooths:
+        return Unknown((), np.empty(0), -np.inf, psi)
     # It comes on top of the discrepancy that every hypothesis has.
     shares = np.hypot(model.practical_share, UNKNOWN_SCALE * halfnorm.ppf(UNKNOWN_NODES))
+    along = dict.fromkeys(smooth.axis for smooth in model.smooths)
+    groups = [tuple(range(len(model.smooths)))]
+    groups += [
+        tuple(k for k, smooth in enumerate(model.smooths) if smooth.axis == axis) for axis in along
+    ]
+    nodes = tuple(Wide(float(share), group) for group in groups for share in shares)
     at = psi
-    values = np.array([model.log_joint(at, acting, float(share)) for share in shares])
+    values = model.log_joints(at, acting, nodes)
     for _ in range(2):
-        best = float(shares[int(np.argmax(values))])
-        at, _ = model.climb(at, acting, best)
-        values = np.array([model.log_joint(at, acting, float(share)) for share in shares])
-    weights = values - logsumexp(values)
-    pairs = tuple((float(s), float(w)) for s, w in zip(shares, weights, strict=True))
-    return pairs, float(logsumexp(values) - np.log(len(shares))), at
+        at, _ = model.climb(at, acting, nodes[int(np.argmax(values))])
+        values = model.log_joints(at, acting, nodes)
+    return Unknown(
+        nodes,
+        values - logsumexp(values),
+        float(logsumexp(values) - np.log(len(nodes))),
+        at,
+    )
 
 
 def _volumes(

@@ -12,7 +12,7 @@ from bayesfric.effects import all_effects
 from bayesfric.gap.candidates import candidates_of, prior_moments
 from bayesfric.gap.gravity_part import GravityNoise
 from bayesfric.gap.gravity_rows import GravityRows
-from bayesfric.gap.linear_model import Acting, LinearModel
+from bayesfric.gap.linear_model import Acting, LinearModel, Wide
 from bayesfric.gap.motor_part import MotorNoise
 from bayesfric.gap.small_amounts import small_amounts
 from bayesfric.likelihood.hypothesis import Data
@@ -203,3 +203,20 @@ def test_small_amounts_are_together_the_practical_share_of_friction(model):
     expected = SHARE / np.sqrt(3) / felt
     assert amounts["length-scale"] == pytest.approx(expected, rel=0.03)
     assert amounts["slip"] == pytest.approx(2 * expected, rel=0.1)
+
+
+def test_a_wide_force_has_its_rms_whatever_number_of_processes_it_has(model):
+    """All as wide as the discrepancy is the discrepancy; one alone has all of the variance."""
+    every = tuple(range(len(model.smooths)))
+    plain, same = model.prior(())[1], model.prior((), Wide(SHARE, every))[1]
+    np.testing.assert_allclose(same, plain, rtol=1e-14)
+    place = next(k for k, smooth in enumerate(model.smooths) if smooth.axis == "displacement")
+    start = 3 + sum(smooth.count for smooth in model.smooths[:place])
+    rows = slice(start, start + model.smooths[place].count)
+    wide = model.prior((), Wide(0.1, (place,)))[1][: model.layout.own]
+    shapes = model.smooths[place].columns(model.gravity.rows.covariates())
+    scale = np.array([model.scale(column) for column in range(rows.start, rows.stop)])
+    variance = np.einsum("k,k...->...", (wide[rows] * scale) ** 2, shapes**2)
+    assert variance.mean() == pytest.approx(0.1**2, rel=0.02)
+    others = np.setdiff1d(np.arange(3, model.layout.own), np.arange(rows.start, rows.stop))
+    np.testing.assert_array_equal(wide[others], plain[others])

@@ -32,7 +32,7 @@ def test_rules(chances, gap, verdict, chance):
 def which(log_evidence):
     names = [f"e{k}" for k in range(5)]
     classes = Classes(tuple((name,) for name in names), (), {})
-    return Which(log_evidence, {}, classes, (), frozenset(), 0.0, np.empty(0))
+    return Which(log_evidence, {}, classes, None, frozenset(), 0.0)
 
 
 def test_prior_is_shared_within_a_number_of_effects():
