@@ -93,18 +93,15 @@ def test_the_command_runs_in_an_empty_folder(elsewhere, tmp_path, arguments):
 SHORT = "[sampler]\nburn = 60\nsteps = 80\nthin = 2\nextensions = 0\n"
 
 
-def test_the_main_job_runs_on_the_bundled_recording(elsewhere, tmp_path):
+def test_the_bundled_recording_is_fitted_and_reported(elsewhere, tmp_path):
     """With few draws; `tests/test_reference_run.py` has the whole of them."""
     (tmp_path / "analysis.toml").write_text(SHORT)
+    python, command = elsewhere / "bin" / "python", elsewhere / "bin" / "bayesfric"
+    where = "import bayesfric.resources as r; print(r.bundled_recording())"
+    recording = run(python, "-c", where, cwd=tmp_path).strip()
     options = ["-o", "results", "--config", "analysis.toml", "--quiet"]
-    run(elsewhere / "bin" / "bayesfric", "run", *options, cwd=tmp_path)
+    run(command, "fit", recording, *options, cwd=tmp_path)
+    run(command, "report", "results", "--quiet", cwd=tmp_path)
     written = {path.name for path in (tmp_path / "results").iterdir()}
-    assert {
-        "fit.json",
-        "draws.nc",
-        "claims.json",
-        "report.pdf",
-        "report.html",
-        "summary.md",
-    } <= written
+    assert {"fit.json", "draws.nc", "report.pdf", "report.html", "summary.md"} <= written
     assert (tmp_path / "results" / "report.pdf").read_bytes().startswith(b"%PDF")
