@@ -1,0 +1,1 @@
+"""Margins of a cable-driven control loop under the uncertainty of its friction."""
