@@ -1,0 +1,123 @@
+"""The open loop of a cable-driven joint as a function of frequency.
+
+The plant is continuous: motor and load on a cable with stiffness and damping, the
+encoder at the motor. The controller's sampling enters as a delay e^{−sτ}, τ being the
+stated delay and half a sample of hold, and as the first difference (1 − e^{−sT})/T that
+stands for the derivative; a low-pass follows it where there is one. This is the
+continuous stand-in for the sampled loop, good well below half the sampling rate.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.margins.cable_run import Direction
+from bayesfric.margins.loop_at_shaft import LoopAtShaft
+
+__all__ = ["OpenLoop"]
+
+Array = NDArray[np.float64]
+
+FREQUENCIES = 600
+NEAR_RESONANCE = 60  # of them, around each of resonance and antiresonance
+
+
+class OpenLoop:
+    """L(jω) of each draw of a loop, in one direction.
+
+    Parameters
+    ----------
+    shaft : LoopAtShaft
+        The loop.
+    direction : {"driving", "overhauling"} or None
+        Of an open run; the load side of the plant counts 1/η or η. None otherwise.
+    """
+
+    def __init__(self, shaft: LoopAtShaft, direction: Direction | None = None) -> None:
+        share = shaft.load_share(direction)
+        self.motor_inertia, self.load_inertia = shaft.motor_inertia, share * shaft.load_inertia
+        self.motor_viscous, self.load_viscous = shaft.motor_viscous, share * shaft.load_viscous
+        self.stiffness, self.damping = share * shaft.stiffness, share * shaft.damping
+        self.kp, self.kd, self.ki = shaft.kp.copy(), shaft.kd, shaft.ki
+        if shaft.loop.compensation.signal == "error":
+            # Inside its band the compensator is a spring beside kp.
+            self.kp = self.kp + shaft.gamma * shaft.estimate / shaft.boundary
+        self.lag, self.sample_time, self.cutoff = shaft.lag, shaft.sample_time, shaft.cutoff
+        self.integral = bool((self.ki > 0).any())
+
+    def __call__(self, omega: Array, rows: NDArray[np.intp]) -> NDArray[np.complex128]:
+        """Return L(jω).
+
+        Parameters
+        ----------
+        omega : ndarray
+            Angular frequency [rad/s].
+        rows : ndarray of int
+            Number of the draw, in the same shape or broadcasting with it.
+
+        Returns
+        -------
+        ndarray of complex
+            Of the broadcast shape.
+        """
+
+        def of(values: Array) -> Array:
+            return np.asarray(values[rows])
+
+        square = omega**2
+        cable = of(self.stiffness) + 1j * omega * of(self.damping)
+        load = cable - of(self.load_inertia) * square + 1j * omega * of(self.load_viscous)
+        motor = cable - of(self.motor_inertia) * square + 1j * omega * of(self.motor_viscous)
+        # (motor)(load) − cable² with the large cable² taken out by hand, or it would cancel
+        own = motor - cable
+        other = load - cable
+        plant = load / (own * other + cable * (own + other))
+        period = of(self.sample_time)
+        half = omega * period / 2
+        # (1 − e^{−jωT})/T = jω sinc(ωT/2) e^{−jωT/2}
+        derivative = of(self.kd) * (2j / period) * np.sin(half) * np.exp(-1j * half)
+        if self.cutoff is not None:
+            derivative = derivative / (1 + 1j * omega / of(self.cutoff))
+        controller = of(self.kp) + derivative
+        if self.integral:
+            controller = controller + of(self.ki) / (1j * omega)
+        return np.asarray(controller * plant * np.exp(-1j * omega * of(self.lag)))
+
+    def frequencies(self, count: int = FREQUENCIES) -> Array:
+        """Return frequencies for each draw that its crossings lie well inside of.
+
+        Parameters
+        ----------
+        count : int
+            How many a draw.
+
+        Returns
+        -------
+        ndarray, shape (draws, count)
+            Increasing [rad/s]: even in the logarithm, and closer around the cable's
+            resonance and antiresonance.
+        """
+        inertia = self.motor_inertia + self.load_inertia
+        damping = self.kd + self.motor_viscous + self.load_viscous
+        natural = np.sqrt(self.kp / inertia)
+        anti = np.sqrt(self.stiffness / self.load_inertia)
+        resonance = np.sqrt(self.stiffness * (1 / self.load_inertia + 1 / self.motor_inertia))
+        low = np.minimum(natural, self.kp / np.maximum(damping, 1e-300))
+        if self.integral:
+            low = np.minimum(low, np.where(self.ki > 0, self.ki / self.kp, low))
+        high = np.maximum(np.maximum(natural, resonance), damping / self.motor_inertia)
+        high = np.maximum(high, np.sqrt(self.kp / self.motor_inertia))
+        high = 30 * np.maximum(high, 1 / self.lag)
+        wide = count - 2 * NEAR_RESONANCE
+        grids = [_even_logs(1e-3 * low, high, wide)]
+        width = 8 * self.damping / np.sqrt(self.stiffness * np.minimum(self.load_inertia,
+                                                                       self.motor_inertia))  # fmt: skip
+        width = np.clip(width, 1e-3, 1.0)[:, None]
+        # denser towards the middle
+        spread = np.sinh(np.linspace(-3, 3, NEAR_RESONANCE)) / np.sinh(3)
+        grids += [peak[:, None] * np.exp(width * spread[None, :]) for peak in (anti, resonance)]
+        return np.sort(np.concatenate(grids, axis=1), axis=1)
+
+
+def _even_logs(low: Array, high: Array, count: int) -> Array:
+    share = np.linspace(0, 1, count)[None, :]
+    return np.asarray(np.exp(np.log(low)[:, None] * (1 - share) + np.log(high)[:, None] * share))
