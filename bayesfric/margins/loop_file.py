@@ -165,6 +165,12 @@ class Controller(_Section):
         None, description="Corner of the low-pass; required with it."
     )
 
+    relies_on_friction: bool = Field(
+        False,
+        description="Accept a loop that friction alone holds still: its linear margins do not "
+        "exist, and the amplitude margin counts. Otherwise such a loop is refused.",
+    )
+
     @model_validator(mode="after")
     def _cutoff(self) -> "Controller":
         if (self.velocity_filter == "low-pass") != (self.velocity_cutoff_hz is not None):

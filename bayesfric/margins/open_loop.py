@@ -16,6 +16,7 @@ from bayesfric.margins.loop_at_shaft import LoopAtShaft
 __all__ = ["OpenLoop"]
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 
 FREQUENCIES = 600
 NEAR_RESONANCE = 60  # of them, around each of resonance and antiresonance
@@ -44,7 +45,37 @@ class OpenLoop:
         self.lag, self.sample_time, self.cutoff = shaft.lag, shaft.sample_time, shaft.cutoff
         self.integral = bool((self.ki > 0).any())
 
-    def __call__(self, omega: Array, rows: NDArray[np.intp]) -> NDArray[np.complex128]:
+    def plant(self, omega: Array, rows: NDArray[np.intp]) -> Complex:
+        """Return motor angle per motor torque [rad/(N·m)]; arguments as for the loop."""
+
+        def of(values: Array) -> Array:
+            return np.asarray(values[rows])
+
+        square = omega**2
+        cable = of(self.stiffness) + 1j * omega * of(self.damping)
+        motor = 1j * omega * of(self.motor_viscous) - of(self.motor_inertia) * square
+        load = 1j * omega * of(self.load_viscous) - of(self.load_inertia) * square
+        # the product of both ends minus cable², with the large cable² taken out by hand
+        return np.asarray((load + cable) / (motor * load + cable * (motor + load)))
+
+    def controller(self, omega: Array, rows: NDArray[np.intp]) -> Complex:
+        """Return torque per angle, hold and delay included [N·m/rad]."""
+
+        def of(values: Array) -> Array:
+            return np.asarray(values[rows])
+
+        period = of(self.sample_time)
+        half = omega * period / 2
+        # (1 − e^{−jωT})/T, written so that small ωT keeps its digits
+        difference = of(self.kd) * (2j / period) * np.sin(half) * np.exp(-1j * half)
+        if self.cutoff is not None:
+            difference = difference / (1 + 1j * omega / of(self.cutoff))
+        feedback = of(self.kp) + difference
+        if self.integral:
+            feedback = feedback + of(self.ki) / (1j * omega)
+        return np.asarray(feedback * np.exp(-1j * omega * of(self.lag)))
+
+    def __call__(self, omega: Array, rows: NDArray[np.intp]) -> Complex:
         """Return L(jω).
 
         Parameters
@@ -59,28 +90,16 @@ class OpenLoop:
         ndarray of complex
             Of the broadcast shape.
         """
+        return self.controller(omega, rows) * self.plant(omega, rows)
 
-        def of(values: Array) -> Array:
-            return np.asarray(values[rows])
+    def seen_by_friction(self, omega: Array, rows: NDArray[np.intp]) -> Complex:
+        """Return motor speed per friction torque with the loop closed [rad/(N·m·s)].
 
-        square = omega**2
-        cable = of(self.stiffness) + 1j * omega * of(self.damping)
-        load = cable - of(self.load_inertia) * square + 1j * omega * of(self.load_viscous)
-        motor = cable - of(self.motor_inertia) * square + 1j * omega * of(self.motor_viscous)
-        # (motor)(load) − cable² with the large cable² taken out by hand, or it would cancel
-        own = motor - cable
-        other = load - cable
-        plant = load / (own * other + cable * (own + other))
-        period = of(self.sample_time)
-        half = omega * period / 2
-        # (1 − e^{−jωT})/T = jω sinc(ωT/2) e^{−jωT/2}
-        derivative = of(self.kd) * (2j / period) * np.sin(half) * np.exp(-1j * half)
-        if self.cutoff is not None:
-            derivative = derivative / (1 + 1j * omega / of(self.cutoff))
-        controller = of(self.kp) + derivative
-        if self.integral:
-            controller = controller + of(self.ki) / (1j * omega)
-        return np.asarray(controller * plant * np.exp(-1j * omega * of(self.lag)))
+        Where it crosses −1/N(A), N = 4 F/(π ω A) being what friction of net size F is to a
+        swing of amplitude A, the loop can keep swinging.
+        """
+        plant = self.plant(omega, rows)
+        return 1j * omega * plant / (1 + self.controller(omega, rows) * plant)
 
     def frequencies(self, count: int = FREQUENCIES) -> Array:
         """Return frequencies for each draw that its crossings lie well inside of.

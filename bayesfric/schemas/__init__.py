@@ -39,6 +39,15 @@ from bayesfric.schemas.fit import (
     TimingsFile,
     WithoutExclusions,
 )
+from bayesfric.schemas.margins import (
+    GammaProbability,
+    LoopMargins,
+    MarginsFile,
+    Metric,
+    NyquistFan,
+    Verification,
+    VerifiedDraw,
+)
 
 __all__ = [
     "SCHEMAS",
@@ -56,8 +65,13 @@ __all__ = [
     "FitFile",
     "Gap",
     "GapRow",
+    "GammaProbability",
     "Interval",
+    "LoopMargins",
+    "MarginsFile",
+    "Metric",
     "NextExperiment",
+    "NyquistFan",
     "ParameterSummary",
     "PointEstimate",
     "Provenance",
@@ -70,6 +84,8 @@ __all__ = [
     "Shape",
     "TimingsFile",
     "Unseparated",
+    "Verification",
+    "VerifiedDraw",
     "WithoutExclusions",
 ]
 
@@ -77,6 +93,7 @@ SCHEMAS: dict[str, type[BaseModel]] = {
     "fit": FitFile,
     "claims": ClaimsFile,
     "diagnosis": DiagnosisFile,
+    "margins": MarginsFile,
     "timings": TimingsFile,
 }
 """The models by the name of the file that they describe."""
