@@ -11,7 +11,7 @@ P. Seiler, A. Packard, P. Gahinet, "An introduction to disk margins", IEEE Contr
 Systems Magazine 40(5) (2020).
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -65,12 +65,10 @@ class LinearMargins:
     disk_frequency: Array
     crossings: Rows
 
-    def taken(self, rows: Rows) -> "LinearMargins":
-        """Return the margins of some loops."""
-        return LinearMargins(*(getattr(self, field.name)[rows] for field in fields(self)))
 
-
-def is_stable(response: Response, omega: Array) -> NDArray[np.bool_]:
+def is_stable(
+    response: Response, omega: Array, on_grid: Complex | None = None
+) -> NDArray[np.bool_]:
     """Tell which closed loops are stable, by how far 1 + L turns around 0.
 
     A strictly proper loop without poles to the right of the imaginary axis is stable when
@@ -85,12 +83,14 @@ def is_stable(response: Response, omega: Array) -> NDArray[np.bool_]:
     omega : ndarray, shape (loops, F)
         Increasing frequencies, from where L is large (or constant) to where it is small
         [rad/s].
+    on_grid : ndarray of complex, shape (loops, F), or None
+        The response at these frequencies, if it is there already.
 
     Returns
     -------
     ndarray of bool, shape (loops,)
     """
-    around = 1 + response(omega, np.arange(len(omega))[:, None])
+    around = 1 + (_on_grid(response, omega) if on_grid is None else on_grid)
     step = np.angle(around[:, 1:] * around[:, :-1].conj())
     turned = step.sum(axis=1)
     # A step that is large may hide a whole turn: go through it in smaller ones.
@@ -102,7 +102,9 @@ def is_stable(response: Response, omega: Array) -> NDArray[np.bool_]:
     return np.asarray(np.abs(start + turned) < np.pi)
 
 
-def linear_margins(response: Response, omega: Array) -> LinearMargins:
+def linear_margins(
+    response: Response, omega: Array, on_grid: Complex | None = None
+) -> LinearMargins:
     """Return the margins of stable loops.
 
     Parameters
@@ -112,14 +114,15 @@ def linear_margins(response: Response, omega: Array) -> LinearMargins:
     omega : ndarray, shape (loops, F)
         Increasing frequencies, close enough that no two crossings lie between neighbours
         [rad/s].
+    on_grid : ndarray of complex, shape (loops, F), or None
+        The response at these frequencies, if it is there already.
 
     Returns
     -------
     LinearMargins
         To some 1e-9 of each margin.
     """
-    rows = np.arange(len(omega))[:, None]
-    value = response(omega, rows)
+    value = _on_grid(response, omega) if on_grid is None else on_grid
     loops = len(omega)
     # gain crossings
     size = value.real**2 + value.imag**2
@@ -152,6 +155,10 @@ def linear_margins(response: Response, omega: Array) -> LinearMargins:
         disk_frequency,
         np.bincount(where, minlength=loops),
     )
+
+
+def _on_grid(response: Response, omega: Array) -> Complex:
+    return response(omega, np.arange(len(omega))[:, None])
 
 
 def _sine(value: Complex) -> Array:
