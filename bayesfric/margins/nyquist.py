@@ -10,8 +10,8 @@ from bayesfric.schemas import NyquistFan
 __all__ = ["nyquist_fans"]
 
 DRAWS = 12
-POINTS = 160
-DIGITS = 6
+POINTS = 100
+DIGITS = 5
 LARGEST = 6.0  # of |L|, what a picture shows
 SMALLEST = 0.03
 

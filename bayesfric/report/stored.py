@@ -7,9 +7,9 @@ import xarray as xr
 
 from bayesfric.errors import Fault, InputError
 from bayesfric.results import read_json, read_tree
-from bayesfric.schemas import ClaimsFile, DiagnosisFile, FitFile
+from bayesfric.schemas import ClaimsFile, DiagnosisFile, FitFile, MarginsFile
 
-__all__ = ["StoredDiagnosis", "StoredResults", "read_diagnosis", "read_stored"]
+__all__ = ["StoredDiagnosis", "StoredResults", "read_diagnosis", "read_margins", "read_stored"]
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,8 @@ class StoredResults:
         ``claims.nc``, likewise.
     diagnosis : StoredDiagnosis or None
         Where the simulation misses, where that was asked.
+    margins : MarginsFile or None
+        ``margins.json``, where loops were given.
     """
 
     fit: FitFile
@@ -56,6 +58,7 @@ class StoredResults:
     claims: ClaimsFile | None = None
     claim_curves: xr.DataTree | None = None
     diagnosis: StoredDiagnosis | None = None
+    margins: MarginsFile | None = None
 
 
 def read_stored(folder: Path) -> StoredResults:
@@ -99,7 +102,10 @@ def read_stored(folder: Path) -> StoredResults:
     diagnosis = read_diagnosis(folder) if (folder / "diagnosis.json").is_file() else None
     if diagnosis is not None and diagnosis.found.recording.sha256 != fit.recording.sha256:
         raise InputError([Fault("diagnosis.json", "a diagnosis of the recording in fit.json")])
-    return StoredResults(fit, draws, predictive, claims, claim_curves, diagnosis)
+    margins = read_margins(folder) if (folder / "margins.json").is_file() else None
+    if margins is not None and margins.recording.sha256 != fit.recording.sha256:
+        raise InputError([Fault("margins.json", "margins over the draws of the fit in fit.json")])
+    return StoredResults(fit, draws, predictive, claims, claim_curves, diagnosis, margins)
 
 
 def read_diagnosis(folder: Path) -> StoredDiagnosis:
@@ -113,6 +119,17 @@ def read_diagnosis(folder: Path) -> StoredDiagnosis:
     found = read_json(DiagnosisFile, folder / "diagnosis.json")
     _beside("diagnosis", folder, "diagnose")
     return StoredDiagnosis(found, read_tree(folder / "diagnosis.nc"))
+
+
+def read_margins(folder: Path) -> MarginsFile:
+    """Read the margins in a folder.
+
+    Raises
+    ------
+    InputError
+        The file is missing or not what ``bayesfric margins`` writes.
+    """
+    return read_json(MarginsFile, folder / "margins.json")
 
 
 def _claims(folder: Path, fit: FitFile) -> tuple[ClaimsFile | None, xr.DataTree | None]:

@@ -2,10 +2,14 @@
 
 from pathlib import Path
 
-from bayesfric.report.assembly import build_diagnosis_document, build_document
+from bayesfric.report.assembly import (
+    build_diagnosis_document,
+    build_document,
+    build_margins_document,
+)
 from bayesfric.report.html import render_html
 from bayesfric.report.markdown import render_markdown
-from bayesfric.report.stored import read_diagnosis, read_stored
+from bayesfric.report.stored import read_diagnosis, read_margins, read_stored
 from bayesfric.report.typst import render_pdf
 from bayesfric.results import replace_outputs
 
@@ -25,8 +29,11 @@ def write_report(folder: Path) -> None:
     InputError
         A result is missing or damaged, or the folder cannot be written.
     """
-    if (folder / "diagnosis.json").is_file() and not (folder / "fit.json").is_file():
+    fitted = (folder / "fit.json").is_file()
+    if (folder / "diagnosis.json").is_file() and not fitted:
         document = build_diagnosis_document(read_diagnosis(folder))
+    elif (folder / "margins.json").is_file() and not fitted:
+        document = build_margins_document(read_margins(folder))
     else:
         document = build_document(read_stored(folder))
     pdf = render_pdf(document)
