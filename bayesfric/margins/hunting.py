@@ -1,4 +1,18 @@
-"""The compensation gain at which a loop begins to hunt, found by simulation."""
+"""The compensation gain at which a loop begins to hunt, found by simulation.
+
+With the compensator on the sign of the measured speed, off at rest, and a fixed
+reference, a swing repeats at an amplitude of (γF̂ − F)/kp · coth(πζ/(2√(1 − ζ²))),
+and goes on if that exceeds F/kp, where friction holds the shaft. So hunting begins at
+
+    γ* = (F/F̂)(1 + tanh(πζ/(2√(1 − ζ²)))) ≈ (F/F̂)(1 + πζ/2)
+
+as long as F/kp is many encoder counts, also many of those that the shaft travels in a
+sample at full swing (F ω_n T/kp above 3 counts), and the kick exceeds F/kp. Then the
+simulator is within 10 % of the first form up to ζ = 0.84, and of the second up to
+ζ = 0.7. With fewer counts the compensator is off for much of a swing and γ* is
+higher; where the reference moves so slowly that most samples read no motion, shafts
+slip and stick at γ below F/F̂ too. Only the simulation knows these.
+"""
 
 from dataclasses import replace
 
@@ -63,7 +77,7 @@ def hunting_threshold(
 
     All draws are run at γ = 0, step, 2 step, … up to the maximum; the first that hunts
     is then approached by bisection. A band of γ that hunts and is narrower than the step
-    may be missed.
+    may be missed; encoder steps make such bands just below the threshold.
 
     Parameters
     ----------
@@ -80,7 +94,7 @@ def hunting_threshold(
     step : float
         Distance of the first search.
     tolerance : float
-        The threshold is at most this much too high.
+        Width to which the bisection goes.
 
     Returns
     -------

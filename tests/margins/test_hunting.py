@@ -7,6 +7,8 @@ friction-stabilised swing is a wrist's: kp 0.05 N·m/rad behind 26/7, no kd, vis
 cable force on a capstan of 5.005 mm.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -38,6 +40,17 @@ def test_threshold_against_damping():
     loop = arm_loop(np.array([0.11, 0.42, 0.84]), 130)
     threshold = hunting_threshold(loop, kick=2 * 130 * COUNT)
     assert threshold == pytest.approx([1.20, 1.65, 2.20], rel=0.05)
+
+
+def test_threshold_is_within_its_tolerance_of_where_hunting_begins():
+    # Without steps of the encoder, which would leave narrow bands of γ that hunt below it.
+    loop = arm_loop(np.array([0.2, 0.5]), 130, counts_per_revolution=0)
+    kick = 2 * 130 * COUNT
+    threshold = hunting_threshold(loop, kick=kick, tolerance=0.004)
+    for below, expected in ((0.0, True), (0.005, False)):
+        tried = replace(loop, compensation_gain=threshold - below)
+        hunts = simulate(tried, kick=kick, duration=settling_duration(loop)).hunts
+        assert hunts.tolist() == [expected, expected]
 
 
 def test_threshold_against_friction_in_counts():
@@ -85,9 +98,7 @@ def loops_within_the_conditions(draws):
 def share_in_agreement(loop, kick, gamma):
     """Share of draws that are still at 0.9 of a predicted threshold and hunt at 1.1 of it."""
     twice = loop.taken(np.tile(np.arange(loop.draws), 2))
-    gains = {name: twice.array(name) for name in twice.numbers()}
-    gains["compensation_gain"] = np.concatenate([0.9 * gamma, 1.1 * gamma])
-    tried = SampledLoop(compensation_signal="measured", **gains)
+    tried = replace(twice, compensation_gain=np.concatenate([0.9 * gamma, 1.1 * gamma]))
     hunts = simulate(tried, kick=np.tile(kick, 2), duration=3.0).hunts
     below, above = hunts.reshape(2, -1)
     return np.mean(~below & above)
@@ -126,6 +137,12 @@ def test_amplitude_that_friction_stabilises():
     assert motion.hunts.reshape(3, 4).tolist() == [[False, False, True, True]] * 3
     swings = motion.frequency[motion.hunts]
     assert swings == pytest.approx(natural / (2 * np.pi), rel=0.01)
+
+    # Below, it still swings after a while, but dies out.
+    shorter = simulate(loop, kick=0.9 * np.repeat(critical, 4), duration=0.7)
+    assert (shorter.frequency > 9).all()
+    assert (shorter.amplitude > 0.4).all()
+    assert not shorter.hunts.any()
 
 
 @pytest.mark.parametrize("reference_speed", [0.0, 1.0, -5.0])

@@ -142,6 +142,11 @@ def test_command_uses_the_stepped_reading_and_its_first_difference():
     assert np.unique(speed).size > 2
 
 
+def test_first_command_finds_the_shaft_moving_with_the_reference():
+    motion = simulate(a_loop(delay=0.0), kick=0.1, duration=1e-3, reference_speed=3.0, traces=True)
+    assert motion.traces.torque[0] == pytest.approx(-KP * 0.1, rel=1e-12)
+
+
 def test_torque_is_clipped():
     loop = a_loop(torque_limit=0.012, viscous=1e-5)
     traces = simulate(loop, kick=3.0, duration=0.5, traces=True).traces
