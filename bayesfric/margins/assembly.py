@@ -159,7 +159,7 @@ def read_posterior(path: Path) -> Posterior:
         The file is missing, is not netCDF, or has no draws of c1, c2 and c3.
     """
     tree = read_tree(path)
-    fault = Fault(path.name, "the draws of a fit: c1, c2, c3 over chain, draw and pulley, and omega")
+    fault = Fault(path.name, "draws of a fit: c1, c2, c3 over chain, draw and pulley, and omega")
     if "posterior" not in tree.children:
         raise InputError([fault])
     table = tree["posterior"].to_dataset()

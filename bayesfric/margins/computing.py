@@ -138,7 +138,8 @@ def compute_margins(
 
 
 def _read_all(loops: Sequence[Path | str | Loop]) -> list[Loop]:
-    read, faults = [], []
+    read: list[Loop] = []
+    faults: list[Fault] = []
     for one in loops:
         try:
             read.append(one if isinstance(one, Loop) else read_loop(Path(one)))

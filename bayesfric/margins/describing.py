@@ -43,7 +43,7 @@ MOST_STICTION = 1.02
 
 def natural_frequency(shaft: LoopAtShaft) -> Array:
     """Return ω_n = √(kp/J) with a stiff cable [rad/s], shape (draws,)."""
-    return np.sqrt(shaft.kp / shaft.inertia)
+    return np.asarray(np.sqrt(shaft.kp / shaft.inertia))
 
 
 def effective_damping(shaft: LoopAtShaft) -> Array:
@@ -74,7 +74,7 @@ def necessary_gain(shaft: LoopAtShaft) -> Array:
 def formula_threshold(shaft: LoopAtShaft) -> Array:
     """Return γ* = (F/F̂)(1 + π ζ/2), shape (draws,); see :func:`formula_conditions`."""
     ratio = effective_damping(shaft) / (2 * np.sqrt(shaft.kp * shaft.inertia))
-    return necessary_gain(shaft) * (1 + np.pi * ratio / 2)
+    return np.asarray(necessary_gain(shaft) * (1 + np.pi * ratio / 2))
 
 
 def formula_conditions(shaft: LoopAtShaft) -> tuple[NDArray[np.bool_], tuple[str, ...]]:

@@ -11,8 +11,9 @@ P. Seiler, A. Packard, P. Gahinet, "An introduction to disk margins", IEEE Contr
 Systems Magazine 40(5) (2020).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -165,16 +166,17 @@ def _sine(value: Complex) -> Array:
     return np.asarray(value.imag / np.abs(value))
 
 
-def _root(function: object, omega: Array, rows: Rows, at: Rows) -> Array:
+def _root(function: Callable[[Array, Rows], Array], omega: Array, rows: Rows, at: Rows) -> Array:
     """Return the frequency of a change of sign between each bracket's ends."""
     if not rows.size:
         return np.empty(0)
     ends = (np.log(omega[rows, at]), np.log(omega[rows, at + 1]))
 
     def of_log(log_omega: Array, row: Array) -> Array:
-        return function(np.exp(log_omega), row.astype(np.intp))  # type: ignore[operator, no-any-return]
+        return function(np.exp(log_omega), row.astype(np.intp))
 
-    found = elementwise.find_root(of_log, ends, args=(rows.astype(float),))
+    find: Any = elementwise.find_root
+    found = find(of_log, ends, args=(rows.astype(float),))
     return np.asarray(np.exp(found.x))
 
 
@@ -206,12 +208,13 @@ def _disk(response: Response, omega: Array, value: Complex) -> tuple[Array, Arra
     least = on_grid.min(axis=1)
     where = np.take_along_axis(omega, on_grid.argmin(axis=1)[:, None], axis=1)[:, 0]
     if rows.size:
-        triple = tuple(np.log(omega[rows, at + shift]) for shift in (0, 1, 2))
+        triple: Any = tuple(np.log(omega[rows, at + shift]) for shift in (0, 1, 2))
 
         def of_log(log_omega: Array, row: Array) -> Array:
             return margin(response(np.exp(log_omega), row.astype(np.intp)))
 
-        found = elementwise.find_minimum(of_log, triple, args=(rows.astype(float),))
+        find: Any = elementwise.find_minimum
+        found = find(of_log, triple, args=(rows.astype(float),))
         refined, place = _smallest(np.asarray(found.f_x), np.exp(found.x), rows, len(omega))
         better = refined < least
         least, where = np.where(better, refined, least), np.where(better, place, where)

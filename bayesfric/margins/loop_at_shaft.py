@@ -248,8 +248,10 @@ def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> Loop
         cable_per_rad=rho,
         tip_per_rad=(given["tool.lever_m"] if revolute else 1.0) / ratio,
         lost_motion=sum(run.lost_length for run in runs) / per_strain / rho,
-        kick=given["kick.over_stuck_band"] * stiction * friction / (to_shaft
-            * given["controller.kp_n_m_per_rad"]),
+        kick=given["kick.over_stuck_band"]
+        * stiction
+        * friction
+        / (to_shaft * given["controller.kp_n_m_per_rad"]),
         reference_speed=given["kick.reference_speed_rad_s"],
         runs=runs,
     )

@@ -256,7 +256,8 @@ class Loop(_Section):
         description="What in the file is assumed, a sentence each; carried to the warnings.",
     )
     stiction_ratio: Positive = Field(
-        1.0, description="Breakaway over moving friction, 1 at least; the paper says 1 for bearings."
+        1.0,
+        description="Breakaway over moving friction, 1 at least; the paper says 1.",
     )
     joint: Annotated[RevoluteJoint | PrismaticJoint, Field(discriminator="kind")] = Field(
         description="The joint."

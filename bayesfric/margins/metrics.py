@@ -92,6 +92,7 @@ RULES = (
     Rule("reversal_error", "m", "tool tip", "at most", "reversal_error_max_m",
          "twice the servo's error and the lost motion"),
 )  # fmt: skip
+HUNTING = ("gamma_hunting", "limit_cycle_amplitude", "limit_cycle_frequency")
 LINEAR = ("gain_margin", "phase_margin", "disk_margin", "delay_margin")
 
 
@@ -136,9 +137,7 @@ def linear_of(shaft: LoopAtShaft) -> dict[Direction | None, Linear]:
     return found
 
 
-def closed_forms(
-    shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]
-) -> dict[Key, Array]:
+def closed_forms(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) -> dict[Key, Array]:
     """Return every metric that needs no simulation, by name and direction, shape (draws,)."""
     stuck, tip = steady_error(shaft), shaft.tip_per_rad
     drive = shaft.drive_friction
@@ -261,8 +260,7 @@ def _row(
         probability = float(violated.mean())
     finite = found[np.isfinite(found)]
     # a swing exists in some draws only; of all others a missing value leaves no distribution
-    conditional = rule.name in ("amplitude_margin", "limit_cycle_amplitude",
-                                "limit_cycle_frequency")  # fmt: skip
+    conditional = rule.name in ("amplitude_margin", *HUNTING)
     shown = finite if conditional or finite.size == found.size else finite[:0]
     interval = interval_of(shown) if shown.size else None
     error = None
@@ -291,12 +289,11 @@ def _missing(name: str, found: Array | None, shaft: LoopAtShaft, hunting: Huntin
     """Return why a metric has no interval."""
     if name == "headroom_continuous":
         return "drive.continuous_current_a is not given"
-    if name in ("gamma_hunting", "limit_cycle_amplitude", "limit_cycle_frequency"):
+    if name in HUNTING:
         if hunting.method == "none":
             return hunting.note
         if name == "gamma_hunting":
-            share = float(np.isinf(hunting.threshold).mean())
-            return f"{share:.1%} of the draws do not hunt up to γ = {GAMMA_MAX:g}"
+            return f"no draw hunts up to γ = {GAMMA_MAX:g}"
         return f"no draw hunts at γ = {np.median(shaft.gamma):.3g}"
     if name == "amplitude_margin":
         return "kd + b − kp τ is positive in every draw: the loop is damped without friction"
@@ -330,7 +327,10 @@ def _note(
                 notes.append("without the compensator, which may be off or wrong at rest")
         case "gamma_hunting" | "limit_cycle_amplitude" | "limit_cycle_frequency":
             notes.append(hunting.note)
-            if rule.name != "gamma_hunting" and finite.size:
+            if rule.name == "gamma_hunting" and finite.size < found.size:
+                notes.append(f"{1 - finite.size / found.size:.1%} of the draws do not hunt up to "
+                             f"γ = {GAMMA_MAX:g} and are left out")  # fmt: skip
+            elif rule.name != "gamma_hunting" and finite.size:
                 notes.append(f"in the {finite.size / found.size:.1%} of the draws that hunt at "
                              f"γ = {np.median(shaft.gamma):.3g}")  # fmt: skip
         case "amplitude_margin" if finite.size:
@@ -341,9 +341,7 @@ def _note(
     return "; ".join(notes)
 
 
-def _linear_notes(
-    one: Linear, interval: Interval | None, direction: Direction | None
-) -> list[str]:
+def _linear_notes(one: Linear, interval: Interval | None, direction: Direction | None) -> list[str]:
     notes = []
     if interval is not None and interval.sd == 0:
         notes.append(
@@ -352,6 +350,8 @@ def _linear_notes(
         )
     elif direction is None:
         notes.append("its spread is that of the loop's own numbers: Coulomb friction is not in it")
+    elif direction is not None:
+        notes.append("in an open run friction counts the load side 1/η or η, so c1 and c3 move it")
     if not one.stable.all():
         notes.append(f"{1 - one.stable.mean():.1%} of the draws are unstable without friction and "
                      "count as none")  # fmt: skip

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from bayesfric.margins.describing import natural_frequency
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.open_loop import OpenLoop
 from bayesfric.schemas import NyquistFan
@@ -12,6 +13,7 @@ __all__ = ["nyquist_fans"]
 DRAWS = 12
 POINTS = 100
 DIGITS = 5
+DENSE = 1500
 LARGEST = 6.0  # of |L|, what a picture shows
 SMALLEST = 0.03
 
@@ -24,19 +26,21 @@ def nyquist_fans(shaft: LoopAtShaft) -> tuple[NyquistFan, ...]:
     """
     rows = np.unique(np.linspace(0, shaft.friction.size - 1, DRAWS).astype(np.intp))
     scale = np.sqrt(shaft.kp * shaft.inertia)[rows, None]
+    near = natural_frequency(shaft)[rows, None] * np.geomspace(0.1, 10.0, DENSE)[None, :]
     fans = []
     for direction in shaft.directions:
         loop = OpenLoop(shaft, direction)
-        omega = loop.frequencies()[rows]
+        omega = np.sort(np.concatenate([loop.frequencies()[rows], near], axis=1), axis=1)
         response = loop(omega, rows[:, None])
         seen = loop.seen_by_friction(omega, rows[:, None]) * scale
         size = np.abs(response)
         shown = (size > SMALLEST) & (size < LARGEST)
         for what, values in (("loop", response), ("seen-by-friction", seen)):
-            picked = [_thinned(one[use]) for one, use in zip(values, shown, strict=True)]
+            used = shown if what == "loop" else np.full(shown.shape, True)
+            picked = [_thinned(one[use]) for one, use in zip(values, used, strict=True)]
             fans.append(
                 NyquistFan(
-                    what=what,  # type: ignore[arg-type]
+                    what=what,
                     direction=direction,
                     real=tuple(tuple(_short(one.real)) for one in picked),
                     imag=tuple(tuple(_short(one.imag)) for one in picked),

@@ -128,8 +128,8 @@ class OpenLoop:
         high = 30 * np.maximum(high, 1 / self.lag)
         wide = count - 2 * NEAR_RESONANCE
         grids = [_even_logs(1e-3 * low, high, wide)]
-        width = 8 * self.damping / np.sqrt(self.stiffness * np.minimum(self.load_inertia,
-                                                                       self.motor_inertia))  # fmt: skip
+        lighter = np.minimum(self.load_inertia, self.motor_inertia)
+        width = 8 * self.damping / np.sqrt(self.stiffness * lighter)
         width = np.clip(width, 1e-3, 1.0)[:, None]
         # denser towards the middle
         spread = np.sinh(np.linspace(-3, 3, NEAR_RESONANCE)) / np.sinh(3)

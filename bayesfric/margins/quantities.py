@@ -50,8 +50,7 @@ def _at_least_zero(value: Any) -> Any:
     match value:
         case Normal(mean=mean, sd=sd) if mean < WIDEST_NORMAL * sd:
             raise ValueError(
-                f"a normal that stays above 0, its mean over {WIDEST_NORMAL:g} sd; "
-                "or a log-normal"
+                f"a normal that stays above 0, its mean over {WIDEST_NORMAL:g} sd; or a log-normal"
             )
         case Uniform(low=low) if low < 0:
             raise ValueError("a uniform without negative values")

@@ -19,16 +19,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bayesfric.margins.shaft import Interval, Shaft, turn
+from bayesfric.margins.swing import Swing
+from bayesfric.margins.traces import Record, Traces
 
-__all__ = ["AtRest", "CompensationSignal", "Motion", "SampledLoop", "Traces", "simulate"]
+__all__ = ["AtRest", "CompensationSignal", "Motion", "SampledLoop", "simulate"]
 
 Floats = NDArray[np.float64]
 CompensationSignal = Literal["none", "reference", "measured", "error"]
 AtRest = Literal["off", "hold"]
-
-STEADY_SHARE = 0.95
-"""An oscillation whose amplitude falls below this share from one quarter of the run to the
-next dies out."""
 
 _POSITIVE = ("inertia", "sample_time", "torque_limit")
 _SIGNED = ("kp", "kd", "ki")
@@ -128,7 +126,8 @@ class SampledLoop:
                 wrong = wrong | np.isinf(value)
             if wrong.any():
                 raise ValueError(f"{name}: expected {expected}, got {value[wrong].flat[0]}")
-        if len(lengths) > 1:
+        # One may stand for all.
+        if len(lengths - {1}) > 1:
             raise ValueError(f"expected one number of draws, got {sorted(lengths)}")
 
     @classmethod
@@ -154,10 +153,7 @@ class SampledLoop:
         SampledLoop
             Of m draws.
         """
-        numbers = {
-            name: np.broadcast_to(np.asarray(getattr(self, name), float), self.draws)[index]
-            for name in self.numbers()
-        }
+        numbers = {name: self.array(name)[index] for name in self.numbers()}
         return SampledLoop(
             compensation_signal=self.compensation_signal, at_rest=self.at_rest, **numbers
         )
@@ -175,28 +171,32 @@ class SampledLoop:
         ndarray, shape (draws,)
             Its values.
         """
-        value = np.asarray(getattr(self, name), dtype=np.float64)
-        return np.broadcast_to(value, self.draws).copy()
+        return self.per_draw(name, getattr(self, name))
 
+    def per_draw(self, name: str, value: ArrayLike) -> Floats:
+        """Return a value that belongs to the loop as an array of shape (draws,).
 
-@dataclass(frozen=True)
-class Traces:
-    """What moved, at the beginning and after every interval of constant torque.
+        Parameters
+        ----------
+        name : str
+            What it is called, for the error.
+        value : array_like
+            A scalar, or one a draw.
 
-    Parameters
-    ----------
-    time : ndarray, shape (intervals + 1, draws)
-        Since the kick [s].
-    position, speed : ndarray, shape (intervals + 1, draws)
-        Of the shaft [rad, rad/s].
-    torque : ndarray, shape (intervals, draws)
-        What the motor applied in each interval [N·m].
-    """
+        Returns
+        -------
+        ndarray, shape (draws,)
+            A copy.
 
-    time: Floats
-    position: Floats
-    speed: Floats
-    torque: Floats
+        Raises
+        ------
+        ValueError
+            Where the shape is another.
+        """
+        array = np.asarray(value, dtype=np.float64)
+        if array.shape not in ((), (1,), (self.draws,)):
+            raise ValueError(f"{name}: expected a number or {self.draws}, got {array.shape}")
+        return np.broadcast_to(array, self.draws).copy()
 
 
 @dataclass(frozen=True)
@@ -208,7 +208,7 @@ class Motion:
     hunts : ndarray of bool, shape (draws,)
         Whether the shaft still swings around the reference in the last quarter of the run: at
         least two reversals against the reference there, an amplitude above one encoder count,
-        and not below 0.95 of the quarter before.
+        and not below 0.9 of the quarter before.
     amplitude : ndarray, shape (draws,)
         Half of the range of the error in the last quarter [rad].
     frequency : ndarray, shape (draws,)
@@ -268,7 +268,10 @@ def simulate(
     ValueError
         Where kick, duration, speed or substeps cannot be used.
     """
-    begin, reference = _input(loop, "kick", kick), _input(loop, "reference_speed", reference_speed)
+    begin = loop.per_draw("kick", kick)
+    reference = loop.per_draw("reference_speed", reference_speed)
+    if not (np.isfinite(begin).all() and np.isfinite(reference).all()):
+        raise ValueError("kick, reference_speed: expected finite numbers")
     if not (np.isfinite(duration) and duration > 0.0):
         raise ValueError(f"duration: expected a positive time, got {duration}")
     if substeps < 1:
@@ -295,9 +298,9 @@ def simulate(
     draws = np.arange(loop.draws)
     commands = np.zeros((depth, loop.draws))
     samples = np.ceil(duration / period - 1e-9).astype(np.intp)
-    watch = _Watch(samples, period, loop.array("counts_per_revolution"))
+    swing = Swing(samples, period, controller.step * controller.stepped)
     position, speed = begin.copy(), reference.copy()
-    record = _Record(position, speed) if traces else None
+    record = Record(position, speed) if traces else None
     for k in range(int(samples.max())):
         running = k < samples
         commands[k % depth] = controller.command(k, position)
@@ -309,16 +312,10 @@ def simulate(
                 speed = np.where(running, new_speed, speed)
                 if record is not None:
                     record.add(np.where(running, interval.length, 0.0), position, speed, torque)
-        watch.see(k + 1, reference * (k + 1) * period - position, speed - reference)
+        swing.see(k + 1, reference * (k + 1) * period - position, speed - reference)
     final = reference * samples * period - position
-    return watch.judged(final, None if record is None else record.traces())
-
-
-def _input(loop: SampledLoop, name: str, value: ArrayLike) -> Floats:
-    array = np.asarray(value, dtype=np.float64)
-    if array.shape not in ((), (1,), (loop.draws,)) or not np.isfinite(array).all():
-        raise ValueError(f"{name}: expected a finite number or {loop.draws} of them")
-    return np.broadcast_to(array, loop.draws).copy()
+    hunts, amplitude, frequency = swing.judged()
+    return Motion(hunts, amplitude, frequency, final, None if record is None else record.traces())
 
 
 class _Controller:
@@ -368,71 +365,3 @@ class _Controller:
             share = np.where(share == 0.0, self.last_share, share)
             self.last_share = share
         return share
-
-
-class _Watch:
-    """Ranges and reversals in the third and fourth quarter of each draw's run."""
-
-    def __init__(self, samples: NDArray[np.intp], period: Floats, counts: Floats) -> None:
-        self.samples, self.period = samples, period
-        self.count = np.where(counts > 0.0, 2.0 * np.pi / np.where(counts > 0.0, counts, 1.0), 0.0)
-        self.low = np.full((2, samples.size), np.inf)
-        self.high = np.full((2, samples.size), -np.inf)
-        self.reversals = np.zeros((2, samples.size), dtype=np.intp)
-        self.first, self.last = np.zeros(samples.size), np.zeros(samples.size)
-        self.side = np.zeros(samples.size)
-
-    def see(self, k: int, error: Floats, speed: Floats) -> None:
-        """Take note of error and speed against the reference at the k-th sample."""
-        if 2 * k < self.samples.min():
-            return
-        side = np.sign(speed)
-        turned = (side * self.side < 0.0) & (k <= self.samples)
-        self.side = np.where(side == 0.0, self.side, side)
-        begin = (self.samples + 1) // 2
-        middle = (3 * self.samples + 3) // 4
-        for quarter, (start, end) in enumerate(((begin, middle), (middle, self.samples + 1))):
-            now = (k >= start) & (k < end)
-            self.low[quarter] = np.where(now, np.minimum(self.low[quarter], error), self.low[quarter])
-            self.high[quarter] = np.where(
-                now, np.maximum(self.high[quarter], error), self.high[quarter]
-            )
-            counted = now & turned
-            time = k * self.period
-            new = counted & (self.reversals.sum(axis=0) == 0)
-            self.first = np.where(new, time, self.first)
-            self.last = np.where(counted, time, self.last)
-            self.reversals[quarter] += counted
-
-    def judged(self, final_error: Floats, traces: Traces | None) -> Motion:
-        """Return what was seen."""
-        before, after = np.maximum(self.high - self.low, 0.0) / 2.0
-        turns = self.reversals.sum(axis=0)
-        enough = turns >= 3
-        span = np.where(enough, self.last - self.first, 1.0)
-        hunts = (self.reversals[1] >= 2) & (after > self.count) & (after >= STEADY_SHARE * before)
-        frequency = np.where(enough, (turns - 1) / (2.0 * span), 0.0)
-        return Motion(hunts, after, frequency, final_error, traces)
-
-
-class _Record:
-    """Collects traces."""
-
-    def __init__(self, position: Floats, speed: Floats) -> None:
-        self.lengths: list[Floats] = []
-        self.positions, self.speeds, self.torques = [position], [speed], list[Floats]()
-
-    def add(self, length: Floats, position: Floats, speed: Floats, torque: Floats) -> None:
-        """Note the end of an interval."""
-        self.lengths.append(length)
-        self.positions.append(position)
-        self.speeds.append(speed)
-        self.torques.append(torque)
-
-    def traces(self) -> Traces:
-        """Return what was collected."""
-        lengths = np.array(self.lengths)
-        time = np.concatenate([np.zeros((1, lengths.shape[1])), lengths.cumsum(axis=0)])
-        return Traces(
-            time, np.array(self.positions), np.array(self.speeds), np.array(self.torques)
-        )

@@ -137,7 +137,7 @@ def _after_a_stop(
     _, by_speed, by_acceleration = _weights(until, rate)
     travel = speed * by_speed + acceleration * by_acceleration
     left = length - until
-    decay, by_speed, by_acceleration = _weights(left, rate)
+    _, by_speed, by_acceleration = _weights(left, rate)
     breaks = np.abs(torque) > shaft.breakaway
     net = np.where(breaks, torque - np.sign(torque) * shaft.friction, 0.0) / shaft.inertia
     return travel + net * by_acceleration, net * by_speed

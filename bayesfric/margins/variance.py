@@ -53,9 +53,7 @@ def variance_shares(
         everything = np.array([values, without, *others.values()])
         if not np.isfinite(everything).all() or _still(everything):
             continue
-        shares[label] = {
-            group: _share(values, without, one) for group, one in others.items()
-        }
+        shares[label] = {group: _share(values, without, one) for group, one in others.items()}
     return shares
 
 

@@ -85,7 +85,7 @@ def _agree(predicted: Array, found: Array) -> NDArray[np.bool_]:
     none = np.isinf(predicted) & np.isinf(found)
     both = np.isfinite(predicted) & np.isfinite(found)
     apart = np.abs(np.where(both, found, 0.0) - np.where(both, predicted, 1.0))
-    return none | (both & (apart <= TOLERANCE * np.where(both, predicted, 1.0)))
+    return np.asarray(none | (both & (apart <= TOLERANCE * np.where(both, predicted, 1.0))))
 
 
 def _number(value: float) -> float | None:

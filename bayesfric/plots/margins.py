@@ -106,8 +106,8 @@ def nyquist_fan(fans: Sequence[NyquistFan]) -> Figure:
             axes.axvline(0, color=NEUTRAL, linewidth=0.5, zorder=1)
             axes.set_xlabel("real")
         left.set_ylabel("imaginary")
-        if any(fan.direction for fan in fans):
-            left.legend(loc="lower right")
+        handles, labels = right.get_legend_handles_labels()
+        fig.legend(handles, labels, loc="outside lower center", ncols=4)
     return fig
 
 
@@ -120,7 +120,6 @@ def _real_axis_of_friction(axes: Axes) -> None:
     axes.plot([0, reach], [0, 0], color=COLORS["black"], linewidth=1.6, linestyle="--",
               label="−1/N(A), γF̂ > F")  # fmt: skip
     axes.set_xlim(-reach, reach)
-    axes.legend(loc="upper left")
 
 
 def has_error_or_headroom(loops: Sequence[LoopMargins]) -> bool:

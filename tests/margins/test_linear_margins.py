@@ -91,7 +91,9 @@ def test_stability_is_that_of_the_poles():
     num, den = random_loops(3)
     num = num * 10 ** rng.uniform(-1, 2, (LOOPS, 1))
     omega = np.tile(np.geomspace(1e-5, 1e6, 2000), (LOOPS, 1))
-    stable = np.array([np.roots(np.polyadd(d, n)).real.max() < 0 for n, d in zip(num, den, strict=True)])
+    stable = np.array(
+        [np.roots(np.polyadd(d, n)).real.max() < 0 for n, d in zip(num, den, strict=True)]
+    )
     assert 20 < stable.sum() < LOOPS - 20
     assert is_stable(rational(num, den), omega).tolist() == stable.tolist()
 

@@ -1,6 +1,8 @@
 """Controller margins: which compensation gain to set, and what else is left."""
 
+import re
 from collections.abc import Iterator, Sequence
+from typing import Literal
 
 from bayesfric.plots.margins import (
     error_and_headroom,
@@ -62,6 +64,8 @@ SHOWN_UNITS = {
     "1": ("", 1.0),
     "rad": ("rad", 1.0),
 }
+UNIT = re.compile(r"(_(n|m|mm|s|a|hz|kg|rad|deg|per|m2|s2))+$")
+LAW = "c1, c2, c3"  # always shown: how little it may be is the point
 SMALL_SHARE = 0.02  # of a variance, not worth a column
 
 
@@ -113,7 +117,7 @@ def margins_chapter(found: MarginsFile) -> Iterator[Block]:
         yield from _loop(loop)
 
 
-def _kind(loop: LoopMargins) -> str:
+def _kind(loop: LoopMargins) -> Literal["attention", "good", "info"]:
     if loop.compensation_signal in ("none", "reference"):
         return "info"
     hunts = [one for one in loop.metrics if one.name == "gamma_hunting"]
@@ -215,9 +219,8 @@ def _remarks(loop: LoopMargins) -> Iterator[list[Inline]]:
     for metric in loop.metrics:
         name = WORDS.get(metric.name, metric.name)
         text = metric.interval_why if metric.interval is None else metric.note
-        for part in (text or "").split("; ") if metric.interval is not None else [text or ""]:
-            if part and name not in said.setdefault(part, []):
-                said[part].append(name)
+        if text and name not in said.setdefault(text, []):
+            said[text].append(name)
     for text, names in said.items():
         yield [Emphasis(", ".join(names)), f": {text}."]
 
@@ -229,7 +232,8 @@ def _shares(loop: LoopMargins) -> Iterator[Block]:
     groups = [
         group
         for group in next(iter(loop.variance_share.values()))
-        if any(shares[group] >= SMALL_SHARE for shares in loop.variance_share.values())
+        if group == LAW
+        or any(shares[group] >= SMALL_SHARE for shares in loop.variance_share.values())
     ]
     shown = [
         (name, shares)
@@ -238,16 +242,27 @@ def _shares(loop: LoopMargins) -> Iterator[Block]:
     ]
     yield Table(
         ["What the spread of ", Code(loop.name), " comes from: first-order shares of variance."],
-        ["figure", *(Column(group, align="right") for group in groups)],
+        ["figure", *(Column(_group(group), align="right") for group in groups)],
         [
-            [_worded(name), *(format_share(shares[group]) if shares[group] >= SMALL_SHARE else "·"
-                              for group in groups)]
+            [_worded(name), *(_shown_share(shares[group]) for group in groups)]
             for name, shares in shown
-        ],  # fmt: skip
+        ],
         label=f"shares-{loop.name}",
         note="c1, c2 and c3 are correlated and count as one; a dot is less than 2 %. What a row "
         "lacks to 100 % is interplay.",
     )
+
+
+def _shown_share(share: float) -> str:
+    return format_share(share) if share >= SMALL_SHARE else "·"
+
+
+def _group(key: str) -> str:
+    """Return a key of the loop file in words: ``joint.inertia_kg_m2`` as joint inertia."""
+    words = UNIT.sub("", key).replace("_", " ").split(".")
+    if words[0] == "runs":
+        words = [words[2], "of run", str(int(words[1]) + 1)]
+    return " ".join(words)
 
 
 def _worded(label: str) -> str:
@@ -277,5 +292,3 @@ def _verified(found: Verification) -> list[Inline]:
         f"{format_number(found.kick.q50)} rad at the motor (median), with a reference of "
         f"{format_number(found.reference_speed.q50)} rad/s.",
     ]
-
-
