@@ -14,7 +14,7 @@ from bayesfric.margins.describing import (
     necessary_gain,
     steady_error,
 )
-from bayesfric.margins.linear import is_stable, linear_margins
+from bayesfric.margins.linear import is_stable, linear_margins, on_a_grid
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.open_loop import OpenLoop
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
@@ -124,7 +124,7 @@ def linear_of(shaft: LoopAtShaft) -> dict[Direction | None, Linear]:
     for direction in shaft.directions:
         loop = OpenLoop(shaft, direction)
         omega = loop.frequencies()
-        on_grid = loop(omega, np.arange(len(omega))[:, None])
+        on_grid = on_a_grid(loop, omega)
         stable = is_stable(loop, omega, on_grid)
         margins = linear_margins(loop, omega, on_grid)
         values = {
