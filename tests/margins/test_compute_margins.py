@@ -34,11 +34,11 @@ def draws(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def many_draws(tmp_path_factory):
-    return write_draws(tmp_path_factory.mktemp("fit") / "draws.nc", n=2000)
+    return write_draws(tmp_path_factory.mktemp("fit") / "draws.nc", n=1000)
 
 
 def computed(draws, changes=None, **options):
-    return compute_margins([loop(changes)], draws, **options).summary
+    return compute_margins([loop(changes)], draws, simulated=8, **options).summary
 
 
 def metric(found, name, direction=None):
@@ -126,7 +126,7 @@ def test_a_probability_of_violation_in_closed_form(many_draws):
     # m at the tip: F/0.02 × 0.5/100; the cable adds 2 c2 × 1e-3
     p = stats.norm.sf(0.0054 * 100 / 0.5 * 0.02, 0.02 + 2 * 0.0261e-3, 0.002)
     assert one.probability_of_violation == pytest.approx(p, abs=3 * one.monte_carlo_se)
-    assert one.monte_carlo_se == pytest.approx(np.sqrt(p * (1 - p) / 2000), rel=0.2)
+    assert one.monte_carlo_se == pytest.approx(np.sqrt(p * (1 - p) / 1000), rel=0.25)
     assert one.interval.sd == pytest.approx(0.1 * one.interval.mean, rel=0.1)
 
 
@@ -139,9 +139,9 @@ def test_shares_of_variance_by_hand(many_draws):
     shares = computed(many_draws, changes).loops[0].variance_share["steady_error_servo"]
     other = (1.541e-3 * np.hypot(0.02, 0.05)) ** 2
     total = 2.56e-4**2 + 3e-4**2 + other
-    assert shares["runs.0.tension_n"] == pytest.approx(2.56e-4**2 / total, abs=0.08)
-    assert shares["drive.friction_n_m"] == pytest.approx(3e-4**2 / total, abs=0.08)
-    assert shares["new assembly and rig"] == pytest.approx(other / total, abs=0.05)
+    assert shares["runs.0.tension_n"] == pytest.approx(2.56e-4**2 / total, abs=0.1)
+    assert shares["drive.friction_n_m"] == pytest.approx(3e-4**2 / total, abs=0.1)
+    assert shares["new assembly and rig"] == pytest.approx(other / total, abs=0.07)
 
 
 def test_hunting_by_formula_has_the_quantile_of_the_threshold(draws):
@@ -231,8 +231,8 @@ def test_warnings_name_assumptions_and_what_was_not_measured(draws):
 
 
 def test_formula_and_simulator_agree_draw_by_draw(draws):
-    found = computed(draws, verify=6).loops[0].verification
-    assert found.draws == found.inside_conditions == 6
+    found = computed(draws, verify=4).loops[0].verification
+    assert found.draws == found.inside_conditions == 4
     assert found.agreement == 1.0
     assert found.steady_error_agreement == 1.0
     assert all(one.simulated is not None for one in found.by_draw)

@@ -33,9 +33,14 @@ def test_what_stands_at_the_shaft():
 
 @pytest.mark.parametrize(
     ("torque_at", "angle_of", "factor"),
-    [("motor", "motor", 1), ("gearbox-output", "motor", 10), ("gearbox-output", "gearbox-output", 100),
-     ("joint", "joint", 100 * 100), ("joint", "motor", 100)],
-)  # fmt: skip
+    [
+        ("motor", "motor", 1),
+        ("gearbox-output", "motor", 10),
+        ("gearbox-output", "gearbox-output", 100),
+        ("joint", "joint", 100 * 100),
+        ("joint", "motor", 100),
+    ],
+)
 def test_gains_of_any_frame_come_to_the_shaft(torque_at, angle_of, factor):
     one = shaft({"controller.torque_at": torque_at, "controller.angle_of": angle_of})
     assert one.kp == pytest.approx(0.02 / factor)

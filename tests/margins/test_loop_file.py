@@ -12,6 +12,7 @@ from bayesfric.margins.loop_file import loop_sha256, read_loop
 from bayesfric.resources import data_folder
 
 LOOPS = data_folder() / "loops"
+HERE = loop_file.__name__
 
 
 def as_toml(values):
@@ -94,7 +95,9 @@ def test_examples_are_valid_and_carry_their_assumptions():
         assert one.assumptions, name
     # published: kp 0.3 at the gearbox output is 0.0245 at the motor
     elbow = found["raven-elbow"]
-    assert elbow.controller.kp_n_m_per_rad / elbow.drive.gearbox_ratio == pytest.approx(0.02449, 1e-3)
+    assert elbow.controller.kp_n_m_per_rad / elbow.drive.gearbox_ratio == pytest.approx(
+        0.02449, 1e-3
+    )
     # capstan, gearbox and transmission of a prismatic axis are one number
     slide = found["raven-insertion"]
     ratio = slide.drive.gearbox_ratio / slide.drive.capstan_radius_m
@@ -104,10 +107,8 @@ def test_examples_are_valid_and_carry_their_assumptions():
 def test_the_template_shows_every_key():
     text = (LOOPS / "template.toml").read_text(encoding="utf-8")
     tomllib.loads(text)
-    models = [
-        one for one in vars(loop_file).values()
-        if isinstance(one, type) and issubclass(one, BaseModel) and one.__module__ == loop_file.__name__
-    ]  # fmt: skip
+    here = [one for one in vars(loop_file).values() if isinstance(one, type)]
+    models = [one for one in here if issubclass(one, BaseModel) and one.__module__ == HERE]
     keys = {key for model in models for key in model.model_fields}
     assert len(keys) > 50
     assert sorted(key for key in keys if key not in text) == []
