@@ -17,6 +17,10 @@ def margins(
     loops: Annotated[list[Path], typer.Argument(help="Loop files; see docs/loop.md.")],
     draws: Annotated[Path, typer.Option("--draws", help="The draws.nc of a fit.")],
     output: Folder = Path("bayesfric-run"),
+    diagnosis: Annotated[
+        Path | None,
+        typer.Option("--diagnosis", help="A diagnosis.json whose effects on friction are added."),
+    ] = None,
     verify: Annotated[
         int,
         typer.Option("--verify", min=0, help="Draws of each loop to hold against the simulator."),
@@ -34,6 +38,7 @@ def margins(
         loops,
         draws,
         output,
+        diagnosis=diagnosis,
         verify=verify,
         seed=seed,
         config=config,
@@ -47,6 +52,7 @@ def margins_into(
     draws: Path,
     output: Path,
     *,
+    diagnosis: Path | None = None,
     verify: int = 0,
     seed: int | None,
     config: Path | None,
@@ -60,10 +66,15 @@ def margins_into(
     fail_on(failures, set())  # an unknown name is told before the work
     analysis = read_analysis(config, seed=seed)
     with progress_bar("margins", quiet=quiet) as progress:
-        found = compute_margins(loops, draws, analysis, verify=verify, progress=progress)
+        found = compute_margins(
+            loops, draws, analysis, diagnosis=diagnosis, verify=verify, progress=progress
+        )
     found.write(output)
     for loop in found.summary.loops:
         typer.echo(f"{loop.name}: {loop.answer}")
+        if loop.with_effects is not None:
+            effects = ", ".join(loop.with_effects.effects)
+            typer.echo(f"{loop.name} with {effects}: {loop.with_effects.answer}")
         for metric in loop.metrics:
             p = metric.probability_of_violation
             if p is not None and metric.interval is not None:

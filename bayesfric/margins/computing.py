@@ -19,7 +19,8 @@ from bayesfric.margins.assembly import (
     read_posterior,
     rig_discrepancy,
 )
-from bayesfric.margins.loop_at_shaft import at_shaft
+from bayesfric.margins.diagnosed import Carried, carried_effects, with_effects
+from bayesfric.margins.loop_at_shaft import LoopAtShaft, at_shaft
 from bayesfric.margins.loop_file import Loop, loop_sha256, read_loop
 from bayesfric.margins.metrics import Key, closed_forms, linear_of, metric_rows
 from bayesfric.margins.nyquist import nyquist_fans
@@ -27,8 +28,8 @@ from bayesfric.margins.thresholds import find_hunting
 from bayesfric.margins.variance import variance_shares
 from bayesfric.margins.verification import verify as verify_draws
 from bayesfric.margins.warnings import loop_warnings
-from bayesfric.results import json_bytes, provenance, replace_outputs
-from bayesfric.schemas import LoopMargins, MarginsFile
+from bayesfric.results import json_bytes, provenance, read_json, replace_outputs
+from bayesfric.schemas import DiagnosisFile, LoopMargins, MarginsFile, WithEffects
 
 __all__ = ["Margins", "compute_margins"]
 
@@ -72,6 +73,7 @@ def compute_margins(
     draws: Path | str,
     analysis: Analysis | None = None,
     *,
+    diagnosis: Path | str | None = None,
     verify: int = 0,
     simulated: int = SIMULATED,
     progress: Callable[[int, int], object] = lambda done, total: None,
@@ -86,6 +88,9 @@ def compute_margins(
         ``draws.nc`` of a fit. ``claims.json`` beside it says how far rigs differ.
     analysis : Analysis, optional
         Its seed is used.
+    diagnosis : Path or str, optional
+        A ``diagnosis.json``: the effects on friction that it names are added, and the
+        margins with them stand beside those without.
     verify : int
         Draws of each loop in which the closed forms are held against the simulator.
     simulated : int
@@ -109,13 +114,18 @@ def compute_margins(
     path = Path(draws)
     posterior = read_posterior(path)
     discrepancy = rig_discrepancy(path.parent)
+    carried = None
+    if diagnosis is not None:
+        carried = carried_effects(read_json(DiagnosisFile, Path(diagnosis)))
     for loop in read:
         _refuse_unstable(loop, posterior)
     found = []
     for place, loop in enumerate(read):
         progress(place, len(read))
         found.append(
-            _one_loop(loop, posterior, discrepancy, analysis.seed, verify, max(simulated, 2))
+            _one_loop(
+                loop, posterior, discrepancy, carried, analysis.seed, verify, max(simulated, 2)
+            )
         )
     progress(len(read), len(read))
     common = provenance(
@@ -180,6 +190,7 @@ def _one_loop(
     loop: Loop,
     posterior: Posterior,
     discrepancy: RigDiscrepancy,
+    carried: Carried | None,
     seed: int,
     verify: int,
     simulated: int,
@@ -188,7 +199,7 @@ def _one_loop(
     shaft = at_shaft(loop, given)
     linear = linear_of(shaft)
     values = closed_forms(shaft, linear)
-    hunting = find_hunting(shaft, given, simulated)
+    hunting = find_hunting(shaft, simulated)
     estimate = float(shaft.estimate.mean())
     some = np.arange(min(SHARED, given.draws))
     other = draw_assembly(loop, posterior, discrepancy, seed, stream=1)
@@ -216,8 +227,44 @@ def _one_loop(
         largest_safe_compensation_gain_why=safe.why,
         largest_safe_compensation_gain_se=safe.se,
         variance_share=variance_shares(evaluate, given.taken(some), other.taken(some)),
-        verification=verify_draws(shaft, given, verify) if verify else None,
+        verification=verify_draws(shaft, verify) if verify else None,
         verification_why=None if verify else "it was not asked for (--verify N)",
+        with_effects=None
+        if carried is None or not carried.causes
+        else _with_effects(shaft, given, carried, seed, simulated, draws),
+        with_effects_why=_why_without(carried),
         nyquist=nyquist_fans(shaft),
         warnings=loop_warnings(shaft, given, linear, discrepancy),
+    )
+
+
+def _why_without(carried: Carried | None) -> str | None:
+    if carried is None:
+        return "no diagnosis was given"
+    if carried.causes:
+        return None
+    left = "; ".join(carried.left_out)
+    return f"the diagnosis names no effect on friction{f' ({left})' if left else ''}"
+
+
+def _with_effects(
+    shaft: LoopAtShaft,
+    given: Assembly,
+    carried: Carried,
+    seed: int,
+    simulated: int,
+    effective_draws: float,
+) -> WithEffects:
+    after = with_effects(shaft, given, carried.causes, seed)
+    linear = linear_of(after)
+    hunting = find_hunting(after, simulated)
+    allowed = shaft.loop.spec.limit_cycle_probability_max
+    safe = largest_safe_gain(hunting, allowed, effective_draws)
+    return WithEffects(
+        effects=tuple(cause.effect for cause in carried.causes),
+        left_out=carried.left_out,
+        answer=which_gain(after, hunting, safe, allowed),
+        metrics=metric_rows(after, closed_forms(after, linear), linear, hunting, effective_draws),
+        largest_safe_compensation_gain=safe.gamma,
+        largest_safe_compensation_gain_why=safe.why,
     )

@@ -1,6 +1,7 @@
 """A loop with everything reflected to the motor's shaft, a value a draw."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -130,6 +131,21 @@ class LoopAtShaft:
         if direction is None:
             return np.ones_like(self.efficiency)
         return 1 / self.efficiency if direction == "driving" else self.efficiency
+
+    def taken(self, rows: NDArray[np.intp]) -> "LoopAtShaft":
+        """Return some of the draws."""
+
+        def some(values: object) -> object:
+            if isinstance(values, np.ndarray):
+                return values[rows]
+            if isinstance(values, RunFriction):
+                return RunFriction(*(getattr(values, f.name)[rows] for f in fields(values)))
+            if isinstance(values, tuple):
+                return tuple(some(one) for one in values)
+            return values
+
+        parts: Any = {field.name: some(getattr(self, field.name)) for field in fields(self)}
+        return LoopAtShaft(**parts)
 
     def sampled(self, gamma: Array | None = None) -> SampledLoop:
         """Return the loop as the simulator takes it, with a stiff cable.

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bayesfric.margins.assembly import Assembly
 from bayesfric.margins.describing import (
     formula_conditions,
     formula_threshold,
@@ -17,7 +16,7 @@ from bayesfric.margins.describing import (
     swing_amplitude,
 )
 from bayesfric.margins.hunting import hunting_threshold, settling_duration
-from bayesfric.margins.loop_at_shaft import LoopAtShaft, at_shaft
+from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.sampled_loop import simulate
 
 __all__ = ["GAMMA_MAX", "Hunting", "find_hunting"]
@@ -54,15 +53,13 @@ class Hunting:
     note: str
 
 
-def find_hunting(shaft: LoopAtShaft, given: Assembly, most: int) -> Hunting:
+def find_hunting(shaft: LoopAtShaft, most: int) -> Hunting:
     """Return from which compensation gain on each draw hunts.
 
     Parameters
     ----------
     shaft : LoopAtShaft
         The loop, all draws.
-    given : Assembly
-        What it was made from.
     most : int
         Draws that are simulated at most, taken evenly.
 
@@ -93,7 +90,7 @@ def find_hunting(shaft: LoopAtShaft, given: Assembly, most: int) -> Hunting:
             "by γ* = (F/F̂)(1 + π ζ/2), inside its conditions in every draw",
         )
     rows = np.unique(np.linspace(0, inside.size - 1, most).astype(np.intp))
-    some = at_shaft(shaft.loop, given.taken(rows), estimate=float(shaft.estimate.mean()))
+    some = shaft.taken(rows)
     sampled = some.sampled()
     threshold = hunting_threshold(
         sampled, kick=some.kick, reference_speed=some.reference_speed, maximum_gamma=GAMMA_MAX

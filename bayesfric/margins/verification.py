@@ -3,10 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from bayesfric.margins.assembly import Assembly
 from bayesfric.margins.describing import formula_conditions, formula_threshold, steady_error
 from bayesfric.margins.hunting import hunting_threshold, settling_duration
-from bayesfric.margins.loop_at_shaft import LoopAtShaft, at_shaft
+from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.metrics import interval_of
 from bayesfric.margins.sampled_loop import simulate
 from bayesfric.margins.thresholds import GAMMA_MAX
@@ -20,7 +19,7 @@ TOLERANCE = 0.10
 """Relative difference of γ up to which formula and simulator agree."""
 
 
-def verify(shaft: LoopAtShaft, given: Assembly, count: int) -> Verification:
+def verify(shaft: LoopAtShaft, count: int) -> Verification:
     """Simulate some draws and compare them with what the closed forms say.
 
     Compared are the γ at which the loop begins to hunt, and whether the loop without
@@ -30,8 +29,6 @@ def verify(shaft: LoopAtShaft, given: Assembly, count: int) -> Verification:
     ----------
     shaft : LoopAtShaft
         The loop, all draws.
-    given : Assembly
-        What it was made from.
     count : int
         Draws to simulate, taken evenly.
 
@@ -40,8 +37,8 @@ def verify(shaft: LoopAtShaft, given: Assembly, count: int) -> Verification:
     Verification
         With each draw.
     """
-    rows = np.unique(np.linspace(0, given.draws - 1, count).astype(np.intp))
-    some = at_shaft(shaft.loop, given.taken(rows), estimate=float(shaft.estimate.mean()))
+    rows = np.unique(np.linspace(0, shaft.friction.size - 1, count).astype(np.intp))
+    some = shaft.taken(rows)
     sampled = some.sampled()
     found = hunting_threshold(
         sampled, kick=some.kick, reference_speed=some.reference_speed, maximum_gamma=GAMMA_MAX

@@ -47,6 +47,7 @@ from bayesfric.schemas.margins import (
     NyquistFan,
     Verification,
     VerifiedDraw,
+    WithEffects,
 )
 
 __all__ = [
@@ -86,6 +87,7 @@ __all__ = [
     "Unseparated",
     "Verification",
     "VerifiedDraw",
+    "WithEffects",
     "WithoutExclusions",
 ]
 

@@ -14,6 +14,7 @@ __all__ = [
     "NyquistFan",
     "Verification",
     "VerifiedDraw",
+    "WithEffects",
 ]
 
 
@@ -91,6 +92,19 @@ class NyquistFan(Record):
     imag: tuple[tuple[Number, ...], ...] = Field(description="Likewise.")
 
 
+class WithEffects(Record):
+    """The same loop with the effects on friction that a diagnosis has named."""
+
+    effects: tuple[str, ...] = Field(description="Added to the law.")
+    left_out: tuple[str, ...] = Field(description="Named, but not carried to a loop, and why.")
+    answer: str = Field(description="Which compensation gain to set, in a sentence.")
+    metrics: tuple[Metric, ...] = Field(description="As without the effects.")
+    largest_safe_compensation_gain: Number | None = Field(
+        description="The largest γ with P(limit cycle) within the spec."
+    )
+    largest_safe_compensation_gain_why: str | None = Field(None, description="Why there is none.")
+
+
 class LoopMargins(Record):
     """What the uncertainty does to one loop."""
 
@@ -124,6 +138,10 @@ class LoopMargins(Record):
     )
     verification: Verification | None = Field(description="Against the simulator.")
     verification_why: str | None = Field(None, description="Why there is none.")
+    with_effects: WithEffects | None = Field(
+        None, description="After: with the effects of a diagnosed gap."
+    )
+    with_effects_why: str | None = Field(None, description="Why there is none.")
     nyquist: tuple[NyquistFan, ...] = Field(description="What the figures draw.")
     warnings: tuple[str, ...] = Field(description="Assumptions and doubts; read them first.")
 

@@ -172,6 +172,7 @@ def _loop(loop: LoopMargins) -> Iterator[Block]:
     yield BulletList(list(_remarks(loop)))
     yield from _shares(loop)
     yield from _verification(loop)
+    yield from _before_and_after(loop)
     yield Figure(
         to_svg(nyquist_fan(loop.nyquist)),
         [
@@ -268,6 +269,43 @@ def _group(key: str) -> str:
 def _worded(label: str) -> str:
     name, _, direction = label.partition(" ")
     return WORDS[name] + (f" {direction}" if direction else "")
+
+
+def _before_and_after(loop: LoopMargins) -> Iterator[Block]:
+    """Yield the margins with the effects of a diagnosis, beside those without."""
+    after = loop.with_effects
+    if after is None:
+        return
+    yield Paragraph(
+        [
+            Strong(f"With {', '.join(after.effects)}, as diagnosed. "),
+            after.answer,
+            *(f" Left out: {text}." for text in after.left_out),
+        ]
+    )
+    rows = []
+    for before, now in zip(loop.metrics, after.metrics, strict=True):
+        if before.interval != now.interval:
+            name, unit, place, *left, _, left_chance, _ = _row(before)
+            _, _, _, *right, _, right_chance, _ = _row(now)
+            rows.append([name, unit, place, *left, *right, left_chance, right_chance])
+    if rows:
+        yield Table(
+            ["Before and after the diagnosed effects: ", Code(loop.name), "."],
+            [
+                "figure",
+                "unit",
+                "at",
+                *(Column(text, align="decimal") for text in ("before", "5 %", "95 %")),
+                *(Column(text, align="decimal") for text in ("after", "5 %", "95 %")),
+                Column("P before", align="right"),
+                Column("P after", align="right"),
+            ],
+            rows,
+            label=f"effects-{loop.name}",
+            note="Medians with 5 % and 95 %, and P(violates); figures that do not change are left "
+            "out.",
+        )
 
 
 def _verification(loop: LoopMargins) -> Iterator[Block]:
