@@ -135,8 +135,13 @@ def test_shares_of_variance_by_hand(many_draws):
     changes = {
         "runs.0.tension_n": {"family": "normal", "mean": 10.5, "sd": 2.0},
         "drive.friction_n_m": {"family": "normal", "mean": 0.002, "sd": 3e-4},
+        "joint.inertia_kg_m2": {"family": "log-normal", "median": 0.1, "sd_log": 0.3},
     }
-    shares = computed(many_draws, changes).loops[0].variance_share["steady_error_servo"]
+    found = computed(many_draws, changes).loops[0].variance_share
+    for name, one in found.items():  # what does not enter explains exactly nothing
+        outside = "joint.inertia_kg_m2" if "margin" not in name else "drive.friction_n_m"
+        assert one[outside] == 0.0, name
+    shares = found["steady_error_servo"]
     other = (1.541e-3 * np.hypot(0.02, 0.05)) ** 2
     total = 2.56e-4**2 + 3e-4**2 + other
     assert shares["runs.0.tension_n"] == pytest.approx(2.56e-4**2 / total, abs=0.1)

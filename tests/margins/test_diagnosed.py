@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 from margins.loops import loop, posterior, shaft, write_draws
+from report.diagnosis_sample import cause, diagnosis
 
 from bayesfric.margins import compute_margins
 from bayesfric.margins.assembly import nominal_assembly
 from bayesfric.margins.diagnosed import carried_effects, with_effects
 from bayesfric.results import json_bytes
 from bayesfric.schemas import Cause, DiagnosisFile, EffectNumber
-from report.diagnosis_sample import cause, diagnosis
 
 PULLEY = 0.0128 * 15 + 0.0261  # N of one small pulley at 15 N and 85°
 
