@@ -78,8 +78,9 @@ def margins_into(
         for metric in loop.metrics:
             p = metric.probability_of_violation
             if p is not None and metric.interval is not None:
+                name = f"{metric.name} {metric.direction or ''}"
                 typer.echo(
-                    f"  {metric.name:<22} {metric.interval.q50:.3g} [{metric.interval.q05:.3g}, "
+                    f"  {name:<28} {metric.interval.q50:.3g} [{metric.interval.q05:.3g}, "
                     f"{metric.interval.q95:.3g}] {metric.unit if metric.unit != '1' else ''}"
                     f"  P(violates {metric.spec:.3g}) = {p:.3f}"
                 )

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 from pydantic import BaseModel
 
@@ -203,15 +204,14 @@ def read_posterior(path: Path) -> Posterior:
     )
 
 
-def _effective(table: object) -> float:
+def _effective(table: xr.Dataset) -> float:
     """Return the smallest effective number of draws of any coefficient."""
     least = np.inf
-    data = table  # an xarray Dataset
-    ensemble = data["ensemble"].to_numpy() if "ensemble" in data.coords else None  # type: ignore[index, attr-defined]
+    ensemble = table["ensemble"].to_numpy() if "ensemble" in table.coords else np.zeros(1)
+    count = len(np.unique(ensemble))
     for name in Coefficients._fields:
-        column = data[name].transpose("pulley", "chain", "draw").to_numpy()  # type: ignore[index]
+        column = table[name].transpose("pulley", "chain", "draw").to_numpy()
         chains, steps = column.shape[1:]
-        count = 1 if ensemble is None else len(np.unique(ensemble))
         for one in column:
             if steps < 20 or chains % count:
                 least = min(least, one.size)
@@ -252,7 +252,7 @@ def rig_discrepancy(folder: Path) -> RigDiscrepancy:
     )
 
 
-def quantities(loop: Loop) -> dict[str, object]:
+def _quantities(loop: Loop) -> dict[str, object]:
     """Return every number of a loop file that may be uncertain, by its dotted key."""
     found: dict[str, object] = {"stiction_ratio": loop.stiction_ratio}
     sections: dict[str, BaseModel] = {
@@ -326,7 +326,7 @@ def draw_assembly(
         for place, run in enumerate(loop.runs)
     )
     numbers, uncertain = {}, []
-    for key, value in quantities(loop).items():
+    for key, value in _quantities(loop).items():
         if is_uncertain(value):
             uncertain.append(key)
             numbers[key] = from_normal(value, generator(key).standard_normal(n))  # type: ignore[arg-type]
@@ -343,6 +343,6 @@ def nominal_assembly(loop: Loop, posterior: Posterior) -> Assembly:
             for size, one in posterior.coefficients.items()
         },
         tuple(np.ones(1) for _ in loop.runs),
-        {key: np.array([central(value)]) for key, value in quantities(loop).items()},  # type: ignore[arg-type]
+        {key: np.array([central(value)]) for key, value in _quantities(loop).items()},  # type: ignore[arg-type]
         (),
     )

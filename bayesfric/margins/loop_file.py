@@ -267,11 +267,11 @@ class Loop(_Section):
     cable: Cable = Field(description="The cable.")
     controller: Controller = Field(description="The controller.")
     compensation: Compensation = Field(
-        default_factory=Compensation.model_construct, description="Friction feed-forward."
+        default_factory=Compensation, description="Friction feed-forward."
     )
-    kick: Kick = Field(default_factory=Kick.model_construct, description="For hunting.")
-    tool: Tool = Field(default_factory=Tool.model_construct, description="The tool tip.")
-    spec: Spec = Field(default_factory=Spec.model_construct, description="What must be met.")
+    kick: Kick = Field(default_factory=Kick, description="For hunting.")
+    tool: Tool = Field(default_factory=Tool, description="The tool tip.")
+    spec: Spec = Field(default_factory=Spec, description="What must be met.")
 
     @model_validator(mode="after")
     def _consistent(self) -> "Loop":

@@ -150,8 +150,8 @@ def closed_forms(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) 
     backdrive = (shaft.friction - drive + drive / shaft.efficiency) * shaft.stiction_ratio
     step = np.maximum(stuck, 2 * np.pi / shaft.counts)
     values: dict[Key, Array] = {
-        ("friction_nominal", None): sum(run.nominal for run in shaft.runs),  # type: ignore[dict-item]
-        ("friction_recursive", None): sum(run.recursive for run in shaft.runs),  # type: ignore[dict-item]
+        ("friction_nominal", None): np.sum([run.nominal for run in shaft.runs], axis=0),
+        ("friction_recursive", None): np.sum([run.recursive for run in shaft.runs], axis=0),
         ("steady_error_servo", None): stuck * tip,
         ("lost_motion", None): shaft.lost_motion * tip,
         ("headroom_clip", None): 1 - needed / shaft.clip,
@@ -272,17 +272,22 @@ def _row(
         **fields,
         interval=interval,
         interval_why=None if interval is not None else missing,
-        quantiles=()
-        if interval is None
-        else tuple(map(float, np.quantile(shown, LEVELS)))
-        if interval.sd > 0
-        else (interval.mean,) * len(LEVELS),
+        quantiles=_quantiles(shown, interval),
         probability_of_violation=probability,
         probability_of_violation_why=None if probability is not None else "nothing is asked for",
         monte_carlo_se=error,
         monte_carlo_se_why=None if error is not None else missing,
         note=_note(rule, direction, interval, found, finite, shaft, linear, hunting),
     )
+
+
+def _quantiles(values: Array, interval: Interval | None) -> tuple[float, ...]:
+    """Return the stored quantiles; none without an interval, one number without spread."""
+    if interval is None:
+        return ()
+    if interval.sd == 0:
+        return (interval.mean,) * len(LEVELS)
+    return tuple(map(float, np.quantile(values, LEVELS)))
 
 
 def _missing(name: str, found: Array | None, shaft: LoopAtShaft, hunting: Hunting) -> str:
