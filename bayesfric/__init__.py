@@ -11,13 +11,23 @@ if TYPE_CHECKING:
     from bayesfric.claims import check_claims
     from bayesfric.fitting import fit
     from bayesfric.gap import diagnose
+    from bayesfric.margins import compute_margins
     from bayesfric.recording import read_recording
     from bayesfric.simulate import simulate_recording
 
-__all__ = ["check_claims", "diagnose", "fit", "read_recording", "run_blind", "simulate_recording"]
+__all__ = [
+    "check_claims",
+    "compute_margins",
+    "diagnose",
+    "fit",
+    "read_recording",
+    "run_blind",
+    "simulate_recording",
+]
 
 _HOMES = {
     "check_claims": "bayesfric.claims",
+    "compute_margins": "bayesfric.margins",
     "diagnose": "bayesfric.gap",
     "fit": "bayesfric.fitting",
     "read_recording": "bayesfric.recording",

@@ -1,7 +1,8 @@
-"""Write the pages that come from the models: ``docs/schemas/`` and ``docs/analysis.md``.
+"""Write the pages that come from the models: ``docs/schemas/``, ``analysis.md`` and ``loop.md``.
 
-Run ``python docs/generate.py`` after a change of :mod:`bayesfric.schemas` or
-:mod:`bayesfric.analysis`; a test compares the files with what this would write.
+Run ``python docs/generate.py`` after a change of :mod:`bayesfric.schemas`,
+:mod:`bayesfric.analysis` or :mod:`bayesfric.margins.loop_file`; a test compares the files
+with what this would write.
 """
 
 import json
@@ -11,6 +12,7 @@ from typing import get_args
 from pydantic import BaseModel
 
 from bayesfric.analysis import Analysis, Prior, PriorOverrides
+from bayesfric.margins import loop_file
 from bayesfric.schemas import SCHEMAS
 
 DOCS = Path(__file__).resolve().parent
@@ -23,7 +25,7 @@ def pages() -> dict[str, str]:
         + "\n"
         for name, model in SCHEMAS.items()
     }
-    return {**schemas, "analysis.md": _analysis()}
+    return {**schemas, "analysis.md": _analysis(), "loop.md": _loop()}
 
 
 def _analysis() -> str:
@@ -65,6 +67,44 @@ def _analysis() -> str:
     for family in get_args(get_args(Prior)[0]):
         lines += [f"### {family.model_fields['family'].default}", "", _paragraph(family), ""]
         lines += [*_table(family, set(family.model_fields) - {"family"}), ""]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _loop() -> str:
+    lines = [
+        "# LOOP.toml",
+        "",
+        "A cable-driven joint and its controller, given to `bayesfric margins`. Examples and a",
+        "template with comments are in `data/loops/`. Units stand in the names of the keys; a key",
+        "that is not listed here is refused. A number may be a distribution instead, of a family",
+        "of [analysis.md](analysis.md#families-of-priors):",
+        "",
+        "```toml",
+        "[joint]",
+        'kind = "revolute"',
+        'inertia_kg_m2 = { family = "log-normal", median = 0.1, sd_log = 0.25 }',
+        "```",
+        "",
+        "“At the motor” means at its shaft, before the gearbox.",
+        "",
+        "## Top level",
+        "",
+        *_table(loop_file.Loop, {"name", "title", "assumptions", "stiction_ratio"}),
+    ]
+    sections = {
+        "[joint], revolute": loop_file.RevoluteJoint,
+        "[joint], prismatic": loop_file.PrismaticJoint,
+        "[drive]": loop_file.Drive,
+        "[[runs]]": loop_file.CableRun,
+        "[cable]": loop_file.Cable,
+        "[controller]": loop_file.Controller,
+        "[compensation]": loop_file.Compensation,
+        "[kick]": loop_file.Kick,
+        "[tool]": loop_file.Tool,
+        "[spec]": loop_file.Spec,
+    }
+    for name, model in sections.items():
+        lines += ["", f"## {name}", "", _paragraph(model), "", *_table(model)]
     return "\n".join(lines).rstrip() + "\n"
 
 

@@ -13,6 +13,7 @@ from bayesfric.cli.claims import claims
 from bayesfric.cli.diagnose import diagnose
 from bayesfric.cli.fit import fit
 from bayesfric.cli.info import info
+from bayesfric.cli.margins import margins
 from bayesfric.cli.report import report
 from bayesfric.cli.run import run
 from bayesfric.cli.simulate import simulate
@@ -28,7 +29,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for verb in (run, validate, simulate, fit, claims, diagnose, blind, report, info):
+for verb in (run, validate, simulate, fit, claims, diagnose, blind, margins, report, info):
     app.command()(verb)
 
 

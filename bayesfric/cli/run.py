@@ -9,6 +9,7 @@ from bayesfric.cli.claims import claims_into
 from bayesfric.cli.diagnose import diagnose_into
 from bayesfric.cli.exits import exit_status, fail_on
 from bayesfric.cli.fit import fit_into
+from bayesfric.cli.margins import margins_into
 from bayesfric.cli.options import Baseline, Config, FailOn, Folder, Quiet, Rigs, Seed, Workers
 
 __all__ = ["run"]
@@ -20,6 +21,9 @@ def run(
         Path | None, typer.Argument(help="Folder of the recording; else the bundled one.")
     ] = None,
     output: Folder = Path("bayesfric-run"),
+    loop: Annotated[
+        list[Path] | None, typer.Option("--loop", help="A loop file; its margins are computed.")
+    ] = None,
     rigs: Rigs = None,
     baseline: Baseline = "paper",
     workers: Workers = 2,
@@ -28,13 +32,16 @@ def run(
     quiet: Quiet = False,
     fail_on_list: FailOn = "",
 ) -> None:
-    """Fit a recording, judge the claims, diagnose the gap and write the report, in one go.
+    """Fit a recording, judge the claims, diagnose the gap, write the report, in one go.
 
-    Example: bayesfric run my-board -o my-results
+    Example: bayesfric run my-board -o my-results --loop elbow.toml
     """
+    from bayesfric.margins import read_loop
     from bayesfric.report.writing import write_report
     from bayesfric.resources import bundled_recording
 
+    for path in loop or []:  # a fault in one is told before the work
+        read_loop(path)
     source = recording if recording is not None else bundled_recording()
     happened = fit_into(
         source,
@@ -66,6 +73,16 @@ def run(
         quiet=quiet,
         failures=fail_on_list,
     )
+    if loop:
+        margins_into(
+            loop,
+            output / "draws.nc",
+            output,
+            seed=seed,
+            config=config,
+            quiet=quiet,
+            failures=fail_on_list,
+        )
     write_report(output)
     if not quiet:
         typer.echo(f"{output / 'report.pdf'}", err=True)

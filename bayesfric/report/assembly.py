@@ -15,6 +15,7 @@ from bayesfric.report.chapters.claims import claims, verdicts
 from bayesfric.report.chapters.data_quality import data_quality
 from bayesfric.report.chapters.diagnosis import diagnosis, diagnosis_chapter, verdict_line
 from bayesfric.report.chapters.diagnostics import diagnostics
+from bayesfric.report.chapters.margins import gain_lines, margins, margins_chapter
 from bayesfric.report.chapters.methods import methods
 from bayesfric.report.chapters.posteriors import posteriors
 from bayesfric.report.chapters.predictions import predictions
@@ -22,9 +23,14 @@ from bayesfric.report.chapters.provenance import made_from, provenance
 from bayesfric.report.chapters.summary import front, summary
 from bayesfric.report.content import Block, Code, Document, Heading, Paragraph
 from bayesfric.report.stored import StoredDiagnosis, StoredResults
-from bayesfric.schemas import ScorecardFile
+from bayesfric.schemas import MarginsFile, ScorecardFile
 
-__all__ = ["build_diagnosis_document", "build_document", "build_scorecard_document"]
+__all__ = [
+    "build_diagnosis_document",
+    "build_document",
+    "build_margins_document",
+    "build_scorecard_document",
+]
 
 CHAPTERS: tuple[Callable[[StoredResults], Iterator[Block]], ...] = (
     front,
@@ -32,6 +38,7 @@ CHAPTERS: tuple[Callable[[StoredResults], Iterator[Block]], ...] = (
     summary,
     diagnosis,
     blind,
+    margins,
     claims,
     predictions,
     checks,
@@ -57,6 +64,29 @@ def build_document(stored: StoredResults) -> Document:
         subtitle=f"Bayesian analysis of {stored.fit.recording.name}",
         blocks=tuple(chain.from_iterable(chapter(stored) for chapter in CHAPTERS)),
         date=None if created is None else datetime.fromisoformat(created),
+    )
+
+
+def build_margins_document(found: MarginsFile) -> Document:
+    """Return the content of a report on controller margins alone, without a fit.
+
+    Parameters
+    ----------
+    found : MarginsFile
+        Result of ``bayesfric margins``.
+    """
+    blocks: list[Block] = [
+        Paragraph(["Draws of the recording ", Code(found.recording.name), "."]),
+        *gain_lines(found),
+        *margins_chapter(found),
+        Heading(1, "Provenance"),
+        made_from(found),
+    ]
+    return Document(
+        title="Cable-pulley friction",
+        subtitle="Controller margins",
+        blocks=blocks,
+        date=None if found.created is None else datetime.fromisoformat(found.created),
     )
 
 

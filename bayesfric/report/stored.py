@@ -7,12 +7,13 @@ import xarray as xr
 
 from bayesfric.errors import Fault, InputError
 from bayesfric.results import read_json, read_tree
-from bayesfric.schemas import ClaimsFile, DiagnosisFile, FitFile, ScorecardFile
+from bayesfric.schemas import ClaimsFile, DiagnosisFile, FitFile, MarginsFile, ScorecardFile
 
 __all__ = [
     "StoredDiagnosis",
     "StoredResults",
     "read_diagnosis",
+    "read_margins",
     "read_scorecard",
     "read_stored",
 ]
@@ -56,6 +57,8 @@ class StoredResults:
         Where the simulation misses, where that was asked.
     scorecard : ScorecardFile or None
         How well the diagnosis does where it is not told, likewise.
+    margins : MarginsFile or None
+        ``margins.json``, where loops were given.
     """
 
     fit: FitFile
@@ -65,6 +68,7 @@ class StoredResults:
     claim_curves: xr.DataTree | None = None
     diagnosis: StoredDiagnosis | None = None
     scorecard: ScorecardFile | None = None
+    margins: MarginsFile | None = None
 
 
 def read_stored(folder: Path) -> StoredResults:
@@ -108,8 +112,11 @@ def read_stored(folder: Path) -> StoredResults:
     diagnosis = read_diagnosis(folder) if (folder / "diagnosis.json").is_file() else None
     if diagnosis is not None and diagnosis.found.recording.sha256 != fit.recording.sha256:
         raise InputError([Fault("diagnosis.json", "a diagnosis of the recording in fit.json")])
+    margins = read_margins(folder) if (folder / "margins.json").is_file() else None
+    if margins is not None and margins.recording.sha256 != fit.recording.sha256:
+        raise InputError([Fault("margins.json", "margins over the draws of the fit in fit.json")])
     card = read_scorecard(folder)
-    return StoredResults(fit, draws, predictive, claims, claim_curves, diagnosis, card)
+    return StoredResults(fit, draws, predictive, claims, claim_curves, diagnosis, card, margins)
 
 
 def read_diagnosis(folder: Path) -> StoredDiagnosis:
@@ -135,6 +142,17 @@ def read_scorecard(folder: Path) -> ScorecardFile | None:
     """
     path = folder / "scorecard.json"
     return read_json(ScorecardFile, path) if path.is_file() else None
+
+
+def read_margins(folder: Path) -> MarginsFile:
+    """Read the margins in a folder.
+
+    Raises
+    ------
+    InputError
+        The file is missing or not what ``bayesfric margins`` writes.
+    """
+    return read_json(MarginsFile, folder / "margins.json")
 
 
 def _claims(folder: Path, fit: FitFile) -> tuple[ClaimsFile | None, xr.DataTree | None]:

@@ -41,6 +41,16 @@ from bayesfric.schemas.fit import (
     Uniformity,
     WithoutExclusions,
 )
+from bayesfric.schemas.margins import (
+    GammaProbability,
+    LoopMargins,
+    MarginsFile,
+    Metric,
+    NyquistFan,
+    Verification,
+    VerifiedDraw,
+    WithEffects,
+)
 from bayesfric.schemas.scorecard import (
     Confusion,
     Detected,
@@ -70,10 +80,15 @@ __all__ = [
     "ExaminedEffect",
     "Excluded",
     "FitFile",
+    "GammaProbability",
     "Gap",
     "GapRow",
     "Interval",
+    "LoopMargins",
+    "MarginsFile",
+    "Metric",
     "NextExperiment",
+    "NyquistFan",
     "Oracle",
     "ParameterSummary",
     "PointEstimate",
@@ -94,6 +109,9 @@ __all__ = [
     "TimingsFile",
     "Uniformity",
     "Unseparated",
+    "Verification",
+    "VerifiedDraw",
+    "WithEffects",
     "WithoutExclusions",
 ]
 
@@ -102,6 +120,7 @@ SCHEMAS: dict[str, type[BaseModel]] = {
     "claims": ClaimsFile,
     "diagnosis": DiagnosisFile,
     "scorecard": ScorecardFile,
+    "margins": MarginsFile,
     "timings": TimingsFile,
 }
 """The models by the name of the file that they describe."""

@@ -6,6 +6,7 @@ from bayesfric.paper import table1
 from bayesfric.plots.posterior import coefficients_relative_to_paper
 from bayesfric.plots.style import to_svg
 from bayesfric.report.chapters.diagnosis import verdict_line
+from bayesfric.report.chapters.margins import gain_lines
 from bayesfric.report.chapters.symbols import EXPONENTS, symbol, unit_head
 from bayesfric.report.content import (
     Block,
@@ -58,6 +59,8 @@ def front(stored: StoredResults) -> Iterator[Block]:
         )
     if stored.diagnosis is not None:
         yield verdict_line(stored.diagnosis.found)
+    if stored.margins is not None:
+        yield from gain_lines(stored.margins)
     if len(fit.attention) <= BOXES:
         for line in fit.attention:
             yield Notice("attention", line)

@@ -1,0 +1,134 @@
+"""What the pulleys of a loop do to cable force: friction, efficiency and lost motion.
+
+Friction is that of the cable force at the motor's capstan, in newton, whichever way it
+moves. "Driving" is motion in which the motor pulls the load, "overhauling" that in which
+the load pulls the motor.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bayesfric.friction import (
+    REFERENCE_WRAP_ANGLE_DEG,
+    Coefficients,
+    TensionLoss,
+    pulley_by_pulley,
+    recursive_friction,
+)
+from bayesfric.margins.loop_file import CableRun
+
+__all__ = ["Direction", "RunFriction", "losses", "run_friction"]
+
+Array = NDArray[np.float64]
+Direction = Literal["driving", "overhauling"]
+DIRECTIONS: tuple[Direction, ...] = ("driving", "overhauling")
+
+
+@dataclass(frozen=True)
+class RunFriction:
+    """Friction of one run of pulleys, every array of shape (draws,).
+
+    Parameters
+    ----------
+    nominal : ndarray
+        Eq. (15) at the known tension, both sides of an antagonist pair added [N].
+    recursive : ndarray
+        Pulley by pulley, likewise; of an open run the mean of both directions, which is
+        half of the band between pulling and giving way [N].
+    loop : ndarray
+        That of the two which the run's `model` names [N].
+    efficiency : ndarray
+        η = Π(1 − a_i), the share of a change of tension that passes the run [-].
+    lost_length : ndarray
+        Cable that friction stores or frees behind a motor that holds still:
+        Σ f_i x_i/EA with x_i the cable between motor and pulley i, divided by 1/EA [N·m].
+    """
+
+    nominal: Array
+    recursive: Array
+    loop: Array
+    efficiency: Array
+    lost_length: Array
+
+
+def losses(coefficients: Coefficients, factor: ArrayLike, angles_deg: ArrayLike) -> Array:
+    """Return a_i = f (c1 + c3 (θ_i − 85°)) of each pulley.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+        Arrays of shape (draws,).
+    factor : array_like, shape (draws,)
+        Friction of this assembly over that of the law [-].
+    angles_deg : array_like, shape (n,)
+        Wrap angles, from the motor to the load [deg].
+
+    Returns
+    -------
+    ndarray, shape (draws, n)
+        Share of tension that each pulley takes [-].
+    """
+    c1, c3 = (np.asarray(part, float)[:, None] for part in (coefficients.c1, coefficients.c3))
+    wrap = np.asarray(angles_deg, float)[None, :] - REFERENCE_WRAP_ANGLE_DEG
+    return np.asarray(np.asarray(factor, float)[:, None] * (c1 + c3 * wrap))
+
+
+def run_friction(
+    run: CableRun,
+    coefficients: Coefficients,
+    factor: Array,
+    tension: Array,
+    length: Array,
+) -> RunFriction:
+    """Return the friction of a run of pulleys.
+
+    Parameters
+    ----------
+    run : CableRun
+        Pulleys, topology, and where the tension is known.
+    coefficients : Coefficients
+        Of its pulley size, shape (draws,).
+    factor : ndarray, shape (draws,)
+        Friction of this assembly over that of the law [-].
+    tension : ndarray, shape (draws,)
+        The known tension [N].
+    length : ndarray, shape (draws,)
+        Cable between motor and joint [m].
+
+    Returns
+    -------
+    RunFriction
+        Of an antagonist pair, one side pulls while the other gives way; both rub.
+    """
+    here = Coefficients(*(np.asarray(part) * factor for part in coefficients))
+    c2 = np.asarray(here.c2)
+    angles = np.asarray(run.angles_deg)
+    a = losses(coefficients, factor, angles)
+    sides = 2.0 if run.topology == "antagonist-pair" else 1.0
+    each = a * tension[:, None] + c2[:, None]
+    pulling = pulley_by_pulley(here, angles)
+    # The load pulls at its own end, so its cable meets the pulleys in the other order.
+    giving = pulley_by_pulley(here, angles[::-1])
+    recursive = sides / 2 * (_friction(pulling, run, tension, "driving")
+                             + _friction(giving, run, tension, "overhauling"))  # fmt: skip
+    nominal = sides * each.sum(axis=1)
+    chosen = recursive if run.model == "recursive" else nominal
+    place = length[:, None] * (np.arange(run.count) + 0.5)[None, :] / run.count
+    if run.distance_m is not None:
+        place = np.broadcast_to(np.asarray(run.distance_m)[None, :], each.shape)
+    # Friction of the pulleys shares out as eq. (15) has it; of a pair, each side counts once.
+    share = np.divide(each, each.sum(axis=1, keepdims=True), out=np.zeros_like(each),
+                      where=each.sum(axis=1, keepdims=True) != 0)  # fmt: skip
+    lost = chosen / sides * (share * place).sum(axis=1)
+    return RunFriction(nominal, recursive, chosen, 1 - pulling.share, lost)
+
+
+def _friction(loss: TensionLoss, run: CableRun, tension: Array, direction: Direction) -> Array:
+    """Return the friction of one side that moves in one direction [N]."""
+    if run.tension_known_at == "mean":
+        return recursive_friction(loss, tension, "mean")
+    pulls = {"driving": "motor", "overhauling": "load"}[direction]
+    return recursive_friction(loss, tension, "drive" if run.tension_known_at == pulls else "load")

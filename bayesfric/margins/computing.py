@@ -1,0 +1,270 @@
+"""Loops and draws to ``margins.json``."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.errors import Fault, InputError
+from bayesfric.margins.answer import largest_safe_gain, limit_cycle_curve, which_gain
+from bayesfric.margins.assembly import (
+    Assembly,
+    Posterior,
+    RigDiscrepancy,
+    draw_assembly,
+    nominal_assembly,
+    read_posterior,
+    rig_discrepancy,
+)
+from bayesfric.margins.diagnosed import Carried, carried_effects, with_effects
+from bayesfric.margins.loop_at_shaft import LoopAtShaft, at_shaft
+from bayesfric.margins.loop_file import Loop, loop_sha256, read_loop
+from bayesfric.margins.metrics import Key, closed_forms, linear_of, metric_rows
+from bayesfric.margins.nyquist import nyquist_fans
+from bayesfric.margins.thresholds import find_hunting
+from bayesfric.margins.variance import variance_shares
+from bayesfric.margins.verification import verify as verify_draws
+from bayesfric.margins.warnings import loop_warnings
+from bayesfric.results import json_bytes, provenance, read_json, replace_outputs
+from bayesfric.schemas import DiagnosisFile, LoopMargins, MarginsFile, WithEffects
+
+__all__ = ["Margins", "compute_margins"]
+
+Array = NDArray[np.float64]
+
+SIMULATED = 200
+SHARED = 1500  # draws for the shares of variance
+
+
+@dataclass(frozen=True)
+class Margins:
+    """Margins, ready to be written.
+
+    Parameters
+    ----------
+    summary : MarginsFile
+        What ``margins.json`` says.
+    """
+
+    summary: MarginsFile
+
+    def write(self, folder: Path | str) -> None:
+        """Write ``margins.json``.
+
+        Parameters
+        ----------
+        folder : Path or str
+            Created if it is not there; other files in it are left alone.
+
+        Raises
+        ------
+        InputError
+            The folder cannot be written.
+        """
+        data = json_bytes(self.summary)
+        replace_outputs(Path(folder), {"margins.json": lambda path: path.write_bytes(data)})
+
+
+def compute_margins(
+    loops: Sequence[Path | str | Loop],
+    draws: Path | str,
+    analysis: Analysis | None = None,
+    *,
+    diagnosis: Path | str | None = None,
+    verify: int = 0,
+    simulated: int = SIMULATED,
+    progress: Callable[[int, int], object] = lambda done, total: None,
+) -> Margins:
+    """Compute what the uncertainty of friction does to controllers.
+
+    Parameters
+    ----------
+    loops : sequence of Path, str or Loop
+        Loop files, or loops read already; each name once.
+    draws : Path or str
+        ``draws.nc`` of a fit. ``claims.json`` beside it says how far rigs differ.
+    analysis : Analysis, optional
+        Its seed is used.
+    diagnosis : Path or str, optional
+        A ``diagnosis.json``: the effects on friction that it names are added, and the
+        margins with them stand beside those without.
+    verify : int
+        Draws of each loop in which the closed forms are held against the simulator.
+    simulated : int
+        Draws in which hunting is simulated where no closed form holds.
+    progress : callable
+        Told how many of how many loops are done.
+
+    Returns
+    -------
+    Margins
+        To be read or written.
+
+    Raises
+    ------
+    InputError
+        With every fault of the loop files; or the draws lack a pulley size, a loop is
+        unstable, or two have one name.
+    """
+    analysis = Analysis() if analysis is None else analysis
+    read = _read_all(loops)
+    path = Path(draws)
+    posterior = read_posterior(path)
+    discrepancy = rig_discrepancy(path.parent)
+    carried = None
+    if diagnosis is not None:
+        carried = carried_effects(read_json(DiagnosisFile, Path(diagnosis)))
+    for loop in read:
+        _refuse_unstable(loop, posterior)
+    found = []
+    for place, loop in enumerate(read):
+        progress(place, len(read))
+        found.append(
+            _one_loop(
+                loop, posterior, discrepancy, carried, analysis.seed, verify, max(simulated, 2)
+            )
+        )
+    progress(len(read), len(read))
+    common = provenance(
+        seed=analysis.seed,
+        recording=posterior.recording,
+        analysis_sha256=analysis_sha256(analysis),
+        created=posterior.created,
+    )
+    return Margins(
+        MarginsFile(
+            **common.model_dump(),
+            draws=posterior.count,
+            effective_draws=posterior.effective_draws,
+            draws_analysis_sha256=posterior.analysis_sha256,
+            rig_discrepancy=discrepancy.sd,
+            rig_discrepancy_source=discrepancy.source,
+            loops=tuple(found),
+        )
+    )
+
+
+def _read_all(loops: Sequence[Path | str | Loop]) -> list[Loop]:
+    read: list[Loop] = []
+    faults: list[Fault] = []
+    for one in loops:
+        try:
+            read.append(one if isinstance(one, Loop) else read_loop(Path(one)))
+        except InputError as error:
+            faults += error.faults
+    names = [loop.name for loop in read]
+    for name in sorted({name for name in names if names.count(name) > 1}):
+        faults.append(Fault("loops", "a name of its own for each loop", column="name", value=name))
+    if not loops:
+        faults.append(Fault("loops", "at least one loop file"))
+    if faults:
+        raise InputError(faults)
+    return read
+
+
+def _refuse_unstable(loop: Loop, posterior: Posterior) -> None:
+    """Raise for a loop whose median is unstable, unless the file says that friction holds it."""
+    sizes = {run.pulley_size for run in loop.runs} - set(posterior.coefficients)
+    if sizes:  # told with its place by the drawing
+        draw_assembly(loop, posterior, RigDiscrepancy(0.0, ""), 0)
+    shaft = at_shaft(loop, nominal_assembly(loop, posterior))
+    faults = [
+        Fault(
+            loop.name,
+            "a loop that is stable without friction, at the medians of its numbers"
+            + ("" if direction is None else f" ({direction})")
+            + "; or controller.relies_on_friction = true",
+            column="controller",
+        )
+        for direction, one in linear_of(shaft).items()
+        if not one.stable.all() and not loop.controller.relies_on_friction
+    ]
+    if faults:
+        raise InputError(faults)
+
+
+def _one_loop(
+    loop: Loop,
+    posterior: Posterior,
+    discrepancy: RigDiscrepancy,
+    carried: Carried | None,
+    seed: int,
+    verify: int,
+    simulated: int,
+) -> LoopMargins:
+    given = draw_assembly(loop, posterior, discrepancy, seed)
+    shaft = at_shaft(loop, given)
+    linear = linear_of(shaft)
+    values = closed_forms(shaft, linear)
+    hunting = find_hunting(shaft, simulated)
+    estimate = float(shaft.estimate.mean())
+    some = np.arange(min(SHARED, given.draws))
+    other = draw_assembly(loop, posterior, discrepancy, seed, stream=1)
+
+    def evaluate(assembly: Assembly) -> Mapping[Key, Array]:
+        one = at_shaft(loop, assembly, estimate=estimate)
+        return closed_forms(one, linear_of(one))
+
+    allowed = loop.spec.limit_cycle_probability_max
+    draws = posterior.effective_draws
+    safe = largest_safe_gain(hunting, allowed, draws)
+    return LoopMargins(
+        name=loop.name,
+        title=loop.title,
+        loop_sha256=loop_sha256(loop),
+        answer=which_gain(shaft, hunting, safe, allowed),
+        compensation_signal=loop.compensation.signal,
+        compensation_gain=float(np.median(shaft.gamma)),
+        metrics=metric_rows(shaft, values, linear, hunting, draws),
+        limit_cycle_probability=limit_cycle_curve(hunting, draws),
+        limit_cycle_probability_why=hunting.note if hunting.method == "none" else None,
+        limit_cycle_probability_max=allowed,
+        limit_cycle_method=hunting.method,
+        largest_safe_compensation_gain=safe.gamma,
+        largest_safe_compensation_gain_why=safe.why,
+        largest_safe_compensation_gain_se=safe.se,
+        variance_share=variance_shares(evaluate, given.taken(some), other.taken(some)),
+        verification=verify_draws(shaft, verify) if verify else None,
+        verification_why=None if verify else "it was not asked for (--verify N)",
+        with_effects=None
+        if carried is None or not carried.causes
+        else _with_effects(shaft, given, carried, seed, simulated, draws),
+        with_effects_why=_why_without(carried),
+        nyquist=nyquist_fans(shaft),
+        warnings=loop_warnings(shaft, given, linear, discrepancy),
+    )
+
+
+def _why_without(carried: Carried | None) -> str | None:
+    if carried is None:
+        return "no diagnosis was given"
+    if carried.causes:
+        return None
+    left = "; ".join(carried.left_out)
+    return f"the diagnosis names no effect on friction{f' ({left})' if left else ''}"
+
+
+def _with_effects(
+    shaft: LoopAtShaft,
+    given: Assembly,
+    carried: Carried,
+    seed: int,
+    simulated: int,
+    effective_draws: float,
+) -> WithEffects:
+    after = with_effects(shaft, given, carried.causes, seed)
+    linear = linear_of(after)
+    hunting = find_hunting(after, simulated)
+    allowed = shaft.loop.spec.limit_cycle_probability_max
+    safe = largest_safe_gain(hunting, allowed, effective_draws)
+    return WithEffects(
+        effects=tuple(cause.effect for cause in carried.causes),
+        left_out=carried.left_out,
+        answer=which_gain(after, hunting, safe, allowed),
+        metrics=metric_rows(after, closed_forms(after, linear), linear, hunting, effective_draws),
+        largest_safe_compensation_gain=safe.gamma,
+        largest_safe_compensation_gain_why=safe.why,
+    )

@@ -1,0 +1,132 @@
+"""What friction and its compensation do to the loop's oscillation, in closed form.
+
+For swings near the natural frequency ω_n = √(kp/J), the loop's damping is
+b_eff = kd + b − kp τ with τ the delay and half a sample of hold. Over one swing of
+amplitude A, damping takes π b_eff ω_n A² and friction of net size F − γ F̂ takes
+4 (F − γ F̂) A. Where they cancel, a swing may last:
+
+* b_eff < 0: friction holds the loop still up to A = 4 F/(π ω_n |b_eff|).
+* γ F̂ > F: the swing has A = 4 (γ F̂ − F)/(π ω_n b_eff). A compensator that is off at rest
+  keeps it up if A reaches beyond the stuck band F/kp, hence γ* = (F/F̂)(1 + π ζ/2) with
+  ζ = b_eff/(2 √(kp J)).
+
+References
+----------
+B. Armstrong, B. Amin, "PID control in the presence of static friction", Automatica 32(5)
+(1996): describing functions are not to be relied on with integral action and stiction.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.margins.loop_at_shaft import LoopAtShaft
+
+__all__ = [
+    "amplitude_margin",
+    "effective_damping",
+    "formula_conditions",
+    "formula_threshold",
+    "natural_frequency",
+    "necessary_gain",
+    "steady_error",
+    "swing_amplitude",
+]
+
+Array = NDArray[np.float64]
+
+LEAST_COUNTS = 100.0
+"""Encoder counts in the stuck band F/kp below which γ* fails: quantisation damps."""
+MOST_LAG = 0.1
+"""ω_n τ above which the delay is more than negative damping."""
+MOST_STICTION = 1.02
+
+
+def natural_frequency(shaft: LoopAtShaft) -> Array:
+    """Return ω_n = √(kp/J) with a stiff cable [rad/s], shape (draws,)."""
+    return np.asarray(np.sqrt(shaft.kp / shaft.inertia))
+
+
+def effective_damping(shaft: LoopAtShaft) -> Array:
+    """Return b_eff = kd + b − kp τ [N·m·s/rad], shape (draws,)."""
+    return shaft.kd + shaft.viscous - shaft.kp * shaft.lag
+
+
+def amplitude_margin(shaft: LoopAtShaft) -> Array:
+    """Return the swing up to which friction holds the loop still [rad], shape (draws,).
+
+    Infinite where b_eff ≥ 0. What a compensator of the measured velocity feeds forward is
+    taken from friction first.
+    """
+    net = shaft.friction
+    if shaft.loop.compensation.signal == "measured":
+        net = np.maximum(net - shaft.gamma * shaft.estimate, 0.0)
+    damping = effective_damping(shaft)
+    weak = damping < 0
+    held = 4 * net / (np.pi * natural_frequency(shaft) * np.where(weak, -damping, 1.0))
+    return np.where(weak, held, np.inf)
+
+
+def necessary_gain(shaft: LoopAtShaft) -> Array:
+    """Return F/F̂, the γ below which friction outweighs its compensation, shape (draws,)."""
+    return shaft.friction / shaft.estimate
+
+
+def formula_threshold(shaft: LoopAtShaft) -> Array:
+    """Return γ* = (F/F̂)(1 + π ζ/2), shape (draws,); see :func:`formula_conditions`."""
+    ratio = effective_damping(shaft) / (2 * np.sqrt(shaft.kp * shaft.inertia))
+    return np.asarray(necessary_gain(shaft) * (1 + np.pi * ratio / 2))
+
+
+def formula_conditions(shaft: LoopAtShaft) -> tuple[NDArray[np.bool_], tuple[str, ...]]:
+    """Tell in which draws γ* holds.
+
+    Returns
+    -------
+    inside : ndarray of bool, shape (draws,)
+    broken : tuple of str
+        The conditions that some draw breaks, in words.
+    """
+    compensation = shaft.loop.compensation
+    everywhere = np.ones(shaft.friction.shape, dtype=bool)
+    counts = shaft.friction / shaft.kp * shaft.counts / (2 * np.pi)
+    peak = shaft.kp * shaft.kick + shaft.estimate * formula_threshold(shaft)
+    conditions = {
+        "the compensator follows the measured velocity": everywhere
+        & (compensation.signal == "measured"),
+        "it is off at rest": everywhere & (compensation.at_rest == "off"),
+        "it has no boundary layer": shaft.boundary == 0,
+        "there is no integral action": shaft.ki == 0,
+        "breakaway is no more than moving friction": shaft.stiction_ratio <= MOST_STICTION,
+        "the velocity is a raw first difference": everywhere & (shaft.cutoff is None),
+        "the reference rests": shaft.reference_speed == 0,
+        "the loop is damped without friction": effective_damping(shaft) > 0,
+        f"ω_n τ is at most {MOST_LAG:g}": natural_frequency(shaft) * shaft.lag <= MOST_LAG,
+        f"F/kp is at least {LEAST_COUNTS:g} encoder counts": counts >= LEAST_COUNTS,
+        "the kick is beyond F/kp": shaft.kick > shaft.friction / shaft.kp,
+        "the torque is not clipped": peak <= shaft.clip,
+    }
+    broken = tuple(words for words, holds in conditions.items() if not holds.all())
+    return np.logical_and.reduce(list(conditions.values())), broken
+
+
+def swing_amplitude(shaft: LoopAtShaft) -> Array:
+    """Return A = 4 (γ F̂ − F)/(π ω_n b_eff) [rad]; NaN where nothing keeps a swing up."""
+    damping = effective_damping(shaft)
+    over = shaft.gamma * shaft.estimate - shaft.friction
+    swings = (over > 0) & (damping > 0)
+    size = 4 * over / (np.pi * natural_frequency(shaft) * np.where(swings, damping, 1.0))
+    return np.where(swings, size, np.nan)
+
+
+def steady_error(shaft: LoopAtShaft) -> Array:
+    """Return the largest error at which the loop may stay, at the motor [rad].
+
+    Breakaway over kp. A compensator of the error stands beside kp inside its band; one of
+    a velocity does not count, since it may be off or on the wrong side at rest.
+    """
+    alone = shaft.breakaway / shaft.kp
+    if shaft.loop.compensation.signal != "error":
+        return alone
+    most = shaft.gamma * shaft.estimate
+    inside = shaft.breakaway / (shaft.kp + most / shaft.boundary)
+    return np.where(inside <= shaft.boundary, inside, (shaft.breakaway - most) / shaft.kp)

@@ -1,0 +1,243 @@
+"""Stability margins of many linear loops at once, from their frequency responses.
+
+The loop is given as a function of frequency, so delays need no approximation. Each
+crossing is bracketed on a grid and then refined to rounding, so that the grid decides
+which crossings are seen and not where they are. Stability comes first: margins of an
+unstable loop have no meaning.
+
+References
+----------
+P. Seiler, A. Packard, P. Gahinet, "An introduction to disk margins", IEEE Control
+Systems Magazine 40(5) (2020).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import elementwise
+
+__all__ = ["LinearMargins", "Response", "is_stable", "linear_margins", "on_a_grid"]
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.intp]
+Complex = NDArray[np.complex128]
+
+COARSE = 1.5  # rad; a step of arg(1 + L) beyond this is looked at again, more finely
+AT_ONCE = 64  # loops
+FINEST = 12  # times that a step is halved at most
+
+
+class Response(Protocol):
+    """Open loop L(jω) of some loops."""
+
+    def __call__(self, omega: Array, rows: Rows) -> Complex:
+        """Return L(jω), ω [rad/s] and the loops' numbers in equal or broadcast shapes."""
+
+
+@dataclass(frozen=True)
+class LinearMargins:
+    """Margins, each of shape (loops,).
+
+    Parameters
+    ----------
+    gain : ndarray
+        Factor on the loop's gain, up or down, that is nearest to 1 and destabilises; inf
+        where none does.
+    phase : ndarray
+        Rotation of the loop that destabilises, either way [rad]; inf without a crossing.
+    delay : ndarray
+        Further delay that destabilises [s]; inf without a crossing.
+    disk : ndarray
+        Diameter α of the disk of complex gains (skew 0) that are all stable, 2 at most.
+    gain_frequency, phase_frequency, disk_frequency : ndarray
+        Where [rad/s]; NaN without a crossing.
+    crossings : ndarray of int
+        Gain crossings of the loop.
+    """
+
+    gain: Array
+    phase: Array
+    delay: Array
+    disk: Array
+    gain_frequency: Array
+    phase_frequency: Array
+    disk_frequency: Array
+    crossings: Rows
+
+
+def on_a_grid(response: Response, omega: Array) -> Complex:
+    """Return the response of each loop at its frequencies, both of shape (loops, F)."""
+    rows = np.arange(len(omega))[:, None]
+    values = np.empty(omega.shape, dtype=np.complex128)
+    for start in range(0, len(omega), AT_ONCE):  # what fits into the cache is much faster
+        some = slice(start, start + AT_ONCE)
+        values[some] = response(omega[some], rows[some])
+    return values
+
+
+def is_stable(
+    response: Response, omega: Array, on_grid: Complex | None = None
+) -> NDArray[np.bool_]:
+    """Tell which closed loops are stable, by how far 1 + L turns around 0.
+
+    A strictly proper loop without poles to the right of the imaginary axis is stable when
+    closed if and only if arg(1 + L), followed from high frequency, where it is 0, down to
+    where |L| is large, arrives at arg L as its poles at the origin and its delay make it:
+    between −7π/4 and π/4. Each pair of unstable poles adds a turn.
+
+    Parameters
+    ----------
+    response : Response
+        With up to three poles at the origin; with or without delay.
+    omega : ndarray, shape (loops, F)
+        Increasing frequencies, from where L is large (or constant) to where it is small
+        [rad/s].
+    on_grid : ndarray of complex, shape (loops, F), or None
+        The response at these frequencies, if it is there already.
+
+    Returns
+    -------
+    ndarray of bool, shape (loops,)
+    """
+    around = 1 + (on_a_grid(response, omega) if on_grid is None else on_grid)
+    step = np.angle(around[:, 1:] * around[:, :-1].conj())
+    turned = step.sum(axis=1)
+    # A step that is large may hide a whole turn: go through it in smaller ones.
+    for row, left in zip(*np.nonzero(np.abs(step) > COARSE), strict=True):
+        turned[row] += _turning(response, omega[row, left], omega[row, left + 1], row)
+        turned[row] -= step[row, left]
+    start = np.angle(around[:, 0])
+    start = np.where(start > np.pi / 4, start - 2 * np.pi, start)
+    return np.asarray(np.abs(start + turned) < np.pi)
+
+
+def linear_margins(
+    response: Response, omega: Array, on_grid: Complex | None = None
+) -> LinearMargins:
+    """Return the margins of stable loops.
+
+    Parameters
+    ----------
+    response : Response
+        Of loops that are stable when closed.
+    omega : ndarray, shape (loops, F)
+        Increasing frequencies, close enough that no two crossings lie between neighbours
+        [rad/s].
+    on_grid : ndarray of complex, shape (loops, F), or None
+        The response at these frequencies, if it is there already.
+
+    Returns
+    -------
+    LinearMargins
+        To some 1e-9 of each margin.
+    """
+    value = on_a_grid(response, omega) if on_grid is None else on_grid
+    loops = len(omega)
+    # gain crossings
+    size = value.real**2 + value.imag**2
+    where, at = np.nonzero((size[:, :-1] > 1) != (size[:, 1:] > 1))
+    crossing = _root(lambda w, r: np.log(np.abs(response(w, r))), omega, where, at)
+    lag = np.mod(np.angle(response(crossing, where)) + np.pi, 2 * np.pi)
+    phase, phase_frequency = _smallest(np.minimum(lag, 2 * np.pi - lag), crossing, where, loops)
+    delay, _ = _smallest(lag / crossing, crossing, where, loops)
+    # phase crossings: L real and negative
+    negative = (value.real[:, :-1] < 0) | (value.real[:, 1:] < 0)
+    change = (value.imag[:, :-1] > 0) != (value.imag[:, 1:] > 0)
+    turned, at = np.nonzero(change & negative)
+    crossing = _root(lambda w, r: _sine(response(w, r)), omega, turned, at)
+    real = response(crossing, turned).real
+    kept = real < 0
+    distance = np.full(real.shape, np.inf)
+    distance[kept] = np.abs(np.log(-real[kept]))
+    log_gain, gain_frequency = _smallest(distance, crossing, turned, loops)
+    sign = np.ones(loops)
+    nearest = crossing == gain_frequency[turned]
+    sign[turned[nearest]] = -np.sign(np.log(np.maximum(-real[nearest], 1e-300)))
+    disk, disk_frequency = _disk(response, omega, value)
+    return LinearMargins(
+        np.exp(sign * log_gain),
+        phase,
+        delay,
+        disk,
+        gain_frequency,
+        phase_frequency,
+        disk_frequency,
+        np.bincount(where, minlength=loops),
+    )
+
+
+def _sine(value: Complex) -> Array:
+    return np.asarray(value.imag / np.abs(value))
+
+
+def _root(function: Callable[[Array, Rows], Array], omega: Array, rows: Rows, at: Rows) -> Array:
+    """Return the frequency of a change of sign between each bracket's ends."""
+    if not rows.size:
+        return np.empty(0)
+    ends = (np.log(omega[rows, at]), np.log(omega[rows, at + 1]))
+
+    def of_log(log_omega: Array, row: Array) -> Array:
+        return function(np.exp(log_omega), row.astype(np.intp))
+
+    find: Any = elementwise.find_root
+    found = find(of_log, ends, args=(rows.astype(float),))
+    return np.asarray(np.exp(found.x))
+
+
+def _smallest(values: Array, places: Array, rows: Rows, loops: int) -> tuple[Array, Array]:
+    """Return the smallest value of each loop and where it is; inf and NaN without one."""
+    least = np.full(loops, np.inf)
+    np.minimum.at(least, rows, values)
+    where = np.full(loops, np.nan)
+    hit = np.isfinite(values) & (values == least[rows])
+    where[rows[hit]] = places[hit]
+    return least, where
+
+
+def _disk(response: Response, omega: Array, value: Complex) -> tuple[Array, Array]:
+    """Return min over ω of 2|1 + L|/|1 − L|, and where."""
+
+    def margin(response_value: Complex) -> Array:
+        above = (1 + response_value.real) ** 2 + response_value.imag**2
+        below = (1 - response_value.real) ** 2 + response_value.imag**2
+        return np.asarray(above / np.maximum(below, 1e-300))
+
+    on_grid = margin(value)
+    # every local minimum that could be the lowest once refined
+    inner = on_grid[:, 1:-1]
+    low = (inner <= on_grid[:, :-2]) & (inner <= on_grid[:, 2:])
+    curve = np.abs(on_grid[:, :-2] - inner) + np.abs(on_grid[:, 2:] - inner)
+    low &= inner - curve <= on_grid.min(axis=1, keepdims=True)
+    rows, at = np.nonzero(low)
+    least = on_grid.min(axis=1)
+    where = np.take_along_axis(omega, on_grid.argmin(axis=1)[:, None], axis=1)[:, 0]
+    if rows.size:
+        triple: Any = tuple(np.log(omega[rows, at + shift]) for shift in (0, 1, 2))
+
+        def of_log(log_omega: Array, row: Array) -> Array:
+            return margin(response(np.exp(log_omega), row.astype(np.intp)))
+
+        find: Any = elementwise.find_minimum
+        found = find(of_log, triple, args=(rows.astype(float),))
+        refined, place = _smallest(np.asarray(found.f_x), np.exp(found.x), rows, len(omega))
+        better = refined < least
+        least, where = np.where(better, refined, least), np.where(better, place, where)
+    return 2 * np.sqrt(least), where
+
+
+def _turning(response: Response, low: float, high: float, row: np.intp) -> float:
+    """Return how far arg(1 + L) turns between two frequencies, in ever smaller steps."""
+    points = 16
+    turned = 0.0
+    for _ in range(FINEST):
+        omega = np.geomspace(low, high, points + 1)
+        around = 1 + response(omega, np.full(points + 1, row))
+        step = np.angle(around[1:] * around[:-1].conj())
+        turned = float(step.sum())
+        if np.abs(step).max() < COARSE:
+            break
+        points *= 2
+    return turned

@@ -1,0 +1,279 @@
+"""A loop with everything reflected to the motor's shaft, a value a draw."""
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.margins.assembly import Assembly
+from bayesfric.margins.cable_run import DIRECTIONS, Direction, RunFriction, run_friction
+from bayesfric.margins.loop_file import Loop
+from bayesfric.margins.sampled_loop import SampledLoop
+
+__all__ = ["LoopAtShaft", "at_shaft"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class LoopAtShaft:
+    """The loop at the motor's shaft; every array of shape (draws,), SI.
+
+    Parameters
+    ----------
+    loop : Loop
+        The file it comes from.
+    motor_inertia, load_inertia : ndarray
+        On either end of the cable [kg·m²].
+    motor_viscous, load_viscous : ndarray
+        Likewise [N·m·s/rad].
+    stiffness, damping : ndarray
+        Of the cable [N·m/rad, N·m·s/rad].
+    friction : ndarray
+        F: cable runs, motor and gearbox [N·m].
+    drive_friction : ndarray
+        Its part that is the motor's and gearbox's [N·m].
+    stiction_ratio : ndarray
+        Breakaway over F, at least 1 [-].
+    kp, kd, ki : ndarray
+        Gains [N·m/rad, N·m·s/rad, N·m/(rad·s)].
+    sample_time, delay : ndarray
+        [s]; `delay` without the hold's half sample.
+    counts : ndarray
+        Of the encoder, a revolution of the shaft.
+    cutoff : ndarray or None
+        Corner of the velocity's low-pass [rad/s].
+    clip, continuous : ndarray, ndarray or None
+        Torque limits [N·m].
+    load_torque, peak_velocity, peak_acceleration : ndarray
+        Of the joint, seen from the shaft [N·m, rad/s, rad/s²].
+    estimate : ndarray
+        F̂ of the compensation [N·m].
+    gamma : ndarray
+        Its gain [-].
+    boundary : ndarray
+        Half width of its linear piece [rad/s, or rad with the signal `error`].
+    efficiency : ndarray
+        η of all runs in a row; 1 for an antagonist pair [-].
+    cable_per_rad : ndarray
+        Cable travel per motor angle, ρ [m/rad].
+    tip_per_rad : ndarray
+        Travel of the tool tip per motor angle [m/rad].
+    lost_motion : ndarray
+        At the motor's shaft, one side [rad].
+    kick, reference_speed : ndarray
+        What the loop is tried with for hunting [rad, rad/s].
+    runs : tuple of RunFriction
+        By run.
+    """
+
+    loop: Loop
+    motor_inertia: Array
+    load_inertia: Array
+    motor_viscous: Array
+    load_viscous: Array
+    stiffness: Array
+    damping: Array
+    friction: Array
+    drive_friction: Array
+    stiction_ratio: Array
+    kp: Array
+    kd: Array
+    ki: Array
+    sample_time: Array
+    delay: Array
+    cutoff: Array | None
+    counts: Array
+    clip: Array
+    continuous: Array | None
+    load_torque: Array
+    peak_velocity: Array
+    peak_acceleration: Array
+    estimate: Array
+    gamma: Array
+    boundary: Array
+    efficiency: Array
+    cable_per_rad: Array
+    tip_per_rad: Array
+    lost_motion: Array
+    kick: Array
+    reference_speed: Array
+    runs: tuple[RunFriction, ...]
+
+    @property
+    def inertia(self) -> Array:
+        """Both ends of a stiff cable together [kg·m²]."""
+        return self.motor_inertia + self.load_inertia
+
+    @property
+    def viscous(self) -> Array:
+        """Both ends together [N·m·s/rad]."""
+        return self.motor_viscous + self.load_viscous
+
+    @property
+    def breakaway(self) -> Array:
+        """F times the stiction ratio [N·m]."""
+        return self.friction * self.stiction_ratio
+
+    @property
+    def lag(self) -> Array:
+        """τ: delay and half a sample of hold [s]."""
+        return self.delay + self.sample_time / 2
+
+    @property
+    def directions(self) -> tuple[Direction | None, ...]:
+        """The directions in which linear margins differ; one None where they do not."""
+        return DIRECTIONS if self.loop.runs[0].topology == "open" else (None,)
+
+    def load_share(self, direction: Direction | None) -> Array:
+        """Return what the load side counts: 1/η driving, η overhauling, 1 for a pair."""
+        if direction is None:
+            return np.ones_like(self.efficiency)
+        return 1 / self.efficiency if direction == "driving" else self.efficiency
+
+    def taken(self, rows: NDArray[np.intp]) -> "LoopAtShaft":
+        """Return some of the draws."""
+
+        def some(values: object) -> object:
+            if isinstance(values, np.ndarray):
+                return values[rows]
+            if isinstance(values, RunFriction):
+                return RunFriction(*(getattr(values, f.name)[rows] for f in fields(values)))
+            if isinstance(values, tuple):
+                return tuple(some(one) for one in values)
+            return values
+
+        parts: Any = {field.name: some(getattr(self, field.name)) for field in fields(self)}
+        return LoopAtShaft(**parts)
+
+    def sampled(self, gamma: Array | None = None) -> SampledLoop:
+        """Return the loop as the simulator takes it, with a stiff cable.
+
+        Parameters
+        ----------
+        gamma : ndarray or None
+            Another compensation gain.
+        """
+        compensation = self.loop.compensation
+        return SampledLoop(
+            inertia=self.inertia,
+            viscous=self.viscous,
+            friction=self.friction,
+            stiction_ratio=self.stiction_ratio,
+            kp=self.kp,
+            kd=self.kd,
+            ki=self.ki,
+            sample_time=self.sample_time,
+            delay=self.delay,
+            counts_per_revolution=self.counts,
+            torque_limit=self.clip,
+            compensation_signal=compensation.signal,
+            compensation_gain=self.gamma if gamma is None else gamma,
+            compensation_estimate=self.estimate,
+            boundary=self.boundary,
+            at_rest=compensation.at_rest,
+        )
+
+
+def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> LoopAtShaft:
+    """Reflect a loop to the motor's shaft.
+
+    Parameters
+    ----------
+    loop : Loop
+        The file.
+    given : Assembly
+        Its numbers and the friction law, a value a draw.
+    estimate : float or None
+        F̂ where the file has none; by default the mean friction of these draws [N·m].
+
+    Returns
+    -------
+    LoopAtShaft
+        Of as many draws.
+    """
+    revolute = loop.joint.kind == "revolute"
+    ratio = given["joint.transmission_rad_per_rad" if revolute else "joint.transmission_rad_per_m"]
+    gear = given["drive.gearbox_ratio"]
+    rho = given["drive.capstan_radius_m"] / gear
+    length = given["cable.length_m"]
+    runs = tuple(
+        run_friction(
+            run,
+            given.coefficients[run.pulley_size],
+            factor,
+            given[f"runs.{place}.tension_n"],
+            length,
+        )
+        for place, (run, factor) in enumerate(zip(loop.runs, given.factor, strict=True))
+    )
+    drive = given["drive.friction_n_m"]
+    friction = np.maximum(rho * sum(run.loop for run in runs), 0.0) + drive
+    stiction = np.maximum(given["stiction_ratio"], 1.0)
+    pair = loop.runs[0].topology == "antagonist-pair"
+    per_strain = given["cable.axial_stiffness_n"]
+    stiffness = rho**2 * (2 if pair else 1) * per_strain / length
+    load_inertia = given["joint.inertia_kg_m2" if revolute else "joint.mass_kg"] / ratio**2
+    motor_inertia = given["drive.inertia_kg_m2"]
+    reduced = load_inertia * motor_inertia / (load_inertia + motor_inertia)
+    to_shaft = _to_shaft(loop, gear, ratio)
+    signal = loop.compensation.signal
+    joint = {
+        name: given[f"joint.{key[0] if revolute else key[1]}"]
+        for name, key in {
+            "viscous": ("viscous_n_m_s", "viscous_n_s_per_m"),
+            "load": ("load_n_m", "load_n"),
+            "velocity": ("peak_velocity_rad_s", "peak_velocity_m_s"),
+            "acceleration": ("peak_acceleration_rad_s2", "peak_acceleration_m_s2"),
+        }.items()
+    }
+    constant = given["drive.torque_constant_n_m_per_a"]
+    continuous = given.numbers.get("drive.continuous_current_a")
+    cutoff = given.numbers.get("controller.velocity_cutoff_hz")
+    guess = given.numbers.get("compensation.estimate_n_m")
+    if guess is None:
+        guess = np.full(given.draws, float(friction.mean()) if estimate is None else estimate)
+    return LoopAtShaft(
+        loop=loop,
+        motor_inertia=motor_inertia,
+        load_inertia=load_inertia,
+        motor_viscous=given["drive.viscous_n_m_s"],
+        load_viscous=joint["viscous"] / ratio**2,
+        stiffness=stiffness,
+        damping=2 * given["cable.damping_ratio"] * np.sqrt(stiffness * reduced),
+        friction=friction,
+        drive_friction=drive,
+        stiction_ratio=stiction,
+        kp=to_shaft * given["controller.kp_n_m_per_rad"],
+        kd=to_shaft * given["controller.kd_n_m_s_per_rad"],
+        ki=to_shaft * given["controller.ki_n_m_per_rad_s"],
+        sample_time=given["controller.sample_time_s"],
+        delay=given["controller.delay_s"],
+        cutoff=None if cutoff is None else 2 * np.pi * cutoff,
+        counts=given["controller.encoder_counts_per_revolution"],
+        clip=constant * given["drive.current_limit_a"],
+        continuous=None if continuous is None else constant * continuous,
+        load_torque=joint["load"] / ratio,
+        peak_velocity=joint["velocity"] * ratio,
+        peak_acceleration=joint["acceleration"] * ratio,
+        estimate=guess,
+        gamma=given["compensation.gain"],
+        boundary=given[f"compensation.boundary_{'rad' if signal == 'error' else 'rad_s'}"],
+        efficiency=np.ones(given.draws) if pair else np.prod([r.efficiency for r in runs], axis=0),
+        cable_per_rad=rho,
+        tip_per_rad=(given["tool.lever_m"] if revolute else 1.0) / ratio,
+        lost_motion=sum(run.lost_length for run in runs) / per_strain / rho,
+        kick=given["kick.over_stuck_band"]
+        * stiction
+        * friction
+        / (to_shaft * given["controller.kp_n_m_per_rad"]),
+        reference_speed=given["kick.reference_speed_rad_s"],
+        runs=runs,
+    )
+
+
+def _to_shaft(loop: Loop, gear: Array, ratio: Array) -> Array:
+    """Return what turns a gain of the file's frames into one at the motor's shaft."""
+    per = {"motor": np.ones_like(gear), "gearbox-output": gear, "joint": ratio}
+    return 1 / (per[loop.controller.torque_at] * per[loop.controller.angle_of])

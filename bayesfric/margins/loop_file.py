@@ -1,0 +1,331 @@
+"""``LOOP.toml``: a cable-driven joint and its controller, validated and documented.
+
+Units stand in the names of the keys. An angle or torque "at the motor" is that of the
+motor's shaft, before the gearbox. Unknown keys are refused.
+"""
+
+import hashlib
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from bayesfric.errors import Fault, InputError
+from bayesfric.margins.quantities import FAMILIES, NonNegative, Positive, Quantity
+
+__all__ = [
+    "Cable",
+    "CableRun",
+    "Compensation",
+    "Controller",
+    "Drive",
+    "Kick",
+    "Loop",
+    "PrismaticJoint",
+    "RevoluteJoint",
+    "Spec",
+    "Tool",
+    "loop_sha256",
+    "read_loop",
+]
+
+Share = Annotated[float, Field(gt=0, lt=1)]
+Bound = Annotated[float, Field(gt=0, allow_inf_nan=False)] | None
+Angle = Annotated[float, Field(ge=0, le=720)]
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class RevoluteJoint(_Section):
+    """A joint that turns (`kind = "revolute"`)."""
+
+    kind: Literal["revolute"] = Field(description="`revolute` or `prismatic`.")
+    inertia_kg_m2: Positive = Field(description="Inertia behind the cable, about the joint.")
+    viscous_n_m_s: NonNegative = Field(0.0, description="Viscous friction of the joint.")
+    load_n_m: Quantity = Field(0.0, description="Steady torque on the joint: gravity, contact.")
+    transmission_rad_per_rad: Positive = Field(description="Motor angle per joint angle.")
+    peak_velocity_rad_s: NonNegative = Field(0.0, description="Of the fastest motion.")
+    peak_acceleration_rad_s2: NonNegative = Field(0.0, description="Of the fastest motion.")
+
+
+class PrismaticJoint(_Section):
+    """A joint that slides (`kind = "prismatic"`)."""
+
+    kind: Literal["prismatic"] = Field(description="`revolute` or `prismatic`.")
+    mass_kg: Positive = Field(description="Mass behind the cable.")
+    viscous_n_s_per_m: NonNegative = Field(0.0, description="Viscous friction of the joint.")
+    load_n: Quantity = Field(0.0, description="Steady force on the joint: gravity, contact.")
+    transmission_rad_per_m: Positive = Field(description="Motor angle per travel of the joint.")
+    peak_velocity_m_s: NonNegative = Field(0.0, description="Of the fastest motion.")
+    peak_acceleration_m_s2: NonNegative = Field(0.0, description="Of the fastest motion.")
+
+
+class Drive(_Section):
+    """Motor, gearbox and capstan."""
+
+    torque_constant_n_m_per_a: Positive = Field(description="Torque constant of the motor.")
+    gearbox_ratio: Positive = Field(description="Motor angle per capstan angle; 1 without one.")
+    capstan_radius_m: Positive = Field(description="Radius at which the cable leaves.")
+    friction_n_m: NonNegative = Field(
+        description="Coulomb friction of motor and gearbox, at the motor."
+    )
+    inertia_kg_m2: Positive = Field(description="Of rotor, gearbox and capstan, at the motor.")
+    viscous_n_m_s: NonNegative = Field(0.0, description="Viscous friction at the motor.")
+    current_limit_a: Positive = Field(description="Where the drive clips the current.")
+    continuous_current_a: Positive | None = Field(
+        None, description="What the motor bears for ever."
+    )
+
+
+class CableRun(_Section):
+    """Equal pulleys that the cable passes; `[[runs]]`, from the motor to the load."""
+
+    pulley_size: str = Field(description="A size of the draws.")
+    count: Annotated[int, Field(ge=1, le=200)] = Field(
+        description="Pulleys; of an antagonist pair, those on one side."
+    )
+    wrap_angle_deg: Angle | list[Angle] = Field(
+        description="Of every pulley, or a list from the motor to the load."
+    )
+    tension_n: Positive = Field(
+        description="Known tension; of an antagonist pair, that of each side."
+    )
+    tension_known_at: Literal["mean", "motor", "load"] = Field(
+        description="Where that tension is known: the mean of both ends, or one end. It has no "
+        "default, since it moves friction by about (n − 1)a/2."
+    )
+    topology: Literal["antagonist-pair", "open"] = Field(
+        description="Two equal runs that pull against each other, or one run and a load."
+    )
+    model: Literal["nominal", "recursive"] = Field(
+        description="Friction by eq. (15) at the known tension, or pulley by pulley."
+    )
+    distance_m: list[Annotated[float, Field(ge=0)]] | None = Field(
+        None,
+        description="Cable from the motor to each pulley; absent: spread evenly along the run.",
+    )
+
+    @model_validator(mode="after")
+    def _as_many(self) -> "CableRun":
+        for name in ("wrap_angle_deg", "distance_m"):
+            values = getattr(self, name)
+            if isinstance(values, list) and len(values) != self.count:
+                raise ValueError(f"{name} with {self.count} values, as many as pulleys")
+        return self
+
+    @property
+    def angles_deg(self) -> tuple[float, ...]:
+        """The wrap angle of each pulley, from the motor to the load [deg]."""
+        angles = self.wrap_angle_deg
+        return tuple(angles) if isinstance(angles, list) else (angles,) * self.count
+
+
+class Cable(_Section):
+    """The cable between motor and joint."""
+
+    axial_stiffness_n: Positive = Field(
+        description="EA: 14 to 16 kN for 0.61 mm 7×19 stainless cable, 53 to 60 kN for 1.19 mm."
+    )
+    length_m: Positive = Field(description="Between motor and joint, on one side.")
+    diameter_mm: Annotated[float, Field(gt=0)] = Field(
+        0.61, description="Friction was measured with 0.61 mm; other cable is warned about."
+    )
+    damping_ratio: Positive = Field(
+        0.05, description="Of joint and motor ringing on the cable, over the critical."
+    )
+
+
+class Controller(_Section):
+    """A sampled PD or PI·D loop on the motor's encoder."""
+
+    kp_n_m_per_rad: Positive = Field(description="Proportional gain, in the frames below.")
+    kd_n_m_s_per_rad: NonNegative = Field(0.0, description="Derivative gain, likewise.")
+    ki_n_m_per_rad_s: NonNegative = Field(0.0, description="Integral gain, likewise.")
+    torque_at: Literal["motor", "gearbox-output", "joint"] = Field(
+        description="Where the torque of the gains is counted; of a prismatic joint the joint's "
+        "is a force [N]."
+    )
+    angle_of: Literal["motor", "gearbox-output", "joint"] = Field(
+        description="Which angle the gains multiply; of a prismatic joint the joint's is a "
+        "travel [m]."
+    )
+    sample_time_s: Positive = Field(description="Of the loop.")
+    delay_s: NonNegative = Field(
+        description="From reading the encoder to the torque; the hold's half sample is added."
+    )
+    encoder_counts_per_revolution: Positive = Field(description="Of the motor's shaft.")
+    velocity_filter: Literal["first-difference", "low-pass"] = Field(
+        "first-difference",
+        description="Of the derivative: raw, or through a first-order low-pass as well.",
+    )
+    velocity_cutoff_hz: Positive | None = Field(
+        None, description="Corner of the low-pass; required with it."
+    )
+
+    relies_on_friction: bool = Field(
+        False,
+        description="Accept a loop that friction alone holds still: its linear margins do not "
+        "exist, and the amplitude margin counts. Otherwise such a loop is refused.",
+    )
+
+    @model_validator(mode="after")
+    def _cutoff(self) -> "Controller":
+        if (self.velocity_filter == "low-pass") != (self.velocity_cutoff_hz is not None):
+            raise ValueError("velocity_cutoff_hz with a low-pass, and only there")
+        return self
+
+
+class Compensation(_Section):
+    """Friction feed-forward: gain × estimate × sign of a signal."""
+
+    signal: Literal["none", "reference", "measured", "error"] = Field(
+        "none",
+        description="What the sign is taken of: the reference's velocity, the measured velocity, "
+        "or the position error. It decides whether the loop can hunt.",
+    )
+    gain: NonNegative = Field(1.0, description="γ, the share of the estimate that is fed forward.")
+    estimate_n_m: Positive | None = Field(
+        None, description="F̂ at the motor; absent: the mean friction of the draws."
+    )
+    boundary_rad_s: NonNegative = Field(
+        0.0, description="Half width of a linear piece of the sign of a velocity, at the motor."
+    )
+    boundary_rad: NonNegative = Field(
+        0.0, description="ε, the same for the sign of the error; required above 0 there."
+    )
+    at_rest: Literal["off", "hold"] = Field(
+        "off", description="At zero speed: nothing, or the last sign."
+    )
+
+    @model_validator(mode="after")
+    def _band(self) -> "Compensation":
+        if self.signal == "error" and self.boundary_rad == 0.0:
+            raise ValueError("boundary_rad above 0 with the signal error")
+        return self
+
+
+class Kick(_Section):
+    """What the loop is tried with for hunting."""
+
+    over_stuck_band: Positive = Field(
+        2.0, description="Kick over the stuck band F/kp; hunting needs more than 1."
+    )
+    reference_speed_rad_s: Quantity = Field(0.0, description="Of the reference, at the motor.")
+
+
+class Tool(_Section):
+    """From the joint to the tool tip."""
+
+    lever_m: Positive | None = Field(
+        None, description="Of a revolute joint: distance from its axis to the tip."
+    )
+
+
+class Spec(_Section):
+    """What the joint must meet; a key that is absent is not judged."""
+
+    steady_error_max_m: Bound = Field(None, description="At the tool tip, servo alone.")
+    lost_motion_max_m: Bound = Field(None, description="At the tool tip.")
+    smallest_step_max_m: Bound = Field(None, description="At the tool tip.")
+    reversal_error_max_m: Bound = Field(None, description="At the tool tip.")
+    backdrive_force_max_n: Bound = Field(None, description="At the tool tip.")
+    headroom_clip_min: Bound = Field(None, description="Share of the clipped torque left.")
+    headroom_continuous_min: Bound = Field(None, description="Share of the continuous torque left.")
+    gain_margin_min: Annotated[float, Field(gt=1)] | None = Field(
+        None, description="As a factor, up or down."
+    )
+    phase_margin_min_rad: Bound = Field(None, description="Phase margin.")
+    delay_margin_min_s: Bound = Field(None, description="Further delay.")
+    disk_margin_min: Bound = Field(None, description="Diameter of the disk, 2 at most.")
+    amplitude_margin_min_rad: Bound = Field(None, description="At the motor.")
+    limit_cycle_probability_max: Share = Field(
+        0.05, description="P(limit cycle) that decides the largest compensation gain."
+    )
+
+
+class Loop(_Section):
+    """The whole of ``LOOP.toml``."""
+
+    name: Annotated[str, Field(min_length=1, max_length=60)] = Field(description="Of the loop.")
+    title: str = Field("", description="What it is, in a sentence.")
+    assumptions: list[str] = Field(
+        default_factory=list,
+        description="What in the file is assumed, a sentence each; carried to the warnings.",
+    )
+    stiction_ratio: Positive = Field(
+        1.0,
+        description="Breakaway over moving friction, 1 at least; the paper says 1.",
+    )
+    joint: Annotated[RevoluteJoint | PrismaticJoint, Field(discriminator="kind")] = Field(
+        description="The joint."
+    )
+    drive: Drive = Field(description="Motor, gearbox and capstan.")
+    runs: Annotated[list[CableRun], Field(min_length=1)] = Field(description="Pulleys.")
+    cable: Cable = Field(description="The cable.")
+    controller: Controller = Field(description="The controller.")
+    compensation: Compensation = Field(
+        default_factory=Compensation, description="Friction feed-forward."
+    )
+    kick: Kick = Field(default_factory=Kick, description="For hunting.")
+    tool: Tool = Field(default_factory=Tool, description="The tool tip.")
+    spec: Spec = Field(default_factory=Spec, description="What must be met.")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "Loop":
+        if len({run.topology for run in self.runs}) > 1:
+            raise ValueError("runs of one topology: they carry one cable")
+        if self.joint.kind == "revolute" and self.tool.lever_m is None:
+            raise ValueError("tool.lever_m for a revolute joint")
+        if self.joint.kind == "prismatic" and self.tool.lever_m is not None:
+            raise ValueError("no tool.lever_m for a prismatic joint")
+        return self
+
+
+def read_loop(path: Path) -> Loop:
+    """Read and validate a loop file.
+
+    Parameters
+    ----------
+    path : Path
+        The TOML file.
+
+    Raises
+    ------
+    InputError
+        With every fault of the file: where, what was found, what was expected.
+    """
+    try:
+        values = tomllib.loads(path.read_text("utf-8"))
+    except OSError as error:
+        raise InputError([Fault(path.name, f"a readable file ({error.strerror})")]) from error
+    except UnicodeDecodeError as error:
+        raise InputError([Fault(path.name, "a file in UTF-8")]) from error
+    except tomllib.TOMLDecodeError as error:
+        raise InputError([Fault(path.name, f"TOML that parses ({error})")]) from error
+    try:
+        return Loop.model_validate(values)
+    except ValidationError as error:
+        raise InputError([_fault(path.name, detail) for detail in error.errors()]) from error
+
+
+def loop_sha256(loop: Loop) -> str:
+    """Return the SHA-256 of a loop in full, defaults filled in."""
+    return hashlib.sha256(loop.model_dump_json().encode()).hexdigest()
+
+
+TAGS = FAMILIES | {"revolute", "prismatic"}
+
+
+def _fault(name: str, detail: Any) -> Fault:
+    key = ".".join(str(part) for part in detail["loc"] if part not in TAGS)
+    if detail["type"] == "extra_forbidden":
+        return Fault(name, "no such key (see docs/loop.md)", column=key)
+    if detail["type"] == "missing":
+        return Fault(name, "this key (see docs/loop.md)", column=key)
+    message = detail["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
+    value = detail["input"]
+    shown = None if isinstance(value, dict | BaseModel) else str(value)
+    return Fault(name, message, column=key or None, value=shown)

@@ -1,0 +1,365 @@
+"""The figures of a loop, from its draws to the rows of ``margins.json``."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.margins.cable_run import Direction
+from bayesfric.margins.describing import (
+    amplitude_margin,
+    effective_damping,
+    necessary_gain,
+    steady_error,
+)
+from bayesfric.margins.linear import is_stable, linear_margins, on_a_grid
+from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.open_loop import OpenLoop
+from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
+from bayesfric.schemas import Interval, Metric
+
+__all__ = [
+    "LEVELS",
+    "Key",
+    "Linear",
+    "closed_forms",
+    "interval_of",
+    "linear_of",
+    "metric_rows",
+    "standard_error",
+]
+
+Array = NDArray[np.float64]
+Key = tuple[str, Direction | None]
+
+LEVELS = (0.01, *(round(0.05 * step, 2) for step in range(1, 20)), 0.99)
+"""Probabilities at which a metric's quantiles are stored."""
+ROUNDING = 1e-9
+"""Relative spread below which draws are one number, spread by rounding alone."""
+
+
+@dataclass(frozen=True)
+class Rule:
+    """What a metric is.
+
+    Parameters
+    ----------
+    name, unit, place : str
+        As in the schema.
+    sense : {"at least", "at most"}
+        Which way a spec bounds it.
+    spec : str
+        Key of the loop's spec; empty where none can be set.
+    note : str
+        What is said with it always.
+    """
+
+    name: str
+    unit: str
+    place: str
+    sense: Literal["at least", "at most"]
+    spec: str = ""
+    note: str = ""
+
+
+RULES = (
+    Rule("friction_nominal", "N", "cable", "at most", note="eq. (15) at the known tension"),
+    Rule("friction_recursive", "N", "cable", "at most", note="pulley by pulley"),
+    Rule("steady_error_servo", "m", "tool tip", "at most", "steady_error_max_m"),
+    Rule("lost_motion", "m", "tool tip", "at most", "lost_motion_max_m",
+         "behind the motor's encoder, one side; summed pulley by pulley"),
+    Rule("headroom_clip", "1", "motor", "at least", "headroom_clip_min",
+         "share of the clipped torque left in the fastest motion"),
+    Rule("headroom_continuous", "1", "motor", "at least", "headroom_continuous_min",
+         "share of the continuous torque left against friction and load"),
+    Rule("gamma_necessary", "1", "loop", "at least",
+         note="F/F̂: below it no compensator of the measured velocity keeps a damped loop swinging"),
+    Rule("gamma_hunting", "1", "loop", "at least"),
+    Rule("amplitude_margin", "rad", "motor", "at least", "amplitude_margin_min_rad",
+         "4F/(π ω_n |b_eff|), with the friction that compensation leaves"),
+    Rule("limit_cycle_amplitude", "rad", "motor", "at most"),
+    Rule("limit_cycle_frequency", "Hz", "motor", "at most"),
+    Rule("gain_margin", "1", "loop", "at least", "gain_margin_min", "as a factor, up or down"),
+    Rule("phase_margin", "rad", "loop", "at least", "phase_margin_min_rad"),
+    Rule("disk_margin", "1", "loop", "at least", "disk_margin_min"),
+    Rule("delay_margin", "s", "loop", "at least", "delay_margin_min_s"),
+    Rule("backdrive_force", "N", "tool tip", "at most", "backdrive_force_max_n",
+         "to break away with the motor off"),
+    Rule("smallest_step", "m", "tool tip", "at most", "smallest_step_max_m",
+         "command from rest without error that is sure to be followed"),
+    Rule("reversal_error", "m", "tool tip", "at most", "reversal_error_max_m",
+         "twice the servo's error and the lost motion"),
+)  # fmt: skip
+HUNTING = ("gamma_hunting", "limit_cycle_amplitude", "limit_cycle_frequency")
+LINEAR = ("gain_margin", "phase_margin", "disk_margin", "delay_margin")
+
+
+@dataclass(frozen=True)
+class Linear:
+    """Linear margins in one direction, every array of shape (draws,).
+
+    Parameters
+    ----------
+    values : mapping of str to ndarray
+        By metric; those of an unstable draw are none: gain 1, all others 0.
+    stable : ndarray of bool
+        Which draws are stable without friction.
+    crossover : ndarray
+        Frequency of the gain crossing that limits the phase [rad/s].
+    crossings : ndarray of int
+        Gain crossings.
+    """
+
+    values: Mapping[str, Array]
+    stable: NDArray[np.bool_]
+    crossover: Array
+    crossings: NDArray[np.intp]
+
+
+def linear_of(shaft: LoopAtShaft) -> dict[Direction | None, Linear]:
+    """Return the linear margins of each direction in which they differ."""
+    found: dict[Direction | None, Linear] = {}
+    for direction in shaft.directions:
+        loop = OpenLoop(shaft, direction)
+        omega = loop.frequencies()
+        on_grid = on_a_grid(loop, omega)
+        stable = is_stable(loop, omega, on_grid)
+        margins = linear_margins(loop, omega, on_grid)
+        values = {
+            "gain_margin": np.where(stable, np.maximum(margins.gain, 1 / margins.gain), 1.0),
+            "phase_margin": np.where(stable, margins.phase, 0.0),
+            "disk_margin": np.where(stable, margins.disk, 0.0),
+            "delay_margin": np.where(stable, margins.delay, 0.0),
+        }
+        found[direction] = Linear(values, stable, margins.phase_frequency, margins.crossings)
+    return found
+
+
+def closed_forms(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) -> dict[Key, Array]:
+    """Return every metric that needs no simulation, by name and direction, shape (draws,)."""
+    stuck, tip = steady_error(shaft), shaft.tip_per_rad
+    drive = shaft.drive_friction
+    needed = (
+        shaft.friction
+        + np.abs(shaft.load_torque)
+        + shaft.inertia * shaft.peak_acceleration
+        + shaft.viscous * shaft.peak_velocity
+    )
+    backdrive = (shaft.friction - drive + drive / shaft.efficiency) * shaft.stiction_ratio
+    step = np.maximum(stuck, 2 * np.pi / shaft.counts)
+    values: dict[Key, Array] = {
+        ("friction_nominal", None): np.sum([run.nominal for run in shaft.runs], axis=0),
+        ("friction_recursive", None): np.sum([run.recursive for run in shaft.runs], axis=0),
+        ("steady_error_servo", None): stuck * tip,
+        ("lost_motion", None): shaft.lost_motion * tip,
+        ("headroom_clip", None): 1 - needed / shaft.clip,
+        ("gamma_necessary", None): necessary_gain(shaft),
+        ("amplitude_margin", None): amplitude_margin(shaft),
+        ("backdrive_force", None): backdrive / tip,
+        ("smallest_step", None): step * tip,
+        ("reversal_error", None): 2 * (stuck + shaft.lost_motion) * tip,
+    }
+    if shaft.continuous is not None:
+        held = shaft.friction + np.abs(shaft.load_torque)
+        values["headroom_continuous", None] = 1 - held / shaft.continuous
+    for direction, one in linear.items():
+        values |= {(name, direction): one.values[name] for name in LINEAR}
+    return values
+
+
+def metric_rows(
+    shaft: LoopAtShaft,
+    values: Mapping[Key, Array],
+    linear: Mapping[Direction | None, Linear],
+    hunting: Hunting,
+    effective_draws: float,
+) -> tuple[Metric, ...]:
+    """Return the rows of ``margins.json``, in the order of the contract.
+
+    Parameters
+    ----------
+    shaft : LoopAtShaft
+        The loop, all draws.
+    values : mapping
+        What :func:`closed_forms` returned.
+    linear : mapping
+        What :func:`linear_of` returned.
+    hunting : Hunting
+        Where the draws begin to hunt.
+    effective_draws : float
+        Independent draws behind the values, for the Monte Carlo error.
+    """
+    simulated = {
+        "gamma_hunting": hunting.threshold,
+        "limit_cycle_amplitude": hunting.amplitude,
+        "limit_cycle_frequency": hunting.frequency,
+    }
+    rows = []
+    for rule in RULES:
+        directions = shaft.directions if rule.name in LINEAR else (None,)
+        for direction in directions:
+            found = simulated.get(rule.name, values.get((rule.name, direction)))
+            rows.append(_row(rule, direction, found, shaft, linear, hunting, effective_draws))
+    return tuple(rows)
+
+
+def interval_of(values: Array) -> Interval:
+    """Return the five numbers of a distribution, without spread where that is rounding."""
+    if np.ptp(values) <= ROUNDING * np.abs(values).max():
+        values = np.full(values.shape, values[0])
+    low, middle, high = np.quantile(values, [0.05, 0.5, 0.95])
+    sd = 0.0 if np.ptp(values) == 0 else float(values.std(ddof=1))
+    mean = float(values[0]) if sd == 0 else float(values.mean())
+    return Interval(mean=mean, sd=sd, q05=float(low), q50=float(middle), q95=float(high))
+
+
+def standard_error(probability: float, draws: float) -> float:
+    """Return the Monte Carlo error of a probability; of 0 and 1 that of half a draw."""
+    p = min(max(probability, 0.5 / draws), 1 - 0.5 / draws)
+    return float(np.sqrt(p * (1 - p) / draws))
+
+
+def _row(
+    rule: Rule,
+    direction: Direction | None,
+    found: Array | None,
+    shaft: LoopAtShaft,
+    linear: Mapping[Direction | None, Linear],
+    hunting: Hunting,
+    effective_draws: float,
+) -> Metric:
+    spec = getattr(shaft.loop.spec, rule.spec) if rule.spec else None
+    if rule.name == "gamma_hunting" and hunting.method != "none":
+        spec = float(np.median(shaft.gamma))
+    fields = {
+        "name": rule.name,
+        "unit": rule.unit,
+        "place": rule.place,
+        "direction": direction,
+        "sense": rule.sense,
+        "spec": spec,
+    }
+    missing = _missing(rule.name, found, shaft, hunting)
+    if rule.name in LINEAR and not linear[direction].stable.any():
+        found, missing = None, "the loop is unstable without friction, in every draw"
+    if found is None or found.size == 0:
+        return Metric(
+            **fields,
+            interval=None,
+            interval_why=missing,
+            probability_of_violation_why=missing,
+            monte_carlo_se_why=missing,
+        )
+    draws = min(effective_draws, float(found.size))
+    probability = None
+    if spec is not None:
+        below = found <= shaft.gamma[hunting.rows] if rule.name == "gamma_hunting" else found < spec
+        violated = below if rule.sense == "at least" else found > spec
+        probability = float(violated.mean())
+    finite = found[np.isfinite(found)]
+    # a swing exists in some draws only; of all others a missing value leaves no distribution
+    conditional = rule.name in ("amplitude_margin", *HUNTING)
+    shown = finite if conditional or finite.size == found.size else finite[:0]
+    interval = interval_of(shown) if shown.size else None
+    error = None
+    if probability is not None:
+        error = standard_error(probability, draws)
+    elif interval is not None:
+        error = interval.sd / float(np.sqrt(min(draws, shown.size)))
+    return Metric(
+        **fields,
+        interval=interval,
+        interval_why=None if interval is not None else missing,
+        quantiles=_quantiles(shown, interval),
+        probability_of_violation=probability,
+        probability_of_violation_why=None if probability is not None else "nothing is asked for",
+        monte_carlo_se=error,
+        monte_carlo_se_why=None if error is not None else missing,
+        note=_note(rule, direction, interval, found, finite, shaft, linear, hunting),
+    )
+
+
+def _quantiles(values: Array, interval: Interval | None) -> tuple[float, ...]:
+    """Return the stored quantiles; none without an interval, one number without spread."""
+    if interval is None:
+        return ()
+    if interval.sd == 0:
+        return (interval.mean,) * len(LEVELS)
+    return tuple(map(float, np.quantile(values, LEVELS)))
+
+
+def _missing(name: str, found: Array | None, shaft: LoopAtShaft, hunting: Hunting) -> str:
+    """Return why a metric has no interval."""
+    if name == "headroom_continuous":
+        return "drive.continuous_current_a is not given"
+    if name in HUNTING:
+        if hunting.method == "none":
+            return hunting.note
+        if name == "gamma_hunting":
+            return f"no draw hunts up to γ = {GAMMA_MAX:g}"
+        return f"no draw hunts at γ = {np.median(shaft.gamma):.3g}"
+    if name == "amplitude_margin":
+        return "kd + b − kp τ is positive in every draw: the loop is damped without friction"
+    share = 0.0 if found is None else float(np.mean(~np.isfinite(found)))
+    return f"{share:.1%} of the draws have no such crossing"
+
+
+def _note(
+    rule: Rule,
+    direction: Direction | None,
+    interval: Interval | None,
+    found: Array,
+    finite: Array,
+    shaft: LoopAtShaft,
+    linear: Mapping[Direction | None, Linear],
+    hunting: Hunting,
+) -> str:
+    notes = [rule.note] if rule.note else []
+    match rule.name:
+        case "friction_nominal" | "friction_recursive":
+            used = {run.model for run in shaft.loop.runs}
+            if used == {rule.name.removeprefix("friction_")}:
+                notes.append("this one is in the loop")
+        case "steady_error_servo":
+            error = float(np.median(steady_error(shaft)))
+            counts = error * float(np.median(shaft.counts)) / (2 * np.pi)
+            notes.append(f"{error:.3g} rad at the motor, {counts:.0f} counts (median)")
+            if (shaft.ki > 0).any():
+                notes.append("an integral works it off, if the loop does not hunt")
+            elif shaft.loop.compensation.signal in ("measured", "reference"):
+                notes.append("without the compensator, which may be off or wrong at rest")
+        case "gamma_hunting" | "limit_cycle_amplitude" | "limit_cycle_frequency":
+            notes.append(hunting.note)
+            if rule.name == "gamma_hunting" and finite.size < found.size:
+                notes.append(f"{1 - finite.size / found.size:.1%} of the draws do not hunt up to "
+                             f"γ = {GAMMA_MAX:g} and are left out")  # fmt: skip
+            elif rule.name != "gamma_hunting" and finite.size:
+                notes.append(f"in the {finite.size / found.size:.1%} of the draws that hunt at "
+                             f"γ = {np.median(shaft.gamma):.3g}")  # fmt: skip
+        case "amplitude_margin" if finite.size:
+            share = float((effective_damping(shaft) < 0).mean())
+            notes.append(f"in the {share:.1%} of the draws that friction alone holds still")
+        case name if name in LINEAR:
+            notes += _linear_notes(linear[direction], interval, direction)
+    return "; ".join(notes)
+
+
+def _linear_notes(one: Linear, interval: Interval | None, direction: Direction | None) -> list[str]:
+    notes = []
+    if interval is not None and interval.sd == 0:
+        notes.append(
+            "Coulomb friction is not in the linear loop at constant tension, and nothing else in "
+            "the loop is uncertain: one number, not a distribution"
+        )
+    elif direction is None:
+        notes.append("its spread is that of the loop's own numbers: Coulomb friction is not in it")
+    elif direction is not None:
+        notes.append("in an open run friction counts the load side 1/η or η, so c1 and c3 move it")
+    if not one.stable.all():
+        notes.append(f"{1 - one.stable.mean():.1%} of the draws are unstable without friction and "
+                     "count as none")  # fmt: skip
+    if (one.crossings[one.stable] > 1).any():
+        notes.append("the smallest of several gain crossings counts")
+    return notes

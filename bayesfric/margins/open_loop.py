@@ -1,0 +1,142 @@
+"""The open loop of a cable-driven joint as a function of frequency.
+
+The plant is continuous: motor and load on a cable with stiffness and damping, the
+encoder at the motor. The controller's sampling enters as a delay e^{−sτ}, τ being the
+stated delay and half a sample of hold, and as the first difference (1 − e^{−sT})/T that
+stands for the derivative; a low-pass follows it where there is one. This is the
+continuous stand-in for the sampled loop, good well below half the sampling rate.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.margins.cable_run import Direction
+from bayesfric.margins.loop_at_shaft import LoopAtShaft
+
+__all__ = ["OpenLoop"]
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+FREQUENCIES = 600
+NEAR_RESONANCE = 60  # of them, around each of resonance and antiresonance
+
+
+class OpenLoop:
+    """L(jω) of each draw of a loop, in one direction.
+
+    Parameters
+    ----------
+    shaft : LoopAtShaft
+        The loop.
+    direction : {"driving", "overhauling"} or None
+        Of an open run; the load side of the plant counts 1/η or η. None otherwise.
+    """
+
+    def __init__(self, shaft: LoopAtShaft, direction: Direction | None = None) -> None:
+        share = shaft.load_share(direction)
+        self.motor_inertia, self.load_inertia = shaft.motor_inertia, share * shaft.load_inertia
+        self.motor_viscous, self.load_viscous = shaft.motor_viscous, share * shaft.load_viscous
+        self.stiffness, self.damping = share * shaft.stiffness, share * shaft.damping
+        self.kp, self.kd, self.ki = shaft.kp.copy(), shaft.kd, shaft.ki
+        if shaft.loop.compensation.signal == "error":
+            # Inside its band the compensator is a spring beside kp.
+            self.kp = self.kp + shaft.gamma * shaft.estimate / shaft.boundary
+        self.lag, self.sample_time, self.cutoff = shaft.lag, shaft.sample_time, shaft.cutoff
+        self.integral = bool((self.ki > 0).any())
+
+    def plant(self, omega: Array, rows: NDArray[np.intp]) -> Complex:
+        """Return motor angle per motor torque [rad/(N·m)]; arguments as for the loop."""
+
+        def of(values: Array) -> Array:
+            return np.asarray(values[rows])
+
+        square = omega**2
+        cable = of(self.stiffness) + 1j * omega * of(self.damping)
+        motor = 1j * omega * of(self.motor_viscous) - of(self.motor_inertia) * square
+        load = 1j * omega * of(self.load_viscous) - of(self.load_inertia) * square
+        # the product of both ends minus cable², with the large cable² taken out by hand
+        return np.asarray((load + cable) / (motor * load + cable * (motor + load)))
+
+    def controller(self, omega: Array, rows: NDArray[np.intp]) -> Complex:
+        """Return torque per angle, hold and delay included [N·m/rad]."""
+
+        def of(values: Array) -> Array:
+            return np.asarray(values[rows])
+
+        period = of(self.sample_time)
+        half = omega * period / 2
+        # (1 − e^{−jωT})/T, written so that small ωT keeps its digits
+        difference = of(self.kd) * (2j / period) * np.sin(half) * np.exp(-1j * half)
+        if self.cutoff is not None:
+            difference = difference / (1 + 1j * omega / of(self.cutoff))
+        feedback = of(self.kp) + difference
+        if self.integral:
+            feedback = feedback + of(self.ki) / (1j * omega)
+        return np.asarray(feedback * np.exp(-1j * omega * of(self.lag)))
+
+    def __call__(self, omega: Array, rows: NDArray[np.intp]) -> Complex:
+        """Return L(jω).
+
+        Parameters
+        ----------
+        omega : ndarray
+            Angular frequency [rad/s].
+        rows : ndarray of int
+            Number of the draw, in the same shape or broadcasting with it.
+
+        Returns
+        -------
+        ndarray of complex
+            Of the broadcast shape.
+        """
+        return self.controller(omega, rows) * self.plant(omega, rows)
+
+    def seen_by_friction(self, omega: Array, rows: NDArray[np.intp]) -> Complex:
+        """Return motor speed per friction torque with the loop closed [rad/(N·m·s)].
+
+        Where it crosses −1/N(A), N = 4 F/(π ω A) being what friction of net size F is to a
+        swing of amplitude A, the loop can keep swinging.
+        """
+        plant = self.plant(omega, rows)
+        return 1j * omega * plant / (1 + self.controller(omega, rows) * plant)
+
+    def frequencies(self, count: int = FREQUENCIES) -> Array:
+        """Return frequencies for each draw that its crossings lie well inside of.
+
+        Parameters
+        ----------
+        count : int
+            How many a draw.
+
+        Returns
+        -------
+        ndarray, shape (draws, count)
+            Increasing [rad/s]: even in the logarithm, and closer around the cable's
+            resonance and antiresonance.
+        """
+        inertia = self.motor_inertia + self.load_inertia
+        damping = self.kd + self.motor_viscous + self.load_viscous
+        natural = np.sqrt(self.kp / inertia)
+        anti = np.sqrt(self.stiffness / self.load_inertia)
+        resonance = np.sqrt(self.stiffness * (1 / self.load_inertia + 1 / self.motor_inertia))
+        low = np.minimum(natural, self.kp / np.maximum(damping, 1e-300))
+        if self.integral:
+            low = np.minimum(low, np.where(self.ki > 0, self.ki / self.kp, low))
+        high = np.maximum(np.maximum(natural, resonance), damping / self.motor_inertia)
+        high = np.maximum(high, np.sqrt(self.kp / self.motor_inertia))
+        high = 30 * np.maximum(high, 1 / self.lag)
+        wide = count - 2 * NEAR_RESONANCE
+        grids = [_even_logs(1e-3 * low, high, wide)]
+        lighter = np.minimum(self.load_inertia, self.motor_inertia)
+        width = 8 * self.damping / np.sqrt(self.stiffness * lighter)
+        width = np.clip(width, 1e-3, 1.0)[:, None]
+        # denser towards the middle
+        spread = np.sinh(np.linspace(-3, 3, NEAR_RESONANCE)) / np.sinh(3)
+        grids += [peak[:, None] * np.exp(width * spread[None, :]) for peak in (anti, resonance)]
+        return np.sort(np.concatenate(grids, axis=1), axis=1)
+
+
+def _even_logs(low: Array, high: Array, count: int) -> Array:
+    share = np.linspace(0, 1, count)[None, :]
+    return np.asarray(np.exp(np.log(low)[:, None] * (1 - share) + np.log(high)[:, None] * share))

@@ -1,0 +1,156 @@
+"""A motor shaft with set-valued Coulomb friction under constant torque, in closed form.
+
+J dv/dt = u − F sign(v) − b v while the shaft turns; at rest it stays as long as
+|u| ≤ Fs. Under constant torque the shaft turns one way, may stop, and may then
+break away in the direction of the torque; it never stops twice. So an interval
+of constant torque is at most two arcs, each an exponential in time, and nothing
+is integrated numerically.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Interval", "Shaft", "turn"]
+
+Floats = NDArray[np.float64]
+
+SERIES_BELOW = 0.1
+SERIES_TERMS = 9  # the next term is 0.1⁹/11! ≈ 3e-17 of the sum
+
+
+class Shaft(NamedTuple):
+    """What resists the torque, each of shape (draws,).
+
+    Parameters
+    ----------
+    inertia : ndarray
+        J at the motor shaft [kg·m²].
+    viscous : ndarray
+        b [N·m·s/rad].
+    friction : ndarray
+        Coulomb torque F while the shaft turns [N·m].
+    breakaway : ndarray
+        Torque Fs that the shaft at rest withstands, at least F [N·m].
+    """
+
+    inertia: Floats
+    viscous: Floats
+    friction: Floats
+    breakaway: Floats
+
+
+class Interval(NamedTuple):
+    """A time step and its weights, which stay the same over a whole run.
+
+    Parameters
+    ----------
+    length : ndarray, shape (draws,)
+        Duration h [s].
+    decay : ndarray, shape (draws,)
+        exp(−b h/J), the share of a speed that is left after it [-].
+    by_speed : ndarray, shape (draws,)
+        Travel per initial speed, ∫ exp(−b t/J) dt [s].
+    by_acceleration : ndarray, shape (draws,)
+        Travel per acceleration at no speed [s²].
+    """
+
+    length: Floats
+    decay: Floats
+    by_speed: Floats
+    by_acceleration: Floats
+
+    @classmethod
+    def of(cls, length: Floats, shaft: Shaft) -> "Interval":
+        """Return the weights of steps of these lengths.
+
+        Parameters
+        ----------
+        length : ndarray, shape (draws,)
+            Durations [s], none negative.
+        shaft : Shaft
+            The shafts that turn.
+
+        Returns
+        -------
+        Interval
+            Of shape (draws,).
+        """
+        return cls(length, *_weights(length, shaft.viscous / shaft.inertia))
+
+
+def turn(
+    shaft: Shaft, torque: Floats, position: Floats, speed: Floats, interval: Interval
+) -> tuple[Floats, Floats]:
+    """Return position and speed after an interval of constant torque.
+
+    Exact up to rounding: v(t) = v₀ e^{−βt} + a (1 − e^{−βt})/β with β = b/J and
+    a = (u − F s)/J, where s is the direction of motion, or of the torque where the
+    shaft breaks away; it stops at t = ln(1 − β v₀/a)/β where a opposes v₀.
+
+    Parameters
+    ----------
+    shaft : Shaft
+        The shafts, of shape (draws,).
+    torque : ndarray, shape (draws,)
+        Applied torque u [N·m].
+    position, speed : ndarray, shape (draws,)
+        At the beginning [rad, rad/s]. A speed of exactly zero is rest.
+    interval : Interval
+        The step.
+
+    Returns
+    -------
+    position, speed : ndarray, shape (draws,)
+        At its end; the speed of a shaft that rests is exactly zero.
+    """
+    rests = speed == 0.0
+    direction = np.sign(np.where(rests, torque, speed))
+    free = ~(rests & (np.abs(torque) <= shaft.breakaway))
+    acceleration = np.where(free, (torque - direction * shaft.friction) / shaft.inertia, 0.0)
+    end_speed = speed * interval.decay + acceleration * interval.by_speed
+    travel = speed * interval.by_speed + acceleration * interval.by_acceleration
+    # Speed is monotone under constant torque: a change of its sign is a stop.
+    slows = direction * acceleration < 0.0
+    stops = np.flatnonzero((direction * end_speed <= 0.0) & slows & ~rests)
+    if stops.size:
+        travel[stops], end_speed[stops] = _after_a_stop(
+            Shaft(*(part[stops] for part in shaft)),
+            torque[stops],
+            speed[stops],
+            acceleration[stops],
+            interval.length[stops],
+        )
+    return position + travel, end_speed
+
+
+def _after_a_stop(
+    shaft: Shaft, torque: Floats, speed: Floats, acceleration: Floats, length: Floats
+) -> tuple[Floats, Floats]:
+    """Return travel and final speed of shafts that stop within the interval."""
+    rate = shaft.viscous / shaft.inertia
+    ratio = -speed / acceleration
+    slowed = rate * ratio
+    factor = np.divide(np.log1p(slowed), slowed, out=np.ones_like(slowed), where=slowed > 0.0)
+    until = np.minimum(ratio * factor, length)
+    _, by_speed, by_acceleration = _weights(until, rate)
+    travel = speed * by_speed + acceleration * by_acceleration
+    left = length - until
+    _, by_speed, by_acceleration = _weights(left, rate)
+    breaks = np.abs(torque) > shaft.breakaway
+    net = np.where(breaks, torque - np.sign(torque) * shaft.friction, 0.0) / shaft.inertia
+    return travel + net * by_acceleration, net * by_speed
+
+
+def _weights(time: Floats, rate: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return e^{−z}, t (1 − e^{−z})/z and t² (z − 1 + e^{−z})/z² with z = rate × time."""
+    z = rate * time
+    near = z < SERIES_BELOW  # there the closed form of the last one cancels
+    away = np.where(near, 1.0, z)
+    series = np.ones_like(z)
+    for term in range(SERIES_TERMS + 2, 2, -1):  # Σ 2 (−z)^k/(k + 2)! by Horner
+        series = 1.0 - z * series / term
+    second = np.where(near, 0.5 * series, (away + np.expm1(-away)) / away**2)
+    first = 1.0 - z * second
+    return np.exp(-z), time * first, time**2 * second

@@ -1,0 +1,115 @@
+"""What a reader of a loop's margins must know before the numbers."""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from bayesfric.margins.assembly import Assembly, RigDiscrepancy
+from bayesfric.margins.cable_run import Direction
+from bayesfric.margins.describing import natural_frequency
+from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.metrics import Linear
+from bayesfric.paper import paper
+
+__all__ = ["loop_warnings"]
+
+MEASURED_DIAMETER_MM = 0.61
+STIFF_RATIO = 3.0  # cable's ringing over the loop's natural frequency
+FASTEST_SAMPLED = 0.5  # rad a sample at the gain crossing
+
+
+def loop_warnings(
+    shaft: LoopAtShaft,
+    given: Assembly,
+    linear: Mapping[Direction | None, Linear],
+    discrepancy: RigDiscrepancy,
+) -> tuple[str, ...]:
+    """Return the assumptions of the file, and where the models or the data end.
+
+    Parameters
+    ----------
+    shaft : LoopAtShaft
+        The loop.
+    given : Assembly
+        What it was made from.
+    linear : mapping
+        Its linear margins by direction.
+    discrepancy : RigDiscrepancy
+        How far rigs differ.
+    """
+    return (
+        *(f"Assumed: {text}" for text in shaft.loop.assumptions),
+        f"Friction differs between rigs by {discrepancy.sd:.1%} (sd): {discrepancy.source}.",
+        *_beyond_the_data(shaft, given),
+        *_beyond_the_models(shaft, linear),
+    )
+
+
+def _beyond_the_data(shaft: LoopAtShaft, given: Assembly) -> Iterator[str]:
+    """Yield where c1, c2, c3 were not measured."""
+    loop, tested = shaft.loop, paper()["table2"]
+    if loop.cable.diameter_mm != MEASURED_DIAMETER_MM:
+        yield (
+            f"c1, c2 and c3 were measured with {MEASURED_DIAMETER_MM:g} mm cable; this one has "
+            f"{loop.cable.diameter_mm:g} mm, and its friction is an extrapolation."
+        )
+    for place, run in enumerate(loop.runs):
+        angles = np.asarray(run.angles_deg)
+        low, high = tested["average_wrap_angle_deg"]
+        if not low <= angles.mean() <= high:
+            yield (
+                f"runs.{place}: a mean wrap angle of {angles.mean():.0f}° is outside of the "
+                f"{low:g}° to {high:g}° of Table II."
+            )
+        tension = float(np.median(given[f"runs.{place}.tension_n"]))
+        if tension > tested["tension_max_n"]:
+            most = tested["tension_max_n"]
+            yield f"runs.{place}: {tension:.0f} N is above the {most:g} N of Table II."
+        if run.count > tested["n_pulleys_max"]:
+            most = tested["n_pulleys_max"]
+            yield f"runs.{place}: {run.count} pulleys are more than the {most:g} of Table II."
+    speed = float(np.median(shaft.peak_velocity * shaft.cable_per_rad))
+    if speed > tested["velocity_max_m_s"]:
+        most = tested["velocity_max_m_s"]
+        yield f"The cable's peak speed, {speed:.1f} m/s, is above the {most:g} m/s of Table II."
+
+
+def _beyond_the_models(
+    shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]
+) -> Iterator[str]:
+    """Yield where the closed forms or the simulator leave something out."""
+    ringing = np.sqrt(shaft.stiffness * (1 / shaft.load_inertia + 1 / shaft.motor_inertia))
+    ratio = float(np.median(ringing / natural_frequency(shaft)))
+    if ratio < STIFF_RATIO:
+        yield (
+            f"The cable rings at {np.median(ringing) / 2 / np.pi:.1f} Hz, {ratio:.1f} times the "
+            "loop's natural frequency: hunting and amplitude margin take it as stiff, and are "
+            "rough here; the linear margins have it."
+        )
+    if (shaft.ki > 0).any():
+        yield (
+            "With integral action and stiction, describing functions are not to be relied on "
+            "(Armstrong & Amin 1996): hunting rests on the simulator, and on the stiction ratio, "
+            "for which the paper says 1."
+        )
+    if shaft.cutoff is not None:
+        yield "The simulator has a raw first difference, not the low-pass of the file."
+    if shaft.directions != (None,):
+        yield (
+            "Open run: friction grows with the load, so the load side counts 1/η when the motor "
+            "pulls and η when the load does; hunting is looked at with the mean friction of both."
+        )
+    for direction, one in linear.items():
+        where = "" if direction is None else f" ({direction})"
+        if not one.stable.all():
+            yield (
+                f"{1 - one.stable.mean():.1%} of the draws{where} are unstable without friction."
+            )
+        stable = one.stable & np.isfinite(one.crossover)
+        if stable.any():
+            angle = float(np.median((one.crossover * shaft.sample_time)[stable]))
+            if angle > FASTEST_SAMPLED:
+                yield (
+                    f"The gain crosses 1 at {angle:.2f} rad a sample{where}: sampling is more than "
+                    "the delay by which the linear margins stand for it."
+                )

@@ -1,0 +1,174 @@
+"""Controller margins: hunting against gain, Nyquist fans, errors and headroom against spec."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from bayesfric.plots.labels import plain
+from bayesfric.plots.style import COLORS, LINES, MARKERS, NEUTRAL, figure
+from bayesfric.schemas import LoopMargins, Metric, NyquistFan
+
+__all__ = [
+    "error_and_headroom",
+    "has_error_or_headroom",
+    "limit_cycle_against_gain",
+    "nyquist_fan",
+]
+
+SHADES = tuple(COLORS[name] for name in ("blue", "vermilion", "green", "purple", "orange", "sky"))
+ERRORS = ("steady_error_servo", "lost_motion", "reversal_error")
+HEADROOMS = ("headroom_clip", "headroom_continuous")
+WORDS = {
+    "steady_error_servo": "steady error",
+    "lost_motion": "lost motion",
+    "reversal_error": "reversal",
+    "headroom_clip": "clipped",
+    "headroom_continuous": "continuous",
+}
+
+
+def limit_cycle_against_gain(loops: Sequence[LoopMargins]) -> Figure:
+    """Draw P(limit cycle) over the compensation gain, a line a loop.
+
+    Parameters
+    ----------
+    loops : sequence of LoopMargins
+        Those with a curve; the spec of each is a thin line, its own γ a marker.
+    """
+    with figure(height=70.0) as fig:
+        axes = fig.subplots()
+        for place, loop in enumerate(loops):
+            color = SHADES[place % len(SHADES)]
+            gamma = np.array([point.gamma for point in loop.limit_cycle_probability])
+            p = np.array([point.p for point in loop.limit_cycle_probability])
+            error = np.array([point.mcse for point in loop.limit_cycle_probability])
+            low, high = np.clip(p - 2 * error, 0, 1), np.clip(p + 2 * error, 0, 1)
+            axes.fill_between(gamma, low, high, color=color, alpha=0.2, linewidth=0)
+            axes.plot(gamma, p, color=color, linestyle=LINES[place % len(LINES)],
+                      label=plain(loop.name))  # fmt: skip
+            axes.plot(
+                loop.compensation_gain,
+                np.interp(loop.compensation_gain, gamma, p),
+                MARKERS[place % len(MARKERS)],
+                color=color,
+                markersize=5.0,
+                zorder=4,
+            )
+            axes.axhline(
+                loop.limit_cycle_probability_max, color=NEUTRAL, linewidth=0.7, linestyle=":"
+            )
+            if loop.largest_safe_compensation_gain is not None:
+                axes.axvline(
+                    loop.largest_safe_compensation_gain, color=color, linewidth=0.8, alpha=0.6
+                )
+        axes.set_xlabel("compensation gain γ")
+        axes.set_ylabel("P(limit cycle)")
+        axes.set_ylim(-0.02, 1.02)
+        axes.set_xlim(left=0)
+        fig.legend(loc="outside lower center", ncols=3)
+    return fig
+
+
+def nyquist_fan(fans: Sequence[NyquistFan]) -> Figure:
+    """Draw L(jω) of some draws, and what friction sees with −1/N(A).
+
+    Parameters
+    ----------
+    fans : sequence of NyquistFan
+        Of one loop; a direction each has its own colour.
+    """
+    with figure(height=76.0) as fig:
+        left, right = fig.subplots(1, 2)
+        for axes, what in ((left, "loop"), (right, "seen-by-friction")):
+            for place, fan in enumerate(one for one in fans if one.what == what):
+                for number, (real, imag) in enumerate(zip(fan.real, fan.imag, strict=True)):
+                    axes.plot(
+                        real,
+                        imag,
+                        color=SHADES[place],
+                        linestyle=LINES[place],
+                        linewidth=0.6,
+                        alpha=0.7,
+                        label=fan.direction if number == 0 else None,
+                    )
+        turn = np.linspace(0, 2 * np.pi, 200)
+        left.plot(np.cos(turn), np.sin(turn), color=NEUTRAL, linewidth=0.6, linestyle=":")
+        left.plot(-1, 0, "P", color=COLORS["black"], markersize=5)
+        left.set_xlim(-3.2, 1.4)
+        left.set_ylim(-2.6, 2.0)
+        left.set_title("open loop L(jω)")
+        _real_axis_of_friction(right)
+        right.set_title("speed per friction torque × √(kp J)")
+        for axes in (left, right):
+            axes.axhline(0, color=NEUTRAL, linewidth=0.5, zorder=1)
+            axes.axvline(0, color=NEUTRAL, linewidth=0.5, zorder=1)
+            axes.set_xlabel("real")
+        left.set_ylabel("imaginary")
+        handles, labels = right.get_legend_handles_labels()
+        fig.legend(handles, labels, loc="outside lower center", ncols=4)
+    return fig
+
+
+def _real_axis_of_friction(axes: Axes) -> None:
+    """Draw −1/N(A): the left half for friction, the right for more compensation than friction."""
+    low, high = axes.get_xlim()
+    reach = 1.15 * max(abs(low), abs(high))
+    axes.plot([-reach, 0], [0, 0], color=COLORS["black"], linewidth=1.6,
+              label="−1/N(A), γF̂ < F")  # fmt: skip
+    axes.plot([0, reach], [0, 0], color=COLORS["black"], linewidth=1.6, linestyle="--",
+              label="−1/N(A), γF̂ > F")  # fmt: skip
+    axes.set_xlim(-reach, reach)
+
+
+def has_error_or_headroom(loops: Sequence[LoopMargins]) -> bool:
+    """Tell whether there is anything for :func:`error_and_headroom` to draw."""
+    return any(_picked(loop, ERRORS + HEADROOMS) for loop in loops)
+
+
+def error_and_headroom(loops: Sequence[LoopMargins]) -> Figure:
+    """Draw errors at the tool tip and torque headroom, with their specs.
+
+    Parameters
+    ----------
+    loops : sequence of LoopMargins
+        Median, and 5 to 95 %, of each; a spec is a black tick.
+    """
+    rows = max(sum(len(_picked(loop, names)) for loop in loops) for names in (ERRORS, HEADROOMS))
+    with figure(height=24.0 + 5.0 * (rows + len(loops))) as fig:
+        left, right = fig.subplots(1, 2)
+        _bars(left, loops, ERRORS, 1e3)
+        _bars(right, loops, HEADROOMS, 100.0)
+        left.set_xlabel("at the tool tip [mm]")
+        left.set_xscale("log")
+        right.set_xlabel("torque left [% of the limit]")
+        right.axvline(0, color=COLORS["vermilion"], linewidth=0.8)
+    return fig
+
+
+def _picked(loop: LoopMargins, names: Sequence[str]) -> list[Metric]:
+    return [one for one in loop.metrics if one.name in names and one.interval is not None]
+
+
+def _bars(axes: Axes, loops: Sequence[LoopMargins], names: Sequence[str], scale: float) -> None:
+    row, ticks, labels = 0, [], []
+    for place, loop in enumerate(loops):
+        color = SHADES[place % len(SHADES)]
+        axes.text(0.0, row, plain(loop.name), fontsize=7.5, fontweight="bold", va="center",
+                  transform=axes.get_yaxis_transform())  # fmt: skip
+        row += 1
+        for metric in _picked(loop, names):
+            interval = metric.interval
+            assert interval is not None
+            axes.plot([scale * interval.q05, scale * interval.q95], [row, row], color=color,
+                      linewidth=3.0, alpha=0.5, solid_capstyle="butt")  # fmt: skip
+            axes.plot(scale * interval.q50, row, MARKERS[place % len(MARKERS)], color=color)
+            if metric.spec is not None:
+                axes.plot(scale * metric.spec, row, "|", color=COLORS["black"], markersize=9,
+                          markeredgewidth=1.6)  # fmt: skip
+            ticks.append(row)
+            labels.append(WORDS[metric.name])
+            row += 1
+    axes.set_yticks(ticks, labels)
+    axes.set_ylim(row - 0.4, -0.8)

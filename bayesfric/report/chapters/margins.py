@@ -1,0 +1,332 @@
+"""Controller margins: which compensation gain to set, and what else is left."""
+
+import re
+from collections.abc import Iterator, Sequence
+from typing import Literal
+
+from bayesfric.plots.margins import (
+    error_and_headroom,
+    has_error_or_headroom,
+    limit_cycle_against_gain,
+    nyquist_fan,
+)
+from bayesfric.plots.style import to_svg
+from bayesfric.report.content import (
+    Block,
+    BulletList,
+    Code,
+    Column,
+    Emphasis,
+    Figure,
+    Heading,
+    Inline,
+    Notice,
+    Paragraph,
+    Strong,
+    Table,
+)
+from bayesfric.report.quantities import (
+    MISSING,
+    format_count,
+    format_number,
+    format_probability,
+    format_share,
+    interval_cells,
+)
+from bayesfric.report.stored import StoredResults
+from bayesfric.schemas import Interval, LoopMargins, MarginsFile, Metric, Verification
+
+__all__ = ["gain_lines", "margins", "margins_chapter"]
+
+WORDS = {
+    "friction_nominal": "friction, eq. (15)",
+    "friction_recursive": "friction, pulley by pulley",
+    "steady_error_servo": "steady error of the servo",
+    "lost_motion": "lost motion of the cable",
+    "headroom_clip": "headroom to the clip",
+    "headroom_continuous": "headroom to continuous torque",
+    "gamma_necessary": "γ necessary to hunt",
+    "gamma_hunting": "γ that hunts",
+    "amplitude_margin": "amplitude margin",
+    "limit_cycle_amplitude": "limit cycle, amplitude",
+    "limit_cycle_frequency": "limit cycle, frequency",
+    "gain_margin": "gain margin",
+    "phase_margin": "phase margin",
+    "disk_margin": "disk margin",
+    "delay_margin": "delay margin",
+    "backdrive_force": "backdrive force",
+    "smallest_step": "smallest step",
+    "reversal_error": "reversal error",
+}
+SHOWN_UNITS = {
+    "m": ("mm", 1e3),
+    "s": ("ms", 1e3),
+    "1": ("", 1.0),
+    "rad": ("rad", 1.0),
+}
+UNIT = re.compile(r"(_(n|m|mm|s|a|hz|kg|rad|deg|per|m2|s2))+$")
+LAW = "c1, c2, c3"  # always shown: how little it may be is the point
+SMALL_SHARE = 0.02  # of a variance, not worth a column
+
+
+def gain_lines(found: MarginsFile) -> Iterator[Block]:
+    """Yield, for page one, which gain each loop bears."""
+    for loop in found.loops:
+        yield Notice(_kind(loop), [Code(loop.name), f": {loop.answer}"], title="Which γ to set")
+
+
+def margins(stored: StoredResults) -> Iterator[Block]:
+    """Yield the chapter, where margins were computed."""
+    if stored.margins is not None:
+        yield from margins_chapter(stored.margins)
+
+
+def margins_chapter(found: MarginsFile) -> Iterator[Block]:
+    """Yield the chapter on ``margins.json``.
+
+    Parameters
+    ----------
+    found : MarginsFile
+        What ``bayesfric margins`` wrote.
+    """
+    yield Heading(1, "Controller margins")
+    for loop in found.loops:
+        yield Paragraph([Strong(loop.answer), " (", Code(loop.name), ")"])
+    yield Paragraph(
+        f"All figures are over {format_count(found.draws)} draws of a new assembly: the posterior "
+        "of the friction law, the scatter between assemblies, and a difference between rigs of "
+        f"{format_share(found.rig_discrepancy)} (sd; {found.rig_discrepancy_source}). P(violates) "
+        "is the share of the draws that miss the spec, with its Monte Carlo error; "
+        "angles and torques at the motor are those of its shaft."
+    )
+    yield from _hunting(found.loops)
+    if has_error_or_headroom(found.loops):
+        yield Figure(
+            to_svg(error_and_headroom(found.loops)),
+            [
+                "Errors at the tool tip, and torque left as a share of its limit: median and 5 % "
+                "to 95 %; the black tick is the spec. From ",
+                Code("margins.json"),
+                ".",
+            ],
+            "Horizontal bars with a dot at the median, in groups by loop: errors in millimetres "
+            "on the left, torque headroom in per cent on the right.",
+            label="error-headroom",
+        )
+    for loop in found.loops:
+        yield from _loop(loop)
+
+
+def _kind(loop: LoopMargins) -> Literal["attention", "good", "info"]:
+    if loop.compensation_signal in ("none", "reference"):
+        return "info"
+    hunts = [one for one in loop.metrics if one.name == "gamma_hunting"]
+    p = hunts[0].probability_of_violation if hunts else None
+    return "good" if p is not None and p <= loop.limit_cycle_probability_max else "attention"
+
+
+def _hunting(loops: Sequence[LoopMargins]) -> Iterator[Block]:
+    curves = [loop for loop in loops if loop.limit_cycle_probability]
+    if not curves:
+        return
+    yield Figure(
+        to_svg(limit_cycle_against_gain(curves)),
+        [
+            "Probability that the loop hunts, over the compensation gain, with twice its Monte "
+            "Carlo error. The marker is the γ of the loop's file, the dotted line the spec, the "
+            "upright line the largest γ within it. From ",
+            Code("margins.json"),
+            ".",
+        ],
+        "A rising line from zero to one for each loop over the compensation gain from zero to "
+        "three.",
+        label="limit-cycle",
+    )
+
+
+def _loop(loop: LoopMargins) -> Iterator[Block]:
+    yield Heading(2, f"Loop {loop.name}")
+    if loop.title:
+        yield Paragraph(f"{loop.title}.")
+    if loop.warnings:
+        yield Notice("attention", f"{len(loop.warnings)} remarks to read before the numbers:")
+        yield BulletList(list(loop.warnings))
+    yield Table(
+        ["What the draws leave of ", Code(loop.name), "."],
+        [
+            "figure",
+            "unit",
+            "at",
+            Column("median", align="decimal"),
+            Column("5 %", align="decimal"),
+            Column("95 %", align="decimal"),
+            Column("spec", align="right"),
+            Column("P(violates)", align="right"),
+            Column("±", align="right"),
+        ],
+        [_row(metric) for metric in loop.metrics],
+        label=f"margins-{loop.name}",
+        note="A dash stands where a figure does not exist, for the reason given below, or where "
+        "no spec is set.",
+    )
+    yield BulletList(list(_remarks(loop)))
+    yield from _shares(loop)
+    yield from _verification(loop)
+    yield from _before_and_after(loop)
+    yield Figure(
+        to_svg(nyquist_fan(loop.nyquist)),
+        [
+            "Left, the open loop of some draws with −1 and the unit circle: without friction. "
+            "Right, what friction sees, motor speed per friction torque, with −1/N(A): a curve "
+            "that crosses the solid half can swing with friction alone at the edge of what it "
+            "holds, one that crosses the dashed half can hunt once γF̂ outweighs F. From ",
+            Code("margins.json"),
+            ".",
+        ],
+        "Two panels of thin curves in the complex plane, a curve for each draw.",
+        label=f"nyquist-{loop.name}",
+    )
+
+
+def _row(metric: Metric) -> list[str]:
+    unit, scale = SHOWN_UNITS.get(metric.unit, (metric.unit, 1.0))
+    name = WORDS.get(metric.name, metric.name)
+    if metric.direction is not None:
+        name += f", {metric.direction}"
+    spec = MISSING if metric.spec is None else format_number(scale * metric.spec, 3)
+    if metric.spec is not None:
+        spec = f"{'≥' if metric.sense == 'at least' else '≤'} {spec}"
+    chance = metric.probability_of_violation
+    return [
+        name,
+        unit,
+        metric.place,
+        *_cells(metric.interval, scale),
+        spec,
+        format_probability(chance),
+        MISSING if chance is None else format_number(metric.monte_carlo_se, 1),
+    ]
+
+
+def _cells(interval: Interval | None, scale: float) -> tuple[str, str, str]:
+    if interval is None:
+        return MISSING, MISSING, MISSING
+    return interval_cells(scale * interval.q50, scale * interval.q05, scale * interval.q95)
+
+
+def _remarks(loop: LoopMargins) -> Iterator[list[Inline]]:
+    """Yield what is said of the figures, figures of one remark together."""
+    said: dict[str, list[str]] = {}
+    for metric in loop.metrics:
+        name = WORDS.get(metric.name, metric.name)
+        text = metric.interval_why if metric.interval is None else metric.note
+        if text and name not in said.setdefault(text, []):
+            said[text].append(name)
+    for text, names in said.items():
+        yield [Emphasis(", ".join(names)), f": {text}."]
+
+
+def _shares(loop: LoopMargins) -> Iterator[Block]:
+    """Yield what explains the variance, where anything varies."""
+    if not loop.variance_share:
+        return
+    groups = [
+        group
+        for group in next(iter(loop.variance_share.values()))
+        if group == LAW
+        or any(shares[group] >= SMALL_SHARE for shares in loop.variance_share.values())
+    ]
+    shown = [
+        (name, shares)
+        for name, shares in loop.variance_share.items()
+        if name.partition(" ")[0] in WORDS
+    ]
+    yield Table(
+        ["What the spread of ", Code(loop.name), " comes from: first-order shares of variance."],
+        ["figure", *(Column(_group(group), align="right") for group in groups)],
+        [
+            [_worded(name), *(_shown_share(shares[group]) for group in groups)]
+            for name, shares in shown
+        ],
+        label=f"shares-{loop.name}",
+        note="c1, c2 and c3 are correlated and count as one; a dot is less than 2 %. What a row "
+        "lacks to 100 % is interplay.",
+    )
+
+
+def _shown_share(share: float) -> str:
+    return format_share(share) if share >= SMALL_SHARE else "·"
+
+
+def _group(key: str) -> str:
+    """Return a key of the loop file in words: ``joint.inertia_kg_m2`` as joint inertia."""
+    words = UNIT.sub("", key).replace("_", " ").split(".")
+    if words[0] == "runs":
+        words = [words[2], "of run", str(int(words[1]) + 1)]
+    return " ".join(words)
+
+
+def _worded(label: str) -> str:
+    name, _, direction = label.partition(" ")
+    return WORDS[name] + (f" {direction}" if direction else "")
+
+
+def _before_and_after(loop: LoopMargins) -> Iterator[Block]:
+    """Yield the margins with the effects of a diagnosis, beside those without."""
+    after = loop.with_effects
+    if after is None:
+        return
+    yield Paragraph(
+        [
+            Strong(f"With {', '.join(after.effects)}, as diagnosed. "),
+            after.answer,
+            *(f" Left out: {text}." for text in after.left_out),
+        ]
+    )
+    rows = []
+    for before, now in zip(loop.metrics, after.metrics, strict=True):
+        if before.interval != now.interval:
+            name, unit, place, *left, _, left_chance, _ = _row(before)
+            _, _, _, *right, _, right_chance, _ = _row(now)
+            rows.append([name, unit, place, *left, *right, left_chance, right_chance])
+    if rows:
+        yield Table(
+            ["Before and after the diagnosed effects: ", Code(loop.name), "."],
+            [
+                "figure",
+                "unit",
+                "at",
+                *(Column(text, align="decimal") for text in ("before", "5 %", "95 %")),
+                *(Column(text, align="decimal") for text in ("after", "5 %", "95 %")),
+                Column("P before", align="right"),
+                Column("P after", align="right"),
+            ],
+            rows,
+            label=f"effects-{loop.name}",
+            note="Medians with 5 % and 95 %, and P(violates); figures that do not change are left "
+            "out.",
+        )
+
+
+def _verification(loop: LoopMargins) -> Iterator[Block]:
+    found = loop.verification
+    if found is None:
+        yield Paragraph(f"Against the time-domain simulator: {loop.verification_why}.")
+        return
+    yield Paragraph(_verified(found))
+
+
+def _verified(found: Verification) -> list[Inline]:
+    inside = (
+        f"{format_share(found.agreement)} of the {found.inside_conditions} inside the formula's "
+        f"conditions agree with it within {format_share(found.tolerance)}"
+        if found.agreement is not None
+        else found.agreement_why or ""
+    )
+    return [
+        Strong("Against the time-domain simulator. "),
+        f"Of {found.draws} draws, {inside}; {format_share(found.steady_error_agreement)} come to "
+        "rest within the steady error. They were kicked by "
+        f"{format_number(found.kick.q50)} rad at the motor (median), with a reference of "
+        f"{format_number(found.reference_speed.q50)} rad/s.",
+    ]

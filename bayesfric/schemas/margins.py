@@ -1,0 +1,162 @@
+"""``margins.json``."""
+
+from typing import Literal
+
+from pydantic import ConfigDict, Field
+
+from bayesfric.schemas.base import Interval, Number, Provenance, Record
+
+__all__ = [
+    "GammaProbability",
+    "LoopMargins",
+    "MarginsFile",
+    "Metric",
+    "NyquistFan",
+    "Verification",
+    "VerifiedDraw",
+    "WithEffects",
+]
+
+
+class Metric(Record):
+    """One figure of a loop, over draws of new assemblies."""
+
+    name: str = Field(description="Name of the metric.")
+    unit: str = Field(description="SI; 1 for a ratio.")
+    place: str = Field(description="Where it is counted: cable, motor, tool tip, loop.")
+    direction: Literal["driving", "overhauling"] | None = Field(
+        None, description="Of an open run: the motor pulls the load, or the load the motor."
+    )
+    interval: Interval | None = Field(description="Over the draws.")
+    interval_why: str | None = Field(None, description="Why there is none.")
+    quantiles: tuple[Number, ...] = Field(
+        (), description="At 0.01, 0.05, 0.10, … 0.95, 0.99; empty without an interval."
+    )
+    spec: Number | None = Field(None, description="What is asked for; null where nothing is.")
+    sense: Literal["at least", "at most"] = Field(description="Which way the spec bounds it.")
+    probability_of_violation: Number | None = Field(None, description="Of the spec.")
+    probability_of_violation_why: str | None = Field(None, description="Why there is none.")
+    monte_carlo_se: Number | None = Field(
+        None, description="Of that probability where there is one, else of the mean."
+    )
+    monte_carlo_se_why: str | None = Field(None, description="Why there is none.")
+    note: str = Field("", description="What a reader must know of it.")
+
+
+class GammaProbability(Record):
+    """How probable a limit cycle is at one compensation gain."""
+
+    gamma: Number = Field(description="γ, share of the friction estimate that is fed forward.")
+    p: Number = Field(description="P(limit cycle).")
+    mcse: Number = Field(description="Its Monte Carlo standard error.")
+
+
+class VerifiedDraw(Record):
+    """One draw, by formula and simulated."""
+
+    draw: int = Field(description="Number of the draw.")
+    inside_conditions: bool = Field(description="Whether the formula claims to hold there.")
+    predicted: Number | None = Field(description="γ that hunts by formula; null: none.")
+    simulated: Number | None = Field(description="γ that hunts in the simulator; null: none.")
+    agrees: bool = Field(description="Both none, or within the tolerance.")
+    stays_within: bool = Field(
+        description="Without compensation, the simulated loop comes to rest inside the band of "
+        "the steady error, one encoder count added."
+    )
+
+
+class Verification(Record):
+    """The closed forms against the time-domain simulator, draw by draw."""
+
+    draws: int = Field(description="Draws that were simulated.")
+    tolerance: Number = Field(description="Relative, of γ.")
+    inside_conditions: int = Field(description="Draws inside the formula's conditions.")
+    agreement: Number | None = Field(description="Share of those that agree.")
+    agreement_why: str | None = Field(None, description="Why there is none.")
+    steady_error_agreement: Number = Field(
+        description="Share of the draws that come to rest within the steady error."
+    )
+    kick: Interval = Field(description="At the motor [rad].")
+    reference_speed: Interval = Field(description="At the motor [rad/s].")
+    by_draw: tuple[VerifiedDraw, ...] = Field(description="Each draw.")
+
+
+class NyquistFan(Record):
+    """Frequency responses of some draws."""
+
+    what: Literal["loop", "seen-by-friction"] = Field(
+        description="L(jω); or motor speed per friction torque, times √(kp J)."
+    )
+    direction: Literal["driving", "overhauling"] | None = Field(None, description="As above.")
+    real: tuple[tuple[Number, ...], ...] = Field(description="A row for each draw.")
+    imag: tuple[tuple[Number, ...], ...] = Field(description="Likewise.")
+
+
+class WithEffects(Record):
+    """The same loop with the effects on friction that a diagnosis has named."""
+
+    effects: tuple[str, ...] = Field(description="Added to the law.")
+    left_out: tuple[str, ...] = Field(description="Named, but not carried to a loop, and why.")
+    answer: str = Field(description="Which compensation gain to set, in a sentence.")
+    metrics: tuple[Metric, ...] = Field(description="As without the effects.")
+    largest_safe_compensation_gain: Number | None = Field(
+        description="The largest γ with P(limit cycle) within the spec."
+    )
+    largest_safe_compensation_gain_why: str | None = Field(None, description="Why there is none.")
+
+
+class LoopMargins(Record):
+    """What the uncertainty does to one loop."""
+
+    name: str = Field(description="Of the loop.")
+    title: str = Field(description="What it is.")
+    loop_sha256: str = Field(description="Over the loop's file, defaults filled in.")
+    answer: str = Field(description="Which compensation gain to set, in a sentence.")
+    compensation_signal: Literal["none", "reference", "measured", "error"] = Field(
+        description="What the compensator follows."
+    )
+    compensation_gain: Number = Field(description="γ of the file; the median if uncertain.")
+    metrics: tuple[Metric, ...] = Field(description="In the order of the contract.")
+    limit_cycle_probability: tuple[GammaProbability, ...] = Field(
+        description="Over γ; empty where the compensator cannot cause one."
+    )
+    limit_cycle_probability_why: str | None = Field(None, description="Why there is none.")
+    limit_cycle_probability_max: Number = Field(description="The spec.")
+    limit_cycle_method: Literal["formula", "simulation", "none"] = Field(
+        description="How thresholds were found."
+    )
+    largest_safe_compensation_gain: Number | None = Field(
+        description="The largest γ with P(limit cycle) within the spec."
+    )
+    largest_safe_compensation_gain_why: str | None = Field(None, description="Why there is none.")
+    largest_safe_compensation_gain_se: Number | None = Field(
+        None, description="Its Monte Carlo standard error."
+    )
+    variance_share: dict[str, dict[str, Number]] = Field(
+        description="Metric to share of its variance by group, first order; c1, c2 and c3 are "
+        "one group, being correlated. A metric without spread has none."
+    )
+    verification: Verification | None = Field(description="Against the simulator.")
+    verification_why: str | None = Field(None, description="Why there is none.")
+    with_effects: WithEffects | None = Field(
+        None, description="After: with the effects of a diagnosed gap."
+    )
+    with_effects_why: str | None = Field(None, description="Why there is none.")
+    nyquist: tuple[NyquistFan, ...] = Field(description="What the figures draw.")
+    warnings: tuple[str, ...] = Field(description="Assumptions and doubts; read them first.")
+
+
+class MarginsFile(Provenance):
+    """``margins.json``: controller margins under the uncertainty of friction."""
+
+    schema_: Literal["bayesfric.margins/1"] = Field("bayesfric.margins/1", alias="schema")
+    draws: int = Field(description="Draws used.")
+    effective_draws: Number = Field(description="Independent draws behind them.")
+    draws_analysis_sha256: str = Field(description="Over the settings of the fit.")
+    rig_discrepancy: Number = Field(
+        description="Relative standard deviation of friction between rigs."
+    )
+    rig_discrepancy_source: str = Field(description="Where that comes from.")
+    loops: tuple[LoopMargins, ...] = Field(description="In the order given.")
+
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)

@@ -1,0 +1,255 @@
+"""From a loop and draws to margins.json, with known answers."""
+
+import json
+
+import numpy as np
+import pytest
+from margins.loops import loop, posterior, write_draws
+from scipy import stats
+
+from bayesfric.errors import InputError
+from bayesfric.margins import compute_margins
+from bayesfric.margins.answer import largest_safe_gain, limit_cycle_curve
+from bayesfric.margins.assembly import (
+    RigDiscrepancy,
+    draw_assembly,
+    read_posterior,
+    rig_discrepancy,
+)
+from bayesfric.margins.loop_at_shaft import at_shaft
+from bayesfric.margins.thresholds import Hunting
+from bayesfric.results import json_bytes
+from bayesfric.schemas import MarginsFile
+
+CONTRACT = """friction_nominal friction_recursive steady_error_servo lost_motion headroom_clip
+headroom_continuous gamma_necessary gamma_hunting amplitude_margin limit_cycle_amplitude
+limit_cycle_frequency gain_margin phase_margin disk_margin delay_margin backdrive_force
+smallest_step reversal_error""".split()
+
+
+@pytest.fixture(scope="module")
+def draws(tmp_path_factory):
+    return write_draws(tmp_path_factory.mktemp("fit") / "draws.nc", n=400)
+
+
+@pytest.fixture(scope="module")
+def many_draws(tmp_path_factory):
+    return write_draws(tmp_path_factory.mktemp("fit") / "draws.nc", n=1000)
+
+
+def computed(draws, changes=None, **options):
+    return compute_margins([loop(changes)], draws, simulated=8, **options).summary
+
+
+def metric(found, name, direction=None):
+    (one,) = [m for m in found.loops[0].metrics if (m.name, m.direction) == (name, direction)]
+    return one
+
+
+def test_it_has_every_metric_in_order_and_round_trips(draws):
+    found = computed(draws)
+    assert [one.name for one in found.loops[0].metrics] == CONTRACT
+    data = json_bytes(found)
+    assert MarginsFile.model_validate_json(data) == found
+    assert json.loads(data)["schema"] == "bayesfric.margins/1"
+    assert json_bytes(computed(draws)) == data
+
+
+def test_every_missing_number_has_its_reason(draws):
+    def walk(value):
+        if isinstance(value, dict):
+            for key, inner in value.items():
+                # a direction and a spec are absent by nature, not missing
+                if inner is None and not key.endswith("_why") and key not in (
+                    "direction", "spec", "created", "predicted", "simulated",
+                    "largest_safe_compensation_gain_se",
+                ):  # fmt: skip
+                    assert value.get(f"{key}_why"), key
+                walk(inner)
+        elif isinstance(value, list):
+            for inner in value:
+                walk(inner)
+
+    for signal in ("none", "reference", "measured"):
+        walk(json.loads(json_bytes(computed(draws, {"compensation.signal": signal}))))
+
+
+def test_friction_alone_does_not_spread_linear_margins(draws):
+    found = computed(draws)
+    for name in ("gain_margin", "phase_margin", "disk_margin", "delay_margin"):
+        one = metric(found, name)
+        assert one.interval.sd == 0
+        assert one.interval.q05 == one.interval.q95
+        assert "Coulomb friction is not in the linear loop" in one.note
+        assert name not in found.loops[0].variance_share
+    inertia = {"family": "log-normal", "median": 0.1, "sd_log": 0.3}
+    moved = computed(draws, {"joint.inertia_kg_m2": inertia})
+    assert metric(moved, "phase_margin").interval.sd > 0
+    assert moved.loops[0].variance_share["phase_margin"] == {
+        "c1, c2, c3": 0.0,
+        "new assembly and rig": 0.0,
+        "joint.inertia_kg_m2": pytest.approx(1.0, abs=0.15),
+    }
+
+
+def test_an_open_run_reports_both_directions(draws):
+    found = computed(draws, {"runs.0.topology": "open", "runs.0.count": 13, "cable.length_m": 1.0})
+    for name in ("gain_margin", "phase_margin", "disk_margin", "delay_margin"):
+        driving, overhauling = (metric(found, name, d) for d in ("driving", "overhauling"))
+        assert driving.interval.mean != overhauling.interval.mean
+    assert metric(found, "phase_margin", "driving").interval.sd > 0
+
+
+def test_draws_are_those_of_a_new_assembly():
+    # friction is a factor 1 + ω z + s z': its spread is √(ω² + s²)
+    law = posterior(20_000, sd=0.0, omega=0.03)
+    given = draw_assembly(loop(), law, RigDiscrepancy(0.04, ""), seed=3)
+    cable = at_shaft(loop(), given).runs[0].nominal
+    assert cable.std() / cable.mean() == pytest.approx(0.05, rel=0.03)
+    assert cable.mean() == pytest.approx(1.541, rel=2e-3)
+
+
+def test_the_discrepancy_of_rigs_is_that_of_the_claims(tmp_path, root):
+    assert rig_discrepancy(tmp_path).sd == 0.05
+    stored = root / "reports" / "reference"
+    claims = json.loads((stored / "claims.json").read_text(encoding="utf-8"))["claims"]
+    (rigs,) = [one["figures"] for one in claims if one["id"] == "rigs-agree"]
+    assert rig_discrepancy(stored).sd == pytest.approx(rigs["largest_median_difference"] / 2)
+
+
+def test_a_probability_of_violation_in_closed_form(many_draws):
+    # no cable friction to speak of: the error is that of a normal drive friction
+    drive = {"family": "normal", "mean": 0.02, "sd": 0.002}
+    changes = {"drive.friction_n_m": drive, "runs.0.tension_n": 0.001, "runs.0.count": 1,
+               "spec.steady_error_max_m": 0.0054, "tool.lever_m": 0.5}  # fmt: skip
+    one = metric(computed(many_draws, changes), "steady_error_servo")
+    # m at the tip: F/0.02 × 0.5/100; the cable adds 2 c2 × 1e-3
+    p = stats.norm.sf(0.0054 * 100 / 0.5 * 0.02, 0.02 + 2 * 0.0261e-3, 0.002)
+    assert one.probability_of_violation == pytest.approx(p, abs=3 * one.monte_carlo_se)
+    assert one.monte_carlo_se == pytest.approx(np.sqrt(p * (1 - p) / 1000), rel=0.25)
+    assert one.interval.sd == pytest.approx(0.1 * one.interval.mean, rel=0.1)
+
+
+def test_shares_of_variance_by_hand(many_draws):
+    # F = 1e-3·10·(c1 T + c2) + drive: sd 1e-3·10·0.0128·2 = 2.56e-4 and 3e-4, and a little else
+    changes = {
+        "runs.0.tension_n": {"family": "normal", "mean": 10.5, "sd": 2.0},
+        "drive.friction_n_m": {"family": "normal", "mean": 0.002, "sd": 3e-4},
+        "joint.inertia_kg_m2": {"family": "log-normal", "median": 0.1, "sd_log": 0.3},
+    }
+    found = computed(many_draws, changes).loops[0].variance_share
+    for name, one in found.items():  # what does not enter explains exactly nothing
+        outside = "joint.inertia_kg_m2" if "margin" not in name else "drive.friction_n_m"
+        assert one[outside] == 0.0, name
+    shares = found["steady_error_servo"]
+    other = (1.541e-3 * np.hypot(0.02, 0.05)) ** 2
+    total = 2.56e-4**2 + 3e-4**2 + other
+    assert shares["runs.0.tension_n"] == pytest.approx(2.56e-4**2 / total, abs=0.1)
+    assert shares["drive.friction_n_m"] == pytest.approx(3e-4**2 / total, abs=0.1)
+    assert shares["new assembly and rig"] == pytest.approx(other / total, abs=0.07)
+
+
+def test_hunting_by_formula_has_the_quantile_of_the_threshold(draws):
+    found = computed(draws, {"spec.limit_cycle_probability_max": 0.1})
+    one = found.loops[0]
+    assert one.limit_cycle_method == "formula"
+    hunting = metric(found, "gamma_hunting")
+    assert one.largest_safe_compensation_gain == pytest.approx(
+        np.interp(0.1, [0.05, 0.10], hunting.quantiles[1:3]), rel=1e-3
+    )
+    p = {point.gamma: point.p for point in one.limit_cycle_probability}
+    assert p[0.0] == 0
+    assert p[3.0] == 1
+    assert one.answer.startswith("Set γ to ")
+    assert f"{np.floor(100 * one.largest_safe_compensation_gain) / 100:.2f}" in one.answer
+
+
+def test_a_compensator_of_the_reference_cannot_hunt(draws):
+    one = computed(draws, {"compensation.signal": "reference"}).loops[0]
+    assert one.limit_cycle_probability == ()
+    assert one.largest_safe_compensation_gain is None
+    assert "cannot limit-cycle" in one.largest_safe_compensation_gain_why
+    assert "follows the reference" in one.answer
+
+
+def test_the_largest_safe_gain_by_hand():
+    thresholds = np.append(np.linspace(1.0, 1.99, 100), [np.inf] * 100)
+    empty = np.empty(0)
+    hunting = Hunting("formula", np.arange(200), thresholds, empty, empty, "")
+    safe = largest_safe_gain(hunting, 0.05, 200.0)
+    assert safe.gamma == pytest.approx(1.10, abs=1e-6)
+    assert (thresholds <= safe.gamma).mean() == 0.05
+    assert safe.se == pytest.approx(0.03, abs=0.005)  # √(0.05·0.95/200) of 2 a unit of γ
+    curve = {point.gamma: point for point in limit_cycle_curve(hunting, 50.0)}
+    assert curve[1.5].p == pytest.approx(51 / 200)
+    assert curve[1.5].mcse == pytest.approx(np.sqrt(0.255 * 0.745 / 50))
+    never = Hunting("formula", np.arange(2), np.full(2, np.inf), empty, empty, "")
+    assert largest_safe_gain(never, 0.05, 2.0).gamma == 3.0
+    always = Hunting("simulation", np.arange(2), np.zeros(2), empty, empty, "")
+    assert largest_safe_gain(always, 0.05, 2.0).gamma is None
+
+
+WEAK = {"controller.kd_n_m_s_per_rad": 0.0}
+
+
+def test_an_unstable_loop_is_refused_unless_friction_is_relied_on(draws):
+    with pytest.raises(InputError, match="stable without friction"):
+        computed(draws, WEAK)
+    found = computed(
+        draws, {**WEAK, "controller.relies_on_friction": True, "compensation.signal": "none"}
+    )
+    assert metric(found, "gain_margin").interval is None
+    assert "unstable without friction" in metric(found, "gain_margin").interval_why
+    # 4 F/(π ω_n kp τ), F 3.541e-3 on average
+    by_hand = 4 * 3.541e-3 / (np.pi * np.sqrt(0.02 / 3e-5) * 0.02 * 1.5e-3)
+    assert metric(found, "amplitude_margin").interval.mean == pytest.approx(by_hand, rel=0.01)
+
+
+def test_all_bad_loops_are_told_together(draws, tmp_path):
+    for name in ("one", "two"):
+        (tmp_path / f"{name}.toml").write_text("name = 3\n", encoding="utf-8")
+    with pytest.raises(InputError) as raised:
+        compute_margins([tmp_path / "one.toml", tmp_path / "two.toml"], draws)
+    assert {fault.file for fault in raised.value.faults} == {"one.toml", "two.toml"}
+    with pytest.raises(InputError, match="a name of its own"):
+        compute_margins([loop(), loop()], draws)
+
+
+def test_draws_without_the_pulley_size_are_refused(draws):
+    with pytest.raises(InputError, match=r"runs\.0\.pulley_size: found 'large'"):
+        computed(draws, {"runs.0.pulley_size": "large"})
+
+
+def test_what_are_no_draws_is_refused(tmp_path):
+    (tmp_path / "draws.nc").write_bytes(b"not netCDF")
+    with pytest.raises(InputError, match="netCDF"):
+        read_posterior(tmp_path / "draws.nc")
+
+
+def test_warnings_name_assumptions_and_what_was_not_measured(draws):
+    changes = {"assumptions": ["The wind is calm."], "cable.diameter_mm": 1.19,
+               "runs.0.wrap_angle_deg": 170, "runs.0.tension_n": 40.0}  # fmt: skip
+    said = "\n".join(computed(draws, changes).loops[0].warnings)
+    for words in ("Assumed: The wind is calm.", "1.19 mm", "170°", "40 N", "5.0%"):
+        assert words in said
+    assert "Assumed" not in "\n".join(computed(draws).loops[0].warnings)
+
+
+def test_formula_and_simulator_agree_draw_by_draw(draws):
+    found = computed(draws, verify=4).loops[0].verification
+    assert found.draws == found.inside_conditions == 4
+    assert found.agreement == 1.0
+    assert found.steady_error_agreement == 1.0
+    assert all(one.simulated is not None for one in found.by_draw)
+
+
+@pytest.mark.long
+def test_formula_and_simulator_agree_over_uncertain_loops(draws):
+    changes = {
+        "joint.inertia_kg_m2": {"family": "log-normal", "median": 0.1, "sd_log": 0.3},
+        "controller.kd_n_m_s_per_rad": {"family": "uniform", "low": 2e-4, "high": 1.2e-3},
+    }
+    found = computed(draws, changes, verify=200).loops[0].verification
+    assert found.inside_conditions >= 150
+    assert found.agreement >= 0.95
+    assert found.steady_error_agreement >= 0.95

@@ -1,0 +1,126 @@
+"""Closed forms of friction in the loop, against figures by hand."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from margins.loops import shaft
+
+from bayesfric.margins.describing import (
+    amplitude_margin,
+    effective_damping,
+    formula_conditions,
+    formula_threshold,
+    natural_frequency,
+    steady_error,
+    swing_amplitude,
+)
+
+
+def test_what_stands_at_the_shaft():
+    # load 0.1/100² = 1e-5; cable force 2·5·(0.128 + 0.0261) N at 1 mm/rad
+    one = shaft({"joint.viscous_n_m_s": 0.01, "drive.viscous_n_m_s": 2e-6, "joint.load_n_m": 3.0})
+    assert one.inertia == pytest.approx(3e-5)
+    assert one.viscous == pytest.approx(1e-6 + 2e-6)
+    assert one.friction == pytest.approx(0.002 + 1e-3 * 1.541)
+    assert one.load_torque == pytest.approx(0.03)
+    assert one.lag == pytest.approx(1.5e-3)
+    assert one.tip_per_rad == pytest.approx(0.5 / 100)
+    assert one.stiffness == pytest.approx(1e-6 * 2 * 15e3 / 0.01)
+    assert one.clip == pytest.approx(0.1)
+    assert one.lost_motion == pytest.approx(1541e-3 / (2 * 2 * 15e3 / 0.01) / 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("torque_at", "angle_of", "factor"),
+    [
+        ("motor", "motor", 1),
+        ("gearbox-output", "motor", 10),
+        ("gearbox-output", "gearbox-output", 100),
+        ("joint", "joint", 100 * 100),
+        ("joint", "motor", 100),
+    ],
+)
+def test_gains_of_any_frame_come_to_the_shaft(torque_at, angle_of, factor):
+    one = shaft({"controller.torque_at": torque_at, "controller.angle_of": angle_of})
+    assert one.kp == pytest.approx(0.02 / factor)
+    assert one.kd == pytest.approx(1e-3 / factor)
+
+
+@pytest.mark.parametrize(("force", "measured"), [(1.0, 1.42), (2.0, 2.84), (4.0, 5.68)])
+def test_the_amplitude_that_friction_holds(force, measured):
+    # Kp 0.05 over 26/7, J 3.4e-6, no damping, 1.5 ms in all: simulated 1.42, 2.84, 5.68 rad
+    gear = 26 / 7
+    one = shaft({
+        "controller.kp_n_m_per_rad": 0.05, "controller.torque_at": "gearbox-output",
+        "controller.kd_n_m_s_per_rad": 0.0, "drive.gearbox_ratio": gear,
+        "compensation.signal": "none",
+    })  # fmt: skip
+    one = replace(one, motor_inertia=np.array([3.4e-6]), load_inertia=np.zeros(1),
+                  friction=np.array([force * 0.005005 / gear]))  # fmt: skip
+    kp = 0.05 / gear
+    by_hand = 4 * force * 0.005005 / gear / (np.pi * np.sqrt(kp / 3.4e-6) * kp * 1.5e-3)
+    assert amplitude_margin(one) == pytest.approx(by_hand, rel=1e-12)
+    assert amplitude_margin(one) == pytest.approx(measured, rel=0.1)
+
+
+def test_compensation_takes_from_what_holds():
+    weak = {"controller.kd_n_m_s_per_rad": 0.0}
+    alone = amplitude_margin(shaft({**weak, "compensation.signal": "none"}))
+    half = amplitude_margin(shaft({**weak, "compensation.gain": 0.5}))
+    assert half / alone == pytest.approx((3.541 - 1.5) / 3.541)
+    assert np.isinf(amplitude_margin(shaft()))
+
+
+@pytest.mark.parametrize(("ratio", "threshold"), [(0.11, 1.14), (0.42, 1.62), (0.84, 2.27)])
+def test_the_threshold_of_the_brief(ratio, threshold):
+    # ω_n τ = 0.05: of the ratio, 0.025 goes to the delay
+    kp = 3e-5 * (0.05 / 1.5e-3) ** 2
+    one = shaft({
+        "controller.kp_n_m_per_rad": kp, "compensation.estimate_n_m": 0.003541,
+        "controller.kd_n_m_s_per_rad": 2 * ratio * np.sqrt(kp * 3e-5),
+    })  # fmt: skip
+    assert effective_damping(one) / (2 * np.sqrt(kp * 3e-5)) == pytest.approx(ratio - 0.025)
+    assert formula_threshold(one) == pytest.approx(threshold, abs=0.012)
+
+
+def test_at_the_threshold_the_swing_reaches_the_stuck_band():
+    one = shaft()
+    one = replace(one, gamma=formula_threshold(one))
+    assert swing_amplitude(one) == pytest.approx(one.friction / one.kp, rel=1e-12)
+    assert np.isnan(swing_amplitude(replace(one, gamma=np.array([1.0])))).all()
+    assert natural_frequency(one) == pytest.approx(np.sqrt(0.02 / 3e-5))
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"compensation.at_rest": "hold"}, "off at rest"),
+        ({"compensation.boundary_rad_s": 1.0}, "boundary"),
+        ({"controller.ki_n_m_per_rad_s": 0.01}, "integral"),
+        ({"stiction_ratio": 1.3}, "breakaway"),
+        ({"kick.reference_speed_rad_s": 1.0}, "reference rests"),
+        ({"controller.kd_n_m_s_per_rad": 0.0}, "damped"),
+        ({"controller.delay_s": 0.01}, "ω_n τ"),
+        ({"controller.encoder_counts_per_revolution": 500}, "100 encoder counts"),
+        ({"kick.over_stuck_band": 0.9}, "kick"),
+        ({"drive.current_limit_a": 0.1}, "clipped"),
+    ],
+)
+def test_outside_its_conditions_the_formula_says_so(changes, words):
+    inside, broken = formula_conditions(shaft())
+    assert inside.all(), broken
+    inside, broken = formula_conditions(shaft(changes))
+    assert not inside.any()
+    assert any(words in one for one in broken)
+
+
+def test_the_steady_error_of_each_compensator():
+    alone = 0.003541 / 0.02
+    assert steady_error(shaft()) == pytest.approx(alone)
+    assert steady_error(shaft({"stiction_ratio": 1.5})) == pytest.approx(1.5 * alone)
+    # inside its band a compensator of the error is a spring 0.003/0.2 beside kp
+    band = {"compensation.signal": "error", "compensation.boundary_rad": 0.2}
+    assert steady_error(shaft(band)) == pytest.approx(0.003541 / (0.02 + 0.003 / 0.2))
+    band["compensation.boundary_rad"] = 0.01  # and beyond it a constant
+    assert steady_error(shaft(band)) == pytest.approx((0.003541 - 0.003) / 0.02)

@@ -1,0 +1,114 @@
+"""Loop files: what is read, and what is refused where."""
+
+import tomllib
+
+import pytest
+from margins.loops import changed, loop
+from pydantic import BaseModel
+
+from bayesfric.errors import InputError
+from bayesfric.margins import loop_file
+from bayesfric.margins.loop_file import loop_sha256, read_loop
+from bayesfric.resources import data_folder
+
+LOOPS = data_folder() / "loops"
+HERE = loop_file.__name__
+
+
+def as_toml(values):
+    """Write nested dictionaries as TOML; enough for a loop."""
+
+    def inline(value):
+        if isinstance(value, bool):
+            return str(value).lower()
+        if isinstance(value, str):
+            return f'"{value}"'
+        if isinstance(value, dict):
+            return "{ " + ", ".join(f"{k} = {inline(v)}" for k, v in value.items()) + " }"
+        return repr(value)
+
+    tables, lines = [], []
+    for key, value in values.items():
+        if isinstance(value, dict):
+            tables += [f"[{key}]", *(f"{k} = {inline(v)}" for k, v in value.items())]
+        elif isinstance(value, list) and value and isinstance(value[0], dict):
+            for one in value:
+                tables += [f"[[{key}]]", *(f"{k} = {inline(v)}" for k, v in one.items())]
+        else:
+            lines.append(f"{key} = {inline(value)}")
+    return "\n".join(lines + tables) + "\n"
+
+
+def refused(tmp_path, changes):
+    path = tmp_path / "bad.toml"
+    path.write_text(as_toml(changed(changes)), encoding="utf-8")
+    with pytest.raises(InputError) as raised:
+        read_loop(path)
+    return raised.value.faults
+
+
+@pytest.mark.parametrize(
+    ("changes", "column", "expected"),
+    [
+        ({"joint.inertia_kg_m2": -0.1}, "joint.inertia_kg_m2", "above 0"),
+        ({"joint.inertia_g_m2": 0.1}, "joint.inertia_g_m2", "no such key"),
+        ({"drive.colour": "red"}, "drive.colour", "no such key"),
+        ({"runs.0.tension_known_at": None}, "runs.0.tension_known_at", "this key"),
+        ({"runs.0.tension_known_at": "middle"}, "runs.0.tension_known_at", "'mean'"),
+        ({"runs.0.topology": None}, "runs.0.topology", "this key"),
+        ({"runs.0.wrap_angle_deg": [85, 85]}, "runs.0", "5 values"),
+        ({"joint.inertia_kg_m2": {"family": "normal", "mean": 1.0, "sd": 0.5}},
+         "joint.inertia_kg_m2", "log-normal"),
+        ({"joint.inertia_kg_m2": {"family": "cauchy"}}, "joint.inertia_kg_m2", "family"),
+        ({"joint.inertia_kg_m2": {"family": "log-normal", "median": 1.0}},
+         "joint.inertia_kg_m2.sd_log", "this key"),
+        ({"controller.velocity_filter": "low-pass"}, "controller", "velocity_cutoff_hz"),
+        ({"compensation.signal": "error"}, "compensation", "boundary_rad"),
+        ({"tool.lever_m": None}, None, "lever_m"),
+        ({"joint.kind": "hinge"}, "joint", "revolute"),
+    ],
+)  # fmt: skip
+def test_a_bad_loop_is_one_clear_fault(tmp_path, changes, column, expected):
+    (fault,) = refused(tmp_path, changes)
+    assert fault.file == "bad.toml"
+    assert fault.column == column
+    assert expected in str(fault)
+
+
+def test_all_faults_are_told_at_once(tmp_path):
+    changes = {"joint.inertia_kg_m2": -1.0, "cable.length_m": 0.0, "drive.colour": "red"}
+    assert len(refused(tmp_path, changes)) == 3
+
+
+def test_what_is_written_is_read(tmp_path):
+    path = tmp_path / "good.toml"
+    uncertain = {"family": "uniform", "low": 1.0, "high": 2.0}
+    path.write_text(as_toml(changed({"joint.inertia_kg_m2": uncertain})), encoding="utf-8")
+    assert read_loop(path) == loop({"joint.inertia_kg_m2": uncertain})
+    assert loop_sha256(read_loop(path)) != loop_sha256(loop())
+
+
+def test_examples_are_valid_and_carry_their_assumptions():
+    found = {path.stem: read_loop(path) for path in sorted(LOOPS.glob("*.toml"))}
+    assert len(found) >= 4
+    for name, one in found.items():
+        assert one.assumptions, name
+    # published: kp 0.3 at the gearbox output is 0.0245 at the motor
+    elbow = found["raven-elbow"]
+    assert elbow.controller.kp_n_m_per_rad / elbow.drive.gearbox_ratio == pytest.approx(
+        0.02449, 1e-3
+    )
+    # capstan, gearbox and transmission of a prismatic axis are one number
+    slide = found["raven-insertion"]
+    ratio = slide.drive.gearbox_ratio / slide.drive.capstan_radius_m
+    assert slide.joint.transmission_rad_per_m == pytest.approx(ratio, rel=1e-4)
+
+
+def test_the_template_shows_every_key():
+    text = (LOOPS / "template.toml").read_text(encoding="utf-8")
+    tomllib.loads(text)
+    here = [one for one in vars(loop_file).values() if isinstance(one, type)]
+    models = [one for one in here if issubclass(one, BaseModel) and one.__module__ == HERE]
+    keys = {key for model in models for key in model.model_fields}
+    assert len(keys) > 50
+    assert sorted(key for key in keys if key not in text) == []

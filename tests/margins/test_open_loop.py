@@ -1,0 +1,166 @@
+"""The open loop of a joint: its plant, its stability, and its margins by other means."""
+
+import time
+
+import control
+import numpy as np
+import pytest
+from margins.loops import loop, posterior, shaft
+
+from bayesfric.margins.assembly import RigDiscrepancy, draw_assembly
+from bayesfric.margins.linear import is_stable, linear_margins, on_a_grid
+from bayesfric.margins.loop_at_shaft import at_shaft
+from bayesfric.margins.metrics import linear_of
+from bayesfric.margins.open_loop import OpenLoop
+
+ROW = np.zeros(1, dtype=np.intp)
+
+
+def test_the_plant_is_two_inertias_on_a_spring():
+    one = shaft({"joint.viscous_n_m_s": 0.5, "drive.viscous_n_m_s": 1e-5, "cable.length_m": 1.0})
+    opened = OpenLoop(one)
+    omega = np.array([1.0, 300.0, 4000.0])
+    s = 1j * omega
+    spring = 0.03 + s * one.damping
+    matrix = [
+        [2e-5 * s**2 + 1e-5 * s + spring, -spring],
+        [-spring, 1e-5 * s**2 + 5e-5 * s + spring],
+    ]
+    by_hand = np.linalg.inv(np.moveaxis(np.array(matrix), -1, 0))[:, 0, 0]
+    assert opened.plant(omega, ROW) == pytest.approx(by_hand, rel=1e-9)
+
+
+def test_friction_sees_the_damping_at_the_natural_frequency():
+    one = shaft({"cable.axial_stiffness_n": 1e9})
+    omega = np.sqrt(one.kp / one.inertia)
+    seen = OpenLoop(one).seen_by_friction(omega, ROW)
+    assert seen.real == pytest.approx(1 / (1e-3 - 0.02 * 1.5e-3), rel=0.02)
+
+
+def test_margins_are_those_of_python_control_with_delays_by_pade():
+    changes = {
+        "joint.viscous_n_m_s": 0.1,
+        "cable.length_m": 0.5,
+        "controller.velocity_filter": "low-pass",
+        "controller.velocity_cutoff_hz": 80.0,
+    }
+    one = shaft(changes)
+    opened = OpenLoop(one)
+    omega = opened.frequencies()
+    assert is_stable(opened, omega).all()
+    found = linear_margins(opened, omega)
+    s = control.tf("s")
+    spring = float(one.stiffness[0]) + s * float(one.damping[0])
+    motor, load = 2e-5 * s**2, 1e-5 * s**2 + 1e-5 * s
+    plant = (load + spring) / (motor * load + spring * (motor + load))
+    lag = control.tf(*control.pade(1.5e-3, 8))
+    sample = control.tf(*control.pade(1e-3, 8))
+    derivative = 1e-3 * (1 - sample) / 1e-3 / (1 + s / (2 * np.pi * 80))
+    system = control.minreal((0.02 + derivative) * plant * lag, verbose=False)
+    response = system(1j * omega[0], warn_infinite=False)
+    assert opened(omega, ROW[:, None])[0] == pytest.approx(response, rel=1e-5, abs=1e-4)
+    gain, phase, _, _, at_gain, _ = control.stability_margins(
+        control.FRD(response, omega[0], smooth=True), returnall=True
+    )
+    assert found.phase[0] == pytest.approx(np.radians(np.abs(phase).min()), rel=1e-4)
+    assert found.phase_frequency[0] == pytest.approx(at_gain[np.abs(phase).argmin()], rel=1e-4)
+    assert found.gain[0] == pytest.approx(gain[np.abs(np.log(gain)).argmin()], rel=1e-4)
+
+
+def test_a_lightly_damped_cable_makes_several_crossings():
+    one = shaft({"cable.length_m": 1.0, "cable.damping_ratio": 0.005})
+    found = linear_of(one)[None]
+    assert found.stable.all()
+    assert found.crossings[0] == 3
+
+
+@pytest.mark.parametrize(("kd", "stable"), [(2.5e-5, False), (3.5e-5, True)])
+def test_stability_turns_where_damping_outweighs_delay(kd, stable):
+    # stiff cable: b_eff = kd − 0.02 × 1.5 ms
+    one = shaft({"controller.kd_n_m_s_per_rad": kd, "cable.axial_stiffness_n": 1e9})
+    assert linear_of(one)[None].stable.tolist() == [stable]
+
+
+def test_an_integral_without_damping_is_unstable_from_its_bound():
+    # J s³ + b s² + kp s + ki: stable below ki = b kp/J with b = b_eff
+    bound = (1e-3 - 3e-5) * 0.02 / 3e-5
+    for ki, stable in ((0.9 * bound, True), (1.2 * bound, False)):
+        one = shaft({"controller.ki_n_m_per_rad_s": ki, "cable.axial_stiffness_n": 1e9})
+        assert linear_of(one)[None].stable.tolist() == [stable]
+
+
+OPEN = {"runs.0.topology": "open", "runs.0.count": 13, "runs.0.wrap_angle_deg": 70,
+        "cable.length_m": 1.0, "runs.0.model": "recursive"}  # fmt: skip
+
+
+def test_an_open_run_divides_or_multiplies_the_load_by_its_efficiency():
+    one = shaft(OPEN)
+    efficiency = one.efficiency[0]
+    assert efficiency == pytest.approx(0.8505, abs=5e-4)
+    both = linear_of(one)
+    assert set(both) == {"driving", "overhauling"}
+    for direction, share in (("driving", 1 / efficiency), ("overhauling", efficiency)):
+        pair = shaft({"joint.inertia_kg_m2": 0.1 * share, "cable.axial_stiffness_n": 7.5e3 * share,
+                      "cable.length_m": 1.0})  # fmt: skip
+        other = linear_of(pair)[None]
+        # damping is set over the critical one of either loop: equal since both scale alike
+        ratio = (one.damping * share / pair.damping)[0]
+        assert ratio == pytest.approx(1, abs=0.06)
+        here = both[direction].values["phase_margin"]
+        assert here == pytest.approx(other.values["phase_margin"], rel=5e-3)
+
+
+def test_friction_draws_move_open_loops_and_leave_pairs_alone():
+    drawn = posterior(200, sd=0.2)
+    for changes, moves in ((OPEN, True), ({"cable.length_m": 1.0}, False)):
+        one = loop(changes)
+        given = draw_assembly(one, drawn, RigDiscrepancy(0.05, ""), seed=1)
+        for found in linear_of(at_shaft(one, given)).values():
+            for name in ("phase_margin", "disk_margin", "delay_margin"):
+                values = found.values[name]
+                spread = np.ptp(values) / values.mean()
+                assert (spread > 1e-4) if moves else (spread < 1e-9), (name, spread)
+
+
+def test_a_compensator_of_the_error_stiffens_the_loop():
+    changes = {"compensation.signal": "error", "compensation.boundary_rad": 0.1}
+    soft = linear_of(shaft())[None].values["phase_margin"]
+    stiff = linear_of(shaft(changes))[None].values["phase_margin"]
+    same = linear_of(shaft({"controller.kp_n_m_per_rad": 0.02 + 0.003 / 0.1}))[None]
+    assert stiff < soft
+    assert stiff == pytest.approx(same.values["phase_margin"], rel=1e-9)
+
+
+@pytest.mark.bench
+def test_batch_is_a_hundred_times_faster_than_a_loop_over_python_control():
+    count, looped = 4000, 40
+    one = loop({"joint.inertia_kg_m2": {"family": "log-normal", "median": 0.1, "sd_log": 0.3},
+                "cable.length_m": 1.0, "joint.viscous_n_m_s": 0.05})  # fmt: skip
+    given = draw_assembly(one, posterior(count), RigDiscrepancy(0.0, ""), seed=1)
+    drawn = at_shaft(one, given)
+    start = time.process_time()
+    opened = OpenLoop(drawn)
+    omega = opened.frequencies(600)
+    on_grid = on_a_grid(opened, omega)
+    stable = is_stable(opened, omega, on_grid)
+    found = linear_margins(opened, omega, on_grid)
+    ours = time.process_time() - start
+    assert stable.all()
+    s = control.tf("s")
+    lag, sample = control.tf(*control.pade(1.5e-3, 3)), control.tf(*control.pade(1e-3, 3))
+    seconds = 0.0
+    for row in range(looped):
+        spring = float(drawn.stiffness[row]) + s * float(drawn.damping[row])
+        motor = float(drawn.motor_inertia[row]) * s**2
+        load = float(drawn.load_inertia[row]) * s**2 + float(drawn.load_viscous[row]) * s
+        plant = (load + spring) / (motor * load + spring * (motor + load))
+        system = (0.02 + (1 - sample)) * plant * lag
+        start = time.process_time()
+        assert control.feedback(system).poles().real.max() < 0
+        _, phase, _, _ = control.margin(system)
+        disk, _, _ = control.disk_margins(system, omega[row])
+        seconds += time.process_time() - start
+        assert np.radians(phase) == pytest.approx(found.phase[row], rel=1e-2)
+        assert float(disk) == pytest.approx(found.disk[row], rel=1e-2)
+    factor = seconds / looped * count / ours
+    assert factor >= 100, f"{ours:.2f} s for {count}, {1e3 * seconds / looped:.1f} ms for each"

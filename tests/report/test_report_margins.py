@@ -1,0 +1,81 @@
+"""The chapter on controller margins, and its figures."""
+
+import re
+
+import pytest
+from margins.loops import loop, write_draws
+
+from bayesfric.errors import InputError
+from bayesfric.margins import compute_margins
+from bayesfric.plots.margins import limit_cycle_against_gain, nyquist_fan
+from bayesfric.report.assembly import build_margins_document
+from bayesfric.report.chapters.margins import margins_chapter
+from bayesfric.report.content import Heading, Paragraph, Strong, Table
+from bayesfric.report.markdown import render_markdown
+from bayesfric.report.stored import read_stored
+from bayesfric.report.writing import write_report
+
+
+@pytest.fixture(scope="module")
+def computed(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("margins")
+    draws = write_draws(folder / "draws.nc", n=200)
+    sliding = {"name": "second", "compensation.signal": "reference", "spec.gain_margin_min": 2.0}
+    return compute_margins([loop(), loop(sliding)], draws, verify=2)
+
+
+def test_the_first_line_says_which_gain_to_set(computed):
+    blocks = list(margins_chapter(computed.summary))
+    assert isinstance(blocks[0], Heading)
+    first = blocks[1]
+    assert isinstance(first, Paragraph)
+    assert first.text[0] == Strong(computed.summary.loops[0].answer)
+    assert first.text[0].text.startswith("Set γ to ")
+
+
+def test_the_tables_hold_the_stored_figures(computed):
+    tables = [block for block in margins_chapter(computed.summary) if isinstance(block, Table)]
+    (one,) = [table for table in tables if table.label == "margins-bench"]
+    rows = {row[0]: row for row in one.rows}
+    error = next(m for m in computed.summary.loops[0].metrics if m.name == "steady_error_servo")
+    assert rows["steady error of the servo"][1] == "mm"
+    shown = float(rows["steady error of the servo"][3])
+    assert shown == pytest.approx(1e3 * error.interval.q50, abs=0.006)
+    assert rows["headroom to continuous torque"][3] == "—"
+    (two,) = [table for table in tables if table.label == "margins-second"]
+    gain = next(row for row in two.rows if row[0] == "gain margin")
+    assert gain[6] == "≥ 2.00"
+    assert gain[7] == "0"
+
+
+def test_why_a_figure_is_missing_is_said(computed):
+    text = render_markdown(build_margins_document(computed.summary)).replace("\\", "")
+    assert "drive.continuous_current_a is not given" in text
+    assert "Coulomb friction is not in the linear loop" in text
+    assert re.search(r"2 draws, .* of the 2 inside the formula's", text)
+
+
+def test_a_folder_with_margins_alone_becomes_a_report(computed, tmp_path):
+    computed.write(tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["margins.json"]
+    write_report(tmp_path)
+    assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF")
+    assert "Set γ to" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_margins_over_another_fit_are_refused(computed, small_fit, tmp_path):
+    small_fit.write(tmp_path)
+    computed.write(tmp_path)
+    with pytest.raises(InputError, match=r"margins\.json"):
+        read_stored(tmp_path)
+
+
+def test_the_figures_draw_what_is_stored(computed):
+    one = computed.summary.loops[0]
+    axes = limit_cycle_against_gain([one]).axes[0]
+    curve = axes.lines[0].get_xydata()
+    assert curve.tolist() == [[p.gamma, p.p] for p in one.limit_cycle_probability]
+    left, right = nyquist_fan(one.nyquist).axes
+    loops = [fan for fan in one.nyquist if fan.what == "loop"]
+    assert left.lines[0].get_xdata().tolist() == list(loops[0].real[0])
+    assert len(right.lines) >= len(loops[0].real)
