@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +22,7 @@ from bayesfric.gap.reference import amplitudes_of, fitted_laws, reference_laws
 from bayesfric.gap.remainder import remainder_of
 from bayesfric.gap.shapes import sharpened, sharpened_around
 from bayesfric.gap.shrink import Arms, measure_gap
+from bayesfric.gap.strays import stray_trials
 from bayesfric.gap.trajectories import free_running
 from bayesfric.gap.verdict import decide, sentence_of, unseparated_of
 from bayesfric.gap.weighing import Weighed, weigh
@@ -140,6 +141,10 @@ def _diagnose(
     held = _held(fixed, data, shipped)
     examined = all_effects() | {effect.name: effect for effect in effects}
     laws, psi = reference_laws(data, analysis, share, held, shipped)
+    stray = stray_trials(data, laws)
+    if stray:
+        data = replace(data, gravity=_without(data.gravity, stray))
+        laws, psi = reference_laws(data, analysis, share, held, shipped)
     candidates = [one for effect in examined.values() for one in candidates_of(effect)]
     model = LinearModel(data, laws, candidates, analysis, share, held)
     model, _ = sharpened(model, psi)
@@ -183,6 +188,7 @@ def _diagnose(
         ),
         baseline="paper",
         fixed=tuple(sorted(held)),
+        stray_trials=stray,
         practical_share=share,
         verdict=verdict,
         verdict_probability=chance,
@@ -233,9 +239,16 @@ def _trials(gravity: Gravity, rig: Rig) -> Gravity:
     if len(disagreeing) <= MANY * len(gravity.trials):
         return screened.gravity
     gone = set(screened.excluded) - set(disagreeing)
-    whole = screen_trials(gravity, rig, exclude=False).gravity
-    kept = whole.trials[~whole.trials["trial"].isin(gone)].reset_index(drop=True)
-    events = whole.events[whole.events["trial"].isin(kept["trial"])].reset_index(drop=True)
+    kept = _without(screen_trials(gravity, rig, exclude=False).gravity, gone)
+    assert kept is not None
+    return kept
+
+
+def _without(gravity: Gravity | None, trials: Collection[str]) -> Gravity | None:
+    if gravity is None:
+        return None
+    kept = gravity.trials[~gravity.trials["trial"].isin(trials)].reset_index(drop=True)
+    events = gravity.events[gravity.events["trial"].isin(kept["trial"])].reset_index(drop=True)
     return Gravity(kept, events)
 
 
@@ -290,16 +303,16 @@ def _arms(
     acting = (*found.best.columns, *found.best.phases)
     chosen = [model.candidates[place] for place in acting]
     caused = model.around(model.laws, chosen, discrepancy=False)
-    baseline = model.around(model.laws, chosen, discrepancy=False, scattering=())
+    baseline = model.around(model.laws, chosen, discrepancy=False, scattering=(), released=())
     columns = len(found.best.columns)
     after = Acting(tuple(range(columns)), tuple(range(columns, len(chosen))))
     complete = set(shipped) == set(model.layout.sizes)
     # What scatters is known best where all that is systematic has been taken up.
     unknown = which.probabilities().get(UNKNOWN, 0.0) >= MOSTLY
     settled = which.unknown.psi if unknown and which.unknown is not None else found.psi
-    return Arms(
-        caused, baseline, which.weighed[NONE].psi, settled, after, shipped if complete else None
-    )
+    # Recalibrated as one would who knows of no discrepancy.
+    recalibrated, _ = baseline.climb(which.weighed[NONE].psi, Acting())
+    return Arms(caused, baseline, recalibrated, settled, after, shipped if complete else None)
 
 
 def _examined(which: Which, names: list[str]) -> tuple[ExaminedEffect, ...]:

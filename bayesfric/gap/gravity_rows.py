@@ -9,6 +9,7 @@ acceleration alone is one row: the travel that it makes from rest.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -23,15 +24,36 @@ from bayesfric.gap.motion import follow, travel_to_speed
 from bayesfric.gap.smooths import Smooth
 from bayesfric.likelihood.gravity import trial_condition
 from bayesfric.likelihood.hall_events import Events, prepare_events
-from bayesfric.likelihood.paths import trial_paths
+from bayesfric.likelihood.paths import Paths, trial_paths
 from bayesfric.recording.tables import Gravity, Rig
 
-__all__ = ["GravityRows", "assemble", "rank"]
+__all__ = ["GravityRows", "MeasuredMotion", "assemble", "measured_motion", "rank"]
 
 Array = NDArray[np.float64]
 STATED_SD = 0.01  # m/s², of an acceleration that comes without its standard error
 ROUGH = 9.0  # times the noise: squared, what no smooth path follows
 LEAST_ACCELERATION = 0.02  # m/s², where the reference law predicts that the cable stands
+
+
+class MeasuredMotion(NamedTuple):
+    """What events say of N trials' motion, whatever the law is.
+
+    Parameters
+    ----------
+    paths : Paths
+        Splines through the events.
+    rough : ndarray, shape (E,)
+        What they leave of each event [m].
+    """
+
+    paths: Paths
+    rough: Array
+
+
+def measured_motion(gravity: Gravity, rig: Rig) -> MeasuredMotion:
+    """Follow the motion of each trial."""
+    events = prepare_events(gravity.events, gravity.trials["trial"])
+    return MeasuredMotion(*follow(trial_paths(gravity, rig), events))
 
 
 class GravityRows:
@@ -47,6 +69,8 @@ class GravityRows:
         The reference law of each pulley size.
     radii : mapping of str to float
         Pulley radius of each size [m].
+    measured : MeasuredMotion
+        Of the trials.
     acting : sequence of (Candidate, float)
         Effects on friction, with their amplitudes, with which a trial starts to move: its
         first speed tells how far it has come by the first event.
@@ -75,6 +99,7 @@ class GravityRows:
         rig: Rig,
         laws: Mapping[str, Coefficients],
         radii: Mapping[str, float],
+        measured: MeasuredMotion,
         acting: Sequence[tuple[Candidate, float]] = (),
     ) -> None:
         self.trials, self._rig = gravity.trials, rig
@@ -87,8 +112,7 @@ class GravityRows:
         self.acceleration = np.maximum(predicted, 0.0)
         self.order = rank(gravity.trials)
         self._radius = np.array([radii[size] for size in sizes])
-        measured = prepare_events(gravity.events, gravity.trials["trial"])
-        self._paths, self._rough = follow(trial_paths(gravity, rig), measured)
+        self._paths, self._rough = measured
         self._feedback = tension_feedback(self.law, self.condition)[:, None]
         self._slowed = self._feedback / mass[:, None]
         self._before = self._travel_before(acting)
@@ -191,6 +215,11 @@ class GravityRows:
         values, small = unit_values(candidate)
         force = np.asarray(effect.laws[candidate.law](values, self.state)) / small / friction
         return force if effect.components else force[None]
+
+    def relative_deviation(self) -> Array:
+        """Return how far each trial's friction is from the law, as a share of it, (N,)."""
+        off = [self._parabola(rows, self.residual[rows]) for rows in self.rows_of_trials()]
+        return np.asarray(-self.condition.total_mass_kg * np.array(off) / self.friction_n)
 
     def _parabola(self, rows: slice, displacement: Array) -> float:
         """Return the acceleration of a parabola through one trial's rows [m/s²]."""

@@ -4,7 +4,7 @@ The noise (scatter of friction, errors of events and currents) is not linear; it
 posterior is taken as normal in the logarithms around its mode.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +15,7 @@ from bayesfric.analysis import Analysis, Prior
 from bayesfric.friction import Coefficients
 from bayesfric.gap.candidates import Candidate, prior_moments
 from bayesfric.gap.gravity_part import GravityNoise, GravityPart
-from bayesfric.gap.gravity_rows import GravityRows
+from bayesfric.gap.gravity_rows import GravityRows, MeasuredMotion, measured_motion
 from bayesfric.gap.information import Information
 from bayesfric.gap.layout import COEFFICIENTS, Layout
 from bayesfric.gap.motor_part import MotorNoise, MotorPart
@@ -31,6 +31,7 @@ __all__ = ["Acting", "LinearModel", "Wide"]
 Array = NDArray[np.float64]
 KAPPA_SD_LOG = 0.3  # of the events' variance over its first estimate
 START_SCATTER = 0.015
+KEPT = 24  # of what boards said last
 STEP = 1e-4  # of a logarithm, for differences
 WIDTH = 0.15  # of a logarithm, over which the log density changes by about 1/2
 SMALLEST, LARGEST = 1e-4, 1.0  # scatter of friction that is looked at
@@ -91,9 +92,13 @@ class LinearModel:
         Whether there are smooth forces.
     scattering : sequence of (Candidate, float)
         Effects that act, with their amplitudes: what they add to friction scatters with it.
+    released : sequence of (Candidate, float), or None
+        Effects with which trials start to move; None is those that scatter.
     small : sequence of (Candidate, float), or None
         Small amounts of effects, which are part of the discrepancy, with the standard
         deviation of their amplitudes; None is of all candidates.
+    measured : MeasuredMotion or None
+        Of the trials, where it is known already.
 
     Attributes
     ----------
@@ -116,19 +121,19 @@ class LinearModel:
         *,
         discrepancy: bool = True,
         scattering: Sequence[tuple[Candidate, float]] = (),
+        released: Sequence[tuple[Candidate, float]] | None = None,
         small: Sequence[tuple[Candidate, float]] | None = None,
+        measured: MeasuredMotion | None = None,
     ) -> None:
         self.data, self.laws, self.candidates = data, dict(laws), tuple(candidates)
         self.analysis, self.practical_share, self.fixed = analysis, practical_share, fixed
         radii = _radii(data)
-        self.scattering = [
-            (candidate, amplitude)
-            for candidate, amplitude in scattering
-            if candidate.effect.acts_on == "friction" and not candidate.effect.components
-        ]
-        rows = None
+        self.scattering = _on_friction(scattering)
+        self.released = self.scattering if released is None else _on_friction(released)
+        rows, self._measured = None, measured
         if data.gravity is not None:
-            rows = GravityRows(data.gravity, data.rig, laws, radii, self.scattering)
+            self._measured = measured or measured_motion(data.gravity, data.rig)
+            rows = GravityRows(data.gravity, data.rig, laws, radii, self._measured, self.scattering)
         empty = Layout(data.sizes, 0, 0, _idle_columns(data))
         plain = np.ones(empty.local)
         # Once without smooth forces, for friction and covariates of the runs.
@@ -164,6 +169,7 @@ class LinearModel:
                 data.motor, data.rig, laws, radii, *given, scattering=self.scattering
             )
         self._mean, self._sd = self._prior()
+        self._known: dict[tuple[object, ...], Information] = {}
 
     def around(
         self,
@@ -172,6 +178,7 @@ class LinearModel:
         *,
         discrepancy: bool = True,
         scattering: Sequence[tuple[Candidate, float]] | None = None,
+        released: Sequence[tuple[Candidate, float]] | None = None,
     ) -> "LinearModel":
         """Return the model around another reference law, with other effects that may act."""
         return LinearModel(
@@ -183,7 +190,9 @@ class LinearModel:
             self.fixed,
             discrepancy=discrepancy,
             scattering=self.scattering if scattering is None else scattering,
+            released=released if scattering is not None or released is not None else self.released,
             small=self._amounts,
+            measured=self._measured,
         )
 
     @property
@@ -237,16 +246,40 @@ class LinearModel:
         gravity, motor = self.noise(psi)
         parts = []
         if self.gravity is not None and gravity is not None:
-            scatters = [
-                (self.gravity.blocks[place], self.candidates[place].amplitude)
-                for place in acting.phases
-            ]
+            board = self.gravity
+            scatters = tuple(
+                (board.blocks[place], self.candidates[place].amplitude) for place in acting.phases
+            )
             trials = None if used is None else used["gravity"]
-            parts.append(self.gravity.information(gravity, kept, scatters, trials))
+            parts.append(
+                self._recent(
+                    ("gravity", *gravity, *acting.phases, kept.tobytes()),
+                    lambda: board.information(gravity, kept, scatters, trials),
+                    used is None,
+                )
+            )
         if self.motor is not None and motor is not None:
-            runs = None if used is None else used["motor"]
-            parts.append(self.motor.information(motor, kept, runs))
+            rig, runs = self.motor, None if used is None else used["motor"]
+            parts.append(
+                self._recent(
+                    ("motor", *motor, kept.tobytes()),
+                    lambda: rig.information(motor, kept, runs),
+                    used is None,
+                )
+            )
         return parts[0] if len(parts) == 1 else parts[0] + parts[1]
+
+    def _recent(
+        self, key: tuple[object, ...], compute: Callable[[], Information], keep: bool
+    ) -> Information:
+        """Return what a board says; differences of one board's noise leave the other's."""
+        if not keep:
+            return compute()
+        if key not in self._known:
+            if len(self._known) >= KEPT:
+                self._known.clear()
+            self._known[key] = compute()
+        return self._known[key]
 
     def prior(self, columns: Sequence[int], wide: Wide | None = None) -> tuple[Array, Array]:
         """Return mean and standard deviation of the kept numbers before the data.
@@ -320,7 +353,7 @@ class LinearModel:
             psi,
             method="L-BFGS-B",
             bounds=self._bounds(),
-            options={"eps": STEP, "ftol": 1e-10, "gtol": 3e-2, "maxiter": 40},
+            options={"eps": STEP, "ftol": 5e-9, "gtol": 3e-2, "maxiter": 40},
         )
         return np.asarray(found.x), -float(found.fun)
 
@@ -373,6 +406,15 @@ class LinearModel:
                 mean[row, column] = 0.0 if held else (centre - at) / scale[column]
                 sd[row, column] = 0.0 if held else width / scale[column]
         return mean, sd
+
+
+def _on_friction(acting: Sequence[tuple[Candidate, float]]) -> list[tuple[Candidate, float]]:
+    """Return those that add to friction along a known path."""
+    return [
+        (candidate, amplitude)
+        for candidate, amplitude in acting
+        if candidate.effect.acts_on == "friction" and not candidate.effect.components
+    ]
 
 
 def _prior_of(analysis: Analysis, name: str, size: str) -> Prior:

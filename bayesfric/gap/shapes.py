@@ -51,7 +51,7 @@ def sharpened(model: LinearModel, psi: Array) -> tuple[LinearModel, Array]:
         model = model.around(
             fitted_laws(model, psi, best),
             _with_nodes(model, gains, gains > GAIN),
-            scattering=amplitudes_of(model, psi, best),
+            released=amplitudes_of(model, psi, best),
         )
     return model, psi
 

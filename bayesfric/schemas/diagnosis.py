@@ -162,6 +162,9 @@ class DiagnosisFile(Provenance):
     rigs: tuple[str, ...] = Field(description="Rigs whose data entered.")
     baseline: str = Field(description="Friction law that was examined.")
     fixed: tuple[str, ...] = Field((), description="Parameters held at their shipped values.")
+    stray_trials: tuple[str, ...] = Field(
+        (), description="Trials left out: each lies far from the others of its own assembly."
+    )
     practical_share: Number = Field(description="Share of rms friction below which none cares.")
     verdict: Literal["no-gap", "named", "unseparated", "unknown"] = Field(
         description="By the rules of the contract."

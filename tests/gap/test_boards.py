@@ -11,7 +11,7 @@ from bayesfric.analysis import Analysis
 from bayesfric.effects import all_effects
 from bayesfric.gap.candidates import candidates_of, prior_moments
 from bayesfric.gap.gravity_part import GravityNoise
-from bayesfric.gap.gravity_rows import GravityRows
+from bayesfric.gap.gravity_rows import GravityRows, measured_motion
 from bayesfric.gap.linear_model import Acting, LinearModel, Wide
 from bayesfric.gap.motor_part import MotorNoise
 from bayesfric.gap.small_amounts import small_amounts
@@ -142,10 +142,14 @@ def test_columns_are_what_full_physics_does(name, strength):
     )
     radii = {size: row.radius_m for size, row in table1().items()}
     laws = table1_coefficients()
-    rows = GravityRows(there.gravity, there.rig, laws, radii)
+    rows = GravityRows(
+        there.gravity, there.rig, laws, radii, measured_motion(there.gravity, there.rig)
+    )
     candidate = next(c for c in candidates_of(one.effect, _at(one)) if c.law == one.law)
     response = one.values[one.effect.amplitude.name] * rows.candidate_columns(candidate)[:, 0]
-    plain = GravityRows(bare.gravity, bare.rig, laws, radii)
+    plain = GravityRows(
+        bare.gravity, bare.rig, laws, radii, measured_motion(bare.gravity, bare.rig)
+    )
     left, expected = _without_nuisances(rows, rows.residual), _without_nuisances(rows, response)
     nothing = _without_nuisances(plain, plain.residual)
     assert np.abs(nothing).max() < 0.01 * np.abs(expected).max()

@@ -66,6 +66,8 @@ def test_a_cause_is_named_with_its_size(named):
     # Five standard deviations: a wrong unit or a lost factor is a hundred of them.
     assert abs(slope.mean - named[1]) < 5 * slope.sd
     assert not cause.below_floor
+    # What an effect changes in many trials is no reason to leave one out.
+    assert named[0].summary.stray_trials == ()
 
 
 def test_where_it_lies(named):
@@ -78,7 +80,9 @@ def test_where_it_lies(named):
 
 
 def test_the_gap_shrinks_to_the_floor(named):
+    """Before: what a straight recalibration leaves of a force of 10 % rms of friction."""
     gap = named[0].summary.gap
+    assert 0.02 * gap.friction_rms < gap.before.q50 < 0.12 * gap.friction_rms
     assert gap.before.q50 > gap.floor.q50
     assert gap.shrink.q05 > 0.7
     assert gap.trajectory.after.q50 < 0.5 * gap.trajectory.before.q50
@@ -151,7 +155,9 @@ def test_a_trial_that_nearly_stalls_does_no_harm(nothing):
     own = (events["trial"] == slowest).to_numpy()
     events.loc[own, "time_s"] *= 1.3
     recording = replace(nothing, gravity=Gravity(trials, events))
-    assert diagnose(recording).summary.verdict == "no-gap"
+    found = diagnose(recording).summary
+    assert found.verdict == "no-gap"
+    assert found.stray_trials == (slowest,)
 
 
 def test_an_effect_of_a_users_own_is_named(tmp_path):
