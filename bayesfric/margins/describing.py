@@ -36,6 +36,8 @@ Array = NDArray[np.float64]
 
 LEAST_COUNTS = 100.0
 """Encoder counts in the stuck band F/kp below which γ* fails: quantisation damps."""
+MOST_DAMPING = 0.7
+"""ζ above which γ* is too high: it is the start of 1 + tanh(πζ/(2√(1 − ζ²)))."""
 MOST_LAG = 0.1
 """ω_n τ above which the delay is more than negative damping."""
 MOST_STICTION = 1.02
@@ -73,8 +75,12 @@ def necessary_gain(shaft: LoopAtShaft) -> Array:
 
 def formula_threshold(shaft: LoopAtShaft) -> Array:
     """Return γ* = (F/F̂)(1 + π ζ/2), shape (draws,); see :func:`formula_conditions`."""
-    ratio = effective_damping(shaft) / (2 * np.sqrt(shaft.kp * shaft.inertia))
-    return np.asarray(necessary_gain(shaft) * (1 + np.pi * ratio / 2))
+    return np.asarray(necessary_gain(shaft) * (1 + np.pi * _damping_ratio(shaft) / 2))
+
+
+def _damping_ratio(shaft: LoopAtShaft) -> Array:
+    """Return ζ of the loop with its delay taken off."""
+    return np.asarray(effective_damping(shaft) / (2 * np.sqrt(shaft.kp * shaft.inertia)))
 
 
 def formula_conditions(shaft: LoopAtShaft) -> tuple[NDArray[np.bool_], tuple[str, ...]]:
@@ -100,6 +106,7 @@ def formula_conditions(shaft: LoopAtShaft) -> tuple[NDArray[np.bool_], tuple[str
         "the velocity is a raw first difference": everywhere & (shaft.cutoff is None),
         "the reference rests": shaft.reference_speed == 0,
         "the loop is damped without friction": effective_damping(shaft) > 0,
+        f"ζ is at most {MOST_DAMPING:g}": _damping_ratio(shaft) <= MOST_DAMPING,
         f"ω_n τ is at most {MOST_LAG:g}": natural_frequency(shaft) * shaft.lag <= MOST_LAG,
         f"F/kp is at least {LEAST_COUNTS:g} encoder counts": counts >= LEAST_COUNTS,
         "the kick is beyond F/kp": shaft.kick > shaft.friction / shaft.kp,

@@ -73,7 +73,7 @@ def test_compensation_takes_from_what_holds():
 
 
 @pytest.mark.parametrize(("ratio", "threshold"), [(0.11, 1.14), (0.42, 1.62), (0.84, 2.27)])
-def test_the_threshold_of_the_brief(ratio, threshold):
+def test_the_threshold_grows_with_damping(ratio, threshold):
     # ω_n τ = 0.05: of the ratio, 0.025 goes to the delay
     kp = 3e-5 * (0.05 / 1.5e-3) ** 2
     one = shaft({
@@ -102,6 +102,7 @@ def test_at_the_threshold_the_swing_reaches_the_stuck_band():
         ({"kick.reference_speed_rad_s": 1.0}, "reference rests"),
         ({"controller.kd_n_m_s_per_rad": 0.0}, "damped"),
         ({"controller.delay_s": 0.01}, "ω_n τ"),
+        ({"controller.kd_n_m_s_per_rad": 1.4e-3}, "ζ"),
         ({"controller.encoder_counts_per_revolution": 500}, "100 encoder counts"),
         ({"kick.over_stuck_band": 0.9}, "kick"),
         ({"drive.current_limit_a": 0.1}, "clipped"),
