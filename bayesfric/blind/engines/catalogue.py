@@ -29,7 +29,7 @@ EFFECTS = {
         *MEASURING_KINDS,
     )
 }
-"""The effects of OUTPUTS.md's table that a board may have, by name."""
+"""The effects that a board may have, by name."""
 OUTSIDERS_BY_NAME = {kind.name: kind for kind in OUTSIDERS}
 
 

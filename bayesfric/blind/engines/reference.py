@@ -88,7 +88,7 @@ class Made:
 
 
 def effect_names() -> tuple[str, ...]:
-    """Return the effects that may be withheld, as OUTPUTS.md names them."""
+    """Return the effects that may be withheld."""
     return tuple(EFFECTS)
 
 
@@ -109,7 +109,7 @@ def outsider_names() -> tuple[str, ...]:
 
 
 def outsider_axes(name: str) -> tuple[str, ...]:
-    """Return the axes, as OUTPUTS.md names them, along which an outsider shows.
+    """Return the axes along which an outsider shows.
 
     Raises
     ------

@@ -147,7 +147,7 @@ class Kind:
     Parameters
     ----------
     name : str
-        As in OUTPUTS.md, or of an outsider.
+        Of an effect, or of an outsider.
     amplitude : str
         Name of the parameter that is 0 where the effect is absent.
     unit : str
