@@ -18,6 +18,7 @@ from bayesfric.gap.candidates import candidates_of
 from bayesfric.gap.causes import cause_draws, causes_of
 from bayesfric.gap.figures import curves_of, gap_figures
 from bayesfric.gap.linear_model import Acting, LinearModel
+from bayesfric.gap.next_experiment import next_experiment
 from bayesfric.gap.reference import amplitudes_of, fitted_laws, reference_laws
 from bayesfric.gap.remainder import remainder_of
 from bayesfric.gap.shapes import sharpened, sharpened_around
@@ -154,6 +155,8 @@ def _diagnose(
         model = sharpened_around(model, found)
         which = look_closer(model, which, found)
         found = _most_probable(which)
+    chances = which.probabilities()
+    proposals, no_proposal = next_experiment(model, found.psi, chances)
     if found.names:
         model, found = _around_causes(model, found)
     fold_rng, gap_rng, where_rng, draw_rng = (
@@ -163,7 +166,6 @@ def _diagnose(
     figures = measure_gap(arms, fold_rng)
     free = free_running(arms, figures.residuals, figures.fold)
     gap, systematic = gap_figures(figures, free, arms, bool(found.names), gap_rng)
-    chances = which.probabilities()
     taken = float(np.median(systematic)) if found.names else 0.0
     verdict, chance = decide(chances, systematic, share * gap.friction_rms)
     named = verdict in ("named", "unseparated")
@@ -210,8 +212,8 @@ def _diagnose(
         where=where,
         gap=gap,
         effects=_examined(which, sorted(examined)),
-        next_experiment=(),
-        next_experiment_why="conditions to separate hypotheses are not searched for",
+        next_experiment=proposals,
+        next_experiment_why=no_proposal,
     )
     return summary, curves_of(figures, free, draws)
 

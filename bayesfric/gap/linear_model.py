@@ -127,13 +127,13 @@ class LinearModel:
     ) -> None:
         self.data, self.laws, self.candidates = data, dict(laws), tuple(candidates)
         self.analysis, self.practical_share, self.fixed = analysis, practical_share, fixed
-        radii = _radii(data)
+        radii = self.radii = _radii(data)
         self.scattering = _on_friction(scattering)
         self.released = self.scattering if released is None else _on_friction(released)
         rows, self._measured = None, measured
         if data.gravity is not None:
             self._measured = measured or measured_motion(data.gravity, data.rig)
-            rows = GravityRows(data.gravity, data.rig, laws, radii, self._measured, self.scattering)
+            rows = GravityRows(data.gravity, data.rig, laws, radii, self._measured, self.released)
         empty = Layout(data.sizes, 0, 0, _idle_columns(data))
         plain = np.ones(empty.local)
         # Once without smooth forces, for friction and covariates of the runs.
