@@ -42,6 +42,8 @@ def follow(paths: Paths, events: Events) -> tuple[Paths, Array]:
     """
     speed, acceleration = paths.speed_m_s.copy(), paths.acceleration_m_s2.copy()
     residual = np.zeros(events.tau.size)
+    if not events.tau.size:
+        return paths, residual
     grid = np.linspace(0, 1, POINTS)
     ends = np.append(events.starts[1:], events.tau.size)
     for start, end in zip(events.starts, ends, strict=True):

@@ -14,11 +14,14 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from bayesfric.boards.gravity import coulomb_acceleration
+from bayesfric.friction import Coefficients
 from bayesfric.gap.gravity_rows import GravityRows, measured_motion
 from bayesfric.gap.layout import COEFFICIENTS
 from bayesfric.gap.linear_model import LinearModel
 from bayesfric.gap.weighing import weigh
 from bayesfric.gap.which import NONE, UNKNOWN
+from bayesfric.likelihood.gravity import trial_condition
 from bayesfric.recording.tables import Gravity
 from bayesfric.schemas import NextExperiment
 
@@ -134,9 +137,9 @@ def _laid_out(model: LinearModel) -> GravityRows | None:
 
 def _accelerations(model: LinearModel, trials: pd.DataFrame) -> Array:
     """Return the acceleration of each trial by the reference law, shape (N,) [m/s²]."""
-    nothing = pd.DataFrame(columns=["trial", "sensor", "displacement_m", "time_s"])
-    stated = trials.assign(acceleration_m_s2=1.0)
-    return _rows(model, Gravity(stated, nothing)).acceleration
+    laws = [model.laws[size] for size in trials["pulley_size"]]
+    law = Coefficients(*(np.array(column) for column in zip(*laws, strict=True)))
+    return coulomb_acceleration(law, trial_condition(trials, model.data.rig))
 
 
 def _rows(model: LinearModel, gravity: Gravity) -> GravityRows:

@@ -194,3 +194,20 @@ def test_practical_share_decides_what_counts(named):
     rules = Analysis().diagnosis.model_copy(update={"practical_share": 0.1})
     found = diagnose(recording, Analysis().model_copy(update={"diagnosis": rules})).summary
     assert found.verdict == "no-gap"
+
+
+def test_accelerations_alone_are_diagnosed():
+    """Without events a trial is one row; without an effect there is no gap."""
+    recording = simulate_recording("quick", seed=3, rigs=("gravity",))
+    trials, events = recording.gravity.trials.copy(), recording.gravity.events
+    own = events[events["sensor"] == "drive"].groupby("trial")
+    trials["acceleration_m_s2"] = [
+        2 * np.polyfit(one["time_s"] - one["time_s"].iloc[0], one["displacement_m"], 2)[0]
+        for _, one in own
+    ]
+    trials["acceleration_sd_m_s2"] = 1e-3
+    alone = replace(recording, gravity=Gravity(trials, events.iloc[:0]))
+    found = diagnose(alone).summary
+    assert found.verdict == "no-gap"
+    assert found.gap.trajectory is None
+    assert found.gap.floor.q50 < 0.05 * found.gap.friction_rms
