@@ -241,6 +241,12 @@ def test_reasons_for_not_telling_apart_are_told_apart():
     assert rows(stored_diagnosis(), "absorbed") == {"mass-error": ["c2[medium]", "0.00134\u202fN"]}
 
 
+def test_trials_that_stray_are_told():
+    told = paragraphs(stored_diagnosis(stray_trials=("g0042", "g0099")))
+    assert "far from that of their own assembly: g0042, g0099." in told
+    assert "own assembly" not in paragraphs(stored_diagnosis())
+
+
 def test_remainder_effects_and_next_experiment_are_the_stored_ones():
     stored = stored_diagnosis()
     assert "log₁₀ Bayes factor −0.7). It would be 1.35 [1.24, 1.46]\u202f%" in paragraphs(stored)

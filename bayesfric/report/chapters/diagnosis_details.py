@@ -55,7 +55,7 @@ def _probabilities(found: DiagnosisFile) -> Iterator[Block]:
     yield Paragraph(
         [
             f"The baseline is the {found.baseline} law, on the data of: {', '.join(found.rigs)}."
-            f"{fixed} ",
+            f"{fixed}{_strays(found.stray_trials)} ",
             Reference("hypotheses"),
             " gives each hypothesis's posterior probability, and what becomes of it where the "
             "prior probability of ",
@@ -87,6 +87,15 @@ def _probabilities(found: DiagnosisFile) -> Iterator[Block]:
         + ", shared equally within a number of effects. Hypotheses that were screened only have "
         f"{format_probability(found.unvisited_probability)} at most, together."
         + (f" The {more} least probable are in diagnosis.json." if more > 0 else ""),
+    )
+
+
+def _strays(trials: Sequence[str]) -> str:
+    if not trials:
+        return ""
+    return (
+        f" Left out, since their friction is far from that of their own assembly: "
+        f"{', '.join(trials)}."
     )
 
 
