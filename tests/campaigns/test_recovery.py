@@ -13,7 +13,7 @@ from campaigns import evidence, recovery
 
 from bayesfric.campaign import processes, run_campaign
 
-CI_SEEDS = range(8)
+CI_SEEDS = range(6)
 
 
 def run(seeds, folder):

@@ -1,7 +1,7 @@
 """A torque constant 3 % off is found by the joint fit, and moves no gravity coefficient.
 
 The seeds 0…99 and the bound were fixed before the first run. Continuous integration
-runs three of them and compares each with the evidence of the long run.
+runs one of them and compares it with the evidence of the long run.
 """
 
 import numpy as np
@@ -12,7 +12,7 @@ from bayesfric.analysis import Analysis, Sampler
 from bayesfric.campaign import processes, run_campaign
 from bayesfric.fitting import fit
 
-CI_SEEDS = (0, 33, 66)
+CI_SEEDS = (0,)
 SHORT = Sampler(burn=60, steps=80, thin=2, extensions=0)
 
 
@@ -22,7 +22,7 @@ def run(seeds, folder):
         return list(run_campaign(torque_constant.case, cases, folder, executor).values())
 
 
-def test_each_of_three_agrees_with_the_evidence(tmp_path):
+def test_it_agrees_with_the_evidence(tmp_path):
     """The same seed gives the same posterior, within four Monte Carlo errors."""
     recorded = {case["seed"]: case for case in evidence.read("torque_constant")["cases"]}
     for now in run(CI_SEEDS, tmp_path):
