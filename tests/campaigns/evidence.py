@@ -10,15 +10,17 @@ WORK = EVIDENCE / "work"  # cases of a campaign under way; not tracked
 
 
 def commit():
-    """Return the commit that is checked out, marked where the tree differs from it."""
+    """Return the commit that is checked out, marked where code differs from it."""
+    head = _git("rev-parse", "--short=12", "HEAD")
+    changed = _git("status", "--porcelain", "--", ".", ":!reports/evidence")
+    return f"{head}-dirty" if head and changed else head or None
+
+
+def _git(*arguments):
     found = subprocess.run(
-        ["git", "describe", "--always", "--dirty", "--abbrev=12"],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=False,
+        ["git", *arguments], cwd=ROOT, capture_output=True, text=True, check=False
     )
-    return found.stdout.strip() or None
+    return found.stdout.strip()
 
 
 def write(name, *, command, seeds, figures, cases):
