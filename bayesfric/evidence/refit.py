@@ -6,7 +6,7 @@ it are of no use. The density without it is known all the same,
     p(θ | y_−g) ∝ p(θ | y) / p(y_g | y_−g, θ),
 
 so nothing has to be built again: its mode is climbed to from that of all the data, and
-it is sampled around it by importance, or by a sampler where that is not to be relied on.
+it is sampled around it by importance.
 
 References
 ----------
@@ -15,7 +15,6 @@ Bayesian non-factorized normal and Student-t models", Computational Statistics 3
 (2021).
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,12 +23,12 @@ from numpy.typing import NDArray
 from bayesfric.evidence.importance import laplace_draws
 from bayesfric.evidence.proposal import LogDensity
 from bayesfric.evidence.record import Evidence
-from bayesfric.laplace import Laplace, laplace_approximation
+from bayesfric.laplace import laplace_approximation
 
 __all__ = ["Refit", "refit_without"]
 
 Array = NDArray[np.float64]
-SIZES = 2000, 8000  # of a sample, and of another where the first is not to be relied on
+SIZES = 2000, 4000  # of a sample, and of another where the first is not to be relied on
 
 
 @dataclass(frozen=True)
@@ -40,13 +39,12 @@ class Refit:
     ----------
     draws : ndarray, shape (S, D)
         Of it.
-    evidence : Evidence or None
-        Of the data without the group, on the scale of the log density that was given;
-        None where the draws are a sampler's.
+    evidence : Evidence
+        Of the data without the group, on the scale of the log density that was given.
     """
 
     draws: Array
-    evidence: Evidence | None
+    evidence: Evidence
 
 
 def refit_without(
@@ -55,7 +53,6 @@ def refit_without(
     start: Array,
     scale: Array,
     seed: int,
-    sampler: Callable[[LogDensity, Laplace], Array | None] | None = None,
 ) -> Refit | None:
     """Sample a posterior without one of its groups.
 
@@ -71,15 +68,11 @@ def refit_without(
         Widest plausible scale of each coordinate, such as its prior's.
     seed : int
         Of the draws.
-    sampler : callable or None
-        Of a log density and the normal around its mode to draws, shape (S, D), or to
-        None where they do not converge; called where importance sampling is not to be
-        relied on.
 
     Returns
     -------
     Refit or None
-        Of at least 2000 draws, or those of the sampler; None where neither can be relied on.
+        None where importance sampling is not to be relied on.
     """
 
     def without(points: Array) -> Array:
@@ -95,5 +88,4 @@ def refit_without(
         found, draws = laplace_draws(without, laplace, seed, size)
         if found.reliable:
             return Refit(draws, found)
-    run = None if sampler is None else sampler(without, laplace)
-    return None if run is None else Refit(run, None)
+    return None

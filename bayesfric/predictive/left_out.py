@@ -19,14 +19,12 @@ from bayesfric.evidence import (
     Evidence,
     bridge_ratio,
     elpd,
-    in_one_place,
     laplace_evidence,
     loo_pit,
     refit_without,
 )
-from bayesfric.laplace import Laplace, laplace_approximation
+from bayesfric.laplace import laplace_approximation
 from bayesfric.likelihood.model import Model, RigLikelihood
-from bayesfric.sampling import sample
 
 __all__ = ["LeftOut", "Uniformity", "leave_out", "leave_setups_out", "uniformity"]
 
@@ -240,31 +238,24 @@ def _leave_out(
             return _by_blocks(model, density, points)[:, place]
 
         own = int(np.random.SeedSequence([seed, len(kind), place]).generate_state(1)[0])
-        sampler = partial(_sample, seed=own)
-        unseen = refit_without(model.log_posterior, conditional, start, model.scale(), own, sampler)
+        unseen = refit_without(model.log_posterior, conditional, start, model.scale(), own)
         if unseen is None:
             return None
         # The evidence of all data over that without the group: by importance both, or by
         # a bridge between the draws of either.
         value, error = bridge_ratio(log_likelihood[:, place], conditional(unseen.draws))
-        if unseen.evidence is not None:
-            if not whole:
-                laplace = laplace_approximation(model.log_posterior, start, model.scale())
-                whole.append(laplace_evidence(model.log_posterior, laplace, seed))
-            both = float(np.hypot(whole[0].error, unseen.evidence.error))
-            if both < error:
-                value, error = whole[0].log_evidence - unseen.evidence.log_evidence, both
+        if not whole:
+            laplace = laplace_approximation(model.log_posterior, start, model.scale())
+            whole.append(laplace_evidence(model.log_posterior, laplace, seed))
+        both = float(np.hypot(whole[0].error, unseen.evidence.error))
+        if both < error:
+            value, error = whole[0].log_evidence - unseen.evidence.log_evidence, both
         if error > LARGEST_ERROR:
             return None
         refits[place] = unseen.draws
         return value
 
     return elpd(log_likelihood, refit), refits
-
-
-def _sample(log_density: Callable[[Array], Array], laplace: Laplace, seed: int) -> Array | None:
-    draws = sample(log_density, laplace, SHORT_RUN, seed, converged=in_one_place).z
-    return draws.reshape(-1, draws.shape[-1]) if in_one_place(draws) else None
 
 
 def _by_blocks(model: Model, function: Callable[..., Array], z: Array) -> Array:

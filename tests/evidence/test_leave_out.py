@@ -168,31 +168,6 @@ def test_ratio_of_two_normals_and_its_error():
     assert 0.75 < np.sqrt(np.mean(np.square(off))) < 1.3
 
 
-def test_where_importance_sampling_fails_the_sampler_is_asked():
-    """Tails heavier than any proposal's, once the group is gone."""
-    asked = []
-
-    def heavy(z):
-        return -np.log1p(z**2 / 1e-4).sum(axis=1) * 0.55
-
-    def sampler(density, laplace):
-        asked.append(density(np.array([[0.3, -2.0]])))
-        return laplace.mode[None]
-
-    def conditional(z):
-        return -(z**2).sum(axis=1)
-
-    def both(z):
-        return heavy(z) + conditional(z)
-
-    place = np.zeros(2), np.full(2, 0.01)
-    assert refit_without(both, conditional, *place, 1) is None
-    found = refit_without(both, conditional, *place, 1, sampler)
-    assert found.draws == pytest.approx(np.zeros((1, 2)), abs=1e-6)
-    assert found.evidence is None
-    assert asked[0] == pytest.approx(heavy(np.array([[0.3, -2.0]])))
-
-
 def test_few_draws_allow_less_of_the_weights(case):
     log_likelihood = case.log_likelihood()
     assert elpd(log_likelihood).limit_k == 0.7
