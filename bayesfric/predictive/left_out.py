@@ -135,15 +135,23 @@ def leave_out(
     return LeftOut(trial, setup, trials, setups, pit, again)
 
 
-def leave_setups_out(model: Model, z: Array, start: Array, seed: int) -> ELPD:
+def leave_setups_out(
+    model: Model, z: Array, start: Array, seed: int, *, refits: bool = True
+) -> ELPD:
     """Leave each assembly of all of a model's boards out.
 
-    The arguments are those of :func:`leave_out`.
+    The other arguments are those of :func:`leave_out`.
+
+    Parameters
+    ----------
+    refits : bool
+        Whether to refit where a Pareto k is above its limit: seconds a group. Without, the
+        group stays marked.
 
     Returns
     -------
     ELPD
-        With exact refits wherever a Pareto k is above its limit.
+        Of all boards.
 
     Raises
     ------
@@ -153,7 +161,7 @@ def leave_setups_out(model: Model, z: Array, start: Array, seed: int) -> ELPD:
     parts = []
     for likelihood in model.likelihoods:
         setup = _by_blocks(model, likelihood.setup_log_likelihood, z)
-        found, _ = _leave_out(model, likelihood, "setup", setup, start, seed)
+        found, _ = _leave_out(model, likelihood, "setup", setup, start, seed, refits)
         if found is None:
             raise ValueError("the log density of an assembly is not finite")
         parts.append(found)
@@ -225,6 +233,7 @@ def _leave_out(
     log_likelihood: Array,
     start: Array,
     seed: int,
+    refits_wanted: bool = True,
 ) -> tuple[ELPD | None, dict[int, Array]]:
     """Return the predictive densities, and the draws of each refit by its group's place."""
     if not np.isfinite(log_likelihood).all():
@@ -255,7 +264,7 @@ def _leave_out(
         refits[place] = unseen.draws
         return value
 
-    return elpd(log_likelihood, refit), refits
+    return elpd(log_likelihood, refit if refits_wanted else None), refits
 
 
 def _by_blocks(model: Model, function: Callable[..., Array], z: Array) -> Array:
