@@ -164,7 +164,7 @@ def _diagnose(
     )
     arms = _arms(model, found, which, {s: shipped[s] for s in data.sizes if s in shipped})
     figures = measure_gap(arms, fold_rng)
-    free = free_running(arms, figures.residuals, figures.fold)
+    free = free_running(arms, figures)
     gap, systematic = gap_figures(figures, free, arms, bool(found.names), gap_rng)
     taken = float(np.median(systematic)) if found.names else 0.0
     verdict, chance = decide(chances, systematic, share * gap.friction_rms)
@@ -305,16 +305,14 @@ def _arms(
     acting = (*found.best.columns, *found.best.phases)
     chosen = [model.candidates[place] for place in acting]
     caused = model.around(model.laws, chosen, discrepancy=False)
-    baseline = model.around(model.laws, chosen, discrepancy=False, scattering=(), released=())
     columns = len(found.best.columns)
     after = Acting(tuple(range(columns)), tuple(range(columns, len(chosen))))
     complete = set(shipped) == set(model.layout.sizes)
     # What scatters is known best where all that is systematic has been taken up.
     unknown = which.probabilities().get(UNKNOWN, 0.0) >= MOSTLY
     settled = which.unknown.psi if unknown and which.unknown is not None else found.psi
-    # Recalibrated as one would who knows of no discrepancy.
-    recalibrated, _ = baseline.climb(which.weighed[NONE].psi, Acting())
-    return Arms(caused, baseline, recalibrated, settled, after, shipped if complete else None)
+    known = model.around(model.laws, chosen)
+    return Arms(caused, known, settled, after, shipped if complete else None)
 
 
 def _examined(which: Which, names: list[str]) -> tuple[ExaminedEffect, ...]:

@@ -7,7 +7,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bayesfric.gap.causes import CauseDraws
-from bayesfric.gap.shrink import Arms, GapFigures, Squares, explained, gap_row
+from bayesfric.gap.shrink import SURE, Arms, GapFigures, Squares, explained, gap_row
 from bayesfric.gap.trajectories import Example
 from bayesfric.schemas import Gap
 
@@ -48,8 +48,12 @@ def gap_figures(
         for name, squares in figures.held_out
     ]
     (first, systematic, draws), *_ = rows
-    if causes and arms.predicted:
-        draws = explained(figures.held_out[0][1], rng)
+    if causes and arms.causes.columns:
+        taken = explained(figures.held_out[0][1], rng)
+        # What causes take away is known better than a distance from the floor, unless they
+        # do not explain a gap that there surely is.
+        whole = arms.predicted and np.mean(draws > 0) < SURE
+        draws = taken if whole else np.maximum(taken, draws)
     inside, _, _ = gap_row(
         "in sample", figures.in_sample, causes=causes, shipped_why=NO_SHIPPED, rng=rng
     )

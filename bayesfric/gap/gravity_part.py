@@ -14,7 +14,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bayesfric.gap.candidates import Candidate
-from bayesfric.gap.gravity_rows import GravityRows, assemble
+from bayesfric.gap.gravity_columns import assemble
+from bayesfric.gap.gravity_rows import GravityRows
 from bayesfric.gap.information import Information
 from bayesfric.gap.layout import Layout
 from bayesfric.gap.smooths import Smooth
@@ -152,8 +153,12 @@ class GravityPart:
         trials = np.ones(len(self.setup), dtype=bool) if used is None else used
         chosen, spread = [0], [noise.tau]
         acting = list(scatters)
-        known = [block for block, _ in acting]
-        for block, amplitude in (*acting, *(one for one in self._little if one[0] not in known)):
+        little = [one for one in self._little if one[0] not in [block for block, _ in acting]]
+        for block, amplitude in acting:
+            # An effect that acts does so on top of its small amount.
+            amount = [sd for other, sd in self._little if other == block]
+            little.append((block, float(np.linalg.norm([amplitude, *amount]))))
+        for block, amplitude in little:
             chosen += range(block.start, block.stop)
             spread += [amplitude] * (block.stop - block.start)
         sd = np.array(spread)

@@ -9,7 +9,6 @@ acceleration alone is one row: the travel that it makes from rest.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -19,41 +18,18 @@ from bayesfric.boards.gravity import coulomb_acceleration, nominal_tension, tens
 from bayesfric.effects import Reading, State
 from bayesfric.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.gap.candidates import Candidate, unit_values
-from bayesfric.gap.layout import Layout
-from bayesfric.gap.motion import follow, travel_to_speed
+from bayesfric.gap.motion import MeasuredMotion, travel_to_speed
 from bayesfric.gap.smooths import Smooth
 from bayesfric.likelihood.gravity import trial_condition
 from bayesfric.likelihood.hall_events import Events, prepare_events
-from bayesfric.likelihood.paths import Paths, trial_paths
 from bayesfric.recording.tables import Gravity, Rig
 
-__all__ = ["GravityRows", "MeasuredMotion", "assemble", "measured_motion", "rank"]
+__all__ = ["GravityRows", "rank"]
 
 Array = NDArray[np.float64]
 STATED_SD = 0.01  # m/s², of an acceleration that comes without its standard error
 ROUGH = 9.0  # times the noise: squared, what no smooth path follows
 LEAST_ACCELERATION = 0.02  # m/s², where the reference law predicts that the cable stands
-
-
-class MeasuredMotion(NamedTuple):
-    """What events say of N trials' motion, whatever the law is.
-
-    Parameters
-    ----------
-    paths : Paths
-        Splines through the events.
-    rough : ndarray, shape (E,)
-        What they leave of each event [m].
-    """
-
-    paths: Paths
-    rough: Array
-
-
-def measured_motion(gravity: Gravity, rig: Rig) -> MeasuredMotion:
-    """Follow the motion of each trial."""
-    events = prepare_events(gravity.events, gravity.trials["trial"])
-    return MeasuredMotion(*follow(trial_paths(gravity, rig), events))
 
 
 class GravityRows:
@@ -133,6 +109,7 @@ class GravityRows:
             "n_pulleys": np.asarray(self.state.n_pulleys, dtype=np.float64),
             "wrap_angle": np.asarray(self.state.wrap_angle_deg, dtype=np.float64),
             "order": self.order[:, None],
+            "acceleration": self.acceleration[:, None],
         }
 
     def forces(self, force_n: Array) -> Array:
@@ -167,10 +144,11 @@ class GravityRows:
         smooth : Smooth
             The process.
         force_n : ndarray, shape (N,)
-            Unit of the force in each trial [N].
+            Unit of the force in each trial, unless it is friction [N].
         """
         shapes = smooth.columns(self.covariates())
-        return np.stack([self.forces(force_n[:, None] * shape) for shape in shapes], axis=1)
+        unit = self.friction_n if smooth.relative else force_n
+        return np.stack([self.forces(unit[:, None] * shape) for shape in shapes], axis=1)
 
     def candidate_columns(self, candidate: Candidate) -> Array:
         """Return what an effect of amplitude 1 does, shape (E, C) [m].
@@ -384,63 +362,3 @@ def rank(trials: pd.DataFrame) -> Array:
     if "order" not in trials or trials["order"].isna().any() or len(trials) < 2:
         return np.full(len(trials), 0.5)
     return np.asarray((trials["order"].rank().to_numpy(dtype=np.float64) - 1) / (len(trials) - 1))
-
-
-def assemble(
-    rows: GravityRows,
-    layout: Layout,
-    smooths: Sequence[Smooth],
-    candidates: Sequence[Candidate],
-    small: Sequence[Candidate],
-    scales: Array,
-    force_n: Array,
-) -> tuple[Array, Array, list[slice]]:
-    """Return the columns of the local numbers and of what scatters.
-
-    Parameters
-    ----------
-    rows : GravityRows
-        The rows.
-    layout : Layout
-        Where the columns stand.
-    smooths, candidates, small : sequence
-        In the order of the layout.
-    scales : ndarray, shape (q,)
-        What each column is multiplied by.
-    force_n : ndarray, shape (N,)
-        Unit of the smooth forces in each trial [N].
-
-    Returns
-    -------
-    columns : ndarray, shape (E, q)
-        Of the local numbers [m]; zero where a number does not act here.
-    random : ndarray, shape (E, R)
-        Of friction's scatter, then of the phases at unit amplitude.
-    blocks : list of slice
-        The phases of each candidate, then of each small amount, among the columns that
-        scatter; empty without any.
-    """
-    columns = np.zeros((rows.residual.size, layout.local))
-    columns[:, :3] = rows.coefficient_columns()
-    place = 3
-    for smooth in smooths:
-        if smooth.rig != "motor":
-            columns[:, place : place + smooth.count] = rows.smooth_columns(smooth, force_n)
-        place += smooth.count
-    random, blocks = [rows.scatter_column()[:, None]], []
-    known: dict[tuple[str, str], slice] = {}
-    width = 1
-    stands = [layout.candidate(index) for index in range(len(candidates))]
-    stands += [layout.small_amount(index) for index in range(len(small))]
-    for candidate, column in zip((*candidates, *small), stands, strict=True):
-        if not candidate.effect.components:
-            columns[:, column] = rows.candidate_columns(candidate)[:, 0]
-            blocks.append(slice(0, 0))
-            continue
-        key = (candidate.effect.name, candidate.law)
-        if key not in known:  # nodes differ in amplitude alone
-            random.append(rows.candidate_columns(candidate))
-            known[key] = slice(width, width + random[-1].shape[1])
-            width = known[key].stop
-        blocks.append(known[key])
-    return columns * scales, np.hstack(random), blocks

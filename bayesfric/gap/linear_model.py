@@ -14,29 +14,26 @@ from scipy import optimize
 from bayesfric.analysis import Analysis, Prior
 from bayesfric.friction import Coefficients
 from bayesfric.gap.candidates import Candidate, prior_moments
+from bayesfric.gap.discrepancy import Wide, smooth_forces
 from bayesfric.gap.gravity_part import GravityNoise, GravityPart
-from bayesfric.gap.gravity_rows import GravityRows, MeasuredMotion, measured_motion
+from bayesfric.gap.gravity_rows import GravityRows
 from bayesfric.gap.information import Information
 from bayesfric.gap.layout import COEFFICIENTS, Layout
+from bayesfric.gap.motion import MeasuredMotion, measured_motion
 from bayesfric.gap.motor_part import MotorNoise, MotorPart
+from bayesfric.gap.noise import bounds, log_prior
 from bayesfric.gap.small_amounts import small_amounts
-from bayesfric.gap.smooths import Smooth, smooth_along
 from bayesfric.laplace import finite_hessian
 from bayesfric.likelihood.hypothesis import Data
 from bayesfric.paper import table1
-from bayesfric.priors import log_density
 
-__all__ = ["Acting", "LinearModel", "Wide"]
+__all__ = ["Acting", "LinearModel"]
 
 Array = NDArray[np.float64]
-KAPPA_SD_LOG = 0.3  # of the events' variance over its first estimate
 START_SCATTER = 0.015
 KEPT = 24  # of what boards said last
 STEP = 1e-4  # of a logarithm, for differences
 WIDTH = 0.15  # of a logarithm, over which the log density changes by about 1/2
-SMALLEST, LARGEST = 1e-4, 1.0  # scatter of friction that is looked at
-SHARED_AXES = ("velocity", "tension", "n_pulleys", "wrap_angle")
-TRIAL_AXES = ("displacement", "order")
 
 
 @dataclass(frozen=True)
@@ -53,22 +50,6 @@ class Acting:
 
     columns: tuple[int, ...] = ()
     phases: tuple[int, ...] = ()
-
-
-@dataclass(frozen=True)
-class Wide:
-    """Smooth forces beyond the discrepancy that every hypothesis has.
-
-    Parameters
-    ----------
-    share : float
-        Rms of the forces that are wide, as a share of rms friction.
-    smooths : tuple of int
-        Their places; the others are as wide as the discrepancy.
-    """
-
-    share: float
-    smooths: tuple[int, ...]
 
 
 class LinearModel:
@@ -142,7 +123,7 @@ class LinearModel:
             unit = dict.fromkeys(data.sizes, 1.0)
             bare = MotorPart(data.motor, data.rig, laws, radii, empty, (), (), (), plain, unit)
         self.friction_scale = _friction_scale(data.sizes, rows, bare)
-        self.smooths = _smooths(rows, bare) if discrepancy else ()
+        self.smooths = smooth_forces(rows, bare) if discrepancy else ()
         count = sum(smooth.count for smooth in self.smooths)
         if small is None:
             small = small_amounts(rows, bare, candidates, practical_share)
@@ -179,19 +160,23 @@ class LinearModel:
         discrepancy: bool = True,
         scattering: Sequence[tuple[Candidate, float]] | None = None,
         released: Sequence[tuple[Candidate, float]] | None = None,
+        widened: float = 1.0,
     ) -> "LinearModel":
-        """Return the model around another reference law, with other effects that may act."""
+        """Return the model around another reference law, with other effects that may act.
+
+        Its discrepancy is `widened` times as wide as this one's.
+        """
         return LinearModel(
             self.data,
             laws,
             candidates,
             self.analysis,
-            self.practical_share,
+            widened * self.practical_share,
             self.fixed,
             discrepancy=discrepancy,
             scattering=self.scattering if scattering is None else scattering,
             released=released if scattering is not None or released is not None else self.released,
-            small=self._amounts,
+            small=[(candidate, widened * sd) for candidate, sd in self._amounts],
             measured=self._measured,
         )
 
@@ -204,6 +189,14 @@ class LinearModel:
         if self.motor is not None:
             noise += [*self.motor.start()]
         return np.log(noise)
+
+    def quiet(self, psi: Array) -> Array:
+        """Return a noise whose friction scatters no more than on a good rig."""
+        found = psi.copy()
+        scatter = [] if self.gravity is None else [0, 1]
+        scatter += [] if self.motor is None else [-4, -3]
+        found[scatter] = np.minimum(found[scatter], np.log(START_SCATTER))
+        return found
 
     def noise(self, psi: Array) -> tuple[GravityNoise | None, MotorNoise | None]:
         """Return the noise of each board, from logarithms."""
@@ -313,20 +306,7 @@ class LinearModel:
 
     def log_prior(self, psi: Array) -> float:
         """Return the log prior density of the logarithms of the noise."""
-        priors = self.analysis.priors
-        gravity, motor = self.noise(psi)
-        total = float(psi.sum())  # a density of logarithms
-        if gravity is not None:
-            total += float(log_density(priors.tau, gravity.tau))
-            total += float(log_density(priors.omega, gravity.omega))
-            deviation = np.log(gravity.kappa) / KAPPA_SD_LOG
-            total -= np.log(gravity.kappa) + 0.5 * deviation**2
-        if motor is not None:
-            total += float(log_density(priors.tau_motor, motor.tau))
-            total += float(log_density(priors.omega_motor, motor.omega))
-            total += float(log_density(priors.sigma_current, motor.sigma_a))
-            total += float(log_density(priors.load_noise, motor.load))
-        return total
+        return log_prior(self.analysis.priors, psi, *self.noise(psi))
 
     def log_joint(self, psi: Array, acting: Acting, wide: Wide | None = None) -> float:
         """Return the log density of data and noise, all linear numbers integrated out."""
@@ -352,7 +332,7 @@ class LinearModel:
             objective,
             psi,
             method="L-BFGS-B",
-            bounds=self._bounds(),
+            bounds=bounds(self.gravity is not None, self.motor is not None),
             options={"eps": STEP, "ftol": 5e-9, "gtol": 3e-2, "maxiter": 40},
         )
         return np.asarray(found.x), -float(found.fun)
@@ -368,15 +348,6 @@ class LinearModel:
         # A noise that the data leave open has the width of its prior, about one.
         known = np.maximum(curvature, 1.0)
         return float(0.5 * (psi.size * np.log(2 * np.pi) - np.log(known).sum()))
-
-    def _bounds(self) -> list[tuple[float, float]]:
-        scatter = (np.log(SMALLEST), np.log(LARGEST))
-        bounds: list[tuple[float, float]] = []
-        if self.gravity is not None:
-            bounds += [scatter, scatter, (np.log(0.05), np.log(1e4))]
-        if self.motor is not None:
-            bounds += [scatter, scatter, (np.log(1e-5), 0.0), (np.log(1e-4), np.log(0.5))]
-        return bounds
 
     def _scales(self) -> Array:
         priors = self.analysis.priors
@@ -453,29 +424,3 @@ def _friction_scale(
                 found.append(part.friction_n[(part.trials["pulley_size"] == size).to_numpy()])
         scale[size] = float(np.sqrt(np.mean(np.concatenate(found) ** 2)))
     return scale
-
-
-def _smooths(rows: GravityRows | None, motor: MotorPart | None) -> tuple[Smooth, ...]:
-    found: list[Smooth | None] = []
-    here = [part.covariates() for part in (rows, motor) if part is not None]
-    ranges = {
-        axis: (
-            min(float(np.min(where[axis])) for where in here),
-            max(float(np.max(where[axis])) for where in here),
-        )
-        for axis in SHARED_AXES
-    }
-    both = ("velocity", "tension")
-    found += [smooth_along({axis: ranges[axis]}) for axis in SHARED_AXES]
-    found.append(smooth_along({axis: ranges[axis] for axis in both}))
-    if rows is not None:
-        where = rows.covariates()
-        for axis in TRIAL_AXES:
-            limits = (float(np.min(where[axis])), float(np.max(where[axis])))
-            found.append(smooth_along({axis: limits}, "gravity"))
-    if rows is not None and motor is not None:
-        where = motor.covariates()
-        for axis in SHARED_AXES:
-            limits = (float(np.min(where[axis])), float(np.max(where[axis])))
-            found.append(smooth_along({axis: limits}, "motor"))
-    return tuple(smooth for smooth in found if smooth is not None)

@@ -5,16 +5,18 @@ which the cable rubs does not disturb the release.
 """
 
 from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import cumulative_simpson
 from scipy.interpolate import BSpline
 
-from bayesfric.likelihood.hall_events import Events
-from bayesfric.likelihood.paths import LEAST_SPEED_SHARE, POINTS, Paths
+from bayesfric.likelihood.hall_events import Events, prepare_events
+from bayesfric.likelihood.paths import LEAST_SPEED_SHARE, POINTS, Paths, trial_paths
+from bayesfric.recording.tables import Gravity, Rig
 
-__all__ = ["follow", "travel_to_speed"]
+__all__ = ["MeasuredMotion", "measured_motion", "travel_to_speed"]
 
 Array = NDArray[np.float64]
 DEGREE = 4
@@ -23,7 +25,28 @@ STAGES, CORRECTIONS = 33, 6  # of the motion from rest to a speed
 LEAST_ACCELERATION = 0.02  # m/s², of a cable that is said to be released from rest
 
 
-def follow(paths: Paths, events: Events) -> tuple[Paths, Array]:
+class MeasuredMotion(NamedTuple):
+    """What events say of N trials' motion, whatever the law is.
+
+    Parameters
+    ----------
+    paths : Paths
+        Splines through the events.
+    rough : ndarray, shape (E,)
+        What they leave of each event [m].
+    """
+
+    paths: Paths
+    rough: Array
+
+
+def measured_motion(gravity: Gravity, rig: Rig) -> MeasuredMotion:
+    """Follow the motion of each trial."""
+    events = prepare_events(gravity.events, gravity.trials["trial"])
+    return MeasuredMotion(*_follow(trial_paths(gravity, rig), events))
+
+
+def _follow(paths: Paths, events: Events) -> tuple[Paths, Array]:
     """Smooth the motion of each trial that has events.
 
     Parameters
@@ -92,16 +115,14 @@ def travel_to_speed(speed_m_s: Array, acceleration: Callable[[Array, Array], Arr
     speed_m_s : ndarray, shape (N,)
         The speeds [m/s].
     acceleration : callable
-        Of travel [m] and speed [m/s], both (N, S), to accelerations that broadcast to
-        (N, S) [m/s²].
+        Of travel [m] and speed [m/s], both (N, S), to accelerations (N, S) [m/s²].
     """
     share = np.linspace(0, 1, STAGES)
-    square = speed_m_s[:, None] ** 2
-    start = np.zeros((speed_m_s.size, STAGES))
-    rate = np.maximum(acceleration(start, start + speed_m_s[:, None]), LEAST_ACCELERATION)
-    travel = square * share / (2 * rate[:, :1])
+    speed = speed_m_s[:, None] * share
+    rate = np.maximum(acceleration(0 * speed, speed_m_s[:, None] + 0 * speed), LEAST_ACCELERATION)
+    travel = speed**2 / (2 * rate[:, :1])
     for _ in range(CORRECTIONS):
-        # d(v²)/dx = 2a: along the squares of the speed, dx = d(v²) / 2a.
-        rate = np.maximum(acceleration(travel, np.sqrt(square * share)), LEAST_ACCELERATION)
-        travel = square / 2 * cumulative_simpson(1 / rate, x=share, axis=1, initial=0)
+        # d(v²)/dx = 2a, so that dx = v dv / a.
+        rate = np.maximum(acceleration(travel, speed), LEAST_ACCELERATION)
+        travel = speed_m_s[:, None] * cumulative_simpson(speed / rate, x=share, axis=1, initial=0)
     return np.asarray(travel[:, -1])

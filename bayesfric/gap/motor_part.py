@@ -146,7 +146,8 @@ class MotorPart:
         for smooth in smooths:
             if smooth.rig != "gravity":
                 shapes = smooth.columns(self.covariates())
-                columns[:, place : place + smooth.count] = self._amperes(force * shapes).T
+                unit = self.friction_n if smooth.relative else force
+                columns[:, place : place + smooth.count] = self._amperes(unit * shapes).T
             place += smooth.count
         for index, candidate in enumerate(candidates):
             columns[:, layout.candidate(index)] = self._candidate(candidate)

@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from bayesfric.boards.gravity import coulomb_acceleration
 from bayesfric.friction import Coefficients
-from bayesfric.gap.gravity_rows import GravityRows, measured_motion
+from bayesfric.gap.gravity_rows import GravityRows
 from bayesfric.gap.layout import COEFFICIENTS
 from bayesfric.gap.linear_model import LinearModel
+from bayesfric.gap.motion import measured_motion
 from bayesfric.gap.weighing import weigh
 from bayesfric.gap.which import NONE, UNKNOWN
 from bayesfric.likelihood.gravity import trial_condition

@@ -15,7 +15,15 @@ from bayesfric.gap.linear_model import Acting, LinearModel
 from bayesfric.gap.motor_part import MotorPart
 from bayesfric.gap.windows import Windows
 
-__all__ = ["AXES", "Residuals", "fitted", "local_numbers", "numbers_of_laws", "residuals_of"]
+__all__ = [
+    "AXES",
+    "Residuals",
+    "fitted",
+    "local_numbers",
+    "numbers_of_laws",
+    "recalibrated",
+    "residuals_of",
+]
 
 Array = NDArray[np.float64]
 AXES = {
@@ -177,7 +185,7 @@ def fitted(
     acting: Acting,
     used: Mapping[str, NDArray[np.bool_]] | None = None,
 ) -> tuple[Array, Array]:
-    """Fit a model without discrepancy.
+    """Fit a model.
 
     Parameters
     ----------
@@ -230,4 +238,44 @@ def numbers_of_laws(model: LinearModel, laws: Mapping[str, Coefficients], number
             found[place * own + column] = moved / model.scale(column)
     if model.layout.idle:
         found[-model.layout.idle :] = numbers[-model.layout.idle :]
+    return found
+
+
+def recalibrated(
+    model: LinearModel, residuals: Residuals, rows: NDArray[np.bool_], numbers: Array
+) -> Array:
+    """Return numbers with the law that fits the forces of some windows best.
+
+    Least squares with the weights of the gap, and the prior of the law: what a force that
+    the law does not have does within a trial does not bend the law, as it would if events
+    were taken to be as precise as they are.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Without discrepancy.
+    residuals : Residuals
+        Of its windows.
+    rows : ndarray of bool, shape (R,)
+        Those that enter.
+    numbers : ndarray, shape (p,)
+        Of every number of the model; the law's are left aside, the others held.
+    """
+    own, sizes = model.layout.own, len(model.layout.sizes)
+    mean, sd = (values[: own * sizes] for values in model.prior(()))
+    found = numbers.copy()
+    found[: own * sizes] = mean
+    weight = residuals.weight * rows
+    design = np.zeros((rows.size, own * sizes))
+    for size in range(sizes):
+        mine = residuals.size == size
+        design[mine, own * size : own * (size + 1)] = residuals.columns[mine, :own]
+    design *= sd
+    # An assembly's scatter enters once, however many windows there are of it.
+    assemblies = np.unique(residuals.setup[rows]).size
+    spread2 = residuals.friction_n**2 * (residuals.scatter**2).sum(axis=1)
+    certainty = assemblies / (weight * spread2).sum() * weight[:, None] * design
+    precision = design.T @ certainty + np.eye(own * sizes)
+    slope = certainty.T @ residuals.left(model, found)
+    found[: own * sizes] += sd * np.linalg.solve(precision, slope)
     return found

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from bayesfric.gap.candidates import Candidate, candidates_of
 from bayesfric.gap.linear_model import Acting, LinearModel
 from bayesfric.gap.reference import amplitudes_of, fitted_laws
+from bayesfric.gap.small_amounts import relative_rms
 from bayesfric.gap.weighing import Weighed, candidates_by_name, single_gains
 
 __all__ = ["sharpened", "sharpened_around"]
@@ -18,6 +19,7 @@ Array = NDArray[np.float64]
 ROUNDS = 2
 NEW = np.array([-3, -2, -1, 1, 2, 3]) / 4  # cells from the best node
 GAIN = 10.0  # nat that an effect alone adds, from which on its shape is looked at
+FORM = 0.1  # of an effect's force, by which its law may be wrong
 NEAR = 0.01  # width of a cell, in normal quantiles: closer, and no more nodes are needed
 
 
@@ -57,17 +59,26 @@ def sharpened(model: LinearModel, psi: Array) -> tuple[LinearModel, Array]:
 
 
 def sharpened_around(model: LinearModel, found: Weighed) -> LinearModel:
-    """Linearise around the law fitted with effects that act together; sharpen their shapes."""
+    """Linearise around the law fitted with effects that act together; sharpen their shapes.
+
+    No law of an effect is quite right: the discrepancy grows by a tenth of what the effects
+    do, lest the difference between two forms of one effect pass for another effect.
+    """
     best = np.full(len(model.candidates), -np.inf)
     for choice, weight in zip(found.choices, found.log_weights, strict=True):
         for place in choice.columns:
             best[place] = max(best[place], weight)
-    laws, scattering = (
+    acting = amplitudes_of(model, found.psi, found.best)
+    rows = None if model.gravity is None else model.gravity.rows
+    sizes = [relative_rms(rows, model.motor, one) * amplitude for one, amplitude in acting]
+    sizes += [model.candidates[place].amplitude for place in found.best.phases]
+    wrong = FORM * np.linalg.norm(sizes) / model.practical_share
+    return model.around(
         fitted_laws(model, found.psi, found.best),
-        amplitudes_of(model, found.psi, found.best),
+        _with_nodes(model, best, np.isfinite(best)),
+        scattering=acting,
+        widened=float(np.hypot(1.0, wrong)),
     )
-    candidates = _with_nodes(model, best, np.isfinite(best))
-    return model.around(laws, candidates, scattering=scattering)
 
 
 def _gains(model: LinearModel, psi: Array) -> Array:

@@ -8,18 +8,25 @@ scatter's own uncertainty.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.friction import Coefficients
 from bayesfric.gap.candidates import goes_to_and_fro
+from bayesfric.gap.layout import COEFFICIENTS
 from bayesfric.gap.linear_model import Acting, LinearModel
-from bayesfric.gap.residuals import Residuals, fitted, numbers_of_laws, residuals_of
+from bayesfric.gap.residuals import (
+    Residuals,
+    fitted,
+    numbers_of_laws,
+    recalibrated,
+    residuals_of,
+)
 from bayesfric.schemas import GapRow, Interval
 
 __all__ = [
+    "SURE",
     "Arms",
     "GapFigures",
     "Squares",
@@ -45,41 +52,52 @@ class Arms:
     ----------
     model : LinearModel
         Without discrepancy; its candidates are the causes, whose force scatters.
-    baseline : LinearModel
-        The same without that.
-    before_psi, after_psi : ndarray
-        Logarithms of the noise of each arm.
-    after : Acting
+    known : LinearModel
+        The same with discrepancy, from which the causes are known.
+    psi : ndarray
+        Logarithms of the noise.
+    causes : Acting
         The causes.
     shipped : mapping of str to Coefficients, or None
         Published values of every size, if there are any.
     """
 
     model: LinearModel
-    baseline: LinearModel
-    before_psi: Array
-    after_psi: Array
-    after: Acting
+    known: LinearModel
+    psi: Array
+    causes: Acting
     shipped: Mapping[str, Coefficients] | None
 
-    def numbers(self, used: Mapping[str, NDArray[np.bool_]]) -> tuple[Array, Array]:
-        """Return the numbers of each arm, fitted to some trials and runs.
+    def numbers(self, residuals: Residuals, out: NDArray[np.bool_]) -> tuple[Array, Array]:
+        """Return the numbers of the model before and after, fitted without some windows.
+
+        The law is recalibrated in both alike; after, with the causes as they are known.
 
         Parameters
         ----------
-        used : mapping of str to ndarray of bool
-            Trials of ``gravity`` and runs of ``motor`` that enter.
+        residuals : Residuals
+            Of the model.
+        out : ndarray of bool, shape (R,)
+            Windows that are left out, with the trials and runs that they are of.
         """
-        before, _ = fitted(self.baseline, self.before_psi, Acting(), used)
-        if self.after == Acting():
+        layout, columns = self.known.layout, len(self.causes.columns)
+        found, _ = fitted(self.known, self.psi, self.causes, _used(self.model, residuals, out))
+        start = layout.own * len(layout.sizes)
+        law = np.zeros(COEFFICIENTS * len(layout.sizes))
+        amplitudes, idle = found[start : start + columns], found[found.size - layout.idle :]
+        before = np.concatenate([law, np.zeros(layout.candidates), idle])
+        after = before.copy()
+        after[law.size : law.size + columns] = amplitudes
+        before = recalibrated(self.model, residuals, ~out, before)
+        if not columns:
             return before, before
-        return before, fitted(self.model, self.after_psi, self.after, used)[0]
+        return before, recalibrated(self.model, residuals, ~out, after)
 
     @property
     def predicted(self) -> bool:
         """Whether the causes act on what a new trial does, all of them."""
-        effects = [self.model.candidates[place].effect for place in self.after.columns]
-        return not self.after.phases and not any(goes_to_and_fro(effect) for effect in effects)
+        effects = [self.model.candidates[place].effect for place in self.causes.columns]
+        return not self.causes.phases and not any(goes_to_and_fro(effect) for effect in effects)
 
 
 @dataclass(frozen=True)
@@ -131,6 +149,8 @@ class GapFigures:
         Of the folds, then of what was extrapolated to.
     in_sample : Squares
         Of the same with nothing held out.
+    numbers : tuple of (ndarray, ndarray)
+        Of the model before and after, fitted without each fold, then without nothing.
     """
 
     residuals: Residuals
@@ -139,13 +159,14 @@ class GapFigures:
     after: Array
     held_out: tuple[tuple[str, Squares], ...]
     in_sample: Squares
+    numbers: tuple[tuple[Array, Array], ...]
 
     def strengths(self, arms: Arms) -> dict[str, float]:
         """Return the rms force of each cause over rms friction, by name."""
-        model, acting, found = arms.model, arms.after, self.residuals
+        model, acting, found = arms.model, arms.causes, self.residuals
         weight = found.weight
         friction2 = (weight * found.friction_n**2).sum()
-        numbers, _ = fitted(model, arms.after_psi, acting)
+        numbers = self.numbers[-1][1]
         count = model.layout.own * len(model.layout.sizes)
         strengths = {}
         for place in acting.columns:
@@ -177,22 +198,27 @@ def measure_gap(arms: Arms, rng: np.random.Generator) -> GapFigures:
     rng : Generator
         Assigns assemblies to folds.
     """
-    residuals = residuals_of(arms.model, arms.after_psi)
+    residuals = residuals_of(arms.model, arms.psi)
     fold = folds_of(residuals.setup, rng)
     left = np.full((3, fold.size), np.nan)
+    numbers = []
     for number in range(int(fold.max()) + 1):
         rows = fold == number
-        left[:, rows] = _left(arms, residuals, rows)[:, rows]
-    nowhere = np.zeros(fold.size, dtype=bool)
+        numbers.append(arms.numbers(residuals, rows))
+        left[:, rows] = _left(arms, residuals, numbers[-1])[:, rows]
+    numbers.append(arms.numbers(residuals, np.zeros(fold.size, dtype=np.bool_)))
     held_out = [("folds over assemblies", squares_of(residuals, left))]
     for name, rows in _outermost(residuals).items():
-        squares = squares_of(residuals, _left(arms, residuals, rows)).of(rows)
+        one = _left(arms, residuals, arms.numbers(residuals, rows))
+        squares = squares_of(residuals, one).of(rows)
         held_out.append((name, squares.over(float(residuals.weight[rows].sum()))))
-    in_sample = squares_of(residuals, _left(arms, residuals, nowhere))
-    return GapFigures(residuals, fold, left[1], left[2], tuple(held_out), in_sample)
+    in_sample = squares_of(residuals, _left(arms, residuals, numbers[-1]))
+    return GapFigures(residuals, fold, left[1], left[2], tuple(held_out), in_sample, tuple(numbers))
 
 
-def used_rows(model: LinearModel, residuals: Residuals, out: NDArray[np.bool_]) -> dict[str, Any]:
+def _used(
+    model: LinearModel, residuals: Residuals, out: NDArray[np.bool_]
+) -> dict[str, NDArray[np.bool_]]:
     """Return which trials and runs stay where those of some windows are left out."""
     gone = np.zeros(len(residuals.names), dtype=bool)
     gone[residuals.trial[out]] = True
@@ -200,15 +226,14 @@ def used_rows(model: LinearModel, residuals: Residuals, out: NDArray[np.bool_]) 
     return {"gravity": ~gone[:trials], "motor": ~gone[trials:]}
 
 
-def _left(arms: Arms, residuals: Residuals, out: NDArray[np.bool_]) -> Array:
-    """Return residuals as shipped, before and after, fitted without some; (3, R) [N]."""
+def _left(arms: Arms, residuals: Residuals, numbers: tuple[Array, Array]) -> Array:
+    """Return residuals as shipped, before and after, shape (3, R) [N]."""
     model = arms.model
-    used = used_rows(model, residuals, out)
-    plain, caused = arms.numbers(used)
-    shipped = np.full(out.size, np.nan)
+    before, after = (residuals.left(model, one) for one in numbers)
+    shipped = np.full(before.size, np.nan)
     if arms.shipped is not None:
-        shipped = residuals.left(model, numbers_of_laws(model, arms.shipped, plain))
-    return np.stack([shipped, residuals.left(model, plain), residuals.left(model, caused)])
+        shipped = residuals.left(model, numbers_of_laws(model, arms.shipped, numbers[0]))
+    return np.stack([shipped, before, after])
 
 
 def _outermost(residuals: Residuals) -> dict[str, NDArray[np.bool_]]:

@@ -14,7 +14,7 @@ from bayesfric.gap.candidates import Candidate, goes_to_and_fro
 from bayesfric.gap.gravity_rows import GravityRows
 from bayesfric.gap.motor_part import MotorPart
 
-__all__ = ["small_amounts"]
+__all__ = ["relative_rms", "small_amounts"]
 
 Array = NDArray[np.float64]
 SHAPES = np.array([-1.0, 0.0, 1.0])  # normal quantiles of the prior of a shape
@@ -49,13 +49,13 @@ def small_amounts(
         each = [Candidate(effect, law, float(node), 0.0) for law in effect.laws for node in nodes]
         part = share / np.sqrt(len(effects) * len(each))
         for candidate in each:
-            size = _relative_rms(rows, motor, candidate)
+            size = relative_rms(rows, motor, candidate)
             if size > 0:
                 found.append((candidate, part / size))
     return found
 
 
-def _relative_rms(rows: GravityRows | None, motor: MotorPart | None, candidate: Candidate) -> float:
+def relative_rms(rows: GravityRows | None, motor: MotorPart | None, candidate: Candidate) -> float:
     """Return the rms of what amplitude 1 does to friction, over the boards where it acts."""
     squares: list[Array] = []
     if rows is not None:

@@ -2,9 +2,10 @@
 
 A force along each covariate is a zero-mean Gaussian process with the squared
 exponential kernel and a length scale of a third of the covariate's range; along speed
-by tension it is a process of both. Each is reduced to its leading eigenvectors, so
-that the force is linear in a few standard normal numbers. The processes share the
-variance equally.
+by tension it is a process of both. What changes from one number of pulleys or one day to
+the next changes all friction in proportion: there a process of half that length scale is
+a share of friction. Each is reduced to its leading eigenvectors, so that the force is
+linear in a few standard normal numbers. The processes share the variance equally.
 """
 
 from collections.abc import Mapping
@@ -19,7 +20,7 @@ __all__ = ["Smooth", "smooth_along"]
 
 Array = NDArray[np.float64]
 NODES = 25
-LENGTH_SHARE = 1 / 3  # of the range
+BROAD, NARROW = 1 / 3, 1 / 6  # length scales, as shares of the range
 KEPT = 0.995  # of a process' variance
 
 
@@ -37,12 +38,20 @@ class Smooth:
         Which eigenvectors of each axis are multiplied.
     rig : {"gravity", "motor"} or None
         The only board that it acts on; None is both.
+    relative : bool
+        Whether it is a share of friction, and narrow; else a force, and broad.
     """
 
     axes: tuple[str, ...]
     ranges: tuple[tuple[float, float], ...]
     kept: NDArray[np.intp]
     rig: str | None = None
+    relative: bool = False
+
+    @property
+    def length(self) -> float:
+        """Length scale, as a share of each range."""
+        return NARROW if self.relative else BROAD
 
     @property
     def axis(self) -> str:
@@ -63,7 +72,7 @@ class Smooth:
             By name, of shapes that broadcast.
         """
         tables = [
-            _eigenfunctions()(_place(covariates[axis], limits))
+            _eigenfunctions(self.length)(_place(covariates[axis], limits))
             for axis, limits in zip(self.axes, self.ranges, strict=True)
         ]
         products = []
@@ -76,7 +85,7 @@ class Smooth:
 
 
 def smooth_along(
-    ranges: Mapping[str, tuple[float, float]], rig: str | None = None
+    ranges: Mapping[str, tuple[float, float]], rig: str | None = None, *, relative: bool = False
 ) -> Smooth | None:
     """Return the process along covariates, or None where one of them does not vary.
 
@@ -86,16 +95,19 @@ def smooth_along(
         Lowest and highest value by covariate.
     rig : {"gravity", "motor"} or None
         The only board that it acts on.
+    relative : bool
+        Whether it is a share of friction, and narrow; else a force, and broad.
     """
     if any(high <= low for low, high in ranges.values()):
         return None
-    share = _eigenvalues()
+    length = NARROW if relative else BROAD
+    share = _eigenvalues(length)
     for _ in range(len(ranges) - 1):
-        share = np.multiply.outer(share, _eigenvalues())
+        share = np.multiply.outer(share, _eigenvalues(length))
     order = np.argsort(share, axis=None)[::-1]
     count = int(np.searchsorted(np.cumsum(share.ravel()[order]), KEPT)) + 1
     kept = np.stack(np.unravel_index(order[:count], share.shape), axis=1)
-    return Smooth(tuple(ranges), tuple(ranges.values()), kept, rig)
+    return Smooth(tuple(ranges), tuple(ranges.values()), kept, rig, relative)
 
 
 def _place(values: Array, limits: tuple[float, float]) -> Array:
@@ -104,21 +116,21 @@ def _place(values: Array, limits: tuple[float, float]) -> Array:
 
 
 @cache
-def _kernel() -> tuple[Array, Array, Array]:
+def _kernel(length: float) -> tuple[Array, Array, Array]:
     grid = np.linspace(0, 1, NODES)
-    kernel = np.exp(-0.5 * ((grid[:, None] - grid) / LENGTH_SHARE) ** 2)
+    kernel = np.exp(-0.5 * ((grid[:, None] - grid) / length) ** 2)
     values, vectors = np.linalg.eigh(kernel)
     return grid, np.maximum(values[::-1], 0.0), vectors[:, ::-1]
 
 
-def _eigenvalues() -> Array:
-    values = _kernel()[1]
+def _eigenvalues(length: float) -> Array:
+    values = _kernel(length)[1]
     return np.asarray(values / values.sum())
 
 
 @cache
-def _eigenfunctions() -> BSpline:
-    grid, values, vectors = _kernel()
+def _eigenfunctions(length: float) -> BSpline:
+    grid, values, vectors = _kernel(length)
     # Signs are settled, so that one machine's eigenvectors are another's.
     signs = np.sign(vectors[np.abs(vectors).argmax(axis=0), np.arange(NODES)])
     return make_interp_spline(grid, vectors * signs * np.sqrt(values), k=3)

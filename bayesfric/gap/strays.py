@@ -9,7 +9,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from bayesfric.friction import Coefficients
-from bayesfric.gap.gravity_rows import GravityRows, measured_motion
+from bayesfric.gap.gravity_rows import GravityRows
+from bayesfric.gap.motion import measured_motion
 from bayesfric.likelihood.hypothesis import Data
 from bayesfric.paper import table1
 

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.gap.gravity_part import GravityPart
-from bayesfric.gap.residuals import Residuals, local_numbers, numbers_of_laws
-from bayesfric.gap.shrink import Arms, Squares, used_rows
+from bayesfric.gap.residuals import local_numbers, numbers_of_laws
+from bayesfric.gap.shrink import Arms, GapFigures, Squares
 
 __all__ = ["Example", "free_running"]
 
@@ -35,27 +35,23 @@ class Example:
     after_m: Array
 
 
-def free_running(
-    arms: Arms, residuals: Residuals, fold: NDArray[np.intp]
-) -> tuple[Squares, tuple[Example, ...]] | None:
+def free_running(arms: Arms, figures: GapFigures) -> tuple[Squares, tuple[Example, ...]] | None:
     """Return squares of the deviation of each held-out trial [m²], and some examples.
 
     Parameters
     ----------
     arms : Arms
         Both models.
-    residuals : Residuals
-        For conditions and assemblies.
-    fold : ndarray of int, shape (R,)
-        In which each window was held out; a trial's is that of its first.
+    figures : GapFigures
+        Fitted without each fold; a trial's is that of its first window.
 
     Returns
     -------
     tuple or None
         None where no trial has events enough.
     """
-    model = arms.model
-    part, noise = model.gravity, model.noise(arms.after_psi)[0]
+    model, residuals, fold = arms.model, figures.residuals, figures.fold
+    part, noise = model.gravity, model.noise(arms.psi)[0]
     if part is None or noise is None:
         return None
     first = np.unique(residuals.trial, return_index=True)[1]
@@ -63,7 +59,7 @@ def free_running(
     spread2 = noise.tau**2 + noise.omega**2
     trials, squares, left = [], [], {}
     for number in range(int(fold.max()) + 1):
-        arm = _arms(arms, residuals, fold == number)
+        arm = _arms(arms, figures.numbers[number])
         for trial in np.flatnonzero(fold[first[: len(rows_of)]] == number):
             rows, numbers = rows_of[trial], arm[:, part.size[trial]]
             run = _Running.of(part, rows)
@@ -94,12 +90,11 @@ def free_running(
     )
 
 
-def _arms(arms: Arms, residuals: Residuals, out: NDArray[np.bool_]) -> Array:
-    """Return local numbers as shipped, before and after, without some windows, (3, sizes, q)."""
-    model, used = arms.model, used_rows(arms.model, residuals, out)
-    plain, caused = arms.numbers(used)
+def _arms(arms: Arms, numbers: tuple[Array, Array]) -> Array:
+    """Return local numbers as shipped, before and after, shape (3, sizes, q)."""
+    model, (plain, caused) = arms.model, numbers
     shipped = plain if arms.shipped is None else numbers_of_laws(model, arms.shipped, plain)
-    return np.stack([local_numbers(model, numbers) for numbers in (shipped, plain, caused)])
+    return np.stack([local_numbers(model, one) for one in (shipped, plain, caused)])
 
 
 @dataclass(frozen=True)

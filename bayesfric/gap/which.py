@@ -11,7 +11,8 @@ from scipy.special import logsumexp
 from scipy.stats import halfnorm
 
 from bayesfric.gap.classes import Classes, classes_of
-from bayesfric.gap.linear_model import Acting, LinearModel, Wide
+from bayesfric.gap.discrepancy import Wide
+from bayesfric.gap.linear_model import Acting, LinearModel
 from bayesfric.gap.weighing import Weighed, combine, weigh
 
 __all__ = [
@@ -31,7 +32,7 @@ NONE, UNKNOWN = "none", "unknown"
 PRIOR = {"none": 0.5, "one": 0.3, "two": 0.08, "more": 0.02, "unknown": 0.1}
 """Prior probabilities by number of effects, shared equally within a number."""
 UNKNOWN_SCALE = 0.1  # of rms friction: of the half-normal of an unknown force's rms
-UNKNOWN_NODES = np.linspace(0.025, 0.975, 20)  # quantiles of that half-normal
+UNKNOWN_NODES = np.linspace(0.05, 0.95, 10)  # quantiles of that half-normal
 FINALISTS = 10  # pairs that are weighed with all laws and shapes
 NEAR = 4.0  # nat from the best, of a hypothesis whose noise is integrated over
 WITHIN = 7.0  # nat from the best, prior included, of a pair that is worth it
@@ -217,6 +218,9 @@ def look_closer(model: LinearModel, which: Which, found: Weighed) -> Which:
             break
         best = better
     volume = which.log_evidence[NONE] - which.weighed[NONE].log_evidence
+    # A wider discrepancy, where the data ask for none, is not to cost these alone.
+    name = label(found.names)
+    volume += max(which.log_evidence[name] - volume - again[name].log_evidence, 0.0)
     values = {name: one.log_evidence + volume for name, one in again.items()}
     return replace(
         which,
@@ -345,7 +349,9 @@ def unknown_evidence(model: LinearModel, psi: Array, acting: Acting) -> Unknown:
         tuple(k for k, smooth in enumerate(model.smooths) if smooth.axis == axis) for axis in along
     ]
     nodes = tuple(Wide(float(share), group) for group in groups for share in shares)
-    at = psi
+    # A force that nobody looked for went into the scatter: try with less of it as well.
+    starts = (psi, model.quiet(psi))
+    at = max(starts, key=lambda start: float(model.log_joints(start, acting, nodes).max()))
     values = model.log_joints(at, acting, nodes)
     for _ in range(2):
         at, _ = model.climb(at, acting, nodes[int(np.argmax(values))])

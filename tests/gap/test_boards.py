@@ -10,16 +10,18 @@ from scipy.stats import multivariate_normal
 from bayesfric.analysis import Analysis
 from bayesfric.effects import all_effects
 from bayesfric.gap.candidates import candidates_of, prior_moments
+from bayesfric.gap.discrepancy import Wide
 from bayesfric.gap.gravity_part import GravityNoise
-from bayesfric.gap.gravity_rows import GravityRows, measured_motion
-from bayesfric.gap.linear_model import Acting, LinearModel, Wide
+from bayesfric.gap.gravity_rows import GravityRows
+from bayesfric.gap.linear_model import Acting, LinearModel
+from bayesfric.gap.motion import measured_motion
 from bayesfric.gap.motor_part import MotorNoise
 from bayesfric.gap.small_amounts import small_amounts
 from bayesfric.likelihood.hypothesis import Data
 from bayesfric.likelihood.screening import screen_trials
 from bayesfric.paper import table1
 from bayesfric.protocols import Protocol
-from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
+from bayesfric.simulate import AppliedEffect, Truth, simulate_recording, table1_coefficients
 from bayesfric.simulate.strength import at_strength
 
 SMALL = Protocol({(9, 85.0): 2, (15, 50.0): 1}, (6.0, 28.0), (6.0, 28.0), 2)
@@ -224,3 +226,18 @@ def test_a_wide_force_has_its_rms_whatever_number_of_processes_it_has(model):
     assert variance.mean() == pytest.approx(0.1**2, rel=0.02)
     others = np.setdiff1d(np.arange(3, model.layout.own), np.arange(rows.start, rows.stop))
     np.testing.assert_array_equal(wide[others], plain[others])
+
+
+def test_a_window_has_the_force_that_both_sensors_see():
+    """The load end reads a share s less: the mean of both s/2 less, a force of s·(m1 + m2)·a/2."""
+    share = 0.02
+    slip = AppliedEffect(all_effects()["slip"], "proportional", {"share": share})
+    quiet = Truth(tau=0.0, omega=0.0, sigma_x=1e-7, sigma_t=1e-7, effects=(slip,))
+    recording = simulate_recording(SMALL, seed=7, truth=quiet, rigs=("gravity",))
+    data = Data(recording.rig, recording.gravity, None)
+    plain = LinearModel(data, table1_coefficients(), (), Analysis(), SHARE, discrepancy=False)
+    rows, windows = plain.gravity.rows, plain.gravity.windows()
+    expected = share * rows.condition.total_mass_kg * rows.acceleration / 2
+    for trial, force in enumerate(expected):
+        found = windows.residual_n[windows.row == trial].mean()
+        assert abs(found) == pytest.approx(force, rel=0.1)

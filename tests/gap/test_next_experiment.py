@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from bayesfric.analysis import Analysis
-from bayesfric.boards.gravity import Condition, coulomb_acceleration, nominal_tension
+from bayesfric.boards.gravity import Condition, coulomb_acceleration
 from bayesfric.effects import all_effects
+from bayesfric.friction import tension_slope
 from bayesfric.gap.candidates import candidates_of
 from bayesfric.gap.linear_model import LinearModel
 from bayesfric.gap.next_experiment import next_experiment
@@ -47,13 +48,14 @@ def test_the_expected_factor_is_half_the_squared_distance_of_two_motions(model):
     mass = told["mass_drive_kg"] + told["mass_load_kg"]
     place = np.arange(0.0049, 0.6, 0.0098)
     time = np.sqrt(2 * place / reference)
+    slope = float(tension_slope(model.laws[size], told["n_pulleys"], told["wrap_angle_deg"]))
+    # A cable that falls more slowly has more tension, and so more friction.
+    mass_felt = mass - slope * (masses[0] - masses[1]) / 2
     # Drag against the speed squared: the fourth power of time.
     distance = (
         coulomb_acceleration(with_it, condition) - coulomb_acceleration(without, condition)
-    ) * time**2 / 2 - drag / mass * reference**2 * time**4 / 12
+    ) * time**2 / 2 - drag / mass_felt * reference**2 * time**4 / 12
     friction = condition.drive_force_n - mass * reference
-    tension = nominal_tension(condition, reference)
-    assert tension > 0
     noise = model.noise(psi)[0]
     column = -friction / mass * time**2 / 2
     sd2 = np.mean(model.gravity.rows.variance) * noise.kappa
@@ -62,8 +64,9 @@ def test_the_expected_factor_is_half_the_squared_distance_of_two_motions(model):
     )
     covariance += 1e3 * (1 + np.outer(time, time))  # where and how fast it was at first
     bound = distance @ np.linalg.solve(covariance, distance) / 2 / np.log(10)
-    # What is not known of the two laws takes some; that drag changes the tension adds some.
-    assert 0.7 * bound < proposal.log10_bayes_factor < 1.05 * bound
+    # What is not known of the two laws takes some of it, little where the data say much; a
+    # response is off by a per cent at most, its square by two.
+    assert 0.8 * bound < proposal.log10_bayes_factor < 1.02 * bound
 
 
 def test_nothing_is_proposed_where_nothing_is_open(model):

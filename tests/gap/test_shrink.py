@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bayesfric.gap.shrink import Squares, folds_of, gap_row
+from bayesfric.gap.shrink import Squares, explained, folds_of, gap_row
 
 SETUPS = np.repeat(np.arange(60), 4)
 
@@ -55,3 +55,10 @@ def test_folds_keep_assemblies_together_and_even():
     for setup in range(60):
         assert np.ptp(fold[setup == SETUPS]) == 0
     assert np.bincount(fold).tolist() == [48] * 5
+
+
+def test_what_the_causes_take_away_is_the_difference_of_squares():
+    """In every draw of assemblies, where each has the same; never below nothing."""
+    taken = explained(squares(0.5, 0.35, 0.3), np.random.default_rng(0))
+    np.testing.assert_allclose(taken, np.sqrt(0.25 - 0.1225), rtol=1e-9)
+    assert not explained(squares(0.3, 0.31, 0.3), np.random.default_rng(0)).any()

@@ -19,6 +19,8 @@ NO_GAP = np.full(100, 0.05)
         ({"none": 0.5, "viscous": 0.5}, GAP, "no-gap", 0.5),
         ({"none": 0.1, "viscous": 0.9}, NO_GAP, "no-gap", 1.0),
         ({"none": 0.1, "unknown": 0.5, "viscous": 0.4}, GAP, "unknown", 0.5),
+        # No cause takes anything away from an unknown force: that is no sign of no gap.
+        ({"none": 0.1, "unknown": 0.5, "viscous": 0.4}, NO_GAP, "unknown", 0.5),
         ({"none": 0.05, "unknown": 0.05, "viscous": 0.9}, GAP, "named", 0.9),
         ({"none": 0.1, "unknown": 0.1, "viscous": 0.5, "slip": 0.3}, GAP, "unseparated", 0.8),
     ],
