@@ -19,6 +19,11 @@ def test_covariance_is_that_of_the_kernel():
     np.testing.assert_allclose(columns.T @ columns, kernel, atol=0.03)
 
 
+def test_a_relative_force_is_twice_as_narrow():
+    columns = smooth_along({"order": (2.0, 5.0)}, relative=True).columns({"order": PLACES})
+    np.testing.assert_allclose(columns.T @ columns, squared_exponential(PLACES, 1.5), atol=0.06)
+
+
 def test_two_axes_are_a_product():
     rng = np.random.default_rng(0)
     where = {"velocity": rng.uniform(0, 1, 30), "tension": rng.uniform(2, 5, 30)}

@@ -1,0 +1,99 @@
+"""The discrepancy of every hypothesis: its units, how it grows, what it does not hide."""
+
+import numpy as np
+import pytest
+
+from bayesfric.analysis import Analysis, HalfNormal
+from bayesfric.effects import Effect, EffectParameter, all_effects
+from bayesfric.gap.candidates import candidates_of
+from bayesfric.gap.diagnosing import diagnose
+from bayesfric.gap.linear_model import LinearModel
+from bayesfric.gap.shapes import sharpened_around
+from bayesfric.gap.weighing import weigh
+from bayesfric.likelihood.hypothesis import Data
+from bayesfric.protocols import Protocol
+from bayesfric.simulate import AppliedEffect, Truth, simulate_recording, table1_coefficients
+
+SMALL = Protocol({(9, 85.0): 2, (15, 50.0): 1}, (6.0, 28.0), (6.0, 28.0), 2)
+SHARE = 0.005
+
+
+@pytest.fixture(scope="module")
+def model():
+    """Viscous friction of a tenth of friction is there; runout may be."""
+    recording = simulate_recording(SMALL, seed=5, effects={"viscous": 1.0})
+    data = Data(recording.rig, recording.gravity, recording.motor)
+    effects = [all_effects()[name] for name in ("viscous", "runout")]
+    candidates = [one for effect in effects for one in candidates_of(effect)]
+    return LinearModel(data, table1_coefficients(), candidates, Analysis(), SHARE)
+
+
+def test_a_relative_force_is_a_share_of_friction(model):
+    (place,) = (k for k, s in enumerate(model.smooths) if s.relative and s.axis == "n_pulleys")
+    smooth = model.smooths[place]
+    rows, motor = model.gravity.rows, model.motor
+    start = 3 + sum(s.count for s in model.smooths[:place])
+    shape = smooth.columns({"n_pulleys": rows.trials["n_pulleys"].to_numpy(dtype=float)[:, None]})
+    for k in range(smooth.count):
+        expected = rows.forces(rows.friction_n[:, None] * shape[k])
+        scale = model.scale(start + k)
+        np.testing.assert_allclose(model.gravity.columns[:, start + k], scale * expected)
+    shape = smooth.columns({"n_pulleys": motor.trials["n_pulleys"].to_numpy(dtype=float)})
+    expected = model.scale(start) * shape[0] * motor._amperes(motor.friction_n)
+    np.testing.assert_allclose(motor.columns[:, start], expected)
+
+
+def test_it_grows_by_a_tenth_of_what_the_effects_do(model):
+    """A tenth of friction, and a tenth of that beside the practical share: √(0.5² + 1²) %."""
+    found = weigh(model, ("viscous",), model.start)
+    wider = sharpened_around(model, found)
+    assert wider.practical_share == pytest.approx(np.hypot(SHARE, 0.01), rel=0.1)
+    ratio = wider.practical_share / SHARE
+    forces = slice(3, model.layout.own)
+    np.testing.assert_allclose(
+        wider.prior(())[1][forces], ratio * model.prior(())[1][forces], rtol=1e-12
+    )
+    for (_, sd), (_, before) in zip(wider.small, model.small, strict=True):
+        assert sd == pytest.approx(ratio * before, rel=1e-12)
+
+
+def test_an_effect_acts_on_top_of_its_small_amount(model):
+    """Phases of variance a² and s² together are phases of variance a² + s²."""
+    place = next(p for p, c in enumerate(model.candidates) if c.effect.name == "runout")
+    without = LinearModel(
+        model.data,
+        model.laws,
+        model.candidates,
+        Analysis(),
+        SHARE,
+        small=[one for one in model.small if one[0].effect.name != "runout"],
+    )
+    (amount,) = (sd for one, sd in model.small if one.effect.name == "runout")
+    noise, kept = model.noise(model.start)[0], np.arange(3)
+    together = [(without.gravity.blocks[place], float(np.hypot(0.05, amount)))]
+    expected = without.gravity.information(noise, kept, together)
+    found = model.gravity.information(noise, kept, [(model.gravity.blocks[place], 0.05)])
+    assert found.constant == pytest.approx(expected.constant, rel=1e-12)
+    np.testing.assert_allclose(found.precision, expected.precision, rtol=1e-9)
+
+
+def test_what_scatter_hides_is_looked_for_without_it():
+    """One number of pulleys rubs 14 % more: four times the scatter of assemblies, or a force."""
+    effect = Effect(
+        name="one-count",
+        acts_on="friction",
+        sentence="one number of pulleys rubs more",
+        amplitude=EffectParameter(
+            name="share",
+            unit="1",
+            meaning="of friction",
+            prior=HalfNormal(scale=0.5),
+            plausible=(0.0, 1.0),
+            reference="made up",
+        ),
+        laws={"nine": lambda p, s: p["share"] * s.friction_n * (np.asarray(s.n_pulleys) == 9)},
+    )
+    truth = Truth(effects=(AppliedEffect(effect, "nine", {"share": 0.14}),))
+    found = diagnose(simulate_recording("quick", seed=11, truth=truth)).summary
+    assert found.verdict == "unknown"
+    assert found.remainder.axis == "n_pulleys"
