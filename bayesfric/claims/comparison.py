@@ -86,7 +86,6 @@ def compare(claim: Claim, case: Case) -> Finding:
         "highest_over_prior_width": float(stable.max()),
         "elpd_reliable": predicted.reliable,
         "elpd_unreliable_for": "; ".join(predicted.unreliable),
-        "elpd_refitted": int(own.prediction.refitted.sum() + drawn[best].refitted.sum()),
     }
     notes = [f"{one.label}: {found.why}" for one, found in known.items() if found.why]
     if notes:

@@ -194,9 +194,7 @@ def _study(
         named = model.by_name(theta)
         flat = draws.z.reshape(theta.shape)
         some = flat[np.linspace(0, len(flat) - 1, POINTWISE_DRAWS).astype(int)]
-        best = flat[np.argmax(draws.log_density)]
-        # Refits would double the time of all claims: groups that need one are marked.
-        prediction = leave_setups_out(model, some, best, int(proposals), refits=False)
+        prediction = leave_setups_out(model, some)
     why = ""
     if rough.reliable and not agree(evidence, rough):
         why = (

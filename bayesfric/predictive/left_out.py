@@ -135,18 +135,17 @@ def leave_out(
     return LeftOut(trial, setup, trials, setups, pit, again)
 
 
-def leave_setups_out(
-    model: Model, z: Array, start: Array, seed: int, *, refits: bool = True
-) -> ELPD:
-    """Leave each assembly of all of a model's boards out.
+def leave_setups_out(model: Model, z: Array) -> ELPD:
+    """Leave each assembly of all of a model's boards out, without refits.
 
-    The other arguments are those of :func:`leave_out`.
+    A refit takes seconds a group. Without, one whose Pareto k is above its limit stays marked.
 
     Parameters
     ----------
-    refits : bool
-        Whether to refit where a Pareto k is above its limit: seconds a group. Without, the
-        group stays marked.
+    model : Model
+        Of any boards.
+    z : ndarray, shape (S, D)
+        Draws in the sampling space.
 
     Returns
     -------
@@ -161,10 +160,9 @@ def leave_setups_out(
     parts = []
     for likelihood in model.likelihoods:
         setup = _by_blocks(model, likelihood.setup_log_likelihood, z)
-        found, _ = _leave_out(model, likelihood, "setup", setup, start, seed, refits)
-        if found is None:
+        if not np.isfinite(setup).all():
             raise ValueError("the log density of an assembly is not finite")
-        parts.append(found)
+        parts.append(elpd(setup))
     return ELPD(
         np.concatenate([part.pointwise for part in parts]),
         np.concatenate([part.pareto_k for part in parts]),
@@ -233,7 +231,6 @@ def _leave_out(
     log_likelihood: Array,
     start: Array,
     seed: int,
-    refits_wanted: bool = True,
 ) -> tuple[ELPD | None, dict[int, Array]]:
     """Return the predictive densities, and the draws of each refit by its group's place."""
     if not np.isfinite(log_likelihood).all():
@@ -264,7 +261,7 @@ def _leave_out(
         refits[place] = unseen.draws
         return value
 
-    return elpd(log_likelihood, refit if refits_wanted else None), refits
+    return elpd(log_likelihood, refit), refits
 
 
 def _by_blocks(model: Model, function: Callable[..., Array], z: Array) -> Array:

@@ -69,9 +69,8 @@ def verdicts(stored: StoredResults) -> Iterator[Block]:
         note="Bayes factors are in favour of the claim, against the average of its rivals; Δelpd "
         "says how much better than its best rival the claim predicts an assembly that was left "
         "out, in nat; its error stands in brackets where it is not to be relied on (a difference "
-        "below 4 nat, fewer than 20 assemblies, or a bad Pareto k without a refit). "
-        f"{_refitted(stored.claims)}A claim without rivals rests on a probability or on "
-        "arithmetic.",
+        "below 4 nat, fewer than 20 assemblies, or a bad Pareto k). A claim without rivals "
+        "rests on a probability or on arithmetic.",
     )
 
 
@@ -133,15 +132,6 @@ def _elpd_error(one: ClaimResult) -> str:
     number = format_fixed(one.elpd_difference_se, 1)
     unreliable = one.elpd_difference_se is not None and not one.figures.get("elpd_reliable", True)
     return f"({number})" if unreliable else number
-
-
-def _refitted(found: ClaimsFile) -> str:
-    """Return how many assemblies were left out by a fit of their own, in a sentence."""
-    counts = (one.figures.get("elpd_refitted") for one in found.claims)
-    count = sum(number for number in counts if isinstance(number, int))
-    if not count:
-        return ""
-    return f"Bad Pareto k, {count} over all claims, were mended by a fit without the assembly. "
 
 
 def _rules(found: ClaimsFile) -> list[str]:
