@@ -150,7 +150,7 @@ class GapFigures:
     in_sample : Squares
         Of the same with nothing held out.
     numbers : tuple of (ndarray, ndarray)
-        Of the model before and after, fitted without each fold, then without nothing.
+        Of the model before and after: fitted without each fold, then to all.
     """
 
     residuals: Residuals

@@ -188,9 +188,11 @@ def test_an_unknown_coefficient_is_refused(nothing, name):
         diagnose(nothing, fixed=[name])
 
 
-def test_practical_share_decides_what_counts(named):
+def test_practical_share_decides_what_counts():
     """Were a gap of a tenth of friction none, a tenth would be no gap."""
-    recording = simulate_recording("quick", seed=1, effects={"viscous": 1.0})
+    small = Protocol({(9, 85.0): 2, (15, 50.0): 2, (5, 135.0): 1}, (6.0, 28.0), (6.0, 28.0), 2)
+    recording = simulate_recording(small, seed=1, effects={"viscous": 1.0})
+    assert diagnose(recording).summary.verdict == "named"
     rules = Analysis().diagnosis.model_copy(update={"practical_share": 0.1})
     found = diagnose(recording, Analysis().model_copy(update={"diagnosis": rules})).summary
     assert found.verdict == "no-gap"
