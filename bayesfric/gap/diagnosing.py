@@ -152,9 +152,10 @@ def _diagnose(
     which = which_effect(model, psi)
     found = _most_probable(which)
     if found.names:
-        model = sharpened_around(model, found)
-        which = look_closer(model, which, found)
+        around = sharpened_around(model, found)
+        which = look_closer(around, which, found)
         found = _most_probable(which)
+        model = around if found.names else model
     chances = which.probabilities()
     proposals, no_proposal = next_experiment(model, found.psi, chances)
     if found.names:

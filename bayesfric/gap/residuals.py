@@ -246,9 +246,9 @@ def recalibrated(
 ) -> Array:
     """Return numbers with the law that fits the forces of some windows best.
 
-    Least squares with the weights of the gap, and the prior of the law: what a force that
-    the law does not have does within a trial does not bend the law, as it would if events
-    were taken to be as precise as they are.
+    Least squares with the weights of the gap, less where the measurement is poor, and the
+    prior of the law: what a force that the law does not have does within a trial does not
+    bend the law, as it would if events were taken to be as precise as they are.
 
     Parameters
     ----------
@@ -257,7 +257,7 @@ def recalibrated(
     residuals : Residuals
         Of its windows.
     rows : ndarray of bool, shape (R,)
-        Those that enter.
+        Those that enter; without any the law is that of the prior.
     numbers : ndarray, shape (p,)
         Of every number of the model; the law's are left aside, the others held.
     """
@@ -265,7 +265,10 @@ def recalibrated(
     mean, sd = (values[: own * sizes] for values in model.prior(()))
     found = numbers.copy()
     found[: own * sizes] = mean
-    weight = residuals.weight * rows
+    if not rows.any():
+        return found
+    spread2 = residuals.friction_n**2 * (residuals.scatter**2).sum(axis=1)
+    weight = residuals.weight * rows * spread2 / (spread2 + residuals.variance)
     design = np.zeros((rows.size, own * sizes))
     for size in range(sizes):
         mine = residuals.size == size
@@ -273,8 +276,8 @@ def recalibrated(
     design *= sd
     # An assembly's scatter enters once, however many windows there are of it.
     assemblies = np.unique(residuals.setup[rows]).size
-    spread2 = residuals.friction_n**2 * (residuals.scatter**2).sum(axis=1)
-    certainty = assemblies / (weight * spread2).sum() * weight[:, None] * design
+    variance = (weight * (spread2 + residuals.variance)).sum()
+    certainty = assemblies / variance * weight[:, None] * design
     precision = design.T @ certainty + np.eye(own * sizes)
     slope = certainty.T @ residuals.left(model, found)
     found[: own * sizes] += sd * np.linalg.solve(precision, slope)

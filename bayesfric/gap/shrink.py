@@ -80,18 +80,25 @@ class Arms:
         out : ndarray of bool, shape (R,)
             Windows that are left out, with the trials and runs that they are of.
         """
-        layout, columns = self.known.layout, len(self.causes.columns)
-        found, _ = fitted(self.known, self.psi, self.causes, _used(self.model, residuals, out))
+        used = _used(self.model, residuals, out)
+        before = self._refitted(Acting(), residuals, out, used)
+        if not self.causes.columns:
+            return before, before
+        return before, self._refitted(self.causes, residuals, out, used)
+
+    def _refitted(
+        self,
+        acting: Acting,
+        residuals: Residuals,
+        out: NDArray[np.bool_],
+        used: Mapping[str, NDArray[np.bool_]],
+    ) -> Array:
+        layout = self.known.layout
+        found, _ = fitted(self.known, self.psi, acting, used)
         start = layout.own * len(layout.sizes)
         law = np.zeros(COEFFICIENTS * len(layout.sizes))
-        amplitudes, idle = found[start : start + columns], found[found.size - layout.idle :]
-        before = np.concatenate([law, np.zeros(layout.candidates), idle])
-        after = before.copy()
-        after[law.size : law.size + columns] = amplitudes
-        before = recalibrated(self.model, residuals, ~out, before)
-        if not columns:
-            return before, before
-        return before, recalibrated(self.model, residuals, ~out, after)
+        shared = found[start : start + layout.candidates], found[found.size - layout.idle :]
+        return recalibrated(self.model, residuals, ~out, np.concatenate([law, *shared]))
 
     @property
     def predicted(self) -> bool:
@@ -278,7 +285,12 @@ def squares_of(residuals: Residuals, left: Array) -> Squares:
 
 
 def gap_row(
-    name: str, squares: Squares, *, causes: bool, shipped_why: str, rng: np.random.Generator
+    name: str,
+    squares: Squares,
+    *,
+    no_shrink: str | None,
+    shipped_why: str,
+    rng: np.random.Generator,
 ) -> tuple[GapRow, Interval, Array]:
     """Return the four figures, the systematic gap, and its draws.
 
@@ -288,8 +300,8 @@ def gap_row(
         What was held out.
     squares : Squares
         Of the windows.
-    causes : bool
-        Whether there are any; without them nothing shrinks.
+    no_shrink : str or None
+        Why nothing can shrink; None where it can.
     shipped_why : str
         Why nothing was shipped.
     rng : Generator
@@ -311,12 +323,10 @@ def gap_row(
     before2, after2 = draws(squares.before), draws(squares.after)
     gap2 = before2 - floor2
     systematic = np.sqrt(np.maximum(gap2, 0.0))
-    shrink, why = None, None
-    if not causes:
-        why = "no cause is named, so nothing was added that could shrink the gap"
-    elif np.mean(gap2 > 0) < SURE:
+    shrink, why = None, no_shrink
+    if why is None and np.mean(gap2 > 0) < SURE:
         why = f"the gap is above the floor with a probability of {np.mean(gap2 > 0):.2f} only"
-    else:
+    if why is None:
         ratio = (before2 - after2) / np.where(gap2 > 0, gap2, np.nan)
         centre = (squares.before.sum() - squares.after.sum()) / (
             squares.before.sum() - squares.floor.sum()

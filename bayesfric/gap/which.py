@@ -217,11 +217,10 @@ def look_closer(model: LinearModel, which: Which, found: Weighed) -> Which:
         if worth(better) <= worth(best):
             break
         best = better
-    volume = which.log_evidence[NONE] - which.weighed[NONE].log_evidence
-    # A wider discrepancy, where the data ask for none, is not to cost these alone.
-    name = label(found.names)
-    volume += max(which.log_evidence[name] - volume - again[name].log_evidence, 0.0)
-    values = {name: one.log_evidence + volume for name, one in again.items()}
+    # Neighbours are compared with each other; with all else, as before with one discrepancy.
+    leading = label(found.names)
+    level = which.log_evidence[leading] - again[leading].log_evidence
+    values = {name: one.log_evidence + level for name, one in again.items()}
     return replace(
         which,
         log_evidence=which.log_evidence | values,

@@ -240,4 +240,4 @@ def test_a_window_has_the_force_that_both_sensors_see():
     expected = share * rows.condition.total_mass_kg * rows.acceleration / 2
     for trial, force in enumerate(expected):
         found = windows.residual_n[windows.row == trial].mean()
-        assert abs(found) == pytest.approx(force, rel=0.1)
+        assert found == pytest.approx(force, rel=0.1)

@@ -198,6 +198,20 @@ def test_practical_share_decides_what_counts():
     assert found.verdict == "no-gap"
 
 
+def test_one_assembly_is_diagnosed():
+    """Nothing is left to be fitted to where its only assembly is held out but the prior."""
+    alone = Protocol({(9, 85.0): 1}, (6.0, 28.0), (6.0, 28.0), 2)
+    recording = simulate_recording(alone, seed=3, rigs=("gravity",))
+    trials, events = recording.gravity.trials, recording.gravity.events
+    trials = trials[trials["pulley_size"] == "small"].reset_index(drop=True)
+    events = events[events["trial"].isin(trials["trial"])].reset_index(drop=True)
+    found = diagnose(replace(recording, gravity=Gravity(trials, events))).summary
+    assert trials["setup"].nunique() == 1
+    # The law's own prior is what is compared, which is as wide as friction itself.
+    assert found.gap.before.q50 > 10 * found.gap.in_sample.before.q50
+    assert found.verdict == "no-gap"
+
+
 def test_accelerations_alone_are_diagnosed():
     """Without events a trial is one row; without an effect there is no gap."""
     recording = simulate_recording("quick", seed=3, rigs=("gravity",))

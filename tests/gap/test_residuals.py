@@ -63,9 +63,31 @@ def test_it_is_the_posterior_of_forces_whose_assemblies_scatter(boards):
     design = np.zeros((noisy.size, 9))
     for row, size in enumerate(residuals.size):
         design[row, 3 * size : 3 * size + 3] = residuals.columns[row, :3]
-    spread2 = (residuals.weight * residuals.friction_n**2 * (residuals.scatter**2).sum(1)).sum()
-    root = np.sqrt(residuals.weight * np.unique(residuals.setup).size / spread2)
+    # One assembly's share of the information, of windows that scatter and are measured alike.
+    scatter2 = residuals.friction_n**2 * (residuals.scatter**2).sum(axis=1)
+    total = residuals.weight @ scatter2
+    good = scatter2 / (scatter2 + residuals.variance)
+    root = np.sqrt(residuals.weight * good * np.unique(residuals.setup).size / total)
     rows = np.vstack([root[:, None] * design, np.diag(1 / sd)])
     wanted = np.concatenate([root * residuals.left(model, held), mean / sd])
     expected = np.linalg.lstsq(rows, wanted, rcond=None)[0]
     np.testing.assert_allclose(found[:9], expected, rtol=1e-6, atol=1e-9)
+
+
+def test_where_nothing_enters_the_law_is_the_prior(boards):
+    model, residuals, numbers = boards
+    nowhere = np.zeros(residuals.size.size, dtype=bool)
+    found = recalibrated(model, residuals, nowhere, numbers)
+    np.testing.assert_array_equal(found[:9], model.prior(())[0][:9])
+    np.testing.assert_array_equal(found[9:], numbers[9:])
+
+
+def test_a_coefficient_that_is_held_stays(boards):
+    model, residuals, numbers = boards
+    held = LinearModel(
+        model.data, model.laws, (), Analysis(), 0.005, frozenset({"c3"}), discrepancy=False
+    )
+    everywhere = np.ones(residuals.size.size, dtype=bool)
+    found = recalibrated(held, residuals, everywhere, numbers)[:9].reshape(3, 3)
+    assert not found[:, 2].any()
+    assert found[:, :2].all()

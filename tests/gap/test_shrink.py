@@ -18,8 +18,9 @@ def squares(before, after, floor, shipped=None):
     return Squares(known, each(before), each(after), each(floor), SETUPS)
 
 
-def row(found, *, causes=True):
-    return gap_row("it", found, causes=causes, shipped_why="-", rng=np.random.default_rng(0))
+def row(found, *, no_shrink=None):
+    rng = np.random.default_rng(0)
+    return gap_row("it", found, no_shrink=no_shrink, shipped_why="-", rng=rng)
 
 
 def test_four_figures_are_root_mean_squares():
@@ -41,9 +42,9 @@ def test_shrink_is_of_squares_above_the_floor():
 
 
 def test_no_shrink_without_a_cause_or_a_gap():
-    without, _, _ = row(squares(0.5, 0.5, 0.3), causes=False)
+    without, _, _ = row(squares(0.5, 0.5, 0.3), no_shrink="no cause")
     assert without.shrink is None
-    assert "no cause" in without.shrink_why
+    assert without.shrink_why == "no cause"
     below, systematic, _ = row(squares(0.3, 0.3, 0.31))
     assert below.shrink is None
     assert "above the floor" in below.shrink_why
