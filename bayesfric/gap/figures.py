@@ -7,7 +7,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bayesfric.gap.causes import CauseDraws
-from bayesfric.gap.shrink import SURE, Arms, GapFigures, Squares, explained, gap_row
+from bayesfric.gap.shrink import Arms, GapFigures, Squares, explained, gap_row, systematic_gap
 from bayesfric.gap.trajectories import Example
 from bayesfric.schemas import Gap
 
@@ -29,9 +29,7 @@ def gap_figures(
 ) -> tuple[Gap, Array]:
     """Return the four figures in newtons and metres, and draws of the systematic gap [N].
 
-    The draws are of the distance from the floor, or of what the causes take away, which is
-    known better: where they are predicted and the gap is not surely above the floor, or where
-    they take away more.
+    The draws are those of :func:`~bayesfric.gap.shrink.systematic_gap`.
 
     Parameters
     ----------
@@ -54,9 +52,7 @@ def gap_figures(
     (first, systematic, draws), *_ = rows
     if causes and arms.causes.columns:
         taken = explained(figures.held_out[0][1], rng)
-        known = arms.predicted and np.mean(draws > 0) < SURE
-        if known or np.median(taken) > np.median(draws):
-            draws = taken
+        draws = systematic_gap(draws, taken, predicted=arms.predicted)
     inside, _, _ = gap_row(
         "in sample", figures.in_sample, no_shrink=no_shrink, shipped_why=NO_SHIPPED, rng=rng
     )

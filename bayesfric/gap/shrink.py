@@ -26,7 +26,6 @@ from bayesfric.gap.residuals import (
 from bayesfric.schemas import GapRow, Interval
 
 __all__ = [
-    "SURE",
     "Arms",
     "GapFigures",
     "Squares",
@@ -35,6 +34,7 @@ __all__ = [
     "gap_row",
     "interval",
     "measure_gap",
+    "systematic_gap",
 ]
 
 Array = NDArray[np.float64]
@@ -358,6 +358,28 @@ def explained(squares: Squares, rng: np.random.Generator) -> Array:
     taken = np.bincount(inverse, squares.before - squares.after, setups.size)
     count = rng.multinomial(setups.size, np.full(setups.size, 1 / setups.size), DRAWS)
     return _root(np.asarray(count @ taken, dtype=np.float64))
+
+
+def systematic_gap(distance: Array, taken: Array, *, predicted: bool) -> Array:
+    """Return the draws of the gap by which it is decided whether there is one.
+
+    What the causes take away is known better than the distance from the floor. It is less
+    than the gap where the causes are not predicted, and where they do not explain a gap
+    that there surely is.
+
+    Parameters
+    ----------
+    distance : ndarray
+        Draws of the distance of the gap before from the floor, rms [N].
+    taken : ndarray
+        Draws of what the causes take away, rms [N].
+    predicted : bool
+        Whether all causes act on what a new trial does.
+    """
+    surely = np.mean(distance > 0) >= SURE
+    if (predicted and not surely) or np.median(taken) > np.median(distance):
+        return taken
+    return distance
 
 
 def _root(values: Array) -> Array:

@@ -10,6 +10,7 @@ from bayesfric.gap.diagnosing import diagnose
 from bayesfric.gap.linear_model import LinearModel
 from bayesfric.gap.shapes import sharpened_around
 from bayesfric.gap.weighing import weigh
+from bayesfric.gap.which import look_closer, which_effect
 from bayesfric.likelihood.hypothesis import Data
 from bayesfric.protocols import Protocol
 from bayesfric.simulate import AppliedEffect, Truth, simulate_recording, table1_coefficients
@@ -55,6 +56,20 @@ def test_it_grows_by_a_tenth_of_what_the_effects_do(model):
     )
     for (_, sd), (_, before) in zip(wider.small, model.small, strict=True):
         assert sd == pytest.approx(ratio * before, rel=1e-12)
+
+
+def test_neighbours_are_compared_among_themselves(model):
+    """The leading hypothesis is as probable beside all others as before it was looked at."""
+    which = which_effect(model, model.start)
+    found = which.weighed["viscous"]
+    closer = look_closer(sharpened_around(model, found), which, found)
+    assert closer.log_evidence["viscous"] == pytest.approx(which.log_evidence["viscous"])
+    assert closer.log_evidence["none"] == which.log_evidence["none"]
+    gained = closer.log_evidence["runout+viscous"] - closer.log_evidence["viscous"]
+    again = closer.weighed
+    assert gained == pytest.approx(
+        again["runout+viscous"].log_evidence - again["viscous"].log_evidence
+    )
 
 
 def test_an_effect_acts_on_top_of_its_small_amount(model):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bayesfric.gap.shrink import Squares, explained, folds_of, gap_row
+from bayesfric.gap.shrink import Squares, explained, folds_of, gap_row, systematic_gap
 
 SETUPS = np.repeat(np.arange(60), 4)
 
@@ -63,3 +63,21 @@ def test_what_the_causes_take_away_is_the_difference_of_squares():
     taken = explained(squares(0.5, 0.35, 0.3), np.random.default_rng(0))
     np.testing.assert_allclose(taken, np.sqrt(0.25 - 0.1225), rtol=1e-9)
     assert not explained(squares(0.3, 0.31, 0.3), np.random.default_rng(0)).any()
+
+
+LITTLE, LARGE = np.full(100, 0.01), np.full(100, 0.2)
+PERHAPS = np.where(np.arange(100) < 30, 0.3, 0.0)  # from a floor that is hardly known
+
+
+@pytest.mark.parametrize(
+    ("distance", "taken", "predicted", "expected"),
+    [
+        (PERHAPS, LITTLE, True, LITTLE),
+        (PERHAPS, LITTLE, False, LITTLE),  # more than half of the time there is no distance
+        (LARGE, LITTLE, True, LARGE),  # there is a gap that the causes do not explain
+        (LITTLE, LARGE, True, LARGE),
+        (LARGE, np.zeros(100), False, LARGE),
+    ],
+)
+def test_which_gap_decides(distance, taken, predicted, expected):
+    assert systematic_gap(distance, taken, predicted=predicted) is expected
