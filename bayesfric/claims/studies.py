@@ -33,7 +33,8 @@ from bayesfric.sampling import sample
 __all__ = ["WIDTHS", "Studied", "Task", "slowest_speed", "study_all"]
 
 Array = NDArray[np.float64]
-SHORT_RUN = Sampler(burn=30, steps=120, thin=3)  # run on where that is not enough
+SHORT_RUN = Sampler(burn=20, steps=60, thin=3)  # run on where that is not enough
+WALKERS = 60  # at least: many walkers and few steps are quicker than the other way round
 POINTWISE_DRAWS = 1000
 MIDDLE = {"n_pulleys": 9.0, "wrap_angle_deg": 85.0, "tension_n": 15.0, "speed_m_s": 0.65}
 AMPLITUDES = (-4.0, -3.0, -2.0, -1.0, -0.3, 0.0, 0.3, 1.0, 2.0)
@@ -183,7 +184,9 @@ def _study(
                 widths = _over_widths(drawn, task.hypothesis, effects)
                 size = _size_at_edge(data, drawn, task.hypothesis, effects)
                 return Studied(rough, "", drawn, widths=widths, size=size, laplace=laplace)
-        draws = sample(model.log_posterior, laplace, SHORT_RUN, int(seed), converged=in_one_place)
+        walkers = max(WALKERS, 2 * laplace.mode.size)
+        run = SHORT_RUN.model_copy(update={"walkers": walkers})
+        draws = sample(model.log_posterior, laplace, run, int(seed), converged=in_one_place)
         try:
             evidence = bridge_evidence(model.log_posterior, draws.z, int(proposals))
         except SeparatedModes as found:
