@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
-from bayesfric.analysis import Sampler
 from bayesfric.evidence import (
     ELPD,
     Evidence,
@@ -30,7 +29,6 @@ __all__ = ["LeftOut", "Uniformity", "leave_out", "leave_setups_out", "uniformity
 
 Array = NDArray[np.float64]
 Kind = Literal["trial", "setup"]
-SHORT_RUN = Sampler(burn=30, steps=120, thin=3)
 DRAWS_A_CALL = 200  # Student-t scatter needs a grid for each
 AGAIN = 1000  # recordings made again
 GRID = np.arange(1, 50) / 50
