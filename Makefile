@@ -23,7 +23,7 @@ report: setup
 	@"$(VENV)/bin/bayesfric" run -o reports/latest
 
 test: quality
-	$(python) -m pytest -n 2 --dist loadfile
+	$(python) -m pytest -n 2 --dist loadfile --no-loadscope-reorder
 
 quality: setup
 	$(python) -m ruff check .
