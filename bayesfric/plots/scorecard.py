@@ -72,7 +72,7 @@ def _reliability(panel: Axes, bins: tuple[ReliabilityBin, ...]) -> None:
     panel.set_ylim(-0.02, 1.02)
     panel.set_xlabel("probability of the verdict")
     panel.set_ylabel("share of correct verdicts")
-    panel.set_title("grey: 95 % band if probabilities are true", fontsize=7)
+    panel.set_title("grey: 95 % band if they are true", fontsize=7)
 
 
 def confusion_matrix(confusion: Confusion) -> Figure:
