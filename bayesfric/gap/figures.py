@@ -50,7 +50,7 @@ def gap_figures(
         for name, squares in figures.held_out
     ]
     (first, systematic, draws), *_ = rows
-    if causes and arms.causes.columns:
+    if arms.causes.columns:
         taken = explained(figures.held_out[0][1], rng)
         draws = systematic_gap(draws, taken, predicted=arms.predicted)
     inside, _, _ = gap_row(
