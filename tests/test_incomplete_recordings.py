@@ -17,8 +17,8 @@ from bayesfric.boards.motor import motor_friction
 from bayesfric.errors import InputError
 from bayesfric.friction import Coefficients
 from bayesfric.likelihood.gravity import trial_condition
-from bayesfric.likelihood.hall_events import pilot_fits
 from bayesfric.likelihood.motor import run_condition
+from bayesfric.likelihood.trial_motion import pilot_fits
 from bayesfric.protocols import Protocol
 from bayesfric.recording import write_recording
 from bayesfric.recording.tables import Gravity, Motor

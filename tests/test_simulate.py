@@ -10,8 +10,8 @@ from bayesfric.boards.gravity import board_friction
 from bayesfric.boards.motor import motor_friction, nominal_tension
 from bayesfric.friction import Coefficients
 from bayesfric.likelihood.gravity import trial_condition
-from bayesfric.likelihood.hall_events import pilot_fits
 from bayesfric.likelihood.motor import run_condition
+from bayesfric.likelihood.trial_motion import pilot_fits
 from bayesfric.recording import read_recording, write_recording
 from bayesfric.resources import bundled_recording
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients

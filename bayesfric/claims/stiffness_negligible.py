@@ -9,7 +9,7 @@ from bayesfric.boards.gravity import nominal_tension
 from bayesfric.claims.base import Case, Claim, Finding, Verdict
 from bayesfric.claims.comparison import share
 from bayesfric.likelihood.gravity import trial_condition
-from bayesfric.likelihood.hall_events import Events, prepare_events
+from bayesfric.likelihood.trial_motion import Events, prepare_events
 from bayesfric.priors import draw
 from bayesfric.recording.tables import Gravity, Rig
 

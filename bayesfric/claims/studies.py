@@ -23,9 +23,9 @@ from bayesfric.evidence import (
 )
 from bayesfric.friction import Coefficients
 from bayesfric.laplace import Laplace, laplace_approximation
-from bayesfric.likelihood.hall_events import pilot_fits
 from bayesfric.likelihood.hypothesis import Data, Hypothesis, model_of
 from bayesfric.likelihood.model import Model
+from bayesfric.likelihood.trial_motion import pilot_fits
 from bayesfric.predictive.left_out import leave_setups_out
 from bayesfric.priors import log_density
 from bayesfric.sampling import sample

@@ -18,6 +18,7 @@ from bayesfric.gap.candidates import candidates_of
 from bayesfric.gap.causes import cause_draws, causes_of
 from bayesfric.gap.figures import curves_of, gap_figures
 from bayesfric.gap.linear_model import Acting, LinearModel
+from bayesfric.gap.motion import MeasuredMotion, measured_motion
 from bayesfric.gap.next_experiment import next_experiment
 from bayesfric.gap.reference import amplitudes_of, fitted_laws, reference_laws
 from bayesfric.gap.remainder import remainder_of
@@ -141,13 +142,15 @@ def _diagnose(
         }
     held = _held(fixed, data, shipped)
     examined = all_effects() | {effect.name: effect for effect in effects}
-    laws, psi = reference_laws(data, analysis, share, held, shipped)
-    stray = stray_trials(data, laws)
+    measured = _measured(data)
+    laws, psi = reference_laws(data, analysis, share, held, shipped, measured)
+    stray = stray_trials(data, laws, measured)
     if stray:
         data = replace(data, gravity=_without(data.gravity, stray))
-        laws, psi = reference_laws(data, analysis, share, held, shipped)
+        measured = _measured(data)
+        laws, psi = reference_laws(data, analysis, share, held, shipped, measured)
     candidates = [one for effect in examined.values() for one in candidates_of(effect)]
-    model = LinearModel(data, laws, candidates, analysis, share, held)
+    model = LinearModel(data, laws, candidates, analysis, share, held, measured=measured)
     model, _ = sharpened(model, psi)
     which = which_effect(model, psi)
     found = _most_probable(which)
@@ -229,6 +232,11 @@ def _data(recording: Recording) -> Data:
     if gravity is None and motor is None:
         raise InputError([Fault(recording.name, "a gravity trial or a motor run to diagnose")])
     return Data(recording.rig, gravity, motor)
+
+
+def _measured(data: Data) -> MeasuredMotion | None:
+    """Return the motion of the trials, which no law changes."""
+    return None if data.gravity is None else measured_motion(data.gravity, data.rig)
 
 
 def _trials(gravity: Gravity, rig: Rig) -> Gravity:

@@ -174,7 +174,7 @@ class GravityPart:
         constant += -0.5 * (freedom * np.log(kappa) + square.sum() / kappa)
         constant += -0.5 * np.linalg.slogdet(whole)[1].sum()
         # What is left of the column of friction's scatter, which the assembly shares.
-        along = across[:, :, 0] - (moved * inner[:, None, 0]).sum(axis=-1)
+        along = across[:, :, 0] - (moved @ inner[:, 0, :, None])[:, :, 0]
         stiff = inner[:, 0, 0] - np.einsum("nr,nrs,ns->n", inner[:, 0], gain, inner[:, 0])
         pull = right[:, 0] - (inner[:, 0] * solved).sum(axis=-1)
         group, groups = self.setup[trials], len(self.setups)
@@ -183,7 +183,7 @@ class GravityPart:
         pulled = np.bincount(group, pull / kappa, groups)
         share = noise.omega**2 / (1 + noise.omega**2 * stiffness)
         constant += 0.5 * (share * pulled**2 - np.log1p(noise.omega**2 * stiffness)).sum()
-        slopes = (view.slope - (across * solved[:, None]).sum(axis=-1)) / kappa
+        slopes = (view.slope - (across @ solved[:, :, None])[:, :, 0]) / kappa
         count = self._layout.total(kept)
         precision, slope = np.zeros((count, count)), np.zeros(count)
         for size in range(len(self._layout.sizes)):

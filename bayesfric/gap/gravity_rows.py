@@ -21,7 +21,7 @@ from bayesfric.gap.candidates import Candidate, unit_values
 from bayesfric.gap.motion import MeasuredMotion, travel_to_speed
 from bayesfric.gap.smooths import Smooth
 from bayesfric.likelihood.gravity import trial_condition
-from bayesfric.likelihood.hall_events import Events, prepare_events
+from bayesfric.likelihood.trial_motion import Events, prepare_events
 from bayesfric.recording.tables import Gravity, Rig
 
 __all__ = ["GravityRows", "rank"]

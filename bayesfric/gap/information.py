@@ -71,7 +71,7 @@ class Information:
         candidates : ndarray of int
             Places of the candidates.
         """
-        rest = np.setdiff1d(np.arange(self.slope.size), candidates)
+        rest = np.delete(np.arange(self.slope.size), candidates)
         scale, at = prior_sd[rest], mean[rest]
         inner = self.precision[np.ix_(rest, rest)]
         whole = scale[:, None] * inner * scale + np.eye(rest.size)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize
 
-from bayesfric.analysis import Analysis, Prior
+from bayesfric.analysis import Analysis
 from bayesfric.friction import Coefficients
 from bayesfric.gap.candidates import Candidate, prior_moments
 from bayesfric.gap.discrepancy import Wide, smooth_forces
@@ -22,10 +22,10 @@ from bayesfric.gap.layout import COEFFICIENTS, Layout
 from bayesfric.gap.motion import MeasuredMotion, measured_motion
 from bayesfric.gap.motor_part import MotorNoise, MotorPart
 from bayesfric.gap.noise import bounds, log_prior
+from bayesfric.gap.pulley_sizes import coefficient_prior, pulley_radii, rms_friction
 from bayesfric.gap.small_amounts import small_amounts
 from bayesfric.laplace import finite_hessian
 from bayesfric.likelihood.hypothesis import Data
-from bayesfric.paper import table1
 
 __all__ = ["Acting", "LinearModel"]
 
@@ -108,7 +108,7 @@ class LinearModel:
     ) -> None:
         self.data, self.laws, self.candidates = data, dict(laws), tuple(candidates)
         self.analysis, self.practical_share, self.fixed = analysis, practical_share, fixed
-        radii = self.radii = _radii(data)
+        radii = self.radii = pulley_radii(data)
         self.scattering = _on_friction(scattering)
         self.released = self.scattering if released is None else _on_friction(released)
         rows, self._measured = None, measured
@@ -122,7 +122,7 @@ class LinearModel:
         if data.motor is not None:
             unit = dict.fromkeys(data.sizes, 1.0)
             bare = MotorPart(data.motor, data.rig, laws, radii, empty, (), (), (), plain, unit)
-        self.friction_scale = _friction_scale(data.sizes, rows, bare)
+        self.friction_scale = rms_friction(data.sizes, rows, bare)
         self.smooths = smooth_forces(rows, bare) if discrepancy else ()
         count = sum(smooth.count for smooth in self.smooths)
         if small is None:
@@ -371,7 +371,7 @@ class LinearModel:
         sd = np.ones_like(mean)
         for row, size in enumerate(self.layout.sizes):
             for column, name in enumerate(Coefficients._fields):
-                centre, width = prior_moments(_prior_of(self.analysis, name, size))
+                centre, width = prior_moments(coefficient_prior(self.analysis, name, size))
                 held = bool({name, f"{name}[{size}]"} & self.fixed)
                 at = float(np.asarray(self.laws[size][column]))
                 mean[row, column] = 0.0 if held else (centre - at) / scale[column]
@@ -388,39 +388,8 @@ def _on_friction(acting: Sequence[tuple[Candidate, float]]) -> list[tuple[Candid
     ]
 
 
-def _prior_of(analysis: Analysis, name: str, size: str) -> Prior:
-    own = analysis.priors.pulleys.get(size)
-    chosen: Prior | None = None if own is None else getattr(own, name)
-    shared: Prior = getattr(analysis.priors, name)
-    return shared if chosen is None else chosen
-
-
 def _idle_columns(data: Data) -> int:
     if data.motor is None:
         return 0
     speed = data.motor.idle["velocity_m_s"]
     return 4 if (speed > 0).any() and (speed < 0).any() else 3
-
-
-def _radii(data: Data) -> dict[str, float]:
-    """Return each size's pulley radius, of the medium size where nobody says [m]."""
-    known = {size: row.radius_m for size, row in table1().items()}
-    radii = {}
-    for size in data.sizes:
-        pulley = data.rig.pulleys.get(size)
-        stated = None if pulley is None else pulley.radius_m
-        radii[size] = stated or known.get(size) or known["medium"]
-    return radii
-
-
-def _friction_scale(
-    sizes: tuple[str, ...], rows: GravityRows | None, motor: MotorPart | None
-) -> dict[str, float]:
-    scale = {}
-    for size in sizes:
-        found = []
-        for part in (rows, motor):
-            if part is not None:
-                found.append(part.friction_n[(part.trials["pulley_size"] == size).to_numpy()])
-        scale[size] = float(np.sqrt(np.mean(np.concatenate(found) ** 2)))
-    return scale

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_simpson
 from scipy.interpolate import BSpline
 
-from bayesfric.likelihood.hall_events import Events, prepare_events
 from bayesfric.likelihood.paths import LEAST_SPEED_SHARE, POINTS, Paths, trial_paths
+from bayesfric.likelihood.trial_motion import Events, prepare_events
 from bayesfric.recording.tables import Gravity, Rig
 
 __all__ = ["MeasuredMotion", "measured_motion", "travel_to_speed"]

@@ -201,7 +201,7 @@ class MotorPart:
         runs = np.ones(len(self.setup), dtype=bool) if used is None else used
         moved = self._scattered[runs]
         variance = self.variance(noise)[runs] + (noise.tau * moved) ** 2
-        columns, current = self.columns[runs][:, kept], self._current[runs]
+        columns, current = self.columns[np.ix_(runs, kept)], self._current[runs]
         weighted = columns / variance[:, None]
         group, groups = self.setup[runs], len(self.setups)
         summed = self._member[:, runs] @ (weighted * moved[:, None])

@@ -10,6 +10,7 @@ from bayesfric.friction import Coefficients
 from bayesfric.gap.candidates import Candidate
 from bayesfric.gap.layout import COEFFICIENTS
 from bayesfric.gap.linear_model import Acting, LinearModel
+from bayesfric.gap.motion import MeasuredMotion
 from bayesfric.likelihood.gravity import GravityLikelihood
 from bayesfric.likelihood.hypothesis import Data
 from bayesfric.likelihood.motor import MotorLikelihood
@@ -27,6 +28,7 @@ def reference_laws(
     practical_share: float,
     fixed: frozenset[str],
     shipped: Mapping[str, Coefficients],
+    measured: MeasuredMotion | None,
 ) -> tuple[dict[str, Coefficients], Array]:
     """Fit the law, linearise around it, and fit again.
 
@@ -42,6 +44,8 @@ def reference_laws(
         Coefficients held at their shipped values.
     shipped : mapping of str to Coefficients
         Published values by size, where there are any.
+    measured : MeasuredMotion or None
+        Of the trials; None where there are none.
 
     Returns
     -------
@@ -59,7 +63,7 @@ def reference_laws(
             )
     psi: Array | None = None
     for _ in range(ROUNDS):
-        model = LinearModel(data, laws, (), analysis, practical_share, fixed)
+        model = LinearModel(data, laws, (), analysis, practical_share, fixed, measured=measured)
         psi, _ = model.climb(model.start if psi is None else psi, Acting())
         laws = fitted_laws(model, psi, Acting())
     assert psi is not None

@@ -10,7 +10,7 @@ import numpy as np
 
 from bayesfric.friction import Coefficients
 from bayesfric.gap.gravity_rows import GravityRows
-from bayesfric.gap.motion import measured_motion
+from bayesfric.gap.motion import MeasuredMotion
 from bayesfric.likelihood.hypothesis import Data
 from bayesfric.paper import table1
 
@@ -21,7 +21,9 @@ FAR = 10.0  # times the usual distance, as a standard deviation
 MAD = 1.4826  # standard deviation of a normal over its median absolute deviation
 
 
-def stray_trials(data: Data, laws: Mapping[str, Coefficients]) -> tuple[str, ...]:
+def stray_trials(
+    data: Data, laws: Mapping[str, Coefficients], measured: MeasuredMotion | None
+) -> tuple[str, ...]:
     """Return the trials whose friction is far from that of their assembly.
 
     Distances are relative deviations from the law less the assembly's median; the usual
@@ -33,11 +35,12 @@ def stray_trials(data: Data, laws: Mapping[str, Coefficients]) -> tuple[str, ...
         Screened trials.
     laws : mapping of str to Coefficients
         The law fitted to them.
+    measured : MeasuredMotion or None
+        Of the trials; None where there are none.
     """
-    if data.gravity is None:
+    if data.gravity is None or measured is None:
         return ()
     radii = dict.fromkeys(data.sizes, table1()["medium"].radius_m)
-    measured = measured_motion(data.gravity, data.rig)
     rows = GravityRows(data.gravity, data.rig, laws, radii, measured)
     deviation = rows.relative_deviation()
     setup = rows.trials["setup"].to_numpy()

@@ -1,6 +1,6 @@
 """The evidence of effects that act together, their laws and shapes averaged."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -106,23 +106,26 @@ def _choices(model: LinearModel, each: list[list[int]], psi: Array) -> tuple[lis
     fixed = [places for places in with_phases if places]
     free = [places for places, phases in zip(each, with_phases, strict=True) if not phases]
     mean, sd = model.prior(columns)
-    choices, values = [], []
+    together = list(product(*free))
+    places = np.array(together, dtype=np.intp)
+    stands = np.zeros(len(model.candidates), dtype=np.intp)
+    stands[list(columns)] = np.arange(len(columns))
+    own_weight = np.array([candidate.log_weight for candidate in model.candidates])
+    choices: list[Acting] = []
+    values = []
     for phases in product(*fixed):
         information = model.information(psi, Acting(columns, phases))
         reduced = information.reduced(mean, sd, model.places(columns))
-        weight = sum(model.candidates[p].log_weight for p in phases)
-        for chosen in product(*free):
-            choices.append(Acting(chosen, phases))
-            inside = [columns.index(place) for place in chosen]
-            log_weight = weight + sum(model.candidates[p].log_weight for p in chosen)
-            values.append(log_weight + combine(model, reduced, inside, chosen))
-    return choices, np.array(values)
+        choices += [Acting(chosen, phases) for chosen in together]
+        weight = own_weight[list(phases)].sum() + own_weight[places].sum(axis=1)
+        values.append(weight + combine(model, reduced, stands[places], places))
+    return choices, np.concatenate(values)
 
 
 def combine(
-    model: LinearModel, reduced: Reduced, inside: Sequence[int], chosen: Iterable[int]
-) -> float:
-    """Return the log evidence of candidates that act together.
+    model: LinearModel, reduced: Reduced, inside: NDArray[np.intp], chosen: NDArray[np.intp]
+) -> Array:
+    """Return the log evidence of candidates that act together, shape (M,).
 
     Parameters
     ----------
@@ -130,30 +133,31 @@ def combine(
         For the priors.
     reduced : Reduced
         The quadratic form in the amplitudes.
-    inside : sequence of int
-        Their places in it.
-    chosen : iterable of int
+    inside : ndarray of int, shape (M, k)
+        Places of k candidates in it, a choice of them a row.
+    chosen : ndarray of int, shape (M, k)
         Their places among the model's candidates.
     """
-    if not inside:
-        return reduced.log_evidence
-    index = np.array(inside)
-    precision = reduced.precision[np.ix_(index, index)] + np.eye(index.size)
-    slope = reduced.slope[index]
+    precision = reduced.precision[inside[:, :, None], inside[:, None, :]] + np.eye(inside.shape[1])
+    slope = reduced.slope[inside]
     covariance = np.linalg.inv(precision)
-    mean = covariance @ slope
-    value = reduced.log_evidence + 0.5 * slope @ mean + 0.5 * np.linalg.slogdet(covariance)[1]
+    mean = (covariance @ slope[:, :, None])[:, :, 0]
+    value = reduced.log_evidence + 0.5 * (slope * mean).sum(axis=1)
+    value += 0.5 * np.linalg.slogdet(covariance)[1]
     # A half-normal is a folded normal: twice the share of it that lies above zero.
-    for row, place in enumerate(chosen):
-        if is_positive(model.candidates[place].effect.amplitude.prior):
-            value += np.log(2) + log_ndtr(mean[row] / np.sqrt(covariance[row, row]))
-    return float(value)
+    sd = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
+    share = np.where(_positive(model.candidates)[chosen], np.log(2) + log_ndtr(mean / sd), 0.0)
+    return np.asarray(value + share.sum(axis=1))
 
 
 def single_gains(candidates: Sequence[Candidate], reduced: Reduced) -> Array:
     """Return what each candidate alone adds to the log evidence, shape (E,)."""
     precision = np.diag(reduced.precision) + 1
     gains = 0.5 * reduced.slope**2 / precision - 0.5 * np.log(precision)
-    positive = np.array([is_positive(c.effect.amplitude.prior) for c in candidates])
     share = np.log(2) + log_ndtr(reduced.slope / np.sqrt(precision))
-    return np.asarray(gains + np.where(positive, share, 0.0))
+    return np.asarray(gains + np.where(_positive(candidates), share, 0.0))
+
+
+def _positive(candidates: Sequence[Candidate]) -> NDArray[np.bool_]:
+    """Return whose amplitude is above zero, shape (E,)."""
+    return np.array([is_positive(c.effect.amplitude.prior) for c in candidates], dtype=bool)

@@ -13,14 +13,9 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
-from bayesfric.likelihood.hall_events import (
-    LOG_2PI,
-    TrialForm,
-    pilot_fits,
-    prepare_events,
-    reduce_events,
-)
+from bayesfric.likelihood.hall_events import LOG_2PI, TrialForm, reduce_events
 from bayesfric.likelihood.paths import Paths
+from bayesfric.likelihood.trial_motion import pilot_fits, prepare_events
 from bayesfric.priors import Parameter
 from bayesfric.recording.tables import Gravity, Rig
 

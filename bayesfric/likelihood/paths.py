@@ -18,7 +18,7 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 from scipy.integrate import cumulative_simpson
 
-from bayesfric.likelihood.hall_events import Events, prepare_events
+from bayesfric.likelihood.trial_motion import Events, prepare_events
 from bayesfric.recording.tables import Gravity, Rig
 
 __all__ = ["Paths", "trial_paths"]

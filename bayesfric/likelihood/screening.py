@@ -11,13 +11,13 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.likelihood.event_repair import LARGEST_SHARE, repair_events
-from bayesfric.likelihood.hall_events import pilot_fits
 from bayesfric.likelihood.sensor_agreement import (
     MATERIAL_SHARE,
     TAIL,
     SensorAgreement,
     sensor_agreement,
 )
+from bayesfric.likelihood.trial_motion import pilot_fits
 from bayesfric.recording.consistency import MINIMUM_EVENTS
 from bayesfric.recording.tables import Gravity, Rig
 

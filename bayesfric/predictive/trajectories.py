@@ -9,7 +9,7 @@ from bayesfric.baseline import Baseline
 from bayesfric.boards.gravity import Condition, Trajectory
 from bayesfric.friction import Coefficients
 from bayesfric.likelihood.gravity import GravityLikelihood
-from bayesfric.likelihood.hall_events import pilot_fits
+from bayesfric.likelihood.trial_motion import pilot_fits
 from bayesfric.predictive.bands import QUANTILES, bands
 from bayesfric.recording.tables import Gravity, Rig
 

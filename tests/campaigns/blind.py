@@ -14,7 +14,7 @@ from bayesfric.blind.design import cases_of
 from bayesfric.plots.scorecard import promises_and_reliability
 from bayesfric.plots.style import to_svg
 
-FIXED_SEED, FIXED = 1, 15
+FIXED_SEEDS = range(1, 16)
 SCORING_SEED, PRIOR_SEED = 10_000, 20_000
 PRIOR_CASES = 200
 SHORT = ("withheld", "form", "strength", "noise_free_gap", "verdict", "causes", "correct")
@@ -22,7 +22,7 @@ SHORT = ("withheld", "form", "strength", "noise_free_gap", "verdict", "causes", 
 
 def fixed():
     """Return the fixed cases by name."""
-    return cases_of(catalogue_of("reference"), number_of(FIXED), FIXED_SEED)
+    return cases_of(catalogue_of("reference"), len(FIXED_SEEDS), FIXED_SEEDS.start)
 
 
 def run_fixed(case, folder):

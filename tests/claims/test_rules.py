@@ -13,7 +13,7 @@ from bayesfric.claims.comparison import decide, odds, share
 from bayesfric.claims.contradictions import contradictions
 from bayesfric.claims.stiffness_negligible import friction_ratios
 from bayesfric.likelihood.gravity import trial_condition
-from bayesfric.likelihood.hall_events import pilot_fits
+from bayesfric.likelihood.trial_motion import pilot_fits
 from bayesfric.protocols import Protocol
 from bayesfric.recording.tables import Gravity
 from bayesfric.simulate import simulate_recording, table1_coefficients

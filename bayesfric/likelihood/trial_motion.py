@@ -1,0 +1,159 @@
+"""The events of trials as flat arrays, and the motion that least squares see in them.
+
+A trial's motion is x(t) = v0 τ + a τ²/2 since its first event, with an offset of each
+sensor: linear in all four.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+__all__ = [
+    "NUISANCES",
+    "Events",
+    "PilotFit",
+    "pilot_coefficients",
+    "pilot_fits",
+    "pilot_of",
+    "prepare_events",
+]
+
+Array = NDArray[np.float64]
+NUISANCES = 3  # offsets of the two sensors and first speed
+
+
+@dataclass(frozen=True)
+class PilotFit:
+    """Least-squares motion of each trial, with its sensors' offsets.
+
+    Parameters
+    ----------
+    first_speed, acceleration : ndarray, shape (N,)
+        Speed at the trial's first event [m/s] and acceleration [m/s²].
+    last_speed : ndarray, shape (N,)
+        Speed at the trial's last event [m/s].
+    least_speed : ndarray, shape (N,)
+        Least speed at any event [m/s].
+    rms_residual : float
+        Of all the events [m].
+    """
+
+    first_speed: Array
+    acceleration: Array
+    last_speed: Array
+    least_speed: Array
+    rms_residual: float
+
+
+@dataclass(frozen=True)
+class Events:
+    """Events of N trials, sorted by trial, as flat arrays.
+
+    Parameters
+    ----------
+    starts : ndarray of int, shape (N,)
+        Place of each trial's first row.
+    trial : ndarray of int, shape (E,)
+        Trial of each event.
+    tau : ndarray, shape (E,)
+        Time since the trial's first event [s].
+    displacement : ndarray, shape (E,)
+        Travel since the sensor's first event [m].
+    regressors : ndarray, shape (R, E)
+        −[drive], −[load], τ, τ²/2, and u_k of each effect.
+    present : ndarray of bool, shape (R, N)
+        Whether a trial has the regressor at all.
+    """
+
+    starts: NDArray[np.intp]
+    trial: NDArray[np.intp]
+    tau: Array
+    displacement: Array
+    regressors: Array
+    present: NDArray[np.bool_]
+
+    def total(self, values: Array) -> Array:
+        """Sum events over each trial (last axis)."""
+        return np.add.reduceat(values, self.starts, axis=-1)
+
+    def normal_equations(self, weight: Array, response: Array) -> tuple[Array, Array]:
+        """Return XᵀWX, shape (N, R, R), and XᵀWy, shape (N, R); absent nuisances are unit."""
+        weighted = self.regressors * weight
+        size = len(self.regressors)
+        matrix = np.empty((self.starts.size, size, size))
+        for row in range(size):
+            for column in range(row, size):
+                matrix[:, row, column] = self.total(weighted[row] * self.regressors[column])
+                matrix[:, column, row] = matrix[:, row, column]
+        for row in range(NUISANCES):
+            matrix[~self.present[row], row, row] = 1.0
+        return matrix, self.total(weighted * response).T
+
+
+def prepare_events(events: pd.DataFrame, trial_ids: pd.Series) -> Events:
+    """Sort events by trial.
+
+    Parameters
+    ----------
+    events : DataFrame
+        Event table of a recording; each of `trial_ids` has events.
+    trial_ids : Series of str, length N
+        The trials, in the order of the result.
+
+    Returns
+    -------
+    Events
+        With the regressors of a motion at constant acceleration.
+    """
+    place = pd.Index(trial_ids).get_indexer(events["trial"])
+    order = np.argsort(place, kind="stable")[np.count_nonzero(place < 0) :]
+    trial = place[order]
+    starts = np.flatnonzero(np.diff(trial, prepend=-1))
+    time = events["time_s"].to_numpy()[order]
+    tau = time - np.minimum.reduceat(time, starts)[trial]
+    drive = (events["sensor"].to_numpy() == "drive")[order]
+    regressors = np.stack([-1.0 * drive, -1.0 * ~drive, tau, tau**2 / 2])
+    present = np.logical_or.reduceat(regressors != 0, starts, axis=-1)
+    displacement = events["displacement_m"].to_numpy()[order]
+    return Events(starts, trial, tau, displacement, regressors, present)
+
+
+def pilot_fits(events: pd.DataFrame, trial_ids: pd.Series) -> PilotFit:
+    """Fit each trial's motion by ordinary least squares.
+
+    Parameters
+    ----------
+    events : DataFrame
+        Event table of a recording; each of `trial_ids` has events.
+    trial_ids : Series of str, length N
+        The trials, in the order of the result.
+
+    Returns
+    -------
+    PilotFit
+        In the order of `trial_ids`.
+    """
+    return pilot_of(prepare_events(events, trial_ids))
+
+
+def pilot_of(table: Events) -> PilotFit:
+    """Fit the motion of trials whose events are sorted already, see :func:`pilot_fits`."""
+    fit = pilot_coefficients(table)
+    speed = fit[table.trial, 2] + fit[table.trial, 3] * table.tau
+    residual = (table.regressors * fit[table.trial].T).sum(axis=0) - table.displacement
+    freedom = table.tau.size - table.present.sum()
+    return PilotFit(
+        first_speed=fit[:, 2],
+        acceleration=fit[:, 3],
+        last_speed=fit[:, 2] + fit[:, 3] * np.maximum.reduceat(table.tau, table.starts),
+        least_speed=np.minimum.reduceat(speed, table.starts),
+        rms_residual=float(np.sqrt((residual**2).sum() / freedom)),
+    )
+
+
+def pilot_coefficients(table: Events) -> Array:
+    """Return offsets, first speed and acceleration of each trial, shape (N, 4)."""
+    matrix, right = table.normal_equations(np.ones_like(table.tau), table.displacement)
+    return np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0], dtype=np.float64)
