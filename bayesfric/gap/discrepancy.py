@@ -12,7 +12,7 @@ __all__ = ["Wide", "smooth_forces"]
 
 SHARED_AXES = ("velocity", "tension", "n_pulleys", "wrap_angle")
 TRIAL_AXES = ("displacement", "order", "acceleration")
-RELATIVE_AXES = ("n_pulleys", "order")  # also of friction in proportion
+RELATIVE_AXES = ("n_pulleys", "displacement", "order", "acceleration")  # also a share of friction
 
 
 @dataclass(frozen=True)
@@ -63,6 +63,7 @@ def smooth_forces(rows: GravityRows | None, motor: MotorPart | None) -> tuple[Sm
         for axis in SHARED_AXES:
             limits = (float(np.min(where[axis])), float(np.max(where[axis])))
             found.append(smooth_along({axis: limits}, "motor"))
+        found.append(smooth_along({}, "motor", relative=True))
     return tuple(smooth for smooth in found if smooth is not None)
 
 

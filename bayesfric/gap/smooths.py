@@ -2,10 +2,11 @@
 
 A force along each covariate is a zero-mean Gaussian process with the squared
 exponential kernel and a length scale of a third of the covariate's range; along speed
-by tension it is a process of both. What changes from one number of pulleys or one day to
-the next changes all friction in proportion: there a process of half that length scale is
-a share of friction. Each is reduced to its leading eigenvectors, so that the force is
-linear in a few standard normal numbers. The processes share the variance equally.
+by tension it is a process of both. A plate, a worn spot, a day or a load of spinning up
+changes all friction in proportion: along the number of pulleys, displacement, order and
+acceleration a process of half that length scale is a share of friction, and so is a
+constant of the motor board. Each is reduced to its leading eigenvectors, so that the force
+is linear in a few standard normal numbers. The processes share the variance equally.
 """
 
 from collections.abc import Mapping
@@ -31,7 +32,7 @@ class Smooth:
     Parameters
     ----------
     axes : tuple of str
-        Names of the covariates.
+        Names of the covariates; none of a constant.
     ranges : tuple of (float, float)
         Lowest and highest value of each.
     kept : ndarray of int, shape (k, len(axes))
@@ -75,6 +76,9 @@ class Smooth:
             _eigenfunctions(self.length)(_place(covariates[axis], limits))
             for axis, limits in zip(self.axes, self.ranges, strict=True)
         ]
+        if not self.axes:
+            shape = np.broadcast_shapes(*(np.shape(values) for values in covariates.values()))
+            return np.ones((1, *shape))
         products = []
         for chosen in self.kept:
             product = np.ones(())
@@ -92,7 +96,7 @@ def smooth_along(
     Parameters
     ----------
     ranges : mapping of str to (float, float)
-        Lowest and highest value by covariate.
+        Lowest and highest value by covariate; empty of a constant.
     rig : {"gravity", "motor"} or None
         The only board that it acts on.
     relative : bool
@@ -100,6 +104,8 @@ def smooth_along(
     """
     if any(high <= low for low, high in ranges.values()):
         return None
+    if not ranges:
+        return Smooth((), (), np.zeros((1, 0), dtype=np.intp), rig, relative)
     length = NARROW if relative else BROAD
     share = _eigenvalues(length)
     for _ in range(len(ranges) - 1):

@@ -273,12 +273,13 @@ def _rough_pairs(
     mean, sd = model.prior(columns)
     information = model.information(psi, Acting(columns))
     reduced = information.reduced(mean, sd, model.places(columns))
+    inside = np.array(list(combinations(range(len(columns)), 2)), dtype=np.intp).reshape(-1, 2)
+    values = combine(model, reduced, inside, np.array(columns, dtype=np.intp)[inside])
+    known = dict(zip(combinations(with_columns, 2), values, strict=True))
     rough = {}
     for a, b in combinations(effects, 2):
-        if a in with_columns and b in with_columns:
-            inside = [with_columns.index(a), with_columns.index(b)]
-            value = combine(model, reduced, inside, [columns[place] for place in inside])
-            rough[a, b] = value + model.log_prior(psi)
+        if (a, b) in known:
+            rough[a, b] = float(known[a, b]) + model.log_prior(psi)
         else:
             rough[a, b] = _rough_pair(model, singles[a], singles[b], psi)
         rough[a, b] += sum(_other_choices(model, singles[name]) for name in (a, b))
@@ -342,10 +343,11 @@ def unknown_evidence(model: LinearModel, psi: Array, acting: Acting) -> Unknown:
         return Unknown((), np.empty(0), -np.inf, psi)
     # It comes on top of the discrepancy that every hypothesis has.
     shares = np.hypot(model.practical_share, UNKNOWN_SCALE * halfnorm.ppf(UNKNOWN_NODES))
-    along = dict.fromkeys(smooth.axis for smooth in model.smooths)
-    groups = [tuple(range(len(model.smooths)))]
+    # A constant of one board is looked for alone: what varies there would dilute it.
+    kinds = [(smooth.axis, bool(smooth.axes)) for smooth in model.smooths]
+    groups = [tuple(range(len(kinds)))]
     groups += [
-        tuple(k for k, smooth in enumerate(model.smooths) if smooth.axis == axis) for axis in along
+        tuple(k for k, one in enumerate(kinds) if one == kind) for kind in dict.fromkeys(kinds)
     ]
     nodes = tuple(Wide(float(share), group) for group in groups for share in shares)
     # A force that nobody looked for went into the scatter: try with less of it as well.

@@ -44,6 +44,15 @@ def test_a_relative_force_is_a_share_of_friction(model):
     np.testing.assert_allclose(motor.columns[:, start], expected)
 
 
+def test_a_constant_of_the_motor_board_is_a_share_of_friction(model):
+    (place,) = (k for k, s in enumerate(model.smooths) if not s.axes)
+    column = 3 + sum(s.count for s in model.smooths[:place])
+    motor, scale = model.motor, model.scale(column)
+    assert (model.smooths[place].count, model.smooths[place].axis) == (1, "rig")
+    np.testing.assert_allclose(motor.columns[:, column], scale * motor._amperes(motor.friction_n))
+    np.testing.assert_array_equal(model.gravity.columns[:, column], 0.0)
+
+
 def test_it_grows_by_a_tenth_of_what_the_effects_do(model):
     """A tenth of friction, and a tenth of that beside the practical share: √(0.5² + 1²) %."""
     found = weigh(model, ("viscous",), model.start)
@@ -92,12 +101,20 @@ def test_an_effect_acts_on_top_of_its_small_amount(model):
     np.testing.assert_allclose(found.precision, expected.precision, rtol=1e-9)
 
 
-def test_what_scatter_hides_is_looked_for_without_it():
-    """One number of pulleys rubs 14 % more: four times the scatter of assemblies, or a force."""
+@pytest.mark.parametrize(
+    ("share", "law", "axis"),
+    [
+        # One number of pulleys rubs 14 % more: four times the scatter of assemblies, or a force.
+        (0.14, lambda s: np.asarray(s.n_pulleys) == 9, "n_pulleys"),
+        # All that the motor drives rubs 10 % more, which no law of friction tells apart.
+        (0.10, lambda s: s.steady, "rig"),
+    ],
+)
+def test_what_scatter_hides_is_looked_for_without_it(share, law, axis):
     effect = Effect(
-        name="one-count",
+        name="somewhere",
         acts_on="friction",
-        sentence="one number of pulleys rubs more",
+        sentence="friction is higher somewhere",
         amplitude=EffectParameter(
             name="share",
             unit="1",
@@ -106,9 +123,9 @@ def test_what_scatter_hides_is_looked_for_without_it():
             plausible=(0.0, 1.0),
             reference="made up",
         ),
-        laws={"nine": lambda p, s: p["share"] * s.friction_n * (np.asarray(s.n_pulleys) == 9)},
+        laws={"there": lambda p, s: p["share"] * s.friction_n * law(s)},
     )
-    truth = Truth(effects=(AppliedEffect(effect, "nine", {"share": 0.14}),))
+    truth = Truth(effects=(AppliedEffect(effect, "there", {"share": share}),))
     found = diagnose(simulate_recording("quick", seed=11, truth=truth)).summary
     assert found.verdict == "unknown"
-    assert found.remainder.axis == "n_pulleys"
+    assert found.remainder.axis == axis

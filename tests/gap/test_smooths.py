@@ -44,3 +44,10 @@ def test_outside_the_range_a_force_is_that_of_the_edge():
     smooth = smooth_along({"tension": (2.0, 5.0)})
     beyond, edge = (smooth.columns({"tension": np.array([at])}) for at in (9.0, 5.0))
     np.testing.assert_array_equal(beyond, edge)
+
+
+def test_a_constant_has_no_axis():
+    smooth = smooth_along({}, "motor", relative=True)
+    columns = smooth.columns({"tension": PLACES, "velocity": PLACES})
+    np.testing.assert_array_equal(columns, np.ones((1, PLACES.size)))
+    assert (smooth.count, smooth.axis) == (1, "rig")
