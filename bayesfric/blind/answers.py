@@ -18,6 +18,7 @@ AXES = (
     "n_pulleys",
     "displacement",
     "order",
+    "acceleration",
     "rig",
 )
 """Along which a remainder can be found."""

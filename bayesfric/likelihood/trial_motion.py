@@ -139,7 +139,7 @@ def pilot_fits(events: pd.DataFrame, trial_ids: pd.Series) -> PilotFit:
 
 
 def pilot_of(table: Events) -> PilotFit:
-    """Fit the motion of trials whose events are sorted already, see :func:`pilot_fits`."""
+    """Do as :func:`pilot_fits`, of trials whose events are sorted already."""
     fit = pilot_coefficients(table)
     speed = fit[table.trial, 2] + fit[table.trial, 3] * table.tau
     residual = (table.regressors * fit[table.trial].T).sum(axis=0) - table.displacement

@@ -17,6 +17,7 @@ from bayesfric.blind.answers import AXES, WithheldEffect, read_answer
 from bayesfric.blind.engines.reference import Made
 from bayesfric.campaign import run_campaign
 from bayesfric.errors import InputError
+from bayesfric.gap.discrepancy import SHARED_AXES, TRIAL_AXES
 from bayesfric.results import read_json
 from bayesfric.schemas import ScorecardFile
 from bayesfric.simulate import simulate_recording
@@ -216,3 +217,7 @@ def test_the_documented_answer_is_one_and_its_table_has_all_keys(tmp_path):
     assert keys == set(WithheldEffect.model_fields)
     (axes,) = re.findall(r"^\| `axes` \|.*required of one: (.*) \|$", text, flags=re.MULTILINE)
     assert tuple(re.findall(r"`(\w+)`", axes)) == AXES
+
+
+def test_an_answer_may_name_every_axis_of_a_remainder():
+    assert set(AXES) == {*SHARED_AXES, *TRIAL_AXES, "rig"}
