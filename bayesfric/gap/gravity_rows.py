@@ -9,13 +9,14 @@ acceleration alone is one row: the travel that it makes from rest.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
 from bayesfric.boards.gravity import coulomb_acceleration, nominal_tension, tension_feedback
-from bayesfric.effects import Reading, State
+from bayesfric.effects import Law, Reading, State
 from bayesfric.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.gap.candidates import Candidate, unit_values
 from bayesfric.gap.motion import MeasuredMotion, travel_to_speed
@@ -162,7 +163,7 @@ class GravityRows:
         values, small = unit_values(candidate)
         law = effect.laws[candidate.law]
         if effect.acts_on == "reading":
-            beyond = np.asarray(law(values, self._readings())) / small
+            beyond = self._beyond(law, values) / small
             if not effect.components:
                 return np.asarray(-np.broadcast_to(beyond, self.residual.shape)[:, None])
             sensors = self.events.regressors[:2] != 0
@@ -308,7 +309,20 @@ class GravityRows:
         rows = self.events.trial
         return np.asarray((1 - share) * values[rows, left] + share * values[rows, left + 1])
 
-    def _readings(self) -> Reading:
+    def _beyond(self, law: Law, values: Mapping[str, Any]) -> Array:
+        """Return how far magnets pass beyond their places [m]."""
+        reading = self.readings()
+        ends = [np.asarray(law(values, reading._replace(is_load=end))) for end in (0.0, 1.0)]
+        if not all(end.any() for end in ends):
+            # Seen by one sensor alone: the other one tells it from any motion, so that the
+            # measured motion may stand for the true one.
+            started = self._before[self.events.trial]
+            travel = self._at_rows(self._travel) - started
+            reading = reading._replace(displacement_m=travel, speed_m_s=self._speed)
+        return np.asarray(law(values, reading))
+
+    def readings(self) -> Reading:
+        """Return where cable and sensors are at every row, by the reference law."""
         events, condition = self.events, self.condition
         trial, is_load = events.trial, (events.regressors[1] != 0).astype(np.float64)
         # The reference law's motion, not the measured one: a reading's error in proportion

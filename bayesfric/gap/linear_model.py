@@ -20,7 +20,7 @@ from bayesfric.gap.gravity_rows import GravityRows
 from bayesfric.gap.information import Information
 from bayesfric.gap.layout import COEFFICIENTS, Layout
 from bayesfric.gap.motion import MeasuredMotion, measured_motion
-from bayesfric.gap.motor_part import MotorNoise, MotorPart
+from bayesfric.gap.motor_part import MotorNoise, MotorPart, idle_columns
 from bayesfric.gap.noise import bounds, log_prior
 from bayesfric.gap.pulley_sizes import coefficient_prior, pulley_radii, rms_friction
 from bayesfric.gap.small_amounts import small_amounts
@@ -78,6 +78,8 @@ class LinearModel:
     small : sequence of (Candidate, float), or None
         Small amounts of effects, which are part of the discrepancy, with the standard
         deviation of their amplitudes; None is of all candidates.
+    forms : sequence of (Candidate, float)
+        What laws may be wrong by, with the standard deviation at a share of 1.
     measured : MeasuredMotion or None
         Of the trials, where it is known already.
 
@@ -104,6 +106,7 @@ class LinearModel:
         scattering: Sequence[tuple[Candidate, float]] = (),
         released: Sequence[tuple[Candidate, float]] | None = None,
         small: Sequence[tuple[Candidate, float]] | None = None,
+        forms: Sequence[tuple[Candidate, float]] = (),
         measured: MeasuredMotion | None = None,
     ) -> None:
         self.data, self.laws, self.candidates = data, dict(laws), tuple(candidates)
@@ -115,7 +118,7 @@ class LinearModel:
         if data.gravity is not None:
             self._measured = measured or measured_motion(data.gravity, data.rig)
             rows = GravityRows(data.gravity, data.rig, laws, radii, self._measured, self.released)
-        empty = Layout(data.sizes, 0, 0, _idle_columns(data))
+        empty = Layout(data.sizes, 0, 0, idle_columns(data.motor))
         plain = np.ones(empty.local)
         # Once without smooth forces, for friction and covariates of the runs.
         bare = None
@@ -128,7 +131,8 @@ class LinearModel:
         if small is None:
             small = small_amounts(rows, bare, candidates, practical_share)
         self._amounts = tuple(small)
-        self.small = self._amounts if discrepancy else ()
+        self.small = (*self._amounts, *forms) if discrepancy else ()
+        self._forms = len(forms) if discrepancy else 0
         self.layout = Layout(data.sizes, count, len(candidates), empty.idle, len(self.small))
         scales = self._scales()
         given = (
@@ -161,6 +165,7 @@ class LinearModel:
         scattering: Sequence[tuple[Candidate, float]] | None = None,
         released: Sequence[tuple[Candidate, float]] | None = None,
         widened: float = 1.0,
+        forms: Sequence[tuple[Candidate, float]] = (),
     ) -> "LinearModel":
         """Return the model around another reference law, with other effects that may act.
 
@@ -177,6 +182,7 @@ class LinearModel:
             scattering=self.scattering if scattering is None else scattering,
             released=released if scattering is not None or released is not None else self.released,
             small=[(candidate, widened * sd) for candidate, sd in self._amounts],
+            forms=forms,
             measured=self._measured,
         )
 
@@ -274,7 +280,9 @@ class LinearModel:
             self._known[key] = compute()
         return self._known[key]
 
-    def prior(self, columns: Sequence[int], wide: Wide | None = None) -> tuple[Array, Array]:
+    def prior(
+        self, columns: Sequence[int], wide: Wide | None = None, form: float = 0.0
+    ) -> tuple[Array, Array]:
         """Return mean and standard deviation of the kept numbers before the data.
 
         Parameters
@@ -283,6 +291,8 @@ class LinearModel:
             Candidates that enter.
         wide : Wide or None
             Smooth forces that are wider than the discrepancy.
+        form : float
+            By which share of what effects do their laws may be wrong along each axis.
         """
         sizes, own = len(self.layout.sizes), self.layout.own
         always = self.layout.always().size
@@ -293,7 +303,10 @@ class LinearModel:
             at, width = prior_moments(self.candidates[place].effect.amplitude.prior)
             shared.append(at / width)
         mean = np.concatenate([self._mean.reshape(sizes * own), shared, np.zeros(always)])
-        return mean, np.concatenate([sd.reshape(sizes * own), np.ones(len(shared) + always)])
+        rest = np.ones(len(shared) + always)
+        ends = rest.size - self.layout.idle
+        rest[ends - self._forms : ends] = form
+        return mean, np.concatenate([sd.reshape(sizes * own), rest])
 
     def _shares(self, wide: Wide | None) -> Array:
         """Return what each smooth number is multiplied by, as a share of friction."""
@@ -312,21 +325,25 @@ class LinearModel:
         """Return the log density of data and noise, all linear numbers integrated out."""
         return float(self.log_joints(psi, acting, (wide,))[0])
 
-    def log_joints(self, psi: Array, acting: Acting, wide: Sequence[Wide | None]) -> Array:
-        """Return the same for several priors of the smooth forces."""
+    def log_joints(
+        self, psi: Array, acting: Acting, wide: Sequence[Wide | None], form: float = 0.0
+    ) -> Array:
+        """Return the same for several priors of the smooth forces, and one of forms."""
         information = self.information(psi, acting)
         nothing = np.array([], dtype=np.intp)
         values = [
-            information.reduced(*self.prior(acting.columns, one), nothing).log_evidence
+            information.reduced(*self.prior(acting.columns, one, form), nothing).log_evidence
             for one in wide
         ]
         return np.array(values) + self.log_prior(psi)
 
-    def climb(self, psi: Array, acting: Acting, wide: Wide | None = None) -> tuple[Array, float]:
+    def climb(
+        self, psi: Array, acting: Acting, wide: Wide | None = None, form: float = 0.0
+    ) -> tuple[Array, float]:
         """Return the mode of the noise from a start, and the log joint there."""
 
         def objective(point: Array) -> float:
-            return -self.log_joint(point, acting, wide)
+            return -float(self.log_joints(point, acting, (wide,), form)[0])
 
         found = optimize.minimize(
             objective,
@@ -386,10 +403,3 @@ def _on_friction(acting: Sequence[tuple[Candidate, float]]) -> list[tuple[Candid
         for candidate, amplitude in acting
         if candidate.effect.acts_on == "friction" and not candidate.effect.components
     ]
-
-
-def _idle_columns(data: Data) -> int:
-    if data.motor is None:
-        return 0
-    speed = data.motor.idle["velocity_m_s"]
-    return 4 if (speed > 0).any() and (speed < 0).any() else 3

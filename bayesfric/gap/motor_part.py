@@ -24,7 +24,7 @@ from bayesfric.gap.windows import Windows
 from bayesfric.likelihood.motor import idle_basis, run_condition
 from bayesfric.recording.tables import Motor, Rig
 
-__all__ = ["MotorNoise", "MotorPart"]
+__all__ = ["MotorNoise", "MotorPart", "idle_columns"]
 
 Array = NDArray[np.float64]
 LOG_2PI = float(np.log(2 * np.pi))
@@ -135,7 +135,7 @@ class MotorPart:
         )
         speed = np.asarray(self.condition.velocity_m_s, dtype=np.float64)
         idle_speed = motor.idle["velocity_m_s"].to_numpy(dtype=np.float64)
-        both_ways = bool((idle_speed > 0).any() and (idle_speed < 0).any())
+        both_ways = _both_ways(motor)
         self._idle = idle_basis(idle_speed, both_ways=both_ways)
         self._idle_current = motor.idle["current_a"].to_numpy(dtype=np.float64)
         self._current = runs["current_a"].to_numpy(dtype=np.float64) - self._load
@@ -262,3 +262,13 @@ class MotorPart:
         law = np.asarray(effect.laws[candidate.law](values, self.state)) / small
         law = np.broadcast_to(law, (len(self.trials),))
         return law if effect.acts_on == "current" else self._amperes(law)
+
+
+def idle_columns(motor: Motor | None) -> int:
+    """Return how many columns the curve of the idle motor has."""
+    return 0 if motor is None else 4 if _both_ways(motor) else 3
+
+
+def _both_ways(motor: Motor) -> bool:
+    speed = motor.idle["velocity_m_s"]
+    return bool((speed > 0).any() and (speed < 0).any())

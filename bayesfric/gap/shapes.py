@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.gap.candidates import Candidate, candidates_of
+from bayesfric.gap.forms import other_forms
 from bayesfric.gap.linear_model import Acting, LinearModel
 from bayesfric.gap.reference import amplitudes_of, fitted_laws
 from bayesfric.gap.small_amounts import relative_rms
@@ -62,7 +63,8 @@ def sharpened_around(model: LinearModel, found: Weighed) -> LinearModel:
     """Linearise around the law fitted with effects that act together; sharpen their shapes.
 
     No law of an effect is quite right: the discrepancy grows by a tenth of what the effects
-    do, lest the difference between two forms of one effect pass for another effect.
+    do, and each law may be wrong by more along what it acts over, lest the difference between
+    two forms of one effect pass for another effect.
     """
     best = np.full(len(model.candidates), -np.inf)
     for choice, weight in zip(found.choices, found.log_weights, strict=True):
@@ -78,6 +80,7 @@ def sharpened_around(model: LinearModel, found: Weighed) -> LinearModel:
         _with_nodes(model, best, np.isfinite(best)),
         scattering=acting,
         widened=float(np.hypot(1.0, wrong)),
+        forms=other_forms(rows, model.motor, acting),
     )
 
 

@@ -36,6 +36,8 @@ class Weighed:
         Candidates that act, one choice of laws and shapes each.
     log_weights : ndarray
         Of each choice, normalised.
+    log_shares : ndarray
+        Log evidence by what laws may be wrong by, of each share that was tried.
     """
 
     names: tuple[str, ...]
@@ -43,6 +45,7 @@ class Weighed:
     psi: Array
     choices: tuple[Acting, ...]
     log_weights: Array
+    log_shares: Array
 
     @property
     def best(self) -> Acting:
@@ -58,7 +61,14 @@ def candidates_by_name(model: LinearModel) -> dict[str, list[int]]:
     return places
 
 
-def weigh(model: LinearModel, names: Sequence[str], psi: Array, *, climb: bool = True) -> Weighed:
+def weigh(
+    model: LinearModel,
+    names: Sequence[str],
+    psi: Array,
+    *,
+    climb: bool = True,
+    shares: Sequence[float] = (0.0,),
+) -> Weighed:
     """Weigh effects that act together.
 
     Parameters
@@ -71,21 +81,24 @@ def weigh(model: LinearModel, names: Sequence[str], psi: Array, *, climb: bool =
         Logarithms of the noise, a start.
     climb : bool
         Whether to look for the mode of the noise; else it is taken as `psi`.
+    shares : sequence of float
+        By which shares of what effects do their laws may be wrong, summed over.
     """
     places = candidates_by_name(model)
     each = [places[name] for name in names]
     for _ in range(ROUNDS if climb else 1):
-        choices, log_values = _choices(model, each, psi)
-        best = choices[int(np.argmax(log_values))]
+        choices, values = _choices(model, each, psi, shares)
         if not climb:
             break
-        moved, _ = model.climb(psi, best)
+        form, place = divmod(int(np.argmax(values)), len(choices))
+        moved, _ = model.climb(psi, choices[place], form=shares[form])
         settled = bool(np.abs(moved - psi).max() < 1e-2)
         psi = moved
         if settled:
             break
     if climb:
-        choices, log_values = _choices(model, each, psi)
+        choices, values = _choices(model, each, psi, shares)
+    log_values = logsumexp(values, axis=0)
     total = float(logsumexp(log_values))
     kept = np.flatnonzero(log_values > log_values.max() + WORTH)
     return Weighed(
@@ -94,32 +107,41 @@ def weigh(model: LinearModel, names: Sequence[str], psi: Array, *, climb: bool =
         psi,
         tuple(choices[index] for index in kept),
         log_values[kept] - logsumexp(log_values[kept]),
+        logsumexp(values, axis=1),
     )
 
 
-def _choices(model: LinearModel, each: list[list[int]], psi: Array) -> tuple[list[Acting], Array]:
-    """Return every choice of a candidate from each effect, with its weighted log evidence."""
+def _choices(
+    model: LinearModel, each: list[list[int]], psi: Array, shares: Sequence[float]
+) -> tuple[list[Acting], Array]:
+    """Return every choice of a candidate from each effect, with its weighted log evidence.
+
+    The log evidence has a row a share by which laws may be wrong.
+    """
     with_phases = [[p for p in places if model.candidates[p].effect.components] for places in each]
     columns = tuple(
         p for places in each for p in places if not model.candidates[p].effect.components
     )
     fixed = [places for places in with_phases if places]
     free = [places for places, phases in zip(each, with_phases, strict=True) if not phases]
-    mean, sd = model.prior(columns)
     together = list(product(*free))
     places = np.array(together, dtype=np.intp)
     stands = np.zeros(len(model.candidates), dtype=np.intp)
     stands[list(columns)] = np.arange(len(columns))
     own_weight = np.array([candidate.log_weight for candidate in model.candidates])
     choices: list[Acting] = []
-    values = []
+    values: list[Array] = []
     for phases in product(*fixed):
         information = model.information(psi, Acting(columns, phases))
-        reduced = information.reduced(mean, sd, model.places(columns))
         choices += [Acting(chosen, phases) for chosen in together]
         weight = own_weight[list(phases)].sum() + own_weight[places].sum(axis=1)
-        values.append(weight + combine(model, reduced, stands[places], places))
-    return choices, np.concatenate(values)
+        rows = []
+        for form in shares:
+            mean, sd = model.prior(columns, form=form)
+            reduced = information.reduced(mean, sd, model.places(columns))
+            rows.append(weight + combine(model, reduced, stands[places], places))
+        values.append(np.stack(rows))
+    return choices, np.concatenate(values, axis=1)
 
 
 def combine(

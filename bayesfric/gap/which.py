@@ -12,6 +12,7 @@ from scipy.stats import halfnorm
 
 from bayesfric.gap.classes import Classes, classes_of
 from bayesfric.gap.discrepancy import Wide
+from bayesfric.gap.forms import SHARES
 from bayesfric.gap.linear_model import Acting, LinearModel
 from bayesfric.gap.weighing import Weighed, combine, weigh
 
@@ -39,6 +40,8 @@ WITHIN = 7.0  # nat from the best, prior included, of a pair that is worth it
 GAIN = 1.0  # nat that an effect adds, from which on the noise is looked at anew
 WORTH = 3.0  # nat that a further effect has to gain, beyond two
 MOST = 4  # effects at a time
+CLOSE = 30.0  # nat from the best, of a part of the causes whose noise is looked at anew
+LIKELY = 8.0  # nat from the best, of a share by which laws may be wrong
 LISTED = 1e-6  # probability below which a hypothesis is not listed
 
 
@@ -174,7 +177,8 @@ def look_closer(model: LinearModel, which: Which, found: Weighed) -> Which:
     """Weigh the leading hypothesis and its neighbours again, around itself.
 
     Where an effect acts, its force scatters with friction. That is known once its size
-    is, and without it a large effect's scatter passes for a small effect more.
+    is, and without it a large effect's scatter passes for a small effect more. So does the
+    difference between an effect's law and another form of it.
 
     Parameters
     ----------
@@ -191,16 +195,22 @@ def look_closer(model: LinearModel, which: Which, found: Weighed) -> Which:
         With new values for the causes, each part of them, and each effect beside them.
     """
     again: dict[str, Weighed] = {}
-    for number in range(1, len(found.names) + 1):
-        for names in combinations(found.names, number):
-            again[label(names)] = weigh(model, names, found.psi)
 
     def worth(one: Weighed) -> float:
         prior = PRIOR[{1: "one", 2: "two"}.get(len(one.names), "more")]
         count = comb(len(which.classes.members), len(one.names))
         return one.log_evidence + float(np.log(prior / count))
 
+    for number in range(1, len(found.names) + 1):
+        for names in combinations(found.names, number):
+            again[label(names)] = weigh(model, names, found.psi, climb=False, shares=SHARES)
+    top = max(worth(one) for one in again.values())
+    for name, one in again.items():
+        if worth(one) > top - CLOSE:
+            again[name] = weigh(model, one.names, found.psi, shares=SHARES)
     best = max(again.values(), key=worth)
+    likely = best.log_shares > best.log_shares.max() - LIKELY
+    shares = [share for share, one in zip(SHARES, likely, strict=True) if one]
     effects = sorted(set(which.representative.values()))
     while True:
         beside = {}
@@ -208,9 +218,9 @@ def look_closer(model: LinearModel, which: Which, found: Weighed) -> Which:
             names = tuple(sorted({*best.names, name}))
             if name in best.names or len(names) > MOST or label(names) in again:
                 continue
-            one = weigh(model, names, best.psi, climb=False)
+            one = weigh(model, names, best.psi, climb=False, shares=shares)
             if one.log_evidence > best.log_evidence + GAIN:
-                one = weigh(model, names, best.psi)
+                one = weigh(model, names, best.psi, shares=shares)
             beside[label(names)] = one
         again |= beside
         better = max(beside.values(), key=worth, default=best)

@@ -1,0 +1,126 @@
+"""What the law of an effect may be wrong by: its columns, and whether data ask for it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bayesfric.analysis import Analysis
+from bayesfric.effects import all_effects
+from bayesfric.friction import Coefficients
+from bayesfric.gap.candidates import candidates_of
+from bayesfric.gap.forms import DEGREES, SHARES, other_forms
+from bayesfric.gap.linear_model import LinearModel
+from bayesfric.gap.shapes import sharpened_around
+from bayesfric.gap.small_amounts import relative_rms
+from bayesfric.gap.weighing import weigh
+from bayesfric.likelihood.hypothesis import Data
+from bayesfric.protocols import Protocol
+from bayesfric.simulate import AppliedEffect, Truth, simulate_recording, table1_coefficients
+
+SMALL = Protocol({(9, 85.0): 2, (15, 50.0): 1}, (6.0, 28.0), (6.0, 28.0), 2)
+VISCOUS = all_effects()["viscous"]
+REFERENCE_SPEED = 0.6
+
+
+def board(law, names=("viscous",), laws=None):
+    """Return the model of boards with viscous friction that grows by another law of speed."""
+    form = replace(VISCOUS, laws={"form": law})
+    truth = Truth(effects=(AppliedEffect(form, "form", {"slope": 0.3}),))
+    recording = simulate_recording(SMALL, seed=5, truth=truth)
+    data = Data(recording.rig, recording.gravity, recording.motor)
+    candidates = [one for name in names for one in candidates_of(all_effects()[name])]
+    return LinearModel(data, laws or table1_coefficients(), candidates, Analysis(), 0.005)
+
+
+def power(exponent):
+    """Return a law of viscous friction by a power of speed; the own one is 1."""
+
+    def law(p, state):
+        speed = np.asarray(state.speed_m_s) / REFERENCE_SPEED
+        scale = np.asarray(state.n_pulleys) * np.asarray(state.pulley_friction_n)
+        return p["slope"] * REFERENCE_SPEED * speed**exponent * scale
+
+    return law
+
+
+@pytest.fixture(scope="module")
+def model():
+    return board(power(1.0))
+
+
+def test_each_is_the_effect_times_a_legendre_polynomial(model):
+    rows, motor = model.gravity.rows, model.motor
+    candidate = model.candidates[0]
+    forms = other_forms(rows, motor, [(candidate, 0.2)])
+    speed = forms[: len(DEGREES)]  # the first axis
+    at = np.concatenate([rows.state.speed_m_s.ravel(), motor.state.speed_m_s])
+    size = np.asarray(rows.relative_force(candidate))[0]
+    # All but 2‰ of the effect's square lies between the ends; boards count alike.
+    weight = np.concatenate(
+        [
+            (size * rows.friction_n[:, None]).ravel() ** 2 / size.size,
+            (motor.relative_force(candidate) * motor.friction_n / motor._feedback) ** 2
+            / motor.friction_n.size,
+        ]
+    )
+    order = np.argsort(at)
+    share = np.cumsum(weight[order]) / weight.sum()
+    low, high = np.interp([0.001, 0.999], share, at[order])
+    z = np.clip(2 * (rows.state.speed_m_s - low) / (high - low) - 1, -1, 1)
+    expected = (z, (3 * z**2 - 1) / 2, (5 * z**3 - 3 * z) / 2, (35 * z**4 - 30 * z**2 + 3) / 8)
+    for (one, _), polynomial in zip(speed, expected, strict=True):
+        np.testing.assert_allclose(rows.relative_force(one)[0], size * polynomial, atol=2e-3)
+
+
+def test_along_each_axis_they_add_up_to_the_effect(model):
+    """At a share of 1 the rms of an axis is that of the effect."""
+    rows, motor = model.gravity.rows, model.motor
+    candidate = model.candidates[0]
+    forms = other_forms(rows, motor, [(candidate, 0.2)])
+    squares = np.array([(sd * relative_rms(rows, motor, one)) ** 2 for one, sd in forms])
+    effect = (0.2 * relative_rms(rows, motor, candidate)) ** 2
+    np.testing.assert_allclose(squares.reshape(-1, len(DEGREES)).sum(axis=1), effect)
+    # Speed, tension, number of pulleys, wrap angle, travel and order all vary here.
+    assert len(forms) == 6 * len(DEGREES)
+
+
+def test_a_share_of_none_leaves_the_evidence(model):
+    found = weigh(model, ("viscous",), model.start)
+    around = sharpened_around(model, found)
+    without = around.around(around.laws, around.candidates)
+    here = weigh(around, ("viscous",), found.psi, climb=False)
+    there = weigh(without, ("viscous",), found.psi, climb=False)
+    assert here.log_evidence == pytest.approx(there.log_evidence, abs=1e-6)
+
+
+@pytest.mark.parametrize(("exponent", "own"), [(1.0, True), (0.7, False)])
+def test_data_tell_whether_the_form_is_the_own_one(exponent, own):
+    model = board(power(exponent))
+    found = weigh(model, ("viscous",), model.start)
+    around = sharpened_around(model, found)
+    again = weigh(around, ("viscous",), found.psi, shares=SHARES)
+    best = SHARES[int(np.argmax(again.log_shares))]
+    assert (best == 0) == own
+    total = np.logaddexp.reduce(again.log_shares) + around.log_prior(again.psi)
+    assert again.log_evidence == pytest.approx(total, abs=1e-6)
+
+
+def test_what_one_sensor_alone_shows_is_told_whatever_the_law(model):
+    """The travel that the load end misses is its share of the measured one, not the law's."""
+    laws = {
+        size: Coefficients(1.3 * law.c1, 0.8 * law.c2, law.c3) for size, law in model.laws.items()
+    }
+    other = LinearModel(model.data, laws, (), Analysis(), 0.005)
+    (slip,) = candidates_of(all_effects()["slip"])
+    column = model.gravity.rows.candidate_columns(slip)
+    np.testing.assert_allclose(
+        other.gravity.rows.candidate_columns(slip), column, rtol=0, atol=1e-12
+    )
+    events = model.gravity.rows.events
+    load = events.regressors[1] != 0
+    np.testing.assert_array_equal(column[~load], 0.0)
+    # What is written down counts from each sensor's first event: a constant a trial apart.
+    apart = -column[load, 0] - events.displacement[load]
+    for trial in np.unique(events.trial[load]):
+        assert np.ptp(apart[events.trial[load] == trial]) < 1e-3
