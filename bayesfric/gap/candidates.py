@@ -5,7 +5,7 @@ An effect with phases that nobody recorded has no column: its amplitude is a sca
 every trial, and is integrated over nodes too.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,6 +22,7 @@ __all__ = [
     "candidates_of",
     "goes_to_and_fro",
     "is_positive",
+    "on_friction",
     "prior_moments",
     "unit_values",
 ]
@@ -134,3 +135,12 @@ def is_positive(prior: Prior) -> bool:
 def goes_to_and_fro(effect: Effect) -> bool:
     """Return whether an error of readings has no equivalent force: no parabola sees it."""
     return effect.acts_on == "reading" and bool(effect.components or effect.shape)
+
+
+def on_friction(acting: Sequence[tuple[Candidate, float]]) -> list[tuple[Candidate, float]]:
+    """Return those that add to friction along a known path."""
+    return [
+        (candidate, amplitude)
+        for candidate, amplitude in acting
+        if candidate.effect.acts_on == "friction" and not candidate.effect.components
+    ]

@@ -13,7 +13,7 @@ from scipy import optimize
 
 from bayesfric.analysis import Analysis
 from bayesfric.friction import Coefficients
-from bayesfric.gap.candidates import Candidate, prior_moments
+from bayesfric.gap.candidates import Candidate, on_friction, prior_moments
 from bayesfric.gap.discrepancy import Wide, smooth_forces
 from bayesfric.gap.gravity_part import GravityNoise, GravityPart
 from bayesfric.gap.gravity_rows import GravityRows
@@ -112,8 +112,8 @@ class LinearModel:
         self.data, self.laws, self.candidates = data, dict(laws), tuple(candidates)
         self.analysis, self.practical_share, self.fixed = analysis, practical_share, fixed
         radii = self.radii = pulley_radii(data)
-        self.scattering = _on_friction(scattering)
-        self.released = self.scattering if released is None else _on_friction(released)
+        self.scattering = on_friction(scattering)
+        self.released = self.scattering if released is None else on_friction(released)
         rows, self._measured = None, measured
         if data.gravity is not None:
             self._measured = measured or measured_motion(data.gravity, data.rig)
@@ -394,12 +394,3 @@ class LinearModel:
                 mean[row, column] = 0.0 if held else (centre - at) / scale[column]
                 sd[row, column] = 0.0 if held else width / scale[column]
         return mean, sd
-
-
-def _on_friction(acting: Sequence[tuple[Candidate, float]]) -> list[tuple[Candidate, float]]:
-    """Return those that add to friction along a known path."""
-    return [
-        (candidate, amplitude)
-        for candidate, amplitude in acting
-        if candidate.effect.acts_on == "friction" and not candidate.effect.components
-    ]
