@@ -14,6 +14,7 @@ from bayesfric.gap.linear_model import LinearModel
 from bayesfric.gap.shapes import sharpened_around
 from bayesfric.gap.small_amounts import relative_rms
 from bayesfric.gap.weighing import weigh
+from bayesfric.gap.which import look_closer, which_effect
 from bayesfric.likelihood.hypothesis import Data
 from bayesfric.protocols import Protocol
 from bayesfric.simulate import AppliedEffect, Truth, simulate_recording, table1_coefficients
@@ -23,14 +24,18 @@ VISCOUS = all_effects()["viscous"]
 REFERENCE_SPEED = 0.6
 
 
-def board(law, names=("viscous",), laws=None):
+def board(law, names=("viscous",)):
     """Return the model of boards with viscous friction that grows by another law of speed."""
     form = replace(VISCOUS, laws={"form": law})
     truth = Truth(effects=(AppliedEffect(form, "form", {"slope": 0.3}),))
-    recording = simulate_recording(SMALL, seed=5, truth=truth)
+    return model_of(simulate_recording(SMALL, seed=5, truth=truth), names)
+
+
+def model_of(recording, names):
+    """Return the model of a recording, with some effects that may act."""
     data = Data(recording.rig, recording.gravity, recording.motor)
     candidates = [one for name in names for one in candidates_of(all_effects()[name])]
-    return LinearModel(data, laws or table1_coefficients(), candidates, Analysis(), 0.005)
+    return LinearModel(data, table1_coefficients(), candidates, Analysis(), 0.005)
 
 
 def power(exponent):
@@ -104,6 +109,27 @@ def test_data_tell_whether_the_form_is_the_own_one(exponent, own):
     assert (best == 0) == own
     total = np.logaddexp.reduce(again.log_shares) + around.log_prior(again.psi)
     assert again.log_evidence == pytest.approx(total, abs=1e-6)
+
+
+def test_another_form_is_no_second_effect():
+    """Friction that grows with v^0.6 was taken for viscous friction and a Stribeck term."""
+    model = board(power(0.6), ("viscous", "stribeck"))
+    which = which_effect(model, model.start)
+    pair = which.weighed["stribeck+viscous"]
+    assert pair.log_evidence > which.weighed["viscous"].log_evidence + 10
+    closer = look_closer(sharpened_around(model, pair), which, pair)
+    assert closer.log_evidence["viscous"] > closer.log_evidence["stribeck+viscous"]
+
+
+def test_a_second_effect_is_none_of_the_forms_of_the_first():
+    """A Stribeck term of full size beside viscous friction is not taken away."""
+    effects = {"viscous": 1.0, "stribeck": 1.0}
+    model = model_of(simulate_recording(SMALL, seed=5, effects=effects), effects)
+    which = which_effect(model, model.start)
+    pair = which.weighed["stribeck+viscous"]
+    closer = look_closer(sharpened_around(model, pair), which, pair)
+    best = max(closer.log_evidence, key=lambda name: closer.log_evidence[name])
+    assert best == "stribeck+viscous"
 
 
 def test_what_one_sensor_alone_shows_is_told_whatever_the_law(model):
