@@ -312,14 +312,23 @@ class GravityRows:
     def _beyond(self, law: Law, values: Mapping[str, Any]) -> Array:
         """Return how far magnets pass beyond their places [m]."""
         reading = self.readings()
-        ends = [np.asarray(law(values, reading._replace(is_load=end))) for end in (0.0, 1.0)]
-        if not all(end.any() for end in ends):
-            # Seen by one sensor alone: the other one tells it from any motion, so that the
-            # measured motion may stand for the true one.
-            started = self._before[self.events.trial]
-            travel = self._at_rows(self._travel) - started
-            reading = reading._replace(displacement_m=travel, speed_m_s=self._speed)
+        at_ends = [np.full_like(self.residual, end) for end in (0.0, 1.0)]
+        if not all(np.any(law(values, reading._replace(is_load=end))) for end in at_ends):
+            # Seen by one sensor alone: where there is another one, that tells it from any
+            # motion, so that the measured motion may stand for the true one.
+            both = self._seen_by_both()
+            travel = self._at_rows(self._travel) - self._before[self.events.trial]
+            reading = reading._replace(
+                displacement_m=np.where(both, travel, reading.displacement_m),
+                speed_m_s=np.where(both, self._speed, reading.speed_m_s),
+            )
         return np.asarray(law(values, reading))
+
+    def _seen_by_both(self) -> NDArray[np.bool_]:
+        """Return which rows are of trials that both sensors recorded, shape (E,)."""
+        sensors = self.events.regressors[:2] != 0
+        both = [sensors[:, rows].any(axis=1).all() for rows in self.rows_of_trials()]
+        return np.array(both)[self.events.trial]
 
     def readings(self) -> Reading:
         """Return where cable and sensors are at every row, by the reference law."""

@@ -20,7 +20,8 @@ from bayesfric.protocols import Protocol
 from bayesfric.simulate import AppliedEffect, Truth, simulate_recording, table1_coefficients
 
 SMALL = Protocol({(9, 85.0): 2, (15, 50.0): 1}, (6.0, 28.0), (6.0, 28.0), 2)
-VISCOUS = all_effects()["viscous"]
+EFFECTS = all_effects()
+VISCOUS = EFFECTS["viscous"]
 REFERENCE_SPEED = 0.6
 
 
@@ -34,7 +35,7 @@ def board(law, names=("viscous",)):
 def model_of(recording, names):
     """Return the model of a recording, with some effects that may act."""
     data = Data(recording.rig, recording.gravity, recording.motor)
-    candidates = [one for name in names for one in candidates_of(all_effects()[name])]
+    candidates = [one for name in names for one in candidates_of(EFFECTS[name])]
     return LinearModel(data, table1_coefficients(), candidates, Analysis(), 0.005)
 
 
@@ -138,7 +139,7 @@ def test_what_one_sensor_alone_shows_is_told_whatever_the_law(model):
         size: Coefficients(1.3 * law.c1, 0.8 * law.c2, law.c3) for size, law in model.laws.items()
     }
     other = LinearModel(model.data, laws, (), Analysis(), 0.005)
-    (slip,) = candidates_of(all_effects()["slip"])
+    (slip,) = candidates_of(EFFECTS["slip"])
     column = model.gravity.rows.candidate_columns(slip)
     np.testing.assert_allclose(
         other.gravity.rows.candidate_columns(slip), column, rtol=0, atol=1e-12
@@ -150,3 +151,14 @@ def test_what_one_sensor_alone_shows_is_told_whatever_the_law(model):
     apart = -column[load, 0] - events.displacement[load]
     for trial in np.unique(events.trial[load]):
         assert np.ptp(apart[events.trial[load] == trial]) < 1e-3
+
+
+def test_a_sensor_that_is_alone_cannot_tell_slip_from_length(model):
+    """Travel that it misses is travel that is counted in too short a unit."""
+    gravity = model.data.gravity
+    events = gravity.events[gravity.events["sensor"] == "load"].reset_index(drop=True)
+    data = Data(model.data.rig, replace(gravity, events=events), None)
+    candidates = [one for name in ("slip", "length-scale") for one in candidates_of(EFFECTS[name])]
+    rows = LinearModel(data, model.laws, candidates, Analysis(), 0.005).gravity.rows
+    slip, length = (rows.candidate_columns(one)[:, 0] for one in candidates)
+    np.testing.assert_allclose(np.abs(slip), np.abs(length), rtol=1e-3)
