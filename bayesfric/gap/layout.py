@@ -2,8 +2,8 @@
 
 The numbers are, for each pulley size, the three coefficients of the law and the smooth
 forces of the discrepancy; then, shared by all sizes, an amplitude for each candidate,
-small amounts of every effect (the rest of the discrepancy) and the idle curve of the
-motor. A trial or run meets those of its own size only: its
+small amounts of every effect (the rest of the discrepancy), what laws may be wrong by, and
+the idle curve of the motor. A trial or run meets those of its own size only: its
 columns are the *local* ones. All are in units of their prior's standard deviation.
 """
 
@@ -32,7 +32,7 @@ class Layout:
     idle : int
         Columns of the idle curve, 0 without a motor board.
     small : int
-        Small amounts of effects.
+        Small amounts of effects, and after them the other forms of those that act.
     """
 
     sizes: tuple[str, ...]

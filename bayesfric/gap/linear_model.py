@@ -169,7 +169,7 @@ class LinearModel:
     ) -> "LinearModel":
         """Return the model around another reference law, with other effects that may act.
 
-        Its discrepancy is `widened` times as wide as this one's.
+        Its discrepancy is `widened` times as wide as this one's; it has no forms but `forms`.
         """
         return LinearModel(
             self.data,
