@@ -5,17 +5,23 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from bayesfric.analysis import HalfNormal
+from bayesfric.analysis import HalfNormal, Normal
 from bayesfric.effects.base import Effect, EffectParameter, State
 
 Array = NDArray[np.float64]
-TRAVEL_M = 0.6  # of a trial; half way both sides hang equally long
+TRAVEL_M = 0.6  # of a trial
+CABLE_M = 2.0  # of cable on the board, all of which moves
 
 
 def _passing(p: Mapping[str, Array], state: State) -> Array:
-    longer = 2 * np.asarray(state.travel_m) - TRAVEL_M  # the drive side, beyond the load side
+    longer = 2 * np.asarray(state.travel_m) - p["middle"]  # the drive side, beyond the load side
     weight = p["density"] * np.asarray(state.gravity_m_s2) * (not state.steady)
     return np.asarray(-weight * longer)
+
+
+def _with_inertia(p: Mapping[str, Array], state: State) -> Array:
+    moved = p["density"] * CABLE_M * np.asarray(state.acceleration_m_s2) * (not state.steady)
+    return np.asarray(_passing(p, state) + moved)
 
 
 EFFECT = Effect(
@@ -31,7 +37,17 @@ EFFECT = Effect(
         reference="argued: steel that fills 0.5 to 0.7 of a circle of 0.61 mm weighs 1.2 to "
         "1.6 g/m; twice that where a cable is coated or doubled",
     ),
-    laws={"passing": _passing},
+    shape=EffectParameter(
+        name="middle",
+        unit="m",
+        meaning="by how much longer the load side hangs when a trial is released",
+        prior=Normal(mean=TRAVEL_M, sd=0.2),
+        plausible=(0.0, 1.2),
+        reference="argued: the masses change places in a trial of 0.6 m, and hang from cords "
+        "of their own",
+        typical=TRAVEL_M,
+    ),
+    laws={"passing": _passing, "with-inertia": _with_inertia},
     edge={"travel_m": TRAVEL_M, "n_pulleys": 5.0},
     along_path=True,
 )

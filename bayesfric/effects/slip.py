@@ -6,14 +6,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Normal
-from bayesfric.effects.base import Effect, EffectParameter, Reading
+from bayesfric.effects.base import STANDARD_GRAVITY_M_S2, Effect, EffectParameter, Reading
 
 Array = NDArray[np.float64]
+TYPICAL_FRICTION_N = 2.0  # of the board
 
 
 def _proportional(p: Mapping[str, Array], reading: Reading) -> Array:
     at_load = np.asarray(reading.displacement_m) * np.asarray(reading.is_load)
     return np.asarray(p["share"] * at_load)
+
+
+def _creep(p: Mapping[str, Array], reading: Reading) -> Array:
+    # Cable stretches over the pulleys by the step of tension, which is their friction.
+    drive, load = np.asarray(reading.mass_drive_kg), np.asarray(reading.mass_load_kg)
+    pull = (drive - load) * STANDARD_GRAVITY_M_S2
+    friction = pull - (drive + load) * np.asarray(reading.acceleration_m_s2)
+    return np.asarray(_proportional(p, reading) * friction / TYPICAL_FRICTION_N)
 
 
 EFFECT = Effect(
@@ -23,13 +32,13 @@ EFFECT = Effect(
     amplitude=EffectParameter(
         name="share",
         unit="1",
-        meaning="travel that the load end's sensor misses, as a share of travel; negative where "
-        "the drive end's does",
+        meaning="travel that the load end's sensor misses, as a share of travel, at the "
+        "board's typical friction; negative where the drive end's does",
         prior=Normal(mean=0.0, sd=0.03),
         plausible=(-0.01, 0.01),
         reference="argued: elastic creep over a pulley is the difference of strain, under 33 N / "
         "15 kN = 0.2 %; several times that where the cable slips for moments",
     ),
-    laws={"proportional": _proportional},
+    laws={"proportional": _proportional, "creep": _creep},
     along_path=True,
 )

@@ -9,10 +9,18 @@ from bayesfric.analysis import Normal
 from bayesfric.effects.base import Effect, EffectParameter, State
 
 Array = NDArray[np.float64]
+TYPICAL_CURRENT_A = 4.0  # of the load
 
 
 def _scaled(p: Mapping[str, Array], state: State) -> Array:
     return np.asarray(state.load_current_a) * (1 / (1 + p["error"]) - 1)
+
+
+def _saturating(p: Mapping[str, Array], state: State) -> Array:
+    # Iron saturates as the current grows, so that the error does.
+    current = np.asarray(state.load_current_a)
+    error = p["error"] * np.abs(current) / TYPICAL_CURRENT_A
+    return np.asarray(current * (1 / (1 + error) - 1))
 
 
 EFFECT = Effect(
@@ -22,10 +30,11 @@ EFFECT = Effect(
     amplitude=EffectParameter(
         name="error",
         unit="1",
-        meaning="relative error of the torque constant",
+        meaning="relative error of the torque constant, at a load of 4 A where it grows with "
+        "the current",
         prior=Normal(mean=0.0, sd=0.1),
         plausible=(-0.1, 0.1),
         reference="data sheets of small motors give torque constants with tolerances of 5 to 10 %",
     ),
-    laws={"scaled": _scaled},
+    laws={"scaled": _scaled, "saturating": _saturating},
 )

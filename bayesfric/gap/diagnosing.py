@@ -22,7 +22,7 @@ from bayesfric.gap.motion import MeasuredMotion, measured_motion
 from bayesfric.gap.next_experiment import next_experiment
 from bayesfric.gap.reference import amplitudes_of, fitted_laws, reference_laws
 from bayesfric.gap.remainder import remainder_of
-from bayesfric.gap.shapes import sharpened, sharpened_around
+from bayesfric.gap.shapes import share_of_form, sharpened, sharpened_around, widened_by
 from bayesfric.gap.shrink import Arms, measure_gap
 from bayesfric.gap.strays import stray_trials
 from bayesfric.gap.trajectories import free_running
@@ -154,15 +154,17 @@ def _diagnose(
     model, _ = sharpened(model, psi)
     which = which_effect(model, psi)
     found = _most_probable(which)
+    around = model
     if found.names:
         around = sharpened_around(model, found)
         which = look_closer(around, which, found)
         found = _most_probable(which)
-        model = around if found.names else model
+        # What was not weighed again is as it was.
+        around = around if found.log_shares.size > 1 else model
     chances = which.probabilities()
-    proposals, no_proposal = next_experiment(model, found.psi, chances)
+    proposals, no_proposal = next_experiment(around, found.psi, chances)
     if found.names:
-        model, found = _around_causes(model, found)
+        model, found = _around_causes(model, around, found)
     fold_rng, gap_rng, where_rng, draw_rng = (
         np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(4)
     )
@@ -295,14 +297,25 @@ def _most_probable(which: Which) -> Weighed:
     return which.weighed[max(named, key=lambda name: chances[name])]
 
 
-def _around_causes(model: LinearModel, found: Weighed) -> tuple[LinearModel, Weighed]:
-    """Linearise around the law that was fitted with the causes, and weigh them again."""
+def _around_causes(
+    model: LinearModel, around: LinearModel, found: Weighed
+) -> tuple[LinearModel, Weighed]:
+    """Linearise around the law that was fitted with the causes, and weigh them again.
+
+    The discrepancy grows by what their laws are wrong by, as far as the data tell.
+    """
+    wrong = share_of_form(found)
     for _ in range(ROUNDS):
-        laws = fitted_laws(model, found.psi, found.best)
-        own = [c for c in model.candidates if c.effect.name in found.names]
-        model = model.around(laws, own, scattering=amplitudes_of(model, found.psi, found.best))
-        found = weigh(model, found.names, found.psi)
-    return model, found
+        laws = fitted_laws(around, found.psi, found.best)
+        own = [c for c in around.candidates if c.effect.name in found.names]
+        around = model.around(
+            laws,
+            own,
+            scattering=amplitudes_of(around, found.psi, found.best),
+            widened=widened_by(wrong, model, around, found),
+        )
+        found = weigh(around, found.names, found.psi)
+    return around, found
 
 
 def _arms(

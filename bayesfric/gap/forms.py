@@ -3,11 +3,12 @@
 A law of an effect is one form of several: friction may grow with a power of speed rather than
 in proportion to it, a drift saturate, slip grow with travel. The difference is a share of what
 the effect does, which changes along what it acts over: along each axis a sum of Legendre
-polynomials over the part of the range where the effect does something, the rougher the less.
-How large a share it is, the same for all axes, is integrated over :data:`SHARES`.
+polynomials over the part of the range where the effect does something, the rougher the less,
+each without its mean, which is the amplitude's. How large a share it is, the same for all axes,
+is integrated over :data:`SHARES`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -33,8 +34,8 @@ AXES: Mapping[ActsOn, tuple[str, ...]] = {
     "reading": ("displacement_m", "speed_m_s", "acceleration_m_s2"),
     "current": ("speed_m_s", "load_current_a", "order"),
 }
-DEGREES = (1, 2, 3, 4)  # a constant is the amplitude's
-WEIGHTS = 1 / np.array(DEGREES) / np.linalg.norm(1 / np.array(DEGREES))  # shares of the rms
+HIGHEST = 4  # degree
+UNLIKE = 0.05  # of a polynomial's rms where the effect acts, that lower degrees do not have
 TAIL = 1e-3  # of the effect's square, beyond either end of the range
 
 
@@ -54,25 +55,39 @@ def other_forms(
     """
     found: list[tuple[Candidate, float]] = []
     for candidate, amplitude in acting:
-        size = relative_rms(rows, motor, candidate) * abs(amplitude)
-        if goes_to_and_fro(candidate.effect) or size == 0:
+        if goes_to_and_fro(candidate.effect) or amplitude == 0:
             continue
-        for axis, limits in _ranges(rows, motor, candidate).items():
-            for degree, weight in zip(DEGREES, WEIGHTS, strict=True):
-                one = replace(candidate, effect=_varied(candidate.effect, axis, limits, degree))
-                rms = relative_rms(rows, motor, one)
-                if rms > 0:
-                    found.append((one, weight * size / rms))
+        places = _places(rows, motor, candidate)
+        for axis in AXES[candidate.effect.acts_on]:
+            shapes = _shapes(*_along(axis, places))
+            # The effect itself, on the boards that have the axis.
+            alike = replace(candidate, effect=_varied(candidate.effect, axis, np.ones_like))
+            size = _size(rows, motor, alike) * abs(amplitude)
+            weights = 1 / np.arange(1, len(shapes) + 1)
+            for shape, weight in zip(shapes, weights / np.linalg.norm(weights), strict=True):
+                one = replace(candidate, effect=_varied(candidate.effect, axis, shape))
+                found.append((one, weight * size / _size(rows, motor, one)))
     return found
 
 
-def _varied(effect: Effect, axis: str, limits: tuple[float, float], degree: int) -> Effect:
-    """Return the effect times a Legendre polynomial along an axis."""
-    shape = legendre.Legendre.basis(degree, domain=limits)
+def _size(rows: GravityRows | None, motor: MotorPart | None, candidate: Candidate) -> float:
+    """Return the rms of what amplitude 1 does, of an error of readings in metres."""
+    if candidate.effect.acts_on != "reading":
+        return relative_rms(rows, motor, candidate)
+    if rows is None:
+        return 0.0
+    column = rows.candidate_columns(candidate).sum(axis=1)
+    return float(np.sqrt((column**2).mean()))
+
+
+def _varied(effect: Effect, axis: str, shape: Callable[[Array], Array]) -> Effect:
+    """Return the effect times a polynomial along an axis."""
 
     def varied(law: Law) -> Law:
         def product(values: Mapping[str, Any], where: Any) -> Array:
-            place = np.clip(np.asarray(getattr(where, axis), dtype=np.float64), *limits)
+            if not _has(where, axis):
+                return np.zeros_like(law(values, where), dtype=np.float64)
+            place = np.asarray(getattr(where, axis), dtype=np.float64)
             return np.asarray(law(values, where)) * shape(place)
 
         return product
@@ -80,10 +95,45 @@ def _varied(effect: Effect, axis: str, limits: tuple[float, float], degree: int)
     return replace(effect, laws={name: varied(law) for name, law in effect.laws.items()})
 
 
-def _ranges(
+def _has(where: Any, axis: str) -> bool:
+    """Return whether an axis means anything: travel does not in a steady run."""
+    return not (axis == "travel_m" and where.steady)
+
+
+def _shapes(at: Array, weight: Array) -> list[Callable[[Array], Array]]:
+    """Return polynomials over the places of an effect, each unlike those of lower degrees."""
+    order = np.argsort(at, kind="stable")
+    share = np.cumsum(weight[order])
+    if at.size == 0 or share[-1] == 0:
+        return []
+    low, high = at[order][np.searchsorted(share / share[-1], [TAIL, 1 - TAIL])]
+    if high <= low:
+        return []
+    inside, root = np.clip(at, low, high), np.sqrt(weight)
+    known = [root]
+    found: list[Callable[[Array], Array]] = []
+    for degree in range(1, HIGHEST + 1):
+        basis = legendre.Legendre.basis(degree, domain=(low, high))
+        values = root * basis(inside)
+        lower = np.stack(known, axis=1)
+        new = values - lower @ np.linalg.lstsq(lower, values, rcond=None)[0]
+        # Of few places, or where the effect is zero at some, it is those of lower degrees again.
+        if np.linalg.norm(new) < UNLIKE * np.linalg.norm(values):
+            continue
+        known.append(values)
+        mean = np.average(basis(inside), weights=weight)
+
+        def shape(place: Array, basis: Any = basis, mean: float = mean) -> Array:
+            return np.asarray(basis(np.clip(place, low, high)) - mean)
+
+        found.append(shape)
+    return found
+
+
+def _places(
     rows: GravityRows | None, motor: MotorPart | None, candidate: Candidate
-) -> dict[str, tuple[float, float]]:
-    """Return where along each axis the effect does something, axes without extent left out."""
+) -> list[tuple[Any, Array]]:
+    """Return where each board is, and the square of what the effect does there."""
     effect = candidate.effect
     places: list[Any] = []
     if rows is not None and effect.acts_on != "current":
@@ -92,19 +142,16 @@ def _ranges(
         places.append(motor.state)
     values, _ = unit_values(candidate)
     law = effect.laws[candidate.law]
-    squares = [np.asarray(law(values, place), dtype=np.float64) ** 2 for place in places]
-    found = {}
-    for axis in AXES[effect.acts_on]:
-        at, weight = [], []
-        for place, square in zip(places, squares, strict=True):
-            here = np.broadcast_arrays(np.asarray(getattr(place, axis), dtype=np.float64), square)
-            at.append(here[0].ravel())
-            weight.append(here[1].ravel() / here[1].size)  # boards count alike
-        ordered = np.argsort(np.concatenate(at), kind="stable")
-        share = np.cumsum(np.concatenate(weight)[ordered])
-        if share[-1] > 0:
-            ends = np.searchsorted(share / share[-1], [TAIL, 1 - TAIL])
-            low, high = np.concatenate(at)[ordered][ends]
-            if high > low:
-                found[axis] = float(low), float(high)
-    return found
+    return [(place, np.asarray(law(values, place), dtype=np.float64) ** 2) for place in places]
+
+
+def _along(axis: str, places: Sequence[tuple[Any, Array]]) -> tuple[Array, Array]:
+    """Return values along an axis and their weights; boards count alike."""
+    at, weight = [np.empty(0)], [np.empty(0)]
+    for place, square in places:
+        if _has(place, axis):
+            values = np.asarray(getattr(place, axis), dtype=np.float64)
+            here, there = np.broadcast_arrays(values, square)
+            at.append(here.ravel())
+            weight.append(there.ravel() / there.size)
+    return np.concatenate(at), np.concatenate(weight)

@@ -132,7 +132,7 @@ class LinearModel:
             small = small_amounts(rows, bare, candidates, practical_share)
         self._amounts = tuple(small)
         self.small = (*self._amounts, *forms) if discrepancy else ()
-        self._forms = len(forms) if discrepancy else 0
+        self._forms = [candidate.effect.name for candidate, _ in forms] if discrepancy else []
         self.layout = Layout(data.sizes, count, len(candidates), empty.idle, len(self.small))
         scales = self._scales()
         given = (
@@ -292,7 +292,7 @@ class LinearModel:
         wide : Wide or None
             Smooth forces that are wider than the discrepancy.
         form : float
-            By which share of what effects do their laws may be wrong along each axis.
+            By which share of what those that enter do their laws may be wrong along each axis.
         """
         sizes, own = len(self.layout.sizes), self.layout.own
         always = self.layout.always().size
@@ -305,7 +305,8 @@ class LinearModel:
         mean = np.concatenate([self._mean.reshape(sizes * own), shared, np.zeros(always)])
         rest = np.ones(len(shared) + always)
         ends = rest.size - self.layout.idle
-        rest[ends - self._forms : ends] = form
+        names = [self.candidates[place].effect.name for place in columns]
+        rest[ends - len(self._forms) : ends] = form * np.isin(self._forms, names)
         return mean, np.concatenate([sd.reshape(sizes * own), rest])
 
     def _shares(self, wide: Wide | None) -> Array:

@@ -6,21 +6,23 @@ what the prior leaves open. Nodes are added around the best one until they are a
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import logsumexp
 
 from bayesfric.gap.candidates import Candidate, candidates_of
-from bayesfric.gap.forms import other_forms
+from bayesfric.gap.forms import SHARES, other_forms
 from bayesfric.gap.linear_model import Acting, LinearModel
 from bayesfric.gap.reference import amplitudes_of, fitted_laws
 from bayesfric.gap.small_amounts import relative_rms
 from bayesfric.gap.weighing import Weighed, candidates_by_name, single_gains
 
-__all__ = ["sharpened", "sharpened_around"]
+__all__ = ["share_of_form", "sharpened", "sharpened_around", "widened_by"]
 
 Array = NDArray[np.float64]
 ROUNDS = 2
 NEW = np.array([-3, -2, -1, 1, 2, 3]) / 4  # cells from the best node
 GAIN = 10.0  # nat that an effect alone adds, from which on its shape is looked at
-FORM = 0.1  # of an effect's force, by which its law may be wrong
+FORM = 0.1  # of an effect's force, by which its law may be wrong before the data are asked
+LEAST = 0.05  # of it, by which any law is: tension differs from pulley to pulley
 NEAR = 0.01  # width of a cell, in normal quantiles: closer, and no more nodes are needed
 
 
@@ -72,16 +74,45 @@ def sharpened_around(model: LinearModel, found: Weighed) -> LinearModel:
             best[place] = max(best[place], weight)
     acting = amplitudes_of(model, found.psi, found.best)
     rows = None if model.gravity is None else model.gravity.rows
-    sizes = [relative_rms(rows, model.motor, one) * amplitude for one, amplitude in acting]
-    sizes += [model.candidates[place].amplitude for place in found.best.phases]
-    wrong = FORM * np.linalg.norm(sizes) / model.practical_share
     return model.around(
         fitted_laws(model, found.psi, found.best),
         _with_nodes(model, best, np.isfinite(best)),
         scattering=acting,
-        widened=float(np.hypot(1.0, wrong)),
+        widened=widened_by(FORM, model, model, found),
         forms=other_forms(rows, model.motor, acting),
     )
+
+
+def share_of_form(found: Weighed) -> float:
+    """Return by which share of what causes do their laws are wrong, by the data.
+
+    Causes without forms have the same evidence at every share.
+    """
+    if np.ptp(found.log_shares) == 0:
+        return FORM
+    weights = np.exp(found.log_shares - logsumexp(found.log_shares))
+    return float(np.sqrt(LEAST**2 + weights @ np.square(SHARES)))
+
+
+def widened_by(share: float, model: LinearModel, around: LinearModel, found: Weighed) -> float:
+    """Return how many times as wide the discrepancy is with a share of what causes do.
+
+    Parameters
+    ----------
+    share : float
+        Of it.
+    model : LinearModel
+        Whose discrepancy is widened.
+    around : LinearModel
+        In which the causes were found.
+    found : Weighed
+        The causes.
+    """
+    rows = None if around.gravity is None else around.gravity.rows
+    acting = amplitudes_of(around, found.psi, found.best)
+    sizes = [relative_rms(rows, around.motor, one) * amplitude for one, amplitude in acting]
+    sizes += [around.candidates[place].amplitude for place in found.best.phases]
+    return float(np.hypot(1.0, share * np.linalg.norm(sizes) / model.practical_share))
 
 
 def _gains(model: LinearModel, psi: Array) -> Array:

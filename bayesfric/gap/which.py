@@ -41,7 +41,6 @@ GAIN = 1.0  # nat that an effect adds, from which on the noise is looked at anew
 WORTH = 3.0  # nat that a further effect has to gain, beyond two
 MOST = 4  # effects at a time
 CLOSE = 30.0  # nat from the best, of a part of the causes whose noise is looked at anew
-LIKELY = 8.0  # nat from the best, of a share by which laws may be wrong
 LISTED = 1e-6  # probability below which a hypothesis is not listed
 
 
@@ -206,11 +205,13 @@ def look_closer(model: LinearModel, which: Which, found: Weighed) -> Which:
             again[label(names)] = weigh(model, names, found.psi, climb=False, shares=SHARES)
     top = max(worth(one) for one in again.values())
     for name, one in again.items():
-        if worth(one) > top - CLOSE:
+        if worth(one) > top - CLOSE or len(one.names) >= len(found.names) - 1:
             again[name] = weigh(model, one.names, found.psi, shares=SHARES)
     best = max(again.values(), key=worth)
-    likely = best.log_shares > best.log_shares.max() - LIKELY
-    shares = [share for share, one in zip(SHARES, likely, strict=True) if one]
+    # Neighbours are compared with each other. With all else they are compared by the leader as
+    # it was: what forms gain is nothing against a force that nobody named.
+    leading = label(found.names)
+    level = which.log_evidence[leading] - max(best.log_evidence, again[leading].log_evidence)
     effects = sorted(set(which.representative.values()))
     while True:
         beside = {}
@@ -218,18 +219,15 @@ def look_closer(model: LinearModel, which: Which, found: Weighed) -> Which:
             names = tuple(sorted({*best.names, name}))
             if name in best.names or len(names) > MOST or label(names) in again:
                 continue
-            one = weigh(model, names, best.psi, climb=False, shares=shares)
+            one = weigh(model, names, best.psi, climb=False, shares=SHARES)
             if one.log_evidence > best.log_evidence + GAIN:
-                one = weigh(model, names, best.psi, shares=shares)
+                one = weigh(model, names, best.psi, shares=SHARES)
             beside[label(names)] = one
         again |= beside
         better = max(beside.values(), key=worth, default=best)
         if worth(better) <= worth(best):
             break
         best = better
-    # Neighbours are compared with each other; with all else, as before with one discrepancy.
-    leading = label(found.names)
-    level = which.log_evidence[leading] - again[leading].log_evidence
     values = {name: one.log_evidence + level for name, one in again.items()}
     return replace(
         which,

@@ -45,6 +45,11 @@ def cable(x, v, a):
     return 0.0, -0.02 * G * (2 * x - 0.6)
 
 
+def cable_off_centre(x, v, a):
+    """It hangs equally long after 0.4 m; 2 m of it are accelerated."""
+    return 0.0, -0.02 * G * (2 * x - 0.8) + 0.02 * 2.0 * a
+
+
 def inertia(x, v, a):
     return 0.0, 0.03 * N * a
 
@@ -70,7 +75,8 @@ CASES = [
     ("air-drag", "quadratic", {"coefficient": 0.3}, None, air),
     ("presliding", "exponential", {"share": 0.6, "length": 0.02}, None, presliding),
     ("hysteresis", "bouc-wen", {"share": 0.6, "length": 0.08}, None, hysteresis),
-    ("cable-weight", "passing", {"density": 0.02}, None, cable),
+    ("cable-weight", "passing", {"density": 0.02, "middle": 0.6}, None, cable),
+    ("cable-weight", "with-inertia", {"density": 0.02, "middle": 0.8}, None, cable_off_centre),
     ("pulley-inertia", "same", {"mass": 0.03}, None, inertia),
     ("pulley-inertia", "discs", {"mass": 0.03}, None, inertia),  # of the medium size
     ("mass-error", "drive-side", {"excess": 0.02}, None, drive_side),

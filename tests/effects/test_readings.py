@@ -52,6 +52,18 @@ def test_slip_delays_the_load_end_alone():
     assert found[:, 1] == pytest.approx(late[:, 1], rel=1e-9)
 
 
+def test_creep_is_slip_in_proportion_to_friction():
+    """Friction is what the masses pull less what they take to accelerate; its typical value 2 N."""
+    friction = (DRIVE - LOAD) * G - (DRIVE + LOAD) * rate()[:, 0, 0]
+    assert friction == pytest.approx(9 * (0.004 * ((DRIVE + LOAD) * G - (DRIVE - LOAD)
+                                     * rate()[:, 0, 0]) / 2 + 0.016))  # fmt: skip
+    found = times("slip", ("creep", {"share": 0.02}))
+    assert found[:, 0] == pytest.approx(np.sqrt(2 * PLACE / rate())[:, 0], rel=1e-9)
+    share = 1 + 0.02 * friction[:, None] / 2.0
+    late = np.sqrt(2 * (FIRST[:, 1, None] + share * GRID) / rate()[:, 0])
+    assert found[:, 1] == pytest.approx(late, rel=1e-7)
+
+
 def test_a_slow_clock_reads_too_long_by_its_share():
     """To first order in 1e-4."""
     found = times("clock-scale", ("proportional", {"excess": 1e-4}))

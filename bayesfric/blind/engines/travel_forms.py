@@ -115,7 +115,7 @@ CABLE_WEIGHT = Kind(
         ),
         Form(
             "off-centre",
-            False,
+            True,
             lambda p, s, t: _heavy_cable(p, s, p["middle"], 0.0),
             "drive",
             draw=uniform(middle=(0.3, 0.9)),
