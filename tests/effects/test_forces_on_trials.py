@@ -247,6 +247,18 @@ def test_a_drive_adds_to_the_motor_board_but_what_passes_does_not():
     assert np.abs(scatter).max() < 0.3 * (drag_n * k / 2).max() + 1e-5
 
 
+def test_a_motor_that_saturates_is_off_by_more_the_larger_its_load():
+    """Twice as far off at 4 A as at 2 A; a torque constant too large needs less current."""
+    truth = Truth(idle_current=(0, 0, 0), tau_motor=0, omega_motor=0, sigma_current=0, load_noise=0)
+    law = AppliedEffect(all_effects()["torque-constant"], "saturating", {"error": 0.1})
+    current = simulate_recording(ONE, seed=2, truth=truth, rigs=["motor"]).motor.runs["current_a"]
+    bent = dataclasses.replace(truth, effects=(law,))
+    found = simulate_recording(ONE, seed=2, truth=bent, rigs=["motor"]).motor.runs["current_a"]
+    expected = current / (1 + 0.1 * current.abs() / 4.0)
+    assert found.to_numpy() == pytest.approx(expected.to_numpy(), abs=2e-6)
+    assert (found - current).abs().max() > 0.01
+
+
 def test_a_radius_of_the_users_own_counts():
     recording = simulate_recording("quick", seed=1, rigs=["gravity"])
     rig = dataclasses.replace(recording.rig, pulleys={"small": Pulley(radius_m=0.004)})

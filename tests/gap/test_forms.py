@@ -204,6 +204,10 @@ def test_another_form_is_no_second_effect():
     assert pair.log_evidence > which.weighed["viscous"].log_evidence + 10
     closer = look_closer(sharpened_around(model, pair), which, pair)
     assert closer.log_evidence["viscous"] > closer.log_evidence["stribeck+viscous"]
+    # What forms gain is nothing against a force that nobody named.
+    best = max(closer.log_evidence[name] for name in ("viscous", "stribeck+viscous"))
+    assert best == pytest.approx(which.log_evidence["stribeck+viscous"])
+    assert closer.log_evidence["unknown"] == which.log_evidence["unknown"]
 
 
 def test_a_second_effect_is_none_of_the_forms_of_the_first():
