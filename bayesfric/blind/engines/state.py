@@ -153,7 +153,7 @@ class Kind:
     unit : str
         Of the amplitude.
     forms : tuple of Form
-        The own ones first.
+        An own one first, where there is one.
     axes : tuple of str
         Along which it shows.
     signed : bool
