@@ -94,9 +94,9 @@ def scorecard_of(
             for form in ("own", "foreign")
         },
         reliability=tuple(
-            reliability_of([case.probability for case in cases], [c.correct for c in cases])
+            reliability_of([case.probability for case in cases], [_came_true(c) for c in cases])
         ),
-        brier=estimate_of([(case.probability - case.correct) ** 2 for case in cases]),
+        brier=estimate_of([(case.probability - _came_true(case)) ** 2 for case in cases]),
         log_score=estimate_of([_log_score(case) for case in cases]),
         smallest_detected=_smallest(cases),
         oracle=_oracle(cases),
@@ -133,6 +133,15 @@ def _rates(cases: Sequence[ScoredCase]) -> dict[str, Rate]:
     }
 
 
+def _came_true(case: ScoredCase) -> bool:
+    """Return whether that is so of which the verdict gives the probability.
+
+    An unseparated verdict gives that of known effects, whichever they are: neither none nor an
+    unknown force. It is true where there are some, though it is not correct.
+    """
+    return case.kind in ("effect", "pair") if case.verdict == "unseparated" else case.correct
+
+
 def _named_rates(cases: Sequence[ScoredCase]) -> dict[str, Rate]:
     found: dict[tuple[float, str], list[bool]] = defaultdict(list)
     for case in _effects(cases):
@@ -143,7 +152,7 @@ def _named_rates(cases: Sequence[ScoredCase]) -> dict[str, Rate]:
 
 
 def _log_score(case: ScoredCase) -> float:
-    chance = case.probability if case.correct else 1 - case.probability
+    chance = case.probability if _came_true(case) else 1 - case.probability
     return float(np.log(max(chance, LEAST_CHANCE)))
 
 

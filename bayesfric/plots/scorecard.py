@@ -71,7 +71,7 @@ def _reliability(panel: Axes, bins: tuple[ReliabilityBin, ...]) -> None:
     panel.set_xlim(0.0, 1.02)
     panel.set_ylim(-0.02, 1.02)
     panel.set_xlabel("probability of the verdict")
-    panel.set_ylabel("share of correct verdicts")
+    panel.set_ylabel("share that came true")
     panel.set_title("grey: 95 % band if they are true", fontsize=7)
 
 

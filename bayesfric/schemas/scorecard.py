@@ -184,8 +184,10 @@ class ScorecardFile(Record):
     pair_rate: Rate = Field(description="Both of a pair named.")
     shrink_coverage: Rate = Field(description="90 % intervals that hold the true shrink.")
     parameter_coverage: Rate = Field(description="90 % intervals of parameters, own forms.")
-    reliability: tuple[ReliabilityBin, ...] = Field(description="By the verdict's probability.")
-    brier: Estimate = Field(description="Mean square of probability less correctness.")
+    reliability: tuple[ReliabilityBin, ...] = Field(
+        description="By the verdict's probability: how often what it is of is so."
+    )
+    brier: Estimate = Field(description="Mean square of probability less whether it came true.")
     log_score: Estimate = Field(
         description="Mean log of the probability that the verdict gave to what came true [nat]."
     )

@@ -34,8 +34,12 @@ CASES = (
 
 @pytest.fixture(scope="module")
 def card():
+    return card_of(CASES)
+
+
+def card_of(cases):
     return scorecard_of(
-        CASES, analysis=Analysis(), engine="reference", design="quick", seed=10_000, planned=16
+        cases, analysis=Analysis(), engine="reference", design="quick", seed=10_000, planned=16
     )
 
 
@@ -105,6 +109,19 @@ def test_reliability_groups_by_probability(card):
     # Of 13 that each come true with 0.97, fewer than 11 do with a chance of 0.6 %.
     assert last.band == (11 / 13, 1.0)
     assert not last.inside
+
+
+@pytest.mark.parametrize(
+    ("kind", "true"), [("effect", 1), ("pair", 1), ("none", 0), ("outsider", 0)]
+)
+def test_an_unseparated_verdict_comes_true_where_known_effects_act(kind, true):
+    """Its probability is of them all; correct it is not, wherever."""
+    open_ = {"verdict": "unseparated", "outcome": "unseparated", "correct": False}
+    card = card_of([scored(kind, **open_, probability=0.97)])
+    assert card.reliability[0].correct.hits == true
+    assert card.brier.value == pytest.approx((0.97 - true) ** 2)
+    assert card.log_score.value == pytest.approx(np.log(0.97 if true else 0.03))
+    assert card.accuracy.hits == 0
 
 
 def test_a_band_is_that_of_the_binomial():

@@ -123,15 +123,15 @@ def _figure(card: ScorecardFile) -> Figure:
         to_svg(promises_and_reliability(card)),
         [
             "Left: rates with 95 % intervals; what is promised is shaded, a cross is a miss. "
-            "Right: how often verdicts are correct over the probability that they report, a dot "
+            "Right: how often verdicts come true over the probability that they report, a dot "
             "for each range of it; grey bars hold 95 % of what true probabilities would give. "
             "From ",
             Code("scorecard.json"),
             ".",
         ],
         f"Left, a dot with an interval for each promise; {kept} of {counted} are kept. Right, the "
-        f"share of correct verdicts over their probability; {inside} of {len(card.reliability)} "
-        "points lie in their band.",
+        "share of verdicts that came true over their probability; "
+        f"{inside} of {len(card.reliability)} points lie in their band.",
         label="scorecard",
         here=True,
     )
