@@ -2,7 +2,7 @@
 
 from bayesfric.evidence.bridge import bridge_evidence, bridge_ratio, in_one_place
 from bayesfric.evidence.conjugate import LinearGaussian
-from bayesfric.evidence.importance import laplace_draws, laplace_evidence
+from bayesfric.evidence.importance import laplace_draws, laplace_evidence, reliable_draws
 from bayesfric.evidence.leave_out import ELPD, Difference, difference, elpd, loo_pit
 from bayesfric.evidence.nested import savage_dickey
 from bayesfric.evidence.record import Evidence, SeparatedModes, agree
@@ -25,5 +25,6 @@ __all__ = [
     "laplace_evidence",
     "loo_pit",
     "refit_without",
+    "reliable_draws",
     "savage_dickey",
 ]

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bayesfric.evidence.importance import laplace_draws
+from bayesfric.evidence.importance import reliable_draws
 from bayesfric.evidence.proposal import LogDensity
 from bayesfric.evidence.record import Evidence
 from bayesfric.laplace import laplace_approximation
@@ -28,7 +28,6 @@ from bayesfric.laplace import laplace_approximation
 __all__ = ["Refit", "refit_without"]
 
 Array = NDArray[np.float64]
-SIZES = 2000, 4000  # of a sample, and of another where the first is not to be relied on
 
 
 @dataclass(frozen=True)
@@ -84,8 +83,5 @@ def refit_without(
         return np.where(rest < np.inf, rest, -np.inf)
 
     laplace = laplace_approximation(without, start, scale)
-    for size in SIZES:
-        found, draws = laplace_draws(without, laplace, seed, size)
-        if found.reliable:
-            return Refit(draws, found)
-    return None
+    found = reliable_draws(without, laplace, seed)
+    return None if found is None else Refit(found[1], found[0])

@@ -18,9 +18,9 @@ from bayesfric.evidence import (
     Evidence,
     bridge_ratio,
     elpd,
-    laplace_evidence,
     loo_pit,
     refit_without,
+    reliable_draws,
 )
 from bayesfric.laplace import laplace_approximation
 from bayesfric.likelihood.model import Model, RigLikelihood
@@ -235,7 +235,7 @@ def _leave_out(
         return None, {}
     density = getattr(likelihood, f"{kind}_log_likelihood")
     refits: dict[int, Array] = {}
-    whole: list[Evidence] = []  # of all data, once it is wanted
+    whole: list[tuple[Evidence, Array] | None] = []  # of all data, once it is wanted
 
     def refit(place: int) -> float | None:
         def conditional(points: Array) -> Array:
@@ -250,10 +250,12 @@ def _leave_out(
         value, error = bridge_ratio(log_likelihood[:, place], conditional(unseen.draws))
         if not whole:
             laplace = laplace_approximation(model.log_posterior, start, model.scale())
-            whole.append(laplace_evidence(model.log_posterior, laplace, seed))
-        both = float(np.hypot(whole[0].error, unseen.evidence.error))
-        if both < error:
-            value, error = whole[0].log_evidence - unseen.evidence.log_evidence, both
+            whole.append(reliable_draws(model.log_posterior, laplace, seed))
+        if whole[0] is not None:
+            seen = whole[0][0]
+            both = float(np.hypot(seen.error, unseen.evidence.error))
+            if both < error:
+                value, error = seen.log_evidence - unseen.evidence.log_evidence, both
         if error > LARGEST_ERROR:
             return None
         refits[place] = unseen.draws
