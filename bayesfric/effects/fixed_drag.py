@@ -6,19 +6,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.analysis import HalfNormal
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import REFERENCE_TENSION_N, Effect, EffectParameter, State
 
 Array = NDArray[np.float64]
+WITH_TENSION = 0.4  # of the drag at 15 N; of a pulley by Table I it is 0.8, of felt 0
 
 
 def _constant(p: Mapping[str, Array], state: State) -> Array:
     return p["drag"] * np.ones_like(np.asarray(state.n_pulleys, dtype=np.float64))
 
 
+def _with_tension(p: Mapping[str, Array], state: State) -> Array:
+    # Pulleys of the sensors drag more under more tension, felt and brushes do not.
+    more = np.asarray(state.tension_n) / REFERENCE_TENSION_N - 1
+    return np.asarray(_constant(p, state) * (1 + WITH_TENSION * more))
+
+
 EFFECT = Effect(
     name="fixed-drag",
     acts_on="friction",
-    sentence="a constant force opposes the motion, whatever the number of pulleys",
+    sentence="a force opposes the motion, whatever the number of pulleys",
     amplitude=EffectParameter(
         name="drag",
         unit="N",
@@ -28,6 +35,6 @@ EFFECT = Effect(
         reference="argued: two sensor pulleys of the medium size at 5 N, by Table I 2 (c1 T + c2)"
         " = 0.07 N",
     ),
-    laws={"constant": _constant},
+    laws={"constant": _constant, "with-tension": _with_tension},
     edge={"n_pulleys": 5.0},
 )

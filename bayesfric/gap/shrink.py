@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from bayesfric.friction import Coefficients
 from bayesfric.gap.candidates import goes_to_and_fro
+from bayesfric.gap.extrapolation import extrapolated
 from bayesfric.gap.layout import COEFFICIENTS
 from bayesfric.gap.linear_model import Acting, LinearModel
 from bayesfric.gap.residuals import (
@@ -41,7 +42,6 @@ Array = NDArray[np.float64]
 FOLDS = 5
 DRAWS = 400
 SURE = 0.95  # probability that the gap before is above the floor
-NEAR = 0.8  # of the range of tension, from which on a trial is extrapolated to
 
 
 @dataclass(frozen=True)
@@ -215,7 +215,7 @@ def measure_gap(arms: Arms, rng: np.random.Generator) -> GapFigures:
         left[:, rows] = _left(arms, residuals, numbers[-1])[:, rows]
     numbers.append(arms.numbers(residuals, np.zeros(fold.size, dtype=np.bool_)))
     held_out = [("folds over assemblies", squares_of(residuals, left))]
-    for name, rows in _outermost(residuals).items():
+    for name, rows in extrapolated(residuals).items():
         one = _left(arms, residuals, arms.numbers(residuals, rows))
         squares = squares_of(residuals, one).of(rows)
         held_out.append((name, squares.over(float(residuals.weight[rows].sum()))))
@@ -241,30 +241,6 @@ def _left(arms: Arms, residuals: Residuals, numbers: tuple[Array, Array]) -> Arr
     if arms.shipped is not None:
         shipped = residuals.left(model, numbers_of_laws(model, arms.shipped, numbers[0]))
     return np.stack([shipped, before, after])
-
-
-def _outermost(residuals: Residuals) -> dict[str, NDArray[np.bool_]]:
-    """Return the windows of what lies at the end of a range, and of each rig."""
-    found: dict[str, NDArray[np.bool_]] = {}
-    where = residuals.covariates
-    rig = where["rig"]
-    gravity = rig == 0
-    if gravity.any():
-        tension = where["tension"]
-        # Trials of one pair of masses differ in tension by what they accelerate.
-        top = gravity & (tension > np.ptp(tension[gravity]) * NEAR + tension[gravity].min())
-        found["top tension"] = top
-        found["largest number of pulleys"] = where["n_pulleys"] == where["n_pulleys"].max()
-        found["extreme wrap angle"] = where["wrap_angle"] == where["wrap_angle"].max()
-    if gravity.any() and not gravity.all():
-        found["the motor board, from the gravity board"] = ~gravity
-        found["the gravity board, from the motor board"] = gravity
-    sizes = np.unique(where["pulley_size"])
-    return {
-        name: rows
-        for name, rows in found.items()
-        if rows.any() and all((~rows & (where["pulley_size"] == s)).any() for s in sizes)
-    }
 
 
 def squares_of(residuals: Residuals, left: Array) -> Squares:
@@ -306,6 +282,11 @@ def gap_row(
         Why nothing was shipped.
     rng : Generator
         For the bootstrap over assemblies.
+
+    References
+    ----------
+    F. E. Satterthwaite, "An approximate distribution of estimates of variance
+    components", Biometrics Bulletin 2 (1946): degrees of freedom of a sum of squares.
     """
     setups, inverse = np.unique(squares.setup, return_inverse=True)
 
@@ -313,9 +294,11 @@ def gap_row(
         return np.asarray(np.bincount(inverse, values, setups.size), dtype=np.float64)
 
     count = rng.multinomial(setups.size, np.full(setups.size, 1 / setups.size), DRAWS)
-    # The scatter is known from some setups only: its variance is uncertain by so much.
-    doubt = rng.chisquare(max(setups.size - 1, 1), DRAWS) / max(setups.size - 1, 1)
-    floor2 = (squares.floor.sum()) * doubt
+    # What scatter left this time is not what it leaves on average: assemblies of much
+    # friction make most of it, so that fewer alike would count (Satterthwaite).
+    by_setup = sums(squares.floor)
+    freedom = by_setup.sum() ** 2 / (by_setup**2).sum()
+    floor2 = by_setup.sum() * rng.chisquare(freedom, DRAWS) / freedom
 
     def draws(values: Array) -> Array:
         return np.asarray(count @ sums(values))

@@ -71,7 +71,14 @@ def hysteresis(x, v, a):
     return -0.6 * friction(a) * (1 - np.tanh(x / 0.08)), 0.0
 
 
+def drag_with_tension(x, v, a):
+    """0.3 N at 15 N, of which two fifths are in proportion to tension."""
+    tension = ((DRIVE + LOAD) * G - (DRIVE - LOAD) * a) / 2
+    return 0.3 * (0.6 + 0.4 * tension / 15), 0.0
+
+
 CASES = [
+    ("fixed-drag", "with-tension", {"drag": 0.3}, None, drag_with_tension),
     ("air-drag", "quadratic", {"coefficient": 0.3}, None, air),
     ("presliding", "exponential", {"share": 0.6, "length": 0.02}, None, presliding),
     ("hysteresis", "bouc-wen", {"share": 0.6, "length": 0.08}, None, hysteresis),

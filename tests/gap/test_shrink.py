@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from bayesfric.gap.shrink import Squares, explained, folds_of, gap_row, systematic_gap
 
@@ -34,6 +35,18 @@ def test_four_figures_are_root_mean_squares():
     # The floor is as uncertain as a variance of 60 assemblies is.
     assert found.floor.q50 == pytest.approx(0.3, rel=0.02)
     assert systematic.q50 == pytest.approx(0.4, rel=0.02)
+
+
+def test_the_floor_is_as_uncertain_as_the_assemblies_that_make_it_are_few():
+    """Sixteen alike of sixty: χ² of sixteen degrees of freedom."""
+    few = np.where(SETUPS < 16, 1.0, 0.0)
+    found, _, _ = row(Squares(None, few, few, few / few.sum(), SETUPS))
+    for value, share in ((found.floor.q05, 0.05), (found.floor.q50, 0.5), (found.floor.q95, 0.95)):
+        assert value**2 == pytest.approx(stats.chi2.ppf(share, 16) / 16, rel=0.08)
+    # Half of the squares in one assembly: 1 / (1/4 + 59 (1/118)²), which is fewer than four.
+    one = np.where(SETUPS == 0, 0.5 / 4, 0.5 / 59 / 4)
+    lone, _, _ = row(Squares(None, one, one, one, SETUPS))
+    assert lone.floor.q95**2 == pytest.approx(stats.chi2.ppf(0.95, 3.93) / 3.93, rel=0.12)
 
 
 def test_shrink_is_of_squares_above_the_floor():
