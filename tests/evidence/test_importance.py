@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 from evidence import densities
+from scipy import stats
 
-from bayesfric.evidence import Evidence, agree, laplace_evidence
+from bayesfric.evidence import Evidence, agree, laplace_evidence, reliable_draws
 from bayesfric.laplace import Laplace
 
 
@@ -57,6 +58,24 @@ def test_weights_without_a_mean_are_unreliable():
     assert found.pareto_k > 0.7
     assert found.error == float("inf")
     assert not found.reliable
+    assert reliable_draws(log_density, narrow, 1) is None
+
+
+def test_a_sample_that_looks_too_heavy_is_drawn_again_larger():
+    """Student's t with 2 degrees of freedom: weights have a mean, as most samples show."""
+    student = stats.multivariate_t(np.zeros(3), np.eye(3), df=2)
+    around = Laplace(np.zeros(3), 0.4 * np.eye(3), 2.0 + float(student.logpdf(np.zeros(3))))
+
+    def log_density(z):
+        return 2.0 + student.logpdf(z)
+
+    assert not laplace_evidence(log_density, around, 14).reliable
+    found, draws = reliable_draws(log_density, around, 14)
+    assert abs(found.log_evidence - 2.0) < 3 * found.error
+    assert len(draws) == 4000
+    at_once, draws = reliable_draws(log_density, around, 0)
+    assert at_once == laplace_evidence(log_density, around, 0)
+    assert len(draws) == 2000
 
 
 def test_one_seed_one_result():
