@@ -56,3 +56,21 @@ def test_independent_data_add_up(linear):
     halves = [information(design[rows], measured[rows]) for rows in (slice(7), slice(7, None))]
     whole = (halves[0] + halves[1]).reduced(mean, sd, np.array([], dtype=int))
     assert whole.log_evidence == pytest.approx(dense(design, measured, mean, sd), abs=1e-10)
+
+
+def test_rounding_takes_nothing_from_the_prior(linear):
+    """Precision of 10¹⁴ along one direction, from which rounding took 30 along another."""
+    _, _, mean, _ = linear
+    one, other = np.linalg.qr(np.random.default_rng(5).standard_normal((5, 2)))[0].T
+    exact = 1e14 * np.outer(one, one)
+    rounded = exact - 30.0 * np.outer(other, other)
+    slope, sd = exact @ (mean + 0.3 * one), np.ones(5)
+    with np.errstate(all="raise"):
+        found, covariance = Information(rounded, slope, 0.0).posterior(mean, sd)
+    # Known along the one direction, where it is 0.3 from the prior's mean; elsewhere the prior.
+    np.testing.assert_allclose((found - mean) @ one, 0.3, atol=1e-3)
+    np.testing.assert_allclose(covariance @ other, other, atol=2e-2)
+    assert other @ covariance @ other == pytest.approx(1, abs=2e-2)
+    still, nothing = np.zeros(5), np.array([], dtype=int)
+    reduced = Information(rounded, still, 0.0).reduced(still, sd, nothing)
+    assert reduced.log_evidence == pytest.approx(-0.5 * np.log(1e14), abs=0.02)
