@@ -6,7 +6,7 @@ not seen it, and where the weights fail the posterior without it is sampled anew
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from typing import Literal
 
 import numpy as np
@@ -235,7 +235,13 @@ def _leave_out(
         return None, {}
     density = getattr(likelihood, f"{kind}_log_likelihood")
     refits: dict[int, Array] = {}
-    whole: list[tuple[Evidence, Array] | None] = []  # of all data, once it is wanted
+
+    @cache
+    def seen() -> Evidence | None:
+        """Of all data; most boards have no use for it."""
+        laplace = laplace_approximation(model.log_posterior, start, model.scale())
+        found = reliable_draws(model.log_posterior, laplace, seed)
+        return None if found is None else found[0]
 
     def refit(place: int) -> float | None:
         def conditional(points: Array) -> Array:
@@ -248,14 +254,10 @@ def _leave_out(
         # The evidence of all data over that without the group: by importance both, or by
         # a bridge between the draws of either.
         value, error = bridge_ratio(log_likelihood[:, place], conditional(unseen.draws))
-        if not whole:
-            laplace = laplace_approximation(model.log_posterior, start, model.scale())
-            whole.append(reliable_draws(model.log_posterior, laplace, seed))
-        if whole[0] is not None:
-            seen = whole[0][0]
-            both = float(np.hypot(seen.error, unseen.evidence.error))
+        if (whole := seen()) is not None:
+            both = float(np.hypot(whole.error, unseen.evidence.error))
             if both < error:
-                value, error = seen.log_evidence - unseen.evidence.log_evidence, both
+                value, error = whole.log_evidence - unseen.evidence.log_evidence, both
         if error > LARGEST_ERROR:
             return None
         refits[place] = unseen.draws

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from bayesfric.gap.shrink import Squares, explained, folds_of, gap_row, systematic_gap
+from bayesfric.gap.shrink import DRAWS, Squares, explained, folds_of, gap_row, systematic_gap
 
 SETUPS = np.repeat(np.arange(60), 4)
 
@@ -37,16 +37,22 @@ def test_four_figures_are_root_mean_squares():
     assert systematic.q50 == pytest.approx(0.4, rel=0.02)
 
 
+def is_a_quantile(value, share, freedom):
+    """Of χ² over its degrees of freedom, to three standard errors of one of 400 draws."""
+    exact = stats.chi2.ppf(share, freedom)
+    error = np.sqrt(share * (1 - share) / DRAWS) / stats.chi2.pdf(exact, freedom)
+    return value == pytest.approx(exact / freedom, abs=3 * error / freedom)
+
+
 def test_the_floor_is_as_uncertain_as_the_assemblies_that_make_it_are_few():
-    """Sixteen alike of sixty: χ² of sixteen degrees of freedom."""
-    few = np.where(SETUPS < 16, 1.0, 0.0)
+    few = np.where(SETUPS < 16, 1.0, 0.0)  # sixteen alike of sixty
     found, _, _ = row(Squares(None, few, few, few / few.sum(), SETUPS))
     for value, share in ((found.floor.q05, 0.05), (found.floor.q50, 0.5), (found.floor.q95, 0.95)):
-        assert value**2 == pytest.approx(stats.chi2.ppf(share, 16) / 16, rel=0.08)
+        assert is_a_quantile(value**2, share, 16)
     # Half of the squares in one assembly: 1 / (1/4 + 59 (1/118)²), which is fewer than four.
     one = np.where(SETUPS == 0, 0.5 / 4, 0.5 / 59 / 4)
     lone, _, _ = row(Squares(None, one, one, one, SETUPS))
-    assert lone.floor.q95**2 == pytest.approx(stats.chi2.ppf(0.95, 3.93) / 3.93, rel=0.12)
+    assert is_a_quantile(lone.floor.q95**2, 0.95, 1 / (1 / 4 + 59 / 118**2))
 
 
 def test_shrink_is_of_squares_above_the_floor():
