@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from bayesfric.blind.running import run_blind
     from bayesfric.claims import check_claims
-    from bayesfric.fitting import fit
-    from bayesfric.gap import diagnose
+    from bayesfric.diagnosis import diagnose
+    from bayesfric.fitting.posterior import fit
     from bayesfric.margins import compute_margins
     from bayesfric.recording import read_recording
     from bayesfric.simulate import simulate_recording
@@ -28,8 +28,8 @@ __all__ = [
 _HOMES = {
     "check_claims": "bayesfric.claims",
     "compute_margins": "bayesfric.margins",
-    "diagnose": "bayesfric.gap",
-    "fit": "bayesfric.fitting",
+    "diagnose": "bayesfric.diagnosis",
+    "fit": "bayesfric.fitting.posterior",
     "read_recording": "bayesfric.recording",
     "run_blind": "bayesfric.blind.running",
     "simulate_recording": "bayesfric.simulate",

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel
 
 from bayesfric.errors import Fault, InputError
-from bayesfric.friction import Coefficients
+from bayesfric.physics.friction import Coefficients
 from bayesfric.schemas import FitFile, Provenance, RecordingId
 
 __all__ = [

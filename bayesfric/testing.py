@@ -8,8 +8,8 @@ from scipy import integrate
 
 from bayesfric.effects import Effect, Reading, State
 from bayesfric.errors import Fault, InputError
-from bayesfric.friction import Coefficients
-from bayesfric.priors import from_normal, log_density
+from bayesfric.inference.priors import from_normal, log_density
+from bayesfric.physics.friction import Coefficients
 
 __all__ = ["EffectError", "check_effect", "checked"]
 

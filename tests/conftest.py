@@ -9,8 +9,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import pytest
 
 from bayesfric.analysis import Analysis, Sampler
-from bayesfric.fitting import fit
-from bayesfric.protocols import Protocol
+from bayesfric.fitting.posterior import fit
+from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import simulate_recording
 
 QUICK_SAMPLER = Sampler(burn=60, steps=80, thin=2, extensions=0)

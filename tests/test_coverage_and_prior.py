@@ -6,14 +6,14 @@ import pytest
 from scipy import stats
 
 from bayesfric.analysis import Analysis
-from bayesfric.baseline import BASELINES
-from bayesfric.boards.gravity import Condition, coulomb_acceleration
-from bayesfric.friction import Coefficients
-from bayesfric.likelihood.coefficients import coefficient_parameters
-from bayesfric.predictive.coverage import coverage
-from bayesfric.predictive.prior import PRIOR_QUANTILES, friction_of_prior
-from bayesfric.predictive.remaking import Remade
-from bayesfric.priors import draw
+from bayesfric.fitting.predictive.coverage import coverage
+from bayesfric.fitting.predictive.prior import PRIOR_QUANTILES, friction_of_prior
+from bayesfric.inference.priors import draw
+from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.gravity import Condition, coulomb_acceleration
+from bayesfric.physics.laws import BASELINES
+from bayesfric.rigs.coefficients import coefficient_parameters
+from bayesfric.rigs.remaking import Remade
 
 TRIALS = pd.DataFrame(
     {

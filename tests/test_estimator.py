@@ -4,26 +4,26 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bayesfric.boards.compliant import Cable, compliant_motion
-from bayesfric.boards.gravity import (
+from bayesfric.paper import paper
+from bayesfric.physics.compliant import Cable, compliant_motion
+from bayesfric.physics.gravity import (
     Condition,
     board_friction,
     coulomb_acceleration,
     nominal_tension,
     trajectory,
 )
-from bayesfric.estimator import (
+from bayesfric.recording import read_recording
+from bayesfric.recording.tables import Gravity, Rig
+from bayesfric.resources import bundled_recording
+from bayesfric.rigs.gravity_board.estimator import (
     TrialFriction,
     estimate_as_the_paper,
     fit_constant_friction,
     lines_of_sizes,
     trial_frictions,
 )
-from bayesfric.paper import paper
-from bayesfric.protocols import PROTOCOLS
-from bayesfric.recording import read_recording
-from bayesfric.recording.tables import Gravity, Rig
-from bayesfric.resources import bundled_recording
+from bayesfric.rigs.protocols import PROTOCOLS
 from bayesfric.simulate import table1_coefficients
 
 LAWS = table1_coefficients()

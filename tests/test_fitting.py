@@ -11,9 +11,9 @@ import pytest
 import bayesfric as bf
 from bayesfric.analysis import Analysis, Sampler
 from bayesfric.errors import InputError
-from bayesfric.protocols import Protocol
 from bayesfric.recording.tables import Gravity
 from bayesfric.results import read_json, read_tree
+from bayesfric.rigs.protocols import Protocol
 from bayesfric.schemas import FitFile
 from bayesfric.simulate import simulate_recording
 
@@ -21,7 +21,7 @@ SHORT = Sampler(burn=60, steps=80, thin=2, extensions=0)
 
 
 def test_public_names_are_the_functions():
-    assert bf.fit.__module__ == "bayesfric.fitting"
+    assert bf.fit.__module__ == "bayesfric.fitting.posterior"
     assert set(bf.__all__) <= set(dir(bf))
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         bf.nothing  # noqa: B018
@@ -79,8 +79,8 @@ def test_arviz_opens_the_draws(small_fit, tmp_path):
 
 def test_pointwise_likelihood_is_that_of_the_draws(small_fit, small_recording):
     """The assemblies' densities add up to the density of the whole."""
-    from bayesfric.likelihood.gravity import GravityLikelihood
-    from bayesfric.likelihood.screening import screen_trials
+    from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
+    from bayesfric.rigs.gravity_board.screening import screen_trials
 
     screened = screen_trials(small_recording.gravity, small_recording.rig)
     likelihood = GravityLikelihood(screened.gravity, small_recording.rig, Analysis())
@@ -101,9 +101,9 @@ def test_sensitivity_is_that_of_priors_and_likelihood(small_recording, small_fit
     """Both densities of the stored draws, worked out again: priors by SciPy."""
     from scipy import stats
 
-    from bayesfric.diagnostics import power_scaling
-    from bayesfric.likelihood.gravity import GravityLikelihood
-    from bayesfric.likelihood.screening import screen_trials
+    from bayesfric.inference.diagnostics import power_scaling
+    from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
+    from bayesfric.rigs.gravity_board.screening import screen_trials
 
     posterior = small_fit.draws["posterior"].to_dataset()
     screened = screen_trials(small_recording.gravity, small_recording.rig)

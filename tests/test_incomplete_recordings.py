@@ -12,16 +12,16 @@ import pytest
 
 import bayesfric as bf
 from bayesfric.analysis import Analysis, Sampler
-from bayesfric.boards.gravity import board_friction
-from bayesfric.boards.motor import motor_friction
 from bayesfric.errors import InputError
-from bayesfric.friction import Coefficients
-from bayesfric.likelihood.gravity import trial_condition
-from bayesfric.likelihood.motor import run_condition
-from bayesfric.likelihood.trial_motion import pilot_fits
-from bayesfric.protocols import Protocol
+from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.gravity import board_friction
+from bayesfric.physics.motor import motor_friction
 from bayesfric.recording import write_recording
 from bayesfric.recording.tables import Gravity, Motor
+from bayesfric.rigs.gravity_board.likelihood import trial_condition
+from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
+from bayesfric.rigs.motor_board.likelihood import run_condition
+from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import simulate_recording, table1_coefficients
 
 SHORT = Sampler(burn=60, steps=80, thin=2, extensions=0)

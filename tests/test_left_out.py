@@ -7,15 +7,15 @@ import pytest
 from scipy import stats
 
 from bayesfric.analysis import Analysis, LogNormal, Priors, Sampler
-from bayesfric.evidence import elpd, laplace_draws
-from bayesfric.fitting import fit
-from bayesfric.laplace import laplace_approximation
-from bayesfric.likelihood.gravity import GravityLikelihood
-from bayesfric.likelihood.model import Model
-from bayesfric.likelihood.screening import screen_trials
-from bayesfric.predictive.left_out import leave_out, leave_setups_out, uniformity
-from bayesfric.protocols import Protocol
+from bayesfric.fitting.posterior import fit
+from bayesfric.fitting.predictive.left_out import leave_out, leave_setups_out, uniformity
+from bayesfric.inference.evidence import elpd, laplace_draws
+from bayesfric.inference.laplace import laplace_approximation
+from bayesfric.inference.model import Model
 from bayesfric.recording.tables import Gravity
+from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
+from bayesfric.rigs.gravity_board.screening import screen_trials
+from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import Truth, simulate_recording
 
 # tau and omega all but fixed at the values that recordings are simulated with

@@ -8,13 +8,13 @@ import pytest
 from scipy import stats
 
 from bayesfric.analysis import Analysis, Sampler
-from bayesfric.fitting import fit
-from bayesfric.predictive.remaking import remake
-from bayesfric.predictive.residuals import check_residuals, measuring_order
-from bayesfric.protocols import Protocol
+from bayesfric.fitting.posterior import fit
 from bayesfric.report.assembly import build_document
 from bayesfric.report.content import Figure
 from bayesfric.report.stored import StoredResults
+from bayesfric.rigs.protocols import Protocol
+from bayesfric.rigs.remaking import remake
+from bayesfric.rigs.residuals import check_residuals, measuring_order
 from bayesfric.simulate import simulate_recording
 
 TO_SD = 2 * stats.norm.ppf(0.95)  # widths of a 90 % interval

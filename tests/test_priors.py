@@ -6,8 +6,8 @@ from scipy import stats
 from scipy.integrate import quad
 
 from bayesfric.analysis import HalfNormal, LogNormal, Normal, Priors, Uniform
+from bayesfric.inference.priors import draw, from_normal, log_density, prior_sd, quantile, to_normal
 from bayesfric.paper import table1
-from bayesfric.priors import draw, from_normal, log_density, prior_sd, quantile, to_normal
 
 CASES = [
     (HalfNormal(scale=0.3), stats.halfnorm(scale=0.3), (0.0, np.inf)),

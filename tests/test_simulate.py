@@ -6,14 +6,14 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from bayesfric.boards.gravity import board_friction
-from bayesfric.boards.motor import motor_friction, nominal_tension
-from bayesfric.friction import Coefficients
-from bayesfric.likelihood.gravity import trial_condition
-from bayesfric.likelihood.motor import run_condition
-from bayesfric.likelihood.trial_motion import pilot_fits
+from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.gravity import board_friction
+from bayesfric.physics.motor import motor_friction, nominal_tension
 from bayesfric.recording import read_recording, write_recording
 from bayesfric.resources import bundled_recording
+from bayesfric.rigs.gravity_board.likelihood import trial_condition
+from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
+from bayesfric.rigs.motor_board.likelihood import run_condition
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 
 CELL = ["pulley_size", "n_pulleys", "wrap_angle_deg"]

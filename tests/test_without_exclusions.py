@@ -7,8 +7,8 @@ import pytest
 
 import bayesfric as bf
 from bayesfric.analysis import Analysis, Sampler
-from bayesfric.likelihood.screening import screen_trials
 from bayesfric.recording.tables import Gravity
+from bayesfric.rigs.gravity_board.screening import screen_trials
 
 SHORT = Analysis(seed=5, sampler=Sampler(burn=60, steps=80, thin=2, extensions=0))
 TRIAL = "g0007"

@@ -10,9 +10,9 @@ from bayesfric.blind.design import Case, Catalogue
 from bayesfric.blind.envelope import open_envelope, seal
 from bayesfric.blind.noise_free import CleanCase
 from bayesfric.blind.scoring import score
+from bayesfric.diagnosis import diagnose
 from bayesfric.effects import all_effects
 from bayesfric.errors import Fault, InputError
-from bayesfric.gap import diagnose
 from bayesfric.recording.tables import Recording
 from bayesfric.results import json_bytes
 from bayesfric.schemas import DiagnosisFile

@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from bayesfric.analysis import Analysis
+from bayesfric.diagnosis.linear_model import Acting, LinearModel
+from bayesfric.diagnosis.reference import fitted_laws
+from bayesfric.diagnosis.residuals import Residuals, fitted, residuals_of
 from bayesfric.effects import all_effects
-from bayesfric.gap.candidates import Candidate, candidates_of
-from bayesfric.gap.linear_model import Acting, LinearModel
-from bayesfric.gap.reference import fitted_laws
-from bayesfric.gap.residuals import Residuals, fitted, residuals_of
-from bayesfric.likelihood.hypothesis import Data
-from bayesfric.likelihood.screening import screen_trials
+from bayesfric.effects.candidates import Candidate, candidates_of
+from bayesfric.fitting.hypothesis import Data
 from bayesfric.recording.tables import Recording
+from bayesfric.rigs.gravity_board.screening import screen_trials
 from bayesfric.simulate import table1_coefficients
 
 __all__ = ["CleanCase"]

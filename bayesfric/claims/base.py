@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
 from bayesfric.claims.studies import Studied, Task
-from bayesfric.likelihood.hypothesis import Data, Hypothesis
+from bayesfric.fitting.hypothesis import Data, Hypothesis
 from bayesfric.recording.tables import Recording
 
 __all__ = ["BASELINE", "Case", "Claim", "Finding", "Verdict"]

@@ -20,10 +20,10 @@ from bayesfric.claims.comparison import bayes_factor, log_evidence
 from bayesfric.claims.contradictions import contradictions
 from bayesfric.claims.studies import Studied, Task, study_all
 from bayesfric.effects import all_effects
-from bayesfric.likelihood.hypothesis import Data
-from bayesfric.likelihood.screening import screen_trials
+from bayesfric.fitting.hypothesis import Data
 from bayesfric.recording.tables import Recording
 from bayesfric.results import json_bytes, provenance, replace_outputs, write_netcdf
+from bayesfric.rigs.gravity_board.screening import screen_trials
 from bayesfric.schemas import (
     ClaimResult,
     ClaimsFile,

@@ -8,9 +8,9 @@ from scipy.optimize import lsq_linear
 from bayesfric.claims.base import BASELINE, Case, Claim, Finding, Verdict
 from bayesfric.claims.comparison import odds, share
 from bayesfric.claims.studies import Task
-from bayesfric.likelihood.coefficients import coefficient_parameters
-from bayesfric.likelihood.hypothesis import Hypothesis
+from bayesfric.fitting.hypothesis import Hypothesis
 from bayesfric.paper import table1
+from bayesfric.rigs.coefficients import coefficient_parameters
 
 Array = NDArray[np.float64]
 LN10 = float(np.log(10))

@@ -9,7 +9,7 @@ from scipy.special import logsumexp
 from bayesfric.analysis import ClaimRules
 from bayesfric.claims.base import BASELINE, Case, Claim, Finding, Verdict
 from bayesfric.claims.studies import WIDTHS, Studied, Task
-from bayesfric.evidence import difference
+from bayesfric.inference.evidence import difference
 
 __all__ = ["bayes_factor", "compare", "decide", "log_evidence", "odds", "share"]
 

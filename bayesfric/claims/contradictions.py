@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bayesfric.friction import coulomb_friction
 from bayesfric.paper import paper
+from bayesfric.physics.friction import coulomb_friction
 from bayesfric.simulate import table1_coefficients
 
 __all__ = ["Contradiction", "contradictions"]

@@ -2,7 +2,7 @@
 
 from bayesfric.claims.base import Claim
 from bayesfric.claims.comparison import compare
-from bayesfric.likelihood.hypothesis import Hypothesis
+from bayesfric.fitting.hypothesis import Hypothesis
 
 CLAIM = Claim(
     name="linear-in-wrap",

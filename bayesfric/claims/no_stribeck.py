@@ -5,7 +5,7 @@ from dataclasses import replace
 from bayesfric.claims.base import Case, Claim, Finding
 from bayesfric.claims.comparison import compare
 from bayesfric.claims.studies import slowest_speed
-from bayesfric.likelihood.hypothesis import Hypothesis
+from bayesfric.fitting.hypothesis import Hypothesis
 
 
 def _judge(claim: Claim, case: Case) -> Finding:

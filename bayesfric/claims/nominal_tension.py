@@ -1,9 +1,9 @@
 """The nominal tensions that the paper quotes follow from its Table I."""
 
-from bayesfric.boards.motor import MotorCondition, motor_friction
-from bayesfric.boards.motor import nominal_tension as tension_of
 from bayesfric.claims.base import Case, Claim, Finding
 from bayesfric.paper import paper
+from bayesfric.physics.motor import MotorCondition, motor_friction
+from bayesfric.physics.motor import nominal_tension as tension_of
 from bayesfric.recording.tables import STANDARD_GRAVITY
 from bayesfric.simulate import table1_coefficients
 

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from bayesfric.claims.base import Case, Claim, Finding, Verdict
 from bayesfric.claims.comparison import share
-from bayesfric.likelihood.motor import MotorLikelihood
+from bayesfric.rigs.motor_board.likelihood import MotorLikelihood
 
 Array = NDArray[np.float64]
 DRAWS = 2000

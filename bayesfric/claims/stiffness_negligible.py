@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from bayesfric.boards.gravity import nominal_tension
 from bayesfric.claims.base import Case, Claim, Finding, Verdict
 from bayesfric.claims.comparison import share
-from bayesfric.likelihood.gravity import trial_condition
-from bayesfric.likelihood.trial_motion import Events, prepare_events
-from bayesfric.priors import draw
+from bayesfric.inference.priors import draw
+from bayesfric.physics.gravity import nominal_tension
 from bayesfric.recording.tables import Gravity, Rig
+from bayesfric.rigs.gravity_board.likelihood import trial_condition
+from bayesfric.rigs.gravity_board.trial_motion import Events, prepare_events
 
 Array = NDArray[np.float64]
 CABLES = 64  # draws of the cable from its priors

@@ -12,7 +12,9 @@ from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis, Sampler
 from bayesfric.effects import Effect, State
-from bayesfric.evidence import (
+from bayesfric.fitting.hypothesis import Data, Hypothesis, model_of
+from bayesfric.fitting.predictive.left_out import leave_setups_out
+from bayesfric.inference.evidence import (
     ELPD,
     Evidence,
     SeparatedModes,
@@ -21,14 +23,12 @@ from bayesfric.evidence import (
     in_one_place,
     laplace_draws,
 )
-from bayesfric.friction import Coefficients
-from bayesfric.laplace import Laplace, laplace_approximation
-from bayesfric.likelihood.hypothesis import Data, Hypothesis, model_of
-from bayesfric.likelihood.model import Model
-from bayesfric.likelihood.trial_motion import pilot_fits
-from bayesfric.predictive.left_out import leave_setups_out
-from bayesfric.priors import log_density
-from bayesfric.sampling import sample
+from bayesfric.inference.laplace import Laplace, laplace_approximation
+from bayesfric.inference.model import Model
+from bayesfric.inference.priors import log_density
+from bayesfric.inference.sampling import sample
+from bayesfric.physics.friction import Coefficients
+from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 
 __all__ = ["WIDTHS", "Studied", "Task", "slowest_speed", "study_all"]
 

@@ -64,8 +64,8 @@ def diagnose_into(
 ) -> set[str]:
     """Diagnose, write and print; return what happened that ``--fail-on`` can name."""
     from bayesfric.analysis import read_analysis
+    from bayesfric.diagnosis import diagnose as diagnose_recording
     from bayesfric.effects import effect_of_file
-    from bayesfric.gap import diagnose as diagnose_recording
     from bayesfric.recording import read_recording
     from bayesfric.results import fitted_coefficients
     from bayesfric.testing import checked

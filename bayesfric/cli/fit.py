@@ -57,7 +57,7 @@ def fit_into(
 ) -> set[str]:
     """Fit, write and print; return what happened that ``--fail-on`` can name."""
     from bayesfric.analysis import read_analysis
-    from bayesfric.fitting import fit as fit_recording
+    from bayesfric.fitting.posterior import fit as fit_recording
     from bayesfric.recording import read_recording
 
     fail_on(failures, set())  # an unknown name is told before the work

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bayesfric.analysis import Prior
-from bayesfric.friction import (
+from bayesfric.physics.friction import (
     REFERENCE_WRAP_ANGLE_DEG,
     Coefficients,
     coulomb_friction,

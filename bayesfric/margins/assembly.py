@@ -15,12 +15,12 @@ import xarray as xr
 from numpy.typing import NDArray
 from pydantic import BaseModel
 
-from bayesfric.diagnostics import mean_ess
 from bayesfric.errors import Fault, InputError
-from bayesfric.friction import Coefficients
+from bayesfric.inference.diagnostics import mean_ess
+from bayesfric.inference.priors import from_normal
 from bayesfric.margins.loop_file import Loop
 from bayesfric.margins.quantities import central, is_uncertain
-from bayesfric.priors import from_normal
+from bayesfric.physics.friction import Coefficients
 from bayesfric.results import read_json, read_tree
 from bayesfric.schemas import ClaimsFile, RecordingId
 

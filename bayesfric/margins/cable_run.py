@@ -11,14 +11,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bayesfric.friction import (
+from bayesfric.margins.loop_file import CableRun
+from bayesfric.physics.friction import (
     REFERENCE_WRAP_ANGLE_DEG,
     Coefficients,
     TensionLoss,
     pulley_by_pulley,
     recursive_friction,
 )
-from bayesfric.margins.loop_file import CableRun
 
 __all__ = ["Direction", "RunFriction", "losses", "run_friction"]
 

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from bayesfric.effects import all_effects
 from bayesfric.effects.base import Effect, State
-from bayesfric.friction import Coefficients
 from bayesfric.margins.assembly import Assembly
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.physics.friction import Coefficients
 from bayesfric.schemas import Cause, DiagnosisFile
 
 __all__ = ["Carried", "carried_effects", "with_effects"]

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, Discriminator, Tag
 
 from bayesfric.analysis import HalfNormal, LogNormal, Normal, Uniform
-from bayesfric.priors import describe, from_normal
+from bayesfric.inference.priors import describe, from_normal
 
 __all__ = ["NonNegative", "Positive", "Quantity", "central", "is_uncertain", "worded"]
 

@@ -13,9 +13,9 @@ from matplotlib.ticker import MaxNLocator
 from pydantic import TypeAdapter, ValidationError
 
 from bayesfric.analysis import Prior
+from bayesfric.inference.priors import log_density
 from bayesfric.plots.labels import LONGEST, plain
 from bayesfric.plots.style import COLORS, NEUTRAL, figure, halves
-from bayesfric.priors import log_density
 from bayesfric.schemas.diagnosis import Axis, Cause, DiagnosisFile, EffectNumber
 
 __all__ = ["what_causes_it", "where_it_lies"]

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 
 from bayesfric.paper import paper
-from bayesfric.protocols import PROTOCOLS, Protocol
 from bayesfric.recording.tables import Gravity, Recording, Rig
-from bayesfric.simulate.gravity import SENSORS, TRAVEL_M, draw_events, lay_trials
-from bayesfric.simulate.motor import simulate_motor
+from bayesfric.rigs.gravity_board.simulator import SENSORS, TRAVEL_M, draw_events, lay_trials
+from bayesfric.rigs.motor_board.simulator import simulate_motor
+from bayesfric.rigs.protocols import PROTOCOLS, Protocol
+from bayesfric.rigs.truth import AppliedEffect, Truth, table1_coefficients
 from bayesfric.simulate.strength import at_strength
-from bayesfric.simulate.truth import AppliedEffect, Truth, table1_coefficients
 
 __all__ = [
     "SENSORS",
@@ -41,7 +41,7 @@ def simulate_recording(
     Parameters
     ----------
     protocol : str or Protocol
-        A name in :data:`bayesfric.protocols.PROTOCOLS`, or a design.
+        A name in :data:`bayesfric.rigs.protocols.PROTOCOLS`, or a design.
     seed : int
         Seeds streams of their own (order, scatter, sensors, noise, the motor board's,
         and the phases of effects on each board), so that a change of one leaves the

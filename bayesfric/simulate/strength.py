@@ -20,18 +20,18 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from bayesfric.boards.gravity import nominal_tension, trajectory
-from bayesfric.boards.motor import load_current, motor_friction
-from bayesfric.boards.motor import nominal_tension as motor_tension
 from bayesfric.effects import Effect, Reading, State, all_effects
 from bayesfric.errors import Fault, InputError
-from bayesfric.friction import Coefficients
-from bayesfric.protocols import Protocol
+from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.gravity import nominal_tension, trajectory
+from bayesfric.physics.motor import load_current, motor_friction
+from bayesfric.physics.motor import nominal_tension as motor_tension
 from bayesfric.recording.tables import Rig
-from bayesfric.simulate.acting import surroundings
-from bayesfric.simulate.gravity import TRAVEL_M, conditions_of, lay_trials
-from bayesfric.simulate.motor import lay_runs, run_conditions
-from bayesfric.simulate.truth import AppliedEffect, Truth, laws_of
+from bayesfric.rigs.acting import surroundings
+from bayesfric.rigs.gravity_board.simulator import TRAVEL_M, conditions_of, lay_trials
+from bayesfric.rigs.motor_board.simulator import lay_runs, run_conditions
+from bayesfric.rigs.protocols import Protocol
+from bayesfric.rigs.truth import AppliedEffect, Truth, laws_of
 
 __all__ = ["RMS_AT_FULL_STRENGTH", "at_strength"]
 

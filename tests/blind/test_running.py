@@ -16,8 +16,8 @@ from bayesfric.blind import running
 from bayesfric.blind.answers import AXES, WithheldEffect, read_answer
 from bayesfric.blind.engines.reference import Made
 from bayesfric.campaign import run_campaign
+from bayesfric.diagnosis.discrepancy import SHARED_AXES, TRIAL_AXES
 from bayesfric.errors import InputError
-from bayesfric.gap.discrepancy import SHARED_AXES, TRIAL_AXES
 from bayesfric.results import read_json
 from bayesfric.schemas import ScorecardFile
 from bayesfric.simulate import simulate_recording

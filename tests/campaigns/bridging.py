@@ -3,7 +3,7 @@
 import numpy as np
 from evidence import densities
 
-from bayesfric.evidence import bridge_evidence
+from bayesfric.inference.evidence import bridge_evidence
 
 SEEDS = range(100)
 DENSITIES = {

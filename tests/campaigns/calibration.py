@@ -13,10 +13,10 @@ import numpy as np
 from bayesfric.analysis import Analysis, HalfNormal, Normal, PriorOverrides, Priors, Uniform
 from bayesfric.claims.studies import Task, study_all
 from bayesfric.effects import all_effects
-from bayesfric.friction import Coefficients
-from bayesfric.likelihood.hypothesis import Data, Hypothesis
-from bayesfric.likelihood.screening import screen_trials
-from bayesfric.priors import draw
+from bayesfric.fitting.hypothesis import Data, Hypothesis
+from bayesfric.inference.priors import draw
+from bayesfric.physics.friction import Coefficients
+from bayesfric.rigs.gravity_board.screening import screen_trials
 from bayesfric.simulate import AppliedEffect, Truth, simulate_recording, table1_coefficients
 
 SEEDS = range(400)  # of each effect

@@ -5,8 +5,8 @@ The simulator is the project's own: this proves consistency, not more.
 
 from itertools import count
 
+from bayesfric.diagnosis import diagnose
 from bayesfric.effects import all_effects
-from bayesfric.gap import diagnose
 from bayesfric.simulate import simulate_recording
 
 NULL_SEEDS = range(200)

@@ -4,11 +4,11 @@ from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis, Sampler
 from bayesfric.effects import all_effects
-from bayesfric.evidence import bridge_evidence, in_one_place, laplace_evidence
-from bayesfric.laplace import laplace_approximation
-from bayesfric.likelihood.hypothesis import Data, Hypothesis, model_of
-from bayesfric.likelihood.screening import screen_trials
-from bayesfric.sampling import sample
+from bayesfric.fitting.hypothesis import Data, Hypothesis, model_of
+from bayesfric.inference.evidence import bridge_evidence, in_one_place, laplace_evidence
+from bayesfric.inference.laplace import laplace_approximation
+from bayesfric.inference.sampling import sample
+from bayesfric.rigs.gravity_board.screening import screen_trials
 from bayesfric.simulate import simulate_recording
 
 SEED = 3

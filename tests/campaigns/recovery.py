@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bayesfric.fitting import fit
+from bayesfric.fitting.posterior import fit
 from bayesfric.simulate import simulate_recording, table1_coefficients
 
 SEEDS = range(100)

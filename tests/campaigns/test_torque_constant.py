@@ -10,7 +10,7 @@ from campaigns import evidence, torque_constant
 
 from bayesfric.analysis import Analysis, Sampler
 from bayesfric.campaign import processes, run_campaign
-from bayesfric.fitting import fit
+from bayesfric.fitting.posterior import fit
 
 CI_SEEDS = (0,)
 SHORT = Sampler(burn=60, steps=80, thin=2, extensions=0)

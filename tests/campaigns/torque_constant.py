@@ -2,7 +2,7 @@
 
 from scipy import stats
 
-from bayesfric.fitting import fit
+from bayesfric.fitting.posterior import fit
 from bayesfric.simulate import Truth, simulate_recording
 
 SEEDS = range(100)

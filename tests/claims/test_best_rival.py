@@ -6,8 +6,8 @@ from bayesfric.analysis import Analysis
 from bayesfric.claims import checking
 from bayesfric.claims.checking import registered
 from bayesfric.claims.studies import Studied
-from bayesfric.evidence import ELPD, Evidence
-from bayesfric.likelihood.hypothesis import Data
+from bayesfric.fitting.hypothesis import Data
+from bayesfric.inference.evidence import ELPD, Evidence
 from bayesfric.simulate import simulate_recording
 
 PREDICTION = ELPD(np.zeros(3), np.zeros(3), np.zeros(3, dtype=bool), 0.7)

@@ -5,17 +5,17 @@ import pytest
 from scipy import stats
 
 from bayesfric.analysis import Analysis, ClaimRules
-from bayesfric.boards.compliant import Cable, compliant_motion
-from bayesfric.boards.gravity import Condition, board_friction
 from bayesfric.claims import check_claims, registered
 from bayesfric.claims.coefficients import tail_probability
 from bayesfric.claims.comparison import decide, odds, share
 from bayesfric.claims.contradictions import contradictions
 from bayesfric.claims.stiffness_negligible import friction_ratios
-from bayesfric.likelihood.gravity import trial_condition
-from bayesfric.likelihood.trial_motion import pilot_fits
-from bayesfric.protocols import Protocol
+from bayesfric.physics.compliant import Cable, compliant_motion
+from bayesfric.physics.gravity import Condition, board_friction
 from bayesfric.recording.tables import Gravity
+from bayesfric.rigs.gravity_board.likelihood import trial_condition
+from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
+from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import simulate_recording, table1_coefficients
 
 RULES = ClaimRules()

@@ -5,17 +5,17 @@ import pytest
 from scipy import stats
 
 from bayesfric.analysis import Analysis
-from bayesfric.boards.gravity import Condition, trajectory
 from bayesfric.effects import all_effects
-from bayesfric.friction import coulomb_friction
-from bayesfric.laplace import laplace_approximation
-from bayesfric.likelihood.effect_terms import ActiveEffect
-from bayesfric.likelihood.gravity import GravityLikelihood
-from bayesfric.likelihood.model import Model
-from bayesfric.likelihood.motor import MotorLikelihood
-from bayesfric.likelihood.screening import screen_trials
-from bayesfric.protocols import PROTOCOLS, Protocol
+from bayesfric.effects.terms import ActiveEffect
+from bayesfric.inference.laplace import laplace_approximation
+from bayesfric.inference.model import Model
+from bayesfric.physics.friction import coulomb_friction
+from bayesfric.physics.gravity import Condition, trajectory
 from bayesfric.recording.tables import Gravity
+from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
+from bayesfric.rigs.gravity_board.screening import screen_trials
+from bayesfric.rigs.motor_board.likelihood import MotorLikelihood
+from bayesfric.rigs.protocols import PROTOCOLS, Protocol
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 from bayesfric.simulate.strength import at_strength
 

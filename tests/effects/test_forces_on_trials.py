@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from scipy import integrate, optimize
 
-from bayesfric.boards.gravity import Condition
 from bayesfric.effects import all_effects
-from bayesfric.friction import Coefficients
-from bayesfric.protocols import Protocol
+from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.gravity import Condition
 from bayesfric.recording.tables import Pulley
+from bayesfric.rigs.acting import Acting, surroundings
+from bayesfric.rigs.gravity_board.effects_on_trials import trial_motion
+from bayesfric.rigs.protocols import Protocol
+from bayesfric.rigs.truth import AppliedEffect
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
-from bayesfric.simulate.acting import Acting, surroundings
-from bayesfric.simulate.effects_on_trials import trial_motion
 from bayesfric.simulate.strength import at_strength
-from bayesfric.simulate.truth import AppliedEffect
 
 G = 9.80665
 RADIUS = 7.82e-3

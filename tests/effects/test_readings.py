@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from scipy import integrate
 
-from bayesfric.boards.gravity import Condition, trajectory
 from bayesfric.effects import Reading, all_effects
-from bayesfric.friction import Coefficients
-from bayesfric.protocols import Protocol
+from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.gravity import Condition, trajectory
+from bayesfric.rigs.acting import Acting
+from bayesfric.rigs.gravity_board.effects_on_trials import passing_times, trial_motion
+from bayesfric.rigs.protocols import Protocol
+from bayesfric.rigs.truth import AppliedEffect
 from bayesfric.simulate import Truth, simulate_recording
-from bayesfric.simulate.acting import Acting
-from bayesfric.simulate.effects_on_trials import passing_times, trial_motion
-from bayesfric.simulate.truth import AppliedEffect
 
 G = 9.80665
 SPACING = 0.0098

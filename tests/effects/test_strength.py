@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from bayesfric.boards.gravity import Condition, coulomb_acceleration
 from bayesfric.effects import all_effects
 from bayesfric.errors import InputError
-from bayesfric.friction import Coefficients
-from bayesfric.protocols import PROTOCOLS
+from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.gravity import Condition, coulomb_acceleration
+from bayesfric.rigs.protocols import PROTOCOLS
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 from bayesfric.simulate.strength import at_strength
 

@@ -6,9 +6,9 @@ import numpy as np
 from scipy.special import gammaln
 
 from bayesfric.analysis import Sampler
-from bayesfric.evidence import LinearGaussian
-from bayesfric.laplace import Laplace, laplace_approximation
-from bayesfric.sampling import sample
+from bayesfric.inference.evidence import LinearGaussian
+from bayesfric.inference.laplace import Laplace, laplace_approximation
+from bayesfric.inference.sampling import sample
 
 SETTINGS = Sampler(walkers=36, burn=80, steps=320, thin=4)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from evidence import densities
 
-from bayesfric.evidence import bridge_evidence
+from bayesfric.inference.evidence import bridge_evidence
 
 
 @pytest.mark.parametrize(

@@ -5,8 +5,8 @@ import pytest
 from evidence import densities
 from scipy import stats
 
-from bayesfric.evidence import Evidence, agree, laplace_evidence, reliable_draws
-from bayesfric.laplace import Laplace
+from bayesfric.inference.evidence import Evidence, agree, laplace_evidence, reliable_draws
+from bayesfric.inference.laplace import Laplace
 
 
 @pytest.mark.parametrize(

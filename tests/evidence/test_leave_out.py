@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from bayesfric.evidence import (
+from bayesfric.inference.evidence import (
     ELPD,
     LinearGaussian,
     bridge_ratio,

@@ -5,7 +5,7 @@ import pytest
 from evidence import densities
 from scipy import stats
 
-from bayesfric.evidence import LinearGaussian, bridge_evidence, savage_dickey
+from bayesfric.inference.evidence import LinearGaussian, bridge_evidence, savage_dickey
 
 REPEATS = 100
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from evidence import densities
 
-from bayesfric.evidence import Evidence, agree, bridge_evidence
+from bayesfric.inference.evidence import Evidence, agree, bridge_evidence
 
 
 @pytest.mark.long

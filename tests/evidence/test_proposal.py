@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from bayesfric.evidence.proposal import Proposal, fit_proposal
+from bayesfric.inference.evidence.proposal import Proposal, fit_proposal
 
 COVARIANCE = np.array([[2.0, 0.6], [0.6, 1.0]])
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from evidence import densities
 
-from bayesfric.evidence import SeparatedModes, agree, bridge_evidence, laplace_evidence
-from bayesfric.laplace import Laplace
+from bayesfric.inference.evidence import SeparatedModes, agree, bridge_evidence, laplace_evidence
+from bayesfric.inference.laplace import Laplace
 
 SHAPE = 4, 100, 30  # ensembles, kept, walkers
 

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from bayesfric.friction import Coefficients
 from bayesfric.margins.assembly import Posterior, nominal_assembly
 from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.loop_file import Loop
+from bayesfric.physics.friction import Coefficients
 from bayesfric.results import draws_tree, write_netcdf
 from bayesfric.schemas import RecordingId
 

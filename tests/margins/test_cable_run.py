@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from margins.loops import SMALL, loop
 
-from bayesfric.friction import Coefficients
 from bayesfric.margins.cable_run import run_friction
+from bayesfric.physics.friction import Coefficients
 
 C1, C2, C3 = SMALL
 LENGTH = 2.0

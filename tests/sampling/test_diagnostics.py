@@ -5,7 +5,7 @@ import arviz_stats
 import numpy as np
 import pytest
 
-from bayesfric.diagnostics import (
+from bayesfric.inference.diagnostics import (
     LIMITS,
     batch_means_ess,
     diagnose_draws,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bayesfric.laplace import curvature_steps, finite_hessian, laplace_approximation
+from bayesfric.inference.laplace import curvature_steps, finite_hessian, laplace_approximation
 
 PRECISION = np.array([[4.0, 1.0, 0.0], [1.0, 900.0, -20.0], [0.0, -20.0, 1e8]])
 MODE = np.array([1.0, -2.0, 3e-4])

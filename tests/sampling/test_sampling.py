@@ -6,8 +6,8 @@ from scipy import stats
 
 from bayesfric.analysis import Sampler
 from bayesfric.checkpoint import Checkpoint
-from bayesfric.laplace import Laplace, laplace_approximation
-from bayesfric.sampling import Chart, SamplingError, StudentT, sample
+from bayesfric.inference.laplace import Laplace, laplace_approximation
+from bayesfric.inference.sampling import Chart, SamplingError, StudentT, sample
 
 SETTINGS = Sampler(walkers=32, burn=100, steps=400, thin=4)
 

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator, Mapping
 
-from bayesfric.diagnostics import LIMITS
+from bayesfric.inference.diagnostics import LIMITS
 from bayesfric.plots.ranks import rank_histograms
 from bayesfric.plots.style import to_svg
 from bayesfric.report.chapters.symbols import symbol

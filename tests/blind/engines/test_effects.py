@@ -14,9 +14,9 @@ from bayesfric.blind.engines.state import Acting, Passage
 from bayesfric.blind.engines.strength import CleanDesign, scaled, share_of_friction
 from bayesfric.effects import Reading, all_effects
 from bayesfric.paper import table1
-from bayesfric.protocols import Protocol
+from bayesfric.rigs.protocols import Protocol
+from bayesfric.rigs.truth import AppliedEffect
 from bayesfric.simulate import Truth, simulate_recording
-from bayesfric.simulate.truth import AppliedEffect
 
 SMALL = Protocol({(15, 50.0): 1}, (6.0, 30.0), (6.0, 30.0), 2)
 STILL = {"tau": 0.0, "omega": 0.0, "sigma_x": 1e-12, "sigma_t": 1e-12}

@@ -1,0 +1,201 @@
+"""Which effects can be told apart at all: by rank, before any evidence."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import make_interp_spline
+
+from bayesfric.diagnosis.linear_model import Acting, LinearModel
+from bayesfric.diagnosis.weighing import candidates_by_name
+from bayesfric.effects.candidates import SHAPE_NODES, prior_moments
+from bayesfric.inference.information import Information
+from bayesfric.physics.friction import Coefficients
+from bayesfric.rigs.layout import COEFFICIENTS
+
+__all__ = ["AbsorbedEffect", "Classes", "classes_of"]
+
+Array = NDArray[np.float64]
+ALIKE = 1 - 1e-4  # cosine between the responses of two effects that are one
+INNER = 1.0  # shapes so near the middle of their prior must have a double
+LEFT = 1e-4  # of an effect's response, squared: less, and the baseline takes it all
+FELT = 1e-2  # squared signal over noise at one prior sd: less, and nobody could notice
+FINE = np.linspace(SHAPE_NODES[0], SHAPE_NODES[-1], 241)
+
+
+@dataclass(frozen=True)
+class AbsorbedEffect:
+    """An effect that does nothing but move a parameter of the baseline.
+
+    Parameters
+    ----------
+    effect : str
+        Its name.
+    by : str
+        The parameter that moves most, in widths of its prior.
+    bias : float
+        By how much, at one standard deviation of the amplitude.
+    unit : str
+        Of the bias.
+    """
+
+    effect: str
+    by: str
+    bias: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Classes:
+    """Effects that enter, in classes of what is identical here, and those that do not.
+
+    Parameters
+    ----------
+    members : tuple of tuple of str
+        Effects of each class.
+    absorbed : tuple of AbsorbedEffect
+        What only moves the baseline.
+    left_out : dict of str to str
+        Other effects, with the reason.
+    """
+
+    members: tuple[tuple[str, ...], ...]
+    absorbed: tuple[AbsorbedEffect, ...]
+    left_out: dict[str, str]
+
+
+def classes_of(model: LinearModel, psi: Array) -> Classes:
+    """Sort the effects by what the boards could show of them.
+
+    Parameters
+    ----------
+    model : LinearModel
+        The boards.
+    psi : ndarray
+        Logarithms of the noise.
+    """
+    names = candidates_by_name(model)
+    columns = tuple(place for place, c in enumerate(model.candidates) if not c.effect.components)
+    information = model.information(psi, Acting(columns))
+    mean, sd = model.prior(columns)
+    places = model.places(columns)
+    # The coefficients are left free here: what they can take is not the effect's to show.
+    # There is no discrepancy either: what is identical is so whatever it takes up.
+    free = sd.copy()
+    free[: places[0] if places.size else None] = np.where(_is_coefficient(model), 1e3, 0.0)
+    after = model.layout.own * len(model.layout.sizes) + len(columns)
+    free[after : after + model.layout.small] = 0.0
+    reduced = information.reduced(mean, free, places)
+    felt, raw = np.diag(reduced.precision), np.diag(information.precision)[places]
+    absorbed, left_out, entering = [], {}, []
+    for name, own in names.items():
+        effect = model.candidates[own[0]].effect
+        if effect.components:
+            if model.gravity is None or not _phases_felt(model, own):
+                left_out[name] = _absent(model, effect.acts_on)
+            else:
+                entering.append(name)
+            continue
+        inside = [columns.index(place) for place in own]
+        if raw[inside].max() < FELT:
+            left_out[name] = _absent(model, effect.acts_on)
+        elif (felt[inside] < LEFT * raw[inside]).all():
+            absorbed.append(_absorbed(model, information, sd, places[inside[0]], name))
+        elif felt[inside].max() < FELT:
+            left_out[name] = "no influence on the prediction"
+        else:
+            entering.append(name)
+    direction = reduced.precision / np.sqrt(np.outer(felt, felt).clip(1e-300))
+    members: list[list[str]] = []
+    for name in entering:
+        for known in members:
+            if _alias(model, names, columns, direction, name, known[0]):
+                known.append(name)
+                break
+        else:
+            members.append([name])
+    return Classes(tuple(tuple(one) for one in members), tuple(absorbed), left_out)
+
+
+def _absent(model: LinearModel, acts_on: str) -> str:
+    if acts_on == "current" and model.motor is None:
+        return "absent from these data: no motor board"
+    if acts_on != "current" and model.gravity is None:
+        return "absent from these data: no gravity board"
+    return "no influence on the prediction"
+
+
+def _is_coefficient(model: LinearModel) -> NDArray[np.bool_]:
+    own = np.arange(model.layout.own) < COEFFICIENTS
+    return np.tile(own, len(model.layout.sizes))
+
+
+def _phases_felt(model: LinearModel, own: Sequence[int]) -> bool:
+    assert model.gravity is not None
+    width = prior_moments(model.candidates[own[0]].effect.amplitude.prior)[1]
+    return any(width**2 * model.gravity.phase_strength(place) > FELT for place in own)
+
+
+def _absorbed(
+    model: LinearModel, information: Information, sd: Array, place: int, name: str
+) -> AbsorbedEffect:
+    """Return where the coefficients go that make good for one sd of an effect."""
+    count = model.layout.own * len(model.layout.sizes)
+    inner = information.precision[:count, :count]
+    width = sd[:count]
+    whole = width[:, None] * inner * width + np.eye(count)
+    moved = -width * np.linalg.solve(whole, width * information.precision[:count, place])
+    moved = np.where(_is_coefficient(model), -moved, 0.0)
+    share = np.abs(moved) / np.where(width > 0, width, 1.0)
+    most = int(np.argmax(share))
+    size = model.layout.sizes[most // model.layout.own]
+    column = most % model.layout.own
+    bias = float(moved[most] * model.scale(column))
+    unit = ("1", "N", "1/deg")[column]
+    return AbsorbedEffect(name, f"{Coefficients._fields[column]}[{size}]", bias, unit)
+
+
+def _alias(
+    model: LinearModel,
+    names: dict[str, list[int]],
+    columns: tuple[int, ...],
+    direction: Array,
+    one: str,
+    other: str,
+) -> bool:
+    """Return whether some law of one effect is some law of the other, whatever its shape."""
+    for law in _laws(model, names[one]):
+        for rival in _laws(model, names[other]):
+            mine = [columns.index(place) for place in law if place in columns]
+            theirs = [columns.index(place) for place in rival if place in columns]
+            if not mine or not theirs:
+                continue
+            nodes = [np.array([model.candidates[p].node for p in own]) for own in (law, rival)]
+            if _doubled(mine, nodes[0], theirs, nodes[1], direction) and _doubled(
+                theirs, nodes[1], mine, nodes[0], direction
+            ):
+                return True
+    return False
+
+
+def _laws(model: LinearModel, places: list[int]) -> list[list[int]]:
+    laws: dict[str, list[int]] = {}
+    for place in places:
+        laws.setdefault(model.candidates[place].law, []).append(place)
+    return list(laws.values())
+
+
+def _doubled(
+    mine: list[int], nodes: Array, theirs: list[int], rival_nodes: Array, direction: Array
+) -> bool:
+    """Return whether each middling shape of one law has its double among the other's."""
+    inner, other = np.array(mine)[np.abs(nodes) <= INNER], np.array(theirs)
+    if other.size == 1:
+        return bool((np.abs(direction[inner, other[0]]) > ALIKE).all())
+    # Between the nodes the response is that of a spline through them.
+    weights = make_interp_spline(rival_nodes, np.eye(other.size), k=5)(FINE)
+    across = direction[np.ix_(inner, other)] @ weights.T
+    length = np.einsum("fi,ij,fj->f", weights, direction[np.ix_(other, other)], weights)
+    cosine = np.abs(across) / np.sqrt(length)
+    return bool((cosine.max(axis=1) > ALIKE).all())

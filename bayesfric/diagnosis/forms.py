@@ -1,0 +1,157 @@
+"""Other forms of an effect: what its law may be wrong by.
+
+A law of an effect is one form of several: friction may grow with a power of speed rather than
+in proportion to it, a drift saturate, slip grow with travel. The difference is a share of what
+the effect does, which changes along what it acts over: along each axis a sum of Legendre
+polynomials over the part of the range where the effect does something, the rougher the less,
+each without its mean, which is the amplitude's. How large a share it is, the same for all axes,
+is integrated over :data:`SHARES`.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+
+from bayesfric.diagnosis.small_amounts import relative_rms
+from bayesfric.effects import ActsOn, Effect, Law
+from bayesfric.effects.candidates import Candidate, goes_to_and_fro, unit_values
+from bayesfric.rigs.gravity_board.rows import GravityRows
+from bayesfric.rigs.motor_board.linear import MotorPart
+
+__all__ = ["SHARES", "other_forms"]
+
+Array = NDArray[np.float64]
+SHARES = (0.0, 0.1, 0.3)
+"""Rms of what a law is wrong by along each axis, as shares of what the effect does."""
+FORCE_AXES = ("speed_m_s", "tension_n", "n_pulleys", "wrap_angle_deg", "travel_m", "order")
+AXES: Mapping[ActsOn, tuple[str, ...]] = {
+    "friction": FORCE_AXES,
+    "drive": FORCE_AXES,
+    "reading": ("displacement_m", "speed_m_s", "acceleration_m_s2"),
+    "current": ("speed_m_s", "load_current_a", "order"),
+}
+HIGHEST = 4  # degree
+UNLIKE = 0.05  # of a polynomial's rms where the effect acts, that lower degrees do not have
+TAIL = 1e-3  # of the effect's square, beyond either end of the range
+
+
+def other_forms(
+    rows: GravityRows | None, motor: MotorPart | None, acting: Sequence[tuple[Candidate, float]]
+) -> list[tuple[Candidate, float]]:
+    """Return differences of form, with their standard deviations at a share of 1.
+
+    Parameters
+    ----------
+    rows : GravityRows or None
+    motor : MotorPart or None
+        The boards.
+    acting : sequence of (Candidate, float)
+        Effects that act, with their amplitudes. Errors of readings that go to and fro have
+        none: there is no equivalent force to take a share of.
+    """
+    found: list[tuple[Candidate, float]] = []
+    for candidate, amplitude in acting:
+        if goes_to_and_fro(candidate.effect) or amplitude == 0:
+            continue
+        places = _places(rows, motor, candidate)
+        for axis in AXES[candidate.effect.acts_on]:
+            shapes = _shapes(*_along(axis, places))
+            # The effect itself, on the boards that have the axis.
+            alike = replace(candidate, effect=_varied(candidate.effect, axis, np.ones_like))
+            size = _size(rows, motor, alike) * abs(amplitude)
+            weights = 1 / np.arange(1, len(shapes) + 1)
+            for shape, weight in zip(shapes, weights / np.linalg.norm(weights), strict=True):
+                one = replace(candidate, effect=_varied(candidate.effect, axis, shape))
+                found.append((one, weight * size / _size(rows, motor, one)))
+    return found
+
+
+def _size(rows: GravityRows | None, motor: MotorPart | None, candidate: Candidate) -> float:
+    """Return the rms of what amplitude 1 does, of an error of readings in metres."""
+    if candidate.effect.acts_on != "reading":
+        return relative_rms(rows, motor, candidate)
+    if rows is None:
+        return 0.0
+    column = rows.candidate_columns(candidate).sum(axis=1)
+    return float(np.sqrt((column**2).mean()))
+
+
+def _varied(effect: Effect, axis: str, shape: Callable[[Array], Array]) -> Effect:
+    """Return the effect times a polynomial along an axis."""
+
+    def varied(law: Law) -> Law:
+        def product(values: Mapping[str, Any], where: Any) -> Array:
+            if not _has(where, axis):
+                return np.zeros_like(law(values, where), dtype=np.float64)
+            place = np.asarray(getattr(where, axis), dtype=np.float64)
+            return np.asarray(law(values, where)) * shape(place)
+
+        return product
+
+    return replace(effect, laws={name: varied(law) for name, law in effect.laws.items()})
+
+
+def _has(where: Any, axis: str) -> bool:
+    """Return whether an axis means anything: travel does not in a steady run."""
+    return not (axis == "travel_m" and where.steady)
+
+
+def _shapes(at: Array, weight: Array) -> list[Callable[[Array], Array]]:
+    """Return polynomials over the places of an effect, each unlike those of lower degrees."""
+    order = np.argsort(at, kind="stable")
+    share = np.cumsum(weight[order])
+    if at.size == 0 or share[-1] == 0:
+        return []
+    low, high = at[order][np.searchsorted(share / share[-1], [TAIL, 1 - TAIL])]
+    if high <= low:
+        return []
+    inside, root = np.clip(at, low, high), np.sqrt(weight)
+    known = [root]
+    found: list[Callable[[Array], Array]] = []
+    for degree in range(1, HIGHEST + 1):
+        basis = legendre.Legendre.basis(degree, domain=(low, high))
+        values = root * basis(inside)
+        lower = np.stack(known, axis=1)
+        new = values - lower @ np.linalg.lstsq(lower, values, rcond=None)[0]
+        # Of few places, or where the effect is zero at some, it is those of lower degrees again.
+        if np.linalg.norm(new) < UNLIKE * np.linalg.norm(values):
+            continue
+        known.append(values)
+        mean = np.average(basis(inside), weights=weight)
+
+        def shape(place: Array, basis: Any = basis, mean: float = mean) -> Array:
+            return np.asarray(basis(np.clip(place, low, high)) - mean)
+
+        found.append(shape)
+    return found
+
+
+def _places(
+    rows: GravityRows | None, motor: MotorPart | None, candidate: Candidate
+) -> list[tuple[Any, Array]]:
+    """Return where each board is, and the square of what the effect does there."""
+    effect = candidate.effect
+    places: list[Any] = []
+    if rows is not None and effect.acts_on != "current":
+        places.append(rows.readings() if effect.acts_on == "reading" else rows.state)
+    if motor is not None and effect.acts_on != "reading":
+        places.append(motor.state)
+    values, _ = unit_values(candidate)
+    law = effect.laws[candidate.law]
+    return [(place, np.asarray(law(values, place), dtype=np.float64) ** 2) for place in places]
+
+
+def _along(axis: str, places: Sequence[tuple[Any, Array]]) -> tuple[Array, Array]:
+    """Return values along an axis and their weights; boards count alike."""
+    at, weight = [np.empty(0)], [np.empty(0)]
+    for place, square in places:
+        if _has(place, axis):
+            values = np.asarray(getattr(place, axis), dtype=np.float64)
+            here, there = np.broadcast_arrays(values, square)
+            at.append(here.ravel())
+            weight.append(there.ravel() / there.size)
+    return np.concatenate(at), np.concatenate(weight)

@@ -1,0 +1,262 @@
+"""Where the gap lies: the systematic residual force along each covariate.
+
+The relative residual of each window is regressed on smooth functions of a covariate,
+shared by all pulley sizes. A share is what such a smooth predicts of assemblies that
+it was not fitted on; a p-value comes from recordings redrawn under the baseline with
+its scatter of trials and assemblies, refitted, and is adjusted by the largest
+statistic of all axes.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.diagnosis.linear_model import LinearModel
+from bayesfric.diagnosis.residuals import AXES, Residuals
+from bayesfric.inference.smooths import smooth_along
+from bayesfric.rigs.layout import COEFFICIENTS
+from bayesfric.schemas import Axis, Shape
+
+__all__ = ["where_it_lies"]
+
+Array = NDArray[np.float64]
+DRAWS = 400
+SCALE = 0.1  # prior sd of a smooth, as a share of friction
+GRID = 25
+ALIKE = 0.95  # canonical correlation of two axes' functions, from which on they are confounded
+BAND = 0.95
+ROUNDING = 1e-9  # of a covariate's size, which is no variation
+VISIBLE = 0.02  # of a function of an axis: less, and it does not vary here
+CATEGORIES = ("pulley_size", "rig")
+
+
+@dataclass(frozen=True)
+class _Design:
+    """One axis: its functions at the windows, and on a grid."""
+
+    name: str
+    known: NDArray[np.bool_]  # (R,), where a window has such a place
+    columns: Array  # (R, k)
+    grid: Array  # (G,)
+    on_grid: Array  # (G, k)
+
+
+def where_it_lies(
+    model: LinearModel,
+    residuals: Residuals,
+    before: Array,
+    fold: NDArray[np.intp],
+    rng: np.random.Generator,
+) -> tuple[Axis, ...]:
+    """Return every axis, the largest share first.
+
+    Parameters
+    ----------
+    model : LinearModel
+        For the columns of the coefficients.
+    residuals : Residuals
+        Of both boards.
+    before : ndarray, shape (R,)
+        Held-out residual force of the recalibrated baseline [N].
+    fold : ndarray of int, shape (R,)
+        In which each window was held out.
+    rng : Generator
+        For the bootstrap.
+    """
+    designs = {name: design for name in AXES if (design := _design(name, residuals)) is not None}
+    blind = [name for name in AXES if name not in designs]
+    relative = before / residuals.friction_n
+    noise = residuals.variance / residuals.friction_n**2
+    spread2 = (residuals.scatter**2).sum(axis=1)
+    precision = 1 / (noise + spread2)
+    weight = residuals.weight * residuals.friction_n**2
+    gap2 = float((weight * (relative**2 - noise - spread2)).sum())
+    share, unique = _shares(designs, relative, fold, precision, weight, gap2)
+    p_values, shapes = _tests(model, residuals, designs, relative, precision, rng)
+    unit = float(np.sqrt(weight.sum()))
+    axes = []
+    for name, design in designs.items():
+        found, band = shapes[name]
+        axes.append(
+            Axis(
+                axis=name,
+                unit=AXES[name],
+                blind=False,
+                share=share.get(name),
+                share_why=None if name in share else "there is no gap above the floor",
+                unique_share=unique.get(name),
+                unique_share_why=None if name in unique else "there is no gap above the floor",
+                confounded_with=_confounded(design, designs, precision),
+                p_value=p_values[name],
+                shape=Shape(
+                    grid=tuple(design.grid.tolist()),
+                    gap_n=tuple((unit * found).tolist()),
+                    low_n=tuple((unit * (found - band)).tolist()),
+                    high_n=tuple((unit * (found + band)).tolist()),
+                ),
+            )
+        )
+    axes.sort(key=lambda axis: (-(axis.share or 0.0), axis.p_value, axis.axis))
+    return (*axes, *(_blind(name) for name in blind))
+
+
+def _blind(name: str) -> Axis:
+    why = "it did not vary in these data"
+    return Axis(
+        axis=name,
+        unit=AXES[name],
+        blind=True,
+        share=None,
+        share_why=why,
+        unique_share=None,
+        unique_share_why=why,
+        confounded_with=(),
+        p_value=None,
+        p_value_why=why,
+        shape=None,
+        shape_why=why,
+    )
+
+
+def _design(name: str, residuals: Residuals) -> _Design | None:
+    values = residuals.covariates[name]
+    known = np.isfinite(values)
+    if not known.any() or np.ptp(values[known]) <= ROUNDING * np.abs(values[known]).max():
+        return None
+    if name in CATEGORIES:
+        grid = np.unique(values[known])
+        columns = np.equal.outer(values, grid).astype(np.float64)
+        return _Design(name, known, columns, grid, np.eye(grid.size))
+    low, high = float(values[known].min()), float(values[known].max())
+    smooth = smooth_along({name: (low, high)})
+    assert smooth is not None
+    columns = np.where(known, smooth.columns({name: np.where(known, values, low)}), 0.0)
+    grid = np.linspace(low, high, GRID)
+    return _Design(name, known, columns.T, grid, smooth.columns({name: grid}).T)
+
+
+def _smoothing(columns: Array, precision: Array) -> Array:
+    """Return what turns relative residuals into the numbers of a smooth, shape (k, R)."""
+    weighted = columns.T * precision
+    inner = weighted @ columns + np.eye(columns.shape[1]) / SCALE**2
+    return np.asarray(np.linalg.solve(inner, weighted))
+
+
+def _shares(
+    designs: dict[str, _Design],
+    relative: Array,
+    fold: NDArray[np.intp],
+    precision: Array,
+    weight: Array,
+    gap2: float,
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Return the share and the unique share of each axis; none where there is no gap."""
+    if gap2 <= 0:
+        return {}, {}
+
+    def explained(names: list[str]) -> float:
+        if not names:
+            return 0.0
+        columns = np.concatenate([designs[name].columns for name in names], axis=1)
+        predicted = np.empty_like(relative)
+        for number in range(int(fold.max()) + 1):
+            train = fold != number
+            numbers = _smoothing(columns[train], precision[train]) @ relative[train]
+            predicted[~train] = columns[~train] @ numbers
+        left = (weight * (relative - predicted) ** 2).sum()
+        return float(((weight * relative**2).sum() - left) / gap2)
+
+    names = list(designs)
+    whole = explained(names)
+    share = {name: float(np.clip(explained([name]), 0, 1)) for name in names}
+    unique = {
+        name: float(np.clip(whole - explained([n for n in names if n != name]), 0, 1))
+        for name in names
+    }
+    return share, unique
+
+
+def _tests(
+    model: LinearModel,
+    residuals: Residuals,
+    designs: dict[str, _Design],
+    relative: Array,
+    precision: Array,
+    rng: np.random.Generator,
+) -> tuple[dict[str, float], dict[str, tuple[Array, Array]]]:
+    """Return adjusted p-values, and each shape with the half width of its band."""
+    drawn = _redrawn(residuals, rng)
+    refit = _refitting(model, residuals, precision)
+    drawn, observed = drawn - refit(drawn), relative - refit(relative[:, None])[:, 0]
+    statistics, null = {}, {}
+    shapes = {}
+    for name, design in designs.items():
+        smoothing = _smoothing(design.columns, precision)
+        numbers, many = smoothing @ observed, smoothing @ drawn
+        inner = design.columns.T @ (precision[:, None] * design.columns)
+        squares = np.einsum("kb,kl,lb->b", many, inner, many)
+        value = float(numbers @ inner @ numbers)
+        statistics[name] = (value - squares.mean()) / squares.std()
+        null[name] = (squares - squares.mean()) / squares.std()
+        off = design.on_grid @ many
+        sd = off.std(axis=1)
+        width = np.quantile(np.abs(off / sd[:, None]).max(axis=0), BAND)
+        shapes[name] = (design.on_grid @ (smoothing @ relative), width * sd)
+    largest = np.max(list(null.values()), axis=0)
+    return {
+        name: float((1 + np.count_nonzero(largest >= value)) / (1 + DRAWS))
+        for name, value in statistics.items()
+    }, shapes
+
+
+def _redrawn(residuals: Residuals, rng: np.random.Generator) -> Array:
+    """Draw relative residuals of the baseline: measurement, trials and assemblies, (R, B)."""
+    count = residuals.residual_n.size
+    tau, omega = residuals.scatter[:, :1], residuals.scatter[:, 1:]
+    setups, trials = residuals.setup.max() + 1, residuals.trial.max() + 1
+    drawn = omega * rng.standard_normal((setups, DRAWS))[residuals.setup]
+    drawn += tau * rng.standard_normal((trials, DRAWS))[residuals.trial]
+    start = 0
+    error = np.empty((count, DRAWS))
+    for part in residuals.covariance:
+        rows = slice(start, start + len(part))
+        error[rows] = np.linalg.cholesky(part) @ rng.standard_normal((len(part), DRAWS))
+        start = rows.stop
+    return np.asarray(drawn + error / residuals.friction_n[:, None])
+
+
+def _refitting(model: LinearModel, residuals: Residuals, precision: Array):  # type: ignore[no-untyped-def]
+    """Return the projection on what the coefficients of each size can take up."""
+    sizes = len(model.layout.sizes)
+    columns = np.zeros((residuals.size.size, sizes * COEFFICIENTS))
+    own = residuals.columns[:, :COEFFICIENTS] / residuals.friction_n[:, None]
+    for size in range(sizes):
+        mine = residuals.size == size
+        columns[mine, size * COEFFICIENTS : (size + 1) * COEFFICIENTS] = own[mine]
+    basis = np.linalg.svd(np.sqrt(precision)[:, None] * columns, full_matrices=False)
+    kept = basis[0][:, basis[1] > 1e-8 * basis[1][0]]
+    root = np.sqrt(precision)[:, None]
+    return lambda values: kept @ (kept.T @ (root * values)) / root
+
+
+def _confounded(design: _Design, designs: dict[str, _Design], precision: Array) -> tuple[str, ...]:
+    """Return the axes whose functions say almost the same at these windows."""
+    alike = []
+    for name, other in designs.items():
+        if name == design.name:
+            continue
+        here = design.known & other.known
+        mine, theirs = (_orthonormal(one.columns[here], precision[here]) for one in (design, other))
+        cosines = np.linalg.svd(mine.T @ theirs, compute_uv=False)
+        if cosines.size and cosines[0] > ALIKE:
+            alike.append(name)
+    return tuple(alike)
+
+
+def _orthonormal(columns: Array, precision: Array) -> Array:
+    """Return an orthonormal basis of the functions, their constant taken off."""
+    root = np.sqrt(precision / precision.sum())
+    centred = columns - (precision / precision.sum()) @ columns
+    left, singular, _ = np.linalg.svd(root[:, None] * centred, full_matrices=False)
+    return np.asarray(left[:, singular > VISIBLE * np.abs(columns).max()])

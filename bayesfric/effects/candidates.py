@@ -1,0 +1,146 @@
+"""Effects as candidates: each law at each of some shapes is one column.
+
+A shape parameter, such as the Stribeck speed, is integrated over nodes of its prior.
+An effect with phases that nobody recorded has no column: its amplitude is a scatter of
+every trial, and is integrated over nodes too.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import norm
+
+from bayesfric.analysis import HalfNormal, LogNormal, Normal, Prior
+from bayesfric.effects import Effect
+from bayesfric.inference.priors import from_normal
+
+__all__ = [
+    "Candidate",
+    "candidates_of",
+    "goes_to_and_fro",
+    "is_positive",
+    "on_friction",
+    "prior_moments",
+    "unit_values",
+]
+
+Array = NDArray[np.float64]
+SHAPE_NODES = np.linspace(-2.4, 2.4, 13)
+"""Shapes that are tried, as normal quantiles of the prior."""
+AMPLITUDE_NODES = np.linspace(-2.6, 2.2, 17)
+"""Amplitudes of effects with phases, as normal quantiles of the prior."""
+SMALL = 1e-4  # of the prior's sd, at which a law is taken to be linear in its amplitude
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An effect with one of its laws and one shape.
+
+    Parameters
+    ----------
+    effect : Effect
+        What may act.
+    law : str
+        Name of the variant.
+    node : float
+        Normal quantile of the shape, or of the amplitude of an effect with phases;
+        0 without either.
+    log_weight : float
+        Prior weight among the candidates of the effect.
+    cell : float
+        Width of the node's part of the prior, in normal quantiles; 0 without a node.
+    """
+
+    effect: Effect
+    law: str
+    node: float
+    log_weight: float
+    cell: float = 0.0
+
+    @property
+    def shape(self) -> float | None:
+        """The shape parameter, None without one."""
+        if self.effect.shape is None:
+            return None
+        return float(from_normal(self.effect.shape.prior, self.node))
+
+    @property
+    def amplitude(self) -> float:
+        """The amplitude of an effect with phases."""
+        return float(from_normal(self.effect.amplitude.prior, self.node))
+
+
+def candidates_of(effect: Effect, nodes: Mapping[str, Array] | None = None) -> list[Candidate]:
+    """Return the candidates of an effect, their weights adding up to 1.
+
+    Parameters
+    ----------
+    effect : Effect
+        What may act.
+    nodes : mapping of str to ndarray, or None
+        Nodes of each law, ascending normal quantiles; None is the usual ones.
+    """
+    usual = np.zeros(1)
+    if effect.components:
+        usual = AMPLITUDE_NODES
+    elif effect.shape is not None:
+        usual = SHAPE_NODES
+    found = []
+    for law in effect.laws:
+        places = usual if nodes is None else nodes[law]
+        cells = np.gradient(places) if places.size > 1 else np.zeros(1)
+        weights = norm.pdf(places) * (cells if places.size > 1 else 1.0)
+        log_weights = np.log(weights / weights.sum() / len(effect.laws))
+        found += [
+            Candidate(effect, law, float(node), float(weight), float(cell))
+            for node, weight, cell in zip(places, log_weights, cells, strict=True)
+        ]
+    return found
+
+
+def unit_values(candidate: Candidate) -> tuple[Mapping[str, Any], float]:
+    """Return parameters at a small amplitude, and what its response is to be divided by."""
+    effect = candidate.effect
+    small = SMALL * prior_moments(effect.amplitude.prior)[1]
+    values: dict[str, Any] = {effect.amplitude.name: np.float64(small)}
+    if effect.shape is not None:
+        values[effect.shape.name] = np.float64(candidate.shape)
+    return values, small
+
+
+def prior_moments(prior: Prior) -> tuple[float, float]:
+    """Return mean and standard deviation of the normal that stands for a prior.
+
+    That of a half-normal is the normal that is folded; :func:`is_positive` says so.
+    """
+    match prior:
+        case HalfNormal(scale=scale):
+            return 0.0, scale
+        case Normal(mean=mean, sd=sd):
+            return mean, sd
+        case LogNormal(median=median, sd_log=sd):
+            return median * float(np.exp(sd**2 / 2)), median * sd
+        case _:
+            return (prior.low + prior.high) / 2, (prior.high - prior.low) / np.sqrt(12)
+
+
+def is_positive(prior: Prior) -> bool:
+    """Return whether a prior is a folded normal."""
+    return isinstance(prior, HalfNormal)
+
+
+def goes_to_and_fro(effect: Effect) -> bool:
+    """Return whether an error of readings has no equivalent force: no parabola sees it."""
+    return effect.acts_on == "reading" and bool(effect.components or effect.shape)
+
+
+def on_friction(acting: Sequence[tuple[Candidate, float]]) -> list[tuple[Candidate, float]]:
+    """Return those that add to friction along a known path."""
+    return [
+        (candidate, amplitude)
+        for candidate, amplitude in acting
+        if candidate.effect.acts_on == "friction" and not candidate.effect.components
+    ]

@@ -1,0 +1,152 @@
+"""Effects as parameters: which law of which effect acts, and how it enters a likelihood."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import BSpline, make_interp_spline
+
+from bayesfric.effects import Effect, State
+from bayesfric.inference.priors import Parameter, from_normal, prior_sd, to_normal
+
+__all__ = [
+    "ActiveEffect",
+    "LinearTerm",
+    "linear_terms",
+    "parameters_of",
+    "rough_values",
+    "total",
+]
+
+Array = NDArray[np.float64]
+SHAPE_RANGE = 3.0  # prior standard deviations of a shape parameter that are tabulated
+SHAPE_NODES = 33
+START_SHARE = 0.1  # of the prior's sd, an amplitude to climb from
+REDUCED_TO = 1e-3  # of the leading response; what is cut is that share of an amplitude
+
+
+@dataclass(frozen=True)
+class ActiveEffect:
+    """An effect with one of its laws.
+
+    Parameters
+    ----------
+    effect : Effect
+        What acts.
+    law : str
+        Name of the variant.
+    """
+
+    effect: Effect
+    law: str
+
+    @property
+    def label(self) -> str:
+        """Name of the effect and of its law, as in ``viscous/tension``."""
+        return f"{self.effect.name}/{self.law}"
+
+    def values(self, theta: Mapping[str, Array]) -> dict[str, Array]:
+        """Return the effect's parameters by their own names, each of shape (W, 1)."""
+        return {
+            parameter.name: theta[f"{self.effect.name}.{parameter.name}"][:, None]
+            for parameter in self.effect.parameters
+        }
+
+
+def parameters_of(active: ActiveEffect) -> tuple[Parameter, ...]:
+    """Return the parameters of an effect, named ``effect.parameter``."""
+    return tuple(
+        Parameter(f"{active.effect.name}.{parameter.name}", parameter.unit, parameter.prior)
+        for parameter in active.effect.parameters
+    )
+
+
+def rough_values(active: Sequence[ActiveEffect]) -> dict[str, float]:
+    """Return small amplitudes and median shapes, a place to climb from."""
+    values: dict[str, float] = {}
+    for one in active:
+        amplitude, shape = one.effect.amplitude, one.effect.shape
+        values[f"{one.effect.name}.{amplitude.name}"] = START_SHARE * prior_sd(amplitude.prior)
+        if shape is not None:
+            values[f"{one.effect.name}.{shape.name}"] = float(from_normal(shape.prior, 0.0))
+    return values
+
+
+def total(active: Sequence[ActiveEffect], theta: Mapping[str, Array], state: State) -> Array:
+    """Return the sum of what effects of one kind add, of the shape of the state."""
+    return np.asarray(sum(one.effect.laws[one.law](one.values(theta), state) for one in active))
+
+
+@dataclass(frozen=True)
+class LinearTerm:
+    """An effect along a path as K fixed responses, each times a number.
+
+    The number is the amplitude times a function of the shape parameter. The functions
+    and the responses are the leading singular vectors of the effect's response over a
+    table of shapes.
+
+    Parameters
+    ----------
+    active : ActiveEffect
+        The effect.
+    responses : ndarray, shape (K, …)
+        At unit amplitude.
+    spline : BSpline or None
+        From the normal quantile of the shape to K numbers; None without a shape.
+    """
+
+    active: ActiveEffect
+    responses: Array
+    spline: BSpline | None
+
+    def amplitudes(self, theta: Mapping[str, Array]) -> Array:
+        """Return the number of each response, shape (K, W)."""
+        effect = self.active.effect
+        amplitude = theta[f"{effect.name}.{effect.amplitude.name}"]
+        if self.spline is None or effect.shape is None:
+            return amplitude[None]
+        shape = theta[f"{effect.name}.{effect.shape.name}"]
+        place = np.clip(to_normal(effect.shape.prior, shape), -SHAPE_RANGE, SHAPE_RANGE)
+        return np.asarray(amplitude * self.spline(place).T)
+
+
+def linear_terms(
+    active: Sequence[ActiveEffect],
+    response: Callable[[ActiveEffect, Mapping[str, Any]], Array],
+    seen: Callable[[Array], Array],
+) -> list[LinearTerm]:
+    """Reduce effects to fixed responses.
+
+    Parameters
+    ----------
+    active : sequence of ActiveEffect
+        Effects that are linear in their amplitude.
+    response : callable
+        (effect, values of its parameters) to its response, an array of any one shape.
+    seen : callable
+        A response to what of it can be seen: decides which responses differ.
+
+    Returns
+    -------
+    list of LinearTerm
+        One an effect.
+    """
+    terms = []
+    for one in active:
+        effect = one.effect
+        unit = {effect.amplitude.name: np.float64(1.0)}
+        if effect.shape is None:
+            terms.append(LinearTerm(one, response(one, unit)[None], None))
+            continue
+        place = np.linspace(-SHAPE_RANGE, SHAPE_RANGE, SHAPE_NODES)
+        shapes = from_normal(effect.shape.prior, place)
+        table = np.stack([response(one, unit | {effect.shape.name: shape}) for shape in shapes])
+        flat = np.stack([seen(row).ravel() for row in table])
+        left, singular, _ = np.linalg.svd(flat, full_matrices=False)
+        kept = singular > REDUCED_TO * singular[0]
+        spline = make_interp_spline(place, left[:, kept] * singular[kept], k=5)
+        responses = np.tensordot(left[:, kept].T / singular[kept, None], table, axes=1)
+        terms.append(LinearTerm(one, responses, spline))
+    return terms

@@ -1,0 +1,79 @@
+"""The share of trials inside their predictive intervals, by condition."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
+
+from bayesfric.rigs.bands import QUANTILES, bands
+from bayesfric.rigs.remaking import Remade
+
+__all__ = ["CELL", "LEVELS", "MASSES", "coverage"]
+
+Array = NDArray[np.float64]
+LEVELS = (0.5, 0.9)
+CELL = ("pulley_size", "n_pulleys", "wrap_angle_deg")
+MASSES = ("mass_drive_kg", "mass_load_kg", "hanging_mass_kg")
+
+
+def coverage(
+    table: pd.DataFrame, sizes: Sequence[str], remade: Remade, observed: Array
+) -> xr.Dataset:
+    """Count the trials inside the central intervals of new trials on new assemblies.
+
+    Parameters
+    ----------
+    table : DataFrame
+        The N trials or runs.
+    sizes : sequence of str
+        Pulley sizes in the order in which their conditions stand.
+    remade : Remade
+        New trials, and whole recordings made again.
+    observed : ndarray, shape (N,)
+        Friction as measured [N].
+
+    Returns
+    -------
+    Dataset
+        Over each ``condition`` (size, n, θ, masses), each ``cell`` (size, n, θ) and all:
+        ``…_share``, of trials inside, by level; ``…_expected``, 5, 50 and 95 % quantile of
+        that share if the recording were made again; ``…_trials``, how many there are.
+    """
+    tails = np.array([(1 - level) / 2 for level in LEVELS])
+    low = np.quantile(remade.apart, tails, axis=0)
+    high = np.quantile(remade.apart, 1 - tails, axis=0)
+    inside = (low <= observed) & (observed <= high)  # (level, N)
+    again = np.stack(
+        [
+            (bottom <= remade.together) & (remade.together <= top)
+            for bottom, top in zip(low, high, strict=True)
+        ]
+    )
+    columns = [*CELL, *(name for name in MASSES if name in table)]
+    ranked = table.assign(rank=table["pulley_size"].map(list(sizes).index))
+    groups = {
+        "condition": ranked.groupby(["rank", *columns[1:]]),
+        "cell": ranked.groupby(["rank", *CELL[1:]]),
+    }
+    found: dict[str, object] = {
+        "all_share": ("level", inside.mean(axis=1)),
+        "all_expected": (("level", "quantile"), bands(again.mean(axis=2).T)),
+        "all_trials": len(table),
+    }
+    for of, group in groups.items():
+        code = group.ngroup().to_numpy()
+        member = (code[:, None] == np.arange(code.max() + 1)).astype(np.float64)  # (N, G)
+        count = member.sum(axis=0)
+        rows = table.iloc[member.argmax(axis=0)]
+        shares = again @ member / count  # (level, W, G)
+        found[f"{of}_share"] = ((of, "level"), (inside @ member / count).T)
+        found[f"{of}_expected"] = (
+            (of, "level", "quantile"),
+            np.moveaxis(bands(np.moveaxis(shares, 1, 0)), 0, 1),
+        )
+        found[f"{of}_trials"] = (of, count.astype(np.intp))
+        for name in columns if of == "condition" else CELL:
+            found[f"{of}_{name}"] = (of, rows[name].to_numpy())
+    return xr.Dataset(found, coords={"level": list(LEVELS), "quantile": list(QUANTILES)})

@@ -1,0 +1,272 @@
+"""What a fit predicts of trials and assemblies that it has not seen.
+
+Each trial, and each assembly, is left out in turn: draws are weighted as if they had
+not seen it, and where the weights fail the posterior without it is sampled anew.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache, partial
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtri
+
+from bayesfric.inference.evidence import (
+    ELPD,
+    Evidence,
+    bridge_ratio,
+    elpd,
+    loo_pit,
+    refit_without,
+    reliable_draws,
+)
+from bayesfric.inference.laplace import laplace_approximation
+from bayesfric.inference.model import Model, RigLikelihood
+
+__all__ = ["LeftOut", "Uniformity", "leave_out", "leave_setups_out", "uniformity"]
+
+Array = NDArray[np.float64]
+Kind = Literal["trial", "setup"]
+DRAWS_A_CALL = 200  # Student-t scatter needs a grid for each
+AGAIN = 1000  # recordings made again
+GRID = np.arange(1, 50) / 50
+BAND = 0.95
+LARGEST_ERROR = 0.25  # of a refit's density [nat]; differences count from 4 nat on
+EDGE = 1e-16  # of a probability whose normal score is to be finite
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """What a fit predicts of one board's N trials and J assemblies.
+
+    Parameters
+    ----------
+    trial_log_likelihood, setup_log_likelihood : ndarray, shape (S, N) and (S, J)
+        Log densities of each given all others, draw by draw.
+    trials, setups : ELPD or None
+        None where a density is not finite for some draw.
+    pit : ndarray, shape (N,)
+        Probability of less friction of each trial, had it been left out; empty where there
+        is no `trials`.
+    again : ndarray, shape (R, N)
+        Such probabilities of recordings made again.
+    """
+
+    trial_log_likelihood: Array
+    setup_log_likelihood: Array
+    trials: ELPD | None
+    setups: ELPD | None
+    pit: Array
+    again: Array
+
+
+@dataclass(frozen=True)
+class Uniformity:
+    """Whether leave-one-out probabilities are uniform.
+
+    Parameters
+    ----------
+    grid, difference : ndarray, shape (P,)
+        Probability, and the share of trials below it less it.
+    low, high : ndarray, shape (P,)
+        Band that 95 % of recordings made again stay within everywhere.
+    p_value : float
+        Share of recordings made again that leave uniformity by more somewhere, in units
+        of the standard deviation there.
+    spread : float
+        Root mean square of the normal scores of the probabilities; 1 where trials scatter
+        as much as the model says.
+    spread_expected : ndarray, shape (3,)
+        5, 50 and 95 % quantile of that of recordings made again.
+    """
+
+    grid: Array
+    difference: Array
+    low: Array
+    high: Array
+    p_value: float
+    spread: float
+    spread_expected: Array
+
+
+def leave_out(
+    model: Model,
+    likelihood: RigLikelihood,
+    z: Array,
+    start: Array,
+    seed: int,
+) -> LeftOut:
+    """Leave each trial and each assembly of a board out.
+
+    Parameters
+    ----------
+    model : Model
+        Of the posterior.
+    likelihood : RigLikelihood
+        The board's, one of the model's.
+    z : ndarray, shape (S, D)
+        Posterior draws in the sampling space.
+    start : ndarray, shape (D,)
+        A point of high density, from which refits climb.
+    seed : int
+        Of refits and of recordings made again.
+
+    Returns
+    -------
+    LeftOut
+        With exact refits wherever a Pareto k is above its limit.
+    """
+    trial = _by_blocks(model, likelihood.trial_log_likelihood, z)
+    setup = _by_blocks(model, likelihood.setup_log_likelihood, z)
+    trials, without = _leave_out(model, likelihood, "trial", trial, start, seed)
+    setups, _ = _leave_out(model, likelihood, "setup", setup, start, seed)
+    pit, again = np.empty(0), np.empty((0, trial.shape[1]))
+    if trials is not None:
+        pit = loo_pit(_by_blocks(model, likelihood.trial_cdf, z), trial)
+        for place, unseen in without.items():
+            pit[place] = _by_blocks(model, likelihood.trial_cdf, unseen)[:, place].mean()
+        some = z[np.linspace(0, len(z) - 1, min(AGAIN, len(z))).astype(int)]
+        rng = np.random.default_rng(np.random.SeedSequence([seed, 3]))
+        again = _by_blocks(model, partial(likelihood.draw_trial_cdf, rng=rng), some)
+    return LeftOut(trial, setup, trials, setups, pit, again)
+
+
+def leave_setups_out(model: Model, z: Array) -> ELPD:
+    """Leave each assembly of all of a model's boards out, without refits.
+
+    A refit takes seconds a group. Without, one whose Pareto k is above its limit stays marked.
+
+    Parameters
+    ----------
+    model : Model
+        Of any boards.
+    z : ndarray, shape (S, D)
+        Draws in the sampling space.
+
+    Returns
+    -------
+    ELPD
+        Of all boards.
+
+    Raises
+    ------
+    ValueError
+        A density is not finite for some draw.
+    """
+    parts = []
+    for likelihood in model.likelihoods:
+        setup = _by_blocks(model, likelihood.setup_log_likelihood, z)
+        if not np.isfinite(setup).all():
+            raise ValueError("the log density of an assembly is not finite")
+        parts.append(elpd(setup))
+    return ELPD(
+        np.concatenate([part.pointwise for part in parts]),
+        np.concatenate([part.pareto_k for part in parts]),
+        np.concatenate([part.refitted for part in parts]),
+        parts[0].limit_k,
+    )
+
+
+def uniformity(pit: Array, again: Array) -> Uniformity:
+    """Compare leave-one-out probabilities with those of recordings made again.
+
+    Trials of an assembly depend on one another, so their probabilities do not scatter as
+    independent uniform ones: recordings made again say how they do.
+
+    Parameters
+    ----------
+    pit : ndarray, shape (N,)
+        As measured.
+    again : ndarray, shape (R, N)
+        Of recordings made again.
+
+    Returns
+    -------
+    Uniformity
+        Of the distribution function, and of the spread.
+
+    References
+    ----------
+    T. Säilynoja, P.-C. Bürkner, A. Vehtari, "Graphical test for discrete uniformity and
+    its applications in goodness-of-fit evaluation and multiple sample comparison",
+    Statistics and Computing 32 (2022): the difference of distribution functions with a
+    simultaneous band.
+    """
+    difference = _distribution(pit) - GRID
+    apart = _distribution(again) - GRID
+    sd = np.sqrt((apart**2).mean(axis=0))
+    unit = np.where(sd > 0, sd, 1.0)
+    farthest = np.abs(apart / unit).max(axis=1)
+    limit = float(np.quantile(farthest, BAND)) * sd
+    beyond = int((farthest >= np.abs(difference / unit).max()).sum())
+    return Uniformity(
+        GRID,
+        difference,
+        -limit,
+        limit,
+        (1 + beyond) / (1 + len(again)),
+        float(_spread(pit)),
+        np.quantile(_spread(again), (0.05, 0.5, 0.95)),
+    )
+
+
+def _distribution(pit: Array) -> Array:
+    """Return the share of the last axis below each place of the grid, shape (…, P)."""
+    return np.stack([(pit <= place).mean(axis=-1) for place in GRID], axis=-1)
+
+
+def _spread(pit: Array) -> Array:
+    score = ndtri(np.clip(pit, EDGE, 1 - EDGE))
+    return np.asarray(np.sqrt((score**2).mean(axis=-1)))
+
+
+def _leave_out(
+    model: Model,
+    likelihood: RigLikelihood,
+    kind: Kind,
+    log_likelihood: Array,
+    start: Array,
+    seed: int,
+) -> tuple[ELPD | None, dict[int, Array]]:
+    """Return the predictive densities, and the draws of each refit by its group's place."""
+    if not np.isfinite(log_likelihood).all():
+        return None, {}
+    density = getattr(likelihood, f"{kind}_log_likelihood")
+    refits: dict[int, Array] = {}
+
+    @cache
+    def seen() -> Evidence | None:
+        """Of all data; most boards have no use for it."""
+        laplace = laplace_approximation(model.log_posterior, start, model.scale())
+        found = reliable_draws(model.log_posterior, laplace, seed)
+        return None if found is None else found[0]
+
+    def refit(place: int) -> float | None:
+        def conditional(points: Array) -> Array:
+            return _by_blocks(model, density, points)[:, place]
+
+        own = int(np.random.SeedSequence([seed, len(kind), place]).generate_state(1)[0])
+        unseen = refit_without(model.log_posterior, conditional, start, model.scale(), own)
+        if unseen is None:
+            return None
+        # The evidence of all data over that without the group: by importance both, or by
+        # a bridge between the draws of either.
+        value, error = bridge_ratio(log_likelihood[:, place], conditional(unseen.draws))
+        if (whole := seen()) is not None:
+            both = float(np.hypot(whole.error, unseen.evidence.error))
+            if both < error:
+                value, error = whole.log_evidence - unseen.evidence.log_evidence, both
+        if error > LARGEST_ERROR:
+            return None
+        refits[place] = unseen.draws
+        return value
+
+    return elpd(log_likelihood, refit), refits
+
+
+def _by_blocks(model: Model, function: Callable[..., Array], z: Array) -> Array:
+    """Return what a likelihood says of many points, some at a time, shape (S, …)."""
+    blocks = (z[start : start + DRAWS_A_CALL] for start in range(0, len(z), DRAWS_A_CALL))
+    return np.concatenate([function(model.by_name(model.natural(block))) for block in blocks])

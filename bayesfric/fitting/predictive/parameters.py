@@ -1,0 +1,78 @@
+"""What the draws of each parameter look like: against Table I, by rank, beside the prior."""
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from bayesfric.inference.diagnostics import rank_counts
+from bayesfric.inference.model import Model
+from bayesfric.inference.priors import log_density
+from bayesfric.paper import table1
+from bayesfric.physics.friction import Coefficients
+
+__all__ = ["coefficients", "densities", "ranks"]
+
+Array = NDArray[np.float64]
+RANK_BINS = 20
+DENSITY_BINS = 40
+LEFT_OUT = 5e-4  # of the draws at either end of a density, too few for a height
+
+
+def coefficients(model: Model, flat: Array) -> xr.Dataset:
+    """Return quantiles of the coefficients, and their ratio to Table I for its sizes."""
+    draws = model.by_name(flat)
+    sizes = [size for size in table1() if f"c1[{size}]" in draws]
+    names = Coefficients._fields
+    levels = (0.05, 0.25, 0.5, 0.75, 0.95)
+    paper = np.array([[getattr(table1()[size], name).value for name in names] for size in sizes])
+    quantiles = np.array(
+        [[np.quantile(draws[f"{name}[{size}]"], levels) for name in names] for size in sizes]
+    )
+    if not sizes:
+        return xr.Dataset()
+    dims = ("pulley", "coefficient")
+    return xr.Dataset(
+        {
+            "paper": (dims, paper),
+            "value": ((*dims, "level"), quantiles),
+            "ratio": ((*dims, "level"), quantiles / paper[..., None]),
+        },
+        coords={"pulley": sizes, "coefficient": list(names), "level": list(levels)},
+    )
+
+
+def ranks(model: Model, theta: Array) -> xr.Dataset:
+    """Return how the draws of each ensemble rank among all."""
+    counts = np.stack(
+        [rank_counts(theta[..., place], RANK_BINS) for place in range(theta.shape[-1])]
+    )
+    dims = ("parameter", "ensemble", "bin")
+    return xr.Dataset(
+        {"relative": (dims, counts / counts.mean(axis=-1, keepdims=True))},
+        coords={"parameter": list(model.names)},
+    )
+
+
+def densities(model: Model, flat: Array) -> xr.Dataset:
+    """Return the prior density of each parameter and that of its draws, side by side.
+
+    The posterior is a histogram, since a smooth estimate would leak over the bound of a
+    scale; the prior is exact, at the edges of its classes.
+    """
+    edges, heights, priors = [], [], []
+    for parameter, draws in zip(model.parameters, flat.T, strict=True):
+        low, high = np.quantile(draws, (LEFT_OUT, 1 - LEFT_OUT))
+        edge = np.linspace(low, high, DENSITY_BINS + 1)
+        counts = np.histogram(draws, edge)[0]
+        edges.append(edge)
+        heights.append(counts / (len(draws) * np.diff(edge)))
+        priors.append(np.exp(log_density(parameter.prior, edge)))
+    return xr.Dataset(
+        {
+            "value": (("parameter", "edge"), np.stack(edges)),
+            "prior": (("parameter", "edge"), np.stack(priors)),
+            "posterior": (("parameter", "bin"), np.stack(heights)),
+            "unit": ("parameter", [parameter.unit for parameter in model.parameters]),
+        },
+        coords={"parameter": list(model.names)},
+    )

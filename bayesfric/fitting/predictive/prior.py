@@ -1,0 +1,98 @@
+"""What the priors alone imply of friction, beside the posterior and the measurements."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
+
+from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.gravity import Condition, nominal_tension
+from bayesfric.physics.laws import Baseline
+
+__all__ = ["PRIOR_DRAWS", "PRIOR_QUANTILES", "friction_of_prior"]
+
+Array = NDArray[np.float64]
+PRIOR_DRAWS = 4000
+PRIOR_QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
+
+
+def friction_of_prior(
+    conditions: pd.DataFrame,
+    board: Condition | None,
+    prior: Mapping[str, Array],
+    posterior: Mapping[str, Array],
+    baseline: Baseline,
+) -> xr.Dataset:
+    """Return the friction of each condition by prior and posterior draws.
+
+    Parameters
+    ----------
+    conditions : DataFrame
+        A row each: ``pulley_size``, ``n_pulleys``, ``wrap_angle_deg``, ``tension_n``, the
+        nominal tension at which friction was measured, and ``friction_n``.
+    board : Condition or None
+        The same conditions of the gravity board, arrays of shape (C,); None is the motor
+        board, whose motor moves whatever the friction.
+    prior, posterior : mapping of str to ndarray, shape (W,)
+        Draws by parameter.
+    baseline : Baseline
+        The friction law.
+
+    Returns
+    -------
+    Dataset
+        By ``condition``: ``prior_n`` and ``posterior_n``, quantiles of the law's friction,
+        ``measured_n``, and ``drive_n``, friction from which on the board would not move. By
+        ``pulley``, over its conditions: ``prior_pooled_n``, ``posterior_pooled_n``,
+        ``measured_range_n``; ``…_stuck``, the share of draws and conditions that would not
+        move; ``…_stuck_somewhere``, of draws that leave some condition at rest;
+        ``prior_negative``, the share of draws and conditions whose friction would push.
+    """
+    sizes = [str(size) for size in dict.fromkeys(conditions["pulley_size"])]
+    count, quantiles = len(conditions), len(PRIOR_QUANTILES)
+    resting = None if board is None else nominal_tension(board, 0.0)
+    found: dict[str, object] = {
+        name: ("condition", conditions[name].to_numpy())
+        for name in ("pulley_size", "n_pulleys", "wrap_angle_deg", "tension_n")
+    }
+    found["measured_n"] = ("condition", conditions["friction_n"].to_numpy())
+    found["measured_range_n"] = (("pulley", "end"), np.empty((len(sizes), 2)))
+    if board is not None:
+        found["drive_n"] = ("condition", board.drive_force_n)
+    by_condition = {name: np.empty((count, quantiles)) for name in ("prior", "posterior")}
+    pooled = {name: np.empty((len(sizes), quantiles)) for name in by_condition}
+    stuck = {name: np.zeros(len(sizes)) for name in by_condition}
+    somewhere = {name: np.zeros(len(sizes)) for name in by_condition}
+    negative, extremes = np.empty(len(sizes)), np.empty((len(sizes), 2))
+    for place, size in enumerate(sizes):
+        here = np.flatnonzero(conditions["pulley_size"].to_numpy() == size)
+        rows = conditions.iloc[here]
+        n, wrap, tension, measured = (
+            rows[name].to_numpy(dtype=np.float64)
+            for name in ("n_pulleys", "wrap_angle_deg", "tension_n", "friction_n")
+        )
+        extremes[place] = measured.min(), measured.max()
+        for name, draws in (("prior", prior), ("posterior", posterior)):
+            law = Coefficients(*(draws[f"{c}[{size}]"][:, None] for c in Coefficients._fields))
+            friction = baseline.at_tension(law, n, wrap, tension)
+            by_condition[name][here] = np.quantile(friction, PRIOR_QUANTILES, axis=0).T
+            pooled[name][place] = np.quantile(friction, PRIOR_QUANTILES)
+            if name == "prior":
+                negative[place] = (friction < 0).mean()
+            if board is not None and resting is not None:
+                # At rest both sides hang still: the tension is higher than in motion.
+                holds = baseline.at_tension(law, n, wrap, resting[here])
+                rests = holds >= board.drive_force_n[here]
+                stuck[name][place] = rests.mean()
+                somewhere[name][place] = rests.any(axis=1).mean()
+    found["measured_range_n"] = (("pulley", "end"), extremes)
+    found["prior_negative"] = ("pulley", negative)
+    for name in by_condition:
+        found[f"{name}_n"] = (("condition", "level"), by_condition[name])
+        found[f"{name}_pooled_n"] = (("pulley", "level"), pooled[name])
+        if board is not None:
+            found[f"{name}_stuck"] = ("pulley", stuck[name])
+            found[f"{name}_stuck_somewhere"] = ("pulley", somewhere[name])
+    return xr.Dataset(found, coords={"pulley": sizes, "level": list(PRIOR_QUANTILES)})

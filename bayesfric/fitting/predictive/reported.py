@@ -1,0 +1,77 @@
+"""What ``fit.json`` says of prediction: numbers of what was left out."""
+
+import math
+from collections.abc import Mapping
+
+from bayesfric.fitting.predictive.left_out import LeftOut, uniformity
+from bayesfric.inference.evidence import ELPD
+from bayesfric.schemas import Prediction, Uniformity
+
+__all__ = ["predictions", "uniformities"]
+
+
+def predictions(left_out: Mapping[str, LeftOut]) -> tuple[Prediction, ...]:
+    """Return the leave-one-trial-out and leave-one-setup-out densities of each board.
+
+    Parameters
+    ----------
+    left_out : mapping of str to LeftOut
+        By rig.
+    """
+    return tuple(
+        entry
+        for rig, left in left_out.items()
+        for entry in (
+            _prediction(rig, "trial", left.trials, left.trial_log_likelihood.shape[1]),
+            _prediction(rig, "setup", left.setups, left.setup_log_likelihood.shape[1]),
+        )
+    )
+
+
+def _prediction(rig: str, kind: str, found: ELPD | None, groups: int) -> Prediction:
+    fields: dict[str, object] = {"rig": rig, "left_out": kind, "groups": groups}
+    if found is None:
+        why = "the density of one given the others is not finite for some draw"
+        nothing = dict.fromkeys(("elpd", "elpd_se", "pareto_k_limit"))
+        return Prediction.model_validate(
+            fields | nothing | {"elpd_why": why, "elpd_se_why": why, "bad": 0, "refitted": 0}
+        )
+    se = found.se if math.isfinite(found.se) else None
+    return Prediction.model_validate(
+        fields
+        | {
+            "elpd": found.total,
+            "elpd_se": se,
+            "elpd_se_why": None if se is not None else "there is only one",
+            "pareto_k_limit": found.limit_k,
+            "bad": int(found.bad.sum()),
+            "refitted": int(found.refitted.sum()),
+        }
+    )
+
+
+def uniformities(left_out: Mapping[str, LeftOut]) -> tuple[Uniformity, ...]:
+    """Return whether leave-one-trial-out probabilities are uniform, of each board that has any.
+
+    Parameters
+    ----------
+    left_out : mapping of str to LeftOut
+        By rig.
+    """
+    entries = []
+    for rig, left in left_out.items():
+        if left.trials is None:
+            continue
+        found = uniformity(left.pit, left.again)
+        low, _, high = found.spread_expected
+        entries.append(
+            Uniformity(
+                rig=rig,
+                trials=left.pit.size,
+                p_value=found.p_value,
+                spread=found.spread,
+                spread_q05=float(low),
+                spread_q95=float(high),
+            )
+        )
+    return tuple(entries)

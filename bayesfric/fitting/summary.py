@@ -1,0 +1,302 @@
+"""Draws become the numbers of ``fit.json``: intervals, diagnostics, data quality."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.inference.diagnostics import LIMITS, Convergence, diagnose_all, power_scaling
+from bayesfric.inference.laplace import curvature_steps, finite_hessian
+from bayesfric.inference.model import Model
+from bayesfric.inference.priors import LOG_2PI, Parameter, describe, prior_sd
+from bayesfric.inference.sampling import Draws
+from bayesfric.recording.tables import Recording, Rig
+from bayesfric.rigs.gravity_board.estimator import estimate_as_the_paper
+from bayesfric.rigs.gravity_board.screening import RULES, Screened
+from bayesfric.rigs.gravity_board.sensor_agreement import MATERIAL_SHARE, SensorAgreement
+from bayesfric.schemas import (
+    Agreement,
+    DataQuality,
+    Excluded,
+    FitFile,
+    Interval,
+    ParameterSummary,
+    PointEstimate,
+    Repaired,
+    SamplerSummary,
+    Uniformity,
+    WithoutExclusions,
+)
+
+__all__ = ["summarise", "summarise_without_exclusions"]
+
+Array = NDArray[np.float64]
+COEFFICIENTS = ("c1", "c2", "c3")
+NOT_UNIFORM = 0.01  # p below which a reader must know; one sound recording in a hundred has it
+
+
+def summarise(
+    attributes: dict[str, Any],
+    recording: Recording,
+    screened: Screened | None,
+    model: Model,
+    draws: Draws,
+    theta: Array,
+) -> FitFile:
+    """Return what ``fit.json`` says.
+
+    Parameters
+    ----------
+    attributes : dict
+        The fields of :class:`bayesfric.schemas.Provenance`, rigs, baseline, and what the
+        trials that were left out would change.
+    recording : Recording
+        As read.
+    screened : Screened or None
+        Which gravity trials entered; None where that board did not.
+    model : Model
+        Of the posterior.
+    draws : Draws
+        As sampled.
+    theta : ndarray, shape (ensembles, draws, walkers, D)
+        The draws in the parameters' units.
+    """
+    convergence = dict(zip(model.names, diagnose_all(theta), strict=True))
+    informed = _informed(model, np.median(theta.reshape(-1, theta.shape[-1]), axis=0))
+    entries = {
+        parameter.name: _parameter(
+            parameter, theta[..., place], convergence[parameter.name], bool(informed[place])
+        )
+        for place, parameter in enumerate(model.parameters)
+    }
+    for name, moved in _sensitivity(model, draws, theta).items():
+        entries[name] = entries[name].model_copy(update=moved)
+    sizes = [name[3:-1] for name in entries if name.startswith("c1[")]
+    ensembles, kept, walkers, _ = theta.shape
+    quality = _quality(recording, screened, motor="motor" in attributes["rigs"])
+    converged = all(figures.converged for figures in convergence.values())
+    return FitFile(
+        **attributes,
+        converged=converged,
+        attention=(
+            *_attention(convergence, entries, quality),
+            *_not_uniform(attributes["uniformity"]),
+        ),
+        pulleys={size: {c: entries[f"{c}[{size}]"] for c in COEFFICIENTS} for size in sizes},
+        scatter={n: e for n, e in entries.items() if n.startswith(("tau", "omega"))},
+        noise={n: e for n, e in entries.items() if n.startswith(("sigma", "load_noise"))},
+        parameters={n: e for n, e in entries.items() if n == "torque_constant_factor"},
+        paper_estimator={} if screened is None else _as_the_paper(screened, recording.rig),
+        sampler=SamplerSummary(
+            ensembles=ensembles,
+            walkers=walkers,
+            steps=draws.steps,
+            thin=draws.thin,
+            extensions=draws.extensions,
+            draws=ensembles * kept * walkers,
+            acceptance=float(draws.acceptance.mean()),
+            autocorrelation_time=ensembles
+            * walkers
+            * draws.steps
+            / min(figures.ess_bulk for figures in convergence.values()),
+        ),
+        data_quality=quality,
+    )
+
+
+def summarise_without_exclusions(trials: int, model: Model, draws: Draws) -> WithoutExclusions:
+    """Return the coefficients of a fit that no rule kept a trial from.
+
+    Parameters
+    ----------
+    trials : int
+        Gravity trials that entered it.
+    model : Model
+        Of its posterior.
+    draws : Draws
+        As sampled.
+    """
+    theta = model.natural(draws.z)
+    places = {name: place for place, name in enumerate(model.names)}
+    sizes = [name[3:-1] for name in places if name.startswith("c1[")]
+    return WithoutExclusions(
+        trials_used=trials,
+        converged=all(figures.converged for figures in diagnose_all(theta)),
+        pulleys={
+            size: {c: _interval(theta[..., places[f"{c}[{size}]"]]) for c in COEFFICIENTS}
+            for size in sizes
+        },
+    )
+
+
+def _as_the_paper(screened: Screened, rig: Rig) -> dict[str, PointEstimate]:
+    estimates = estimate_as_the_paper(screened.gravity, rig).sizes
+    return {
+        size.pulley_size: PointEstimate(
+            c1=size.c1.value,
+            c1_why=size.c1.reason,
+            c2=size.c2.value,
+            c2_why=size.c2.reason,
+            c3=size.c3.value,
+            c3_why=size.c3.reason,
+        )
+        for size in estimates
+    }
+
+
+def _parameter(
+    parameter: Parameter, draws: Array, figures: Convergence, informed: bool
+) -> ParameterSummary:
+    return ParameterSummary(
+        **_interval(draws).model_dump(),
+        unit=parameter.unit,
+        prior=describe(parameter.prior),
+        mcse_mean=figures.mcse_mean,
+        ess_bulk=figures.ess_bulk,
+        ess_tail=figures.ess_tail,
+        r_hat=figures.r_hat,
+        r_hat_walkers=figures.r_hat_walkers,
+        contraction=1 - float(draws.std()) / prior_sd(parameter.prior),
+        informed=informed,
+    )
+
+
+def _interval(draws: Array) -> Interval:
+    q05, q50, q95 = np.quantile(draws, [0.05, 0.5, 0.95])
+    return Interval(
+        mean=float(draws.mean()),
+        sd=float(draws.std()),
+        q05=float(q05),
+        q50=float(q50),
+        q95=float(q95),
+    )
+
+
+def _informed(model: Model, centre: Array) -> NDArray[np.bool_]:
+    """Whether the likelihood alone pins each parameter down better than its prior.
+
+    From the curvature of the log likelihood at the posterior median, in units of
+    the priors' widths: a direction that the data leave open has a curvature below 1.
+    """
+    z = model.sampling(centre)
+    unit = model.scale()
+
+    def log_likelihood(points: Array) -> Array:
+        return model.log_likelihood(model.natural(points))
+
+    step = curvature_steps(log_likelihood, z, 0.3 * unit)
+    curvature = -finite_hessian(log_likelihood, z, step) * np.outer(unit, unit)
+    values, vectors = np.linalg.eigh(curvature)
+    variance = (vectors**2 / np.maximum(values, 1e-12)).sum(axis=1)
+    return np.asarray(variance < 1)
+
+
+def _sensitivity(model: Model, draws: Draws, theta: Array) -> dict[str, dict[str, float]]:
+    """Return how much each coefficient moves with the power of priors and likelihood."""
+    by_walker = draws.z.shape[:-1]
+    prior = model.log_prior(theta.reshape(-1, theta.shape[-1])).reshape(by_walker)
+    # In the sampling space, where the draws have their density, every prior is N(0, 1).
+    likelihood = draws.log_density + 0.5 * (LOG_2PI + draws.z**2).sum(axis=-1)
+    places = {n: i for i, n in enumerate(model.names) if n.partition("[")[0] in COEFFICIENTS}
+    values = theta[..., list(places.values())].reshape(len(theta), -1, len(places))
+    moved = {}
+    for key, component in (("prior", prior), ("likelihood", likelihood)):
+        flat = component.reshape(len(theta), -1)
+        # Uniform priors are the same everywhere, to whatever power.
+        moved[key] = power_scaling(values, flat) if np.ptp(flat) > 0 else np.zeros(len(places))
+    return {
+        name: {f"{key}_sensitivity": float(found[place]) for key, found in moved.items()}
+        for place, name in enumerate(places)
+    }
+
+
+def _quality(recording: Recording, screened: Screened | None, *, motor: bool) -> DataQuality:
+    runs = len(recording.motor.runs) if motor and recording.motor is not None else 0
+    if screened is None or recording.gravity is None:
+        return DataQuality(
+            trials=0,
+            trials_used=0,
+            setups=0,
+            events=0,
+            motor_runs=runs,
+            replicated_cells=0,
+            excluded=(),
+            notes=recording.notes,
+        )
+    trials = screened.gravity.trials
+    cells = trials.groupby(["pulley_size", "n_pulleys", "wrap_angle_deg"])["setup"].nunique()
+    return DataQuality(
+        trials=len(recording.gravity.trials),
+        trials_used=len(trials),
+        setups=trials["setup"].nunique(),
+        events=len(screened.gravity.events),
+        motor_runs=runs,
+        replicated_cells=int((cells > 1).sum()),
+        excluded=tuple(
+            Excluded(trial=trial, rule=rule, reason=RULES[rule])
+            for trial, rule in screened.excluded.items()
+        ),
+        notes=recording.notes,
+        repaired=tuple(
+            Repaired.model_validate(row) for row in screened.repaired.to_dict("records")
+        ),
+        agreement=_agreement(screened.agreement),
+        stalled=screened.stalled,
+    )
+
+
+def _agreement(agreement: SensorAgreement) -> Agreement:
+    trials = agreement.trials
+    size = np.abs(trials["z"].to_numpy(dtype=np.float64))
+    return Agreement(
+        trials=len(trials),
+        largest_z=float(size.max()) if size.size else None,
+        z_q95=float(np.quantile(size, 0.95)) if size.size else None,
+        limit_z=agreement.limit,
+        limit_friction_share=MATERIAL_SHARE,
+        disagreeing=tuple(trials["trial"][trials["disagrees"].astype(bool)]),
+    )
+
+
+def _attention(
+    convergence: Mapping[str, Convergence],
+    entries: Mapping[str, ParameterSummary],
+    quality: DataQuality,
+) -> tuple[str, ...]:
+    """Return what a reader must know before the numbers."""
+    lines = []
+    for name, figures in convergence.items():
+        if not figures.converged:
+            lines.append(
+                f"Parameter {name} has not converged: R-hat {figures.r_hat:.4f} "
+                f"(limit {LIMITS['r_hat']}), "
+                f"by walker {figures.r_hat_walkers:.4f} (limit {LIMITS['r_hat_walkers']}), "
+                f"{min(figures.ess_bulk, figures.ess_tail):.0f} effective draws "
+                f"(at least {LIMITS['ess']:.0f})"
+            )
+    # `informed` is judged at the median: of draws that have not converged, anywhere.
+    converged = all(figures.converged for figures in convergence.values())
+    open_names = [name for name, entry in entries.items() if converged and not entry.informed]
+    if open_names:
+        lines.append(f"Driven by the prior, not by these data: {', '.join(open_names)}")
+    if quality.replicated_cells == 0 and quality.trials_used:
+        lines.append(
+            "No (size, n, angle) cell was assembled twice: setup scatter has no replicates, "
+            "and effects of n and of the wrap angle rest on the prior of omega"
+        )
+    if quality.excluded:
+        lines.append(f"{len(quality.excluded)} of {quality.trials} trials left out")
+    return tuple(lines)
+
+
+def _not_uniform(found: Sequence[Uniformity]) -> Iterator[str]:
+    """Yield what leave-one-trial-out probabilities that are not uniform say of the model."""
+    for one in found:
+        if one.p_value < NOT_UNIFORM:
+            yield (
+                f"The {one.rig} board's trials are not where the fit to the others puts them: "
+                f"leave-one-out probabilities depart from uniform with p = {one.p_value:.2g}, and "
+                f"trials lie {one.spread:.2f} times as far from their prediction as the model "
+                f"says ({one.spread_q05:.2f} to {one.spread_q95:.2f} by chance)"
+            )

@@ -1,0 +1,1 @@
+"""Densities, their modes, draws and evidence; nothing here knows what friction is."""

@@ -1,0 +1,244 @@
+"""How well data are predicted that were left out, from draws that saw them.
+
+The groups of a joint normal are not independent given the parameters θ, so what is
+left out is a group g given all others: its density is p(y_g | y_−g, θ). Since
+
+    p(θ | y_−g) ∝ p(θ | y) / p(y_g | y_−g, θ)
+
+holds without any independence, draws of p(θ | y) with the weights 1/p(y_g | y_−g, θ)
+are draws that have not seen g, and the leave-one-out density is the mean over them of
+that same conditional density. The weights are Pareto-smoothed; where that
+fails, only an exact refit without the group helps.
+
+References
+----------
+P.-C. Bürkner, J. Gabry, A. Vehtari, "Efficient leave-one-out cross-validation for
+Bayesian non-factorized normal and Student-t models", Computational Statistics 36
+(2021).
+A. Vehtari, D. Simpson, A. Gelman, Y. Yao, J. Gabry, "Pareto smoothed importance
+sampling", Journal of Machine Learning Research 25 (2024).
+M. Magnusson, M. R. Andersen, J. Jonasson, A. Vehtari, "Leave-one-out cross-validation
+for Bayesian model comparison in large data", AISTATS (2020).
+T. Sivula, M. Magnusson, A. A. Matamoros, A. Vehtari, "Uncertainty in Bayesian
+leave-one-out cross-validation based model comparison", arXiv:2008.10296.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import logsumexp
+
+from bayesfric.inference.diagnostics import smooth_weights
+
+__all__ = ["ELPD", "Difference", "difference", "elpd", "loo_pit"]
+
+Array = NDArray[np.float64]
+
+LIMIT_K = 0.7
+LEAST_DRAWS = 100
+LEAST_GROUPS, LEAST_DIFFERENCE = 20, 4.0
+"""Below either, the standard error of a difference is too small (Sivula et al.)."""
+
+
+@dataclass(frozen=True)
+class ELPD:
+    """Expected log predictive density of G groups left out one at a time.
+
+    Parameters
+    ----------
+    pointwise : ndarray, shape (G,)
+        log p(y_g | y_−g) of each [nat].
+    pareto_k : ndarray, shape (G,)
+        Shape of the tail of each one's weights.
+    refitted : ndarray of bool, shape (G,)
+        Which come from an exact refit.
+    limit_k : float
+        What `pareto_k` may be with as many draws.
+    """
+
+    pointwise: Array
+    pareto_k: Array
+    refitted: NDArray[np.bool_]
+    limit_k: float
+
+    @property
+    def total(self) -> float:
+        """Sum over the groups [nat]."""
+        return float(self.pointwise.sum())
+
+    @property
+    def se(self) -> float:
+        """Standard error of the total over other groups of the kind; inf for a single one."""
+        return _standard_error(self.pointwise)
+
+    @property
+    def bad(self) -> NDArray[np.bool_]:
+        """Which groups have weights that fail, refitted or not, shape (G,)."""
+        return ~(self.pareto_k <= self.limit_k)
+
+    @property
+    def reliable(self) -> bool:
+        """Whether every group has been refitted or has weights that can be relied on."""
+        return bool((self.refitted | ~self.bad).all())
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Of two expected log predictive densities.
+
+    Parameters
+    ----------
+    elpd : float
+        First less second [nat].
+    se : float
+        Paired standard error; inf for a single group.
+    unreliable : tuple of str
+        Why the standard error is not to be relied on; empty if it is.
+    """
+
+    elpd: float
+    se: float
+    unreliable: tuple[str, ...]
+
+    @property
+    def reliable(self) -> bool:
+        """Whether nothing speaks against the standard error."""
+        return not self.unreliable
+
+
+def elpd(
+    log_likelihood: Array,
+    refit: Callable[[int], float | None] | None = None,
+    r_eff: float = 1.0,
+) -> ELPD:
+    """Estimate leave-one-group-out predictive densities.
+
+    Parameters
+    ----------
+    log_likelihood : ndarray, shape (draws, G)
+        log p(y_g | y_−g, θ) of each group for each posterior draw; for groups that are
+        independent given θ, the same as log p(y_g | θ).
+    refit : callable or None
+        Place of a group to its exact log p(y_g | y_−g), such as from the draws of
+        :func:`bayesfric.inference.evidence.refit_without`, or to None where that cannot be had;
+        called where Pareto smoothing fails.
+    r_eff : float
+        Effective draws over draws.
+
+    Returns
+    -------
+    ELPD
+        Unreliable where smoothing fails and there is no refit.
+
+    Raises
+    ------
+    ValueError
+        Fewer than 100 draws, or densities that are not finite.
+    """
+    _check(log_likelihood)
+    draws, groups = log_likelihood.shape
+    pointwise, pareto_k = np.empty(groups), np.empty(groups)
+    for place, column in enumerate(log_likelihood.T):
+        weights, pareto_k[place] = smooth_weights(-column, r_eff)
+        pointwise[place] = logsumexp(weights + column) - logsumexp(weights)
+    limit_k = min(LIMIT_K, 1 - 1 / np.log10(draws))
+    refitted = np.zeros(groups, dtype=bool)
+    if refit is not None:
+        # A k that is not a number is bad as well.
+        for bad in np.flatnonzero(~(pareto_k <= limit_k)).tolist():
+            exact = refit(bad)
+            if exact is not None:
+                pointwise[bad], refitted[bad] = exact, True
+    return ELPD(pointwise, pareto_k, refitted, float(limit_k))
+
+
+def difference(first: ELPD, second: ELPD) -> Difference:
+    """Compare two models group by group.
+
+    Parameters
+    ----------
+    first, second : ELPD
+        Of the same groups, in the same order.
+
+    Returns
+    -------
+    Difference
+        Positive where the first predicts better.
+
+    Raises
+    ------
+    ValueError
+        The numbers of groups differ.
+    """
+    if first.pointwise.shape != second.pointwise.shape:
+        raise ValueError(
+            f"{first.pointwise.size} groups cannot be paired with {second.pointwise.size}"
+        )
+    pairs = first.pointwise - second.pointwise
+    total = float(pairs.sum())
+    reasons = []
+    if pairs.size < LEAST_GROUPS:
+        reasons.append(f"{pairs.size} groups, fewer than {LEAST_GROUPS}")
+    if abs(total) < LEAST_DIFFERENCE:
+        reasons.append(f"a difference of less than {LEAST_DIFFERENCE:g}")
+    if not (first.reliable and second.reliable):
+        reasons.append("a Pareto k too large without a refit")
+    return Difference(total, _standard_error(pairs), tuple(reasons))
+
+
+def loo_pit(cdf: Array, log_likelihood: Array, r_eff: float = 1.0) -> Array:
+    """Return the probability that a group would be lower than it was, had it been left out.
+
+    Uniform from 0 to 1 over the groups of a model that is right.
+
+    Parameters
+    ----------
+    cdf : ndarray, shape (draws, G)
+        P(Y_g ≤ y_g | y_−g, θ) of one number of each group, such as Φ of its
+        conditional z-score.
+    log_likelihood : ndarray, shape (draws, G)
+        log p(y_g | y_−g, θ), as for :func:`elpd`.
+    r_eff : float
+        Effective draws over draws.
+
+    Returns
+    -------
+    ndarray, shape (G,)
+        Between 0 and 1.
+
+    Raises
+    ------
+    ValueError
+        Shapes that differ, fewer than 100 draws, or densities that are not finite.
+
+    References
+    ----------
+    A. Gelfand, D. Dey, H. Chang, "Model determination using predictive distributions
+    with implementation via sampling-based methods", Bayesian Statistics 4 (1992).
+    """
+    _check(log_likelihood)
+    if cdf.shape != log_likelihood.shape:
+        raise ValueError(f"cdf {cdf.shape} and log_likelihood {log_likelihood.shape} differ")
+    found = np.empty(cdf.shape[1])
+    for place, (column, below) in enumerate(zip(log_likelihood.T, cdf.T, strict=True)):
+        weights, _ = smooth_weights(-column, r_eff)
+        found[place] = np.exp(weights - logsumexp(weights)) @ below
+    return np.clip(found, 0.0, 1.0)  # a sum of weights is 1 but for rounding
+
+
+def _check(log_likelihood: Array) -> None:
+    if log_likelihood.ndim != 2 or len(log_likelihood) < LEAST_DRAWS:
+        raise ValueError(
+            f"log_likelihood must have the shape (draws, groups) with at least "
+            f"{LEAST_DRAWS} draws; the shape is {log_likelihood.shape}"
+        )
+    if not np.isfinite(log_likelihood).all():
+        raise ValueError("log_likelihood must be finite")
+
+
+def _standard_error(values: Array) -> float:
+    if values.size < 2:
+        return float("inf")
+    return float(np.sqrt(values.size * values.var(ddof=1)))

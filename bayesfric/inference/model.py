@@ -1,0 +1,183 @@
+"""Priors and likelihoods put together: one log posterior for a whole ensemble."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Protocol
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Prior
+from bayesfric.inference.priors import LOG_2PI, Parameter, draw, from_normal, log_density, to_normal
+
+__all__ = ["Model", "RigLikelihood"]
+
+Array = NDArray[np.float64]
+START_RANGE = 6.0  # prior standard deviations; an estimate beyond is not believed
+
+
+class RigLikelihood(Protocol):
+    """What a rig's likelihood offers to a :class:`Model`."""
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """What it depends on; rigs share a parameter by its name."""
+
+    @property
+    def setups(self) -> tuple[str, ...]:
+        """Names of its J groups of data: assemblies."""
+
+    @property
+    def trials(self) -> pd.DataFrame:
+        """Its N trials or runs."""
+
+    @property
+    def sizes(self) -> tuple[str, ...]:
+        """Its pulley sizes."""
+
+    def draw_scatter(
+        self, theta: Mapping[str, Array], rng: np.random.Generator, *, together: bool = False
+    ) -> Array:
+        """Return relative scatter of new trials on new assemblies, shape (W, N)."""
+
+    def draw_observed(
+        self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator
+    ) -> Array:
+        """Return friction as measured, given its relative scatter, shape (W, N)."""
+
+    def start(self) -> dict[str, float]:
+        """Return rough estimates of its parameters."""
+
+    def log_likelihood(self, theta: Mapping[str, Array]) -> Array:
+        """Return the log density of its raw data, shape (W,)."""
+
+    def setup_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
+        """Return log densities of each group given the rest, shape (W, J)."""
+
+    def trial_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
+        """Return log densities of each trial given the rest, shape (W, N)."""
+
+    def trial_cdf(self, theta: Mapping[str, Array]) -> Array:
+        """Return the probability of less friction of each trial given the rest, shape (W, N)."""
+
+    def draw_trial_cdf(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
+        """Return that of recordings made again, one for each set of parameters, shape (W, N)."""
+
+
+class Model:
+    """The posterior of D parameters given the data of one or more rigs.
+
+    Points of the sampling space are vectors `z` in which every prior is N(0, 1),
+    see :func:`bayesfric.inference.priors.from_normal`.
+
+    Parameters
+    ----------
+    likelihoods : sequence of RigLikelihood
+        Independent given the parameters.
+    """
+
+    def __init__(self, likelihoods: Sequence[RigLikelihood]) -> None:
+        self.likelihoods = tuple(likelihoods)
+        named = {p.name: p for rig in self.likelihoods for p in rig.parameters}
+        self.parameters = tuple(named.values())
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Parameter names in the order of the vectors."""
+        return tuple(p.name for p in self.parameters)
+
+    def natural(self, z: Array) -> Array:
+        """Return parameters in their units from sampling-space points, shape (…, D)."""
+        columns = zip(self.parameters, np.moveaxis(z, -1, 0), strict=True)
+        return np.stack([from_normal(p.prior, column) for p, column in columns], axis=-1)
+
+    def sampling(self, theta: Array) -> Array:
+        """Return sampling-space points from parameters in their units, shape (…, D)."""
+        columns = zip(self.parameters, np.moveaxis(theta, -1, 0), strict=True)
+        return np.stack([to_normal(p.prior, column) for p, column in columns], axis=-1)
+
+    def linear(self, z: Array) -> Array:
+        """Return points with the parameters that data are linear in in their units, (W, D).
+
+        What the data leave open of these is straight.
+        """
+        x = z.copy()
+        for place, prior in self._linear():
+            x[:, place] = from_normal(prior, z[:, place])
+        return x
+
+    def from_linear(self, x: Array) -> Array:
+        """Return the sampling-space points of :meth:`linear`; infinite beyond a prior's bounds."""
+        z = x.copy()
+        for place, prior in self._linear():
+            z[:, place] = to_normal(prior, x[:, place])
+        return z
+
+    def linear_log_slope(self, z: Array) -> Array:
+        """Return the log determinant of the derivative of :meth:`linear`, shape (W,)."""
+        slope = np.zeros(len(z))
+        for place, prior in self._linear():
+            # One probability in either coordinate: N(z) dz = p(x) dx.
+            normal = -0.5 * (LOG_2PI + z[:, place] ** 2)
+            slope += normal - log_density(prior, from_normal(prior, z[:, place]))
+        return slope
+
+    def _linear(self) -> Iterator[tuple[int, Prior]]:
+        for place, parameter in enumerate(self.parameters):
+            if parameter.linear:
+                yield place, parameter.prior
+
+    def by_name(self, theta: Array) -> dict[str, Array]:
+        """Return the columns of an array of shape (W, D) by parameter name."""
+        return dict(zip(self.names, theta.T, strict=True))
+
+    def log_prior(self, theta: Array) -> Array:
+        """Return the log prior density in the parameters' units, shape (W,)."""
+        columns = zip(self.parameters, theta.T, strict=True)
+        terms = np.array([log_density(p.prior, column) for p, column in columns])
+        return np.asarray(terms.sum(axis=0))
+
+    def log_likelihood(self, theta: Array) -> Array:
+        """Return the log density of the raw data, shape (W,)."""
+        named = self.by_name(theta)
+        terms = np.array([rig.log_likelihood(named) for rig in self.likelihoods])
+        return np.asarray(terms.sum(axis=0))
+
+    def log_posterior(self, z: Array) -> Array:
+        """Return the unnormalised log posterior density of `z`.
+
+        Parameters
+        ----------
+        z : ndarray, shape (W, D)
+            Sampling-space points.
+
+        Returns
+        -------
+        ndarray, shape (W,)
+            Log prior of `z`, which is N(0, 1), plus the log likelihood; −inf where the
+            parameters are so extreme that the density underflows.
+        """
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            theta = self.natural(z)
+            prior = -0.5 * (LOG_2PI + z**2).sum(axis=1)
+            possible = np.isfinite(theta).all(axis=1)
+            density = np.full(z.shape[0], -np.inf)
+            if possible.any():
+                density[possible] = prior[possible] + self.log_likelihood(theta[possible])
+        return np.where(np.isnan(density), -np.inf, density)
+
+    def start(self) -> Array:
+        """Return a sampling-space point to climb from, shape (D,)."""
+        estimates: dict[str, float] = {}
+        for rig in reversed(self.likelihoods):  # the first rig has the last word
+            estimates |= rig.start()
+        z = self.sampling(np.array([estimates[name] for name in self.names]))
+        return np.clip(z, -START_RANGE, START_RANGE)
+
+    def scale(self) -> Array:
+        """Return the width of each prior in the sampling space, shape (D,)."""
+        return np.ones(len(self.parameters))
+
+    def draw_prior(self, size: int, rng: np.random.Generator) -> Array:
+        """Return independent prior draws in the parameters' units, shape (size, D)."""
+        return np.stack([draw(p.prior, size, rng) for p in self.parameters], axis=1)

@@ -1,0 +1,177 @@
+"""Normalised prior densities, and the scale on which a parameter is sampled.
+
+A parameter is sampled as the z at which a standard normal has the same quantile as
+the parameter has under its prior: the prior is N(0, 1) there, whatever its family,
+bounds are at infinity, and a scale that may vanish has no long tail.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import special, stats
+
+from bayesfric.analysis import HalfNormal, LogNormal, Normal, Prior, Uniform
+
+__all__ = [
+    "Parameter",
+    "describe",
+    "draw",
+    "from_normal",
+    "log_density",
+    "prior_sd",
+    "quantile",
+    "to_normal",
+]
+
+LOG_2PI = float(np.log(2 * np.pi))
+LOG_2 = float(np.log(2))
+FAR = 30.0  # standard deviations; tail probabilities soon underflow, their logarithms do not
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter with its name, unit and prior.
+
+    Parameters
+    ----------
+    name : str
+        Unique, as in ``c1[small]``.
+    unit : str
+        SI, angles in degrees; ``1`` for a ratio.
+    prior : Prior
+        Normalised density in that unit.
+    linear : bool
+        Whether what is observed is linear in it: then what the data leave open is straight
+        in its own unit, and bent where the prior is made normal.
+    """
+
+    name: str
+    unit: str
+    prior: Prior
+    linear: bool = False
+
+
+def log_density(prior: Prior, value: ArrayLike) -> NDArray[np.float64]:
+    """Return the log of a normalised prior density; −inf outside its support.
+
+    Parameters
+    ----------
+    prior : Prior
+        The density.
+    value : array_like
+        Where to evaluate it, in the parameter's unit.
+    """
+    x = np.asarray(value, dtype=np.float64)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        match prior:
+            case HalfNormal(scale=scale):
+                density = np.log(2 / scale) - 0.5 * (LOG_2PI + (x / scale) ** 2)
+                inside = x >= 0
+            case LogNormal(median=median, sd_log=sd):
+                density = -np.log(x * sd) - 0.5 * (LOG_2PI + (np.log(x / median) / sd) ** 2)
+                inside = x > 0
+            case Normal(mean=mean, sd=sd):
+                density = -np.log(sd) - 0.5 * (LOG_2PI + ((x - mean) / sd) ** 2)
+                inside = np.full(x.shape, True)
+            case Uniform(low=low, high=high):
+                density = np.full_like(x, -np.log(high - low))
+                inside = (x >= low) & (x <= high)
+    return np.where(inside, density, -np.inf)
+
+
+def quantile(prior: Prior, probability: ArrayLike) -> NDArray[np.float64]:
+    """Return quantiles of a prior.
+
+    Parameters
+    ----------
+    prior : Prior
+        The density.
+    probability : array_like
+        Between 0 and 1.
+    """
+    return np.asarray(
+        _frozen(prior).ppf(np.asarray(probability, dtype=np.float64)), dtype=np.float64
+    )
+
+
+def from_normal(prior: Prior, z: ArrayLike) -> NDArray[np.float64]:
+    """Return the parameter whose prior quantile is that of a standard normal z.
+
+    Parameters
+    ----------
+    prior : Prior
+        The density.
+    z : array_like
+        Sampling scale.
+    """
+    z = np.asarray(z, dtype=np.float64)
+    match prior:
+        case HalfNormal(scale=scale):
+            # Either form loses its digits in the other's tail.
+            low = np.sqrt(2) * special.erfinv(special.ndtr(np.minimum(z, 0.0)))
+            high = -special.ndtri(special.ndtr(-np.clip(z, 0.0, FAR)) / 2)
+            beyond = -special.ndtri_exp(special.log_ndtr(-np.maximum(z, FAR)) - LOG_2)
+            return np.asarray(scale * np.where(z < 0, low, np.where(z > FAR, beyond, high)))
+        case LogNormal(median=median, sd_log=sd):
+            return np.asarray(median * np.exp(sd * z))
+        case Normal(mean=mean, sd=sd):
+            return np.asarray(mean + sd * z)
+        case Uniform(low=lowest, high=highest):
+            return np.asarray(lowest + (highest - lowest) * special.ndtr(z))
+
+
+def to_normal(prior: Prior, value: ArrayLike) -> NDArray[np.float64]:
+    """Return the sampling scale of a parameter: the inverse of :func:`from_normal`.
+
+    Parameters
+    ----------
+    prior : Prior
+        The density.
+    value : array_like
+        In the parameter's unit; ±inf comes back at and beyond the prior's bounds.
+    """
+    x = np.asarray(value, dtype=np.float64)
+    match prior:
+        case HalfNormal(scale=scale):
+            u = np.maximum(x, 0.0) / scale
+            low = special.ndtri(special.erf(u / np.sqrt(2)))
+            high = -special.ndtri(2 * special.ndtr(-np.minimum(u, FAR)))
+            beyond = -special.ndtri_exp(special.log_ndtr(-np.maximum(u, FAR)) + LOG_2)
+            return np.asarray(np.where(u < 0.67, low, np.where(u > FAR, beyond, high)))
+        case LogNormal(median=median, sd_log=sd):
+            with np.errstate(divide="ignore"):
+                return np.asarray(np.log(np.maximum(x, 0.0) / median) / sd)
+        case Normal(mean=mean, sd=sd):
+            return np.asarray((x - mean) / sd)
+        case Uniform(low=lowest, high=highest):
+            return np.asarray(special.ndtri(np.clip((x - lowest) / (highest - lowest), 0.0, 1.0)))
+
+
+def prior_sd(prior: Prior) -> float:
+    """Return the standard deviation of a prior."""
+    return float(_frozen(prior).std())
+
+
+def draw(prior: Prior, size: int, rng: np.random.Generator) -> NDArray[np.float64]:
+    """Return independent draws of a prior, shape (size,)."""
+    return quantile(prior, rng.uniform(size=size))
+
+
+def _frozen(prior: Prior) -> Any:
+    match prior:
+        case HalfNormal(scale=scale):
+            return stats.halfnorm(scale=scale)
+        case LogNormal(median=median, sd_log=sd):
+            return stats.lognorm(s=sd, scale=median)
+        case Normal(mean=mean, sd=sd):
+            return stats.norm(mean, sd)
+        case Uniform(low=low, high=high):
+            return stats.uniform(low, high - low)
+
+
+def describe(prior: Prior) -> str:
+    """Return a prior in words, as in ``half-normal(scale=0.05)``."""
+    numbers = prior.model_dump(exclude={"family"})
+    return f"{prior.family}({', '.join(f'{key}={value:g}' for key, value in numbers.items())})"

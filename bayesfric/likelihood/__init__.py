@@ -1,1 +1,0 @@
-"""Likelihoods, each the mirror of the simulator, and the model that joins them."""

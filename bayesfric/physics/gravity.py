@@ -1,0 +1,362 @@
+"""The gravity board: an Atwood machine over n pulleys (paper Sec. III.B).
+
+Eqs. (4) and (5) of the paper, ``(m1 + m2) a = (m1 − m2) g − fc − fv v``, with the
+nominal tension as the mean of the two sides,
+``T = ((m1 + m2) g − (m1 − m2) a) / 2``. Friction is linear in T and T is linear
+in a, so the implicit equation is solved in closed form, and so is the motion:
+``a = α − β v``. Friction at rest is set-valued: a cable that has stopped stays.
+
+All functions broadcast over their arguments.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import elementwise
+
+from bayesfric.physics.friction import Coefficients, coulomb_friction, equal_pulleys, tension_slope
+
+__all__ = [
+    "Condition",
+    "Trajectory",
+    "board_friction",
+    "coulomb_acceleration",
+    "nominal_tension",
+    "recursive_board_friction",
+    "tension_feedback",
+    "trajectory",
+]
+
+Array = NDArray[np.float64]
+
+
+class Condition(NamedTuple):
+    """What the experimenter chooses, as numbers or arrays of one length.
+
+    Parameters
+    ----------
+    n_pulleys : array_like
+        Number of pulleys.
+    wrap_angle_deg : array_like
+        Average individual wrap angle [deg].
+    mass_drive_kg : array_like
+        Falling side, m1 [kg].
+    mass_load_kg : array_like
+        Rising side, m2 < m1 [kg].
+    gravity_m_s2 : array_like
+        Local acceleration of gravity [m/s²].
+    """
+
+    n_pulleys: ArrayLike
+    wrap_angle_deg: ArrayLike
+    mass_drive_kg: ArrayLike
+    mass_load_kg: ArrayLike
+    gravity_m_s2: ArrayLike
+
+    @property
+    def total_mass_kg(self) -> Array:
+        """The moving mass m1 + m2 [kg]."""
+        total = np.asarray(self.mass_drive_kg) + np.asarray(self.mass_load_kg)
+        return np.asarray(total, dtype=np.float64)
+
+    @property
+    def drive_force_n(self) -> Array:
+        """The driving force (m1 − m2) g [N]."""
+        difference = np.asarray(self.mass_drive_kg) - np.asarray(self.mass_load_kg)
+        return np.asarray(difference * np.asarray(self.gravity_m_s2), dtype=np.float64)
+
+
+def nominal_tension(condition: Condition, acceleration_m_s2: ArrayLike) -> Array:
+    """Return the mean tension of both sides, T = ((m1+m2) g − (m1−m2) a) / 2 [N].
+
+    Parameters
+    ----------
+    condition : Condition
+        Masses and gravity.
+    acceleration_m_s2 : array_like
+        Acceleration of the drive side, downwards positive [m/s²].
+
+    Returns
+    -------
+    ndarray
+        Nominal tension [N].
+    """
+    gravity = np.asarray(condition.gravity_m_s2)
+    difference = np.asarray(condition.mass_drive_kg) - np.asarray(condition.mass_load_kg)
+    tension = condition.total_mass_kg * gravity - difference * np.asarray(acceleration_m_s2)
+    return np.asarray(0.5 * tension, dtype=np.float64)
+
+
+def coulomb_acceleration(coefficients: Coefficients, condition: Condition) -> Array:
+    """Return the acceleration of eq. (4), tension solved for together with it.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+        Friction law of the pulley size.
+    condition : Condition
+        Of the trial.
+
+    Returns
+    -------
+    ndarray
+        Acceleration while the cable moves [m/s²]; not above zero where friction
+        holds a cable at rest.
+    """
+    return _drive_and_mass(coefficients, condition)[0]
+
+
+def board_friction(coefficients: Coefficients, condition: Condition) -> Array:
+    """Return fc of eq. (15) at the nominal tension of the moving board [N].
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+        Friction law of the pulley size.
+    condition : Condition
+        Of the trial.
+
+    Returns
+    -------
+    ndarray
+        Coulomb friction [N]; equal to (m1 − m2) g − (m1 + m2) a.
+    """
+    acceleration = coulomb_acceleration(coefficients, condition)
+    return condition.drive_force_n - condition.total_mass_kg * acceleration
+
+
+def recursive_board_friction(coefficients: Coefficients, condition: Condition) -> Array:
+    """Return the friction of the moving board pulley by pulley [N].
+
+    With the drive side at m1 (g − a) and the load side at m2 (g + a), the straight
+    line between the two ends' tensions (:class:`bayesfric.physics.friction.TensionLoss`) is
+    linear in a too.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+        Friction law of the pulley size.
+    condition : Condition
+        Of the trial; each pulley at the average wrap angle.
+
+    Returns
+    -------
+    ndarray
+        Friction [N]; equal to (m1 − m2) g − (m1 + m2) a.
+    """
+    loss = equal_pulleys(coefficients, condition.n_pulleys, condition.wrap_angle_deg)
+    mass_drive = np.asarray(condition.mass_drive_kg, dtype=np.float64)
+    weight = mass_drive * np.asarray(condition.gravity_m_s2)
+    surplus = condition.drive_force_n - loss.share * weight - loss.constant_n
+    acceleration = surplus / (condition.total_mass_kg - loss.share * mass_drive)
+    friction = loss.share * (weight - mass_drive * acceleration) + loss.constant_n
+    return np.asarray(friction, dtype=np.float64)
+
+
+def tension_feedback(coefficients: Coefficients, condition: Condition) -> Array:
+    """Return by how much friction grows for each newton of a further drag [-].
+
+    A drag slows the board, which raises the nominal tension and with it friction.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+        Friction law of the pulley size.
+    condition : Condition
+        Of the trial.
+
+    Returns
+    -------
+    ndarray
+        (m1 + m2) over the mass that multiplies a once T(a) is moved to the left.
+    """
+    return condition.total_mass_kg / _drive_and_mass(coefficients, condition)[1]
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Motion with acceleration α − β v from a given speed until it stops.
+
+    Parameters
+    ----------
+    acceleration : ndarray
+        α, acceleration at vanishing speed [m/s²].
+    damping : ndarray
+        β ≥ 0, viscous friction over mass [1/s].
+    start_speed : ndarray
+        Speed at time and position 0, not negative [m/s].
+    """
+
+    acceleration: Array
+    damping: Array
+    start_speed: Array
+
+    @property
+    def stop_time(self) -> Array:
+        """Time at which the cable stops and friction holds it; inf if never [s]."""
+        alpha, beta, v0 = self.acceleration, self.damping, self.start_speed
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = v0 / -alpha
+            # log1p(z)/z → 1: one expression for β > 0 and β = 0
+            z = beta * ratio
+            time = ratio * np.where(z > 0, np.log1p(z) / np.where(z > 0, z, 1.0), 1.0)
+        return np.where(alpha < 0, time, np.where((alpha == 0) & (v0 == 0), 0.0, np.inf))
+
+    def speed(self, time_s: ArrayLike) -> Array:
+        """Return the speed at a time ≥ 0 [m/s].
+
+        Parameters
+        ----------
+        time_s : array_like
+            Time since the start [s].
+        """
+        time = np.asarray(time_s, dtype=np.float64)
+        z = self.damping * time
+        speed = self.start_speed * np.exp(-z) + self.acceleration * time * _phi1(z)
+        return np.where(time < self.stop_time, speed, 0.0)
+
+    def position(self, time_s: ArrayLike) -> Array:
+        """Return the distance travelled at a time ≥ 0 [m].
+
+        Parameters
+        ----------
+        time_s : array_like
+            Time since the start [s].
+        """
+        time = np.minimum(np.asarray(time_s, dtype=np.float64), self.stop_time)
+        z = self.damping * time
+        travel = self.start_speed * time * _phi1(z) + self.acceleration * time**2 * _phi2(z)
+        return np.asarray(travel, dtype=np.float64)
+
+    def time_at(self, position_m: ArrayLike) -> Array:
+        """Return when a distance ≥ 0 is reached; inf where the cable stops before [s].
+
+        Parameters
+        ----------
+        position_m : array_like
+            Distance from the start [m].
+        """
+        distance, alpha, beta, v0 = np.broadcast_arrays(
+            np.asarray(position_m, dtype=np.float64),
+            self.acceleration,
+            self.damping,
+            self.start_speed,
+        )
+        with np.errstate(invalid="ignore", divide="ignore"):
+            root = np.sqrt(v0**2 + 2 * alpha * distance)  # nan: stops before
+            time = np.where(distance > 0, 2 * distance / (v0 + root), 0.0)
+        time = np.where(np.isfinite(time), time, np.inf)
+        viscous = (beta > 0) & (distance > 0)
+        if viscous.any():
+            time[viscous] = _viscous_time(
+                Trajectory(alpha[viscous], beta[viscous], v0[viscous]), distance[viscous]
+            )
+        return time
+
+
+def trajectory(
+    coefficients: Coefficients,
+    condition: Condition,
+    *,
+    start_speed_m_s: ArrayLike = 0.0,
+    viscous_n_s_m: ArrayLike = 0.0,
+    friction_factor: ArrayLike = 1.0,
+) -> Trajectory:
+    """Return the motion of eqs. (4) and (5) in closed form.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+        Friction law of the pulley size.
+    condition : Condition
+        Of the trial.
+    start_speed_m_s : array_like
+        Speed at the start, not negative [m/s].
+    viscous_n_s_m : array_like
+        fv of eq. (5) for the whole board [N·s/m].
+    friction_factor : array_like
+        Scatter 1 + η + ε that multiplies the friction force of the condition and
+        nothing else.
+
+    Returns
+    -------
+    Trajectory
+        Of the broadcast shape.
+    """
+    alpha, effective_mass = _drive_and_mass(coefficients, condition)
+    factor = np.asarray(friction_factor)
+    frictionless = condition.drive_force_n / condition.total_mass_kg
+    arrays = np.broadcast_arrays(
+        frictionless + factor * (alpha - frictionless),
+        factor * np.asarray(viscous_n_s_m) / effective_mass,
+        np.asarray(start_speed_m_s, dtype=np.float64),
+    )
+    return Trajectory(*(np.array(array, dtype=np.float64) for array in arrays))
+
+
+def _drive_and_mass(coefficients: Coefficients, condition: Condition) -> tuple[Array, Array]:
+    """Return α [m/s²] and the mass that multiplies a once T(a) is moved to the left [kg]."""
+    half_difference = 0.5 * (
+        np.asarray(condition.mass_drive_kg) - np.asarray(condition.mass_load_kg)
+    )
+    slope = tension_slope(coefficients, condition.n_pulleys, condition.wrap_angle_deg)
+    effective_mass = condition.total_mass_kg - slope * half_difference
+    static_friction = coulomb_friction(
+        coefficients,
+        condition.n_pulleys,
+        condition.wrap_angle_deg,
+        nominal_tension(condition, 0.0),
+    )
+    return (condition.drive_force_n - static_friction) / effective_mass, effective_mass
+
+
+def _phi1(z: Array) -> Array:
+    """Return (1 − e^−z) / z, 1 at z = 0."""
+    safe = np.where(z == 0, 1.0, z)
+    return np.where(z == 0, 1.0, -np.expm1(-safe) / safe)
+
+
+def _phi2(z: Array) -> Array:
+    """Return (z − 1 + e^−z) / z², 1/2 at z = 0."""
+    small = np.abs(z) < 0.5
+    series = np.zeros_like(z)
+    for k in range(16, 1, -1):  # Σ (−z)^(k−2) / k!, by Horner; 1e-16 at |z| = 0.5
+        series = (1.0 - z * series) / k
+    safe = np.where(small, 1.0, z)
+    return np.where(small, series, (safe + np.expm1(-safe)) / safe**2)
+
+
+def _viscous_time(motion: Trajectory, distance: Array) -> Array:
+    """Return the time to a distance > 0 where β > 0, by bracketed root finding."""
+    time = np.full_like(distance, np.inf)
+    stop = motion.stop_time
+    stops = np.isfinite(stop)
+    coasting = np.where(motion.acceleration > 0, np.inf, motion.start_speed / motion.damping)
+    reach = np.where(stops, motion.position(np.where(stops, stop, 0.0)), coasting)
+    reached = reach > distance
+    alpha, beta, v0, d = (
+        motion.acceleration[reached],
+        motion.damping[reached],
+        motion.start_speed[reached],
+        distance[reached],
+    )
+    upper = np.where(stops[reached], stop[reached], 1.0)
+    while True:  # double the bracket of those that never stop until it holds the root
+        short = Trajectory(alpha, beta, v0).position(upper) < d
+        if not short.any():
+            break
+        upper = np.where(short, 2 * upper, upper)
+
+    def overshoot(t: Array, a: Array, b: Array, v: Array, x: Array) -> Array:
+        return Trajectory(a, b, v).position(t) - x
+
+    result = elementwise.find_root(
+        overshoot,
+        (np.zeros_like(upper), upper),
+        args=(alpha, beta, v0, d),
+        tolerances={"xatol": 1e-15, "xrtol": 1e-14},
+    )
+    time[reached] = result.x
+    return time

@@ -1,0 +1,102 @@
+"""The simulator as it stands: which friction law it has on each board.
+
+``paper`` is the law of eq. (15) at the nominal tension; ``recursive`` takes the
+tension down pulley by pulley. Both have the same coefficients, and so have two laws
+that only serve as rivals of a claim: no dependence on the wrap angle, and friction in
+proportion to the load on the bearings, 2 T sin(θ/2).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bayesfric.physics.friction import (
+    REFERENCE_WRAP_ANGLE_DEG,
+    Coefficients,
+    coulomb_friction,
+    equal_pulleys,
+    recursive_friction,
+)
+from bayesfric.physics.gravity import Condition, board_friction, recursive_board_friction
+from bayesfric.physics.motor import MotorCondition, motor_friction, recursive_motor_friction
+
+__all__ = ["BASELINES", "RIVAL_LAWS", "Baseline"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """A friction law on each board.
+
+    Parameters
+    ----------
+    name : str
+        As the command line calls it.
+    gravity : callable
+        (coefficients, condition) to the friction of a gravity trial [N].
+    motor : callable
+        (coefficients, condition) to the signed friction of a motor run [N].
+    at_tension : callable
+        (coefficients, n, θ in degrees, nominal tension in N) to friction [N].
+    """
+
+    name: str
+    gravity: Callable[[Coefficients, Condition], Array]
+    motor: Callable[[Coefficients, MotorCondition], Array]
+    at_tension: Callable[[Coefficients, ArrayLike, ArrayLike, ArrayLike], Array]
+
+
+def _recursive_at_tension(
+    coefficients: Coefficients,
+    n_pulleys: ArrayLike,
+    wrap_angle_deg: ArrayLike,
+    tension_n: ArrayLike,
+) -> Array:
+    loss = equal_pulleys(coefficients, n_pulleys, wrap_angle_deg)
+    return recursive_friction(loss, tension_n, "mean")
+
+
+BASELINES = {
+    "paper": Baseline("paper", board_friction, motor_friction, coulomb_friction),
+    "recursive": Baseline(
+        "recursive", recursive_board_friction, recursive_motor_friction, _recursive_at_tension
+    ),
+}
+"""The laws by name."""
+
+
+def _without_wrap(coefficients: Coefficients, _: ArrayLike) -> Coefficients:
+    return Coefficients(coefficients.c1, coefficients.c2, 0.0)
+
+
+def _bearing_load(coefficients: Coefficients, wrap_angle_deg: ArrayLike) -> Coefficients:
+    half = np.radians(np.asarray(wrap_angle_deg, dtype=np.float64) / 2)
+    load = np.sin(half) / np.sin(np.radians(REFERENCE_WRAP_ANGLE_DEG / 2))
+    return Coefficients(coefficients.c1 * load, coefficients.c2, 0.0)
+
+
+def _rival(name: str, change: Callable[[Coefficients, ArrayLike], Coefficients]) -> Baseline:
+    """Return eq. (15) with coefficients that a wrap angle changes."""
+
+    def gravity(coefficients: Coefficients, condition: Condition) -> Array:
+        return board_friction(change(coefficients, condition.wrap_angle_deg), condition)
+
+    def motor(coefficients: Coefficients, condition: MotorCondition) -> Array:
+        return motor_friction(change(coefficients, condition.wrap_angle_deg), condition)
+
+    def at_tension(
+        coefficients: Coefficients, n: ArrayLike, wrap: ArrayLike, tension: ArrayLike
+    ) -> Array:
+        return coulomb_friction(change(coefficients, wrap), n, wrap, tension)
+
+    return Baseline(name, gravity, motor, at_tension)
+
+
+RIVAL_LAWS = {
+    "no-wrap": _rival("no-wrap", _without_wrap),
+    "bearing-load": _rival("bearing-load", _bearing_load),
+}
+"""Laws that claims are compared with; their c3 has no influence."""

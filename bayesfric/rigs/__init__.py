@@ -1,0 +1,1 @@
+"""The seam between rigs and everything that is inferred from them, a folder a rig."""

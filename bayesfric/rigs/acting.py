@@ -1,0 +1,89 @@
+"""Effects as they act in a simulation: with the phases of each trial, and where."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bayesfric.effects import ActsOn
+from bayesfric.paper import table1
+from bayesfric.recording.tables import Rig
+from bayesfric.rigs.truth import AppliedEffect, Truth
+
+__all__ = ["Acting", "draw_phases", "of_kind", "surroundings", "total"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Acting:
+    """An effect and the phases that nobody recorded.
+
+    Parameters
+    ----------
+    applied : AppliedEffect
+        With its numbers.
+    phases : ndarray, shape (C, N) or (C, N, sensors), or None
+        Factor of each component in each trial; None without components.
+    """
+
+    applied: AppliedEffect
+    phases: Array | None = None
+
+    def __call__(self, where: Any) -> Array:
+        """Return what the law gives, its components summed, of shape (N, …)."""
+        value = np.asarray(self.applied(where), dtype=np.float64)
+        if self.phases is None:
+            return value
+        missing = tuple(range(self.phases.ndim, value.ndim))
+        return np.asarray((np.expand_dims(self.phases, missing) * value).sum(axis=0))
+
+
+def draw_phases(
+    truth: Truth, rows: int, sensors: int, rng: np.random.Generator
+) -> tuple[Acting, ...]:
+    """Return the effects of `truth` with N(0, 1) drawn for each component and row.
+
+    Parameters
+    ----------
+    truth : Truth
+        Holds the effects.
+    rows : int
+        Trials or runs.
+    sensors : int
+        Each has phases of its own where an effect acts on readings.
+    rng : Generator
+        For this alone.
+    """
+    acting = []
+    for applied in truth.effects:
+        effect = applied.effect
+        each = (rows, sensors) if effect.acts_on == "reading" else (rows,)
+        drawn = rng.standard_normal((effect.components, *each)) if effect.components else None
+        acting.append(Acting(applied, drawn))
+    return tuple(acting)
+
+
+def of_kind(acting: Sequence[Acting], kind: ActsOn) -> list[Acting]:
+    """Return those that act on one thing."""
+    return [one for one in acting if one.applied.effect.acts_on == kind]
+
+
+def total(acting: Sequence[Acting], where: Any) -> Any:
+    """Return the sum of what effects of one kind give; 0 without any."""
+    return sum((one(where) for one in acting), 0.0)
+
+
+def surroundings(table: pd.DataFrame, rig: Rig) -> dict[str, Any]:
+    """Return radius, place in the order and gravity of trials or runs, fields of State."""
+    radius = {size: row.radius_m for size, row in table1().items()}
+    radius |= {size: own.radius_m for size, own in rig.pulleys.items() if own.radius_m}
+    order = table["order"].to_numpy(dtype=np.float64)
+    return {
+        "radius_m": table["pulley_size"].map(radius).to_numpy(dtype=np.float64),
+        "order": (order - order.min()) / max(np.ptp(order), 1.0),
+        "gravity_m_s2": rig.gravity_m_s2,
+    }

@@ -1,0 +1,1 @@
+"""The gravity board, an Atwood machine over n pulleys (paper Sec. III.B)."""

@@ -1,0 +1,128 @@
+"""The measured motion of a trial, followed closely enough for forces that come and go.
+
+A spline in time, whose pieces know nothing of each other beyond their joints: a spot at
+which the cable rubs does not disturb the release.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import cumulative_simpson
+from scipy.interpolate import BSpline
+
+from bayesfric.recording.tables import Gravity, Rig
+from bayesfric.rigs.gravity_board.paths import LEAST_SPEED_SHARE, POINTS, Paths, trial_paths
+from bayesfric.rigs.gravity_board.trial_motion import Events, prepare_events
+
+__all__ = ["MeasuredMotion", "measured_motion", "travel_to_speed"]
+
+Array = NDArray[np.float64]
+DEGREE = 4
+PIECES, EVENTS_A_PIECE = 8, 7  # at most; at least
+STAGES, CORRECTIONS = 33, 6  # of the motion from rest to a speed
+LEAST_ACCELERATION = 0.02  # m/s², of a cable that is said to be released from rest
+
+
+class MeasuredMotion(NamedTuple):
+    """What events say of N trials' motion, whatever the law is.
+
+    Parameters
+    ----------
+    paths : Paths
+        Splines through the events.
+    rough : ndarray, shape (E,)
+        What they leave of each event [m].
+    """
+
+    paths: Paths
+    rough: Array
+
+
+def measured_motion(gravity: Gravity, rig: Rig) -> MeasuredMotion:
+    """Follow the motion of each trial."""
+    events = prepare_events(gravity.events, gravity.trials["trial"])
+    return MeasuredMotion(*_follow(trial_paths(gravity, rig), events))
+
+
+def _follow(paths: Paths, events: Events) -> tuple[Paths, Array]:
+    """Smooth the motion of each trial that has events.
+
+    Parameters
+    ----------
+    paths : Paths
+        Of N trials; those without events stay.
+    events : Events
+        Of the trials that have some, by their place among the N.
+
+    Returns
+    -------
+    paths : Paths
+        On the same grids.
+    residual : ndarray, shape (E,)
+        What the spline leaves of each event, as large as its error is [m].
+    """
+    speed, acceleration = paths.speed_m_s.copy(), paths.acceleration_m_s2.copy()
+    residual = np.zeros(events.tau.size)
+    if not events.tau.size:
+        return paths, residual
+    grid = np.linspace(0, 1, POINTS)
+    ends = np.append(events.starts[1:], events.tau.size)
+    for start, end in zip(events.starts, ends, strict=True):
+        trial, duration = int(events.trial[start]), float(events.tau[start:end].max())
+        place, displacement = events.tau[start:end] / duration, events.displacement[start:end]
+        sensors = events.regressors[:2, start:end] != 0
+        # Each sensor by itself, lest one that slips disturbs what the other leaves.
+        for rows in sensors:
+            if rows.any():
+                left = _fit(place[rows], displacement[rows])[1]
+                residual[start:end][rows] = left
+        # Together for the motion, up to where they stand and by what part they differ.
+        both = sensors.any(axis=1).all()
+        apart = [sensors[1] * one for one in (1.0, displacement)] if both else []
+        spline, _ = _fit(place, displacement, apart)
+        speed[trial] = spline.derivative()(grid) / duration
+        acceleration[trial] = spline.derivative(2)(grid) / duration**2
+        speed[trial] = np.maximum(speed[trial], LEAST_SPEED_SHARE * speed[trial].max())
+    return Paths(paths.step_s, speed, acceleration), residual
+
+
+def _fit(place: Array, displacement: Array, apart: Sequence[Array] = ()) -> tuple[BSpline, Array]:
+    """Return a spline over 0 to 1 and its residuals, as large as the errors are."""
+    pieces = min(PIECES, max(1, place.size // EVENTS_A_PIECE))
+    # The joints span the events themselves; the ends are carried on.
+    low, high = float(place.min()), float(place.max())
+    inner = np.linspace(low, high, pieces + 1)
+    knots = np.concatenate([np.full(DEGREE, low), inner, np.full(DEGREE, high)])
+    degree = min(DEGREE, place.size - 2)
+    if degree < DEGREE:
+        knots = np.concatenate([np.full(degree + 1, low), np.full(degree + 1, high)])
+    basis = BSpline.design_matrix(place, knots, degree).toarray()
+    count = basis.shape[1]
+    basis = np.column_stack([basis, *apart])
+    fit = np.linalg.lstsq(basis, displacement, rcond=None)[0]
+    freedom = max(place.size - basis.shape[1], 1)
+    left = (displacement - basis @ fit) * np.sqrt(place.size / freedom)
+    return BSpline(knots, fit[:count], degree, extrapolate=True), left
+
+
+def travel_to_speed(speed_m_s: Array, acceleration: Callable[[Array, Array], Array]) -> Array:
+    """Return the travel from rest at which speeds are reached, shape (N,) [m].
+
+    Parameters
+    ----------
+    speed_m_s : ndarray, shape (N,)
+        The speeds [m/s].
+    acceleration : callable
+        Of travel [m] and speed [m/s], both (N, S), to accelerations (N, S) [m/s²].
+    """
+    share = np.linspace(0, 1, STAGES)
+    speed = speed_m_s[:, None] * share
+    rate = np.maximum(acceleration(0 * speed, speed_m_s[:, None] + 0 * speed), LEAST_ACCELERATION)
+    travel = speed**2 / (2 * rate[:, :1])
+    for _ in range(CORRECTIONS):
+        # d(v²)/dx = 2a, so that dx = v dv / a.
+        rate = np.maximum(acceleration(travel, speed), LEAST_ACCELERATION)
+        travel = speed_m_s[:, None] * cumulative_simpson(speed / rate, x=share, axis=1, initial=0)
+    return np.asarray(travel[:, -1])

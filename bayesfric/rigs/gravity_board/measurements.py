@@ -1,0 +1,162 @@
+"""What a trial of the gravity board measured: Hall events, or an acceleration alone.
+
+Either is a quadratic form in the trial's acceleration and in the amplitudes of the
+effects that change along it, times factors that the friction law does not touch.
+Events win where both are there. An acceleration alone is taken as the mean over a
+trial from rest.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Analysis
+from bayesfric.inference.priors import Parameter
+from bayesfric.recording.tables import Gravity, Rig
+from bayesfric.rigs.gravity_board.hall_events import LOG_2PI, TrialForm, reduce_events
+from bayesfric.rigs.gravity_board.paths import Paths
+from bayesfric.rigs.gravity_board.trial_motion import pilot_fits, prepare_events
+
+__all__ = ["TrialMeasurements", "pilot_accelerations"]
+
+Array = NDArray[np.float64]
+START_SIGMA_A = 0.01  # m/s², a place to climb from
+
+
+def pilot_accelerations(gravity: Gravity) -> Array:
+    """Return each trial's acceleration by plain least squares, or as stated, shape (N,)."""
+    trials = gravity.trials
+    with_events = trials["trial"].isin(gravity.events["trial"]).to_numpy()
+    acceleration = _column(trials, "acceleration_m_s2")
+    if with_events.any():
+        pilot = pilot_fits(gravity.events, trials["trial"][with_events])
+        acceleration[with_events] = pilot.acceleration
+    return acceleration
+
+
+class TrialMeasurements:
+    """The measurements of N trials as quadratic forms in their motion.
+
+    Parameters
+    ----------
+    gravity : Gravity
+        Trials and their events.
+    rig : Rig
+        The board.
+    analysis : Analysis
+        Priors of the noise.
+    paths : Paths or None
+        Of the N trials, where effects act along them.
+    added : ndarray, shape (K, N, P), or None
+        Accelerations that effects add along the paths at unit amplitude [m/s²].
+
+    Attributes
+    ----------
+    parameters : tuple of Parameter
+        Noise that these measurements have: sigma_x and sigma_t where there are
+        events, sigma_a where an acceleration comes without its standard error.
+    """
+
+    def __init__(
+        self,
+        gravity: Gravity,
+        rig: Rig,
+        analysis: Analysis,
+        paths: Paths | None = None,
+        added: Array | None = None,
+    ) -> None:
+        trials, priors = gravity.trials, analysis.priors
+        with_events = trials["trial"].isin(gravity.events["trial"]).to_numpy()
+        self._by_events = np.flatnonzero(with_events)
+        self._by_acceleration = np.flatnonzero(~with_events)
+        self.parameters: tuple[Parameter, ...] = ()
+        if self._by_events.size:
+            assert rig.hall_spacing_m and rig.timer_resolution_s
+            trial_ids = trials["trial"][with_events]
+            responses = None
+            if paths is not None and added is not None:
+                events = prepare_events(gravity.events, trial_ids)
+                seen = paths.of(self._by_events)
+                responses = np.array(
+                    [seen.response(events, column) for column in added[:, self._by_events]]
+                )
+            self._events = reduce_events(
+                gravity.events,
+                trial_ids,
+                spacing_m=rig.hall_spacing_m,
+                tick_s=rig.timer_resolution_s,
+                first_speed_scale=priors.first_speed.scale,
+                responses=responses,
+            )
+            self.parameters += (
+                Parameter("sigma_x", "m", priors.sigma_x),
+                Parameter("sigma_t", "s", priors.sigma_t),
+            )
+        if self._by_acceleration.size:
+            alone = trials.iloc[self._by_acceleration]
+            self._acceleration = alone["acceleration_m_s2"].to_numpy(dtype=np.float64)
+            self._stated_sd = _column(alone, "acceleration_sd_m_s2")
+            if np.isnan(self._stated_sd).any():
+                self.parameters += (Parameter("sigma_a", "m/s²", priors.sigma_a),)
+            shown = [np.ones(self._by_acceleration.size)]  # what each adds to the mean
+            if added is not None:
+                shown += list(added[:, self._by_acceleration].mean(axis=-1))
+            self._shown = np.stack(shown)
+
+    def at(self, theta: Mapping[str, Array]) -> TrialForm:
+        """Evaluate the measurements at the noise of each walker.
+
+        Parameters
+        ----------
+        theta : mapping of str to ndarray of shape (W,)
+            Parameters by name.
+
+        Returns
+        -------
+        TrialForm
+            Of W noises and N trials.
+        """
+        if not self._by_acceleration.size:
+            return self._events.at(theta["sigma_x"], theta["sigma_t"])
+        alone = self._alone(theta)
+        if not self._by_events.size:
+            return alone
+        seen = self._events.at(theta["sigma_x"], theta["sigma_t"])
+        place = np.argsort(np.concatenate([self._by_events, self._by_acceleration]))
+        return TrialForm(
+            *(
+                np.concatenate([np.broadcast_to(a, (*b.shape[:-1], a.shape[-1])), b], axis=-1)[
+                    ..., place
+                ]
+                for a, b in zip(seen, alone, strict=True)
+            )
+        )
+
+    def _alone(self, theta: Mapping[str, Array]) -> TrialForm:
+        """Return the trials that have an acceleration alone: it is its own origin."""
+        walkers = max((len(values) for values in theta.values()), default=1)
+        unknown = theta["sigma_a"][:, None] if "sigma_a" in theta else np.nan
+        sd = np.where(np.isfinite(self._stated_sd), self._stated_sd, unknown)
+        precision = np.broadcast_to(1 / sd**2, (walkers, sd.shape[-1]))
+        row, column = np.triu_indices(len(self._shown))
+        return TrialForm(
+            self._acceleration,
+            (self._shown[row] * self._shown[column])[:, None] * precision,
+            np.zeros((len(self._shown), *precision.shape)),
+            0.5 * (np.log(precision) - LOG_2PI),
+        )
+
+    def start(self) -> dict[str, float]:
+        """Return rough estimates of the noise."""
+        scale = self._events.pilot_scale if self._by_events.size else 0.0
+        rough = {"sigma_x": scale, "sigma_t": 0.1 * scale, "sigma_a": START_SIGMA_A}
+        return {parameter.name: rough[parameter.name] for parameter in self.parameters}
+
+
+def _column(table: pd.DataFrame, name: str) -> Array:
+    """Return an optional column, NaN where it is absent."""
+    if name not in table:
+        return np.full(len(table), np.nan)
+    return table[name].to_numpy(dtype=np.float64, copy=True)

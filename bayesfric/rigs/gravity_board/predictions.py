@@ -1,0 +1,102 @@
+"""Trials of the gravity board, and friction against tension."""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
+
+from bayesfric.paper import table1
+from bayesfric.physics.friction import Coefficients, coulomb_friction
+from bayesfric.physics.gravity import nominal_tension
+from bayesfric.physics.laws import Baseline
+from bayesfric.rigs.bands import QUANTILES, bands
+from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
+from bayesfric.rigs.remaking import Remade
+from bayesfric.rigs.residuals import check_residuals, measuring_order
+
+__all__ = ["CURVE_POINTS", "curves", "trials"]
+
+Array = NDArray[np.float64]
+CURVE_POINTS = 41
+
+
+def trials(
+    likelihood: GravityLikelihood,
+    recorded: pd.DataFrame,
+    named: dict[str, Array],
+    factor: Array,
+    remade: Remade,
+) -> xr.Dataset:
+    """Return friction observed, and predicted for a new trial on a new assembly.
+
+    Parameters
+    ----------
+    likelihood : GravityLikelihood
+        Of the fit.
+    recorded : DataFrame
+        All trials as recorded, for their order.
+    named : dict of str to ndarray, shape (W,)
+        Posterior draws by parameter.
+    factor : ndarray, shape (W, N)
+        Friction over that of the law, for new trials on new assemblies.
+    remade : Remade
+        New trials, and whole recordings made again.
+    """
+    table = likelihood.trials
+    law = likelihood.law(named)
+    middle = {name: np.median(values, keepdims=True) for name, values in named.items()}
+    observed, variance, _ = (values[0] for values in likelihood.observed(middle))
+    condition = likelihood.condition
+    acceleration = (condition.drive_force_n - observed) / condition.total_mass_kg
+    columns: dict[str, Any] = {
+        name: ("trial", table[name].to_numpy())
+        for name in ("pulley_size", "setup", "n_pulleys", "wrap_angle_deg")
+    }
+    return xr.Dataset(
+        columns
+        | {
+            "tension_n": ("trial", nominal_tension(condition, acceleration)),
+            "acceleration_m_s2": ("trial", acceleration),
+            "friction_n": ("trial", observed),
+            "friction_sd_n": ("trial", np.sqrt(variance)),
+            "law_n": (("trial", "quantile"), bands(law)),
+            "predicted_n": (("trial", "quantile"), bands(law * factor)),
+            "order": ("trial", measuring_order(recorded, "trial", table)),
+            **check_residuals("trial", remade, observed),
+        },
+        coords={"trial": table["trial"].to_numpy(), "quantile": list(QUANTILES)},
+    )
+
+
+def curves(
+    likelihood: GravityLikelihood, named: dict[str, Array], baseline: Baseline
+) -> xr.Dataset:
+    """Return friction against tension at each (size, n, θ) cell, of the law and of Table I."""
+    trials = likelihood.trials
+    cells = trials[["pulley_size", "n_pulleys", "wrap_angle_deg"]].drop_duplicates()
+    by_size = cells["pulley_size"].map(likelihood.sizes.index)
+    cells = cells.assign(place=by_size).sort_values(["place", "wrap_angle_deg", "n_pulleys"])
+    cells = cells.drop(columns="place")
+    top = float(np.max(nominal_tension(likelihood.condition, 0.0)))
+    tension = np.linspace(0.0, top, CURVE_POINTS)
+    paper = np.full((len(cells), CURVE_POINTS), np.nan)
+    law = np.empty((len(cells), CURVE_POINTS, len(QUANTILES)))
+    for place, (size, n, wrap) in enumerate(cells.itertuples(index=False)):
+        draws = Coefficients(*(named[f"{c}[{size}]"][:, None] for c in ("c1", "c2", "c3")))
+        law[place] = bands(baseline.at_tension(draws, n, wrap, tension))
+        if size in table1():
+            row = table1()[size]
+            printed = Coefficients(row.c1.value, row.c2.value, row.c3.value)
+            paper[place] = coulomb_friction(printed, n, wrap, tension)
+    return xr.Dataset(
+        {
+            "law_n": (("curve", "tension_n", "quantile"), law),
+            "paper_n": (("curve", "tension_n"), paper),
+            "pulley_size": ("curve", cells["pulley_size"].to_numpy()),
+            "n_pulleys": ("curve", cells["n_pulleys"].to_numpy()),
+            "wrap_angle_deg": ("curve", cells["wrap_angle_deg"].to_numpy()),
+        },
+        coords={"tension_n": tension, "quantile": list(QUANTILES)},
+    )

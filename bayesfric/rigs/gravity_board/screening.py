@@ -1,0 +1,124 @@
+"""Which trials of the gravity board enter a fit, by stated rules.
+
+Events are repaired first (:mod:`bayesfric.rigs.gravity_board.event_repair`). Then the
+rules of :data:`RULES` apply in their order; a trial leaves by the first that it
+breaks. A trial that has an acceleration and no events breaks none of them.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from bayesfric.recording.consistency import MINIMUM_EVENTS
+from bayesfric.recording.tables import Gravity, Rig
+from bayesfric.rigs.gravity_board.event_repair import LARGEST_SHARE, repair_events
+from bayesfric.rigs.gravity_board.sensor_agreement import (
+    MATERIAL_SHARE,
+    TAIL,
+    SensorAgreement,
+    sensor_agreement,
+)
+from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
+
+__all__ = ["RULES", "Screened", "screen_trials"]
+
+RULES = {
+    "unrepairable-events": (
+        f"no sensor is left: of each, more than {LARGEST_SHARE:.0%} of the events were missed, "
+        f"doubled or stray, fewer than {MINIMUM_EVENTS} remain, or no smooth motion fits them"
+    ),
+    "stalled": "the cable stops before the next event would have been reached",
+    "sensors-disagree": (
+        "the two sensors' accelerations differ by more than noise explains in "
+        f"{1 - TAIL:.2%} of trials, and their frictions by more than {MATERIAL_SHARE:.0%}"
+    ),
+}
+"""Why a trial leaves the fit, rule to sentence."""
+
+
+@dataclass(frozen=True)
+class Screened:
+    """The trials that enter, and the rest with the rule that excluded each.
+
+    Parameters
+    ----------
+    gravity : Gravity
+        Trials that enter, sorted by setup in order of appearance, and their
+        repaired events. Trials by acceleration alone are among them.
+    excluded : dict of str to str
+        Trial id to the name of a rule.
+    repaired : DataFrame
+        One row a trial and sensor whose events were not clean: `trial`, `sensor`,
+        `missed`, `doubled`, `removed` and `used`; see
+        :class:`bayesfric.rigs.gravity_board.event_repair.RepairedEvents`.
+    agreement : SensorAgreement
+        Of the trials with two sensors, those excluded by it too.
+    stalled : tuple of str
+        Trials that stall, whether excluded or not.
+    """
+
+    gravity: Gravity
+    excluded: dict[str, str]
+    repaired: pd.DataFrame
+    agreement: SensorAgreement
+    stalled: tuple[str, ...]
+
+
+def screen_trials(gravity: Gravity, rig: Rig, *, exclude: bool = True) -> Screened:
+    """Repair the events and apply the rules.
+
+    Parameters
+    ----------
+    gravity : Gravity
+        As recorded; may have no events.
+    rig : Rig
+        For the spacing of events.
+    exclude : bool
+        False keeps every trial that can be computed at all, to show what the rules
+        do: only those leave that have no events left, or whose pilot speed is not
+        above zero at each event.
+
+    Returns
+    -------
+    Screened
+        What enters, and what does not.
+    """
+    trials, events = gravity.trials, gravity.events
+    recorded = trials["trial"].isin(events["trial"])
+    repaired = pd.DataFrame(columns=["trial", "sensor", "missed", "doubled", "removed", "used"])
+    if recorded.any():
+        assert rig.hall_spacing_m
+        repair = repair_events(events, trials["trial"], spacing_m=rig.hall_spacing_m)
+        events, repaired = repair.events, repair.repaired
+    left = trials["trial"].isin(events["trial"])
+    excluded = dict.fromkeys(trials["trial"][recorded & ~left], "unrepairable-events")
+    stalled, stopped = _stalled(events, trials["trial"][left], rig)
+    excluded |= dict.fromkeys(stalled if exclude else stopped, "stalled")
+    agreement = sensor_agreement(events, trials[left], rig)
+    if exclude:
+        disagreeing = agreement.trials["trial"][agreement.trials["disagrees"].astype(bool)]
+        excluded = dict.fromkeys(disagreeing, "sensors-disagree") | excluded
+    in_order = {trial: excluded[trial] for trial in trials["trial"] if trial in excluded}
+    kept = trials[~trials["trial"].isin(excluded)]
+    by_setup = kept.iloc[pd.factorize(kept["setup"])[0].argsort(kind="stable")]
+    return Screened(
+        Gravity(by_setup.reset_index(drop=True), events[events["trial"].isin(kept["trial"])]),
+        in_order,
+        repaired,
+        agreement,
+        tuple(stalled),
+    )
+
+
+def _stalled(events: pd.DataFrame, trial_ids: pd.Series, rig: Rig) -> tuple[list[str], list[str]]:
+    """Return the trials that stall, and of these the ones that stop before the last event."""
+    if trial_ids.empty:
+        return [], []
+    assert rig.hall_spacing_m
+    pilot = pilot_fits(events, trial_ids)
+    next_speed2 = pilot.last_speed**2 + 2 * pilot.acceleration * rig.hall_spacing_m
+    stopped = pilot.least_speed <= 0
+    stalled = stopped | (next_speed2 <= 0)
+    names = trial_ids.to_numpy()
+    return names[stalled].tolist(), names[np.asarray(stopped)].tolist()

@@ -1,0 +1,130 @@
+"""The gravity board, simulated: trials in their order, and their Hall events.
+
+A trial is released at rest; its friction is that of the law and of the effects on it,
+times 1 + η + ε, with η drawn once for each assembly and ε once for each trial. Magnets
+pass a sensor each `hall_spacing_m` of travel, with a position error each and what effects
+on readings add, and the clock adds its own error before it rounds.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.gravity import Condition, trajectory
+from bayesfric.recording.tables import Rig
+from bayesfric.rigs.acting import Acting, draw_phases, of_kind, surroundings
+from bayesfric.rigs.gravity_board.effects_on_trials import Motion, passing_times, trial_motion
+from bayesfric.rigs.protocols import Assembly, Protocol
+from bayesfric.rigs.truth import Truth, laws_of
+
+__all__ = ["SENSORS", "TRAVEL_M", "conditions_of", "draw_events", "lay_trials"]
+
+Array = NDArray[np.float64]
+SENSORS = ("drive", "load")
+TRAVEL_M = 0.6
+LEAST_PATH_M = 0.001  # from release to the first event, so that the cable moves there
+RELEASE_WINDOW_S = 0.3  # the release comes this long, at most, after the clock starts
+LEAST_EVENTS = 5  # of a trial and sensor, by the recording format
+PAST_M = 0.05  # beyond it: as far as any magnet of an event may be off its place
+
+
+def lay_trials(design: Protocol, rng: np.random.Generator) -> pd.DataFrame:
+    """Lay the assemblies, and the trials of each, in a random order."""
+    assemblies = list(design.assemblies())
+    rows: list[dict[str, Any]] = []
+    for place, chosen in enumerate(rng.permutation(len(assemblies)), start=1):
+        assembly: Assembly = assemblies[chosen]
+        for index in rng.permutation(len(assembly.trials)):
+            order = len(rows) + 1
+            rows.append(
+                {
+                    "trial": f"g{order:04d}",
+                    "order": order,
+                    "setup": f"s{place:03d}",
+                    "pulley_size": assembly.pulley_size,
+                    "n_pulleys": assembly.n_pulleys,
+                    "wrap_angle_deg": assembly.wrap_angle_deg,
+                    "mass_drive_kg": assembly.trials[index].mass_drive_kg,
+                    "mass_load_kg": assembly.trials[index].mass_load_kg,
+                    "drive_end": ("left", "right")[order % 2],
+                }
+            )
+    return pd.DataFrame(rows)
+
+
+def draw_events(
+    trials: pd.DataFrame,
+    rig: Rig,
+    truth: Truth,
+    scatter_rng: np.random.Generator,
+    sensor_rng: np.random.Generator,
+    noise_rng: np.random.Generator,
+    effects_rng: np.random.Generator,
+) -> tuple[pd.DataFrame, NDArray[np.bool_]]:
+    """Return the events, and which trials gave enough of them."""
+    assert rig.hall_spacing_m and rig.magnets_per_revolution and rig.timer_resolution_s
+    spacing, tick = rig.hall_spacing_m, rig.timer_resolution_s
+    setup_index = pd.factorize(trials["setup"])[0]
+    eta = truth.omega * scatter_rng.standard_normal(setup_index.max() + 1)
+    factor = 1 + eta[setup_index] + truth.tau * scatter_rng.standard_normal(len(trials))
+
+    # Column by column: trial × sensor × event, made rectangular and then masked.
+    shape = (len(trials), len(SENSORS))
+    rotation = spacing * sensor_rng.uniform(0, rig.magnets_per_revolution, shape)
+    first = LEAST_PATH_M + rotation % spacing  # the first magnet is rotation // spacing
+    release = sensor_rng.uniform(0, RELEASE_WINDOW_S, len(trials))
+    grid = np.arange(int(TRAVEL_M / spacing) + 1, dtype=np.float64) * spacing
+    place = first[:, :, None] + grid
+    law = laws_of(truth, trials["pulley_size"])
+    condition = conditions_of(trials, rig)
+    magnet = place + truth.sigma_x * noise_rng.standard_normal(place.shape)
+    clock = truth.sigma_t * noise_rng.standard_normal(place.shape)
+    acting = draw_phases(truth, len(trials), len(SENSORS), effects_rng)
+    motion = _motion(law, condition, factor, acting, surroundings(trials, rig))
+    per_turn = rig.magnets_per_revolution
+    reached = passing_times(motion, magnet, grid, condition, per_turn, acting)
+    passed = reached + release[:, None, None] + clock
+    seen = (place <= TRAVEL_M) & np.isfinite(passed)
+    moved = (seen.sum(axis=2) >= LEAST_EVENTS).all(axis=1)
+    seen &= moved[:, None, None]
+
+    which_trial, which_sensor, which_event = np.nonzero(seen)
+    events = pd.DataFrame(
+        {
+            "trial": trials["trial"].to_numpy()[which_trial],
+            "sensor": np.array(SENSORS)[which_sensor],
+            "displacement_m": grid[which_event],
+            "time_s": np.round(passed[seen] / tick) * tick,
+        }
+    )
+    return events, moved
+
+
+def conditions_of(trials: pd.DataFrame, rig: Rig) -> Condition:
+    """Return the condition of each trial, arrays of shape (N,)."""
+    return Condition(
+        trials["n_pulleys"].to_numpy(),
+        trials["wrap_angle_deg"].to_numpy(),
+        trials["mass_drive_kg"].to_numpy(),
+        trials["mass_load_kg"].to_numpy(),
+        rig.gravity_m_s2,
+    )
+
+
+def _motion(
+    law: Coefficients,
+    condition: Condition,
+    factor: Array,
+    acting: Sequence[Acting],
+    around: Mapping[str, Any],
+) -> Motion:
+    """Return the motion of each trial from rest, shape (N, …)."""
+    if of_kind(acting, "friction") or of_kind(acting, "drive"):
+        return trial_motion(law, condition, factor, acting, around, TRAVEL_M + PAST_M)
+    each = [np.reshape(np.asarray(part), (-1, 1, 1)) for part in condition]
+    columns = Coefficients(*(np.asarray(column)[:, None, None] for column in law))
+    return trajectory(columns, Condition(*each), friction_factor=factor[:, None, None])

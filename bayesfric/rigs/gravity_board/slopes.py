@@ -1,0 +1,268 @@
+"""The paper's own slopes in tension, pulleys and wrap angle, and what the fit makes of them.
+
+Measured slopes are those of :mod:`.estimator`. Beside each stands what the same
+steps would give if the recording were made again: new scatter on new assemblies, the
+trials of an assembly shifted together.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from bayesfric.paper import table1
+from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
+from bayesfric.physics.gravity import nominal_tension
+from bayesfric.physics.laws import Baseline
+from bayesfric.recording.tables import Gravity, Rig
+from bayesfric.rigs.bands import QUANTILES, bands
+from bayesfric.rigs.gravity_board.estimator import (
+    CellLine,
+    SizeEstimate,
+    estimate_as_the_paper,
+    is_upright,
+)
+from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
+
+__all__ = ["paper_slopes"]
+
+Array = NDArray[np.float64]
+GRID = 13
+LEVELS = 3  # tensions at which friction is shown against the wrap angle
+LEAST_TENSION_RATIO = 1.1  # of the largest over the least of them
+
+
+@dataclass(frozen=True)
+class _Cell:
+    """A line of friction against tension, measured and as it might come out again."""
+
+    size: str
+    line: CellLine
+    tension: tuple[float, float]  # least and largest of its trials
+    slope_again: Array  # (W,)
+    intercept_again: Array  # (W,)
+
+    def friction(self, tension: float) -> float:
+        """Return the measured line's friction at a tension."""
+        assert self.line.slope.value is not None and self.line.intercept_n is not None
+        return self.line.slope.value * tension + self.line.intercept_n
+
+    def friction_again(self, tension: float) -> Array:
+        """Return the same of the lines that might come out again."""
+        return self.slope_again * tension + self.intercept_again
+
+
+def paper_slopes(
+    likelihood: GravityLikelihood,
+    gravity: Gravity,
+    rig: Rig,
+    named: dict[str, Array],
+    baseline: Baseline,
+    rng: np.random.Generator,
+) -> dict[str, xr.Dataset]:
+    """Return the slopes behind the paper's Figs 12 to 16.
+
+    Parameters
+    ----------
+    likelihood : GravityLikelihood
+        Of the fit.
+    gravity : Gravity
+        The trials that entered.
+    rig : Rig
+        For gravity.
+    named : dict of str to ndarray, shape (W,)
+        Posterior draws by parameter.
+    baseline : Baseline
+        The friction law of the fit.
+    rng : Generator
+        For recordings made again.
+
+    Returns
+    -------
+    dict of str to Dataset
+        ``tension_lines``: slope and intercept of friction against tension at each
+        (size, n, θ), and the law's against n at 85°. ``wrap_lines``, where a number of
+        pulleys was measured at two angles: friction against the wrap angle at
+        three tensions, its slope, and the law's slope against n and against tension.
+        Either is empty where the recording does not allow it.
+    """
+    estimate = estimate_as_the_paper(gravity, rig)
+    # nan where a trial has no friction; it is in no line then
+    measured = np.array([trial.tension_n for trial in estimate.trials], dtype=np.float64)
+    deviation = likelihood.draw_scatter(named, rng, together=True)
+    friction = likelihood.draw_observed(named, deviation, rng)
+    condition = likelihood.condition
+    tension = nominal_tension(
+        condition, (condition.drive_force_n - friction) / condition.total_mass_kg
+    )
+    in_order = sorted(estimate.sizes, key=lambda size: likelihood.sizes.index(size.pulley_size))
+    cells = [
+        _again(size, line, likelihood, measured, tension, friction)
+        for size in in_order
+        for line in size.cells
+        if line.slope.value is not None
+    ]
+    if not cells:
+        return {"tension_lines": xr.Dataset(), "wrap_lines": xr.Dataset()}
+    fits = [trial.r_squared for trial in estimate.trials if trial.r_squared is not None]
+    lines = _tension_lines(cells, named, baseline)
+    return {
+        "tension_lines": lines.assign(least_trial_r_squared=min(fits, default=np.nan)),
+        "wrap_lines": _wrap_lines(cells, named, baseline),
+    }
+
+
+def _again(
+    size: SizeEstimate,
+    line: CellLine,
+    likelihood: GravityLikelihood,
+    measured: Array,
+    tension: Array,
+    friction: Array,
+) -> _Cell:
+    table = likelihood.trials
+    chosen = np.flatnonzero(
+        np.isfinite(measured)
+        & (table["pulley_size"] == size.pulley_size)
+        & (table["n_pulleys"] == line.n_pulleys)
+        & (table["wrap_angle_deg"] == line.wrap_angle_deg)
+    )
+    slope, intercept = _lines(tension[:, chosen], friction[:, chosen])
+    ends = (float(measured[chosen].min()), float(measured[chosen].max()))
+    return _Cell(size.pulley_size, line, ends, slope, intercept)
+
+
+def _lines(x: Array, y: Array) -> tuple[Array, Array]:
+    """Return slopes and intercepts of least-squares lines over the last axis."""
+    apart = x - x.mean(axis=-1, keepdims=True)
+    slope = (apart * y).sum(axis=-1) / (apart**2).sum(axis=-1)
+    return slope, y.mean(axis=-1) - slope * x.mean(axis=-1)
+
+
+def _draws(named: dict[str, Array], size: str) -> Coefficients:
+    """Return the draws of a size as a column, for a curve along the last axis."""
+    return Coefficients(*(named[f"{c}[{size}]"][:, None] for c in Coefficients._fields))
+
+
+def _sizes(cells: Sequence[_Cell]) -> list[str]:
+    return list(dict.fromkeys(cell.size for cell in cells))
+
+
+def _tension_lines(
+    cells: Sequence[_Cell], named: dict[str, Array], baseline: Baseline
+) -> xr.Dataset:
+    sizes = _sizes(cells)
+    count = np.linspace(0.0, max(cell.line.n_pulleys for cell in cells), GRID)
+    wrap = REFERENCE_WRAP_ANGLE_DEG
+    # Both laws are straight in tension, so two tensions tell slope and intercept.
+    at_none = np.stack([baseline.at_tension(_draws(named, s), count, wrap, 0.0) for s in sizes], 1)
+    at_one = np.stack([baseline.at_tension(_draws(named, s), count, wrap, 1.0) for s in sizes], 1)
+    paper = np.array(
+        [
+            [table1()[s].c1.value, table1()[s].c2.value] if s in table1() else [np.nan, np.nan]
+            for s in sizes
+        ]
+    )
+    r_squared = [cell.line.slope.r_squared for cell in cells]
+    known = [value for value in r_squared if value is not None]
+    law = ("pulley", "n", "quantile")
+    return xr.Dataset(
+        {
+            "pulley_size": ("cell", [cell.size for cell in cells]),
+            "n_pulleys": ("cell", [cell.line.n_pulleys for cell in cells]),
+            "wrap_angle_deg": ("cell", [cell.line.wrap_angle_deg for cell in cells]),
+            "upright": ("cell", [is_upright(cell.line.wrap_angle_deg) for cell in cells]),
+            "trials": ("cell", [cell.line.trials for cell in cells]),
+            "slope": ("cell", [cell.line.slope.value for cell in cells]),
+            "intercept_n": ("cell", [cell.line.intercept_n for cell in cells]),
+            "r_squared": ("cell", np.array(r_squared, dtype=np.float64)),
+            "least_r_squared": min(known, default=np.nan),
+            "slope_again": (
+                ("cell", "quantile"),
+                np.stack([bands(cell.slope_again) for cell in cells]),
+            ),
+            "intercept_again_n": (
+                ("cell", "quantile"),
+                np.stack([bands(cell.intercept_again) for cell in cells]),
+            ),
+            "slope_law": (law, bands(at_one - at_none)),
+            "intercept_law_n": (law, bands(at_none)),
+            "slope_paper": (("pulley", "n"), paper[:, :1] * count),
+            "intercept_paper_n": (("pulley", "n"), paper[:, 1:] * count),
+        },
+        coords={"pulley": sizes, "n": count, "quantile": list(QUANTILES)},
+    )
+
+
+def _wrap_lines(cells: Sequence[_Cell], named: dict[str, Array], baseline: Baseline) -> xr.Dataset:
+    """Return friction against the wrap angle where two angles or more were measured."""
+    groups: dict[tuple[str, int], list[_Cell]] = {}
+    for cell in cells:
+        groups.setdefault((cell.size, cell.line.n_pulleys), []).append(cell)
+    groups = {key: group for key, group in groups.items() if len(group) > 1}
+    inside = [cell.tension for group in groups.values() for cell in group]
+    low, high = max((t[0] for t in inside), default=0.0), min((t[1] for t in inside), default=0.0)
+    if high <= LEAST_TENSION_RATIO * low:
+        return xr.Dataset()
+    # Within the tensions of every line: read off, never extended.
+    levels = np.linspace(low, high, LEVELS)
+    lines = [(size, n, level) for size, n in groups for level in levels]
+    width = max(len(group) for group in groups.values())
+    angle = np.full((len(lines), width), np.nan)
+    friction, slope = angle.copy(), np.empty(len(lines))
+    again = np.full((len(lines), width, len(QUANTILES)), np.nan)
+    slope_again = np.empty((len(lines), len(QUANTILES)))
+    all_angles = sorted({cell.line.wrap_angle_deg for group in groups.values() for cell in group})
+    grid = np.linspace(all_angles[0], all_angles[-1], GRID)
+    law = np.empty((len(lines), GRID, len(QUANTILES)))
+    for place, (size, n, level) in enumerate(lines):
+        group = groups[size, n]
+        here = slice(len(group))
+        angle[place, here] = [cell.line.wrap_angle_deg for cell in group]
+        friction[place, here] = [cell.friction(level) for cell in group]
+        new = np.stack([cell.friction_again(level) for cell in group], axis=1)
+        again[place, here] = bands(new)
+        slope[place] = _lines(angle[place, here], friction[place, here])[0]
+        slope_again[place] = bands(_lines(angle[place, here], new)[0])
+        law[place] = bands(baseline.at_tension(_draws(named, size), n, grid, level))
+    sizes = list(dict.fromkeys(size for size, _ in groups))
+    counts = sorted({n for _, n in groups})
+    n_grid, tension_grid = np.linspace(0.0, counts[-1], GRID), np.linspace(0.0, high, GRID)
+    ends = (all_angles[0], all_angles[-1])
+
+    def law_slope(size: str, n: Array | float, tension: Array | float) -> Array:
+        least, most = (baseline.at_tension(_draws(named, size), n, end, tension) for end in ends)
+        return bands((most - least) / (ends[1] - ends[0]))
+
+    return xr.Dataset(
+        {
+            "pulley_size": ("line", [size for size, _, _ in lines]),
+            "n_pulleys": ("line", [n for _, n, _ in lines]),
+            "tension_n": ("line", [level for _, _, level in lines]),
+            "wrap_angle_deg": (("line", "angle"), angle),
+            "friction_n": (("line", "angle"), friction),
+            "friction_again_n": (("line", "angle", "quantile"), again),
+            "law_n": (("line", "grid", "quantile"), law),
+            "law_angle_deg": ("grid", grid),
+            "slope_n_per_deg": ("line", slope),
+            "slope_again_n_per_deg": (("line", "quantile"), slope_again),
+            "law_against_n": (
+                ("pulley", "level", "n", "quantile"),
+                np.stack([[law_slope(s, n_grid, t) for t in levels] for s in sizes]),
+            ),
+            "law_against_tension": (
+                ("pulley", "count", "tension", "quantile"),
+                np.stack([[law_slope(s, float(n), tension_grid) for n in counts] for s in sizes]),
+            ),
+        },
+        coords={
+            "pulley": sizes,
+            "level": levels,
+            "count": counts,
+            "n": n_grid,
+            "tension": tension_grid,
+            "quantile": list(QUANTILES),
+        },
+    )

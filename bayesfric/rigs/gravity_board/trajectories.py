@@ -1,0 +1,103 @@
+"""A few trials, predicted from their first speed alone."""
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
+
+from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.gravity import Condition, Trajectory
+from bayesfric.physics.laws import Baseline
+from bayesfric.recording.tables import Gravity, Rig
+from bayesfric.rigs.bands import QUANTILES, bands
+from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
+from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
+
+__all__ = ["trajectories"]
+
+Array = NDArray[np.float64]
+SHOWN_TRIALS = 6
+
+
+def trajectories(
+    likelihood: GravityLikelihood,
+    gravity: Gravity,
+    rig: Rig,
+    named: dict[str, Array],
+    factor: Array,
+    baseline: Baseline,
+) -> xr.Dataset:
+    """Predict a few trials, free-running from the first event's speed."""
+    trials = likelihood.trials
+    with_events = np.flatnonzero(trials["trial"].isin(gravity.events["trial"]))
+    if not with_events.size:
+        return xr.Dataset()
+    pilot = pilot_fits(gravity.events, trials["trial"].iloc[with_events])
+    chosen = _typical(trials.iloc[with_events].reset_index(drop=True), pilot.acceleration)
+    tables = []
+    for fitted in chosen:
+        place = with_events[fitted]
+        row = trials.iloc[place]
+        events = gravity.events[gravity.events["trial"] == row["trial"]]
+        since_first = events["time_s"].to_numpy() - events["time_s"].min()
+        of_sensor = (events["sensor"] == events["sensor"].iloc[0]).to_numpy()
+        events, since_first = events[of_sensor], since_first[of_sensor]
+        time = since_first - since_first[0]
+        start_speed = pilot.first_speed[fitted] + pilot.acceleration[fitted] * since_first[0]
+        condition = Condition(
+            row["n_pulleys"],
+            row["wrap_angle_deg"],
+            row["mass_drive_kg"],
+            row["mass_load_kg"],
+            rig.gravity_m_s2,
+        )
+        law = Coefficients(*(named[f"{c}[{row['pulley_size']}]"] for c in Coefficients._fields))
+        friction = factor[:, place] * baseline.gravity(law, condition)
+        acceleration = (condition.drive_force_n - friction) / condition.total_mass_kg
+        still = np.zeros_like(acceleration)[:, None]
+        motion = Trajectory(acceleration[:, None], still, still + start_speed)
+        tables.append(
+            (row, time, events["displacement_m"].to_numpy(), bands(motion.position(time)))
+        )
+    longest = max(len(time) for _, time, _, _ in tables)
+
+    def padded(values: Array) -> Array:
+        width = [(0, longest - len(values))] + [(0, 0)] * (values.ndim - 1)
+        return np.pad(values, width, constant_values=np.nan)
+
+    return xr.Dataset(
+        {
+            "time_s": (("shown", "event"), np.stack([padded(t) for _, t, _, _ in tables])),
+            "travel_m": (("shown", "event"), np.stack([padded(x) for _, _, x, _ in tables])),
+            "predicted_m": (
+                ("shown", "event", "quantile"),
+                np.stack([padded(p) for _, _, _, p in tables]),
+            ),
+            **{
+                name: ("shown", np.array([row[name] for row, _, _, _ in tables]))
+                for name in (
+                    "pulley_size",
+                    "n_pulleys",
+                    "wrap_angle_deg",
+                    "mass_drive_kg",
+                    "mass_load_kg",
+                )
+            },
+        },
+        coords={
+            "shown": [row["trial"] for row, _, _, _ in tables],
+            "quantile": list(QUANTILES),
+        },
+    )
+
+
+def _typical(trials: pd.DataFrame, acceleration: Array) -> list[int]:
+    """Return a slow and a fast trial of each size, at most six in all."""
+    chosen: list[int] = []
+    for _, rows in trials.groupby("pulley_size", sort=False).groups.items():
+        places = np.asarray(rows)[np.argsort(acceleration[rows], kind="stable")]
+        for share in (0.1, 0.9):
+            place = int(places[round(share * (len(places) - 1))])
+            if place not in chosen:
+                chosen.append(place)
+    return sorted(chosen[:SHOWN_TRIALS])

@@ -1,0 +1,1 @@
+"""The motor board: constant speed, friction by current (paper Sec. III.A)."""

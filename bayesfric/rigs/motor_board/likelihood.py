@@ -1,0 +1,367 @@
+"""Likelihood of the motor board: all currents, of the runs and of the idle motor.
+
+Given the parameters, run j on assembly i has the current
+
+    I = h(v)ᵀβ + (r / k_t) (m g + F (1 + η_i + ε_ij)) + noise,
+
+with the idle curve h(v)ᵀβ shared by every run and by the idle measurements. β, η
+and ε are Gaussian and linear, so they are integrated out in closed form: the
+currents are one normal (:mod:`bayesfric.inference.joint_normal`). The noise of a
+current grows with the load: its variance is σ_I² + (λ · load current)², the load
+current being the law's; the scatter of friction would change it by 0.2 %. Speed is
+constant in a run, so an effect on friction adds to F, and one on the motor's current to I.
+The simulator that mirrors it is :mod:`bayesfric.simulate`.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.special import ndtr
+
+from bayesfric.analysis import Analysis
+from bayesfric.effects import State
+from bayesfric.effects.terms import (
+    ActiveEffect,
+    parameters_of,
+    rough_values,
+    total,
+)
+from bayesfric.inference.joint_normal import JointNormal
+from bayesfric.inference.priors import Parameter
+from bayesfric.inference.scatter import SetupIndex
+from bayesfric.physics.laws import BASELINES, Baseline
+from bayesfric.physics.motor import (
+    MotorCondition,
+    load_current,
+    nominal_tension,
+    tension_feedback,
+)
+from bayesfric.recording.tables import Motor, Rig
+from bayesfric.rigs.coefficients import SizeIndex, coefficient_parameters
+
+__all__ = ["MotorLikelihood", "idle_basis", "run_condition"]
+
+Array = NDArray[np.float64]
+TENSION_ITERATIONS = 2  # each takes the error of an effect's tension down by some 20
+LEAST_CURRENT_A = 1e-5  # of the noise, as a start, where the idle curve fits perfectly
+
+
+def run_condition(runs: pd.DataFrame, rig: Rig) -> MotorCondition:
+    """Return the condition of each run, arrays of shape (N,)."""
+    return MotorCondition(
+        runs["n_pulleys"].to_numpy(dtype=np.float64),
+        runs["wrap_angle_deg"].to_numpy(dtype=np.float64),
+        runs["hanging_mass_kg"].to_numpy(dtype=np.float64),
+        runs["velocity_m_s"].to_numpy(dtype=np.float64),
+        rig.gravity_m_s2,
+    )
+
+
+def idle_basis(velocity_m_s: Array, *, both_ways: bool) -> Array:
+    """Return the columns of the idle curve.
+
+    The idle current carries the sign of the torque, so it is an odd curve of the
+    signed speed, with a step at standstill: sign(v) [1, |v|, v²]. What makes the two
+    directions differ, a zero error of the sensor or brushes off centre, is one
+    constant more, where the idle motor was run in both.
+
+    Parameters
+    ----------
+    velocity_m_s : ndarray, shape (M,)
+        Signed speed, never 0 [m/s].
+    both_ways : bool
+        Whether the idle motor was measured in both directions.
+
+    Returns
+    -------
+    ndarray, shape (M, 3) or (M, 4)
+        Level, slope, curvature and asymmetry; times A, A s/m, A s²/m² and A.
+    """
+    sign, speed = np.sign(velocity_m_s), np.abs(velocity_m_s)
+    columns = [sign, sign * speed, sign * speed**2]
+    if both_ways:
+        columns.append(np.ones_like(speed))
+    return np.stack(columns, axis=1)
+
+
+class MotorLikelihood:
+    """Currents of the motor board, given coefficients, torque constant and noise.
+
+    The scatter of a run is normal: the Student-t option of the analysis is for
+    gravity-board trials.
+
+    Parameters
+    ----------
+    motor : Motor
+        Runs that enter and idle measurements.
+    rig : Rig
+        The board; torque constant and capstan radius.
+    analysis : Analysis
+        Priors, and whether each size has a scatter of its own.
+    baseline : Baseline
+        The friction law.
+    effects : sequence of ActiveEffect
+        What acts beside the law.
+
+    Attributes
+    ----------
+    parameters : tuple of Parameter
+        What the likelihood depends on.
+    condition : MotorCondition
+        Of each run, arrays of shape (N,).
+    trials : DataFrame
+        The N runs in the order of every result, those of an assembly adjacent;
+        their id is ``trial``.
+    setups : tuple of str
+        The J assemblies in the order of every result.
+    sizes : tuple of str
+        Pulley sizes.
+    """
+
+    def __init__(
+        self,
+        motor: Motor,
+        rig: Rig,
+        analysis: Analysis,
+        baseline: Baseline = BASELINES["paper"],
+        effects: Sequence[ActiveEffect] = (),
+    ) -> None:
+        self._friction = baseline.motor
+        self._effects = tuple(effects)
+        assert rig.motor_torque_constant_n_m_per_a and rig.capstan_radius_m
+        codes, setups = pd.factorize(motor.runs["setup"])
+        order = codes.argsort(kind="stable")
+        runs = motor.runs.iloc[order].reset_index(drop=True).rename(columns={"run": "trial"})
+        self.trials = runs
+        self.setups = tuple(str(setup) for setup in setups)
+        self.condition = run_condition(runs, rig)
+        self._runs = len(runs)
+        self._torque_constant = rig.motor_torque_constant_n_m_per_a
+        self._radius = rig.capstan_radius_m
+        self._size = SizeIndex.of(runs["pulley_size"])
+        self.sizes = self._size.sizes
+        idle_speed = motor.idle["velocity_m_s"].to_numpy(dtype=np.float64)
+        speed = np.concatenate([runs["velocity_m_s"].to_numpy(dtype=np.float64), idle_speed])
+        self._current = np.concatenate(
+            [runs["current_a"].to_numpy(), motor.idle["current_a"].to_numpy()], dtype=np.float64
+        )
+        # The idle measurements are a last group of their own, which no η moves.
+        starts = np.flatnonzero(np.diff(codes[order], prepend=-1))
+        self._index = SetupIndex(np.append(starts, self._runs), speed.size)
+        priors = analysis.priors
+        both_ways = bool((idle_speed > 0).any() and (idle_speed < 0).any())
+        self._columns = idle_basis(speed, both_ways=both_ways) * priors.idle_current_sd
+        self._by_size = analysis.scatter.by_size
+        groups = [f"[{size}]" for size in self.sizes] if self._by_size else [""]
+        self.parameters = (
+            *coefficient_parameters(self.sizes, analysis),
+            *(Parameter(f"tau_motor{group}", "1", priors.tau_motor) for group in groups),
+            *(Parameter(f"omega_motor{group}", "1", priors.omega_motor) for group in groups),
+            Parameter("torque_constant_factor", "1", priors.torque_constant_factor),
+            Parameter("sigma_current", "A", priors.sigma_current),
+            Parameter("load_noise", "1", priors.load_noise),
+            *(parameter for active in self._effects for parameter in parameters_of(active)),
+        )
+
+    def law(self, theta: Mapping[str, Array]) -> Array:
+        """Return the signed friction of each run by the law and the effects [N].
+
+        Parameters
+        ----------
+        theta : mapping of str to ndarray of shape (W,)
+            Parameters by name.
+
+        Returns
+        -------
+        ndarray, shape (W, N)
+            fc of eq. (15) and of the effects at the nominal tension of the run, with the
+            sign of v.
+        """
+        law = self._size.coefficients(theta)
+        friction = np.asarray(self._friction(law, self.condition))
+        here = [active for active in self._effects if active.effect.acts_on == "friction"]
+        if not here:
+            return friction
+        feedback = tension_feedback(law, self.condition)
+        sign, speed = np.sign(self.condition.velocity_m_s), np.abs(self.condition.velocity_m_s)
+        drag = np.zeros_like(friction)
+        for _ in range(TENSION_ITERATIONS):  # the drag changes the tension on which it depends
+            tension = nominal_tension(self.condition, friction + sign * feedback * drag)
+            state = State.of(
+                law, self.condition.n_pulleys, self.condition.wrap_angle_deg, tension, speed
+            )
+            drag = total(here, theta, state)
+        return np.asarray(friction + sign * feedback * drag)
+
+    def observed(self, theta: Mapping[str, Array]) -> Array:
+        """Return the signed friction that the currents show [N].
+
+        Parameters
+        ----------
+        theta : mapping of str to ndarray of shape (W,)
+            Parameters by name; only the torque constant counts.
+
+        Returns
+        -------
+        ndarray, shape (W, N)
+            ``k_t (I − I_idle(v)) / r − m g`` with the idle curve of the idle
+            measurements alone.
+        """
+        beyond = self._beyond_idle()[: self._runs]
+        pull = self._torque(theta) * beyond / self._radius
+        return np.asarray(pull - self.condition.weight_n)
+
+    def draw_scatter(
+        self, theta: Mapping[str, Array], rng: np.random.Generator, *, together: bool = False
+    ) -> Array:
+        """Draw η + ε of a new run on a new assembly.
+
+        Parameters
+        ----------
+        theta : mapping of str to ndarray of shape (W,)
+            Parameters by name.
+        rng : Generator
+            Source of randomness.
+        together : bool
+            Whether runs of one assembly are on one new assembly too.
+
+        Returns
+        -------
+        ndarray, shape (W, N)
+            Relative deviation of friction from the law, without the noise of the
+            current.
+        """
+        tau, omega = self._scatter(theta)
+        shape = (len(tau), self._runs)
+        if not together:
+            return np.asarray(np.hypot(tau, omega) * rng.standard_normal(shape))
+        assembly = rng.standard_normal((len(tau), len(self.setups)))
+        of_run = self._index.of_trial[: self._runs]
+        return np.asarray(omega * assembly[:, of_run] + tau * rng.standard_normal(shape))
+
+    def draw_observed(
+        self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator
+    ) -> Array:
+        """Draw what the currents would show of friction that deviates so from the law.
+
+        Parameters
+        ----------
+        theta : mapping of str to ndarray of shape (W,)
+            Parameters by name.
+        deviation : ndarray, shape (W, N)
+            As :meth:`draw_scatter` draws it.
+        rng : Generator
+            Source of randomness.
+
+        Returns
+        -------
+        ndarray, shape (W, N)
+            Signed friction [N] as :meth:`observed` reads it from the currents with the
+            median torque constant, whatever that of the draw; the idle curve's error,
+            which all runs share, is left out.
+        """
+        friction, torque = self.law(theta), self._torque(theta)
+        scattered = friction * (1 + deviation)
+        current = load_current(self.condition, scattered, torque, self._radius)
+        expected = load_current(self.condition, friction, torque, self._radius)
+        sd = np.hypot(theta["sigma_current"][:, None], theta["load_noise"][:, None] * expected)
+        current += sd * rng.standard_normal(current.shape)
+        reading = np.median(torque) / self._radius
+        return np.asarray(reading * current - self.condition.weight_n)
+
+    def log_likelihood(self, theta: Mapping[str, Array]) -> Array:
+        """Return the log density of all currents, shape (W,)."""
+        return self._currents(theta).log_density()
+
+    def setup_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
+        """Return each assembly's log density given all other currents, shape (W, J)."""
+        return self._currents(theta).group_log_density()[:, :-1]
+
+    def trial_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
+        """Return each run's log density given all other currents, shape (W, N)."""
+        return self._currents(theta).single_log_density()[:, : self._runs]
+
+    def trial_cdf(self, theta: Mapping[str, Array]) -> Array:
+        """Return the probability of less friction of each run given all else, shape (W, N)."""
+        return self._friction_cdf(self._currents(theta))
+
+    def draw_trial_cdf(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
+        """Return :meth:`trial_cdf` of recordings made again with these parameters.
+
+        Parameters
+        ----------
+        theta : mapping of str to ndarray of shape (W,)
+            Parameters by name.
+        rng : Generator
+            Source of randomness.
+
+        Returns
+        -------
+        ndarray, shape (W, N)
+            A recording made again a row, the idle curve drawn from its prior.
+        """
+        return self._friction_cdf(self._currents(theta).made_again(rng))
+
+    def _friction_cdf(self, currents: JointNormal) -> Array:
+        # Friction takes current from a motor that lifts, and gives it back as it lowers.
+        sign = np.sign(self.condition.velocity_m_s)
+        return np.asarray(ndtr(sign * currents.single_z()[:, : self._runs]))
+
+    def start(self) -> dict[str, float]:
+        """Return rough estimates by least squares, a place to climb from."""
+        left = self._beyond_idle()[self._runs :]
+        friction = self.observed({"torque_constant_factor": np.ones(1)})[0]
+        start = self._size.rough_coefficients(
+            self.condition.n_pulleys,
+            self.condition.wrap_angle_deg,
+            nominal_tension(self.condition, friction),
+            np.sign(self.condition.velocity_m_s) * friction,
+        )
+        start["torque_constant_factor"] = 1.0
+        start["sigma_current"] = max(float(left.std()), LEAST_CURRENT_A)
+        start["load_noise"] = 0.005
+        for parameter in self.parameters:
+            if parameter.name.startswith(("tau", "omega")):
+                start[parameter.name] = 0.02
+        return start | rough_values(self._effects)
+
+    def _beyond_idle(self) -> Array:
+        """Return currents less the idle curve of the idle measurements, shape (M,)."""
+        idle = slice(self._runs, None)
+        curve = np.linalg.lstsq(self._columns[idle], self._current[idle], rcond=None)[0]
+        return np.asarray(self._current - self._columns @ curve)
+
+    def _torque(self, theta: Mapping[str, Array]) -> Array:
+        """Return the torque constant k_t [N·m/A], shape (W, 1)."""
+        return self._torque_constant * theta["torque_constant_factor"][:, None]
+
+    def _scatter(self, theta: Mapping[str, Array]) -> tuple[Array, Array]:
+        if self._by_size:
+            return self._size.spread(theta, "tau_motor"), self._size.spread(theta, "omega_motor")
+        return theta["tau_motor"][:, None], theta["omega_motor"][:, None]
+
+    def _currents(self, theta: Mapping[str, Array]) -> JointNormal:
+        friction, torque = self.law(theta), self._torque(theta)
+        load = load_current(self.condition, friction, torque, self._radius)
+        beyond = load + self._added_current(theta, load)
+        tau, omega = self._scatter(theta)
+        per_scatter = friction * self._radius / torque  # current of a relative deviation of 1
+        runs = slice(None, self._runs)
+        variance = np.repeat(theta["sigma_current"][:, None] ** 2, self._index.trials, axis=1)
+        variance[:, runs] += (theta["load_noise"][:, None] * load) ** 2 + (tau * per_scatter) ** 2
+        moved = np.zeros_like(variance)
+        moved[:, runs] = omega * per_scatter
+        residual = np.tile(self._current, (len(load), 1))
+        residual[:, runs] -= beyond
+        return JointNormal(self._index, self._columns, residual, variance, moved)
+
+    def _added_current(self, theta: Mapping[str, Array], load: Array) -> Array:
+        """Return what effects on the motor add to the current of each run, shape (W, N)."""
+        law = self._size.coefficients(theta)
+        speed = np.abs(self.condition.velocity_m_s)
+        condition = (self.condition.n_pulleys, self.condition.wrap_angle_deg)
+        state = State.of(law, *condition, self.condition.weight_n, speed, load)
+        here = [active for active in self._effects if active.effect.acts_on == "current"]
+        return total(here, theta, state) if here else np.zeros_like(load)

@@ -1,0 +1,192 @@
+"""What the simulated experimenter does: setups, trials and their masses.
+
+A protocol is fixed before any parameter is drawn. The masses come from the
+paper's Table I with room to spare, as an experimenter with the paper in hand
+would choose them: each trial still moves when friction is 30 % higher.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+from typing import NamedTuple
+
+from bayesfric.paper import table1
+from bayesfric.physics.friction import Coefficients, coulomb_friction
+from bayesfric.physics.gravity import Condition, nominal_tension
+from bayesfric.recording.tables import STANDARD_GRAVITY
+
+__all__ = [
+    "IDLE_REPEATS",
+    "IDLE_SPEEDS_M_S",
+    "MOTOR_ASSEMBLIES",
+    "MOTOR_SPEEDS_M_S",
+    "PROTOCOLS",
+    "Assembly",
+    "GravityTrial",
+    "MotorAssembly",
+    "Protocol",
+]
+
+TOP_ACCELERATION = 1.2  # m/s²; 1.2 m/s after 0.6 m, inside Table II
+LEAST_ACCELERATION = 0.2  # m/s²
+FRICTION_RESERVE = 0.4  # of friction, left over as drive at the least acceleration
+
+
+class GravityTrial(NamedTuple):
+    """The masses of one trial [kg]."""
+
+    mass_drive_kg: float
+    mass_load_kg: float
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """One assembly of the gravity board and the trials that run on it.
+
+    Parameters
+    ----------
+    pulley_size : str
+        A size of Table I.
+    n_pulleys : int
+        Number of pulleys.
+    wrap_angle_deg : float
+        Average individual wrap angle [deg].
+    trials : tuple of GravityTrial
+        Before the order is drawn.
+    """
+
+    pulley_size: str
+    n_pulleys: int
+    wrap_angle_deg: float
+    trials: tuple[GravityTrial, ...]
+
+
+@dataclass(frozen=True)
+class MotorAssembly:
+    """One assembly of the motor board and the weights that hang on it in turn.
+
+    Parameters
+    ----------
+    pulley_size : str
+        A size of Table I.
+    n_pulleys : int
+        Number of pulleys.
+    wrap_angle_deg : float
+        Average individual wrap angle [deg].
+    masses_kg : tuple of float
+        Hanging masses; each is run at every speed.
+    """
+
+    pulley_size: str
+    n_pulleys: int
+    wrap_angle_deg: float
+    masses_kg: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Protocol:
+    """A design of the gravity board, the same for every pulley size.
+
+    Parameters
+    ----------
+    cells : mapping of (n, θ) to int
+        How often each cell is assembled.
+    tensions_n : tuple of float
+        Nominal tensions at rest at 85° [N].
+    angle_tensions_n : tuple of float
+        The same at the other wrap angles [N].
+    levels : int
+        Drive masses for each tension, from slow to fast.
+    """
+
+    cells: dict[tuple[int, float], int]
+    tensions_n: tuple[float, ...]
+    angle_tensions_n: tuple[float, ...]
+    levels: int
+
+    def assemblies(self) -> Iterator[Assembly]:
+        """Yield each assembly, sizes and cells in the order they are written."""
+        for size, ((n, wrap), times) in product(table1(), self.cells.items()):
+            tensions = self.tensions_n if wrap == 85.0 else self.angle_tensions_n
+            trials = tuple(
+                _masses(size, n, wrap, tension, level / (self.levels - 1))
+                for tension, level in product(tensions, range(self.levels))
+            )
+            for _ in range(times):
+                yield Assembly(size, n, wrap, trials)
+
+
+def _masses(
+    size: str, n_pulleys: int, wrap_deg: float, tension_n: float, speed_share: float
+) -> GravityTrial:
+    """Masses for a tension at rest, between the least and the top acceleration."""
+    total = round(2 * tension_n / STANDARD_GRAVITY, 3)
+    at_rest = Condition(n_pulleys, wrap_deg, total / 2, total / 2, STANDARD_GRAVITY)
+    row = table1()[size]
+    law = Coefficients(row.c1.value, row.c2.value, row.c3.value)
+    friction = float(coulomb_friction(law, n_pulleys, wrap_deg, nominal_tension(at_rest, 0.0)))
+    least = max(LEAST_ACCELERATION, FRICTION_RESERVE * friction / total)
+    target = least + speed_share * (TOP_ACCELERATION - least)
+    difference = round((friction + total * target) / STANDARD_GRAVITY, 3)
+    return GravityTrial(round((total + difference) / 2, 4), round((total - difference) / 2, 4))
+
+
+PROTOCOLS = {
+    # Figs 12 and 14 of the paper: n at 85° against five tensions, θ at three.
+    "paper": Protocol(
+        cells={
+            (5, 85.0): 1,
+            (9, 85.0): 2,
+            (15, 85.0): 2,
+            (19, 85.0): 1,
+            (5, 50.0): 1,
+            (9, 50.0): 1,
+            (15, 50.0): 2,
+            (5, 110.0): 1,
+            (9, 110.0): 2,
+            (15, 110.0): 1,
+            (5, 135.0): 2,
+            (9, 135.0): 1,
+            (15, 135.0): 1,
+        },
+        tensions_n=(6.0, 12.0, 18.0, 24.0, 30.0),
+        angle_tensions_n=(8.0, 16.0, 28.0),
+        levels=3,
+    ),
+    "quick": Protocol(
+        cells={
+            (5, 85.0): 1,
+            (9, 85.0): 2,
+            (15, 85.0): 1,
+            (19, 85.0): 1,
+            (15, 50.0): 2,
+            (5, 135.0): 1,
+            (15, 135.0): 2,
+        },
+        tensions_n=(6.0, 16.0, 30.0),
+        angle_tensions_n=(6.0, 16.0, 30.0),
+        levels=2,
+    ),
+}
+"""The designs by name; ``paper`` has 594 trials in 54 setups, ``quick`` 180 in 30."""
+
+MOTOR_ASSEMBLIES = (
+    # Fig. 4: the medium pulley at five tensions. Fig. 5: the others at three.
+    MotorAssembly("medium", 9, 85.0, (0.5, 1.0, 1.5, 2.2, 3.0)),
+    MotorAssembly("small", 9, 85.0, (0.75, 1.5, 2.5)),
+    MotorAssembly("large", 9, 85.0, (0.75, 1.5, 2.5)),
+    # Fig. 6: two more wrap angles. Fig. 7: two more pulley counts.
+    *(
+        MotorAssembly(size, n, wrap, (1.5,))
+        for n, wrap in ((9, 50.0), (9, 135.0), (5, 85.0), (15, 85.0))
+        for size in ("small", "medium", "large")
+    ),
+)
+"""The motor board's assemblies in both protocols: 23 conditions."""
+
+MOTOR_SPEEDS_M_S = tuple(round(0.05 + 1.25 * step / 19, 4) for step in range(20))
+"""Speeds of each condition, 460 runs in all, up to Table II's 1.3 m/s."""
+
+IDLE_SPEEDS_M_S = tuple(round(0.05 * step, 2) for step in range(1, 27))
+IDLE_REPEATS = 3
+"""The idle motor is measured at these speeds, so often each."""

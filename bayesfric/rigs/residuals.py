@@ -1,0 +1,59 @@
+"""How far each trial lies from what a new trial is predicted to do."""
+
+from statistics import NormalDist
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bayesfric.rigs.bands import QUANTILES, bands
+from bayesfric.rigs.remaking import Remade
+
+__all__ = ["check_residuals", "measuring_order"]
+
+Array = NDArray[np.float64]
+FALSE_ALARM = 0.05  # chance that a recording that obeys the model has an outlier
+
+
+def check_residuals(trial: str, remade: Remade, observed: Array) -> dict[str, Any]:
+    """Compare what was observed with new trials on new assemblies, noise included.
+
+    Parameters
+    ----------
+    trial : str
+        What the dimension of the trials is called.
+    remade : Remade
+        New trials, and whole recordings made again.
+    observed : ndarray, shape (N,)
+        Friction as measured [N].
+
+    Returns
+    -------
+    dict
+        Variables of a Dataset. ``z``: distance from the predicted median in standard
+        deviations, taken from the width of the 90 % interval, which the heavy tails of
+        Student-t scatter leave as it is. ``outlier``: beyond ``z_limit``, which one
+        recording in twenty that obeys the model would pass somewhere. ``covered_share``:
+        of trials inside their 90 % interval; ``covered_expected``: what that share would
+        be if the recording were made again, whose assemblies shift trials together.
+    """
+    low, middle, high = bands(remade.apart).T
+    lower, _, upper = (NormalDist().inv_cdf(level) for level in QUANTILES)
+    z = (observed - middle) / ((high - low) / (upper - lower))
+    limit = NormalDist().inv_cdf(1 - FALSE_ALARM / (2 * len(observed)))
+    inside = ((low <= remade.together) & (remade.together <= high)).mean(axis=1)
+    return {
+        "z": (trial, z),
+        "outlier": (trial, np.abs(z) > limit),
+        "z_limit": limit,
+        "covered_share": float(((low <= observed) & (observed <= high)).mean()),
+        "covered_expected": ("quantile", bands(inside)),
+    }
+
+
+def measuring_order(recorded: pd.DataFrame, key: str, table: pd.DataFrame) -> NDArray[np.intp]:
+    """Return each trial's place in the order of measuring: as recorded, else of the file."""
+    place = recorded["order"] if "order" in recorded else np.arange(1, len(recorded) + 1)
+    by_trial = pd.Series(np.asarray(place), index=recorded[key])
+    return by_trial.loc[table["trial"]].to_numpy(dtype=np.intp)

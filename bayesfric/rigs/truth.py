@@ -1,0 +1,111 @@
+"""What a simulated recording is made from."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from bayesfric.effects import Effect
+from bayesfric.paper import table1
+from bayesfric.physics.friction import Coefficients
+
+__all__ = ["AppliedEffect", "Truth", "laws_of", "table1_coefficients"]
+
+
+@dataclass(frozen=True)
+class AppliedEffect:
+    """An effect with its numbers.
+
+    Parameters
+    ----------
+    effect : Effect
+        What acts.
+    law : str
+        Name of the variant.
+    values : mapping of str to float
+        Its parameters, in their units.
+    """
+
+    effect: Effect
+    law: str
+    values: Mapping[str, float]
+
+    def __call__(self, state: Any) -> Any:
+        """Return the force [N] or current [A] at a state."""
+        return self.effect.laws[self.law](self.values, state)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the effect as plain JSON types."""
+        return {"name": self.effect.name, "law": self.law, "parameters": dict(self.values)}
+
+
+def table1_coefficients() -> dict[str, Coefficients]:
+    """Return the coefficients of the paper's Table I, size to law."""
+    return {
+        size: Coefficients(row.c1.value, row.c2.value, row.c3.value)
+        for size, row in table1().items()
+    }
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What a simulated recording is made from.
+
+    Parameters
+    ----------
+    coefficients : mapping of str to Coefficients
+        Friction law of each pulley size; default Table I.
+    tau, omega : float
+        Relative friction scatter of a trial and of an assembly.
+    sigma_x : float
+        Position error of a Hall event [m].
+    sigma_t : float
+        Clock error of a Hall event, before rounding [s].
+    tau_motor, omega_motor : float
+        Relative friction scatter of a motor run and of an assembly of that board.
+    torque_constant_factor : float
+        The motor's torque constant over the specified one.
+    idle_current : tuple of float
+        Level [A], slope [A s/m] and curvature [A s²/m²] of the idle curve.
+    sigma_current : float
+        Noise of a current without load [A].
+    load_noise : float
+        Noise of a current per load current.
+    effects : sequence of AppliedEffect
+        What acts beside the law.
+    """
+
+    coefficients: Mapping[str, Coefficients] = field(default_factory=table1_coefficients)
+    tau: float = 0.01
+    omega: float = 0.015
+    sigma_x: float = 30e-6
+    sigma_t: float = 20e-6
+    tau_motor: float = 0.01
+    omega_motor: float = 0.015
+    torque_constant_factor: float = 1.0
+    idle_current: tuple[float, float, float] = (0.05, 0.012, 0.0)
+    sigma_current: float = 0.002
+    load_noise: float = 0.005
+    effects: Sequence[AppliedEffect] = ()
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the values as plain JSON types."""
+        coefficients = {
+            size: {name: float(np.asarray(value)) for name, value in law._asdict().items()}
+            for size, law in self.coefficients.items()
+        }
+        rest = {
+            item.name: getattr(self, item.name)
+            for item in fields(self)
+            if item.name not in ("coefficients", "effects")
+        }
+        record = {"coefficients": coefficients, **rest, "idle_current": list(self.idle_current)}
+        return record | ({"effects": [e.as_json() for e in self.effects]} if self.effects else {})
+
+
+def laws_of(truth: Truth, sizes: "pd.Series[str]") -> Coefficients:
+    """Return the law of each row, arrays of its length."""
+    laws = [truth.coefficients[size] for size in sizes]
+    return Coefficients(*(np.array(column) for column in zip(*laws, strict=True)))

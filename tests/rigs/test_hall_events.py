@@ -1,0 +1,325 @@
+"""The likelihood of event times against quadrature, and against a dense normal."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from bayesfric.analysis import Analysis
+from bayesfric.inference.model import Model
+from bayesfric.recording.tables import Gravity
+from bayesfric.rigs.gravity_board.hall_events import reduce_events
+from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
+from bayesfric.rigs.gravity_board.screening import screen_trials
+from bayesfric.rigs.protocols import Protocol
+from bayesfric.simulate import Truth, simulate_recording
+
+SPACING, TICK = 0.0098, 4e-6
+TRUTH = Truth()
+
+
+def truth_by_name(truth=TRUTH):
+    values = {
+        f"{name}[{size}]": float(value)
+        for size, law in truth.coefficients.items()
+        for name, value in law._asdict().items()
+    }
+    return values | {
+        "tau": truth.tau,
+        "omega": truth.omega,
+        "sigma_x": truth.sigma_x,
+        "sigma_t": truth.sigma_t,
+    }
+
+
+def one_point(values):
+    return {name: np.array([value]) for name, value in values.items()}
+
+
+def few_trials(trials, events_each, seed=3, sensors=("drive", "load")):
+    """The first trials of a simulated recording, with a few events of each sensor."""
+    design = Protocol({(9, 85.0): 1}, (6.0, 16.0), (), 2)
+    recording = simulate_recording(design, seed=seed)
+    kept = recording.gravity.trials.iloc[:trials].reset_index(drop=True)
+    events = recording.gravity.events
+    events = events[events["trial"].isin(kept["trial"]) & events["sensor"].isin(sensors)]
+    events = events.groupby(["trial", "sensor"], sort=False).head(events_each)
+    gravity = Gravity(kept, events.reset_index(drop=True))
+    return dataclasses.replace(recording, gravity=gravity)
+
+
+def likelihood_of(recording, analysis=None):
+    screened = screen_trials(recording.gravity, recording.rig)
+    return GravityLikelihood(screened.gravity, recording.rig, analysis or Analysis())
+
+
+def events_table(recording):
+    gravity = recording.gravity
+    return reduce_events(
+        gravity.events,
+        gravity.trials["trial"],
+        spacing_m=SPACING,
+        tick_s=TICK,
+        first_speed_scale=1.0,
+    )
+
+
+def law_friction(row, values):
+    """fc of eq. (15), implicit in the acceleration, by fixed-point iteration."""
+    g, m1, m2 = 9.80665, row["mass_drive_kg"], row["mass_load_kg"]
+    c1, c2, c3 = (values[f"{c}[{row['pulley_size']}]"] for c in ("c1", "c2", "c3"))
+    friction = 0.0
+    for _ in range(100):
+        a = ((m1 - m2) * g - friction) / (m1 + m2)
+        tension = 0.5 * ((m1 + m2) * g - (m1 - m2) * a)
+        slope = c1 + c3 * (row["wrap_angle_deg"] - 85)
+        friction = row["n_pulleys"] * (slope * tension + c2)
+    return friction
+
+
+def design(events):
+    """Time since the trial's first event, and the columns −o_drive, −o_load, v0."""
+    tau = events["time_s"].to_numpy() - events["time_s"].min()
+    offsets = [-(events["sensor"] == s).to_numpy(float) for s in events["sensor"].unique()]
+    return tau, np.column_stack([*offsets, tau])
+
+
+def by_quadrature(row, events, values, nodes=24):
+    """log p(times), integrated over friction, offsets and first speed, exact speeds."""
+    g, mass = 9.80665, row["mass_drive_kg"] + row["mass_load_kg"]
+    tau, columns = design(events)
+    travel = events["displacement_m"].to_numpy()
+    columns = np.column_stack([columns, tau**2 / 2])
+    # A grid around the least-squares motion, along its principal axes.
+    centre = np.linalg.lstsq(columns, travel, rcond=None)[0]
+    speed = centre[-2] + centre[-1] * tau
+    clock2 = values["sigma_t"] ** 2 + TICK**2 / 12
+    weight = 1 / (values["sigma_x"] ** 2 + clock2 * speed**2)
+    root = np.linalg.cholesky(np.linalg.inv(columns.T @ (weight[:, None] * columns)))
+    centre = np.linalg.solve(columns.T @ (weight[:, None] * columns), columns.T @ (weight * travel))
+    place, mass_of_node = np.polynomial.hermite_e.hermegauss(nodes)
+    grid = np.meshgrid(*[place] * centre.size, indexing="ij")
+    u = np.stack([axis.ravel() for axis in grid])
+    log_weight = sum(np.meshgrid(*[np.log(mass_of_node)] * centre.size, indexing="ij")).ravel()
+    points = centre[:, None] + root @ u
+    v = points[-2] + points[-1] * tau[:, None]
+    sd = np.sqrt(values["sigma_x"] ** 2 + clock2 * v**2)
+    residual = columns @ points - travel[:, None]
+    log_density = (stats.norm(0, sd).logpdf(residual) + np.log(v)).sum(axis=0)
+    log_density += stats.halfnorm(scale=1.0).logpdf(points[-2])
+    log_density -= (centre.size - 2) * np.log(SPACING)
+    friction = (row["mass_drive_kg"] - row["mass_load_kg"]) * g - mass * points[-1]
+    law = law_friction(row, values)
+    scatter = law * np.hypot(values["tau"], values["omega"])
+    log_density += stats.norm(law, scatter).logpdf(friction) + np.log(mass)
+    log_jacobian = np.log(np.abs(np.diag(root))).sum()
+    log_grid = log_weight + 0.5 * (u**2).sum(axis=0)
+    return np.logaddexp.reduce(log_density + log_grid) + log_jacobian
+
+
+@pytest.mark.parametrize("sensors", [("drive", "load"), ("load",)])
+@pytest.mark.parametrize("noise", [(30e-6, 20e-6), (5e-6, 80e-6), (60e-6, 1e-6)])
+def test_one_trial_against_quadrature_over_all_nuisances(sensors, noise):
+    recording = few_trials(1, 12, sensors=sensors)
+    values = truth_by_name() | {"sigma_x": noise[0], "sigma_t": noise[1]}
+    found = likelihood_of(recording).setup_log_likelihood(one_point(values))[0, 0]
+    row = recording.gravity.trials.iloc[0]
+    expected = by_quadrature(row, recording.gravity.events, values)
+    assert found == pytest.approx(expected, abs=2e-3)
+
+
+def test_an_assembly_against_one_dense_normal():
+    """All events of four trials are jointly normal once speeds are the pilot's."""
+    recording = few_trials(4, 15)
+    values = truth_by_name() | {"tau": 0.02, "omega": 0.05}
+    likelihood = likelihood_of(recording)
+    g, wide = 9.80665, 1.0
+    clock2 = values["sigma_t"] ** 2 + TICK**2 / 12
+    means, blocks, loads, log_speeds, travels, flat = [], [], [], 0.0, [], 0.0
+    for _, row in likelihood.trials.iterrows():
+        events = recording.gravity.events.query("trial == @row.trial")
+        tau, columns = design(events)
+        travel = events["displacement_m"].to_numpy()
+        pilot = np.linalg.lstsq(np.column_stack([columns, tau**2 / 2]), travel, rcond=None)[0]
+        speed = pilot[-2] + pilot[-1] * tau
+        law, mass = law_friction(row, values), row["mass_drive_kg"] + row["mass_load_kg"]
+        drive = (row["mass_drive_kg"] - row["mass_load_kg"]) * g
+        means.append((drive - law) / mass * tau**2 / 2)
+        loads.append(-law / mass * tau**2 / 2)  # of 1 + η + ε
+        prior_sd = np.array([wide, wide, 1.0])
+        spread = columns * prior_sd
+        blocks.append(
+            np.diag(values["sigma_x"] ** 2 + clock2 * speed**2)
+            + spread @ spread.T
+            + values["tau"] ** 2 * np.outer(loads[-1], loads[-1])
+        )
+        log_speeds += np.log(speed).sum()
+        travels.append(travel)
+        # Offsets: density 1/h instead of a wide normal; speed: half-normal, not normal.
+        flat += 2 * (np.log(np.sqrt(2 * np.pi) * wide) - np.log(SPACING)) + np.log(2)
+        flat += 0.5 * (pilot[:2] ** 2).sum() / wide**2
+    size = sum(len(block) for block in blocks)
+    covariance = np.zeros((size, size))
+    start = 0
+    for block in blocks:
+        stop = start + len(block)
+        covariance[start:stop, start:stop] = block
+        start = stop
+    load = np.concatenate(loads)
+    covariance += values["omega"] ** 2 * np.outer(load, load)
+    root = stats.Covariance.from_cholesky(np.linalg.cholesky(covariance))
+    dense = stats.multivariate_normal(np.concatenate(means), root)
+    expected = dense.logpdf(np.concatenate(travels)) + log_speeds + flat
+    found = likelihood.setup_log_likelihood(one_point(values))
+    assert found.sum() == pytest.approx(expected, abs=1e-5)
+
+
+def test_pilot_speeds_cost_less_than_a_hundredth_of_a_nat_over_quick():
+    """Exact speeds in weights and Jacobian, by quadrature around each trial's motion."""
+    recording = simulate_recording("quick", seed=11)
+    likelihood = likelihood_of(recording)
+    place, mass_of_node = np.polynomial.hermite_e.hermegauss(5)
+    u = np.stack([axis.ravel() for axis in np.meshgrid(*[place] * 4, indexing="ij")])
+    node = np.prod(np.meshgrid(*[mass_of_node / mass_of_node.sum()] * 4), axis=0).ravel()
+    events_of = dict(list(recording.gravity.events.groupby("trial")))
+    sd_of_bulk = {"sigma_x": 0.02, "sigma_t": 0.08, "tau": 0.1, "omega": 0.2, "c1": 0.01}
+    for sign in (-1, 0, 1):  # the truth, and two corners of the posterior's bulk
+        values = {
+            name: value * (1 + sign * sd_of_bulk.get(name.partition("[")[0], 0.0))
+            for name, value in truth_by_name().items()
+        }
+        clock2 = values["sigma_t"] ** 2 + TICK**2 / 12
+        error = 0.0
+        for _, row in likelihood.trials.iterrows():
+            tau, columns = design(events_of[row["trial"]])
+            travel = events_of[row["trial"]]["displacement_m"].to_numpy()
+            columns = np.column_stack([columns, tau**2 / 2])
+            pilot = np.linalg.lstsq(columns, travel, rcond=None)[0]
+            speed = pilot[2] + pilot[3] * tau
+            sd = np.sqrt(values["sigma_x"] ** 2 + clock2 * speed**2)
+            law = law_friction(row, values)
+            mass = row["mass_drive_kg"] + row["mass_load_kg"]
+            prior = ((row["mass_drive_kg"] - row["mass_load_kg"]) * 9.80665 - law) / mass
+            prior_sd = law * np.hypot(values["tau"], values["omega"]) / mass
+            precision = columns.T @ (columns / sd[:, None] ** 2)
+            right = columns.T @ (travel / sd**2)
+            precision[3, 3] += 1 / prior_sd**2
+            right[3] += prior / prior_sd**2
+            root = np.linalg.cholesky(np.linalg.inv(precision))
+            points = np.linalg.solve(precision, right)[:, None] + root @ u
+            exact = points[2] + points[3] * tau[:, None]
+            exact_sd = np.sqrt(values["sigma_x"] ** 2 + clock2 * exact**2)
+            residual = columns @ points - travel[:, None]
+            log_ratio = np.log(exact / speed[:, None]) - np.log(exact_sd / sd[:, None])
+            log_ratio -= 0.5 * residual**2 * (1 / exact_sd**2 - 1 / sd[:, None] ** 2)
+            error += np.log(node @ np.exp(log_ratio.sum(axis=0)))
+        assert abs(error) < 0.01
+
+
+def test_clock_rounding_adds_its_own_variance():
+    recording = few_trials(1, 12)
+    likelihood = likelihood_of(recording)
+    coarse = dataclasses.replace(recording.rig, timer_resolution_s=40e-6)
+    rounded = likelihood_of(dataclasses.replace(recording, rig=coarse))
+    values = truth_by_name()
+    same = values | {"sigma_t": np.sqrt(values["sigma_t"] ** 2 + (40e-6**2 - TICK**2) / 12)}
+    found = rounded.setup_log_likelihood(one_point(values))
+    assert found == pytest.approx(likelihood.setup_log_likelihood(one_point(same)), abs=1e-6)
+
+
+@pytest.mark.parametrize("ratio", [1e-4, 1e-2, 0.3, 0.67, 5.0, 300.0])
+def test_table_agrees_with_a_direct_solution(ratio):
+    """â and its variance by weighted least squares on one trial, without the table."""
+    recording = few_trials(1, 60)
+    sigma_x = 30e-6
+    sigma_t = ratio * sigma_x
+    events = recording.gravity.events
+    tau, columns = design(events)
+    columns = np.column_stack([columns, tau**2 / 2])
+    travel = events["displacement_m"].to_numpy()
+    pilot = np.linalg.lstsq(columns, travel, rcond=None)[0]
+    speed = pilot[2] + pilot[3] * tau
+    variance = sigma_x**2 + (sigma_t**2 + TICK**2 / 12) * speed**2
+    information = columns.T @ (columns / variance[:, None])
+    fit = np.linalg.solve(information, columns.T @ (travel / variance))
+    found = events_table(recording).at(np.array([sigma_x]), np.array([sigma_t])).acceleration()
+    assert found.mean[0, 0] == pytest.approx(fit[3], rel=1e-9)
+    assert found.variance[0, 0] == pytest.approx(np.linalg.inv(information)[3, 3], rel=1e-6)
+
+
+def test_stalled_trial_leaves_by_the_stated_rule():
+    recording = few_trials(3, 30)
+    events = recording.gravity.events.copy()
+    stalled = recording.gravity.trials["trial"][1]
+    rows = (events["trial"] == stalled).to_numpy()
+    travel = events.loc[rows, "displacement_m"].to_numpy()
+    # 0.35 m/s at first, −0.2 m/s²: stops after 0.306 m, just past the 30th event.
+    events.loc[rows, "time_s"] = 1.0 + (0.35 - np.sqrt(0.35**2 - 0.4 * travel)) / 0.2
+    assert 0.35**2 / 0.4 - travel.max() < 2.5 * SPACING
+    slower = Gravity(recording.gravity.trials, events)
+    assert screen_trials(slower, recording.rig).excluded == {}
+    events.loc[rows, "time_s"] = 1.0 + (0.339 - np.sqrt(0.339**2 - 0.4 * travel)) / 0.2
+    slower = Gravity(recording.gravity.trials, events)
+    screened = screen_trials(slower, recording.rig)
+    assert screened.excluded == {stalled: "stalled"}
+    assert stalled not in set(screened.gravity.trials["trial"])
+    assert stalled not in set(screened.gravity.events["trial"])
+
+
+def test_model_puts_prior_jacobian_and_likelihood_together():
+    likelihood = likelihood_of(few_trials(3, 12))
+    model = Model([likelihood])
+    values = truth_by_name() | {"c1[small]": 0.013}
+    theta = np.array([[values[name] for name in model.names]])
+    scales = {"c1": 0.05, "c2": 0.2, "tau": 0.05, "omega": 0.05, "sigma_x": 1e-4, "sigma_t": 1e-4}
+    expected = likelihood.setup_log_likelihood(one_point(values)).sum()
+    for name in model.names:
+        stem = name.partition("[")[0]
+        if stem == "c3":
+            expected += stats.norm(0, 1e-3).logpdf(values[name])
+        else:
+            expected += stats.halfnorm(scale=scales[stem]).logpdf(values[name])
+    z = model.sampling(theta)
+    # The sampling space is not the parameters': its Jacobian, by differences.
+    step = 1e-6
+    width = (model.natural(z + step) - model.natural(z - step)) / (2 * step)
+    expected += np.log(width).sum()
+    assert model.log_posterior(z)[0] == pytest.approx(expected, abs=1e-5)
+
+
+def test_impossible_points_have_no_density_and_no_warning():
+    model = Model([likelihood_of(few_trials(2, 12))])
+    z = model.start()
+    points = np.stack([z, z, z])
+    points[1, 0], points[2, -1] = 1e200, -800.0  # an infinite c1, a clock without noise
+    density = model.log_posterior(points)
+    assert np.isfinite(density[0])
+    assert density[1] == -np.inf
+    assert not np.isnan(density).any()
+
+
+def test_scatter_by_size_with_equal_values_is_the_shared_scatter():
+    recording = simulate_recording("quick", seed=5)
+    shared = likelihood_of(recording)
+    separate = likelihood_of(recording, Analysis(scatter={"by_size": True}))
+    values = truth_by_name()
+    split = values | {
+        f"{name}[{size}]": values[name] for name in ("tau", "omega") for size in shared.sizes
+    }
+    assert separate.setup_log_likelihood(one_point(split)) == pytest.approx(
+        shared.setup_log_likelihood(one_point(values)), abs=1e-9
+    )
+
+
+def test_order_of_rows_does_not_matter():
+    recording = few_trials(4, 15)
+    shuffled = Gravity(
+        recording.gravity.trials.sample(frac=1, random_state=1).reset_index(drop=True),
+        recording.gravity.events.sample(frac=1, random_state=2),
+    )
+    again = dataclasses.replace(recording, gravity=shuffled)
+    point = one_point(truth_by_name())
+    assert likelihood_of(again).setup_log_likelihood(point).sum() == pytest.approx(
+        likelihood_of(recording).setup_log_likelihood(point).sum(), abs=1e-8
+    )
