@@ -14,7 +14,7 @@ from bayesfric.physics.gravity import (
     trajectory,
 )
 from bayesfric.recording import read_recording
-from bayesfric.recording.tables import Gravity, Rig
+from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.resources import bundled_recording
 from bayesfric.rigs.gravity_board.estimator import (
     TrialFriction,
@@ -28,7 +28,7 @@ from bayesfric.simulate import table1_coefficients
 
 LAWS = table1_coefficients()
 G = 9.80665
-RIG = Rig(gravity_m_s2=G, hall_spacing_m=0.0098)
+RIG = RigConstants(gravity_m_s2=G, hall_spacing_m=0.0098)
 GRID = np.arange(58) * RIG.hall_spacing_m
 PHASES = {"drive": 0.0031, "load": 0.0075}  # path from release to a sensor's first event
 # Medium, n = 9, 85°, 15.5 N at rest; accelerations of 0.1 to 0.9 m/s².

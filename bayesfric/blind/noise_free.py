@@ -18,9 +18,9 @@ from bayesfric.diagnosis.reference import fitted_laws
 from bayesfric.diagnosis.residuals import Residuals, fitted, residuals_of
 from bayesfric.effects import all_effects
 from bayesfric.effects.candidates import Candidate, candidates_of
-from bayesfric.fitting.hypothesis import Data
 from bayesfric.recording.tables import Recording
-from bayesfric.rigs.gravity_board.screening import screen_trials
+from bayesfric.rigs import all_rigs
+from bayesfric.rigs.data import Data
 from bayesfric.simulate import table1_coefficients
 
 __all__ = ["CleanCase"]
@@ -50,11 +50,8 @@ class CleanCase:
     """
 
     def __init__(self, recording: Recording, analysis: Analysis) -> None:
-        gravity, motor = recording.gravity, recording.motor
-        whole = None
-        if gravity is not None:
-            whole = screen_trials(gravity, recording.rig, exclude=False).gravity
-        data = Data(recording.rig, whole, motor)
+        opened = (rig.trials(recording, exclude=False) for rig in all_rigs().values())
+        data = Data(tuple(one for one in opened if one is not None))
         laws = {size: table1_coefficients()[size] for size in data.sizes}
         share = analysis.diagnosis.practical_share
         model = LinearModel(data, laws, (), analysis, share, discrepancy=False)

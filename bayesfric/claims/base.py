@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
 from bayesfric.claims.studies import Studied, Task
-from bayesfric.fitting.hypothesis import Data, Hypothesis
+from bayesfric.fitting.hypothesis import Hypothesis
 from bayesfric.recording.tables import Recording
+from bayesfric.rigs.data import Data
 
 __all__ = ["BASELINE", "Case", "Claim", "Finding", "Verdict"]
 
@@ -105,14 +106,9 @@ class Claim:
             return ""
         if self.board not in data:
             return f"The recording has no {self.board} board."
-        gravity = data[self.board].gravity
-        if gravity is None:
-            return ""
-        trials = gravity.trials
-        total = (trials["mass_drive_kg"] + trials["mass_load_kg"]).round(2)
+        (trials,) = data[self.board].rigs
         for name, least in self.levels.items():
-            values = total if name == "tension" else trials[name]
-            if (found := values.nunique()) < least:
+            if (found := trials.levels(name)) < least:
                 return f"The {WORDS[name]} takes {found} of at least {least} values."
         return ""
 

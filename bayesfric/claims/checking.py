@@ -20,10 +20,10 @@ from bayesfric.claims.comparison import bayes_factor, log_evidence
 from bayesfric.claims.contradictions import contradictions
 from bayesfric.claims.studies import Studied, Task, study_all
 from bayesfric.effects import all_effects
-from bayesfric.fitting.hypothesis import Data
 from bayesfric.recording.tables import Recording
 from bayesfric.results import json_bytes, provenance, replace_outputs, write_netcdf
-from bayesfric.rigs.gravity_board.screening import screen_trials
+from bayesfric.rigs import all_rigs
+from bayesfric.rigs.data import Data
 from bayesfric.schemas import (
     ClaimResult,
     ClaimsFile,
@@ -238,13 +238,8 @@ def screen_claims(
 
 def _data(recording: Recording) -> dict[str, Data]:
     """Return the data of each board, and of each board and size."""
-    data: dict[str, Data] = {}
-    if recording.gravity is not None:
-        screened = screen_trials(recording.gravity, recording.rig).gravity
-        if not screened.trials.empty:
-            data["gravity"] = Data(recording.rig, gravity=screened)
-    if recording.motor is not None:
-        data["motor"] = Data(recording.rig, motor=recording.motor)
+    opened = {name: rig.trials(recording) for name, rig in all_rigs().items()}
+    data = {n: Data((one,)) for n, one in opened.items() if one is not None and len(one.table)}
     for board in list(data):
         for size in data[board].sizes:
             data[f"{board}/{size}"] = data[board].of_size(size)

@@ -19,7 +19,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
     data, rules = case.data["motor"], case.analysis.claims
     sizes = set(case.data["gravity"].sizes)
     assert data.motor is not None
-    motor = MotorLikelihood(data.motor, data.rig, case.analysis)
+    motor = MotorLikelihood(data.motor, data.constants, case.analysis)
     common = motor.trials["pulley_size"].isin(sizes).to_numpy()
     if not common.any():
         return Finding("not-testable", "The two boards have no pulley size in common.")

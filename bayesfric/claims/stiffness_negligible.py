@@ -9,7 +9,7 @@ from bayesfric.claims.base import Case, Claim, Finding, Verdict
 from bayesfric.claims.comparison import share
 from bayesfric.inference.priors import draw
 from bayesfric.physics.gravity import nominal_tension
-from bayesfric.recording.tables import Gravity, Rig
+from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.likelihood import trial_condition
 from bayesfric.rigs.gravity_board.trial_motion import Events, prepare_events
 
@@ -19,7 +19,7 @@ CABLES = 64  # draws of the cable from its priors
 
 def friction_ratios(
     gravity: Gravity,
-    rig: Rig,
+    rig: RigConstants,
     axial_stiffness_n: Array,
     length_m: Array,
     damping_ratio: Array,
@@ -37,7 +37,7 @@ def friction_ratios(
     ----------
     gravity : Gravity
         Trials, all of which have events.
-    rig : Rig
+    rig : RigConstants
         The board.
     axial_stiffness_n, length_m, damping_ratio : ndarray, shape (C,)
         EA [N], cable between the masses [m], and damping over the critical.
@@ -100,7 +100,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
     theta = case.baseline("gravity")
     ratios = friction_ratios(
         with_events,
-        data.rig,
+        data.constants,
         draw(priors.axial_stiffness_n, CABLES, rng),
         draw(priors.cable_length_m, CABLES, rng),
         draw(priors.damping_ratio, CABLES, rng),

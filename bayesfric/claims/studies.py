@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis, Sampler
 from bayesfric.effects import Effect, State
-from bayesfric.fitting.hypothesis import Data, Hypothesis, model_of
+from bayesfric.fitting.hypothesis import Hypothesis, model_of
 from bayesfric.fitting.predictive.left_out import leave_setups_out
 from bayesfric.inference.evidence import (
     ELPD,
@@ -28,7 +28,7 @@ from bayesfric.inference.model import Model
 from bayesfric.inference.priors import log_density
 from bayesfric.inference.sampling import sample
 from bayesfric.physics.friction import Coefficients
-from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
+from bayesfric.rigs.data import Data
 
 __all__ = ["WIDTHS", "Studied", "Task", "slowest_speed", "study_all"]
 
@@ -277,11 +277,5 @@ def _size_at_edge(
 
 def slowest_speed(data: Data) -> float:
     """Return the least speed at which anything was measured [m/s]."""
-    speeds = []
-    if data.gravity is not None and not data.gravity.events.empty:
-        with_events = data.gravity.trials["trial"].isin(data.gravity.events["trial"])
-        pilot = pilot_fits(data.gravity.events, data.gravity.trials["trial"][with_events])
-        speeds.append(float(pilot.least_speed.min()))
-    if data.motor is not None:
-        speeds.append(float(data.motor.runs["velocity_m_s"].abs().min()))
-    return min(speeds, default=0.0)
+    speeds = [one.slowest_speed_m_s for one in data.rigs]
+    return min((speed for speed in speeds if np.isfinite(speed)), default=0.0)

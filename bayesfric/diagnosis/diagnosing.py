@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -28,13 +28,15 @@ from bayesfric.diagnosis.which import NONE, PRIOR, UNKNOWN, Which, look_closer, 
 from bayesfric.effects import Effect, all_effects
 from bayesfric.effects.candidates import candidates_of
 from bayesfric.errors import Fault, InputError
-from bayesfric.fitting.hypothesis import Data
 from bayesfric.paper import table1
 from bayesfric.physics.friction import Coefficients
-from bayesfric.recording.tables import Gravity, Recording, Rig
+from bayesfric.recording.tables import Recording
 from bayesfric.results import json_bytes, provenance, replace_outputs, write_netcdf
+from bayesfric.rigs import all_rigs
+from bayesfric.rigs.base import RigTrials
+from bayesfric.rigs.data import Data
 from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion, measured_motion
-from bayesfric.rigs.gravity_board.screening import screen_trials
+from bayesfric.rigs.gravity_board.trials import GravityTrials
 from bayesfric.schemas import Absorbed, DiagnosisFile, ExaminedEffect, RecordingId
 
 __all__ = ["Diagnosed", "diagnose"]
@@ -146,7 +148,7 @@ def _diagnose(
     laws, psi = reference_laws(data, analysis, share, held, shipped, measured)
     stray = stray_trials(data, laws, measured)
     if stray:
-        data = replace(data, gravity=_without(data.gravity, stray))
+        data = _without(data, stray)
         measured = _measured(data)
         laws, psi = reference_laws(data, analysis, share, held, shipped, measured)
     candidates = [one for effect in examined.values() for one in candidates_of(effect)]
@@ -189,11 +191,7 @@ def _diagnose(
     unseparated = unseparated_of(which, chances, verdict)
     summary = DiagnosisFile(
         **attributes.model_dump(),
-        rigs=tuple(
-            name
-            for name, part in (("gravity", data.gravity), ("motor", data.motor))
-            if part is not None
-        ),
+        rigs=tuple(one.rig.name for one in data.rigs),
         baseline="paper",
         fixed=tuple(sorted(held)),
         stray_trials=stray,
@@ -225,44 +223,41 @@ def _diagnose(
 
 
 def _data(recording: Recording) -> Data:
-    gravity, motor = None, recording.motor
-    if recording.gravity is not None:
-        gravity = _trials(recording.gravity, recording.rig)
-        gravity = None if gravity.trials.empty else gravity
-    if motor is not None and motor.runs.empty:
-        motor = None
-    if gravity is None and motor is None:
+    opened = [rig.trials(recording) for rig in all_rigs().values()]
+    rigs = tuple(_entering(one, recording) for one in opened if one is not None)
+    data = Data(tuple(one for one in rigs if not one.table.empty))
+    if not data.rigs:
         raise InputError([Fault(recording.name, "a gravity trial or a motor run to diagnose")])
-    return Data(recording.rig, gravity, motor)
+    return data
 
 
 def _measured(data: Data) -> MeasuredMotion | None:
     """Return the motion of the trials, which no law changes."""
-    return None if data.gravity is None else measured_motion(data.gravity, data.rig)
+    return None if data.gravity is None else measured_motion(data.gravity, data.constants)
 
 
-def _trials(gravity: Gravity, rig: Rig) -> Gravity:
+def _entering(trials: RigTrials, recording: Recording) -> RigTrials:
     """Return the trials that enter by the rules of a fit.
 
     Where the sensors of many trials disagree, it is no fault of a trial, but of the rig,
     and what the diagnosis is to find: these trials stay.
     """
-    screened = screen_trials(gravity, rig)
-    disagreeing = [t for t, rule in screened.excluded.items() if rule == "sensors-disagree"]
-    if len(disagreeing) <= MANY * len(gravity.trials):
-        return screened.gravity
-    gone = set(screened.excluded) - set(disagreeing)
-    kept = _without(screen_trials(gravity, rig, exclude=False).gravity, gone)
+    if not isinstance(trials, GravityTrials):
+        return trials
+    excluded = trials.screened.excluded
+    disagreeing = [trial for trial, rule in excluded.items() if rule == "sensors-disagree"]
+    if len(disagreeing) <= MANY * len(trials.recorded.trials):
+        return trials
+    whole = trials.rig.trials(recording, exclude=False)
+    assert whole is not None
+    kept = whole.select(~whole.table["trial"].isin(set(excluded) - set(disagreeing)))
     assert kept is not None
     return kept
 
 
-def _without(gravity: Gravity | None, trials: Collection[str]) -> Gravity | None:
-    if gravity is None:
-        return None
-    kept = gravity.trials[~gravity.trials["trial"].isin(trials)].reset_index(drop=True)
-    events = gravity.events[gravity.events["trial"].isin(kept["trial"])].reset_index(drop=True)
-    return Gravity(kept, events)
+def _without(data: Data, trials: Collection[str]) -> Data:
+    kept = (one.select(~one.table["trial"].isin(trials)) for one in data.rigs)
+    return Data(tuple(one for one in kept if one is not None))
 
 
 def _held(

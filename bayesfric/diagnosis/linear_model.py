@@ -17,10 +17,10 @@ from bayesfric.diagnosis.noise import bounds, log_prior
 from bayesfric.diagnosis.pulley_sizes import coefficient_prior, pulley_radii, rms_friction
 from bayesfric.diagnosis.small_amounts import small_amounts
 from bayesfric.effects.candidates import Candidate, on_friction, prior_moments
-from bayesfric.fitting.hypothesis import Data
 from bayesfric.inference.information import Information
 from bayesfric.inference.laplace import finite_hessian
 from bayesfric.physics.friction import Coefficients
+from bayesfric.rigs.data import Data
 from bayesfric.rigs.gravity_board.linear import GravityNoise, GravityPart
 from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion, measured_motion
 from bayesfric.rigs.gravity_board.rows import GravityRows
@@ -116,15 +116,19 @@ class LinearModel:
         self.released = self.scattering if released is None else on_friction(released)
         rows, self._measured = None, measured
         if data.gravity is not None:
-            self._measured = measured or measured_motion(data.gravity, data.rig)
-            rows = GravityRows(data.gravity, data.rig, laws, radii, self._measured, self.released)
+            self._measured = measured or measured_motion(data.gravity, data.constants)
+            rows = GravityRows(
+                data.gravity, data.constants, laws, radii, self._measured, self.released
+            )
         empty = Layout(data.sizes, 0, 0, idle_columns(data.motor))
         plain = np.ones(empty.local)
         # Once without smooth forces, for friction and covariates of the runs.
         bare = None
         if data.motor is not None:
             unit = dict.fromkeys(data.sizes, 1.0)
-            bare = MotorPart(data.motor, data.rig, laws, radii, empty, (), (), (), plain, unit)
+            bare = MotorPart(
+                data.motor, data.constants, laws, radii, empty, (), (), (), plain, unit
+            )
         self.friction_scale = rms_friction(data.sizes, rows, bare)
         self.smooths = smooth_forces(rows, bare) if discrepancy else ()
         count = sum(smooth.count for smooth in self.smooths)
@@ -151,7 +155,7 @@ class LinearModel:
         self.motor = None
         if data.motor is not None:
             self.motor = MotorPart(
-                data.motor, data.rig, laws, radii, *given, scattering=self.scattering
+                data.motor, data.constants, laws, radii, *given, scattering=self.scattering
             )
         self._mean, self._sd = self._prior()
         self._known: dict[tuple[object, ...], Information] = {}

@@ -104,7 +104,7 @@ def next_experiment(
 def _laid_out(model: LinearModel) -> GravityRows | None:
     """Return trials at every feasible condition, their events on time by the reference law."""
     assert model.gravity is not None
-    known, rig = model.gravity.rows.trials, model.data.rig
+    known, rig = model.gravity.rows.trials, model.data.constants
     laid = []
     for size, own in known.groupby("pulley_size", sort=True):
         masses = own[["mass_drive_kg", "mass_load_kg"]].drop_duplicates()
@@ -140,11 +140,11 @@ def _accelerations(model: LinearModel, trials: pd.DataFrame) -> Array:
     """Return the acceleration of each trial by the reference law, shape (N,) [m/s²]."""
     laws = [model.laws[size] for size in trials["pulley_size"]]
     law = Coefficients(*(np.array(column) for column in zip(*laws, strict=True)))
-    return coulomb_acceleration(law, trial_condition(trials, model.data.rig))
+    return coulomb_acceleration(law, trial_condition(trials, model.data.constants))
 
 
 def _rows(model: LinearModel, gravity: Gravity) -> GravityRows:
-    rig = model.data.rig
+    rig = model.data.constants
     measured = measured_motion(gravity, rig)
     return GravityRows(gravity, rig, model.laws, model.radii, measured, model.released)
 

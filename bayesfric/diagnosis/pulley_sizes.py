@@ -3,8 +3,8 @@
 import numpy as np
 
 from bayesfric.analysis import Analysis, Prior
-from bayesfric.fitting.hypothesis import Data
 from bayesfric.paper import table1
+from bayesfric.rigs.data import Data
 from bayesfric.rigs.gravity_board.rows import GravityRows
 from bayesfric.rigs.motor_board.linear import MotorPart
 
@@ -24,7 +24,7 @@ def pulley_radii(data: Data) -> dict[str, float]:
     known = {size: row.radius_m for size, row in table1().items()}
     radii = {}
     for size in data.sizes:
-        pulley = data.rig.pulleys.get(size)
+        pulley = data.constants.pulleys.get(size)
         stated = None if pulley is None else pulley.radius_m
         radii[size] = stated or known.get(size) or known["medium"]
     return radii

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from bayesfric.analysis import Analysis
 from bayesfric.diagnosis.linear_model import Acting, LinearModel
 from bayesfric.effects.candidates import Candidate
-from bayesfric.fitting.hypothesis import Data
 from bayesfric.physics.friction import Coefficients
+from bayesfric.rigs.data import Data
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
 from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion
 from bayesfric.rigs.layout import COEFFICIENTS
@@ -105,9 +105,9 @@ def _rough(data: Data, analysis: Analysis) -> dict[str, Coefficients]:
     found: dict[str, Coefficients] = {}
     start: dict[str, float] = {}
     if data.motor is not None:
-        start |= MotorLikelihood(data.motor, data.rig, analysis).start()
+        start |= MotorLikelihood(data.motor, data.constants, analysis).start()
     if data.gravity is not None:
-        start |= GravityLikelihood(data.gravity, data.rig, analysis).start()
+        start |= GravityLikelihood(data.gravity, data.constants, analysis).start()
     for size in data.sizes:
         found[size] = Coefficients(*(start[f"{name}[{size}]"] for name in Coefficients._fields))
     return found

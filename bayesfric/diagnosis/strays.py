@@ -8,9 +8,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from bayesfric.fitting.hypothesis import Data
 from bayesfric.paper import table1
 from bayesfric.physics.friction import Coefficients
+from bayesfric.rigs.data import Data
 from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion
 from bayesfric.rigs.gravity_board.rows import GravityRows
 
@@ -41,7 +41,7 @@ def stray_trials(
     if data.gravity is None or measured is None:
         return ()
     radii = dict.fromkeys(data.sizes, table1()["medium"].radius_m)
-    rows = GravityRows(data.gravity, data.rig, laws, radii, measured)
+    rows = GravityRows(data.gravity, data.constants, laws, radii, measured)
     deviation = rows.relative_deviation()
     setup = rows.trials["setup"].to_numpy()
     distance = np.zeros_like(deviation)

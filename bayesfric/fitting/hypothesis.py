@@ -5,60 +5,14 @@ from dataclasses import dataclass
 from bayesfric.analysis import Analysis, PriorOverrides, Uniform
 from bayesfric.effects import Effect
 from bayesfric.effects.terms import ActiveEffect
-from bayesfric.inference.model import Model, RigLikelihood
+from bayesfric.inference.model import Model
 from bayesfric.paper import table1
 from bayesfric.physics.laws import BASELINES, RIVAL_LAWS
-from bayesfric.recording.tables import Gravity, Motor, Rig
-from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
-from bayesfric.rigs.motor_board.likelihood import MotorLikelihood
+from bayesfric.rigs.data import Data
 
-__all__ = ["Data", "Hypothesis", "model_of"]
+__all__ = ["Hypothesis", "model_of"]
 
 LAWS = BASELINES | RIVAL_LAWS
-
-
-@dataclass(frozen=True)
-class Data:
-    """Trials and runs that enter.
-
-    Parameters
-    ----------
-    rig : Rig
-        Both boards.
-    gravity : Gravity or None
-        Screened trials, those of an assembly adjacent.
-    motor : Motor or None
-        Runs and idle measurements.
-    """
-
-    rig: Rig
-    gravity: Gravity | None = None
-    motor: Motor | None = None
-
-    @property
-    def sizes(self) -> tuple[str, ...]:
-        """Pulley sizes, in order of appearance."""
-        found: list[str] = []
-        if self.gravity is not None:
-            found += list(self.gravity.trials["pulley_size"])
-        if self.motor is not None:
-            found += list(self.motor.runs["pulley_size"])
-        return tuple(dict.fromkeys(found))
-
-    def of_size(self, size: str) -> "Data":
-        """Return the trials and runs of one pulley size; a board without any is left out."""
-        gravity, motor = None, None
-        if self.gravity is not None:
-            trials = self.gravity.trials
-            trials = trials[trials["pulley_size"] == size].reset_index(drop=True)
-            events = self.gravity.events
-            events = events[events["trial"].isin(trials["trial"])].reset_index(drop=True)
-            gravity = Gravity(trials, events) if len(trials) else None
-        if self.motor is not None:
-            runs = self.motor.runs
-            runs = runs[runs["pulley_size"] == size].reset_index(drop=True)
-            motor = Motor(runs, self.motor.idle) if len(runs) else None
-        return Data(self.rig, gravity, motor)
 
 
 @dataclass(frozen=True)
@@ -97,7 +51,7 @@ def model_of(
     Parameters
     ----------
     data : Data
-        Of one board or both.
+        Of one rig or several.
     analysis : Analysis
         Priors and the form of the scatter.
     hypothesis : Hypothesis
@@ -108,18 +62,13 @@ def model_of(
     Returns
     -------
     Model
-        The gravity board's likelihood first.
+        Of the likelihoods of all rigs.
     """
     law = LAWS[hypothesis.law]
     if hypothesis.printed:
         analysis = _with_table1(analysis)
     active = [ActiveEffect(effects[name], variant) for name, variant in hypothesis.effects]
-    rigs: list[RigLikelihood] = []
-    if data.gravity is not None:
-        rigs.append(GravityLikelihood(data.gravity, data.rig, analysis, law, active))
-    if data.motor is not None:
-        rigs.append(MotorLikelihood(data.motor, data.rig, analysis, law, active))
-    return Model(rigs)
+    return Model([one.likelihood(analysis, law, active) for one in data.rigs])
 
 
 def _with_table1(analysis: Analysis) -> Analysis:

@@ -11,7 +11,7 @@ from bayesfric.inference.laplace import curvature_steps, finite_hessian
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import LOG_2PI, Parameter, describe, prior_sd
 from bayesfric.inference.sampling import Draws
-from bayesfric.recording.tables import Recording, Rig
+from bayesfric.recording.tables import Recording, RigConstants
 from bayesfric.rigs.gravity_board.estimator import estimate_as_the_paper
 from bayesfric.rigs.gravity_board.screening import RULES, Screened
 from bayesfric.rigs.gravity_board.sensor_agreement import MATERIAL_SHARE, SensorAgreement
@@ -130,7 +130,7 @@ def summarise_without_exclusions(trials: int, model: Model, draws: Draws) -> Wit
     )
 
 
-def _as_the_paper(screened: Screened, rig: Rig) -> dict[str, PointEstimate]:
+def _as_the_paper(screened: Screened, rig: RigConstants) -> dict[str, PointEstimate]:
     estimates = estimate_as_the_paper(screened.gravity, rig).sizes
     return {
         size.pulley_size: PointEstimate(

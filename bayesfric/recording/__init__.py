@@ -7,7 +7,7 @@ recording before it complains; writing is whole or not at all.
 from bayesfric.recording.describing import describe_recording
 from bayesfric.recording.digest import tables_sha256
 from bayesfric.recording.reading import read_recording
-from bayesfric.recording.tables import Axis, Gravity, Motor, Pulley, Recording, Rig
+from bayesfric.recording.tables import Axis, Gravity, Motor, Pulley, Recording, RigConstants
 from bayesfric.recording.writing import write_recording
 
 __all__ = [
@@ -16,7 +16,7 @@ __all__ = [
     "Motor",
     "Pulley",
     "Recording",
-    "Rig",
+    "RigConstants",
     "describe_recording",
     "read_recording",
     "tables_sha256",

@@ -8,7 +8,7 @@ import pandas as pd
 from bayesfric.errors import Fault
 from bayesfric.recording.schemas import Table
 from bayesfric.recording.spacing import printed_tolerance, spacing_counts
-from bayesfric.recording.tables import Rig
+from bayesfric.recording.tables import RigConstants
 
 __all__ = ["MINIMUM_EVENTS", "check_across"]
 
@@ -16,14 +16,16 @@ MINIMUM_EVENTS = 5  # of a trial and sensor
 CONDITION = ["pulley_size", "n_pulleys", "wrap_angle_deg"]
 
 
-def check_across(tables: Mapping[str, Table], rig: Rig, unreadable: frozenset[str]) -> list[Fault]:
+def check_across(
+    tables: Mapping[str, Table], rig: RigConstants, unreadable: frozenset[str]
+) -> list[Fault]:
     """Faults of rows against rows and of tables against tables.
 
     Parameters
     ----------
     tables : mapping of str to Table
         Canonical file name to table; only those that could be parsed.
-    rig : Rig
+    rig : RigConstants
         The constants of the rig.
     unreadable : frozenset of str
         Tables that are listed but could not be parsed. Nothing is concluded from
@@ -97,7 +99,7 @@ def _runs_without_samples(runs: Table, samples: Table) -> list[Fault]:
     return runs.faults_where(missing, "run", f"samples of this run in {samples.text.file}")
 
 
-def _events(events: Table, rig: Rig) -> list[Fault]:
+def _events(events: Table, rig: RigConstants) -> list[Fault]:
     keys = ["trial", "sensor"]
     if not events.has(*keys):
         return []
@@ -122,7 +124,7 @@ def _not_increasing(table: Table, keys: list[str], column: str) -> list[Fault]:
     return table.faults_where(values <= previous, column, expected)
 
 
-def _displacements(events: Table, rig: Rig) -> list[Fault]:
+def _displacements(events: Table, rig: RigConstants) -> list[Fault]:
     keys, column = ["trial", "sensor"], "displacement_m"
     if not events.has(column) or rig.hall_spacing_m is None:
         return []

@@ -12,7 +12,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 from bayesfric.errors import Fault
 from bayesfric.recording.columns import LARGEST_INTEGER
 from bayesfric.recording.json_text import dotted, parse_json_object, shown
-from bayesfric.recording.tables import STANDARD_GRAVITY, Pulley, Rig
+from bayesfric.recording.tables import STANDARD_GRAVITY, Pulley, RigConstants
 
 __all__ = ["PACKAGE_FILE", "Package", "Resource", "parse_package"]
 
@@ -167,7 +167,7 @@ class Package:
     ----------
     name, title, created, metadata
         As in :class:`~bayesfric.recording.tables.Recording`.
-    rig : Rig
+    rig : RigConstants
         Keys at fault are left out.
     rig_keys : frozenset of str
         Keys of ``rig`` that were written, right or wrong.
@@ -181,7 +181,7 @@ class Package:
     title: str
     created: str | None
     metadata: Mapping[str, Any]
-    rig: Rig
+    rig: RigConstants
     rig_keys: frozenset[str]
     resources: tuple[Resource, ...]
     faults: tuple[Fault, ...]
@@ -245,10 +245,10 @@ def _checked(
     )
 
 
-def _rig(keys: dict[str, Any]) -> Rig:
+def _rig(keys: dict[str, Any]) -> RigConstants:
     pulleys = {size: Pulley(**pulley) for size, pulley in keys.pop("pulleys", {}).items()}
     gravity = keys.pop("gravity_m_s2", STANDARD_GRAVITY)
-    return Rig(gravity_m_s2=gravity, pulleys=pulleys, **keys)
+    return RigConstants(gravity_m_s2=gravity, pulleys=pulleys, **keys)
 
 
 def _resources(content: dict[str, Any], faults: list[Fault]) -> tuple[Resource, ...]:

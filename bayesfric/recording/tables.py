@@ -11,7 +11,7 @@ from typing import Any
 
 import pandas as pd
 
-__all__ = ["Axis", "Gravity", "Motor", "Pulley", "Recording", "Rig"]
+__all__ = ["Axis", "Gravity", "Motor", "Pulley", "Recording", "RigConstants"]
 
 STANDARD_GRAVITY = 9.80665  # m/s², used where a recording does not say
 
@@ -33,7 +33,7 @@ class Pulley:
 
 
 @dataclass(frozen=True)
-class Rig:
+class RigConstants:
     """The property ``rig`` of ``datapackage.json``; absent keys are None.
 
     Parameters
@@ -133,7 +133,7 @@ class Recording:
     ----------
     name, title : str
         As in ``datapackage.json``.
-    rig : Rig
+    rig : RigConstants
         The board's constants.
     gravity, motor, steady, axis : tables or None
         The four kinds; at least one is there.
@@ -151,7 +151,7 @@ class Recording:
 
     name: str
     title: str
-    rig: Rig
+    rig: RigConstants
     gravity: Gravity | None = None
     motor: Motor | None = None
     steady: pd.DataFrame | None = None

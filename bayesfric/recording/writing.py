@@ -20,7 +20,7 @@ from bayesfric.errors import Fault, InputError
 from bayesfric.recording.columns import TABLES, TableFormat
 from bayesfric.recording.package import PACKAGE_FILE
 from bayesfric.recording.reading import assemble
-from bayesfric.recording.tables import Recording, Rig
+from bayesfric.recording.tables import Recording, RigConstants
 
 __all__ = ["write_recording"]
 
@@ -101,7 +101,7 @@ def _in_order(frame: pd.DataFrame, table: TableFormat) -> pd.DataFrame:
     return frame[names + others]
 
 
-def _printed_events(events: pd.DataFrame, rig: Rig) -> pd.DataFrame:
+def _printed_events(events: pd.DataFrame, rig: RigConstants) -> pd.DataFrame:
     """Displacements with the digits of the spacing, times with those of the clock."""
     printed = events.copy()
     if rig.hall_spacing_m is not None:
@@ -155,7 +155,7 @@ def _package(recording: Recording, frames: dict[str, pd.DataFrame]) -> dict[str,
     return package
 
 
-def _rig(rig: Rig) -> dict[str, Any]:
+def _rig(rig: RigConstants) -> dict[str, Any]:
     keys = {entry.name: getattr(rig, entry.name) for entry in fields(rig)}
     keys["pulleys"] = {
         size: {key: value for key, value in vars(pulley).items() if value is not None}

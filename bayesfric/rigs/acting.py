@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from bayesfric.effects import ActsOn
 from bayesfric.paper import table1
-from bayesfric.recording.tables import Rig
+from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.truth import AppliedEffect, Truth
 
 __all__ = ["Acting", "draw_phases", "of_kind", "surroundings", "total"]
@@ -77,7 +77,7 @@ def total(acting: Sequence[Acting], where: Any) -> Any:
     return sum((one(where) for one in acting), 0.0)
 
 
-def surroundings(table: pd.DataFrame, rig: Rig) -> dict[str, Any]:
+def surroundings(table: pd.DataFrame, rig: RigConstants) -> dict[str, Any]:
     """Return radius, place in the order and gravity of trials or runs, fields of State."""
     radius = {size: row.radius_m for size, row in table1().items()}
     radius |= {size: own.radius_m for size, own in rig.pulleys.items() if own.radius_m}

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from bayesfric.paper import paper
-from bayesfric.recording.tables import Gravity, Recording, Rig
+from bayesfric.recording.tables import Gravity, Recording, RigConstants
 from bayesfric.rigs.gravity_board.simulator import SENSORS, TRAVEL_M, draw_events, lay_trials
 from bayesfric.rigs.motor_board.simulator import simulate_motor
 from bayesfric.rigs.protocols import PROTOCOLS, Protocol
@@ -83,7 +83,7 @@ def simulate_recording(
         np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(7)
     )
     board = paper()["board"]
-    rig = Rig(
+    rig = RigConstants(
         hall_spacing_m=board["hall_spacing_m"],
         magnets_per_revolution=board["magnets_per_revolution"],
         timer_resolution_s=board["timer_resolution_s"],

@@ -26,7 +26,7 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import nominal_tension, trajectory
 from bayesfric.physics.motor import load_current, motor_friction
 from bayesfric.physics.motor import nominal_tension as motor_tension
-from bayesfric.recording.tables import Rig
+from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.acting import surroundings
 from bayesfric.rigs.gravity_board.simulator import TRAVEL_M, conditions_of, lay_trials
 from bayesfric.rigs.motor_board.simulator import lay_runs, run_conditions
@@ -45,7 +45,12 @@ LARGEST_AMPLITUDE = 1e6
 
 
 def at_strength(
-    name: str, strength: float, design: Protocol, rig: Rig, truth: Truth, law: str | None = None
+    name: str,
+    strength: float,
+    design: Protocol,
+    rig: RigConstants,
+    truth: Truth,
+    law: str | None = None,
 ) -> AppliedEffect:
     """Return an effect of a given strength.
 
@@ -59,7 +64,7 @@ def at_strength(
         negative strength has an amplitude below 0.
     design : Protocol
         The gravity board's trials.
-    rig : Rig
+    rig : RigConstants
         Both boards.
     truth : Truth
         The law.
@@ -115,7 +120,7 @@ def _square(effect: Effect, change: Array) -> Array:
     return np.asarray(squares.mean(axis=-1))
 
 
-def _boards(effect: Effect, design: Protocol, rig: Rig, truth: Truth) -> list[Change]:
+def _boards(effect: Effect, design: Protocol, rig: RigConstants, truth: Truth) -> list[Change]:
     """Return, for each board that may show an effect, its change relative to friction.
 
     Each is an array of shape (rows, times), after one of components where there are any.
@@ -131,12 +136,12 @@ def _column(law: Coefficients) -> Coefficients:
     return Coefficients(*(np.asarray(part)[:, None] for part in law))
 
 
-def _around(table: pd.DataFrame, rig: Rig) -> dict[str, Any]:
+def _around(table: pd.DataFrame, rig: RigConstants) -> dict[str, Any]:
     around = surroundings(table, rig)
     return around | {name: around[name][:, None] for name in ("radius_m", "order")}
 
 
-def _on_trials(design: Protocol, rig: Rig, truth: Truth) -> Change:
+def _on_trials(design: Protocol, rig: RigConstants, truth: Truth) -> Change:
     trials = lay_trials(design, np.random.default_rng(0))
     condition = conditions_of(trials, rig)
     law = laws_of(truth, trials["pulley_size"])
@@ -158,7 +163,7 @@ def _on_trials(design: Protocol, rig: Rig, truth: Truth) -> Change:
     return lambda applied: _at_times(applied(state) / state.friction_n, times.shape)
 
 
-def _on_runs(rig: Rig, truth: Truth) -> Change:
+def _on_runs(rig: RigConstants, truth: Truth) -> Change:
     runs = lay_runs(np.random.default_rng(0))
     condition = run_conditions(runs, rig)
     law = laws_of(truth, runs["pulley_size"])
@@ -185,7 +190,7 @@ def _on_runs(rig: Rig, truth: Truth) -> Change:
     return change
 
 
-def _on_readings(design: Protocol, rig: Rig, truth: Truth) -> Change:
+def _on_readings(design: Protocol, rig: RigConstants, truth: Truth) -> Change:
     trials = lay_trials(design, np.random.default_rng(0))
     condition = conditions_of(trials, rig)
     motion = trajectory(laws_of(truth, trials["pulley_size"]), condition)

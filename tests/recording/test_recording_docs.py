@@ -6,14 +6,14 @@ from pathlib import Path
 
 import pytest
 
-from bayesfric.recording import Rig, read_recording
+from bayesfric.recording import RigConstants, read_recording
 from bayesfric.recording.columns import TABLES
 
 PAGE = Path(__file__).parents[2] / "docs" / "recording.md"
 NAMES = [
     *TABLES,
     *(column.name for table in TABLES.values() for column in table.columns),
-    *(field.name for field in fields(Rig)),
+    *(field.name for field in fields(RigConstants)),
 ]
 
 

@@ -20,7 +20,7 @@ from bayesfric.errors import InputError
 from bayesfric.recording import (
     Gravity,
     Recording,
-    Rig,
+    RigConstants,
     describe_recording,
     read_recording,
     write_recording,
@@ -224,7 +224,7 @@ def gravity_recordings(draw: st.DrawFn) -> Recording:
     return Recording(
         name="generated",
         title="Generated",
-        rig=Rig(
+        rig=RigConstants(
             gravity_m_s2=draw(st.floats(9.7, 9.9)),
             hall_spacing_m=spacing,
             magnets_per_revolution=draw(st.integers(1, 20)),

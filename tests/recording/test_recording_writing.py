@@ -11,7 +11,7 @@ import pytest
 from recording.mini import Mini
 
 from bayesfric.errors import InputError
-from bayesfric.recording import Gravity, Recording, Rig, read_recording, write_recording
+from bayesfric.recording import Gravity, Recording, RigConstants, read_recording, write_recording
 
 
 def frames(recording: Recording) -> dict[str, pd.DataFrame]:
@@ -51,7 +51,7 @@ def gravity_recording(spacing: float, clock: float, time: np.ndarray[Any, Any]) 
             "time_s": time,
         }
     ).astype({"trial": "str", "sensor": "str"})
-    rig = Rig(hall_spacing_m=spacing, magnets_per_revolution=5, timer_resolution_s=clock)
+    rig = RigConstants(hall_spacing_m=spacing, magnets_per_revolution=5, timer_resolution_s=clock)
     return Recording("one", "One trial", rig, gravity=Gravity(trials, events))
 
 

@@ -10,7 +10,7 @@ from scipy import stats
 from bayesfric.analysis import Analysis
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import board_friction
-from bayesfric.recording.tables import Gravity, Rig
+from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood, trial_condition
 from bayesfric.simulate import table1_coefficients
 
@@ -53,8 +53,8 @@ def accelerations(sd):
 )
 def test_accelerations_are_a_dense_normal(sd):
     gravity = accelerations(sd)
-    likelihood = GravityLikelihood(gravity, Rig(), Analysis())
-    trials, rig = gravity.trials, Rig()
+    likelihood = GravityLikelihood(gravity, RigConstants(), Analysis())
+    trials, rig = gravity.trials, RigConstants()
     condition = trial_condition(trials, rig)
     law = board_friction(table1_coefficients()["medium"], condition)
     mass = condition.total_mass_kg
@@ -73,8 +73,8 @@ def test_accelerations_are_a_dense_normal(sd):
 def test_an_absent_column_is_an_unknown_error():
     gravity = accelerations([np.nan] * 4)
     bare = Gravity(gravity.trials.drop(columns="acceleration_sd_m_s2"), gravity.events)
-    with_nan = GravityLikelihood(gravity, Rig(), Analysis()).log_likelihood(THETA)
-    assert GravityLikelihood(bare, Rig(), Analysis()).log_likelihood(THETA) == with_nan
+    with_nan = GravityLikelihood(gravity, RigConstants(), Analysis()).log_likelihood(THETA)
+    assert GravityLikelihood(bare, RigConstants(), Analysis()).log_likelihood(THETA) == with_nan
 
 
 def test_mixed_trials_put_each_in_its_place(small_recording):
@@ -142,7 +142,9 @@ def test_a_fit_of_accelerations_alone_recovers_the_law(small_recording):
 
 
 def test_trials_made_again_share_their_assembly_and_have_their_error():
-    likelihood = GravityLikelihood(accelerations([0.003, 0.01, 0.002, 0.02]), Rig(), Analysis())
+    likelihood = GravityLikelihood(
+        accelerations([0.003, 0.01, 0.002, 0.02]), RigConstants(), Analysis()
+    )
     many = {name: np.repeat(value, 20_000) for name, value in THETA.items()}
     rng = np.random.default_rng(2)
     deviation = likelihood.draw_scatter(many, rng, together=True)

@@ -11,13 +11,13 @@ from bayesfric.analysis import Analysis, Priors, Scatter
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import Model
 from bayesfric.physics.motor import motor_friction
-from bayesfric.recording.tables import Motor, Rig
+from bayesfric.recording.tables import Motor, RigConstants
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
 from bayesfric.rigs.gravity_board.screening import screen_trials
 from bayesfric.rigs.motor_board.likelihood import MotorLikelihood, run_condition
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 
-RIG = Rig(motor_torque_constant_n_m_per_a=0.0259, capstan_radius_m=0.0065)
+RIG = RigConstants(motor_torque_constant_n_m_per_a=0.0259, capstan_radius_m=0.0065)
 VALUES = {
     **{
         f"{name}[{size}]": float(value)

@@ -48,7 +48,7 @@ from bayesfric.inference.student import (
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import Condition, nominal_tension, tension_feedback
 from bayesfric.physics.laws import BASELINES, Baseline
-from bayesfric.recording.tables import Gravity, Rig
+from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.coefficients import SizeIndex, coefficient_parameters
 from bayesfric.rigs.gravity_board.measurements import TrialMeasurements, pilot_accelerations
 from bayesfric.rigs.gravity_board.paths import Paths, trial_paths
@@ -60,7 +60,7 @@ START_SCATTER = 0.02  # of friction, a place to climb from
 TENSION_ITERATIONS = 2  # each takes the error of an effect's tension down by some 100
 
 
-def trial_condition(trials: pd.DataFrame, rig: Rig) -> Condition:
+def trial_condition(trials: pd.DataFrame, rig: RigConstants) -> Condition:
     """Return the condition of each trial, arrays of shape (N,)."""
     return Condition(
         trials["n_pulleys"].to_numpy(dtype=np.float64),
@@ -79,7 +79,7 @@ class GravityLikelihood:
     gravity : Gravity
         Trials that enter, those of a setup adjacent (see
         :func:`bayesfric.rigs.gravity_board.screening.screen_trials`).
-    rig : Rig
+    rig : RigConstants
         The board.
     analysis : Analysis
         Priors and the form of the scatter.
@@ -101,7 +101,7 @@ class GravityLikelihood:
     def __init__(
         self,
         gravity: Gravity,
-        rig: Rig,
+        rig: RigConstants,
         analysis: Analysis,
         baseline: Baseline = BASELINES["paper"],
         effects: Sequence[ActiveEffect] = (),

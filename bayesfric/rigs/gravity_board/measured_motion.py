@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_simpson
 from scipy.interpolate import BSpline
 
-from bayesfric.recording.tables import Gravity, Rig
+from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.paths import LEAST_SPEED_SHARE, POINTS, Paths, trial_paths
 from bayesfric.rigs.gravity_board.trial_motion import Events, prepare_events
 
@@ -40,7 +40,7 @@ class MeasuredMotion(NamedTuple):
     rough: Array
 
 
-def measured_motion(gravity: Gravity, rig: Rig) -> MeasuredMotion:
+def measured_motion(gravity: Gravity, rig: RigConstants) -> MeasuredMotion:
     """Follow the motion of each trial."""
     events = prepare_events(gravity.events, gravity.trials["trial"])
     return MeasuredMotion(*_follow(trial_paths(gravity, rig), events))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
 from bayesfric.inference.priors import Parameter
-from bayesfric.recording.tables import Gravity, Rig
+from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.hall_events import LOG_2PI, TrialForm, reduce_events
 from bayesfric.rigs.gravity_board.paths import Paths
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits, prepare_events
@@ -43,7 +43,7 @@ class TrialMeasurements:
     ----------
     gravity : Gravity
         Trials and their events.
-    rig : Rig
+    rig : RigConstants
         The board.
     analysis : Analysis
         Priors of the noise.
@@ -62,7 +62,7 @@ class TrialMeasurements:
     def __init__(
         self,
         gravity: Gravity,
-        rig: Rig,
+        rig: RigConstants,
         analysis: Analysis,
         paths: Paths | None = None,
         added: Array | None = None,

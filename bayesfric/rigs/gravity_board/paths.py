@@ -18,7 +18,7 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 from scipy.integrate import cumulative_simpson
 
-from bayesfric.recording.tables import Gravity, Rig
+from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.trial_motion import Events, prepare_events
 
 __all__ = ["Paths", "trial_paths"]
@@ -92,14 +92,14 @@ class Paths:
         return speed, self.step_s * cumulative_simpson(speed, axis=1, initial=0)
 
 
-def trial_paths(gravity: Gravity, rig: Rig) -> Paths:
+def trial_paths(gravity: Gravity, rig: RigConstants) -> Paths:
     """Smooth the motion of each trial.
 
     Parameters
     ----------
     gravity : Gravity
         N trials that enter, and their events.
-    rig : Rig
+    rig : RigConstants
         For the travel of trials without events.
 
     Returns

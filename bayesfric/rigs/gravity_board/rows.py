@@ -20,7 +20,7 @@ from bayesfric.effects.candidates import Candidate, unit_values
 from bayesfric.inference.smooths import Smooth
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.physics.gravity import coulomb_acceleration, nominal_tension, tension_feedback
-from bayesfric.recording.tables import Gravity, Rig
+from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.likelihood import trial_condition
 from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion, travel_to_speed
 from bayesfric.rigs.gravity_board.trial_motion import Events, prepare_events
@@ -40,7 +40,7 @@ class GravityRows:
     ----------
     gravity : Gravity
         N trials that enter, those of an assembly adjacent.
-    rig : Rig
+    rig : RigConstants
         The board.
     laws : mapping of str to Coefficients
         The reference law of each pulley size.
@@ -73,7 +73,7 @@ class GravityRows:
     def __init__(
         self,
         gravity: Gravity,
-        rig: Rig,
+        rig: RigConstants,
         laws: Mapping[str, Coefficients],
         radii: Mapping[str, float],
         measured: MeasuredMotion,

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.recording.consistency import MINIMUM_EVENTS
-from bayesfric.recording.tables import Gravity, Rig
+from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.event_repair import LARGEST_SHARE, repair_events
 from bayesfric.rigs.gravity_board.sensor_agreement import (
     MATERIAL_SHARE,
@@ -65,14 +65,14 @@ class Screened:
     stalled: tuple[str, ...]
 
 
-def screen_trials(gravity: Gravity, rig: Rig, *, exclude: bool = True) -> Screened:
+def screen_trials(gravity: Gravity, rig: RigConstants, *, exclude: bool = True) -> Screened:
     """Repair the events and apply the rules.
 
     Parameters
     ----------
     gravity : Gravity
         As recorded; may have no events.
-    rig : Rig
+    rig : RigConstants
         For the spacing of events.
     exclude : bool
         False keeps every trial that can be computed at all, to show what the rules
@@ -111,7 +111,9 @@ def screen_trials(gravity: Gravity, rig: Rig, *, exclude: bool = True) -> Screen
     )
 
 
-def _stalled(events: pd.DataFrame, trial_ids: pd.Series, rig: Rig) -> tuple[list[str], list[str]]:
+def _stalled(
+    events: pd.DataFrame, trial_ids: pd.Series, rig: RigConstants
+) -> tuple[list[str], list[str]]:
     """Return the trials that stall, and of these the ones that stop before the last event."""
     if trial_ids.empty:
         return [], []

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from bayesfric.recording.consistency import MINIMUM_EVENTS
-from bayesfric.recording.tables import Rig
+from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.gravity_board.event_trains import EventTrains, event_trains, quadratic_fits
 from bayesfric.rigs.gravity_board.likelihood import trial_condition
 
@@ -52,7 +52,9 @@ class SensorAgreement:
     limit: float | None
 
 
-def sensor_agreement(events: pd.DataFrame, trials: pd.DataFrame, rig: Rig) -> SensorAgreement:
+def sensor_agreement(
+    events: pd.DataFrame, trials: pd.DataFrame, rig: RigConstants
+) -> SensorAgreement:
     """Compare the sensors of each trial.
 
     Parameters
@@ -61,7 +63,7 @@ def sensor_agreement(events: pd.DataFrame, trials: pd.DataFrame, rig: Rig) -> Se
         Event table, after repair; may be empty.
     trials : DataFrame
         Trial table of a recording.
-    rig : Rig
+    rig : RigConstants
         For spacing, clock and gravity.
 
     Returns

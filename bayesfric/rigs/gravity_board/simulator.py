@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import Condition, trajectory
-from bayesfric.recording.tables import Rig
+from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.acting import Acting, draw_phases, of_kind, surroundings
 from bayesfric.rigs.gravity_board.effects_on_trials import Motion, passing_times, trial_motion
 from bayesfric.rigs.protocols import Assembly, Protocol
@@ -58,7 +58,7 @@ def lay_trials(design: Protocol, rng: np.random.Generator) -> pd.DataFrame:
 
 def draw_events(
     trials: pd.DataFrame,
-    rig: Rig,
+    rig: RigConstants,
     truth: Truth,
     scatter_rng: np.random.Generator,
     sensor_rng: np.random.Generator,
@@ -104,7 +104,7 @@ def draw_events(
     return events, moved
 
 
-def conditions_of(trials: pd.DataFrame, rig: Rig) -> Condition:
+def conditions_of(trials: pd.DataFrame, rig: RigConstants) -> Condition:
     """Return the condition of each trial, arrays of shape (N,)."""
     return Condition(
         trials["n_pulleys"].to_numpy(),

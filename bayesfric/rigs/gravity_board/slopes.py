@@ -16,7 +16,7 @@ from bayesfric.paper import table1
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.physics.gravity import nominal_tension
 from bayesfric.physics.laws import Baseline
-from bayesfric.recording.tables import Gravity, Rig
+from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.gravity_board.estimator import (
     CellLine,
@@ -57,7 +57,7 @@ class _Cell:
 def paper_slopes(
     likelihood: GravityLikelihood,
     gravity: Gravity,
-    rig: Rig,
+    rig: RigConstants,
     named: dict[str, Array],
     baseline: Baseline,
     rng: np.random.Generator,
@@ -70,7 +70,7 @@ def paper_slopes(
         Of the fit.
     gravity : Gravity
         The trials that entered.
-    rig : Rig
+    rig : RigConstants
         For gravity.
     named : dict of str to ndarray, shape (W,)
         Posterior draws by parameter.

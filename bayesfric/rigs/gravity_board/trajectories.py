@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import Condition, Trajectory
 from bayesfric.physics.laws import Baseline
-from bayesfric.recording.tables import Gravity, Rig
+from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
@@ -22,7 +22,7 @@ SHOWN_TRIALS = 6
 def trajectories(
     likelihood: GravityLikelihood,
     gravity: Gravity,
-    rig: Rig,
+    rig: RigConstants,
     named: dict[str, Array],
     factor: Array,
     baseline: Baseline,

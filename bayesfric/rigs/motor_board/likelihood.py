@@ -38,7 +38,7 @@ from bayesfric.physics.motor import (
     nominal_tension,
     tension_feedback,
 )
-from bayesfric.recording.tables import Motor, Rig
+from bayesfric.recording.tables import Motor, RigConstants
 from bayesfric.rigs.coefficients import SizeIndex, coefficient_parameters
 
 __all__ = ["MotorLikelihood", "idle_basis", "run_condition"]
@@ -48,7 +48,7 @@ TENSION_ITERATIONS = 2  # each takes the error of an effect's tension down by so
 LEAST_CURRENT_A = 1e-5  # of the noise, as a start, where the idle curve fits perfectly
 
 
-def run_condition(runs: pd.DataFrame, rig: Rig) -> MotorCondition:
+def run_condition(runs: pd.DataFrame, rig: RigConstants) -> MotorCondition:
     """Return the condition of each run, arrays of shape (N,)."""
     return MotorCondition(
         runs["n_pulleys"].to_numpy(dtype=np.float64),
@@ -96,7 +96,7 @@ class MotorLikelihood:
     ----------
     motor : Motor
         Runs that enter and idle measurements.
-    rig : Rig
+    rig : RigConstants
         The board; torque constant and capstan radius.
     analysis : Analysis
         Priors, and whether each size has a scatter of its own.
@@ -123,7 +123,7 @@ class MotorLikelihood:
     def __init__(
         self,
         motor: Motor,
-        rig: Rig,
+        rig: RigConstants,
         analysis: Analysis,
         baseline: Baseline = BASELINES["paper"],
         effects: Sequence[ActiveEffect] = (),

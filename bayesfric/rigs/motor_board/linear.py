@@ -18,7 +18,7 @@ from bayesfric.physics.motor import (
     nominal_tension,
     tension_feedback,
 )
-from bayesfric.recording.tables import Motor, Rig
+from bayesfric.recording.tables import Motor, RigConstants
 from bayesfric.rigs.gravity_board.rows import rank
 from bayesfric.rigs.layout import COEFFICIENTS, Layout
 from bayesfric.rigs.motor_board.likelihood import idle_basis, run_condition
@@ -58,7 +58,7 @@ class MotorPart:
     ----------
     motor : Motor
         Runs and idle measurements.
-    rig : Rig
+    rig : RigConstants
         The board.
     laws : mapping of str to Coefficients
         The reference law of each pulley size.
@@ -90,7 +90,7 @@ class MotorPart:
     def __init__(
         self,
         motor: Motor,
-        rig: Rig,
+        rig: RigConstants,
         laws: Mapping[str, Coefficients],
         radii: Mapping[str, float],
         layout: Layout,

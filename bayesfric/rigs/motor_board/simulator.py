@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from bayesfric.effects import State
 from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.motor import MotorCondition, load_current, motor_friction, nominal_tension
-from bayesfric.recording.tables import Motor, Rig
+from bayesfric.recording.tables import Motor, RigConstants
 from bayesfric.rigs.acting import Acting, draw_phases, of_kind, surroundings, total
 from bayesfric.rigs.protocols import (
     IDLE_REPEATS,
@@ -58,7 +58,7 @@ def lay_runs(rng: np.random.Generator) -> pd.DataFrame:
 
 
 def simulate_motor(
-    rig: Rig, truth: Truth, rng: np.random.Generator, effects_rng: np.random.Generator
+    rig: RigConstants, truth: Truth, rng: np.random.Generator, effects_rng: np.random.Generator
 ) -> Motor:
     """Run every assembly, weight and speed, and the idle motor."""
     runs = lay_runs(rng)
@@ -101,7 +101,7 @@ def _idle(truth: Truth, velocity_m_s: NDArray[np.float64]) -> NDArray[np.float64
     return np.asarray(np.sign(velocity_m_s) * (level + slope * speed + curvature * speed**2))
 
 
-def run_conditions(runs: pd.DataFrame, rig: Rig) -> MotorCondition:
+def run_conditions(runs: pd.DataFrame, rig: RigConstants) -> MotorCondition:
     """Return the condition of each run, arrays of shape (N,)."""
     return MotorCondition(
         runs["n_pulleys"].to_numpy(),

@@ -13,7 +13,7 @@ It is printed beside the posterior.
 
 from dataclasses import dataclass
 
-from bayesfric.recording.tables import Gravity, Rig
+from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.estimator.slopes import (
     CellLine,
     SizeEstimate,
@@ -61,14 +61,14 @@ class PaperEstimate:
     sizes: tuple[SizeEstimate, ...]
 
 
-def estimate_as_the_paper(gravity: Gravity, rig: Rig) -> PaperEstimate:
+def estimate_as_the_paper(gravity: Gravity, rig: RigConstants) -> PaperEstimate:
     """Run the paper's estimator on the trials of a gravity board, with eq. (4).
 
     Parameters
     ----------
     gravity : Gravity
         Trials that enter; stalled ones are the caller's to exclude.
-    rig : Rig
+    rig : RigConstants
         For gravity.
 
     Returns

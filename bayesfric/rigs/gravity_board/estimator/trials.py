@@ -9,7 +9,7 @@ from scipy.optimize import least_squares
 
 from bayesfric.physics.compliant import Cable, compliant_motion
 from bayesfric.physics.gravity import Condition, nominal_tension
-from bayesfric.recording.tables import Gravity, Rig
+from bayesfric.recording.tables import Gravity, RigConstants
 
 __all__ = ["ConstantFriction", "TrialFriction", "fit_constant_friction", "trial_frictions"]
 
@@ -139,14 +139,14 @@ def fit_constant_friction(
     )
 
 
-def trial_frictions(gravity: Gravity, rig: Rig) -> tuple[TrialFriction, ...]:
+def trial_frictions(gravity: Gravity, rig: RigConstants) -> tuple[TrialFriction, ...]:
     """Return step 1: fc of each trial with eq. (4), or from its measured acceleration.
 
     Parameters
     ----------
     gravity : Gravity
         As recorded.
-    rig : Rig
+    rig : RigConstants
         For gravity.
 
     Returns

@@ -1,0 +1,118 @@
+"""What a rig offers to fit, claims, diagnosis, simulation and report.
+
+A :class:`Rig` is a kind of rig; its :meth:`~Rig.trials` are what a recording holds of it,
+and of these a likelihood, predictions and a linear model are made. No room below this one
+asks which rig it has.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+import pandas as pd
+
+from bayesfric.analysis import Analysis
+from bayesfric.effects.terms import ActiveEffect
+from bayesfric.inference.model import RigLikelihood
+from bayesfric.physics.laws import BASELINES, Baseline
+from bayesfric.recording.tables import Recording
+
+__all__ = ["Motion", "Rig", "RigTrials", "Unsupported", "Words"]
+
+Motion = Literal["accelerated", "steady"]
+"""Whether a trial gathers speed along a path, or is one measurement at one speed."""
+
+
+@dataclass(frozen=True)
+class Unsupported:
+    """Something that a rig cannot show, with the reason as a reader is told it.
+
+    Parameters
+    ----------
+    reason : str
+        A sentence.
+    """
+
+    reason: str
+
+
+@dataclass(frozen=True)
+class Words:
+    """What a rig and its parts are called in sentences.
+
+    Parameters
+    ----------
+    rig : str
+        As in ``gravity board``.
+    trial, trials : str
+        One of its measurements, and several.
+    """
+
+    rig: str
+    trial: str
+    trials: str
+
+
+class Rig(Protocol):
+    """A kind of rig: a folder of this room offers one as ``RIG``."""
+
+    @property
+    def name(self) -> str:
+        """What it is called in commands and files."""
+
+    @property
+    def motion(self) -> Motion:
+        """How its trials move."""
+
+    @property
+    def words(self) -> Words:
+        """What it is called in sentences."""
+
+    @property
+    def tables(self) -> tuple[str, ...]:
+        """Which tables of a recording it reads."""
+
+    def trials(self, recording: Recording, *, exclude: bool = True) -> "RigTrials | None":
+        """Return the trials of a recording that enter; None where it has none of this rig.
+
+        Parameters
+        ----------
+        recording : Recording
+            As read.
+        exclude : bool
+            False keeps every trial that can be computed at all.
+        """
+
+
+class RigTrials(Protocol):
+    """Trials of one rig that enter a fit or a diagnosis, those of an assembly adjacent."""
+
+    @property
+    def rig(self) -> Rig:
+        """The kind of rig."""
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """One row a trial: ``trial``, ``setup``, ``pulley_size``, condition, order, role."""
+
+    @property
+    def loads(self) -> tuple[str, ...]:
+        """Columns that, with pulley size, number and wrap angle, make a condition."""
+
+    @property
+    def slowest_speed_m_s(self) -> float:
+        """The least speed at which anything was measured [m/s]."""
+
+    def levels(self, name: str) -> int:
+        """Return how many values a column takes; ``tension`` is how the cable is loaded."""
+
+    def select(self, keep: "pd.Series[bool]") -> "RigTrials | None":
+        """Return the trials of a mask over the table; None without any."""
+
+    def likelihood(
+        self,
+        analysis: Analysis,
+        law: Baseline = BASELINES["paper"],
+        effects: Sequence[ActiveEffect] = (),
+    ) -> RigLikelihood:
+        """Return the exact density of the raw data."""

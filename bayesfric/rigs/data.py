@@ -1,0 +1,47 @@
+"""The trials of all rigs that enter together."""
+
+from dataclasses import dataclass
+
+from bayesfric.rigs.base import RigTrials
+
+__all__ = ["Data"]
+
+
+@dataclass(frozen=True)
+class Data:
+    """Trials that enter a fit, a comparison or a diagnosis.
+
+    Parameters
+    ----------
+    rigs : tuple of RigTrials
+        One a rig, in the order of :func:`bayesfric.rigs.all_rigs`.
+    """
+
+    rigs: tuple[RigTrials, ...]
+
+    @property
+    def sizes(self) -> tuple[str, ...]:
+        """Pulley sizes, in order of appearance."""
+        return tuple(dict.fromkeys(size for one in self.rigs for size in one.table["pulley_size"]))
+
+    @property
+    def gravity(self):  # type: ignore[no-untyped-def]
+        """For the diagnosis, until it holds rigs."""
+        return next(
+            (getattr(one, "gravity") for one in self.rigs if one.rig.name == "gravity"), None
+        )  # noqa: B009
+
+    @property
+    def motor(self):  # type: ignore[no-untyped-def]
+        """For the diagnosis, until it holds rigs."""
+        return next((getattr(one, "motor") for one in self.rigs if one.rig.name == "motor"), None)  # noqa: B009
+
+    @property
+    def constants(self):  # type: ignore[no-untyped-def]
+        """For the diagnosis, until it holds rigs."""
+        return getattr(self.rigs[0], "constants")  # noqa: B009
+
+    def of_size(self, size: str) -> "Data":
+        """Return the trials of one pulley size; a rig without any is left out."""
+        chosen = (one.select(one.table["pulley_size"] == size) for one in self.rigs)
+        return Data(tuple(one for one in chosen if one is not None))
