@@ -27,19 +27,17 @@ class Data:
     @property
     def gravity(self):  # type: ignore[no-untyped-def]
         """For the diagnosis, until it holds rigs."""
-        return next(
-            (getattr(one, "gravity") for one in self.rigs if one.rig.name == "gravity"), None
-        )  # noqa: B009
+        return next((one.gravity for one in self.rigs if one.rig.name == "gravity"), None)
 
     @property
     def motor(self):  # type: ignore[no-untyped-def]
         """For the diagnosis, until it holds rigs."""
-        return next((getattr(one, "motor") for one in self.rigs if one.rig.name == "motor"), None)  # noqa: B009
+        return next((getattr(one, "motor") for one in self.rigs if one.rig.name == "motor"), None)  
 
     @property
     def constants(self):  # type: ignore[no-untyped-def]
         """For the diagnosis, until it holds rigs."""
-        return getattr(self.rigs[0], "constants")  # noqa: B009
+        return getattr(self.rigs[0], "constants")  
 
     def of_size(self, size: str) -> "Data":
         """Return the trials of one pulley size; a rig without any is left out."""
