@@ -5,17 +5,22 @@ and of these a likelihood, predictions and a linear model are made. No room belo
 asks which rig it has.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import TYPE_CHECKING, Literal, Protocol
 
 import pandas as pd
 
 from bayesfric.analysis import Analysis
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.inference.model import RigLikelihood
+from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Recording
+
+if TYPE_CHECKING:
+    from bayesfric.effects.candidates import Candidate
+    from bayesfric.rigs.linear import LinearRows
 
 __all__ = ["Motion", "Rig", "RigTrials", "Unsupported", "Words"]
 
@@ -108,6 +113,27 @@ class RigTrials(Protocol):
 
     def select(self, keep: "pd.Series[bool]") -> "RigTrials | None":
         """Return the trials of a mask over the table; None without any."""
+
+    def linear(
+        self,
+        laws: Mapping[str, Coefficients],
+        acting: "Sequence[tuple[Candidate, float]]" = (),
+    ) -> "LinearRows":
+        """Return the trials, linear around a reference law.
+
+        Parameters
+        ----------
+        laws : mapping of str to Coefficients
+            Of each pulley size.
+        acting : sequence of (Candidate, float)
+            Effects on friction with which trials start to move, with their amplitudes.
+        """
+
+    def entering(self) -> "RigTrials":
+        """Return the trials that enter a diagnosis: what the rig itself does stays in."""
+
+    def next_trials(self, laws: Mapping[str, Coefficients]) -> "RigTrials | None":
+        """Return feasible trials without noise, on time by a law; None where none moves."""
 
     def likelihood(
         self,

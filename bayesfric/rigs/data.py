@@ -24,21 +24,6 @@ class Data:
         """Pulley sizes, in order of appearance."""
         return tuple(dict.fromkeys(size for one in self.rigs for size in one.table["pulley_size"]))
 
-    @property
-    def gravity(self):  # type: ignore[no-untyped-def]
-        """For the diagnosis, until it holds rigs."""
-        return next((one.gravity for one in self.rigs if one.rig.name == "gravity"), None)
-
-    @property
-    def motor(self):  # type: ignore[no-untyped-def]
-        """For the diagnosis, until it holds rigs."""
-        return next((getattr(one, "motor") for one in self.rigs if one.rig.name == "motor"), None)  
-
-    @property
-    def constants(self):  # type: ignore[no-untyped-def]
-        """For the diagnosis, until it holds rigs."""
-        return getattr(self.rigs[0], "constants")  
-
     def of_size(self, size: str) -> "Data":
         """Return the trials of one pulley size; a rig without any is left out."""
         chosen = (one.select(one.table["pulley_size"] == size) for one in self.rigs)

@@ -1,22 +1,29 @@
 """Trials of the gravity board that enter, and what kind of rig it is."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import pandas as pd
 
 from bayesfric.analysis import Analysis
+from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
+from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Gravity, Recording, RigConstants
 from bayesfric.rigs.base import Motion, Words
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
+from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion, measured_motion
+from bayesfric.rigs.gravity_board.next_trials import lay_out
+from bayesfric.rigs.gravity_board.rows import GravityRows
 from bayesfric.rigs.gravity_board.screening import Screened, screen_trials
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 
 __all__ = ["RIG", "GravityBoard", "GravityTrials"]
 
 
+MANY = 0.1  # of the trials, whose sensors disagree, from which on it is the rig's doing
 WORDS = Words("gravity board", "trial", "trials")
 
 
@@ -90,6 +97,38 @@ class GravityTrials:
         events = self.gravity.events
         events = events[events["trial"].isin(trials["trial"])].reset_index(drop=True)
         return replace(self, gravity=Gravity(trials, events)) if len(trials) else None
+
+    @cached_property
+    def measured(self) -> MeasuredMotion:
+        """What events say of the motion, whatever the law is."""
+        return measured_motion(self.gravity, self.constants)
+
+    def linear(
+        self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
+    ) -> GravityRows:
+        """Return the events as rows of a linear model."""
+        return GravityRows(self.gravity, self.constants, laws, self.measured, acting)
+
+    def entering(self) -> "GravityTrials":
+        """Return the trials that enter a diagnosis.
+
+        Where the sensors of many trials disagree, it is no fault of a trial, but of the rig,
+        and what the diagnosis is to find: these trials stay.
+        """
+        excluded = self.screened.excluded
+        disagreeing = [trial for trial, rule in excluded.items() if rule == "sensors-disagree"]
+        if len(disagreeing) <= MANY * len(self.recorded.trials):
+            return self
+        screened = screen_trials(self.recorded, self.constants, exclude=False)
+        whole = replace(self, gravity=screened.gravity, screened=screened)
+        kept = whole.select(~whole.table["trial"].isin(set(excluded) - set(disagreeing)))
+        assert kept is not None
+        return kept
+
+    def next_trials(self, laws: Mapping[str, Coefficients]) -> "GravityTrials | None":
+        """Return a trial at every feasible condition; see :mod:`.next_trials`."""
+        laid = lay_out(self.gravity.trials, self.constants, laws)
+        return None if laid is None else replace(self, gravity=laid)
 
     def likelihood(
         self,

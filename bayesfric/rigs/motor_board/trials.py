@@ -1,16 +1,19 @@
 """Runs of the motor board that enter, and what kind of rig it is."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import pandas as pd
 
 from bayesfric.analysis import Analysis
+from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
+from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Motor, Recording, RigConstants
 from bayesfric.rigs.base import Motion, Words
 from bayesfric.rigs.motor_board.likelihood import MotorLikelihood
+from bayesfric.rigs.motor_board.linear import MotorRows
 
 __all__ = ["RIG", "MotorBoard", "MotorRuns"]
 
@@ -77,6 +80,22 @@ class MotorRuns:
         """Return the runs of a mask over the table; None without any."""
         runs = self.motor.runs[keep].reset_index(drop=True)
         return replace(self, motor=Motor(runs, self.motor.idle)) if len(runs) else None
+
+    def linear(
+        self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
+    ) -> MotorRows:
+        """Return the currents as rows of a linear model; nothing starts to move here."""
+        del acting
+        return MotorRows(self.motor, self.constants, laws)
+
+    def entering(self) -> "MotorRuns":
+        """Return all runs."""
+        return self
+
+    def next_trials(self, laws: Mapping[str, Coefficients]) -> "MotorRuns | None":
+        """Return None: nobody has laid out further runs of this board."""
+        del laws
+        return None
 
     def likelihood(
         self,
