@@ -151,6 +151,7 @@ def _diagnose(
     data, stray, laws, psi = _baseline(data, analysis, held, shipped)
     candidates = [one for effect in examined.values() for one in candidates_of(effect)]
     first = LinearModel(data, laws, candidates, analysis, held)
+    first = first.squeezed(psi)
     first_found = _first_look(first, psi)
     model, found = _finals(first, first_found)
     chances = found.probabilities()
@@ -160,7 +161,7 @@ def _diagnose(
     best = found.best()
     unknown = chances.get(UNKNOWN, 0.0) >= MOSTLY and found.unknown is not None
     settled = found.unknown.at if unknown and found.unknown is not None else best.at
-    residuals = residuals_of(model, settled.psi)
+    residuals = residuals_of(model.full, settled.psi)
     posterior = posterior_of(model, found, residuals, draw_rng)
     known = known_of(model, found, posterior, practical)
     named, present, possible = sort_effects(known)
@@ -326,6 +327,7 @@ def _finals(first: LinearModel, found: Search) -> tuple[LinearModel, Search]:
             forms=forms,
         )
         around.merge([m for m in found.classes.members if m[0] in names])
+        around = around.squeezed(leader.at.psi)
         model, found = around, compare(around, found)
         if found.best().names == leader.names:
             break

@@ -5,12 +5,14 @@ climbs to its own mode of it, by derivatives that are closed forms too (Fisher's
 """
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
+from scipy.linalg import block_diag
 
 from bayesfric.analysis import Analysis, Prior
 from bayesfric.diagnosis.discrepancy import (
@@ -38,6 +40,7 @@ LONGEST = 1.0  # step of a logarithm in a climb
 ENOUGH = 0.02  # nat that a further step of a climb would gain
 STEPS = 30
 LEAST_CURVATURE = 0.05  # of a log density by the logarithm of a noise: it has a proper prior
+SEEN = 0.02  # information beside a prior of 1, below which a number is left out
 QUIET = 0.015  # relative scatter of a good rig
 
 
@@ -223,6 +226,8 @@ class LinearModel:
         )
         self.noise: tuple[NoiseParameter, ...] = tuple(n for rig in self.rigs for n in rig.noise)
         self.lawbook = _lawbook(self.candidates)
+        self.full: LinearModel = self
+        self.squeeze: Array | None = None
 
     def around(
         self,
@@ -247,6 +252,47 @@ class LinearModel:
             forms=forms,
             by_trial=by_trial,
         )
+
+    def squeezed(self, psi: Array) -> "LinearModel":
+        """Return the model with fewer numbers for what every hypothesis leaves open.
+
+        Mixtures of smooth forces and small amounts that these data can tell nothing of, even
+        with the scatter of a good rig, are left out: their information beside their prior is
+        below :data:`SEEN`. :attr:`full` of what is returned is this model.
+
+        Parameters
+        ----------
+        psi : ndarray
+            Logarithms of the noise.
+        """
+        layout, sizes = self.layout, len(self.layout.sizes)
+        information = self.said_of(self.quiet(psi), ())
+        _, sd = self.prior(())
+        whole = sd[:, None] * information.precision * sd
+        forms = len(self._forms)
+        smooths = np.arange(COEFFICIENTS, layout.own)
+        blocks = [np.ix_(smooths + layout.own * s, smooths + layout.own * s) for s in range(sizes)]
+        start = layout.own * sizes
+        taken = np.arange(start, start + layout.shared - forms)
+        of_own = _seen(sum(whole[block] for block in blocks))
+        of_shared = _seen(whole[np.ix_(taken, taken)])
+        squeezed = replace(layout, smooths=of_own.shape[1], shared=of_shared.shape[1] + forms)
+        first = layout.own + layout.candidates
+        squeeze = block_diag(
+            np.eye(COEFFICIENTS),
+            sd[COEFFICIENTS : layout.own, None] * of_own,
+            np.eye(layout.candidates),
+            sd[taken, None] * of_shared,
+            np.eye(layout.local - first - taken.size),
+        )
+        found = copy(self)
+        found.full, found.squeeze, found.layout = self, squeeze, squeezed
+        found.rigs = tuple(rig.squeezed(squeeze, squeezed) for rig in self.rigs)
+        found.scales = np.ones(squeezed.local)
+        found.scales[:COEFFICIENTS] = self.scales[:COEFFICIENTS]
+        mine = slice(squeezed.own, squeezed.own + squeezed.candidates)
+        found.scales[mine] = self.scales[layout.own : first]
+        return found
 
     @property
     def start(self) -> Array:
@@ -300,7 +346,12 @@ class LinearModel:
             By which share of what they do the laws of effects may be wrong; none else.
         """
         layout, sizes = self.layout, len(self.layout.sizes)
-        own, shared = self._shares(wide)
+        if self.squeeze is None:
+            own, shared = self._shares(wide)
+            shared = np.concatenate([shared, np.ones(len(self._amounts))])
+        else:
+            assert wide is None, "a force that is wide needs all of its numbers"
+            own, shared = np.ones(layout.smooths), np.ones(layout.shared - len(self._forms))
         mean, sd = self._coefficients
         mean = np.hstack([mean, np.zeros((sizes, layout.smooths))])
         sd = np.hstack([sd, np.tile(own, (sizes, 1))])
@@ -310,7 +361,6 @@ class LinearModel:
             [
                 np.ones(len(at)),
                 shared,
-                np.ones(len(self._amounts)),
                 forms,
                 np.ones(sum(layout.nuisances)),
             ]
@@ -609,6 +659,12 @@ def _lawbook(candidates: Sequence[Candidate]) -> dict[str, tuple[Law, ...]]:
         )
         for name, laws in found.items()
     }
+
+
+def _seen(information: Array) -> Array:
+    """Return mixtures of numbers of unit prior of which the data tell something, (n, k)."""
+    values, vectors = np.linalg.eigh(0.5 * (information + information.T))
+    return np.asarray(vectors[:, values > SEEN])
 
 
 def _bfgs(inverse: Array, step: Array, change: Array) -> Array:

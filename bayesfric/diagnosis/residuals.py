@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bayesfric.diagnosis.model import At, LinearModel
+from bayesfric.diagnosis.model import LinearModel
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.layout import COEFFICIENTS
 from bayesfric.rigs.linear import LinearRig
@@ -193,20 +193,19 @@ def _of_rig(rig: LinearRig, noise: Mapping[str, float], place: int):  # type: ig
     }
 
 
-def local_numbers(model: LinearModel, at: At, mixing: Array) -> Array:
-    """Return the posterior means of the local numbers of each size, (sizes, q)."""
-    return spread_numbers(model, at.mean, mixing)
-
-
 def spread_numbers(model: LinearModel, numbers: Array, mixing: Array) -> Array:
-    """Return local numbers of each size, (…, sizes, q), from those of a hypothesis, (…, p)."""
+    """Return local numbers of each size, (…, sizes, q), from those of a hypothesis, (…, p).
+
+    They are those of the whole model where that of the hypothesis is squeezed.
+    """
     layout, sizes = model.layout, len(model.layout.sizes)
     own = numbers[..., : layout.own * sizes].reshape(*numbers.shape[:-1], sizes, layout.own)
     shared = numbers[..., layout.own * sizes :]
     acting = shared[..., : mixing.shape[1]] @ mixing.T
     rest = np.concatenate([acting, shared[..., mixing.shape[1] :]], axis=-1)
     rest = np.broadcast_to(rest[..., None, :], (*own.shape[:-1], rest.shape[-1]))
-    return np.concatenate([own, rest], axis=-1)
+    found = np.concatenate([own, rest], axis=-1)
+    return found if model.squeeze is None else found @ model.squeeze.T
 
 
 def numbers_of_laws(model: LinearModel, laws: Mapping[str, Coefficients], local: Array) -> Array:

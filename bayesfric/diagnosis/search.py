@@ -313,6 +313,7 @@ def unknown_force(
     starts : sequence of ndarray
         Further noises to climb from.
     """
+    model = model.full
     axes = model.acting_axes
     if not axes:
         return None

@@ -84,7 +84,7 @@ def posterior_of(
     weights = np.array([chances[name] for name in names])
     counts = rng.multinomial(DRAWS, weights / weights.sum())
     rms = residuals.friction_rms
-    weight = residuals.weight
+    weight, full = residuals.weight, model.full.layout
     labels, forces, hidden = [], [], []
     strengths: dict[str, Array] = {}
     lefts: dict[str, list[float]] = {}
@@ -96,12 +96,13 @@ def posterior_of(
             continue
         one = search.weighed[name if name != UNKNOWN else NONE]
         at = search.unknown.at if name == UNKNOWN and search.unknown is not None else one.at
-        drawn = _numbers(model, one, at, int(count), rng)
+        own = model.full if name == UNKNOWN else model
+        drawn = _numbers(own, one, at, int(count), rng)
         acting = one.acting
-        places = model.places(len(acting.laws))
-        local = spread_numbers(model, drawn, model.mixing(acting))
+        places = own.places(len(acting.laws))
+        local = spread_numbers(own, drawn, own.mixing(acting))
         local[:, :, :3] = 0.0
-        local[:, :, model.layout.local - sum(model.layout.nuisances) :] = 0.0
+        local[:, :, local.shape[2] - sum(model.layout.nuisances) :] = 0.0
         force = np.empty((residuals.size.size, int(count)))
         for size in range(len(model.layout.sizes)):
             mine = residuals.size == size
@@ -112,7 +113,7 @@ def posterior_of(
         for column, law in enumerate(acting.laws):
             values = drawn[:, places[column]]
             mixed = (
-                residuals.columns[:, model.layout.own : model.layout.own + model.layout.candidates]
+                residuals.columns[:, full.own : full.own + full.candidates]
                 @ model.mixing(acting)[:, column]
             )
             strength, felt = _strength(residuals, mixed)

@@ -184,6 +184,9 @@ class LinearRig(Protocol):
     ) -> Evaluated:
         """Return what the data say of the numbers of a hypothesis."""
 
+    def squeezed(self, squeeze: Array, layout: Layout) -> "LinearRig":
+        """Return the rig with mixtures of its columns in their place."""
+
     def told(self, noise: Mapping[str, float]) -> Array:
         """Return what each trial alone says of the local numbers, (N, q, q)."""
 

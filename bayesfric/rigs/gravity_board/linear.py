@@ -8,6 +8,7 @@ for; derivatives by the noise follow from Fisher's identity.
 """
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import partial
 
@@ -32,7 +33,7 @@ Array = NDArray[np.float64]
 WINDOWS = 8  # of a trial's travel
 EVENTS_A_WINDOW = 4  # at least, of both sensors
 APART = (1, 2, 3)  # powers of the travel, by which two sensors differ
-WAVES = 8  # cosines along the travel
+WAVES = 6  # cosines along the travel
 FIRST = 5  # events of a sensor that set the offset and the first speed
 TRIAL, INTERCEPT, WANDER, ELSEWHERE = 0, 1, slice(2, 2 + WAVES), 2 + WAVES
 ALWAYS = 3 + WAVES  # columns that scatter in every hypothesis
@@ -390,6 +391,15 @@ class GravityPart:
             return {name: float(value) for name, value in found.items()}
 
         return Evaluated(information, gradient)
+
+    def squeezed(self, squeeze: Array, layout: Layout) -> "GravityPart":
+        """Return the rig with mixtures of its columns in their place."""
+        found = copy(self)
+        found.layout, found.columns = layout, self.columns @ squeeze
+        found._precision = squeeze.T @ self._precision @ squeeze
+        found._slope, found._across = self._slope @ squeeze, self._across @ squeeze
+        found._views = {}
+        return found
 
     def told(self, noise: Mapping[str, float]) -> Array:
         """Return what each trial alone says of the local numbers, (N, q, q).

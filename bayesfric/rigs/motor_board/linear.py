@@ -1,10 +1,12 @@
 """The motor board in the linear model: one current a run, and the idle motor's.
 
 Friction scatters from run to run, from one weight hung on the board to the next, and from
-assembly to assembly. Runs of an assembly are one normal with a dense covariance.
+assembly to assembly; the latter two are integrated out group by group.
 """
 
 from collections.abc import Mapping, Sequence
+from copy import copy
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -203,7 +205,14 @@ class MotorPart:
         codes, setups = pd.factorize(rows.table["setup"])
         self.setup, self.setups = codes, tuple(str(setup) for setup in setups)
         hung = rows.table.groupby(["setup", "hanging_mass_kg"], sort=False).ngroup()
-        self._hung = hung.to_numpy()
+        self._weight = hung.to_numpy()
+        first = [int(np.argmax(self._weight == one)) for one in range(self._weight.max() + 1)]
+        self._setup_of_weight, self._size_of_weight = codes[first], self.size[first]
+        self._size_of_setup = self.size[[int(np.argmax(codes == j)) for j in range(len(setups))]]
+        self._by_weight = np.equal.outer(np.arange(len(first)), self._weight).astype(np.float64)
+        self._by_setup = np.equal.outer(np.arange(len(setups)), self._setup_of_weight).astype(
+            np.float64
+        )
         force = np.array([friction_scale[size] for size in sizes])
         columns = np.zeros((len(sizes), layout.local))
         columns[:, :COEFFICIENTS] = rows.coefficient_columns()
@@ -273,34 +282,44 @@ class MotorPart:
         runs = np.ones(len(self.setup), dtype=bool) if used is None else used
         start, end = self.layout.own, self.layout.own + self.layout.candidates
         whole = self.columns[runs]
-        columns = np.concatenate(
-            [whole[:, :start], whole[:, start:end] @ mixing, whole[:, end:]], axis=1
-        )
-        k = columns.shape[1]
-        current, moved = self.rows.current[runs], self._moved[runs]
-        load = self.rows.load[runs]
+        x = np.concatenate([whole[:, :start], whole[:, start:end] @ mixing, whole[:, end:]], axis=1)
+        k, size = x.shape[1], self.size[runs]
+        y, moved, load = self.rows.current[runs], self._moved[runs], self.rows.load[runs]
         plain = noise["sigma_current"] ** 2 + (noise["load_noise"] * load) ** 2
-        diagonal = plain + (noise["tau_motor"] * moved) ** 2
-        setup, hung, size = self.setup[runs], self._hung[runs], self.size[runs]
+        variance = plain + (noise["tau_motor"] * moved) ** 2
+        # Runs with one weight share a deviation, and those of one assembly another one: what
+        # both are known by are sums over runs, and over weights.
+        pull = moved / variance
+        hung = _Shared.of(
+            self._by_weight[:, runs] @ (pull[:, None] * x),
+            self._by_weight[:, runs] @ (pull * y),
+            self._by_weight[:, runs] @ (pull * moved),
+            noise["omega_hung"],
+        )
+        setup = _Shared.of(
+            self._by_setup @ hung.left(hung.columns),
+            self._by_setup @ hung.left(hung.response),
+            self._by_setup @ hung.left(hung.stiffness),
+            noise["omega_motor"],
+        )
         total = self.layout.total(k)
         precision, slope = np.zeros((total, total)), np.zeros(total)
-        constant, kept = -0.5 * current.size * LOG_2PI, []
-        for one in np.unique(setup):
-            rows = np.flatnonzero(setup == one)
-            m, x, y = moved[rows], columns[rows], current[rows]
-            same = np.equal.outer(hung[rows], hung[rows])
-            outer = np.outer(m, m)
-            covariance = np.diag(diagonal[rows])
-            covariance += (
-                noise["omega_motor"] ** 2 * outer + noise["omega_hung"] ** 2 * same * outer
-            )
-            inverse = np.linalg.inv(covariance)
-            left = inverse @ np.column_stack([x, y])
-            place = self.layout.spread(k, int(size[rows[0]]))
-            precision[np.ix_(place, place)] += x.T @ left[:, :-1]
-            slope[place] += x.T @ left[:, -1]
-            constant -= 0.5 * (y @ left[:, -1] + np.linalg.slogdet(covariance)[1])
-            kept.append((rows, int(size[rows[0]]), m, same, inverse, left))
+        weighted = x / variance[:, None]
+        for which in range(len(self.layout.sizes)):
+            mine = size == which
+            place = self.layout.spread(k, which)
+            part, own = weighted[mine].T @ x[mine], weighted[mine].T @ y[mine]
+            for shared, at in (
+                (hung, self._size_of_weight == which),
+                (setup, self._size_of_setup == which),
+            ):
+                taken = shared.taken[at, None] * shared.columns[at]
+                part -= taken.T @ shared.columns[at]
+                own -= taken.T @ shared.response[at]
+            precision[np.ix_(place, place)] += part
+            slope[place] += own
+        constant = -0.5 * (y.size * LOG_2PI + np.log(variance).sum() + (y**2 / variance).sum())
+        constant += hung.constant + setup.constant
         mine = slice(total + self._mine.start, total + (self._mine.stop or 0))
         sigma = noise["sigma_current"]
         idle, at_rest = self._idle, self.rows.idle_current
@@ -311,27 +330,50 @@ class MotorPart:
 
         def gradient(mean: Sequence[Array], covariance: Sequence[Array]) -> dict[str, float]:
             """Return derivatives of the log evidence by the logarithms of the noise."""
-            names = ("tau_motor", "omega_motor", "omega_hung", "sigma_current", "load_noise")
-            found = dict.fromkeys(names, 0.0)
-            for rows, which, m, same, inverse, left in kept:
-                rest = left[:, -1] - left[:, :-1] @ mean[which]
-                second = np.outer(rest, rest) - inverse
-                second += left[:, :-1] @ covariance[which] @ left[:, :-1].T
-                own = np.diag(second)
-                outer = second * np.outer(m, m)
-                found["tau_motor"] += noise["tau_motor"] ** 2 * (own @ m**2)
-                found["omega_motor"] += noise["omega_motor"] ** 2 * outer.sum()
-                found["omega_hung"] += noise["omega_hung"] ** 2 * outer[same].sum()
-                found["sigma_current"] += sigma**2 * own.sum()
-                found["load_noise"] += noise["load_noise"] ** 2 * (own @ load[rows] ** 2)
-            own_mean, own_cov = (one[0][..., self._mine] for one in (mean, covariance))
-            own_cov = own_cov[self._mine]
+            weight, of_weight = self._weight[runs], self._setup_of_weight
+            # Of each weight, then of each run: what is left once those above are taken off.
+            along = hung.left(hung.stiffness)
+            columns = (
+                hung.left(hung.columns)
+                - along[:, None] * (setup.taken[:, None] * setup.columns)[of_weight]
+            )
+            response = hung.left(hung.response) - along * (setup.taken * setup.response)[of_weight]
+            own = along - along**2 * setup.taken[of_weight]
+            found = {
+                "omega_hung": noise["omega_hung"] ** 2
+                * _second(columns, response, own, self._size_of_weight, mean, covariance).sum()
+            }
+            columns, response = setup.left(setup.columns), setup.left(setup.response)
+            own = setup.left(setup.stiffness)
+            found["omega_motor"] = (
+                noise["omega_motor"] ** 2
+                * _second(columns, response, own, self._size_of_setup, mean, covariance).sum()
+            )
+            shares = (hung.taken[:, None] * hung.columns)[weight]
+            pulls = (hung.taken * hung.response)[weight]
+            free = hung.left(np.ones_like(hung.taken))[weight]
+            above = setup.taken[self.setup[runs]]
+            shares = shares + (free * above)[:, None] * setup.columns[self.setup[runs]]
+            pulls = pulls + free * above * setup.response[self.setup[runs]]
+            columns = weighted - pull[:, None] * shares
+            response = y / variance - pull * pulls
+            own = 1 / variance - pull**2 * (hung.taken[weight] + free**2 * above)
+            each = _second(columns, response, own, size, mean, covariance)
+            found["tau_motor"] = noise["tau_motor"] ** 2 * (each @ moved**2)
+            found["load_noise"] = noise["load_noise"] ** 2 * (each @ load**2)
+            own_mean, own_cov = mean[0][self._mine], covariance[0][self._mine, self._mine]
             left_of_idle = at_rest - idle @ own_mean
             square = (left_of_idle**2).sum() + ((idle @ own_cov) * idle).sum()
-            found["sigma_current"] += square / sigma**2 - at_rest.size
+            found["sigma_current"] = sigma**2 * each.sum() + square / sigma**2 - at_rest.size
             return {name: float(value) for name, value in found.items()}
 
         return Evaluated(information, gradient)
+
+    def squeezed(self, squeeze: Array, layout: Layout) -> "MotorPart":
+        """Return the rig with mixtures of its columns in their place."""
+        found = copy(self)
+        found.layout, found.columns = layout, self.columns @ squeeze
+        return found
 
     def told(self, noise: Mapping[str, float]) -> Array:
         """Return what each run alone says of the local numbers, (N, q, q)."""
@@ -372,6 +414,55 @@ class MotorPart:
         """Return none: nothing runs freely."""
         del noise, numbers
         return {}
+
+
+@dataclass(frozen=True)
+class _Shared:
+    """A deviation that rows of a group share, integrated out.
+
+    Parameters
+    ----------
+    columns, response, stiffness : ndarray, shape (G, k), (G,) and (G,)
+        Sums over each group.
+    taken : ndarray, shape (G,)
+        So that the group's precision is less by it times the square of a sum.
+    constant : float
+        What the log density is more.
+    """
+
+    columns: Array
+    response: Array
+    stiffness: Array
+    taken: Array
+    constant: float
+
+    @classmethod
+    def of(cls, columns: Array, response: Array, stiffness: Array, sd: float) -> "_Shared":
+        taken = sd**2 / (1 + sd**2 * stiffness)
+        constant = 0.5 * float((taken * response**2 - np.log1p(sd**2 * stiffness)).sum())
+        return cls(columns, response, stiffness, taken, constant)
+
+    def left(self, sums: Array) -> Array:
+        """Return sums of groups without what their deviation takes up."""
+        share = 1 - self.taken * self.stiffness
+        return np.asarray(sums * (share[:, None] if sums.ndim > 1 else share))
+
+
+def _second(
+    columns: Array,
+    response: Array,
+    own: Array,
+    size: NDArray[np.intp],
+    mean: Sequence[Array],
+    covariance: Sequence[Array],
+) -> Array:
+    """Return what a variance more along each row or group adds to the log evidence, doubled."""
+    found = np.empty(own.size)
+    for which, (m, v) in enumerate(zip(mean, covariance, strict=True)):
+        mine = size == which
+        left = columns[mine]
+        found[mine] = (response[mine] - left @ m) ** 2 + ((left @ v) * left).sum(axis=1)
+    return found - own
 
 
 def _parameter(
