@@ -18,7 +18,8 @@ Config = Annotated[
 Rigs = Annotated[
     str | None,
     typer.Option(
-        "--rigs", help="Whose data enter: gravity, motor or gravity,motor; else the first there is."
+        "--rigs",
+        help="Rigs whose data enter: NAME,… (bayesfric info); else the first.",
     ),
 ]
 Baseline = Annotated[

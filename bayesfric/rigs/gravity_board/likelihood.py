@@ -133,8 +133,8 @@ class GravityLikelihood:
         groups = [f"[{size}]" for size in self.sizes] if self._by_size else [""]
         self.parameters = (
             *coefficient_parameters(self.sizes, analysis),
-            *(Parameter(f"tau{group}", "1", priors.tau) for group in groups),
-            *(Parameter(f"omega{group}", "1", priors.omega) for group in groups),
+            *(Parameter(f"tau{group}", "1", priors.tau, "scatter") for group in groups),
+            *(Parameter(f"omega{group}", "1", priors.omega, "scatter") for group in groups),
             *self._measurements.parameters,
             *(parameter for active in here for parameter in parameters_of(active)),
         )

@@ -91,15 +91,15 @@ class TrialMeasurements:
                 responses=responses,
             )
             self.parameters += (
-                Parameter("sigma_x", "m", priors.sigma_x),
-                Parameter("sigma_t", "s", priors.sigma_t),
+                Parameter("sigma_x", "m", priors.sigma_x, "noise"),
+                Parameter("sigma_t", "s", priors.sigma_t, "noise"),
             )
         if self._by_acceleration.size:
             alone = trials.iloc[self._by_acceleration]
             self._acceleration = alone["acceleration_m_s2"].to_numpy(dtype=np.float64)
             self._stated_sd = _column(alone, "acceleration_sd_m_s2")
             if np.isnan(self._stated_sd).any():
-                self.parameters += (Parameter("sigma_a", "m/s²", priors.sigma_a),)
+                self.parameters += (Parameter("sigma_a", "m/s²", priors.sigma_a, "noise"),)
             shown = [np.ones(self._by_acceleration.size)]  # what each adds to the mean
             if added is not None:
                 shown += list(added[:, self._by_acceleration].mean(axis=-1))

@@ -157,11 +157,14 @@ class MotorLikelihood:
         groups = [f"[{size}]" for size in self.sizes] if self._by_size else [""]
         self.parameters = (
             *coefficient_parameters(self.sizes, analysis),
-            *(Parameter(f"tau_motor{group}", "1", priors.tau_motor) for group in groups),
-            *(Parameter(f"omega_motor{group}", "1", priors.omega_motor) for group in groups),
+            *(Parameter(f"tau_motor{group}", "1", priors.tau_motor, "scatter") for group in groups),
+            *(
+                Parameter(f"omega_motor{group}", "1", priors.omega_motor, "scatter")
+                for group in groups
+            ),
             Parameter("torque_constant_factor", "1", priors.torque_constant_factor),
-            Parameter("sigma_current", "A", priors.sigma_current),
-            Parameter("load_noise", "1", priors.load_noise),
+            Parameter("sigma_current", "A", priors.sigma_current, "noise"),
+            Parameter("load_noise", "1", priors.load_noise, "noise"),
             *(parameter for active in self._effects for parameter in parameters_of(active)),
         )
 
