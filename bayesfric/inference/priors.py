@@ -43,8 +43,8 @@ class Parameter:
     prior : Prior
         Normalised density in that unit.
     linear : bool
-        Whether what is observed is linear in it: then what the data leave open is straight
-        in its own unit, and bent where the prior is made normal.
+        Whether the data are linear in it. A direction that the data leave open is then
+        straight in the parameter's own unit, and bent in the sampling space.
     """
 
     name: str
