@@ -203,8 +203,8 @@ def test_an_outlier_is_beyond_what_one_recording_in_twenty_has():
 def test_order_is_the_recorded_one_else_that_of_the_file():
     recorded = pd.DataFrame({"trial": list("abc"), "order": [30, 10, 20]})
     table = pd.DataFrame({"trial": ["c", "a"]})
-    assert measuring_order(recorded, "trial", table).tolist() == [20, 30]
-    assert measuring_order(recorded[["trial"]], "trial", table).tolist() == [3, 1]
+    assert measuring_order(recorded, table).tolist() == [20, 30]
+    assert measuring_order(recorded[["trial"]], table).tolist() == [3, 1]
 
 
 def test_densities_are_the_prior_and_a_histogram_of_the_draws(small_fit):

@@ -47,8 +47,8 @@ class Parameter:
     prior : Prior
         Normalised density in that unit.
     kind : {"coefficient", "scatter", "noise", "other"}
-        What it is in results. Data are linear in a coefficient: what they leave open of it
-        is straight in its own unit, and bent where its prior is made normal.
+        What it is in results. The data are linear in a coefficient: a direction that they
+        leave open is straight in its own unit, and bent in the sampling space.
     """
 
     name: str

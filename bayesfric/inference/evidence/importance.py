@@ -114,9 +114,10 @@ def laplace_draws(
 def reliable_draws(
     log_density: LogDensity, laplace: Laplace, seed: int
 ) -> tuple[Evidence, Array] | None:
-    """Estimate and resample, with more points where few are not to be relied on.
+    """Estimate and resample, again with more points where the first sample is unreliable.
 
-    Of a density with tails that are just light enough, one sample in eight looks too heavy.
+    Where the tails of a density are barely light enough, one sample in eight has a Pareto k
+    above its limit by chance.
 
     Parameters
     ----------
