@@ -7,7 +7,7 @@ from scipy import stats
 
 from bayesfric.inference.evidence import LinearGaussian, bridge_evidence, savage_dickey
 
-REPEATS = 100
+REPEATS = 40
 
 
 def repeats(distribution, point, count=2000, repeats=REPEATS):
