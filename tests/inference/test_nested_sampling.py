@@ -3,7 +3,7 @@
 import dynesty
 import numpy as np
 import pytest
-from evidence import densities
+from inference import densities
 
 from bayesfric.inference.evidence import Evidence, agree, bridge_evidence
 

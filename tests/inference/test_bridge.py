@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from evidence import densities
+from inference import densities
 
 from bayesfric.inference.evidence import bridge_evidence
 

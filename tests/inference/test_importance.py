@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from evidence import densities
+from inference import densities
 from scipy import stats
 
 from bayesfric.inference.evidence import Evidence, agree, laplace_evidence, reliable_draws

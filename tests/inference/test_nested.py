@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from evidence import densities
+from inference import densities
 from scipy import stats
 
 from bayesfric.inference.evidence import LinearGaussian, bridge_evidence, savage_dickey
 
-REPEATS = 100
+REPEATS = 40
 
 
 def repeats(distribution, point, count=2000, repeats=REPEATS):
