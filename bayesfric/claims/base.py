@@ -1,7 +1,7 @@
 """What a claim is, what it is judged on, and what is found."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -11,13 +11,14 @@ from bayesfric.analysis import Analysis
 from bayesfric.claims.studies import Studied, Task
 from bayesfric.fitting.hypothesis import Hypothesis
 from bayesfric.recording.tables import Recording
+from bayesfric.rigs import all_rigs
+from bayesfric.rigs.base import Motion, RigTrials
 from bayesfric.rigs.data import Data
 
-__all__ = ["BASELINE", "Case", "Claim", "Finding", "Verdict"]
+__all__ = ["BASELINE", "Case", "Claim", "Entered", "Finding", "Verdict"]
 
 Array = NDArray[np.float64]
 Verdict = Literal["supported", "refuted", "undecided", "not-testable"]
-Board = Literal["gravity", "motor"]
 BASELINE = Hypothesis()
 WORDS = {
     "tension": "tension",
@@ -64,6 +65,60 @@ class Finding:
 
 
 @dataclass(frozen=True)
+class Entered:
+    """The data of a recording that enter, whole and by pulley size.
+
+    Parameters
+    ----------
+    data : mapping of str to Data
+        By the name of a rig, in the order of :func:`bayesfric.rigs.all_rigs`, and by
+        that of a rig and a size as in ``RIG/small``.
+    left_out : tuple of str
+        Rigs of the recording that were not asked for.
+    """
+
+    data: Mapping[str, Data]
+    left_out: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, recording: Recording, rigs: Sequence[str] | None = None) -> "Entered":
+        """Return the data of the rigs of a recording, or of those that are named."""
+        opened = {name: rig.trials(recording) for name, rig in all_rigs().items()}
+        there = {name: one for name, one in opened.items() if one is not None and len(one.table)}
+        data = {}
+        for name, one in there.items():
+            if rigs is None or name in rigs:
+                data[name] = Data((one,))
+        for name in list(data):
+            for size in data[name].sizes:
+                data[f"{name}/{size}"] = data[name].of_size(size)
+        return cls(data, tuple(name for name in there if name not in data))
+
+    def whole(self) -> "Entered":
+        """Return the data of all sizes together, without those of each."""
+        data = {name: one for name, one in self.data.items() if "/" not in name}
+        return replace(self, data=data)
+
+    def trials(self, name: str) -> RigTrials:
+        """Return the trials of a rig."""
+        (trials,) = self.data[name].rigs
+        return trials
+
+    def first(self, motion: Motion) -> str | None:
+        """Return the name of the first rig that moves so, if one has data."""
+        moving = (name for name in self.whole().data if self.trials(name).rig.motion == motion)
+        return next(moving, None)
+
+    def lack(self, motion: Motion) -> str:
+        """Return why there is no rig that moves so, a sentence."""
+        kinds = [rig for rig in all_rigs().values() if rig.motion == motion]
+        without = [rig for rig in kinds if rig.name in self.left_out]
+        if without:
+            return f"The {' and the '.join(rig.words.rig for rig in without)} was left out."
+        return f"The recording has no {' or '.join(rig.words.rig for rig in kinds)}."
+
+
+@dataclass(frozen=True)
 class Claim:
     """A statement of the paper.
 
@@ -79,8 +134,9 @@ class Claim:
         What the paper states, and where.
     judge : callable
         (claim, case) to a finding.
-    board : {"gravity", "motor"} or None
-        Whose data it needs; None where it needs both or none.
+    motion : {"accelerated", "steady"} or None
+        How the trials that it is about move; it takes the first rig whose trials do.
+        None where it needs no data.
     rivals : tuple of Hypothesis
         What it is compared with.
     levels : mapping of str to int
@@ -95,30 +151,37 @@ class Claim:
     statement: str
     paper: str
     judge: Callable[["Claim", "Case"], Finding]
-    board: Board | None = None
+    motion: Motion | None = None
     rivals: tuple[Hypothesis, ...] = ()
     levels: Mapping[str, int] = field(default_factory=dict)
     by_size: bool = True
 
-    def untestable(self, data: Mapping[str, Data]) -> str:
-        """Return what the recording lacks to compare the claim with its rivals, or nothing."""
-        if self.board is None:
+    def rig(self, entered: Entered) -> str:
+        """Return the name of the rig that the claim is judged on, where it is testable."""
+        found = None if self.motion is None else entered.first(self.motion)
+        assert found is not None
+        return found
+
+    def untestable(self, entered: Entered) -> str:
+        """Return what the data lack to compare the claim with its rivals, or nothing."""
+        if self.motion is None:
             return ""
-        if self.board not in data:
-            return f"The recording has no {self.board} board."
-        (trials,) = data[self.board].rigs
+        if entered.first(self.motion) is None:
+            return entered.lack(self.motion)
+        trials = entered.trials(self.rig(entered))
         for name, least in self.levels.items():
             if (found := trials.levels(name)) < least:
                 return f"The {WORDS[name]} takes {found} of at least {least} values."
         return ""
 
-    def tasks(self, data: Mapping[str, Data]) -> list[Task]:
+    def tasks(self, entered: Entered) -> list[Task]:
         """Return what must be studied, of the data that there are."""
-        if self.board is None or self.untestable(data):
+        if self.motion is None or self.untestable(entered):
             return []
-        names: list[str] = [self.board]
+        rig = self.rig(entered)
+        names = [rig]
         if self.by_size:
-            names += [name for name in data if name.startswith(f"{self.board}/")]
+            names += [name for name in entered.data if name.startswith(f"{rig}/")]
         return [Task(name, one) for name in names for one in (BASELINE, *self.rivals)]
 
 
@@ -132,23 +195,21 @@ class Case:
         As read.
     analysis : Analysis
         Rules, priors and seed.
-    data : mapping of str to Data
-        ``gravity`` and ``motor`` where they are there, and these of each size.
+    entered : Entered
+        The data.
     studied : mapping of Task to Studied
         Of every task of every claim.
-    posterior : mapping of str to ndarray, or None
-        Draws of the law given the gravity board's data by parameter, where a fit has
-        them already.
+    posterior : mapping of str to mapping of str to ndarray
+        Draws of the law by rig and parameter, where a fit of that rig alone has them
+        already.
     """
 
     recording: Recording
     analysis: Analysis
-    data: Mapping[str, Data]
+    entered: Entered
     studied: Mapping[Task, Studied]
-    posterior: Mapping[str, Array] | None = None
+    posterior: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)
 
-    def baseline(self, board: Board) -> Mapping[str, Array]:
-        """Return draws of the law by parameter, given one board's data."""
-        if board == "gravity" and self.posterior is not None:
-            return self.posterior
-        return self.studied[Task(board, BASELINE)].theta
+    def baseline(self, rig: str) -> Mapping[str, Array]:
+        """Return draws of the law by parameter, given one rig's data."""
+        return self.posterior.get(rig) or self.studied[Task(rig, BASELINE)].theta

@@ -26,23 +26,22 @@ def compare(claim: Claim, case: Case) -> Finding:
     Parameters
     ----------
     claim : Claim
-        With a board and rivals.
+        With rivals.
     case : Case
         Of a recording.
 
     Returns
     -------
     Finding
-        ``not-testable`` where the recording lacks the board or the condition that the
+        ``not-testable`` where the recording lacks the rig or the condition that the
         rivals differ in does not vary.
     """
-    board = claim.board
-    assert board is not None
-    if lack := claim.untestable(case.data):
+    if lack := claim.untestable(case.entered):
         return Finding("not-testable", lack)
+    name = claim.rig(case.entered)
     rules = case.analysis.claims
-    own = case.studied[Task(board, BASELINE)]
-    rivals = {one: case.studied[Task(board, one)] for one in claim.rivals}
+    own = case.studied[Task(name, BASELINE)]
+    rivals = {one: case.studied[Task(name, one)] for one in claim.rivals}
     lacking = [f"{one.label}: {found.why}" for one, found in rivals.items() if not found.evidence]
     known = {one: found for one, found in rivals.items() if found.evidence is not None}
     if own.evidence is None or not known:
@@ -99,7 +98,8 @@ def compare(claim: Claim, case: Case) -> Finding:
         predicted.elpd,
         predicted.se,
         by_pulley={
-            size: _by_pulley(claim, case, f"{board}/{size}") for size in case.data[board].sizes
+            size: _by_pulley(claim, case, f"{name}/{size}")
+            for size in case.entered.data[name].sizes
         },
         curve={"width": widths, "log10_bayes_factor": curve},
     )

@@ -9,11 +9,11 @@ from bayesfric.claims import check_claims, registered
 from bayesfric.claims.coefficients import tail_probability
 from bayesfric.claims.comparison import decide, odds, share
 from bayesfric.claims.contradictions import contradictions
-from bayesfric.claims.stiffness_negligible import friction_ratios
 from bayesfric.physics.compliant import Cable, compliant_motion
 from bayesfric.physics.gravity import Condition, board_friction
 from bayesfric.recording.tables import Gravity
 from bayesfric.rigs.gravity_board.likelihood import trial_condition
+from bayesfric.rigs.gravity_board.stretch import friction_ratios
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import simulate_recording, table1_coefficients
@@ -116,8 +116,8 @@ def ringing_recording(amplitude):
 def test_friction_of_a_ringing_board_is_found_by_the_stretching_model():
     """Model (3) gives the true friction, model (4) is off, by what the ratio says."""
     gravity, rig, truth = ringing_recording(0.5)
-    cable = [np.array([value]) for value in (15e3, 1.6, 0.05)]
-    ratio = friction_ratios(gravity, rig, *cable, 5e-6, 1e-7)[0]
+    cable = Cable(*(np.array([value]) for value in (15e3, 1.6, 0.05)))
+    ratio = friction_ratios(gravity, rig, cable, 5e-6, 1e-7)[0]
     condition = trial_condition(gravity.trials, rig)
     plain = pilot_fits(gravity.events, gravity.trials["trial"]).acceleration
     rigid = condition.drive_force_n - condition.total_mass_kg * plain
@@ -129,8 +129,8 @@ def test_no_stretch_changes_nothing():
     recording = simulate_recording(
         Protocol({(9, 85.0): 1}, (16.0,), (), 2), seed=8, rigs=("gravity",)
     )
-    cables = np.array([15e3, 12e3]), np.array([1.6, 2.0]), np.array([0.05, 0.2])
-    ratio = friction_ratios(recording.gravity, recording.rig, *cables, 30e-6, 20e-6)
+    cables = Cable(np.array([15e3, 12e3]), np.array([1.6, 2.0]), np.array([0.05, 0.2]))
+    ratio = friction_ratios(recording.gravity, recording.rig, cables, 30e-6, 20e-6)
     assert np.abs(ratio - 1).max() < 3e-3  # what the noise has of the ringing's shape
 
 

@@ -1,22 +1,26 @@
 """Trials of the gravity board that enter, and what kind of rig it is."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
 from bayesfric.effects.terms import ActiveEffect
+from bayesfric.physics.compliant import Cable
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Gravity, Recording, RigConstants
-from bayesfric.rigs.base import Motion, Words
+from bayesfric.rigs.base import Compared, Motion, Unsupported, Words
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
 from bayesfric.rigs.gravity_board.screening import Screened, screen_trials
+from bayesfric.rigs.gravity_board.stretch import friction_ratios
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 
 __all__ = ["RIG", "GravityBoard", "GravityTrials"]
 
-
+Array = NDArray[np.float64]
 WORDS = Words("gravity board", "trial", "trials")
 
 
@@ -99,3 +103,20 @@ class GravityTrials:
     ) -> GravityLikelihood:
         """Return the density of the event times."""
         return GravityLikelihood(self.gravity, self.constants, analysis, law, effects)
+
+    def compare(self, theta: Mapping[str, Array]) -> Compared | Unsupported:
+        """Decline: friction is not read here without a law for the tension."""
+        del theta
+        return Unsupported(
+            "A trial that gathers speed has no reading of friction that owes nothing to the law."
+        )
+
+    def stretch_ratios(self, cable: Cable, theta: Mapping[str, Array]) -> Array | Unsupported:
+        """Return friction of model (3) over that of model (4), where a trial has events."""
+        trials, events = self.gravity.trials, self.gravity.events
+        seen = trials["trial"].isin(events["trial"])
+        if not seen.any():
+            return Unsupported("No trial has Hall events, which would show a stretch.")
+        with_events = Gravity(trials[seen].reset_index(drop=True), events)
+        sigma_x, sigma_t = (float(np.median(theta[name])) for name in ("sigma_x", "sigma_t"))
+        return friction_ratios(with_events, self.constants, cable, sigma_x, sigma_t)
