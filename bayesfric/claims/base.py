@@ -9,17 +9,19 @@ from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
 from bayesfric.claims.studies import Studied, Task
+from bayesfric.errors import Fault, InputError
 from bayesfric.fitting.hypothesis import Hypothesis
+from bayesfric.physics.laws import BASELINES
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.base import Motion, RigTrials
 from bayesfric.rigs.data import Data
 
-__all__ = ["BASELINE", "Case", "Claim", "Entered", "Finding", "Verdict"]
+__all__ = ["PAPER", "Case", "Claim", "Entered", "Finding", "Verdict"]
 
 Array = NDArray[np.float64]
 Verdict = Literal["supported", "refuted", "undecided", "not-testable"]
-BASELINE = Hypothesis()
+PAPER = "paper"
 WORDS = {
     "tension": "tension",
     "n_pulleys": "number of pulleys",
@@ -66,7 +68,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class Entered:
-    """The data of a recording that enter, whole and by pulley size.
+    """The data of a recording that enter, whole and by pulley size, and the law.
 
     Parameters
     ----------
@@ -75,16 +77,37 @@ class Entered:
         that of a rig and a size as in ``RIG/small``.
     left_out : tuple of str
         Rigs of the recording that were not asked for.
+    law : str
+        The friction law that claims are about, a name in
+        :data:`bayesfric.physics.laws.BASELINES`.
     """
 
     data: Mapping[str, Data]
     left_out: tuple[str, ...] = ()
+    law: str = PAPER
 
     @classmethod
-    def of(cls, recording: Recording, rigs: Sequence[str] | None = None) -> "Entered":
-        """Return the data of the rigs of a recording, or of those that are named."""
+    def of(
+        cls, recording: Recording, rigs: Sequence[str] | None = None, law: str = PAPER
+    ) -> "Entered":
+        """Return the data of the rigs of a recording, or of those that are named.
+
+        Raises
+        ------
+        InputError
+            A rig or the law is unknown, or a rig that is named has no data.
+        """
         opened = {name: rig.trials(recording) for name, rig in all_rigs().items()}
         there = {name: one for name, one in opened.items() if one is not None and len(one.table)}
+        faults = [
+            Fault("rigs", f"one of {', '.join(there)}, the rigs with data", value=name)
+            for name in rigs or ()
+            if name not in there
+        ]
+        if law not in BASELINES:
+            faults.append(Fault("baseline", f"one of {', '.join(BASELINES)}", value=law))
+        if faults:
+            raise InputError(faults)
         data = {}
         for name, one in there.items():
             if rigs is None or name in rigs:
@@ -92,12 +115,21 @@ class Entered:
         for name in list(data):
             for size in data[name].sizes:
                 data[f"{name}/{size}"] = data[name].of_size(size)
-        return cls(data, tuple(name for name in there if name not in data))
+        return cls(data, tuple(name for name in there if name not in data), law)
+
+    @property
+    def baseline(self) -> Hypothesis:
+        """The law, and nothing beside it."""
+        return Hypothesis(self.law)
+
+    @property
+    def rigs(self) -> tuple[str, ...]:
+        """Names of the rigs."""
+        return tuple(name for name in self.data if "/" not in name)
 
     def whole(self) -> "Entered":
         """Return the data of all sizes together, without those of each."""
-        data = {name: one for name, one in self.data.items() if "/" not in name}
-        return replace(self, data=data)
+        return replace(self, data={name: self.data[name] for name in self.rigs})
 
     def trials(self, name: str) -> RigTrials:
         """Return the trials of a rig."""
@@ -106,7 +138,7 @@ class Entered:
 
     def first(self, motion: Motion) -> str | None:
         """Return the name of the first rig that moves so, if one has data."""
-        moving = (name for name in self.whole().data if self.trials(name).rig.motion == motion)
+        moving = (name for name in self.rigs if self.trials(name).rig.motion == motion)
         return next(moving, None)
 
     def lack(self, motion: Motion) -> str:
@@ -138,7 +170,7 @@ class Claim:
         How the trials that it is about move; it takes the first rig whose trials do.
         None where it needs no data.
     rivals : tuple of Hypothesis
-        What it is compared with.
+        What it is compared with; of the paper's law where it is named, else as it is.
     levels : mapping of str to int
         How many different values a column of the trials must have for the rivals to
         differ from the claim; ``tension`` counts sums of the two masses.
@@ -162,6 +194,12 @@ class Claim:
         assert found is not None
         return found
 
+    def against(self, entered: Entered) -> tuple[Hypothesis, ...]:
+        """Return the rivals; those that add to the law add to the one that is claimed."""
+        return tuple(
+            replace(one, law=entered.law) if one.law == PAPER else one for one in self.rivals
+        )
+
     def untestable(self, entered: Entered) -> str:
         """Return what the data lack to compare the claim with its rivals, or nothing."""
         if self.motion is None:
@@ -182,7 +220,9 @@ class Claim:
         names = [rig]
         if self.by_size:
             names += [name for name in entered.data if name.startswith(f"{rig}/")]
-        return [Task(name, one) for name in names for one in (BASELINE, *self.rivals)]
+        return [
+            Task(name, one) for name in names for one in (entered.baseline, *self.against(entered))
+        ]
 
 
 @dataclass(frozen=True)
@@ -212,4 +252,4 @@ class Case:
 
     def baseline(self, rig: str) -> Mapping[str, Array]:
         """Return draws of the law by parameter, given one rig's data."""
-        return self.posterior.get(rig) or self.studied[Task(rig, BASELINE)].theta
+        return self.posterior.get(rig) or self.studied[Task(rig, self.entered.baseline)].theta

@@ -15,7 +15,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis, analysis_sha256
-from bayesfric.claims.base import BASELINE, Case, Claim, Entered, Finding
+from bayesfric.claims.base import PAPER, Case, Claim, Entered, Finding
 from bayesfric.claims.comparison import bayes_factor, log_evidence
 from bayesfric.claims.contradictions import contradictions
 from bayesfric.claims.studies import Studied, Task, study_all
@@ -121,6 +121,8 @@ def check_claims(
     posterior: Mapping[str, Mapping[str, Array]] | None = None,
     executor: Executor | None = None,
     only: Sequence[str] | None = None,
+    rigs: Sequence[str] | None = None,
+    baseline: str = PAPER,
 ) -> Checked:
     """Judge the paper's claims on a recording.
 
@@ -137,16 +139,26 @@ def check_claims(
         Where hypotheses are studied; None is here, one by one. The result is the same.
     only : sequence of str or None
         Ids of the claims to judge; None is all.
+    rigs : sequence of str or None
+        Whose data enter; None is all that there are.
+    baseline : str
+        The friction law that the claims are about, a name in
+        :data:`bayesfric.physics.laws.BASELINES`.
 
     Returns
     -------
     Checked
         Verdicts and the numbers they rest on.
+
+    Raises
+    ------
+    InputError
+        The law or a rig is unknown, or a rig that is named has no data.
     """
     began = time.perf_counter()
     analysis = Analysis() if analysis is None else analysis
     claims = [claim for claim in registered() if only is None or claim.name in only]
-    entered = Entered.of(recording)
+    entered = Entered.of(recording, rigs, baseline)
     studied = _studied(claims, entered, analysis, executor)
     case = Case(recording, analysis, entered, studied, posterior or {})
     findings = [(claim, claim.judge(claim, case)) for claim in claims]
@@ -158,6 +170,8 @@ def check_claims(
     )
     summary = ClaimsFile(
         **attributes.model_dump(),
+        rigs=entered.rigs,
+        baseline=baseline,
         rules=analysis.claims.model_dump(),
         claims=tuple(_result(claim, found) for claim, found in findings),
         self_contradictions=tuple(
@@ -175,7 +189,7 @@ def _studied(
 ) -> dict[Task, Studied]:
     """Study all hypotheses: the law and each claim's best rival with draws, the rest screened."""
     tasks = list(dict.fromkeys(task for claim in claims for task in claim.tasks(entered)))
-    own = {task for task in tasks if task.hypothesis == BASELINE}
+    own = {task for task in tasks if task.hypothesis == entered.baseline}
     studied = study_all(tasks, entered.data, analysis, all_effects(), executor, sampled=own)
     # One whose draws sit in separate places has no evidence after all: then the next best.
     while best := {one for claim in claims if (one := _best_rival(claim, entered, studied))}:
@@ -193,7 +207,8 @@ def _studied(
 
 def _best_rival(claim: Claim, entered: Entered, studied: Mapping[Task, Studied]) -> Task | None:
     """Return the rival with the largest evidence, if it has no draws for prediction yet."""
-    whole = [task for task in claim.tasks(entered) if task.whole and task.hypothesis != BASELINE]
+    tasks = claim.tasks(entered)
+    whole = [task for task in tasks if task.whole and task.hypothesis != entered.baseline]
     known = [task for task in whole if studied[task].evidence is not None]
     if not known:
         return None

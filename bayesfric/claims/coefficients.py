@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.optimize import lsq_linear
 
-from bayesfric.claims.base import BASELINE, Case, Claim, Finding, Verdict
+from bayesfric.claims.base import Case, Claim, Finding, Verdict
 from bayesfric.claims.comparison import odds, share
 from bayesfric.claims.studies import Task
 from bayesfric.fitting.hypothesis import Hypothesis
@@ -58,7 +58,8 @@ def _judge(claim: Claim, case: Case) -> Finding:
     for p, column, value in zip(parameters, draws.T, point, strict=True):
         figures[f"{p.name}_over_table1"] = float(column.mean() / value)
         figures[f"{p.name}_relative_sd"] = float(column.std() / abs(value))
-    own, narrow = (case.studied[Task(name, one)] for one in (BASELINE, PRINTED))
+    hypotheses = (case.entered.baseline, *claim.against(case.entered))
+    own, narrow = (case.studied[Task(name, one)] for one in hypotheses)
     log10, error, why = None, None, own.why or narrow.why
     if own.evidence is not None and narrow.evidence is not None:
         log10 = (narrow.evidence.log_evidence - own.evidence.log_evidence) / LN10

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from bayesfric.analysis import ClaimRules
-from bayesfric.claims.base import BASELINE, Case, Claim, Finding, Verdict
+from bayesfric.claims.base import Case, Claim, Finding, Verdict
 from bayesfric.claims.studies import WIDTHS, Studied, Task
 from bayesfric.inference.evidence import difference
 
@@ -40,8 +40,8 @@ def compare(claim: Claim, case: Case) -> Finding:
         return Finding("not-testable", lack)
     name = claim.rig(case.entered)
     rules = case.analysis.claims
-    own = case.studied[Task(name, BASELINE)]
-    rivals = {one: case.studied[Task(name, one)] for one in claim.rivals}
+    own = case.studied[Task(name, case.entered.baseline)]
+    rivals = {one: case.studied[Task(name, one)] for one in claim.against(case.entered)}
     lacking = [f"{one.label}: {found.why}" for one, found in rivals.items() if not found.evidence]
     known = {one: found for one, found in rivals.items() if found.evidence is not None}
     if own.evidence is None or not known:
@@ -226,8 +226,8 @@ def bayes_factor(
 
 
 def _by_pulley(claim: Claim, case: Case, name: str) -> tuple[float | None, float | None, str]:
-    own = case.studied[Task(name, BASELINE)]
-    rivals = [case.studied[Task(name, one)] for one in claim.rivals]
+    own = case.studied[Task(name, case.entered.baseline)]
+    rivals = [case.studied[Task(name, one)] for one in claim.against(case.entered)]
     lacking = [one.why for one in (own, *rivals) if one.evidence is None]
     if lacking:
         return None, None, "; ".join(lacking)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.claims.base import PAPER
 from bayesfric.recording.tables import Recording
 from bayesfric.results import read_json, read_tree
 from bayesfric.schemas import FitFile
@@ -16,7 +17,7 @@ Array = NDArray[np.float64]
 
 
 def current_posterior(
-    folder: Path, recording: Recording, analysis: Analysis
+    folder: Path, recording: Recording, analysis: Analysis, baseline: str = PAPER
 ) -> dict[str, dict[str, Array]]:
     """Return the draws of a stored fit by rig and parameter name, each of shape (S,).
 
@@ -28,11 +29,13 @@ def current_posterior(
         Of which the fit must be.
     analysis : Analysis
         With which it must have been made.
+    baseline : str
+        The friction law, a name in :data:`bayesfric.physics.laws.BASELINES`.
 
     Returns
     -------
     dict of str to dict of str to ndarray
-        Empty where there is no fit of the paper's law to one rig alone, or it has not
+        Empty where there is no fit of this law to one rig alone, or it has not
         converged.
     """
     if not (folder / "fit.json").exists() or not (folder / "draws.nc").exists():
@@ -42,7 +45,7 @@ def current_posterior(
         summary.recording.sha256 == recording.sha256
         and summary.analysis_sha256 == analysis_sha256(analysis)
         and len(summary.rigs) == 1
-        and summary.baseline == "paper"
+        and summary.baseline == baseline
         and summary.converged
     )
     if not current:

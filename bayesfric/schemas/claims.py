@@ -61,6 +61,8 @@ class ClaimsFile(Provenance):
     """``claims.json``: the paper's claims, judged on a recording."""
 
     schema_: Literal["bayesfric.claims/1"] = Field("bayesfric.claims/1", alias="schema")
+    rigs: tuple[str, ...] = Field((), description="Rigs whose data entered.")
+    baseline: str = Field("paper", description="The friction law that the claims are about.")
     rules: dict[str, Number] = Field(description="Thresholds of the verdicts.")
     claims: tuple[ClaimResult, ...] = Field(description="In the order of the report.")
     self_contradictions: tuple[SelfContradiction, ...] = Field(
