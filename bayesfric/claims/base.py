@@ -42,7 +42,7 @@ class Finding:
     figures : mapping
         Numbers that the verdict rests on, name to number, text or bool.
     log10_bayes_factor, log10_bayes_factor_se : float or None
-        In favour of the claim, against the average of its rivals.
+        In favour of the claim, against the best of its rivals.
     elpd_difference, elpd_difference_se : float or None
         Positive where the claim predicts assemblies better than its best rival.
     why : str

@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import logsumexp
 
 from bayesfric.analysis import ClaimRules
 from bayesfric.claims.base import Case, Claim, Finding, Verdict
@@ -21,7 +20,7 @@ STABLE_OVER = (10**-0.5, 10**0.5)  # a tenfold change of the width
 
 
 def compare(claim: Claim, case: Case) -> Finding:
-    """Judge a claim by its Bayes factor against the equal-weight average of its rivals.
+    """Judge a claim by its Bayes factor against the best of its rivals.
 
     Parameters
     ----------
@@ -47,6 +46,7 @@ def compare(claim: Claim, case: Case) -> Finding:
     if own.evidence is None or not known:
         why = own.why or "; ".join(lacking)
         return Finding("undecided", f"No evidence can be had: {why}.", why=why)
+    each = {one.label: bayes_factor(own, [found]) for one, found in known.items()}
     log10, error = bayes_factor(own, list(known.values()))
     curve = np.array(
         [bayes_factor(own, list(known.values()), place)[0] for place in range(len(WIDTHS))]
@@ -54,8 +54,12 @@ def compare(claim: Claim, case: Case) -> Finding:
     # Draws, which prediction needs, there are of the best rival; screening picked it.
     drawn = {one: found.prediction for one, found in known.items() if found.prediction}
     best = max(drawn, key=lambda one: log_evidence(known[one]))
-    with_effect = [found for found in known.values() if found.size.size]
-    bound = max((float(np.quantile(one.size, 0.95)) for one in with_effect), default=0.0)
+    bounds = {
+        one.label: float(np.quantile(found.size, 0.95))
+        for one, found in known.items()
+        if found.size.size
+    }
+    bound = max(bounds.values(), default=0.0)
     best_size = known[best].size
     beyond = float((best_size > rules.region_of_equivalence).mean()) if best_size.size else 1.0
     assert own.prediction is not None  # the law is always sampled where it has an evidence
@@ -75,11 +79,10 @@ def compare(claim: Claim, case: Case) -> Finding:
         verdict, reason = "undecided", f"A rival could not be weighed: {'; '.join(lacking)}."
     figures: dict[str, Any] = {
         "best_rival": best.label,
-        "log10_bayes_factor_against": {
-            one.label: (own.evidence.log_evidence - log_evidence(found)) / LN10
-            for one, found in known.items()
-        },
+        "log10_bayes_factor_against": {label: value for label, (value, _) in each.items()},
+        "log10_bayes_factor_against_se": {label: error for label, (_, error) in each.items()},
         "effect_upper_bound_95": bound,
+        "effect_upper_bound_95_of": bounds,
         "probability_effect_matters": beyond,
         "lowest_over_prior_width": float(stable.min()),
         "highest_over_prior_width": float(stable.max()),
@@ -198,7 +201,10 @@ def log_evidence(found: Studied) -> float:
 def bayes_factor(
     own: Studied, rivals: list[Studied], width: int | None = None
 ) -> tuple[float, float]:
-    """Return the log10 Bayes factor against the equal-weight average of rivals.
+    """Return the log10 Bayes factor against the best of some rivals.
+
+    Rivals are not averaged: one that the data rule out would only take its share of the
+    prior from the others, and flatter the claim.
 
     Parameters
     ----------
@@ -208,21 +214,22 @@ def bayes_factor(
         All with an evidence.
     width : int or None
         Place in :data:`bayesfric.claims.studies.WIDTHS` of the width of the rivals'
-        priors; None is as they are.
+        priors; None is as they are. Which rival is best depends on it.
 
     Returns
     -------
     value, error : float
     """
     assert own.evidence is not None
-    values = np.array([log_evidence(one) for one in rivals])
+    values = [log_evidence(one) for one in rivals]
     if width is not None:
-        values = values + [one.widths[width] if one.widths.size else 0.0 for one in rivals]
-    errors = np.array([one.evidence.error for one in rivals if one.evidence is not None])
-    average = logsumexp(values) - np.log(len(values))
-    share = np.exp(values - logsumexp(values))
-    error = np.sqrt(own.evidence.error**2 + ((share * errors) ** 2).sum())
-    return float((own.evidence.log_evidence - average) / LN10), float(error / LN10)
+        shifts = [one.widths[width] if one.widths.size else 0.0 for one in rivals]
+        values = [value + shift for value, shift in zip(values, shifts, strict=True)]
+    best = int(np.argmax(values))
+    rival = rivals[best].evidence
+    assert rival is not None
+    error = float(np.hypot(own.evidence.error, rival.error))
+    return float(own.evidence.log_evidence - values[best]) / LN10, error / LN10
 
 
 def _by_pulley(claim: Claim, case: Case, name: str) -> tuple[float | None, float | None, str]:

@@ -33,7 +33,8 @@ class ClaimResult(Record):
     )
     reason: str = Field(description="The verdict in a sentence.")
     log10_bayes_factor: Number | None = Field(
-        description="In favour of the claim, against the equal-weight average of its rivals."
+        description="In favour of the claim, against the best of its rivals; `figures` has it "
+        "against each."
     )
     log10_bayes_factor_why: str | None = Field(None, description="Why there is none.")
     log10_bayes_factor_se: Number | None = Field(description="Its standard error.")

@@ -7,8 +7,10 @@ from scipy import stats
 from bayesfric.analysis import Analysis, ClaimRules
 from bayesfric.claims import check_claims, registered
 from bayesfric.claims.coefficients import tail_probability
-from bayesfric.claims.comparison import decide, odds, share
+from bayesfric.claims.comparison import bayes_factor, decide, odds, share
 from bayesfric.claims.contradictions import contradictions
+from bayesfric.claims.studies import Studied
+from bayesfric.inference.evidence import Evidence
 from bayesfric.physics.compliant import Cable, compliant_motion
 from bayesfric.physics.gravity import Condition, board_friction
 from bayesfric.recording.tables import Gravity
@@ -54,6 +56,25 @@ def test_the_ten_claims_are_there():
 )
 def test_verdicts(log10, width, bound, beyond, elpd, verdict):
     assert decide(RULES, log10, width, bound, beyond, elpd, "rival")[0] == verdict
+
+
+def study(log_evidence, error=0.0, widths=()):
+    evidence = Evidence(log_evidence, error, "made up", None)
+    return Studied(evidence, widths=np.array(widths))
+
+
+def test_a_claim_is_weighed_against_its_best_rival_and_dead_ones_do_not_flatter_it():
+    own, near, dead = study(0.0, 0.03), study(-1.0, 0.04), study(-145.0, 9.0)
+    for rivals in ([near], [near, dead], [dead, near, dead, dead]):
+        value, error = bayes_factor(own, rivals)
+        assert value == pytest.approx(1 / np.log(10))
+        assert error == pytest.approx(0.05 / np.log(10))
+
+
+def test_which_rival_is_best_may_change_with_the_width_of_its_prior():
+    own, one, two = study(0.0), study(-1.0, widths=[0.0, -5.0]), study(-3.0, widths=[0.0, 1.0])
+    assert bayes_factor(own, [one, two], 0)[0] == pytest.approx(1 / np.log(10))
+    assert bayes_factor(own, [one, two], 1)[0] == pytest.approx(2 / np.log(10))
 
 
 def test_odds_in_words():
