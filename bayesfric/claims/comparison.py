@@ -144,7 +144,7 @@ def decide(
     for_it = log10 >= rules.support_log10_bayes_factor
     against = log10 <= rules.refute_log10_bayes_factor
     if for_it and small:
-        if over_width[0] >= rules.support_log10_bayes_factor:
+        if over_width[0] >= rules.support_over_width_log10_bayes_factor:
             return "supported", (
                 f"The data favour the claim {odds(log10)} and leave an effect of at most "
                 f"{share(upper_bound)} of friction."

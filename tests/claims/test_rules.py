@@ -43,8 +43,8 @@ def test_the_ten_claims_are_there():
     ("log10", "width", "bound", "beyond", "elpd", "verdict"),
     [
         (1.5, (1.0, 2.0), 0.01, 0.0, 0.0, "supported"),
-        (0.5, (0.5, 1.0), 0.049, 0.0, -5.0, "supported"),
-        (0.49, (0.0, 1.0), 0.01, 0.0, 0.0, "undecided"),  # too weak
+        (1.0, (0.5, 1.5), 0.049, 0.0, -5.0, "supported"),
+        (0.99, (0.6, 1.5), 0.01, 0.0, 0.0, "undecided"),  # too weak: less than 10 to 1
         (1.5, (0.4, 2.0), 0.01, 0.0, 0.0, "undecided"),  # rests on the prior's width
         (1.5, (1.0, 2.0), 0.05, 0.0, 0.0, "undecided"),  # could hide an effect that matters
         (-1.0, (-2.0, -1.0), 0.2, 0.95, -2.1, "refuted"),
@@ -75,6 +75,13 @@ def test_which_rival_is_best_may_change_with_the_width_of_its_prior():
     own, one, two = study(0.0), study(-1.0, widths=[0.0, -5.0]), study(-3.0, widths=[0.0, 1.0])
     assert bayes_factor(own, [one, two], 0)[0] == pytest.approx(1 / np.log(10))
     assert bayes_factor(own, [one, two], 1)[0] == pytest.approx(2 / np.log(10))
+
+
+def test_the_threshold_of_support_is_the_user_s():
+    mild = ClaimRules(support_log10_bayes_factor=0.5)
+    case = (0.6, (0.5, 1.0), 0.01, 0.0, 0.0, "rival")
+    assert decide(RULES, *case)[0] == "undecided"
+    assert decide(mild, *case)[0] == "supported"
 
 
 def test_odds_in_words():
