@@ -212,12 +212,18 @@ class ClaimRules(_Section):
 
     A claim that has rivals is refuted where the Bayes factor, the size of the effect and
     prediction all speak against it, and supported where the Bayes factor speaks for it and
-    the effect is too small to matter; both must hold over a tenfold change of the width of
-    the rivals' priors. A claim without rivals rests on a probability.
+    the effect is too small to matter. To refute, the Bayes factor must hold over a tenfold
+    change of the width of the rivals' priors; to support, a weaker one must. A claim
+    without rivals rests on a probability.
     """
 
     support_log10_bayes_factor: Finite = Field(
-        0.5, description="At least, in favour of the claim, to support it."
+        1.0, description="At least, in favour of the claim, to support it."
+    )
+    support_over_width_log10_bayes_factor: Finite = Field(
+        0.5,
+        description="At least, in favour of the claim, wherever the width of the rivals' priors "
+        "lies within a tenfold range, to support it.",
     )
     refute_log10_bayes_factor: Finite = Field(-1.0, description="At most, to refute it.")
     region_of_equivalence: Share = Field(

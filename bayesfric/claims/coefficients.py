@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.optimize import lsq_linear
 
-from bayesfric.claims.base import BASELINE, Case, Claim, Finding, Verdict
+from bayesfric.claims.base import Case, Claim, Finding, Verdict
 from bayesfric.claims.comparison import odds, share
 from bayesfric.claims.studies import Task
 from bayesfric.fitting.hypothesis import Hypothesis
@@ -41,12 +41,13 @@ def tail_probability(draws: Array, point: Array, rounding: Array) -> float:
 
 def _judge(claim: Claim, case: Case) -> Finding:
     """Weigh Table I, rounding included, against all that the priors allow."""
-    if "gravity" not in case.data:
-        return Finding("not-testable", "The recording has no gravity board.")
-    sizes = [size for size in case.data["gravity"].sizes if size in table1()]
+    if lack := claim.untestable(case.entered):
+        return Finding("not-testable", lack)
+    name = claim.rig(case.entered)
+    sizes = [size for size in case.entered.data[name].sizes if size in table1()]
     if not sizes:
         return Finding("not-testable", "The recording has no pulley size of Table I.")
-    theta = case.baseline("gravity")
+    theta = case.baseline(name)
     parameters = coefficient_parameters(tuple(sizes), case.analysis)
     printed = [getattr(table1()[p.name[3:-1]], p.name[:2]) for p in parameters]
     point = np.array([number.value for number in printed])
@@ -57,7 +58,8 @@ def _judge(claim: Claim, case: Case) -> Finding:
     for p, column, value in zip(parameters, draws.T, point, strict=True):
         figures[f"{p.name}_over_table1"] = float(column.mean() / value)
         figures[f"{p.name}_relative_sd"] = float(column.std() / abs(value))
-    own, narrow = (case.studied[Task("gravity", one)] for one in (BASELINE, PRINTED))
+    hypotheses = (case.entered.baseline, *claim.against(case.entered))
+    own, narrow = (case.studied[Task(name, one)] for one in hypotheses)
     log10, error, why = None, None, own.why or narrow.why
     if own.evidence is not None and narrow.evidence is not None:
         log10 = (narrow.evidence.log_evidence - own.evidence.log_evidence) / LN10
@@ -89,7 +91,7 @@ CLAIM = Claim(
     statement="The coefficients are those of Table I.",
     paper="Table I, as printed.",
     judge=_judge,
-    board="gravity",
+    motion="accelerated",
     rivals=(PRINTED,),
     by_size=False,
 )

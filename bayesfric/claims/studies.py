@@ -50,8 +50,8 @@ class Task(NamedTuple):
     Parameters
     ----------
     data : str
-        Name of the data: ``gravity`` or ``motor``, or these of one size as in
-        ``gravity/small``.
+        Name of the data: that of a rig, or of a rig and one pulley size as in
+        ``RIG/small``.
     hypothesis : Hypothesis
         What is assumed.
     """

@@ -19,7 +19,8 @@ Rigs = Annotated[
     str | None,
     typer.Option(
         "--rigs",
-        help="Rigs whose data enter: NAME,… (bayesfric info); else the first.",
+        help="Rigs whose data enter: NAME,… (bayesfric info lists them). Absent: the first there "
+        "is for a fit, all for claims.",
     ),
 ]
 Baseline = Annotated[

@@ -33,7 +33,8 @@ class ClaimResult(Record):
     )
     reason: str = Field(description="The verdict in a sentence.")
     log10_bayes_factor: Number | None = Field(
-        description="In favour of the claim, against the equal-weight average of its rivals."
+        description="In favour of the claim, against the best of its rivals; `figures` has it "
+        "against each."
     )
     log10_bayes_factor_why: str | None = Field(None, description="Why there is none.")
     log10_bayes_factor_se: Number | None = Field(description="Its standard error.")
@@ -61,6 +62,8 @@ class ClaimsFile(Provenance):
     """``claims.json``: the paper's claims, judged on a recording."""
 
     schema_: Literal["bayesfric.claims/1"] = Field("bayesfric.claims/1", alias="schema")
+    rigs: tuple[str, ...] = Field((), description="Rigs whose data entered.")
+    baseline: str = Field("paper", description="The friction law that the claims are about.")
     rules: dict[str, Number] = Field(description="Thresholds of the verdicts.")
     claims: tuple[ClaimResult, ...] = Field(description="In the order of the report.")
     self_contradictions: tuple[SelfContradiction, ...] = Field(

@@ -66,8 +66,8 @@ def verdicts(stored: StoredResults) -> Iterator[Block]:
             for one in stored.claims.claims
         ],
         label="verdicts",
-        note="Bayes factors are in favour of the claim, against the average of its rivals; Δelpd "
-        "says how much better than its best rival the claim predicts an assembly that was left "
+        note="Bayes factors are in favour of the claim, against the best of its rivals; Δelpd "
+        "says how much better than that one the claim predicts an assembly that was left "
         "out, in nat; its error stands in brackets where it is not to be relied on (a difference "
         "below 4 nat, fewer than 20 assemblies, or a bad Pareto k). A claim without rivals "
         "rests on a probability or on arithmetic.",
@@ -136,15 +136,18 @@ def _elpd_error(one: ClaimResult) -> str:
 
 def _rules(found: ClaimsFile) -> list[str]:
     rule = found.rules
+    support = rule["support_log10_bayes_factor"]
+    over_width = rule.get("support_over_width_log10_bayes_factor", support)  # once it was one
     return [
-        "A claim is supported where its log₁₀ Bayes factor against the equal-weight average of its "
-        f"rivals is at least {rule['support_log10_bayes_factor']:g} and the 95 % upper bound of "
+        "A claim is supported where its log₁₀ Bayes factor against the best of its "
+        f"rivals is at least {support:g} and the 95 % upper bound of "
         f"the effect is below {rule['region_of_equivalence']:.0%} of friction, at 1.3 m/s or at "
         "the edge of the paper's Table II. It is refuted where the factor is at most "
         f"{format_fixed(rule['refute_log10_bayes_factor'], 0)}, the effect is above that share "
         f"with probability {rule['refute_effect_probability']:g} and the rival predicts assemblies "
         f"better by more than {rule['refute_elpd_errors']:g} standard errors. Both must hold over "
-        "a tenfold change of the width of the rivals' priors. A claim without rivals is supported "
+        "a tenfold change of the width of the rivals' priors, support with a factor of at least "
+        f"{over_width:g}. A claim without rivals is supported "
         f"at a probability of {rule['support_probability']:g} and refuted at "
         f"{rule['refute_probability']:g}; the coefficients are refuted where the joint tail "
         f"probability of Table I is below {rule['refute_tail_probability']:g}. All else is "

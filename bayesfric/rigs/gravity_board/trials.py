@@ -7,14 +7,16 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
+from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
 from bayesfric.effects import Effect
 from bayesfric.effects.terms import ActiveEffect
+from bayesfric.physics.compliant import Cable
 from bayesfric.physics.gravity import nominal_tension
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Gravity, Recording, RigConstants
-from bayesfric.rigs.base import Motion, Predictive, Resting, Simulated, Words
+from bayesfric.rigs.base import Compared, Motion, Predictive, Resting, Simulated, Unsupported, Words
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.gravity_board.estimator import estimate_as_the_paper
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood, trial_condition
@@ -25,6 +27,7 @@ from bayesfric.rigs.gravity_board.sensor_agreement import MATERIAL_SHARE, Sensor
 from bayesfric.rigs.gravity_board.simulator import draw_events, lay_trials
 from bayesfric.rigs.gravity_board.slopes import paper_slopes
 from bayesfric.rigs.gravity_board.strength import change_of_readings, change_of_trials
+from bayesfric.rigs.gravity_board.stretch import friction_ratios
 from bayesfric.rigs.gravity_board.trajectories import trajectories
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 from bayesfric.rigs.protocols import Protocol
@@ -33,6 +36,7 @@ from bayesfric.schemas import Agreement, Excluded, PointEstimate, Repaired
 
 __all__ = ["RIG", "GravityBoard", "GravityTrials"]
 
+Array = NDArray[np.float64]
 
 STREAMS = (0, 1, 2, 3, 5)  # of a recording's seed: order, scatter, sensors, noise, phases
 WORDS = Words("gravity board", "trial", "trials")
@@ -140,6 +144,23 @@ class GravityTrials:
     ) -> GravityLikelihood:
         """Return the density of the event times."""
         return GravityLikelihood(self.gravity, self.constants, analysis, law, effects)
+
+    def compare(self, theta: Mapping[str, Array]) -> Compared | Unsupported:
+        """Decline: friction is not read here without a law for the tension."""
+        del theta
+        return Unsupported(
+            "A trial that gathers speed has no reading of friction that owes nothing to the law."
+        )
+
+    def stretch_ratios(self, cable: Cable, theta: Mapping[str, Array]) -> Array | Unsupported:
+        """Return friction of model (3) over that of model (4), where a trial has events."""
+        trials, events = self.gravity.trials, self.gravity.events
+        seen = trials["trial"].isin(events["trial"])
+        if not seen.any():
+            return Unsupported("No trial has Hall events, which would show a stretch.")
+        with_events = Gravity(trials[seen].reset_index(drop=True), events)
+        sigma_x, sigma_t = (float(np.median(theta[name])) for name in ("sigma_x", "sigma_t"))
+        return friction_ratios(with_events, self.constants, cable, sigma_x, sigma_t)
 
     @property
     def excluded(self) -> Mapping[str, str]:

@@ -7,13 +7,15 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
+from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
 from bayesfric.effects import Effect
 from bayesfric.effects.terms import ActiveEffect
+from bayesfric.physics.compliant import Cable
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Motor, Recording, RigConstants
-from bayesfric.rigs.base import Motion, Predictive, Simulated, Words
+from bayesfric.rigs.base import Compared, Motion, Predictive, Simulated, Unsupported, Words
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.motor_board.likelihood import MotorLikelihood
 from bayesfric.rigs.motor_board.predictions import runs as runs_dataset
@@ -25,6 +27,7 @@ from bayesfric.schemas import PointEstimate
 
 __all__ = ["RIG", "MotorBoard", "MotorRuns"]
 
+Array = NDArray[np.float64]
 
 STREAMS = (4, 6)  # of a recording's seed: runs, and phases of effects on them
 WORDS = Words("motor board", "run", "runs")
@@ -115,6 +118,23 @@ class MotorRuns:
     ) -> MotorLikelihood:
         """Return the density of the currents."""
         return MotorLikelihood(self.motor, self.constants, analysis, law, effects)
+
+    def compare(self, theta: Mapping[str, Array]) -> Compared | Unsupported:
+        """Return friction read from the currents, beside that of a law."""
+        board = self.likelihood(Analysis())  # no prior enters
+        sign = np.sign(board.condition.velocity_m_s)
+        weight = board.condition.weight_n
+        predicted = np.abs(board.law(theta))
+        observed = board.observed({"torque_constant_factor": np.ones(1)})[0]
+        pull = observed + weight
+        wanted = weight + sign * predicted
+        factor = (wanted * pull).sum(axis=1) / (pull**2).sum()
+        return Compared(board.trials, sign * observed, predicted, "torque constant", factor)
+
+    def stretch_ratios(self, cable: Cable, theta: Mapping[str, Array]) -> Array | Unsupported:
+        """Decline: at constant speed the stretch of the cable is constant."""
+        del cable, theta
+        return Unsupported("At constant speed the stretch of the cable does not change.")
 
     @property
     def excluded(self) -> None:
