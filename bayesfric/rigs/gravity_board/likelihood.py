@@ -10,7 +10,7 @@ is a normal density of s:
 
 Without effects along the trial that is the density of its friction,
 ``f = (m1 + m2) (a_free − a)`` with Jacobian m1 + m2. How s scatters is
-:mod:`bayesfric.inference.scatter`'s. The simulator that mirrors all this is
+:mod:`bayesfric.inference.grouped_normal`'s. The simulator that mirrors all this is
 :mod:`bayesfric.simulate`.
 """
 
@@ -32,19 +32,9 @@ from bayesfric.effects.terms import (
     rough_values,
     total,
 )
+from bayesfric.inference.grouped_normal import LOG_2PI, GroupedNormal, Groups
 from bayesfric.inference.priors import Parameter
-from bayesfric.inference.scatter import (
-    LOG_2PI,
-    SetupIndex,
-    setup_log_density,
-    trial_cdf,
-    trial_log_density,
-)
-from bayesfric.inference.student import (
-    student_setup_log_density,
-    student_trial_cdf,
-    student_trial_log_density,
-)
+from bayesfric.inference.student import GroupedStudent
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import Condition, nominal_tension, tension_feedback
 from bayesfric.physics.laws import BASELINES, Baseline
@@ -113,7 +103,7 @@ class GravityLikelihood:
         self.condition = trial_condition(gravity.trials, rig)
         codes, setups = pd.factorize(gravity.trials["setup"])
         self.setups = tuple(str(setup) for setup in setups)
-        self._index = SetupIndex(np.flatnonzero(np.diff(codes, prepend=-1)), codes.size)
+        self._groups = Groups(np.flatnonzero(np.diff(codes, prepend=-1)), codes.size)
         self._size = SizeIndex.of(gravity.trials["pulley_size"])
         self.sizes = self._size.sizes
         self._rough_acceleration = pilot_accelerations(gravity)
@@ -138,15 +128,8 @@ class GravityLikelihood:
             *self._measurements.parameters,
             *(parameter for active in here for parameter in parameters_of(active)),
         )
-        self._freedom: float | None = None
-        self._setup_density = setup_log_density
-        self._trial_density = trial_log_density
-        self._trial_cdf = trial_cdf
-        if analysis.scatter.trial == "student-t":
-            self._freedom = analysis.scatter.degrees_of_freedom
-            self._setup_density = partial(student_setup_log_density, freedom=self._freedom)
-            self._trial_density = partial(student_trial_log_density, freedom=self._freedom)
-            self._trial_cdf = partial(student_trial_cdf, freedom=self._freedom)
+        scatter = analysis.scatter
+        self._freedom = scatter.degrees_of_freedom if scatter.trial == "student-t" else None
 
     def law(self, theta: Mapping[str, Array]) -> Array:
         """Return the friction of each trial by the law and the steady effects [N].
@@ -207,20 +190,17 @@ class GravityLikelihood:
 
     def setup_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
         """Return the log density of each assembly's data, shape (W, J)."""
-        observed, variance, law, constant = self._scattered(theta)
-        density = self._setup_density(self._index, observed, variance, law, *self._scatter(theta))
-        return density + self._index.total(constant)
+        scattered, constant = self._scattered(theta)
+        return scattered.group_log_density() + self._groups.total(constant)
 
     def trial_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
         """Return each trial's log density given the rest of its assembly, shape (W, N)."""
-        observed, variance, law, constant = self._scattered(theta)
-        density = self._trial_density(self._index, observed, variance, law, *self._scatter(theta))
-        return density + constant
+        scattered, constant = self._scattered(theta)
+        return scattered.single_log_density() + constant
 
     def trial_cdf(self, theta: Mapping[str, Array]) -> Array:
         """Return the probability of less friction of each trial given the rest, shape (W, N)."""
-        observed, variance, law, _ = self._scattered(theta)
-        return self._trial_cdf(self._index, observed, variance, law, *self._scatter(theta))
+        return self._scattered(theta)[0].single_cdf()
 
     def draw_trial_cdf(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
         """Return :meth:`trial_cdf` of recordings made again with these parameters.
@@ -237,12 +217,30 @@ class GravityLikelihood:
         ndarray, shape (W, N)
             A recording made again a row, with new scatter on new assemblies.
         """
-        _, variance, law, _ = self._scattered(theta)
+        _, variance, law, _ = self._frictions(theta)
         deviation = self.draw_scatter(theta, rng, together=True)
         again = law * (1 + deviation) + np.sqrt(variance) * rng.standard_normal(law.shape)
-        return self._trial_cdf(self._index, again, variance, law, *self._scatter(theta))
+        return self._around(theta, again, variance, law).single_cdf()
 
-    def _scattered(self, theta: Mapping[str, Array]) -> tuple[Array, Array, Array, Array]:
+    def _scattered(
+        self, theta: Mapping[str, Array]
+    ) -> tuple[GroupedNormal | GroupedStudent, Array]:
+        """Return the density of the frictions, and each trial's rest of the log density, (W, N)."""
+        observed, variance, law, constant = self._frictions(theta)
+        return self._around(theta, observed, variance, law), constant
+
+    def _around(
+        self, theta: Mapping[str, Array], observed: Array, variance: Array, law: Array
+    ) -> GroupedNormal | GroupedStudent:
+        """Return the density of frictions, all of shape (W, N), that scatter around the law."""
+        tau, omega = self._scatter(theta)
+        own = (law * tau) ** 2 + variance
+        residual, moved = observed - law, (law * omega)[None]
+        if self._freedom is None:
+            return GroupedNormal(self._groups, residual, own, moved)
+        return GroupedStudent(self._groups, residual, own, moved, self._freedom)
+
+    def _frictions(self, theta: Mapping[str, Array]) -> tuple[Array, Array, Array, Array]:
         """Return friction observed, its variance, the law's, and the rest of the log density.
 
         All of shape (W, N). With effects along the trial, "observed" is the law's friction
@@ -323,7 +321,7 @@ class GravityLikelihood:
         if not together:
             return omega * rng.standard_normal(shape) + tau * trial
         assembly = rng.standard_normal((len(tau), len(self.setups)))
-        return omega * assembly[:, self._index.of_trial] + tau * trial
+        return omega * assembly[:, self._groups.of_each] + tau * trial
 
     def draw_observed(
         self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator

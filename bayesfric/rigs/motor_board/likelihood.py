@@ -6,7 +6,7 @@ Given the parameters, run j on assembly i has the current
 
 with the idle curve h(v)ᵀβ shared by every run and by the idle measurements. β, η
 and ε are Gaussian and linear, so they are integrated out in closed form: the
-currents are one normal (:mod:`bayesfric.inference.joint_normal`). The noise of a
+currents are one normal (:mod:`bayesfric.inference.grouped_normal`). The noise of a
 current grows with the load: its variance is σ_I² + (λ · load current)², the load
 current being the law's; the scatter of friction would change it by 0.2 %. Speed is
 constant in a run, so an effect on friction adds to F, and one on the motor's current to I.
@@ -18,7 +18,6 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.special import ndtr
 
 from bayesfric.analysis import Analysis
 from bayesfric.effects import State
@@ -28,9 +27,8 @@ from bayesfric.effects.terms import (
     rough_values,
     total,
 )
-from bayesfric.inference.joint_normal import JointNormal
+from bayesfric.inference.grouped_normal import GroupedNormal, Groups
 from bayesfric.inference.priors import Parameter
-from bayesfric.inference.scatter import SetupIndex
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.physics.motor import (
     MotorCondition,
@@ -149,7 +147,7 @@ class MotorLikelihood:
         )
         # The idle measurements are a last group of their own, which no η moves.
         starts = np.flatnonzero(np.diff(codes[order], prepend=-1))
-        self._index = SetupIndex(np.append(starts, self._runs), speed.size)
+        self._groups = Groups(np.append(starts, self._runs), speed.size)
         priors = analysis.priors
         both_ways = bool((idle_speed > 0).any() and (idle_speed < 0).any())
         self._columns = idle_basis(speed, both_ways=both_ways) * priors.idle_current_sd
@@ -241,7 +239,7 @@ class MotorLikelihood:
         if not together:
             return np.asarray(np.hypot(tau, omega) * rng.standard_normal(shape))
         assembly = rng.standard_normal((len(tau), len(self.setups)))
-        of_run = self._index.of_trial[: self._runs]
+        of_run = self._groups.of_each[: self._runs]
         return np.asarray(omega * assembly[:, of_run] + tau * rng.standard_normal(shape))
 
     def draw_observed(
@@ -305,12 +303,13 @@ class MotorLikelihood:
         ndarray, shape (W, N)
             A recording made again a row, the idle curve drawn from its prior.
         """
-        return self._friction_cdf(self._currents(theta).made_again(rng))
+        return self._friction_cdf(self._currents(theta).drawn(rng))
 
-    def _friction_cdf(self, currents: JointNormal) -> Array:
+    def _friction_cdf(self, currents: GroupedNormal) -> Array:
         # Friction takes current from a motor that lifts, and gives it back as it lowers.
-        sign = np.sign(self.condition.velocity_m_s)
-        return np.asarray(ndtr(sign * currents.single_z()[:, : self._runs]))
+        sign = np.ones(self._groups.count)
+        sign[: self._runs] = np.sign(self.condition.velocity_m_s)
+        return currents.single_cdf(sign)[:, : self._runs]
 
     def start(self) -> dict[str, float]:
         """Return rough estimates by least squares, a place to climb from."""
@@ -345,20 +344,20 @@ class MotorLikelihood:
             return self._size.spread(theta, "tau_motor"), self._size.spread(theta, "omega_motor")
         return theta["tau_motor"][:, None], theta["omega_motor"][:, None]
 
-    def _currents(self, theta: Mapping[str, Array]) -> JointNormal:
+    def _currents(self, theta: Mapping[str, Array]) -> GroupedNormal:
         friction, torque = self.law(theta), self._torque(theta)
         load = load_current(self.condition, friction, torque, self._radius)
         beyond = load + self._added_current(theta, load)
         tau, omega = self._scatter(theta)
         per_scatter = friction * self._radius / torque  # current of a relative deviation of 1
         runs = slice(None, self._runs)
-        variance = np.repeat(theta["sigma_current"][:, None] ** 2, self._index.trials, axis=1)
+        variance = np.repeat(theta["sigma_current"][:, None] ** 2, self._groups.count, axis=1)
         variance[:, runs] += (theta["load_noise"][:, None] * load) ** 2 + (tau * per_scatter) ** 2
-        moved = np.zeros_like(variance)
-        moved[:, runs] = omega * per_scatter
+        moved = np.zeros((1, *variance.shape))
+        moved[0, :, runs] = omega * per_scatter
         residual = np.tile(self._current, (len(load), 1))
         residual[:, runs] -= beyond
-        return JointNormal(self._index, self._columns, residual, variance, moved)
+        return GroupedNormal(self._groups, residual, variance, moved, self._columns)
 
     def _added_current(self, theta: Mapping[str, Array], load: Array) -> Array:
         """Return what effects on the motor add to the current of each run, shape (W, N)."""
