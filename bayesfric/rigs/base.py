@@ -37,6 +37,7 @@ __all__ = [
     "Simulated",
     "Unsupported",
     "Words",
+    "why_inert",
 ]
 
 Array = NDArray[np.float64]
@@ -56,6 +57,18 @@ class Unsupported:
     """
 
     reason: str
+
+
+def why_inert(response: NDArray[np.float64]) -> Unsupported | None:
+    """Return why an effect with this response would not move a likelihood; None where it does."""
+    if not np.isfinite(response).all():
+        return Unsupported(
+            "It depends on what nobody wrote down here: the order of the trials, or the radius "
+            "of the pulleys."
+        )
+    if not response.any():
+        return Unsupported("It changes nothing that was measured here.")
+    return None
 
 
 @dataclass(frozen=True)
@@ -210,13 +223,16 @@ class RigTrials(Protocol):
     def excluded(self) -> Mapping[str, str] | None:
         """Trials that a rule keeps from entering, with its name; None where there is no rule."""
 
+    def supports(self, effect: Effect) -> Unsupported | None:
+        """Return why an effect cannot enter the likelihood; None where it can."""
+
     def likelihood(
         self,
         analysis: Analysis,
         law: Baseline = BASELINES["paper"],
         effects: Sequence[ActiveEffect] = (),
     ) -> RigLikelihood:
-        """Return the exact density of the raw data."""
+        """Return the exact density of the raw data, without effects that are not supported."""
 
     def compare(self, theta: Mapping[str, Array]) -> Compared | Unsupported:
         """Return measured friction beside that of a law known from elsewhere.

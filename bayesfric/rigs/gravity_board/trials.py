@@ -20,6 +20,7 @@ from bayesfric.rigs.base import Compared, Motion, Predictive, Resting, Simulated
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.gravity_board.estimator import estimate_as_the_paper
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood, trial_condition
+from bayesfric.rigs.gravity_board.places import TrialPlaces
 from bayesfric.rigs.gravity_board.predictions import curves
 from bayesfric.rigs.gravity_board.predictions import trials as trials_dataset
 from bayesfric.rigs.gravity_board.screening import RULES, Screened, screen_trials
@@ -135,6 +136,10 @@ class GravityTrials:
         events = self.gravity.events
         events = events[events["trial"].isin(trials["trial"])].reset_index(drop=True)
         return replace(self, gravity=Gravity(trials, events)) if len(trials) else None
+
+    def supports(self, effect: Effect) -> Unsupported | None:
+        """Return why an effect cannot enter the likelihood; None where it can."""
+        return TrialPlaces(self.gravity, self.constants).supports(effect)
 
     def likelihood(
         self,

@@ -21,40 +21,20 @@ from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
 from bayesfric.effects import State
-from bayesfric.effects.terms import (
-    ActiveEffect,
-    parameters_of,
-    rough_values,
-    total,
-)
+from bayesfric.effects.terms import ActiveEffect, parameters_of, rough_values, total
 from bayesfric.inference.grouped_normal import GroupedNormal, Groups
 from bayesfric.inference.priors import Parameter
 from bayesfric.physics.laws import BASELINES, Baseline
-from bayesfric.physics.motor import (
-    MotorCondition,
-    load_current,
-    nominal_tension,
-    tension_feedback,
-)
+from bayesfric.physics.motor import load_current, nominal_tension, tension_feedback
 from bayesfric.recording.tables import Motor, RigConstants
 from bayesfric.rigs.coefficients import SizeIndex, coefficient_parameters
+from bayesfric.rigs.motor_board.places import RunPlaces, run_condition
 
 __all__ = ["MotorLikelihood", "idle_basis", "run_condition"]
 
 Array = NDArray[np.float64]
 TENSION_ITERATIONS = 2  # each takes the error of an effect's tension down by some 20
 LEAST_CURRENT_A = 1e-5  # of the noise, as a start, where the idle curve fits perfectly
-
-
-def run_condition(runs: pd.DataFrame, rig: RigConstants) -> MotorCondition:
-    """Return the condition of each run, arrays of shape (N,)."""
-    return MotorCondition(
-        runs["n_pulleys"].to_numpy(dtype=np.float64),
-        runs["wrap_angle_deg"].to_numpy(dtype=np.float64),
-        runs["hanging_mass_kg"].to_numpy(dtype=np.float64),
-        runs["velocity_m_s"].to_numpy(dtype=np.float64),
-        rig.gravity_m_s2,
-    )
 
 
 def idle_basis(velocity_m_s: Array, *, both_ways: bool) -> Array:
@@ -101,7 +81,7 @@ class MotorLikelihood:
     baseline : Baseline
         The friction law.
     effects : sequence of ActiveEffect
-        What acts beside the law.
+        What acts beside the law; what :meth:`RunPlaces.supports` refuses is left out.
 
     Attributes
     ----------
@@ -127,14 +107,15 @@ class MotorLikelihood:
         effects: Sequence[ActiveEffect] = (),
     ) -> None:
         self._friction = baseline.motor
-        self._effects = tuple(effects)
         assert rig.motor_torque_constant_n_m_per_a and rig.capstan_radius_m
         codes, setups = pd.factorize(motor.runs["setup"])
         order = codes.argsort(kind="stable")
         runs = motor.runs.iloc[order].reset_index(drop=True).rename(columns={"run": "trial"})
         self.trials = runs
         self.setups = tuple(str(setup) for setup in setups)
-        self.condition = run_condition(runs, rig)
+        self._places = RunPlaces(runs, rig)
+        self._effects = [one for one in effects if self._places.supports(one.effect) is None]
+        self.condition = self._places.condition
         self._runs = len(runs)
         self._torque_constant = rig.motor_torque_constant_n_m_per_a
         self._radius = rig.capstan_radius_m
@@ -180,21 +161,32 @@ class MotorLikelihood:
             fc of eq. (15) and of the effects at the nominal tension of the run, with the
             sign of v.
         """
+        return self._forces(theta)[0]
+
+    def _forces(self, theta: Mapping[str, Array]) -> tuple[Array, Array]:
+        """Return the friction that scatters and what scatter leaves alone, signed, (W, N) [N]."""
         law = self._size.coefficients(theta)
         friction = np.asarray(self._friction(law, self.condition))
-        here = [active for active in self._effects if active.effect.acts_on == "friction"]
-        if not here:
-            return friction
-        feedback = tension_feedback(law, self.condition)
-        sign, speed = np.sign(self.condition.velocity_m_s), np.abs(self.condition.velocity_m_s)
-        drag = np.zeros_like(friction)
+        drag = held = np.zeros_like(friction)
+        if not self._on("friction") and not self._on("drive"):
+            return friction, held
+        feedback, sign = tension_feedback(law, self.condition), np.sign(self.condition.velocity_m_s)
         for _ in range(TENSION_ITERATIONS):  # the drag changes the tension on which it depends
-            tension = nominal_tension(self.condition, friction + sign * feedback * drag)
-            state = State.of(
-                law, self.condition.n_pulleys, self.condition.wrap_angle_deg, tension, speed
-            )
-            drag = total(here, theta, state)
-        return np.asarray(friction + sign * feedback * drag)
+            state = self._places.state(law, friction + sign * feedback * (drag + held))
+            drag = self._added("friction", theta, state)
+            held = self._added("drive", theta, state)
+        return np.asarray(friction + sign * (feedback * drag + (feedback - 1) * held)), sign * held
+
+    def _on(self, kind: str) -> list[ActiveEffect]:
+        return [one for one in self._effects if one.effect.acts_on == kind]
+
+    def _added(self, kind: str, theta: Mapping[str, Array], state: State) -> Array:
+        """Return what effects of one kind add, shape (W, N)."""
+        here = self._on(kind)
+        shape = np.broadcast_shapes(
+            *(np.shape(part) for part in (state.tension_n, state.speed_m_s))
+        )
+        return np.broadcast_to(total(here, theta, state) if here else 0.0, shape)
 
     def observed(self, theta: Mapping[str, Array]) -> Array:
         """Return the signed friction that the currents show [N].
@@ -263,10 +255,11 @@ class MotorLikelihood:
             median torque constant, whatever that of the draw; the idle curve's error,
             which all runs share, is left out.
         """
-        friction, torque = self.law(theta), self._torque(theta)
-        scattered = friction * (1 + deviation)
+        friction, held = self._forces(theta)
+        torque = self._torque(theta)
+        scattered = friction * (1 + deviation) + held
         current = load_current(self.condition, scattered, torque, self._radius)
-        expected = load_current(self.condition, friction, torque, self._radius)
+        expected = load_current(self.condition, friction + held, torque, self._radius)
         sd = np.hypot(theta["sigma_current"][:, None], theta["load_noise"][:, None] * expected)
         current += sd * rng.standard_normal(current.shape)
         reading = np.median(torque) / self._radius
@@ -345,9 +338,11 @@ class MotorLikelihood:
         return theta["tau_motor"][:, None], theta["omega_motor"][:, None]
 
     def _currents(self, theta: Mapping[str, Array]) -> GroupedNormal:
-        friction, torque = self.law(theta), self._torque(theta)
-        load = load_current(self.condition, friction, torque, self._radius)
-        beyond = load + self._added_current(theta, load)
+        (friction, held), torque = self._forces(theta), self._torque(theta)
+        load = load_current(self.condition, friction + held, torque, self._radius)
+        law = self._size.coefficients(theta)
+        state = self._places.state(law, friction + held, load)
+        beyond = load + self._added("current", theta, state)
         tau, omega = self._scatter(theta)
         per_scatter = friction * self._radius / torque  # current of a relative deviation of 1
         runs = slice(None, self._runs)
@@ -358,12 +353,3 @@ class MotorLikelihood:
         residual = np.tile(self._current, (len(load), 1))
         residual[:, runs] -= beyond
         return GroupedNormal(self._groups, residual, variance, moved, self._columns)
-
-    def _added_current(self, theta: Mapping[str, Array], load: Array) -> Array:
-        """Return what effects on the motor add to the current of each run, shape (W, N)."""
-        law = self._size.coefficients(theta)
-        speed = np.abs(self.condition.velocity_m_s)
-        condition = (self.condition.n_pulleys, self.condition.wrap_angle_deg)
-        state = State.of(law, *condition, self.condition.weight_n, speed, load)
-        here = [active for active in self._effects if active.effect.acts_on == "current"]
-        return total(here, theta, state) if here else np.zeros_like(load)

@@ -18,6 +18,7 @@ from bayesfric.recording.tables import Motor, Recording, RigConstants
 from bayesfric.rigs.base import Compared, Motion, Predictive, Simulated, Unsupported, Words
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.motor_board.likelihood import MotorLikelihood
+from bayesfric.rigs.motor_board.places import RunPlaces
 from bayesfric.rigs.motor_board.predictions import runs as runs_dataset
 from bayesfric.rigs.motor_board.simulator import simulate_motor
 from bayesfric.rigs.motor_board.strength import change_of_runs
@@ -109,6 +110,10 @@ class MotorRuns:
         """Return the runs of a mask over the table; None without any."""
         runs = self.motor.runs[keep].reset_index(drop=True)
         return replace(self, motor=Motor(runs, self.motor.idle)) if len(runs) else None
+
+    def supports(self, effect: Effect) -> Unsupported | None:
+        """Return why an effect cannot enter the likelihood; None where it can."""
+        return RunPlaces(self.motor.runs, self.constants).supports(effect)
 
     def likelihood(
         self,
