@@ -18,6 +18,7 @@ from bayesfric.inference.model import Model, RigLikelihood
 from bayesfric.physics.gravity import Condition
 from bayesfric.physics.laws import Baseline
 from bayesfric.recording.tables import Recording
+from bayesfric.rigs import all_rigs
 from bayesfric.rigs.bands import QUANTILES
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
 from bayesfric.rigs.gravity_board.predictions import curves, trials
@@ -100,7 +101,7 @@ def predict(
             recorded = recording.gravity.trials
             table = trials(likelihood, recorded, named, factor, remade)
             found = _checked("trial", table, likelihood, left_out["gravity"], remade)
-            groups |= {"trials": found[0], "trial_checks": found[1]}
+            groups |= {"trials": _named("gravity", found[0]), "trial_checks": found[1]}
             groups["prior"] = _prior(table, likelihood, model, named, analysis, baseline)
             groups["curves"] = curves(likelihood, named, baseline)
             groups |= paper_slopes(
@@ -113,10 +114,22 @@ def predict(
             assert recording.motor is not None
             table = runs(likelihood, recording.motor.runs, named, factor, remade)
             found = _checked("run", table, likelihood, left_out["motor"], remade)
-            groups |= {"runs": found[0], "run_checks": found[1]}
+            groups |= {"runs": _named("motor", found[0]), "run_checks": found[1]}
             if "prior" not in groups:
                 groups["prior"] = _prior(table, likelihood, model, named, analysis, baseline)
     return xr.DataTree.from_dict(groups)
+
+
+def _named(rig: str, table: xr.Dataset) -> xr.Dataset:
+    """Return a table of trials that says of which rig they are, and what they are called."""
+    words = all_rigs()[rig].words
+    return table.assign_attrs(
+        rig=rig,
+        title=words.rig,
+        trial=words.trial,
+        trials=words.trials,
+        id=str(table["z"].dims[0]),
+    )
 
 
 def _checked(
