@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import ConfigDict, Field
 
-from bayesfric.schemas.base import Number, Provenance, Record
+from bayesfric.schemas.base import Number, Provenance, Record, Why
 
 __all__ = [
     "ClaimResult",
@@ -18,7 +18,7 @@ class PulleyEvidence(Record):
     """A claim's Bayes factor from the data of one pulley size alone."""
 
     log10_bayes_factor: Number | None = Field(description="In favour of the claim.")
-    log10_bayes_factor_why: str | None = Field(None, description="Why there is none.")
+    log10_bayes_factor_why: Why = None
     log10_bayes_factor_se: Number | None = Field(description="Its standard error.")
 
 
@@ -36,13 +36,13 @@ class ClaimResult(Record):
         description="In favour of the claim, against the best of its rivals; `figures` has it "
         "against each."
     )
-    log10_bayes_factor_why: str | None = Field(None, description="Why there is none.")
+    log10_bayes_factor_why: Why = None
     log10_bayes_factor_se: Number | None = Field(description="Its standard error.")
     elpd_difference: Number | None = Field(
         description="Assemblies left out one at a time: positive where the claim predicts them "
         "better than its best rival [nat]."
     )
-    elpd_difference_why: str | None = Field(None, description="Why there is none.")
+    elpd_difference_why: Why = None
     elpd_difference_se: Number | None = Field(description="Its standard error.")
     figures: dict[str, Number | int | bool | str | dict[str, Number]] = Field(
         description="Numbers that the verdict rests on."

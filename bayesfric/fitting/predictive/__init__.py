@@ -59,7 +59,8 @@ def predict(
         ``densities``: of each parameter, prior and posterior.
         ``ranks``: how the draws of each ensemble rank among all.
         Of each rig a group that is called as its trials are (``trials``, ``runs``), with
-        the attributes ``rig``, ``title`` and ``trial``: friction observed, and predicted
+        the attributes ``rig``, ``title``, ``trial``, ``trials`` and ``id`` (its dimension):
+        friction observed, and predicted
         for a new trial on a new assembly, with z and coverage; ``loo_pit``, the
         probability of less friction had the trial been left out, and ``pareto_k`` of its
         weights. Of each rig ``trial_checks`` (``run_checks``): how far these are from
@@ -82,7 +83,11 @@ def predict(
         remade = remake(likelihood, named, factor - 1, checks)
         view = Predictive(likelihood, baseline, named, factor, remade, checks)
         table = trials.predicted(view).assign_attrs(
-            rig=rig.name, title=words.rig, trial=words.trial
+            rig=rig.name,
+            title=words.rig,
+            trial=words.trial,
+            trials=words.trials,
+            id=words.trial,
         )
         groups[words.trials], groups[f"{words.trial}_checks"] = _checked(
             trials, table, likelihood, left_out[rig.name], remade

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+import xarray as xr
+
 from bayesfric.plots.claims import against_rivals, over_prior_width
 from bayesfric.plots.style import to_svg
 from bayesfric.report.content import (
@@ -19,7 +21,7 @@ from bayesfric.report.content import (
     Table,
 )
 from bayesfric.report.quantities import format_fixed
-from bayesfric.report.stored import StoredResults
+from bayesfric.report.stored import StoredClaims
 from bayesfric.schemas import ClaimResult, ClaimsFile
 
 __all__ = ["claims", "verdicts"]
@@ -37,11 +39,9 @@ FAMILIES = {
 }
 
 
-def verdicts(stored: StoredResults) -> Iterator[Block]:
-    """Yield the verdict table of page one, where claims were judged."""
-    if stored.claims is None:
-        return
-    fallen = [one for one in stored.claims.claims if one.verdict == "refuted"]
+def verdicts(found: ClaimsFile) -> Iterator[Block]:
+    """Yield the verdict table of page one."""
+    fallen = [one for one in found.claims if one.verdict == "refuted"]
     for one in fallen:
         yield Notice("attention", [Code(one.id), f": {one.reason}"], title="Refuted")
     yield Table(
@@ -63,7 +63,7 @@ def verdicts(stored: StoredResults) -> Iterator[Block]:
                 format_fixed(one.elpd_difference, 1),
                 _elpd_error(one),
             ]
-            for one in stored.claims.claims
+            for one in found.claims
         ],
         label="verdicts",
         note="Bayes factors are in favour of the claim, against the best of its rivals; Δelpd "
@@ -74,11 +74,9 @@ def verdicts(stored: StoredResults) -> Iterator[Block]:
     )
 
 
-def claims(stored: StoredResults) -> Iterator[Block]:
+def claims(stored: StoredClaims) -> Iterator[Block]:
     """Yield each claim with what its verdict rests on."""
-    found = stored.claims
-    if found is None:
-        return
+    found = stored.found
     by_name = {one.id: one for one in found.claims}
     yield Heading(1, "The paper's claims")
     yield Paragraph(_rules(found))
@@ -92,7 +90,7 @@ def claims(stored: StoredResults) -> Iterator[Block]:
         yield Heading(2, "Further claims")
         for one in by_name.values():
             yield from _claim(one)
-    yield from _figures(stored, found)
+    yield from _figures(found, stored.curves)
     yield Heading(2, "The paper against itself")
     yield BulletList(
         [
@@ -155,13 +153,13 @@ def _rules(found: ClaimsFile) -> list[str]:
     ]
 
 
-def _figures(stored: StoredResults, found: ClaimsFile) -> Iterator[Block]:
+def _figures(found: ClaimsFile, curves: xr.DataTree) -> Iterator[Block]:
     factors = {
         one.id: rivals
         for one in found.claims
         if isinstance(rivals := one.figures.get("log10_bayes_factor_against"), dict)
     }
-    if not factors or stored.claim_curves is None:
+    if not factors:
         return
     yield Heading(2, "Against each rival")
     yield Paragraph(
@@ -189,7 +187,7 @@ def _figures(stored: StoredResults, found: ClaimsFile) -> Iterator[Block]:
     yield Figure(
         to_svg(
             over_prior_width(
-                stored.claim_curves,
+                curves,
                 rule["support_log10_bayes_factor"],
                 rule["refute_log10_bayes_factor"],
             )
