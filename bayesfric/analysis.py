@@ -238,7 +238,12 @@ class ClaimRules(_Section):
     support_probability: Share = Field(0.95, description="Of a claim without rivals, at least.")
     refute_probability: Share = Field(0.05, description="Of a claim without rivals, at most.")
     refute_tail_probability: Share = Field(
-        0.01, description="Joint tail probability of Table I below which `coefficients` falls."
+        0.01, description="Joint tail probability of Table I below which `coefficients` may fall."
+    )
+    table1_tolerance: Share = Field(
+        0.05,
+        description="Largest relative difference of friction by Table I, over the tested range of "
+        "Table II, with which `coefficients` holds.",
     )
     stiffness_tolerance: Share = Field(
         0.01, description="Largest relative change of friction by a stretching cable."

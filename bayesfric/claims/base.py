@@ -251,5 +251,12 @@ class Case:
     posterior: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)
 
     def baseline(self, rig: str) -> Mapping[str, Array]:
-        """Return draws of the law by parameter, given one rig's data."""
+        """Return draws of the law by parameter, given one rig's data; empty without any."""
         return self.posterior.get(rig) or self.studied[Task(rig, self.entered.baseline)].theta
+
+    def undrawn(self, rig: str) -> Finding | None:
+        """Return the finding where the law has no draws given one rig's data."""
+        if self.baseline(rig):
+            return None
+        why = self.studied[Task(rig, self.entered.baseline)].why
+        return Finding("undecided", f"The posterior could not be drawn: {why}.")

@@ -23,6 +23,8 @@ def _judge(claim: Claim, case: Case) -> Finding:
         draw(priors.cable_length_m, CABLES, rng),
         draw(priors.damping_ratio, CABLES, rng),
     )
+    if undrawn := case.undrawn(name):
+        return undrawn
     ratios = case.entered.trials(name).stretch_ratios(cable, case.baseline(name))
     if isinstance(ratios, Unsupported):
         return Finding("not-testable", ratios.reason)
