@@ -12,7 +12,7 @@ from bayesfric.effects.terms import ActiveEffect
 from bayesfric.physics.compliant import Cable
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Gravity, Recording, RigConstants
-from bayesfric.rigs.base import Compared, Motion, Unsupported, Words
+from bayesfric.rigs.base import Motion, Unsupported, Words
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
 from bayesfric.rigs.gravity_board.screening import Screened, screen_trials
 from bayesfric.rigs.gravity_board.stretch import friction_ratios
@@ -103,13 +103,6 @@ class GravityTrials:
     ) -> GravityLikelihood:
         """Return the density of the event times."""
         return GravityLikelihood(self.gravity, self.constants, analysis, law, effects)
-
-    def compare(self, theta: Mapping[str, Array]) -> Compared | Unsupported:
-        """Decline: friction is not read here without a law for the tension."""
-        del theta
-        return Unsupported(
-            "A trial that gathers speed has no reading of friction that owes nothing to the law."
-        )
 
     def stretch_ratios(self, cable: Cable, theta: Mapping[str, Array]) -> Array | Unsupported:
         """Return friction of model (3) over that of model (4), where a trial has events."""
