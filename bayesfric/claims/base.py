@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
 from bayesfric.claims.studies import Studied, Task
+from bayesfric.effects import all_effects
 from bayesfric.errors import Fault, InputError
 from bayesfric.fitting.hypothesis import Hypothesis
 from bayesfric.physics.laws import BASELINES
@@ -223,6 +224,9 @@ class Claim:
             shared = self.rig(entered) in entered.data
             return "" if shared else "The two boards have no pulley size in common."
         trials = entered.trials(self.rig(entered))
+        for effect in dict.fromkeys(name for one in self.rivals for name, _ in one.effects):
+            if (missing := trials.supports(all_effects()[effect])) is not None:
+                return missing.reason
         for name, least in self.levels.items():
             if (found := trials.levels(name)) < least:
                 return f"The {WORDS[name]} takes {found} of at least {least} values."
