@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import permutations
 from typing import Any, Literal
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
 from bayesfric.claims.studies import Studied, Task
+from bayesfric.effects import all_effects
 from bayesfric.errors import Fault, InputError
 from bayesfric.fitting.hypothesis import Hypothesis
 from bayesfric.physics.laws import BASELINES
@@ -73,8 +75,9 @@ class Entered:
     Parameters
     ----------
     data : mapping of str to Data
-        By the name of a rig, in the order of :func:`bayesfric.rigs.all_rigs`, and by
-        that of a rig and a size as in ``RIG/small``.
+        By the name of a rig, in the order of :func:`bayesfric.rigs.all_rigs`; by that of
+        a rig and a size as in ``RIG/small``; and by those of two rigs as in ``RIG+OTHER``,
+        the second with the sizes that it shares with the first.
     left_out : tuple of str
         Rigs of the recording that were not asked for.
     law : str
@@ -115,6 +118,10 @@ class Entered:
         for name in list(data):
             for size in data[name].sizes:
                 data[f"{name}/{size}"] = data[name].of_size(size)
+        for first, second in permutations(rigs or there, 2):
+            known = there[second].table["pulley_size"].isin(data[first].sizes)
+            if (shared := there[second].select(known)) is not None:
+                data[f"{first}+{second}"] = Data((there[first], shared))
         return cls(data, tuple(name for name in there if name not in data), law)
 
     @property
@@ -125,7 +132,7 @@ class Entered:
     @property
     def rigs(self) -> tuple[str, ...]:
         """Names of the rigs."""
-        return tuple(name for name in self.data if "/" not in name)
+        return tuple(name for name in self.data if "/" not in name and "+" not in name)
 
     def whole(self) -> "Entered":
         """Return the data of all sizes together, without those of each."""
@@ -169,6 +176,8 @@ class Claim:
     motion : {"accelerated", "steady"} or None
         How the trials that it is about move; it takes the first rig whose trials do.
         None where it needs no data.
+    beside : {"accelerated", "steady"} or None
+        How the trials of a second rig move, with which the first is studied together.
     rivals : tuple of Hypothesis
         What it is compared with; of the paper's law where it is named, else as it is.
     levels : mapping of str to int
@@ -176,6 +185,9 @@ class Claim:
         differ from the claim; ``tension`` counts sums of the two masses.
     by_size : bool
         Whether each pulley size is also compared alone.
+    about_these_data : bool
+        Whether these data could speak for or against it; else it rests on the paper's
+        numbers or on priors.
     """
 
     name: str
@@ -184,15 +196,16 @@ class Claim:
     paper: str
     judge: Callable[["Claim", "Case"], Finding]
     motion: Motion | None = None
+    beside: Motion | None = None
     rivals: tuple[Hypothesis, ...] = ()
     levels: Mapping[str, int] = field(default_factory=dict)
     by_size: bool = True
+    about_these_data: bool = True
 
     def rig(self, entered: Entered) -> str:
-        """Return the name of the rig that the claim is judged on, where it is testable."""
-        found = None if self.motion is None else entered.first(self.motion)
-        assert found is not None
-        return found
+        """Return the name of the data that the claim is judged on, where it is testable."""
+        needed = (motion for motion in (self.motion, self.beside) if motion is not None)
+        return "+".join(str(entered.first(motion)) for motion in needed)
 
     def against(self, entered: Entered) -> tuple[Hypothesis, ...]:
         """Return the rivals; those that add to the law add to the one that is claimed."""
@@ -202,11 +215,18 @@ class Claim:
 
     def untestable(self, entered: Entered) -> str:
         """Return what the data lack to compare the claim with its rivals, or nothing."""
+        for motion in (self.motion, self.beside):
+            if motion is not None and entered.first(motion) is None:
+                return entered.lack(motion)
         if self.motion is None:
             return ""
-        if entered.first(self.motion) is None:
-            return entered.lack(self.motion)
+        if self.beside is not None:
+            shared = self.rig(entered) in entered.data
+            return "" if shared else "The two boards have no pulley size in common."
         trials = entered.trials(self.rig(entered))
+        for effect in dict.fromkeys(name for one in self.rivals for name, _ in one.effects):
+            if (missing := trials.supports(all_effects()[effect])) is not None:
+                return missing.reason
         for name, least in self.levels.items():
             if (found := trials.levels(name)) < least:
                 return f"The {WORDS[name]} takes {found} of at least {least} values."
@@ -251,5 +271,12 @@ class Case:
     posterior: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)
 
     def baseline(self, rig: str) -> Mapping[str, Array]:
-        """Return draws of the law by parameter, given one rig's data."""
+        """Return draws of the law by parameter, given one rig's data; empty without any."""
         return self.posterior.get(rig) or self.studied[Task(rig, self.entered.baseline)].theta
+
+    def undrawn(self, rig: str) -> Finding | None:
+        """Return the finding where the law has no draws given one rig's data."""
+        if self.baseline(rig):
+            return None
+        why = self.studied[Task(rig, self.entered.baseline)].why
+        return Finding("undecided", f"The posterior could not be drawn: {why}.")

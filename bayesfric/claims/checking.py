@@ -252,6 +252,7 @@ def _result(claim: Claim, found: Finding) -> ClaimResult:
         id=claim.name,
         statement=claim.statement,
         paper=claim.paper,
+        about_these_data=claim.about_these_data,
         verdict=found.verdict,
         reason=found.reason,
         log10_bayes_factor=found.log10_bayes_factor,

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.inference.diagnostics import LIMITS, Convergence, diagnose_all, power_scaling
-from bayesfric.inference.laplace import curvature_steps, finite_hessian
+from bayesfric.inference.informed import informed_by_data
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import LOG_2PI, Kind, Parameter, describe, prior_sd
 from bayesfric.inference.sampling import Draws
@@ -58,7 +58,7 @@ def summarise(
         The draws in the parameters' units.
     """
     convergence = dict(zip(model.names, diagnose_all(theta), strict=True))
-    informed = _informed(model, np.median(theta.reshape(-1, theta.shape[-1]), axis=0))
+    informed = informed_by_data(model, np.median(theta.reshape(-1, theta.shape[-1]), axis=0))
     entries = {
         parameter.name: _parameter(
             parameter, theta[..., place], convergence[parameter.name], bool(informed[place])
@@ -159,25 +159,6 @@ def _interval(draws: Array) -> Interval:
         q50=float(q50),
         q95=float(q95),
     )
-
-
-def _informed(model: Model, centre: Array) -> NDArray[np.bool_]:
-    """Whether the likelihood alone pins each parameter down better than its prior.
-
-    From the curvature of the log likelihood at the posterior median, in units of
-    the priors' widths: a direction that the data leave open has a curvature below 1.
-    """
-    z = model.sampling(centre)
-    unit = model.scale()
-
-    def log_likelihood(points: Array) -> Array:
-        return model.log_likelihood(model.natural(points))
-
-    step = curvature_steps(log_likelihood, z, 0.3 * unit)
-    curvature = -finite_hessian(log_likelihood, z, step) * np.outer(unit, unit)
-    values, vectors = np.linalg.eigh(curvature)
-    variance = (vectors**2 / np.maximum(values, 1e-12)).sum(axis=1)
-    return np.asarray(variance < 1)
 
 
 def _sensitivity(model: Model, draws: Draws, theta: Array) -> dict[str, dict[str, float]]:

@@ -28,7 +28,6 @@ from bayesfric.rigs.truth import Truth
 from bayesfric.schemas import PointEstimate
 
 __all__ = [
-    "Compared",
     "Motion",
     "Predictive",
     "Resting",
@@ -39,6 +38,7 @@ __all__ = [
     "Words",
     "why_inert",
 ]
+
 
 Array = NDArray[np.float64]
 
@@ -86,32 +86,6 @@ class Words:
     rig: str
     trial: str
     trials: str
-
-
-@dataclass(frozen=True)
-class Compared:
-    """Friction that a rig measured, beside that of a law which owes nothing to it.
-
-    Parameters
-    ----------
-    trials : DataFrame
-        The N trials in the order of the arrays.
-    measured_n : ndarray, shape (N,)
-        Against the motion, by the nominal calibration of the rig [N].
-    predicted_n : ndarray, shape (S, N)
-        By each draw of the law, without scatter [N].
-    calibration : str
-        What scales all of the rig's readings, as in ``torque constant``.
-    factor : ndarray, shape (S,)
-        The calibration over the nominal one that brings the readings closest to the
-        prediction, by least squares.
-    """
-
-    trials: pd.DataFrame
-    measured_n: Array
-    predicted_n: Array
-    calibration: str
-    factor: Array
 
 
 class Rig(Protocol):
@@ -233,15 +207,6 @@ class RigTrials(Protocol):
         effects: Sequence[ActiveEffect] = (),
     ) -> RigLikelihood:
         """Return the exact density of the raw data, without effects that are not supported."""
-
-    def compare(self, theta: Mapping[str, Array]) -> Compared | Unsupported:
-        """Return measured friction beside that of a law known from elsewhere.
-
-        Parameters
-        ----------
-        theta : mapping of str to ndarray of shape (S,)
-            Draws of the coefficients of every size of these trials.
-        """
 
     def stretch_ratios(self, cable: Cable, theta: Mapping[str, Array]) -> Array | Unsupported:
         """Return friction found with a cable that stretches over that without.

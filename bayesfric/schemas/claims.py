@@ -28,6 +28,11 @@ class ClaimResult(Record):
     id: str = Field(description="Name of the claim.")
     statement: str = Field(description="What is claimed.")
     paper: str = Field(description="What the paper states, and where.")
+    about_these_data: bool = Field(
+        True,
+        description="Whether these data could speak for or against it; false where it rests on "
+        "the paper's numbers or on priors.",
+    )
     verdict: Literal["supported", "refuted", "undecided", "not-testable"] = Field(
         description="By the rules under `rules`."
     )

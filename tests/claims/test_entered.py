@@ -8,6 +8,7 @@ from bayesfric.claims.base import Entered
 from bayesfric.cli import app
 from bayesfric.errors import InputError
 from bayesfric.recording import write_recording
+from bayesfric.rigs.base import Unsupported
 from bayesfric.simulate import simulate_recording
 
 
@@ -35,6 +36,20 @@ def test_a_rig_that_was_not_asked_for_is_said_to_be_left_out(both):
     (one,) = checked.summary.claims
     assert (one.verdict, one.reason) == ("not-testable", "The motor board was left out.")
     assert checked.summary.rigs == ("gravity",)
+
+
+def test_a_rival_that_a_rig_cannot_show_makes_the_claim_not_testable_with_the_reason(
+    both, monkeypatch
+):
+    reason = "Nothing moves here."
+
+    def unable(_, effect):
+        return Unsupported(reason) if effect.name == "stribeck" else None
+
+    monkeypatch.setattr(type(Entered.of(both).trials("gravity")), "supports", unable)
+    lacking = {one.name: one.untestable(Entered.of(both)) for one in registered()}
+    assert lacking.pop("no-stribeck") == reason
+    assert set(lacking.values()) == {""}
 
 
 def test_the_law_that_is_claimed_is_the_baseline(both):

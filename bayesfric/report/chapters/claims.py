@@ -147,8 +147,8 @@ def _rules(found: ClaimsFile) -> list[str]:
         "a tenfold change of the width of the rivals' priors, support with a factor of at least "
         f"{over_width:g}. A claim without rivals is supported "
         f"at a probability of {rule['support_probability']:g} and refuted at "
-        f"{rule['refute_probability']:g}; the coefficients are refuted where the joint tail "
-        f"probability of Table I is below {rule['refute_tail_probability']:g}. All else is "
+        f"{rule['refute_probability']:g}; the coefficients only where the joint tail "
+        f"probability of Table I is below {rule['refute_tail_probability']:g} too. All else is "
         "undecided."
     ]
 

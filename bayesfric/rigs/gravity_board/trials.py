@@ -16,7 +16,7 @@ from bayesfric.physics.compliant import Cable
 from bayesfric.physics.gravity import nominal_tension
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Gravity, Recording, RigConstants
-from bayesfric.rigs.base import Compared, Motion, Predictive, Resting, Simulated, Unsupported, Words
+from bayesfric.rigs.base import Motion, Predictive, Resting, Simulated, Unsupported, Words
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.gravity_board.estimator import estimate_as_the_paper
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood, trial_condition
@@ -149,13 +149,6 @@ class GravityTrials:
     ) -> GravityLikelihood:
         """Return the density of the event times."""
         return GravityLikelihood(self.gravity, self.constants, analysis, law, effects)
-
-    def compare(self, theta: Mapping[str, Array]) -> Compared | Unsupported:
-        """Decline: friction is not read here without a law for the tension."""
-        del theta
-        return Unsupported(
-            "A trial that gathers speed has no reading of friction that owes nothing to the law."
-        )
 
     def stretch_ratios(self, cable: Cable, theta: Mapping[str, Array]) -> Array | Unsupported:
         """Return friction of model (3) over that of model (4), where a trial has events."""

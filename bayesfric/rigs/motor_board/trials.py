@@ -15,7 +15,7 @@ from bayesfric.effects.terms import ActiveEffect
 from bayesfric.physics.compliant import Cable
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Motor, Recording, RigConstants
-from bayesfric.rigs.base import Compared, Motion, Predictive, Simulated, Unsupported, Words
+from bayesfric.rigs.base import Motion, Predictive, Simulated, Unsupported, Words
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.motor_board.likelihood import MotorLikelihood
 from bayesfric.rigs.motor_board.places import RunPlaces
@@ -123,18 +123,6 @@ class MotorRuns:
     ) -> MotorLikelihood:
         """Return the density of the currents."""
         return MotorLikelihood(self.motor, self.constants, analysis, law, effects)
-
-    def compare(self, theta: Mapping[str, Array]) -> Compared | Unsupported:
-        """Return friction read from the currents, beside that of a law."""
-        board = self.likelihood(Analysis())  # no prior enters
-        sign = np.sign(board.condition.velocity_m_s)
-        weight = board.condition.weight_n
-        predicted = np.abs(board.law(theta))
-        observed = board.observed({"torque_constant_factor": np.ones(1)})[0]
-        pull = observed + weight
-        wanted = weight + sign * predicted
-        factor = (wanted * pull).sum(axis=1) / (pull**2).sum()
-        return Compared(board.trials, sign * observed, predicted, "torque constant", factor)
 
     def stretch_ratios(self, cable: Cable, theta: Mapping[str, Array]) -> Array | Unsupported:
         """Decline: at constant speed the stretch of the cable is constant."""

@@ -96,9 +96,6 @@ class Readings:
     def paper_estimates(self):
         return {}
 
-    def compare(self, theta):
-        return Unsupported("Nobody compares the scale.")
-
     def stretch_ratios(self, cable, theta):
         return Unsupported("A cable that is pulled slowly does not ring.")
 
