@@ -195,17 +195,16 @@ def test_rigs_that_are_not_there_are_refused(small_recording, rigs, message):
         bf.fit(dataclasses.replace(small_recording, motor=None), rigs=rigs)
 
 
-def test_both_rigs_share_the_coefficients_and_not_the_scatter(small_recording):
+def test_both_rigs_share_the_coefficients_and_not_the_scatter(small_recording, small_fit):
     """The joint posterior is narrower than either, and knows the torque constant."""
     both = bf.fit(small_recording, Analysis(seed=5, sampler=SHORT), rigs=("motor", "gravity"))
-    alone = bf.fit(small_recording, Analysis(seed=5, sampler=SHORT))
     assert both.summary.rigs == ("gravity", "motor")
     assert both.summary.data_quality.motor_runs == 460
     factor = both.summary.parameters["torque_constant_factor"]
     assert abs(factor.mean - 1.0) < 4 * factor.sd
     assert factor.sd < 0.005  # 1 % would be 8 to 35 % of friction
     assert {"tau", "omega", "tau_motor", "omega_motor"} == set(both.summary.scatter)
-    assert both.summary.pulleys["small"]["c3"].sd < alone.summary.pulleys["small"]["c3"].sd
+    assert both.summary.pulleys["small"]["c3"].sd < small_fit.summary.pulleys["small"]["c3"].sd
     ids = both.draws["log_likelihood"]["setup"]["setup_id"].to_numpy()
     assert sum(name.startswith("motor/") for name in ids) == 15
     assert sum(name.startswith("gravity/") for name in ids) == 12
