@@ -3,15 +3,16 @@
 VENV ?= .venv
 python = "$(VENV)/bin/python"
 
-.PHONY: help setup report test quality test-long bench clean
+.PHONY: help setup report test quality test-nightly test-long bench clean
 
 help:
-	@echo 'make report     the bundled recording to posteriors and a PDF, in reports/latest/'
-	@echo 'make test       what CI runs: quality, then the tests'
-	@echo 'make quality    lint, formatting, types'
-	@echo 'make test-long  the campaigns, minutes to hours; results in reports/evidence/'
-	@echo 'make bench      speed, held against what the project promises'
-	@echo 'make clean      remove caches, builds and reports/latest/ (and keep $(VENV)/)'
+	@echo 'make report        the bundled recording to posteriors and a PDF, in reports/latest/'
+	@echo 'make test          what CI runs: quality, then the tests; minutes'
+	@echo 'make quality       lint, formatting, types, and how old the evidence is'
+	@echo 'make test-nightly  cases of the campaigns again, compared with reports/evidence/; an hour'
+	@echo 'make test-long     the campaigns, hours; results in reports/evidence/'
+	@echo 'make bench         speed, held against what the project promises'
+	@echo 'make clean         remove caches, builds and reports/latest/ (and keep $(VENV)/)'
 	@echo
 	@echo 'All of them set up $(VENV)/ first (VENV=… for another), with the first of python3.13,'
 	@echo 'python3.12, python3.11, python3 that is 3.11 or newer (PYTHON=… for another).'
@@ -29,6 +30,12 @@ quality: setup
 	$(python) -m ruff check .
 	$(python) -m ruff format --check .
 	$(python) -m mypy
+	@PYTHONPATH=tests $(python) -m campaigns.evidence
+
+# Campaigns start two processes of their own.
+test-nightly: setup
+	$(python) -m pytest -m nightly --timeout=3600
+	BAYESFRIC_HYPOTHESIS_EXAMPLES=2000 $(python) -m pytest -n 2 tests/recording/test_recording_fuzz.py
 
 test-long: setup
 	$(python) -m pytest -m long --timeout=0

@@ -60,6 +60,7 @@ def test_posteriors_are_those_of_the_reference_run(fresh, reference):
         assert entry.informed == then[name].informed, name
 
 
+@pytest.mark.nightly
 def test_no_claim_falls_on_the_bundled_recording():
     """It is simulated from the paper's law; verdicts are those of the reference run."""
     then = read_json(ClaimsFile, reference_folder() / "claims.json")
@@ -76,6 +77,7 @@ def test_no_claim_falls_on_the_bundled_recording():
             assert off < 4 * error, one.id
 
 
+@pytest.mark.nightly
 def test_no_gap_on_the_bundled_recording():
     """It is simulated from the paper's law; the diagnosis is that of the reference run."""
     then = read_json(DiagnosisFile, reference_folder() / "diagnosis.json")

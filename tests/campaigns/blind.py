@@ -7,6 +7,7 @@ prior, 20,000 to 20,199 commit bde1875; all have been looked at since.
 """
 
 import os
+import sys
 
 from campaigns import evidence
 
@@ -54,6 +55,7 @@ def keep(card, name, command):
     figures = card.model_dump(mode="json", exclude={"cases", "versions", "confusion"})
     evidence.write(
         name,
+        sys.modules[__name__],
         command=command,
         seeds=[card.cases[0].seed, card.cases[-1].seed],
         figures={key: figures[key] for key in sorted(figures)},

@@ -1,7 +1,7 @@
 """Actual errors of bridge sampling beside those that it reports."""
 
 import numpy as np
-from evidence import densities
+from inference import densities
 
 from bayesfric.inference.evidence import bridge_evidence
 

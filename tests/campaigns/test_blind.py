@@ -1,8 +1,8 @@
 """What the diagnosis finds on recordings whose effect it is not told.
 
-Continuous integration repeats the fixed cases and compares with the evidence.
-The long campaigns are resumable; ``BAYESFRIC_BLIND_CASES=200`` runs or scores the first
-200 cases, which are a balanced sample.
+The fixed cases are repeated nightly and compared with the evidence. The long campaigns are
+resumable; ``BAYESFRIC_BLIND_CASES=200`` runs or scores the first 200 cases, which are a
+balanced sample.
 """
 
 from functools import partial
@@ -14,6 +14,13 @@ from bayesfric.blind.running import run_blind
 from bayesfric.campaign import run_on_processes
 
 WORKERS = 2
+LEAST_CORRECT = 12  # of 15: an engine that is right in 19 of 20 does worse once in 180 times
+NAMES = [f"{seed:06d}" for seed in blind.FIXED_SEEDS]
+
+
+def run_fixed(folder):
+    work = partial(blind.run_fixed, folder=folder / "sealed")
+    return run_on_processes(work, blind.fixed(), folder / "done", WORKERS)
 
 
 def agrees(now, then):
@@ -29,29 +36,29 @@ def agrees(now, then):
             assert now["shrink"][key] == pytest.approx(value, rel=1e-3, abs=1e-3)
 
 
-@pytest.mark.parametrize("name", [f"{seed:06d}" for seed in blind.FIXED_SEEDS])
-def test_a_fixed_case_agrees_with_the_evidence(name, tmp_path):
-    now = blind.run_fixed(blind.fixed()[name], tmp_path)
-    agrees(now, evidence.read("blind_fixed")["cases"][name])
+@pytest.fixture(scope="module")
+def repeated(tmp_path_factory):
+    return run_fixed(tmp_path_factory.mktemp("blind"))
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", NAMES)
+def test_a_fixed_case_agrees_with_the_evidence(name, repeated):
+    agrees(repeated[name], evidence.read("blind_fixed")["cases"][name])
 
 
 @pytest.mark.long
 def test_every_fixed_case(tmp_path):
-    """Remove ``reports/evidence/blind_fixed.json`` first to renew it."""
-    work = partial(blind.run_fixed, folder=tmp_path / "sealed")
-    found = run_on_processes(work, blind.fixed(), tmp_path / "done", WORKERS)
-    if not (evidence.EVIDENCE / "blind_fixed.json").exists():
-        evidence.write(
-            "blind_fixed",
-            command="make test-long",
-            seeds=[blind.FIXED_SEEDS.start, blind.FIXED_SEEDS.stop - 1],
-            figures={"correct": sum(case["correct"] for case in found.values())},
-            cases=found,
-        )
-    then = evidence.read("blind_fixed")["cases"]
-    assert set(found) == set(then)
-    for name, case in found.items():
-        agrees(case, then[name])
+    found = run_fixed(tmp_path)
+    correct = sum(case["correct"] for case in found.values())
+    evidence.write(
+        "blind_fixed",
+        blind,
+        seeds=[blind.FIXED_SEEDS.start, blind.FIXED_SEEDS.stop - 1],
+        figures={"correct": correct},
+        cases=found,
+    )
+    assert correct >= LEAST_CORRECT
 
 
 @pytest.mark.long

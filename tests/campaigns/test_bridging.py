@@ -1,29 +1,29 @@
 """Bridge sampling errs by as much as it says.
 
-Densities, seeds and bounds were fixed before the first run. Continuous integration
-runs the first ten repeats and compares each with the evidence of the long run.
+Densities, seeds and bounds were fixed before the first run. The first ten repeats are
+run nightly and each compared with the evidence of the long run.
 """
 
 import numpy as np
 import pytest
 from campaigns import bridging, evidence
 
-from bayesfric.campaign import processes, run_campaign
+from bayesfric.campaign import run_on_processes
 
-CI_SEEDS = range(10)
+NIGHTLY_SEEDS = range(10)
 
 
 def run(seeds, folder):
-    with processes(2) as executor:
-        cases = {f"{seed:04d}": seed for seed in seeds}
-        return list(run_campaign(bridging.case, cases, folder, executor).values())
+    cases = {f"{seed:04d}": seed for seed in seeds}
+    return list(run_on_processes(bridging.case, cases, folder, workers=2).values())
 
 
 @pytest.fixture(scope="module")
 def first_ten(tmp_path_factory):
-    return run(CI_SEEDS, tmp_path_factory.mktemp("bridging"))
+    return run(NIGHTLY_SEEDS, tmp_path_factory.mktemp("bridging"))
 
 
+@pytest.mark.nightly
 def test_ten_repeats_are_within_three_reported_errors_and_small(first_ten):
     """Of 40 estimates one beyond three errors is chance, two are not."""
     every = [found for case in first_ten for found in case["densities"].values()]
@@ -33,6 +33,7 @@ def test_ten_repeats_are_within_three_reported_errors_and_small(first_ten):
     assert all(abs(found["difference"]) < 4.5 * found["error"] for found in every)
 
 
+@pytest.mark.nightly
 def test_each_of_the_ten_agrees_with_the_evidence(first_ten):
     recorded = {case["seed"]: case for case in evidence.read("bridging")["cases"]}
     for case in first_ten:
@@ -49,6 +50,7 @@ def check_calibration(figures):
         assert low <= found["rms_ratio"] <= high, name
 
 
+@pytest.mark.nightly
 def test_the_evidence_is_calibrated():
     cases = evidence.read("bridging")["cases"]
     assert [case["seed"] for case in cases] == list(bridging.SEEDS)
@@ -61,7 +63,7 @@ def test_calibration_of_a_hundred_repeats():
     figures = bridging.calibration(cases)
     evidence.write(
         "bridging",
-        command="make test-long",
+        bridging,
         seeds=[bridging.SEEDS.start, bridging.SEEDS.stop - 1],
         figures=figures,
         cases=cases,

@@ -1,18 +1,16 @@
 """Posterior probabilities of hypotheses are right as often as they say.
 
-The seeds 0…399 of each effect were fixed before the first run. Continuous integration
-weighs the first twenty of each again and compares with the evidence of the long run.
+The seeds 0…399 of each effect were fixed before the first run. The first
+twenty of each are weighed again nightly and compared with the evidence of the long run.
 """
-
-from functools import cache
 
 import numpy as np
 import pytest
 from campaigns import calibration, evidence
 
-from bayesfric.campaign import processes, run_campaign
+from bayesfric.campaign import run_on_processes
 
-CI_SEEDS = range(20)
+NIGHTLY_SEEDS = range(20)
 LEAST_OPEN = 0.4
 EFFECTS = [name for name, _ in calibration.AMPLITUDES]
 
@@ -23,8 +21,7 @@ def run(seeds, folder):
         for name, law in calibration.AMPLITUDES
         for seed in seeds
     }
-    with processes(2) as executor:
-        return list(run_campaign(calibration.case, cases, folder, executor).values())
+    return list(run_on_processes(calibration.case, cases, folder, workers=2).values())
 
 
 def of_effect(cases, name):
@@ -52,19 +49,15 @@ def faults(found):
     return failed
 
 
-@cache
-def first(folder):
-    return run(CI_SEEDS, folder)
-
-
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    return tmp_path_factory.mktemp("calibration")
+def repeated(tmp_path_factory):
+    return run(NIGHTLY_SEEDS, tmp_path_factory.mktemp("calibration"))
 
 
-def test_each_agrees_with_the_evidence(folder):
+@pytest.mark.nightly
+def test_each_agrees_with_the_evidence(repeated):
     cases = {(one["effect"], one["seed"]): one for one in evidence.read("calibration")["cases"]}
-    for now in first(folder):
+    for now in repeated:
         then = cases[now["effect"], now["seed"]]
         assert now["acts"] == then["acts"]
         assert now["amplitude"] == pytest.approx(then["amplitude"], rel=1e-9)
@@ -72,13 +65,14 @@ def test_each_agrees_with_the_evidence(folder):
         assert abs(now["log_bayes_factor"] - then["log_bayes_factor"]) < 4 * error, now
 
 
-def test_forty_are_calibrated(folder):
-    cases = first(folder)
-    log_factor = np.array([case["log_bayes_factor"] for case in cases])
-    acts = np.array([case["acts"] for case in cases])
+@pytest.mark.nightly
+def test_forty_are_calibrated(repeated):
+    log_factor = np.array([case["log_bayes_factor"] for case in repeated])
+    acts = np.array([case["acts"] for case in repeated])
     assert abs(calibration.spiegelhalter(1 / (1 + np.exp(-log_factor)), acts)) < 2
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", EFFECTS)
 def test_wrong_bayes_factors_would_be_noticed(name):
     """The evidence with all Bayes factors doubled or halved, or their logarithms, fails."""
@@ -126,7 +120,7 @@ def test_four_hundred_of_each_effect():
     found = {name: calibration.figures(*of_effect(cases, name)) for name in EFFECTS}
     evidence.write(
         "calibration",
-        command="make test-long",
+        calibration,
         seeds=[calibration.SEEDS.start, calibration.SEEDS.stop - 1],
         figures=found | {"stalled_trials": sum(case["stalled"] for case in cases)},
         cases=cases,

@@ -1,7 +1,7 @@
 """An effect that is simulated is named, and none where there is none.
 
-Seeds and strengths were fixed before the first run. Continuous integration repeats six
-cases and twenty recordings without an effect, and compares with the evidence.
+Seeds and strengths were fixed before the first run. Six cases and twenty recordings
+without an effect are repeated nightly and compared with the evidence.
 """
 
 import numpy as np
@@ -9,9 +9,9 @@ import pytest
 from campaigns import diagnosis, evidence
 from scipy.stats import binomtest
 
-from bayesfric.campaign import processes, run_campaign
+from bayesfric.campaign import run_on_processes
 
-CI_CASES = (
+NIGHTLY_CASES = (
     "viscous-1",
     "stribeck-0.3",
     "tension-curvature-1",
@@ -19,25 +19,31 @@ CI_CASES = (
     "wear-drift-1",
     "viscous+fixed-drag",
 )
-CI_SEEDS = range(20)
+NIGHTLY_SEEDS = range(20)
 AT_LEAST_NO_GAP = 0.95
 SHAPE_ONLY = {"runout", "magnet-spacing", "cable-compliance"}
 """Effects that a new trial's prediction cannot have: their phase is nobody's to know."""
 
 
 def run(function, cases, folder):
-    with processes(2) as executor:
-        return run_campaign(function, cases, folder, executor)
+    return run_on_processes(function, cases, folder, workers=2)
 
 
 def no_gap(cases):
     return sum(case["verdict"] == "no-gap" for case in cases)
 
 
-@pytest.mark.parametrize("name", CI_CASES)
-def test_each_agrees_with_the_evidence(name):
+@pytest.fixture(scope="module")
+def repeated(tmp_path_factory):
+    cases = {name: diagnosis.cases()[name] for name in NIGHTLY_CASES}
+    return run(diagnosis.case, cases, tmp_path_factory.mktemp("diagnosis"))
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", NIGHTLY_CASES)
+def test_each_agrees_with_the_evidence(name, repeated):
     then = evidence.read("diagnosis")["cases"][name]
-    now = diagnosis.case(diagnosis.cases()[name])
+    now = repeated[name]
     assert (now["verdict"], now["causes"]) == (then["verdict"], then["causes"])
     assert now["right"]
     if then["shrink"] is None:
@@ -46,9 +52,10 @@ def test_each_agrees_with_the_evidence(name):
         assert now["shrink"] == pytest.approx(then["shrink"], rel=1e-3)
 
 
+@pytest.mark.nightly
 def test_nothing_is_found_where_there_is_nothing(tmp_path):
-    found = run(diagnosis.null_case, {f"{s:04d}": s for s in CI_SEEDS}, tmp_path)
-    assert no_gap(found.values()) >= AT_LEAST_NO_GAP * len(CI_SEEDS)
+    found = run(diagnosis.null_case, {f"{s:04d}": s for s in NIGHTLY_SEEDS}, tmp_path)
+    assert no_gap(found.values()) >= AT_LEAST_NO_GAP * len(NIGHTLY_SEEDS)
     then = {case["seed"]: case for case in evidence.read("diagnosis_null")["cases"]}
     for case in found.values():
         before = then[case["seed"]]
@@ -64,7 +71,7 @@ def test_two_hundred_recordings_without_an_effect():
     interval = binomtest(right, len(found)).proportion_ci(0.95)
     evidence.write(
         "diagnosis_null",
-        command="make test-long",
+        diagnosis,
         seeds=[diagnosis.NULL_SEEDS.start, diagnosis.NULL_SEEDS.stop - 1],
         figures={
             "recordings": len(found),
@@ -91,7 +98,7 @@ def test_every_effect_alone_and_ten_pairs():
     interval = binomtest(sum(covered), len(covered)).proportion_ci(0.95)
     evidence.write(
         "diagnosis",
-        command="make test-long",
+        diagnosis,
         seeds=[diagnosis.FIRST_SEED, diagnosis.FIRST_SEED + len(cases) - 1],
         figures={
             "cases": len(found),

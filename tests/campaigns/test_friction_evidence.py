@@ -1,6 +1,6 @@
 """Bridge sampling of friction models agrees with importance samples of 300,000 draws.
 
-Continuous integration repeats the paper's law and compares with the evidence.
+The paper's law is repeated nightly and compared with the evidence.
 """
 
 import numpy as np
@@ -14,6 +14,7 @@ def check(case):
     assert abs(case["bridge"] - case["importance"]) < 3 * error, case
 
 
+@pytest.mark.nightly
 def test_the_law_agrees_and_repeats():
     now = friction_evidence.case("paper")
     check(now)
@@ -32,7 +33,7 @@ def test_models_with_effects_agree():
     cases = [friction_evidence.case(name) for name in friction_evidence.HYPOTHESES]
     evidence.write(
         "friction_evidence",
-        command="make test-long",
+        friction_evidence,
         seeds=[friction_evidence.SEED],
         figures={
             case["hypothesis"]: {

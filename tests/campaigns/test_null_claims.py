@@ -1,50 +1,45 @@
 """No claim is refuted where it holds, and the right one falls where an effect acts.
 
-The seeds 0…99 were fixed before the first run. Continuous integration judges the first
-of them again and compares with the evidence of the long run.
+The seeds 0…99 were fixed before the first run. The first twenty of them are judged again
+nightly and compared with the evidence of the long run.
 """
 
 from collections import Counter
-from functools import cache
 
 import numpy as np
 import pytest
 from campaigns import evidence, null_claims
 
-from bayesfric.campaign import processes, run_campaign
+from bayesfric.campaign import run_on_processes
 from bayesfric.simulate import simulate_recording
 
-CI_SEEDS = range(20)
+NIGHTLY_SEEDS = range(20)
 AT_MOST_REFUTED = 0.05  # of recordings, any claim
 
 
 def run(seeds, folder):
-    with processes(2) as executor:
-        cases = {f"{seed:04d}": seed for seed in seeds}
-        return list(run_campaign(null_claims.case, cases, folder, executor).values())
+    cases = {f"{seed:04d}": seed for seed in seeds}
+    return list(run_on_processes(null_claims.case, cases, folder, workers=2).values())
 
 
 def refuted(cases):
     return {case["seed"]: case["refuted"] for case in cases if case["refuted"]}
 
 
-@cache
-def first(folder):
-    return run(CI_SEEDS, folder)
-
-
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    return tmp_path_factory.mktemp("null-claims")
+def repeated(tmp_path_factory):
+    return run(NIGHTLY_SEEDS, tmp_path_factory.mktemp("null-claims"))
 
 
-def test_no_claim_falls_where_all_hold(folder):
-    assert len(refuted(first(folder))) <= AT_MOST_REFUTED * len(CI_SEEDS)
+@pytest.mark.nightly
+def test_no_claim_falls_where_all_hold(repeated):
+    assert len(refuted(repeated)) <= AT_MOST_REFUTED * len(NIGHTLY_SEEDS)
 
 
-def test_each_agrees_with_the_evidence(folder):
+@pytest.mark.nightly
+def test_each_agrees_with_the_evidence(repeated):
     recorded = {case["seed"]: case for case in evidence.read("null_claims")["cases"]}
-    for case in first(folder):
+    for case in repeated:
         then = recorded[case["seed"]]
         assert case["refuted"] == then["refuted"]
         for name, (now, error) in case["screened"].items():
@@ -77,7 +72,7 @@ def test_a_hundred_recordings_without_an_effect():
     verdicts = {f"{name}: {verdict}": count for (name, verdict), count in sorted(judged.items())}
     evidence.write(
         "null_claims",
-        command="make test-long",
+        null_claims,
         seeds=[null_claims.SEEDS.start, null_claims.SEEDS.stop - 1],
         figures={"recordings": len(cases), "refuted": fallen, "judged_further": verdicts},
         cases=cases,

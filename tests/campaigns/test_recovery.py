@@ -1,25 +1,22 @@
 """Table I is recovered from simulated recordings as often as the intervals say.
 
 Only scatter and noise are drawn anew; the seeds 0…99 were fixed before the first
-run. Continuous integration runs the first twenty and compares each with the
-evidence of the long run.
+run. The first twenty are run nightly and each compared with the evidence of the long
+run.
 """
-
-from functools import cache
 
 import numpy as np
 import pytest
 from campaigns import evidence, recovery
 
-from bayesfric.campaign import processes, run_campaign
+from bayesfric.campaign import run_on_processes
 
-CI_SEEDS = range(20)
+NIGHTLY_SEEDS = range(20)
 
 
 def run(seeds, folder):
-    with processes(2) as executor:
-        cases = {f"{seed:04d}": seed for seed in seeds}
-        return list(run_campaign(recovery.case, cases, folder, executor).values())
+    cases = {f"{seed:04d}": seed for seed in seeds}
+    return list(run_on_processes(recovery.case, cases, folder, workers=2).values())
 
 
 def check_coverage(cases):
@@ -28,26 +25,22 @@ def check_coverage(cases):
         assert low <= figures["coverage"] <= high, f"{level} % intervals: {figures}"
 
 
-@cache
-def first_twenty(folder):
-    return run(CI_SEEDS, folder)
-
-
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    return tmp_path_factory.mktemp("recovery")
+def twenty(tmp_path_factory):
+    return run(NIGHTLY_SEEDS, tmp_path_factory.mktemp("recovery"))
 
 
-def test_coverage_of_twenty_recordings(folder):
-    cases = first_twenty(folder)
-    assert all(case["converged"] for case in cases)
-    check_coverage(cases)
+@pytest.mark.nightly
+def test_coverage_of_twenty_recordings(twenty):
+    assert all(case["converged"] for case in twenty)
+    check_coverage(twenty)
 
 
-def test_each_of_the_twenty_agrees_with_the_evidence(folder):
+@pytest.mark.nightly
+def test_each_of_the_twenty_agrees_with_the_evidence(twenty):
     """The same seed gives the same posterior, within four Monte Carlo errors."""
     recorded = {case["seed"]: case for case in evidence.read("recovery")["cases"]}
-    for case in first_twenty(folder):
+    for case in twenty:
         for name, now in case["coefficients"].items():
             then = recorded[case["seed"]]["coefficients"][name]
             error = np.hypot(now["mcse"], then["mcse"])
@@ -61,7 +54,7 @@ def test_coverage_of_a_hundred_recordings():
     figures = recovery.coverage(cases)
     evidence.write(
         "recovery",
-        command="make test-long",
+        recovery,
         seeds=[recovery.SEEDS.start, recovery.SEEDS.stop - 1],
         figures=figures,
         cases=cases,

@@ -5,7 +5,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
+from bayesfric.cli import app
 from bayesfric.recording import write_recording
 from bayesfric.results import read_json
 from bayesfric.schemas import DiagnosisFile
@@ -21,9 +23,9 @@ def bayesfric(*arguments, cwd):
 
 @pytest.fixture(scope="module")
 def board(tmp_path_factory):
-    """A recording with more friction at low speed."""
+    """A recording of the motor board with more friction at low speed."""
     folder = tmp_path_factory.mktemp("a folder with spaces")
-    recording = simulate_recording("quick", seed=11, effects={"stribeck": 1.0})
+    recording = simulate_recording("quick", seed=11, rigs=["motor"], effects={"stribeck": 1.0})
     write_recording(recording, folder / "board")
     return folder
 
@@ -49,16 +51,19 @@ def test_it_writes_prints_and_fails_on_a_gap(board):
         (["--fail-on", "rain"], "rain"),
     ],
 )
-def test_bad_usage_is_one_clear_error(board, options, said):
-    done = bayesfric("diagnose", "board", "-o", "bad", *options, cwd=board)
-    assert done.returncode == 2
+def test_bad_usage_is_one_clear_error(board, options, said, monkeypatch):
+    monkeypatch.chdir(board)
+    done = CliRunner().invoke(app, ["diagnose", "board", "-o", "bad", *options])
+    assert done.exit_code == 2
     assert said in done.stderr
     assert "Traceback" not in done.stderr
     assert not (board / "bad").exists()
 
 
-def test_a_file_that_breaks_a_rule_is_refused(board):
+def test_a_file_that_breaks_a_rule_is_refused(board, monkeypatch):
     (board / "broken.py").write_text("raise RuntimeError('no')\n")
-    done = bayesfric("diagnose", "board", "-o", "bad", "--effect-module", "broken.py", cwd=board)
-    assert done.returncode == 2
+    monkeypatch.chdir(board)
+    arguments = ["diagnose", "board", "-o", "bad", "--effect-module", "broken.py"]
+    done = CliRunner().invoke(app, arguments)
+    assert done.exit_code == 2
     assert "broken.py" in done.stderr

@@ -1,17 +1,21 @@
 """The command line: what each verb writes, prints and returns."""
 
+import dataclasses
 import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
+from bayesfric.cli import app
 from bayesfric.recording import write_recording
+from bayesfric.recording.tables import Gravity, Motor
 from bayesfric.results import read_json
 from bayesfric.schemas import FitFile
 
-SHORT = "seed = 5\n[sampler]\nburn = 60\nsteps = 80\nthin = 2\n"
+SHORT = "seed = 5\n[sampler]\nburn = 60\nsteps = 80\nthin = 2\nextensions = 0\n"
 
 
 def bayesfric(*arguments, cwd, **environment):
@@ -30,9 +34,18 @@ def bayesfric(*arguments, cwd, **environment):
 
 @pytest.fixture(scope="session")
 def board(small_recording, tmp_path_factory):
-    """A recording on disk beside a short analysis.toml."""
+    """One size of a recording, of both boards, on disk beside a short analysis.toml."""
     folder = tmp_path_factory.mktemp("a folder with spaces")
-    write_recording(small_recording, folder / "board")
+    gravity, motor = small_recording.gravity, small_recording.motor
+    trials = gravity.trials[gravity.trials["pulley_size"] == "small"]
+    events = gravity.events[gravity.events["trial"].isin(trials["trial"])]
+    runs = motor.runs[(motor.runs["pulley_size"] == "small") & (motor.runs["n_pulleys"] == 9)]
+    one_size = dataclasses.replace(
+        small_recording,
+        gravity=Gravity(trials.reset_index(drop=True), events.reset_index(drop=True)),
+        motor=Motor(runs.reset_index(drop=True), motor.idle),
+    )
+    write_recording(one_size, folder / "board")
     (folder / "analysis.toml").write_text(SHORT)
     return folder
 
@@ -114,7 +127,9 @@ def test_fit_leaves_other_files_alone(board, ran):
 
 
 def test_unconverged_is_in_the_exit_status_and_still_written(board):
-    (board / "few.toml").write_text("[sampler]\nburn = 10\nsteps = 50\nthin = 2\nwalkers = 28\n")
+    (board / "few.toml").write_text(
+        "[sampler]\nburn = 10\nsteps = 50\nthin = 2\nwalkers = 28\nextensions = 0\n"
+    )
     arguments = ("fit", "board", "--config", "few.toml", "-o", "few", "--fail-on", "unconverged")
     done = bayesfric(*arguments, cwd=board)
     assert done.returncode == 1
@@ -136,10 +151,11 @@ def test_unconverged_is_in_the_exit_status_and_still_written(board):
         (("simulate", "new", "--protocol", "long"), "long"),
     ],
 )
-def test_bad_use_ends_in_2_and_writes_nothing(board, arguments, message):
+def test_bad_use_ends_in_2_and_writes_nothing(board, arguments, message, monkeypatch):
     before = sorted(board.rglob("*"))
-    done = bayesfric(*arguments, cwd=board)
-    assert done.returncode == 2
+    monkeypatch.chdir(board)
+    done = CliRunner().invoke(app, arguments)
+    assert done.exit_code == 2
     assert message.lower() in done.stderr.lower()
     assert "Traceback" not in done.stderr
     assert sorted(board.rglob("*")) == before
@@ -155,25 +171,29 @@ def test_faults_of_a_recording_are_all_told(board, tmp_path):
     first[names.index("wrap_angle_deg")] = "190"
     second[names.index("mass_drive_kg")] = "heavy"
     trials.write_text("\n".join([lines[0], ",".join(first), ",".join(second), *lines[3:]]) + "\n")
-    done = bayesfric("validate", ".", cwd=tmp_path)
-    assert done.returncode == 2
+    done = CliRunner().invoke(app, ["validate", str(tmp_path)])
+    assert done.exit_code == 2
     assert "gravity_trials.csv, row 2, wrap_angle_deg: found '190'" in done.stderr
     assert "gravity_trials.csv, row 3, mass_drive_kg: found 'heavy'" in done.stderr
 
 
 def test_validate_prints_what_is_there(board):
-    done = bayesfric("validate", "board", cwd=board)
-    assert done.returncode == 0
-    assert "48 trials" in done.stdout
-    for size in ("small", "medium", "large"):
-        assert size in done.stdout
+    done = CliRunner().invoke(app, ["validate", str(board / "board")])
+    assert done.exit_code == 0
+    assert "16 trials" in done.stdout
+    assert "small" in done.stdout
 
 
 def test_simulate_is_reproducible_and_dated_only_when_told(board):
-    for name, date in (("one/x", {}), ("two/x", {}), ("dated/x", {"SOURCE_DATE_EPOCH": "86400"})):
+    """In two processes."""
+    arguments = ["simulate", "--protocol", "quick", "--seed", "3"]
+    for name in ("one/x", "two/x", "dated/x"):
         (board / name).parent.mkdir()
-        done = bayesfric("simulate", name, "--protocol", "quick", "--seed", "3", cwd=board, **date)
-        assert done.returncode == 0, done.stderr
+    done = bayesfric(*arguments, "two/x", cwd=board)
+    assert done.returncode == 0, done.stderr
+    for name, date in (("one/x", {}), ("dated/x", {"SOURCE_DATE_EPOCH": "86400"})):
+        found = CliRunner(env=date).invoke(app, [*arguments, str(board / name)])
+        assert found.exit_code == 0, found.stderr
     for path in (board / "one/x").iterdir():
         assert path.read_bytes() == (board / "two/x" / path.name).read_bytes()
     package = (board / "dated/x/datapackage.json").read_text()
@@ -182,9 +202,9 @@ def test_simulate_is_reproducible_and_dated_only_when_told(board):
 
 
 @pytest.mark.parametrize("verb", ["run", "validate", "simulate", "fit", "claims", "report", "info"])
-def test_every_verb_has_help_with_an_example(verb, tmp_path):
-    done = bayesfric(verb, "--help", cwd=tmp_path)
-    assert done.returncode == 0
+def test_every_verb_has_help_with_an_example(verb):
+    done = CliRunner().invoke(app, [verb, "--help"])
+    assert done.exit_code == 0
     assert f"Example: bayesfric {verb}" in done.stdout
 
 

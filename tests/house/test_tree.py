@@ -36,7 +36,7 @@ def project_files():
             and not (here / name / "pyvenv.cfg").exists()
             and here / name != ROOT / "reports" / "latest"
         ]
-        found += [here / name for name in files]
+        found += [here / name for name in files if name != ".git"]  # of a linked work tree
     return sorted(found)
 
 

@@ -1,0 +1,238 @@
+"""A stored fit: what it says, that ArviZ opens it, that it is whole and repeats."""
+
+import dataclasses
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import bayesfric as bf
+from bayesfric.analysis import Analysis, Sampler
+from bayesfric.errors import InputError
+from bayesfric.recording.tables import Gravity
+from bayesfric.results import read_json, read_tree
+from bayesfric.rigs.protocols import Protocol
+from bayesfric.schemas import FitFile
+from bayesfric.simulate import simulate_recording
+
+SHORT = Sampler(burn=60, steps=80, thin=2, extensions=0)
+
+
+def test_public_names_are_the_functions():
+    assert bf.fit.__module__ == "bayesfric.fitting.posterior"
+    assert set(bf.__all__) <= set(dir(bf))
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        bf.nothing  # noqa: B018
+
+
+def test_written_files_say_what_the_fit_says(small_fit, tmp_path):
+    small_fit.write(tmp_path, csv=True)
+    names = sorted(path.name for path in tmp_path.iterdir())
+    assert names == ["draws.csv", "draws.nc", "fit.json", "predictive.nc", "timings.json"]
+    assert read_json(FitFile, tmp_path / "fit.json") == small_fit.summary
+    posterior = read_tree(tmp_path / "draws.nc")["posterior"]
+    for size, coefficients in small_fit.summary.pulleys.items():
+        for name, entry in coefficients.items():
+            draws = posterior[name].sel(pulley=size).to_numpy()
+            assert entry.mean == pytest.approx(draws.mean(), rel=1e-12)
+            quantiles = np.quantile(draws, [0.05, 0.5, 0.95])
+            assert [entry.q05, entry.q50, entry.q95] == pytest.approx(quantiles, rel=1e-12)
+            assert entry.mcse_mean == pytest.approx(draws.std() / np.sqrt(entry.ess_bulk), rel=1e-9)
+    text = (tmp_path / "fit.json").read_text("utf-8")
+    assert "NaN" not in text
+    assert "Infinity" not in text
+    assert json.loads(text)["schema"] == "bayesfric.fit/1"
+
+
+def test_csv_has_the_draws(small_fit, tmp_path):
+    import pandas as pd
+
+    small_fit.write(tmp_path, csv=True)
+    table = pd.read_csv(tmp_path / "draws.csv")
+    posterior = small_fit.draws["posterior"]
+    assert len(table) == posterior.sizes["chain"] * posterior.sizes["draw"]
+    last = posterior["c2"].isel(chain=-1, draw=-1).sel(pulley="medium").item()
+    assert table["c2[medium]"].iloc[-1] == last
+    assert table["tau"].iloc[0] == posterior["tau"].isel(chain=0, draw=0).item()
+
+
+def test_arviz_opens_the_draws(small_fit, tmp_path):
+    small_fit.write(tmp_path)
+    # In a process of its own: on its first import of a day ArviZ 0.23 warns.
+    code = (
+        "import arviz; data = arviz.from_netcdf('draws.nc'); p = data.posterior; "
+        "print(sorted(p['c1'].dims), p['ensemble'].values.tolist().count(3), "
+        "data.log_likelihood['trial'].sizes['trial_id'], "
+        "data.log_likelihood['setup'].sizes['setup_id'], float(p['tau'].mean()))"
+    )
+    opened = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    walkers = small_fit.summary.sampler.walkers
+    mean = small_fit.draws["posterior"]["tau"].to_numpy().mean()
+    expected = f"['chain', 'draw', 'pulley'] {walkers} 48 12 {mean}"
+    assert opened.stdout.split()[:6] == expected.split()[:6]
+    assert float(opened.stdout.split()[-1]) == pytest.approx(mean, rel=1e-12)
+
+
+def test_pointwise_likelihood_is_that_of_the_draws(small_fit, small_recording):
+    """The assemblies' densities add up to the density of the whole."""
+    from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
+    from bayesfric.rigs.gravity_board.screening import screen_trials
+
+    screened = screen_trials(small_recording.gravity, small_recording.rig)
+    likelihood = GravityLikelihood(screened.gravity, small_recording.rig, Analysis())
+    pointwise = small_fit.draws["log_likelihood"]["setup"]
+    draw = int(pointwise["draw"][-1])
+    point = small_fit.draws["posterior"].sel(draw=draw).isel(chain=3)
+    theta = {
+        f"{c}[{size}]": point[c].sel(pulley=size).to_numpy()[None]
+        for c in ("c1", "c2", "c3")
+        for size in likelihood.sizes
+    }
+    theta |= {n: point[n].to_numpy()[None] for n in ("tau", "omega", "sigma_x", "sigma_t")}
+    stored = pointwise.sel(draw=draw).isel(chain=3)
+    assert float(stored.sum()) == pytest.approx(likelihood.log_likelihood(theta)[0], rel=1e-12)
+
+
+def test_sensitivity_is_that_of_priors_and_likelihood(small_recording, small_fit):
+    """Both densities of the stored draws, worked out again: priors by SciPy."""
+    from scipy import stats
+
+    from bayesfric.inference.diagnostics import power_scaling
+    from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
+    from bayesfric.rigs.gravity_board.screening import screen_trials
+
+    posterior = small_fit.draws["posterior"].to_dataset()
+    screened = screen_trials(small_recording.gravity, small_recording.rig)
+    likelihood = GravityLikelihood(screened.gravity, small_recording.rig, Analysis())
+    widths = {"c1": 0.05, "c2": 0.2, "tau": 0.05, "omega": 0.05, "sigma_x": 1e-4, "sigma_t": 1e-4}
+    ensembles, walkers = (getattr(small_fit.summary.sampler, n) for n in ("ensembles", "walkers"))
+
+    def by_ensemble(values):  # smoothed weights depend on what counts as a chain
+        each = values.to_numpy().reshape(ensembles, walkers, -1)
+        return each.swapaxes(1, 2).ravel()
+
+    theta = {n: by_ensemble(posterior[n]) for n in ("tau", "omega", "sigma_x", "sigma_t")}
+    for size in likelihood.sizes:
+        of_size = posterior.sel(pulley=size)
+        theta |= {f"{c}[{size}]": by_ensemble(of_size[c]) for c in ("c1", "c2", "c3")}
+    log_prior = sum(
+        stats.norm(0, 1e-3).logpdf(values)
+        if name.startswith("c3")
+        else stats.halfnorm(scale=widths[name.partition("[")[0]]).logpdf(values)
+        for name, values in theta.items()
+    )
+    log_likelihood = likelihood.log_likelihood(theta)
+    for size, coefficients in small_fit.summary.pulleys.items():
+        for name, entry in coefficients.items():
+            values = theta[f"{name}[{size}]"].reshape(ensembles, -1, 1)
+            of_prior = power_scaling(values, log_prior.reshape(ensembles, -1))
+            of_likelihood = power_scaling(values, log_likelihood.reshape(ensembles, -1))
+            assert entry.prior_sensitivity == pytest.approx(of_prior[0], rel=1e-6)
+            assert entry.likelihood_sensitivity == pytest.approx(of_likelihood[0], rel=1e-6)
+    assert all(one.prior_sensitivity is None for one in small_fit.summary.scatter.values())
+
+
+def test_same_seed_same_result(small_recording, small_fit):
+    again = bf.fit(small_recording, Analysis(seed=5, sampler=SHORT))
+    assert again.summary == small_fit.summary
+    assert again.draws.identical(small_fit.draws)
+    assert again.predictive.identical(small_fit.predictive)
+    other = bf.fit(small_recording, Analysis(seed=6, sampler=SHORT))
+    assert other.summary.pulleys != small_fit.summary.pulleys
+
+
+def test_date_comes_from_the_environment_or_the_recording(small_recording, monkeypatch):
+    dated = dataclasses.replace(small_recording, created="2026-11-01T00:00:00Z")
+    assert bf.fit(dated, Analysis(sampler=SHORT)).summary.created == "2026-11-01T00:00:00Z"
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
+    assert bf.fit(dated, Analysis(sampler=SHORT)).summary.created == "1970-01-02T00:00:00Z"
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "yesterday")
+    with pytest.raises(InputError, match="SOURCE_DATE_EPOCH"):
+        bf.fit(dated, Analysis(sampler=SHORT))
+
+
+def test_without_replicates_the_reader_is_told():
+    design = Protocol({(5, 85.0): 1, (9, 85.0): 1, (9, 50.0): 1}, (6.0, 16.0), (6.0, 16.0), 2)
+    summary = bf.fit(simulate_recording(design, seed=2), Analysis(sampler=SHORT)).summary
+    assert summary.data_quality.replicated_cells == 0
+    assert any("no replicates" in line for line in summary.attention)
+
+
+def test_too_few_draws_are_called_unconverged(small_recording):
+    few = Sampler(walkers=28, burn=10, steps=50, thin=2, extensions=0)
+    summary = bf.fit(small_recording, Analysis(sampler=few)).summary
+    assert not summary.converged
+    assert any("has not converged" in line for line in summary.attention)
+    assert not any(line[0].islower() for line in summary.attention)
+
+
+def test_what_the_prior_drives_is_not_told_from_draws_that_have_not_converged():
+    """`informed` is judged at their median, which may be anywhere."""
+    design = Protocol({(5, 85.0): 1, (9, 85.0): 2}, (6.0, 16.0, 28.0), (), 2)
+    recording = simulate_recording(design, seed=2)
+    summary = bf.fit(recording, Analysis(sampler=SHORT)).summary
+    assert not summary.converged
+    assert not summary.pulleys["small"]["c3"].informed
+    assert not any("prior, not by these data" in line for line in summary.attention)
+
+
+def test_recording_without_a_board_is_refused(small_recording):
+    bare = dataclasses.replace(small_recording, gravity=None, motor=None)
+    with pytest.raises(InputError, match=r"gravity_trials\.csv or motor_runs\.csv"):
+        bf.fit(bare)
+
+
+@pytest.mark.parametrize(
+    ("rigs", "message"),
+    [(["motor"], "the rig 'motor'"), (["lathe"], "one of gravity, motor"), ([], "one of gravity")],
+)
+def test_rigs_that_are_not_there_are_refused(small_recording, rigs, message):
+    with pytest.raises(InputError, match=message):
+        bf.fit(dataclasses.replace(small_recording, motor=None), rigs=rigs)
+
+
+def test_both_rigs_share_the_coefficients_and_not_the_scatter(small_recording, small_fit):
+    """The joint posterior is narrower than either, and knows the torque constant."""
+    both = bf.fit(small_recording, Analysis(seed=5, sampler=SHORT), rigs=("motor", "gravity"))
+    assert both.summary.rigs == ("gravity", "motor")
+    assert both.summary.data_quality.motor_runs == 460
+    factor = both.summary.parameters["torque_constant_factor"]
+    assert abs(factor.mean - 1.0) < 4 * factor.sd
+    assert factor.sd < 0.005  # 1 % would be 8 to 35 % of friction
+    assert {"tau", "omega", "tau_motor", "omega_motor"} == set(both.summary.scatter)
+    assert both.summary.pulleys["small"]["c3"].sd < small_fit.summary.pulleys["small"]["c3"].sd
+    ids = both.draws["log_likelihood"]["setup"]["setup_id"].to_numpy()
+    assert sum(name.startswith("motor/") for name in ids) == 15
+    assert sum(name.startswith("gravity/") for name in ids) == 12
+
+
+def test_outputs_are_replaced_whole_or_not_at_all(small_fit, tmp_path):
+    from bayesfric.results import replace_outputs
+
+    small_fit.write(tmp_path)
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+
+    def broken(path):
+        path.write_text("half")
+        raise OSError("disk full")
+
+    with pytest.raises(InputError, match="can be written"):
+        replace_outputs(tmp_path, {"fit.json": lambda p: p.write_text("new"), "draws.nc": broken})
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_trials_of_one_size_alone(small_recording):
+    trials = small_recording.gravity.trials
+    medium = trials[trials["pulley_size"] == "medium"].assign(pulley_size="lab")
+    events = small_recording.gravity.events
+    gravity = Gravity(medium.reset_index(drop=True), events[events["trial"].isin(medium["trial"])])
+    lab = bf.fit(
+        dataclasses.replace(small_recording, gravity=gravity), Analysis(sampler=SHORT)
+    ).summary
+    assert list(lab.pulleys) == ["lab"]
+    assert lab.pulleys["lab"]["c1"].q05 < 0.00416 * 1.05
+    assert lab.pulleys["lab"]["c1"].q95 > 0.00416 * 0.95

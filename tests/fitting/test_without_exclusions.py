@@ -1,0 +1,112 @@
+"""What the trials that were left out would change: a second fit, or why there is none."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import bayesfric as bf
+from bayesfric.analysis import Analysis, Sampler
+from bayesfric.recording.tables import Gravity
+from bayesfric.rigs.gravity_board import trials
+from bayesfric.rigs.gravity_board.screening import screen_trials
+
+SHORT = Analysis(seed=5, sampler=Sampler(burn=60, steps=80, thin=2, extensions=0))
+TRIAL = "g0007"
+
+
+def with_fast_clock(recording, trials, factor):
+    """Trials whose load sensor counts its time too fast: less friction than there was."""
+    gravity = recording.gravity
+    events = gravity.events.copy()
+    rows = events["trial"].isin(trials) & (events["sensor"] == "load")
+    first = events[rows].groupby("trial")["time_s"].transform("first")
+    events.loc[rows, "time_s"] = first + (events.loc[rows, "time_s"] - first) / factor
+    return dataclasses.replace(recording, gravity=Gravity(gravity.trials, events))
+
+
+@pytest.fixture(scope="module")
+def odd(small_recording):
+    trials = small_recording.gravity.trials
+    return trials["trial"][trials["pulley_size"] == "medium"][::2]
+
+
+@pytest.fixture(scope="module")
+def spoilt(small_recording, odd):
+    return with_fast_clock(small_recording, odd, 1.03)
+
+
+@pytest.fixture(scope="module")
+def found(spoilt):
+    return bf.fit(spoilt, SHORT).summary
+
+
+def test_trials_that_disagree_lower_the_friction_of_their_size(found, spoilt, odd):
+    """One sensor of two in half of a size's trials: a quarter of what the sensors differ by."""
+    assert {entry.trial for entry in found.data_quality.excluded} == set(odd)
+    without = found.without_exclusions
+    assert found.without_exclusions_why is None
+    assert (found.data_quality.trials_used, without.trials_used) == (40, 48)
+    assert list(without.pulleys) == list(found.pulleys)
+    agreement = screen_trials(spoilt.gravity, spoilt.rig).agreement.trials.set_index("trial")
+    share = agreement.loc[odd, "friction_share"].astype(float)
+    moved = {
+        size: (16 * without.pulleys[size]["c1"].mean + without.pulleys[size]["c2"].mean)
+        / (16 * laws["c1"].mean + laws["c2"].mean)
+        - 1
+        for size, laws in found.pulleys.items()
+    }
+    assert -share.max() / 4 < moved.pop("medium") < -share.min() / 4
+    assert all(abs(shift) < share.min() / 4 for shift in moved.values())
+
+
+def test_a_gross_fault_is_noise_that_no_prior_expected(small_recording):
+    """Event errors of centimetres, hundreds of prior scales, can still be computed."""
+    summary = bf.fit(with_fast_clock(small_recording, [TRIAL], 1.2), SHORT).summary
+    assert [entry.trial for entry in summary.data_quality.excluded] == [TRIAL]
+    for size, laws in summary.without_exclusions.pulleys.items():
+        assert laws["c1"].sd > 1.2 * summary.pulleys[size]["c1"].sd
+
+
+def test_it_is_the_fit_of_the_recording_that_has_no_rules(spoilt, found, monkeypatch):
+    """Number by number what the one code path gives where nothing is left out."""
+    screen = trials.screen_trials
+    monkeypatch.setattr(
+        trials, "screen_trials", lambda gravity, rig, **_: screen(gravity, rig, exclude=False)
+    )
+    plain = bf.fit(spoilt, SHORT).summary
+    assert plain.without_exclusions is None
+    for name, laws in found.without_exclusions.pulleys.items():
+        for c, interval in laws.items():
+            entry = plain.pulleys[name][c].model_dump(include={"mean", "sd", "q05", "q50", "q95"})
+            assert interval.model_dump() == entry
+    assert found.without_exclusions.converged == plain.converged
+
+
+def test_the_trials_change_nothing_in_the_fit_without_them(found, spoilt, odd):
+    gravity = spoilt.gravity
+    trials = gravity.trials[~gravity.trials["trial"].isin(odd)].reset_index(drop=True)
+    events = gravity.events[~gravity.events["trial"].isin(odd)].reset_index(drop=True)
+    clean = bf.fit(dataclasses.replace(spoilt, gravity=Gravity(trials, events)), SHORT).summary
+    assert clean.pulleys == found.pulleys
+    assert clean.without_exclusions is None
+    assert clean.without_exclusions_why == "no trial was left out"
+
+
+def test_a_trial_that_cannot_be_computed_enters_neither(small_recording):
+    gravity = small_recording.gravity
+    events = gravity.events.copy()
+    rows = (events["trial"] == TRIAL).to_numpy()
+    events.loc[rows, "time_s"] = np.sort(np.random.default_rng(2).uniform(0.5, 2.0, rows.sum()))
+    summary = bf.fit(
+        dataclasses.replace(small_recording, gravity=Gravity(gravity.trials, events)), SHORT
+    ).summary
+    assert [entry.rule for entry in summary.data_quality.excluded] == ["unrepairable-events"]
+    assert summary.without_exclusions is None
+    assert "can be computed" in summary.without_exclusions_why
+
+
+def test_the_motor_board_has_no_rules(small_recording):
+    summary = bf.fit(small_recording, SHORT, rigs=("motor",)).summary
+    assert summary.without_exclusions is None
+    assert "no rule" in summary.without_exclusions_why

@@ -1,0 +1,172 @@
+"""Draws of densities whose quantiles are known; seeds; Hastings factor; refusals."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from bayesfric.analysis import Sampler
+from bayesfric.checkpoint import Checkpoint
+from bayesfric.inference.laplace import Laplace, laplace_approximation
+from bayesfric.inference.sampling import Chart, SamplingError, StudentT, sample
+
+SETTINGS = Sampler(walkers=32, burn=100, steps=400, thin=4)
+SHORT = Sampler(walkers=32, burn=50, steps=100, thin=4)  # where no quantile is asked for
+
+
+def skewed(points):
+    """Three correlated coordinates, one of them a log-gamma: far from a Student-t."""
+    z, x, y = points.T
+    return 2 * z - np.exp(z) - 0.5 * (x - 0.5 * z) ** 2 - 0.5 * ((y - x) / 0.1) ** 2
+
+
+def draw(seed, progress=None, settings=SETTINGS, **options):
+    laplace = laplace_approximation(skewed, np.zeros(3), np.ones(3))
+    return sample(skewed, laplace, settings, seed, progress, **options)
+
+
+def exponential(z):
+    return np.column_stack([np.exp(z[:, 0]), z[:, 1:]])
+
+
+def logarithm(x):
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.column_stack([np.log(x[:, 0]), x[:, 1:]])
+
+
+EXPONENTIAL = Chart(exponential, logarithm, lambda z: z[:, 0])
+
+
+@pytest.fixture(scope="module")
+def drawn():
+    """Draws whose quantiles are read; no test changes them."""
+    return draw(1)
+
+
+def test_quantiles_are_those_of_the_density(drawn):
+    z = drawn.z[..., 0].ravel()
+    # e^z is gamma(2): its quantiles, and the Monte Carlo error of 12,800 draws
+    # of which at least every fourth counts.
+    for probability in (0.05, 0.25, 0.5, 0.75, 0.95):
+        below = (np.exp(z) < stats.gamma(2).ppf(probability)).mean()
+        error = np.sqrt(probability * (1 - probability) / 3200)
+        assert abs(below - probability) < 4 * error
+
+
+def test_correlation_is_that_of_the_density(drawn):
+    _, x, y = drawn.z.reshape(-1, 3).T
+    assert (y - x).std() == pytest.approx(0.1, rel=0.05)
+    # Var x = Var(z)/4 + 1 with Var(z) = trigamma(2) = π²/6 − 1.
+    assert x.var() == pytest.approx((np.pi**2 / 6 - 1) / 4 + 1, rel=0.08)
+
+
+def test_one_seed_one_result():
+    first, again, other = (draw(seed, settings=SHORT) for seed in (3, 3, 4))
+    assert (first.z == again.z).all()
+    assert (first.log_density == again.log_density).all()
+    assert not (first.z == other.z).all()
+
+
+def test_ensembles_differ_and_are_kept_apart():
+    draws = draw(5, settings=SHORT)
+    assert draws.z.shape == (4, 25, 32, 3)
+    assert len({draws.z[ensemble, 0, 0, 0] for ensemble in range(4)}) == 4
+    recomputed = skewed(draws.z.reshape(-1, 3))
+    assert draws.log_density.ravel() == pytest.approx(recomputed, abs=1e-12)
+
+
+def test_progress_counts_every_step_once():
+    seen = []
+    draw(6, lambda done, total: seen.append((done, total)), SHORT)
+    total = 50 + 4 * 150
+    assert seen == [(step, total) for step in range(1, total + 1)]
+
+
+def never(z):
+    return False
+
+
+@pytest.mark.parametrize("share", [0.9, 1.0])
+def test_a_chart_changes_the_proposals_and_not_the_density(share, drawn):
+    """With proposals below zero in it, where no point is; also without other moves."""
+    settings = SETTINGS.model_copy(update={"extensions": 1, "independence_share": share})
+    draws = draw(1, settings=settings, converged=never, chart=EXPONENTIAL)
+    z, x, _ = draws.z.reshape(-1, 3).T
+    for probability in (0.05, 0.25, 0.5, 0.75, 0.95):
+        below = (np.exp(z) < stats.gamma(2).ppf(probability)).mean()
+        error = np.sqrt(probability * (1 - probability) / 3200)
+        assert abs(below - probability) < 4 * error
+    assert x.var() == pytest.approx((np.pi**2 / 6 - 1) / 4 + 1, rel=0.08)
+    assert not (z == drawn.z[..., 0].ravel()).any()
+
+
+@pytest.mark.parametrize(
+    ("enough", "extensions", "steps"), [(1, 0, 100), (2, 1, 100), (3, 2, 200), (9, 3, 400)]
+)
+def test_ensembles_run_on_until_the_draws_are_good(enough, extensions, steps):
+    asked, seen = [], []
+
+    def converged(z):
+        asked.append(z.shape)
+        return len(asked) == enough
+
+    def progress(done, total):
+        seen.append((done, total))
+
+    draws = draw(5, progress, SHORT, converged=converged)
+    assert (draws.extensions, draws.steps, draws.thin) == (extensions, steps, steps // 25)
+    assert set(asked) == {(4, 25, 32, 3)}  # as many draws each time
+    assert [done for done, _ in seen] == list(range(1, len(seen) + 1))
+    assert seen[-1][0] == seen[-1][1] == 50 + 4 * (50 + 100 * 2**extensions)
+
+
+def test_draws_that_are_good_are_left_alone():
+    draws = draw(5, settings=SHORT, converged=lambda z: True, chart=EXPONENTIAL)
+    assert (draws.z == draw(5, settings=SHORT).z).all()
+
+
+def test_a_run_that_was_stopped_while_it_ran_on_goes_on_to_the_same_draws(tmp_path):
+    again_and_again = {"settings": SHORT, "converged": never, "chart": EXPONENTIAL}
+    unbroken = draw(5, **again_and_again)
+
+    def stop(done, total):
+        if done == 1111:  # in the second extension
+            raise KeyboardInterrupt
+
+    keeping = Checkpoint(tmp_path / "c", "key")
+    with pytest.raises(KeyboardInterrupt):
+        draw(5, stop, checkpoint=keeping, **again_and_again)
+    assert list((tmp_path / "c").glob("ensemble-0-000250.npz"))
+    seen = []
+    again = draw(5, lambda done, total: seen.append(done), checkpoint=keeping, **again_and_again)
+    assert (again.z == unbroken.z).all()
+    assert (again.acceptance == unbroken.acceptance).all()
+    assert seen == sorted(set(seen))
+
+
+def test_student_t_density_and_draws_are_scipys():
+    scale = np.array([[2.0, 0.5], [0.5, 1.0]])
+    mine = StudentT(np.array([1.0, -1.0]), scale, 6.0)
+    reference = stats.multivariate_t(np.array([1.0, -1.0]), scale, df=6.0)
+    points = np.array([[0.0, 0.0], [4.0, -3.0], [1.0, -1.0]])
+    assert mine.log_density(points) == pytest.approx(reference.logpdf(points), abs=1e-12)
+    drawn = mine.draw(20_000, np.random.RandomState(1))
+    assert np.cov(drawn.T) == pytest.approx(scale * 6 / 4, rel=0.1)
+
+
+def test_proposal_returns_its_hastings_factor():
+    proposal = StudentT(np.zeros(1), np.eye(1), 6.0)
+    here = np.array([[3.0]])
+    there, factor = proposal.propose(here, np.random.RandomState(2))
+    t = stats.t(6.0)
+    assert factor[0] == pytest.approx(t.logpdf(3.0) - t.logpdf(there[0, 0]), abs=1e-12)
+
+
+def test_sampler_that_cannot_start_says_what_it_saw():
+    laplace = Laplace(np.array([0.5]), np.eye(1), 0.0)
+    with pytest.raises(SamplingError, match=r"only \d+ of 640 points around the mode \[0.5\]"):
+        sample(
+            lambda z: np.where((z[:, 0] > 0.49) & (z[:, 0] < 0.51), 0.0, -np.inf),
+            laplace,
+            SETTINGS,
+            seed=0,
+        )
