@@ -50,6 +50,8 @@ class NoiseParameter:
         Lowest and highest value that is looked at.
     log_prior : callable
         Of a value, to the log density of its logarithm.
+    usual : float
+        What a good rig has.
     scatters : bool
         Whether it is friction's own scatter, which an unseen force inflates.
     """
@@ -58,6 +60,7 @@ class NoiseParameter:
     start: float
     bounds: tuple[float, float]
     log_prior: Callable[[float], float]
+    usual: float
     scatters: bool = False
 
 

@@ -31,12 +31,14 @@ VERDICTS = {
     "no-gap": "No gap",
     "named": "Named",
     "unseparated": "Not told apart",
+    "undecided": "Undecided",
     "unknown": "Unknown",
 }
 KINDS: dict[str, Literal["attention", "good", "info"]] = {
     "no-gap": "good",
     "named": "info",
     "unseparated": "attention",
+    "undecided": "attention",
     "unknown": "attention",
 }
 FURTHER = 2  # axes after the first that the caption names

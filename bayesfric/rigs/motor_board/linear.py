@@ -38,6 +38,13 @@ __all__ = ["MotorPart", "MotorRows"]
 
 Array = NDArray[np.float64]
 LOG_2PI = float(np.log(2 * np.pi))
+USUAL = {
+    "tau_motor": 0.01,
+    "omega_motor": 0.015,
+    "omega_hung": 0.001,
+    "sigma_current": 0.002,
+    "load_noise": 0.005,
+}
 NO_EVENTS = Unsupported("it acts on readings of events, and steady runs have none")
 AVERAGES = Unsupported("it goes round with the pulleys, which averages out in a steady run")
 
@@ -85,7 +92,7 @@ class MotorRows:
         self.acceleration = np.zeros(len(runs))
         self._feedback = tension_feedback(law, self.condition)
         self.load = load_current(self.condition, signed, constant, radius)
-        radii = pulley_radii(sizes.unique(), rig)
+        radii = pulley_radii(list(sizes.unique()), rig)
         self.state = State.of(
             law,
             np.asarray(self.condition.n_pulleys),
@@ -168,7 +175,7 @@ class MotorRows:
 
     def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
         """Return the prior standard deviations of the idle curve."""
-        return (priors.idle_current_sd,) * self.idle.shape[1]
+        return (float(priors.idle_current_sd),) * int(self.idle.shape[1])
 
 
 class MotorPart:
@@ -473,7 +480,7 @@ def _parameter(
     *,
     scatters: bool = False,
 ) -> NoiseParameter:
-    return NoiseParameter(name, start, bounds, partial(_log_prior, prior), scatters)
+    return NoiseParameter(name, start, bounds, partial(_log_prior, prior), USUAL[name], scatters)
 
 
 def _log_prior(prior: Prior, value: float) -> float:
