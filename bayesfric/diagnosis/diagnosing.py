@@ -47,6 +47,7 @@ __all__ = ["Diagnosed", "diagnose"]
 Array = NDArray[np.float64]
 LN10 = float(np.log(10))
 MOSTLY = 0.5  # probability of an unknown force, from which on its noise counts
+SURELY = 0.9  # probability of none, from which on nothing is compared again
 ROUNDS = 2  # of linearising around the law that was fitted with the leader
 FORMED = 12.0  # nat from the best, of a hypothesis whose effects have other forms
 
@@ -173,7 +174,7 @@ def _diagnose(
     arms = _arms(model, found, best, named, settled.psi, shipped)
     plain = residuals_of(arms.plain, arms.psi)
     held_out = measure_gap(arms, plain, fold_rng)
-    gap = gap_of(held_out, posterior, residuals, arms, practical, gap_rng)
+    gap, left = gap_of(held_out, posterior, residuals, arms, practical, gap_rng)
     where = where_it_lies(plain, held_out.before, held_out.fold, where_rng)
     floor = gap.floor.q50 / gap.friction_rms
 
@@ -217,7 +218,9 @@ def _diagnose(
             Absorbed(effect=one.effect, by=one.by, bias=one.bias, unit=one.unit)
             for one in found.classes.absorbed
         ),
-        remainder=remainder_of(model, found, best, float(np.median(posterior.gap)) / friction),
+        remainder=remainder_of(
+            model, found, best, float(np.median(posterior.gap)) / friction, left
+        ),
         where=where,
         gap=gap,
         effects=_examined(found, first_found, sorted(examined)),
@@ -315,6 +318,9 @@ def _first_look(model: LinearModel, psi: Array) -> Search:
 def _finals(first: LinearModel, found: Search) -> tuple[LinearModel, Search]:
     """Compare the finalists alike, around the law that was fitted with the leader."""
     model = first
+    if found.probabilities().get(NONE, 0.0) > SURELY:
+        # All are compared alike already, and nothing is large enough to have another form.
+        return model, found
     for _ in range(ROUNDS):
         leader = found.best()
         acting = model.amplitudes(leader.at, leader.acting)

@@ -1,4 +1,6 @@
-"""What the named causes leave: a further smooth force, or nothing."""
+"""What the named causes leave: a further smooth force, laws far from right, or nothing."""
+
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +15,18 @@ __all__ = ["remainder_of"]
 
 Array = NDArray[np.float64]
 LN10 = float(np.log(10))
+LEFT = 0.2  # of the squared gap, that the causes leave with probability 0.95
 SIGNIFICANT = 1.0  # log10 Bayes factor
 DRAWS = 1000
 
 
-def remainder_of(model: LinearModel, search: Search, found: Weighed, gap_share: float) -> Remainder:
+def remainder_of(
+    model: LinearModel,
+    search: Search,
+    found: Weighed,
+    gap_share: float,
+    left: Array | None = None,
+) -> Remainder:
     """Weigh a further smooth force beside the causes.
 
     Parameters
@@ -30,6 +39,8 @@ def remainder_of(model: LinearModel, search: Search, found: Weighed, gap_share: 
         The most probable one with names; may be none.
     gap_share : float
         Rms of the gap over rms friction, of which the further force is a part.
+    left : ndarray or None
+        Draws of the part of the squared gap that the causes leave; None without causes.
     """
     why = "no further force is asked for"
     further = unknown_force(model, found, found.acting, search.inverse, search.volume)
@@ -46,6 +57,18 @@ def remainder_of(model: LinearModel, search: Search, found: Weighed, gap_share: 
     gain = (further.log_evidence - before) / LN10
     significant = gain > SIGNIFICANT
     axis, share = None, None
+    if left is not None and not significant and np.quantile(left, 0.05) > LEFT:
+        # The causes' laws are wrong by so much that something else must act: along which axis
+        # a smooth force would do instead of their other forms.
+        plain = replace(found, form=0.0)
+        instead = unknown_force(model, plain, found.acting, search.inverse, search.volume)
+        assert instead is not None
+        return Remainder(
+            significant=True,
+            log10_bayes_factor=float(gain),
+            share_of_gap=interval(left),
+            axis=instead.best.axis or _widest(model, found, instead),
+        )
     if significant:
         axis = further.best.axis
         if axis is None:

@@ -5,7 +5,7 @@ noise. The search goes forward from the best ones; what is only screened is a bo
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from itertools import combinations
 from math import comb
 
@@ -16,7 +16,7 @@ from scipy.stats import halfnorm
 
 from bayesfric.analysis import HypothesisPriors
 from bayesfric.diagnosis.classes import Classes
-from bayesfric.diagnosis.discrepancy import Wide
+from bayesfric.diagnosis.discrepancy import Wide, relative_rms
 from bayesfric.diagnosis.model import Acting, At, LinearModel
 from bayesfric.diagnosis.shapes import Quadratic
 from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed, label, weigh
@@ -40,6 +40,7 @@ TRIED = 5  # of those with an effect more, by a first look
 WITHIN = 8.0  # nat from the best, prior included, of what is worth a climb
 NEAR = 3.0  # nat below a mode of the noise, of another place that is climbed from
 FAR = 20.0  # nat from the best, prior included, of what is not compared again
+BESIDE = 0.1  # of unknown forces, that come beside smaller effects
 GAIN = 0.5  # nat that a further effect has to gain to be gone on from
 FINALISTS = 8
 NEAREST = 4.0  # nat from the best, of a hypothesis whose own noise is integrated over
@@ -60,12 +61,15 @@ class Unknown:
         As of :class:`~bayesfric.diagnosis.weighing.Weighed`.
     at : At
         With the most probable node.
+    acting : Acting
+        Effects beside it, which make less of the gap than it does.
     """
 
     nodes: tuple[Wide, ...]
     log_weights: Array
     log_evidence: float
     at: At
+    acting: Acting
 
     @property
     def best(self) -> Wide:
@@ -102,7 +106,6 @@ class Search:
     priors: HypothesisPriors
     inverse: Array
     volume: float
-    names_of: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
     @property
     def none(self) -> Weighed:
@@ -221,7 +224,7 @@ def search(
                 top = max(top, found.worth(one))
         if not grown and number > 2:
             break
-    found = _with(found, unknown=unknown_force(model, found.none, Acting(), inverse, volume))
+    found = replace(found, unknown=unknown_force(model, found.none, Acting(), inverse, volume))
     return found
 
 
@@ -244,7 +247,7 @@ def compare(model: LinearModel, first: Search) -> Search:
     inverse = np.asarray(np.linalg.inv(curvature), dtype=np.float64)
     values = np.linalg.eigvalsh(curvature)
     volume = float(0.5 * (values.size * np.log(2 * np.pi) - np.log(values).sum()))
-    none = _moved(none, volume)
+    none = replace(none, log_evidence=none.log_evidence + volume, volume=volume)
     found: dict[str, Weighed] = {NONE: none}
     noise = leader.at.psi[: len(model.noise)]
     for one in finalists:
@@ -288,9 +291,30 @@ def compare(model: LinearModel, first: Search) -> Search:
         ).items()
         if name not in found
     }
-    result = _with(result, rough=rough)
+    result = replace(result, rough=rough)
     unknown = unknown_force(model, none, Acting(), inverse, volume, [noise])
-    return _with(result, unknown=unknown)
+    if best.names and unknown is not None:
+        beside = unknown_force(model, best, best.acting, inverse, volume)
+        if beside is not None and _outweighs(model, beside, best):
+            weights = np.log([1 - BESIDE, BESIDE])
+            parts = weights + np.array([unknown.log_evidence, beside.log_evidence])
+            larger = unknown if parts[0] > parts[1] else beside
+            unknown = replace(larger, log_evidence=float(logsumexp(parts)))
+    return replace(result, unknown=unknown)
+
+
+def _outweighs(model: LinearModel, unknown: Unknown, best: Weighed) -> bool:
+    """Return whether an unknown force is more than all of the effects beside it."""
+    rows = [rig.rows for rig in model.rigs]
+    each = [
+        relative_rms(rows, one) * value for one, value in model.amplitudes(best.at, best.acting)
+    ]
+    amplitudes = np.exp(best.at.psi[len(model.noise) :])
+    each += [
+        relative_rms(rows, model.candidates[law.places[0]]) * value
+        for law, value in zip(best.acting.phases, amplitudes, strict=True)
+    ]
+    return unknown.best.share > float(np.linalg.norm(each))
 
 
 def found_near(first: Search, one: Weighed) -> bool:
@@ -370,7 +394,7 @@ def unknown_force(
             break
     total = float(logsumexp(found) - np.log(len(nodes))) + volume
     # Along all axes is as likely as along any one.
-    return Unknown(nodes, found - logsumexp(found), total, at)
+    return Unknown(nodes, found - logsumexp(found), total, at, acting)
 
 
 def _extended(
@@ -433,20 +457,3 @@ def _shapes_of(one: Weighed) -> dict[str, float]:
         for choice in one.choices[::-1]
         for law, shape in zip(choice.laws, choice.shapes, strict=True)
     }
-
-
-def _moved(one: Weighed, volume: float) -> Weighed:
-    from dataclasses import replace
-
-    return replace(one, log_evidence=one.log_evidence + volume, volume=volume)
-
-
-def _with(found: Search, **new: object) -> Search:
-    from dataclasses import replace
-
-    return replace(found, **new)  # type: ignore[arg-type]
-
-
-def names_of(chances: Mapping[str, float]) -> dict[str, tuple[str, ...]]:
-    """Return the effects of each hypothesis, by its name."""
-    return {name: () if name in (NONE, UNKNOWN) else tuple(name.split("+")) for name in chances}

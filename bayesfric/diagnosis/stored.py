@@ -29,8 +29,10 @@ def gap_of(
     arms: Arms,
     practical: float,
     rng: np.random.Generator,
-) -> Gap:
-    """Return how far simulation and reality are apart, before and after.
+) -> tuple[Gap, Array | None]:
+    """Return how far simulation and reality are apart, and what part of it causes leave.
+
+    The part is of the squared gap, in draws; None where nothing can shrink.
 
     Parameters
     ----------
@@ -63,7 +65,7 @@ def gap_of(
             name, held_out.trajectory, no_shrink=why, shipped_why=NO_SHIPPED, rng=rng
         )
     friction = residuals.friction_rms
-    shrink = None
+    shrink, rest = None, None
     if why is None:
         every = np.zeros(held_out.fold.size, dtype=np.bool_)
         _, before, after = arms.numbers(held_out.residuals, every)
@@ -73,10 +75,11 @@ def gap_of(
             why = NO_GAP
         else:
             shrink = interval(np.maximum(draws, -1.0))
+            rest = np.clip(1 - draws, 0.0, 2.0)
     first = rows[0]
     left = first.after.q50 if arms.causes.laws else first.before.q50
     agrees = bool(1 / AGREES < max(left, 1e-12) / max(first.floor.q50, 1e-12) < AGREES)
-    return Gap(
+    gap = Gap(
         **first.model_dump(exclude={"name", "shrink", "shrink_why", "below_floor"}),
         shrink=shrink,
         shrink_why=why,
@@ -89,6 +92,7 @@ def gap_of(
         trajectory=trajectory,
         trajectory_why=None if trajectory is not None else "no trial has events enough",
     )
+    return gap, rest
 
 
 def curves_of(held_out: HeldOut, amplitudes: Mapping[str, Array]) -> xr.DataTree:

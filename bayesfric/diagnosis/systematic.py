@@ -5,7 +5,7 @@ recalibrated: what effects, their forms, small amounts and smooth forces make to
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,7 +95,9 @@ def posterior_of(
         if not count:
             continue
         one = search.weighed[name if name != UNKNOWN else NONE]
-        at = search.unknown.at if name == UNKNOWN and search.unknown is not None else one.at
+        at = one.at
+        if name == UNKNOWN and search.unknown is not None:
+            at, one = search.unknown.at, replace(one, acting=search.unknown.acting)
         own = model.full if name == UNKNOWN else model
         drawn = _numbers(own, one, at, int(count), rng)
         acting = one.acting

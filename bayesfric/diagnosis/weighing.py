@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 NONE = "none"
 ROUNDS = 3  # of choosing laws and shapes, and noise, in turn
 SETTLED = 0.05  # of a shape, in normal quantiles
-FORM_SHARES = (0.0, 0.1, 0.3)
+FORM_SHARES = (0.0, 0.03, 0.1, 0.3)
 """By which shares of what they do laws may be wrong, each as likely before the data."""
 AMPLITUDES = np.linspace(-4.0, 4.0, 17)  # of phases around the mode, in standard deviations
 START_PHASE = 0.1  # of an amplitude with phases, in units of its prior
@@ -55,7 +55,7 @@ class Weighed:
     at: At
     choices: tuple[Choice, ...] = ()
     form: float = 0.0
-    form_weights: tuple[float, ...] = field(default=(1.0, 0.0, 0.0))
+    form_weights: tuple[float, ...] = field(default=(1.0,))
     bound: bool = False
 
     @property

@@ -9,12 +9,21 @@ from bayesfric.analysis import Normal
 from bayesfric.effects.base import Effect, EffectParameter, State
 
 Array = NDArray[np.float64]
+REFERENCE_TENSION_N = 15.0  # of the friction of one pulley
 MIDDLE_TENSION_N = 16.5  # of Table II's range
 
 
 def _quadratic(p: Mapping[str, Array], state: State) -> Array:
     beyond = np.asarray(state.tension_n) / MIDDLE_TENSION_N - 1
     return np.asarray(p["curvature"] * np.asarray(state.tension_friction_n) * beyond)
+
+
+def _apart_from_wrap(p: Mapping[str, Array], state: State) -> Array:
+    # As at 85°, whatever the angle: n c1 T, from the friction of one pulley at 15 N and 85°.
+    whole = np.asarray(state.n_pulleys) * np.asarray(state.pulley_friction_n)
+    slope = (whole - np.asarray(state.constant_friction_n)) / REFERENCE_TENSION_N
+    beyond = np.asarray(state.tension_n) / MIDDLE_TENSION_N - 1
+    return np.asarray(p["curvature"] * slope * np.asarray(state.tension_n) * beyond)
 
 
 def _power(p: Mapping[str, Array], state: State) -> Array:
@@ -38,6 +47,6 @@ EFFECT = Effect(
         "contact's area grows as load to 2/3, a ball's rolling moment as load to 4/3 "
         "(Johnson, Contact Mechanics, 1985)",
     ),
-    laws={"quadratic": _quadratic, "power": _power},
+    laws={"quadratic": _quadratic, "apart-from-wrap": _apart_from_wrap, "power": _power},
     edge={"tension_n": 33.0},
 )
