@@ -20,11 +20,12 @@ from bayesfric.recording.tables import Motor, Recording, RigConstants
 from bayesfric.rigs.base import Motion, Predictive, Simulated, Unsupported, Words
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.motor_board.likelihood import MotorLikelihood
-from bayesfric.rigs.motor_board.linear import MotorRows
+from bayesfric.rigs.motor_board.linear import motor_rows
 from bayesfric.rigs.motor_board.places import RunPlaces
 from bayesfric.rigs.motor_board.predictions import runs as runs_dataset
 from bayesfric.rigs.motor_board.simulator import simulate_motor
 from bayesfric.rigs.motor_board.strength import change_of_runs
+from bayesfric.rigs.points import PointRows
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.truth import Truth
 from bayesfric.schemas import PointEstimate
@@ -120,10 +121,10 @@ class MotorRuns:
 
     def linear(
         self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
-    ) -> MotorRows:
+    ) -> PointRows:
         """Return the currents as rows of a linear model; nothing starts to move here."""
         del acting
-        return MotorRows(self.motor, self.constants, laws)
+        return motor_rows(self.motor, self.constants, laws)
 
     def entering(self) -> "MotorRuns":
         """Return all runs."""
