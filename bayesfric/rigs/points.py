@@ -389,7 +389,7 @@ class PointPart:
 
     def scatter(self, noise: Mapping[str, float]) -> Array:
         """Return the relative variance of a trial's and of its assembly's friction, (N, 2)."""
-        apart = noise["tau_motor"] ** 2
+        apart = noise[self._own] ** 2
         shared = noise[self._assembly] ** 2 + noise[self._by_loads] ** 2
         return np.tile(np.array([apart, shared]), (len(self.setup), 1))
 
