@@ -318,25 +318,19 @@ def _finals(first: LinearModel, found: Search) -> tuple[LinearModel, Search]:
     for _ in range(ROUNDS):
         leader = found.best()
         acting = model.amplitudes(leader.at, leader.acting)
-        names = {name for one in found.weighed.values() for name in one.names}
         forms = other_forms([rig.rows for rig in model.rigs], _acting_once(model, found))
         around = model.around(
             model.fitted_laws(leader.at),
-            [c for c in first.candidates if c.effect.name in _all(found, names)],
+            first.candidates,
             scattering=acting,
             forms=forms,
         )
-        around.merge([m for m in found.classes.members if m[0] in names])
+        around.merge(found.classes.members)
         around = around.squeezed(leader.at.psi)
         model, found = around, compare(around, found)
         if found.best().names == leader.names:
             break
     return model, found
-
-
-def _all(found: Search, names: set[str]) -> set[str]:
-    """Return effects and those that are identical to them."""
-    return {one for members in found.classes.members for one in members if members[0] in names}
 
 
 def _acting_once(model: LinearModel, found: Search) -> list[tuple[Candidate, float]]:

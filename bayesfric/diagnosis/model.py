@@ -266,7 +266,7 @@ class LinearModel:
             Logarithms of the noise.
         """
         layout, sizes = self.layout, len(self.layout.sizes)
-        information = self.said_of(self.quiet(psi), ())
+        information = self.said_of(self.quiet(psi[: len(self.noise)]), ())
         _, sd = self.prior(())
         whole = sd[:, None] * information.precision * sd
         forms = len(self._forms)
@@ -460,10 +460,18 @@ class LinearModel:
             information = information + part.information
         return parts, information
 
-    def said_of(self, psi: Array, places: Sequence[int]) -> Information:
+    def said_of(self, psi: Array, places: Sequence[int], phases: Sequence[Law] = ()) -> Information:
         """Return what the data say of the numbers with some candidates as effects."""
         mixing = np.eye(len(self.candidates))[:, list(places)]
-        return self._evaluated(psi, mixing, (), None)[1]
+        return self._evaluated(psi, mixing, phases, None)[1]
+
+    def reduced_of(
+        self, information: Information, form: Mapping[str, float] | None, places: Sequence[int]
+    ) -> Reduced:
+        """Return the quadratic form in candidates' numbers, all else taken up."""
+        priors = [self.candidates[place].effect.amplitude.prior for place in places]
+        mean, sd = self.prior(priors, None, form)
+        return information.reduced(mean, sd, self.places(len(places)))
 
     def analysed(self, name: str) -> Effect:
         """Return an effect by its name."""
@@ -502,11 +510,7 @@ class LinearModel:
             The candidates; None is all.
         """
         chosen = list(range(len(self.candidates))) if places is None else list(places)
-        mixing = np.eye(len(self.candidates))[:, chosen]
-        _, information = self._evaluated(psi, mixing, acting.phases, None)
-        nothing = [self.candidates[place].effect.amplitude.prior for place in chosen]
-        mean, sd = self.prior(nothing, None, form)
-        return information.reduced(mean, sd, self.places(len(chosen)))
+        return self.reduced_of(self.said_of(psi, chosen, acting.phases), form, chosen)
 
     def climb(
         self,

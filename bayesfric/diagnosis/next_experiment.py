@@ -161,6 +161,8 @@ def _expected(
         place = np.concatenate([np.arange(COEFFICIENTS), COEFFICIENTS + start + np.arange(count)])
         covariance[np.ix_(place, place)] += which.at.covariance[np.ix_(kept, kept)]
     taken = told @ mean
-    inner = np.eye(len(told)) + covariance @ told
-    square = mean @ taken - taken @ np.linalg.solve(inner, covariance @ taken)
+    values, vectors = np.linalg.eigh(covariance)
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    inner, moved = np.eye(len(told)) + root.T @ told @ root, root.T @ taken
+    square = mean @ taken - moved @ np.linalg.solve(inner, moved)
     return float(square) / 2 / LN10

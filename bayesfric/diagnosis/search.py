@@ -38,6 +38,8 @@ MOST = 4  # effects at a time
 BEAM = 3  # hypotheses of each number that are gone on from
 TRIED = 5  # of those with an effect more, by a first look
 WITHIN = 8.0  # nat from the best, prior included, of what is worth a climb
+NEAR = 3.0  # nat below a mode of the noise, of another place that is climbed from
+FAR = 20.0  # nat from the best, prior included, of what is not compared again
 GAIN = 0.5  # nat that a further effect has to gain to be gone on from
 FINALISTS = 14
 LISTED = 1e-6  # probability below which a hypothesis is not listed
@@ -187,6 +189,9 @@ def search(
         for name, one in list(found.weighed.items()):
             if name in (NONE, leader.label):
                 continue
+            there = np.append(leader.at.psi[: len(model.noise)], one.at.psi[len(model.noise) :])
+            if model.evaluate(there, one.acting).value < one.at.value - NEAR:
+                continue
             again = weigh(
                 model, one.names, [leader.at.psi], inverse, volume, shapes=_shapes_of(one)
             )
@@ -256,8 +261,24 @@ def compare(model: LinearModel, first: Search) -> Search:
             own_volume=found_near(first, one),
         )
     result = Search(found, {}, None, first.classes, first.priors, inverse, volume)
-    # Effects beside the leader, with forms: what is a form of one may have passed for another.
+    # Effects beside the leader: what is a form of one may have passed for another, or hidden it.
     best = result.best()
+    effects = sorted(members[0] for members in first.classes.members)
+    if best.names and len(best.names) < MOST:
+        rough = _extended(model, best, effects, best.at.psi, {}, forms=best.forms)
+        for name in sorted(rough, key=lambda name: -rough[name])[:TRIED]:
+            if name in found or rough[name] < best.log_evidence + GAIN:
+                continue
+            found[name] = weigh(
+                model,
+                tuple(name.split("+")),
+                [best.at.psi],
+                inverse,
+                volume,
+                shapes=_shapes_of(best),
+                forms=FORM_SHARES,
+            )
+        best = result.best()
     # What was screened keeps its distance from the leader's own parts.
     level = best.log_evidence - first.weighed.get(best.label, first.best()).log_evidence
     rough = {
@@ -281,7 +302,8 @@ def _finalists(first: Search) -> list[str]:
     """Return the hypotheses that are compared alike, the best first."""
     ranked = sorted(first.weighed.values(), key=lambda one: -first.worth(one))
     best = ranked[0]
-    chosen = [one.label for one in ranked[:FINALISTS]]
+    top = first.worth(best)
+    chosen = [one.label for one in ranked[:FINALISTS] if first.worth(one) > top - FAR]
     # Each part of the leader: a cause counts against the best without it.
     for number in range(1, len(best.names)):
         for names in combinations(best.names, number):
@@ -357,6 +379,7 @@ def _extended(
     effects: Sequence[str],
     psi: Array,
     shapes: dict[str, float],
+    forms: Mapping[str, float] | None = None,
 ) -> dict[str, float]:
     """Return a first look at hypotheses with an effect more, at the noise of the base.
 
@@ -369,7 +392,7 @@ def _extended(
     ]
     acting = Acting(phases=base.acting.phases)
     places = [p for name in with_columns for law in model.lawbook[name] for p in law.places]
-    reduced = model.reduced(psi, acting, None, places)
+    reduced = model.reduced(psi, acting, forms, places)
     quadratic = Quadratic(model, reduced, places)
     held = (
         quadratic.values(base.acting.laws, [np.array([s]) for s in base.acting.shapes])[0]
@@ -398,7 +421,7 @@ def _extended(
         both = Acting(base.acting.laws, base.acting.shapes, (*base.acting.phases, law))
         scale = model.amplitude_scale(law)
         tried = [
-            model.evaluate(np.append(psi, np.log(share * scale)), both).value
+            model.evaluate(np.append(psi, np.log(share * scale)), both, None, forms).value
             for share in (0.03, 0.1, 0.3, 1.0)
         ]
         found[label((*base.names, name))] = base.log_evidence + max(tried) - base.at.value

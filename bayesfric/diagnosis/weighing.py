@@ -113,7 +113,7 @@ def weigh(
     first = np.array([np.log(START_PHASE * model.amplitude_scale(law)) for law in phases])
     known = dict(shapes or {})
     each = [np.concatenate([start[: len(model.noise)], first]) for start in starts]
-    tried = [_chosen(model, free, phases, one, known, 0.0) for one in each]
+    tried = [_chosen(model, free, phases, one, known, (0.0,))[0] for one in each]
     rated = [
         model.evaluate(one, acting).value for one, (acting, _) in zip(each, tried, strict=True)
     ]
@@ -124,7 +124,7 @@ def weigh(
         at = model.climb(psi, acting, None, dict.fromkeys(names, form), inverse)
         before, moved = acting, at.psi
         known |= {f"{w.effect}:{w.law}": s for w, s in zip(acting.laws, acting.shapes, strict=True)}
-        results = [_chosen(model, free, phases, moved, known, share) for share in forms]
+        results = _chosen(model, free, phases, moved, known, forms)
         weights = np.array([total for _, (total, _) in results])
         form = forms[int(np.argmax(weights))]
         acting, (_, choices) = results[int(np.argmax(weights))]
@@ -158,16 +158,20 @@ def _has_phases(model: LinearModel, name: str) -> bool:
 
 
 def _chosen(  # type: ignore[no-untyped-def]
-    model: LinearModel, free: Sequence[str], phases, psi: Array, known, form: float
+    model: LinearModel, free: Sequence[str], phases, psi: Array, known, shares: Sequence[float]
 ):
-    """Return the best laws and shapes at a noise, and the log evidence of all of them."""
+    """Return for each share of forms the best laws and shapes, and all their log evidence."""
     places = [place for name in free for law in model.lawbook[name] for place in law.places]
-    share = dict.fromkeys([*free, *(law.effect for law in phases)], form)
-    reduced = model.reduced(psi, Acting(phases=phases), share, places)
-    choices = choose(Quadratic(model, reduced, places), model.lawbook, free, known)
-    best = choices[0]
-    total = reduced.log_evidence + float(logsumexp([one.log_evidence for one in choices]))
-    return Acting(best.laws, best.shapes, phases), (total, choices)
+    information = model.said_of(psi, places, phases)
+    found = []
+    for form in shares:
+        share = dict.fromkeys([*free, *(law.effect for law in phases)], form)
+        reduced = model.reduced_of(information, share, places)
+        choices = choose(Quadratic(model, reduced, places), model.lawbook, free, known)
+        best = choices[0]
+        total = reduced.log_evidence + float(logsumexp([one.log_evidence for one in choices]))
+        found.append((Acting(best.laws, best.shapes, phases), (total, choices)))
+    return found
 
 
 def _same(one: Acting, other: Acting) -> bool:

@@ -41,6 +41,7 @@ LEAST_ACCELERATION = 0.02  # m/s², where the reference law predicts that the ca
 PUSHED = 0.15  # of the travel from rest to the first speed, that a push may have spared
 LATE_S = 1e-3  # by which one sensor may be late
 SPACING_M = 0.01  # where the rig does not say
+PRETENDED = 8  # windows of a trial
 FEWEST, FAR = 3, 10.0  # trials of an assembly that has a middle; times the usual distance
 MAD = 1.4826  # standard deviation of a normal over its median absolute deviation
 NO_CURRENT = Unsupported("it acts on a motor's current, and no motor drives these trials")
@@ -252,7 +253,8 @@ class GravityRows:
         """Return what an effect of amplitude 1 adds to friction, or its equivalent.
 
         The equivalent of an error of readings is (m1 + m2) times the acceleration that a
-        parabola through the events takes it for.
+        parabola through the events takes it for; of one that goes to and fro, the force that it
+        pretends in windows of the travel.
 
         Returns
         -------
@@ -266,11 +268,27 @@ class GravityRows:
         if effect.acts_on == "reading":
             columns = self.candidate_columns(candidate)
             assert not isinstance(columns, Unsupported)
+            if effect.components:
+                return self._pretended(columns) / self.friction_n[:, None]
             off = np.array([self._parabola(rows, columns[rows]) for rows in self.rows_of_trials()])
             return (self.condition.total_mass_kg * off.T / self.friction_n)[:, :, None]
         values, small = unit_values(candidate)
         force = np.asarray(effect.laws[candidate.law](values, self.state)) / small / friction
         return force if effect.components else force[None]
+
+    def _pretended(self, columns: Array) -> Array:
+        """Return the force that errors of readings pretend in windows, (C, N, W) [N]."""
+        newton, _ = self.window_columns(PRETENDED)
+        found = np.zeros((columns.shape[1], len(self.table), PRETENDED))
+        for trial, rows in enumerate(self.rows_of_trials()):
+            nuisance = self.events.regressors[:3, rows]
+            nuisance = nuisance[(nuisance != 0).any(axis=1)]
+            design = np.column_stack([newton[:, rows].T, nuisance.T])
+            size = np.linalg.norm(design, axis=0)
+            size = np.where(size > 0, size, 1.0)
+            solved = np.linalg.lstsq(design / size, columns[rows], rcond=1e-9)[0] / size[:, None]
+            found[:, trial] = solved[:PRETENDED].T
+        return found
 
     def size_of(self, candidate: Candidate) -> float:
         """Return the rms of what amplitude 1 does: a share of friction, of a reading in metres."""
