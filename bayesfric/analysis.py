@@ -101,7 +101,9 @@ class Priors(_Section):
 
     On the motor board a torque constant is as good as its data sheet, some 5 %;
     currents of a few ampere are known to 20 mA and to 2 % of the load. A motor that
-    drew 1 A idle would spend most of its current on itself.
+    drew 1 A idle would spend most of its current on itself. Two rigs that differ by 20 %
+    in friction were hardly built after one drawing; what makes them differ, weights,
+    motor, axles, is the same for all sizes but for what one assembly differs from another.
     """
 
     c1: Prior = Field(HalfNormal(scale=0.05), description="Friction per tension and pulley [-].")
@@ -150,6 +152,14 @@ class Priors(_Section):
     damping_ratio: Prior = Field(
         LogNormal(median=0.05, sd_log=0.7),
         description="Damping of the masses ringing on the cable, over the critical [-].",
+    )
+    rig_difference: Prior = Field(
+        Normal(mean=0.0, sd=0.1),
+        description="Friction of a second rig over that of the first, less 1: the mean over "
+        "sizes [-].",
+    )
+    rig_difference_of_size: Prior = Field(
+        Normal(mean=0.0, sd=0.02), description="Likewise, of one size beyond that mean [-]."
     )
     pulleys: dict[str, PriorOverrides] = Field(
         default_factory=dict, description="Priors of single sizes: [priors.pulleys.SIZE]."
@@ -212,12 +222,18 @@ class ClaimRules(_Section):
 
     A claim that has rivals is refuted where the Bayes factor, the size of the effect and
     prediction all speak against it, and supported where the Bayes factor speaks for it and
-    the effect is too small to matter; both must hold over a tenfold change of the width of
-    the rivals' priors. A claim without rivals rests on a probability.
+    the effect is too small to matter. To refute, the Bayes factor must hold over a tenfold
+    change of the width of the rivals' priors; to support, a weaker one must. A claim
+    without rivals rests on a probability.
     """
 
     support_log10_bayes_factor: Finite = Field(
-        0.5, description="At least, in favour of the claim, to support it."
+        1.0, description="At least, in favour of the claim, to support it."
+    )
+    support_over_width_log10_bayes_factor: Finite = Field(
+        0.5,
+        description="At least, in favour of the claim, wherever the width of the rivals' priors "
+        "lies within a tenfold range, to support it.",
     )
     refute_log10_bayes_factor: Finite = Field(-1.0, description="At most, to refute it.")
     region_of_equivalence: Share = Field(
@@ -232,13 +248,21 @@ class ClaimRules(_Section):
     support_probability: Share = Field(0.95, description="Of a claim without rivals, at least.")
     refute_probability: Share = Field(0.05, description="Of a claim without rivals, at most.")
     refute_tail_probability: Share = Field(
-        0.01, description="Joint tail probability of Table I below which `coefficients` falls."
+        0.01, description="Joint tail probability of Table I below which `coefficients` may fall."
+    )
+    table1_tolerance: Share = Field(
+        0.05,
+        description="Largest relative difference of friction by Table I, over the tested range of "
+        "Table II, with which `coefficients` holds.",
     )
     stiffness_tolerance: Share = Field(
         0.01, description="Largest relative change of friction by a stretching cable."
     )
     rig_tolerance: Share = Field(
         0.10, description="Largest relative difference of friction between the rigs."
+    )
+    rig_usual_tolerance: Share = Field(
+        0.05, description="Relative difference that most conditions of two rigs are within."
     )
     tension_tolerance_n: Positive = Field(
         0.15, description="Largest difference from a quoted nominal tension [N]."

@@ -1,8 +1,8 @@
 """Map a function over many cases, each saved when it is done.
 
-A killed campaign goes on where it stopped, and a worker that dies costs one more try of
-the cases that it had. Knows nothing of friction. Works on any
-:class:`concurrent.futures.Executor`: processes on one machine, or a Dask cluster's.
+A killed campaign goes on where it stopped, and the cases of a worker that dies are tried
+once more. The module knows nothing of friction, and works on any
+:class:`concurrent.futures.Executor`: processes on one machine, or a Dask cluster.
 """
 
 import json
@@ -176,7 +176,7 @@ def _run(
     tries: Counter[str],
     at_once: int | None,
 ) -> dict[str, Result]:
-    """Run what is missing, `at_once` cases at a time; count the tries that a death cost."""
+    """Run the missing cases, `at_once` at a time; count the tries that dead workers cost."""
     folder.mkdir(parents=True, exist_ok=True)
     missing = [name for name in cases if not (folder / f"{name}.json").exists()]
     done = len(cases) - len(missing)
@@ -225,7 +225,7 @@ def _save(path: Path, result: Result) -> None:
 
 
 def _killed_worker() -> tuple[type[BaseException], ...]:
-    """Return what Dask raises for a case that its workers died of, where Dask is in use."""
+    """Return the exception of Dask for a case whose workers died; none if Dask is not in use."""
     if "distributed" not in sys.modules:
         return ()
     from distributed import KilledWorker

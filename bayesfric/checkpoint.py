@@ -26,7 +26,7 @@ class Checkpoint:
     folder : Path or None
         Where the pieces are kept; None keeps nothing.
     key : str
-        Names the computation: everything that moves its result.
+        Names the computation: everything on which its result depends.
     """
 
     def __init__(self, folder: Path | None, key: str) -> None:

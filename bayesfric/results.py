@@ -72,7 +72,7 @@ def provenance(
 
 
 def package_versions() -> dict[str, str]:
-    """Return the version of Python and of each package that moves a number."""
+    """Return the version of Python and of each package on which numbers depend."""
     return {
         "python": platform.python_version(),
         **{name: metadata.version(name) for name in PACKAGES},

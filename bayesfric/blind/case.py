@@ -34,8 +34,6 @@ def engine_of(name: str) -> Any:
     """
     if name not in ENGINES:
         expected = f"an engine that is available: {', '.join(sorted(ENGINES))}"
-        if name == "mujoco":
-            expected += " (mujoco is not available yet)"
         raise InputError([Fault("command line", expected, column="--engine", value=name)])
     return import_module(ENGINES[name])
 

@@ -1,8 +1,8 @@
-"""What is really there: the gap of a case without noise, after the baseline is refitted.
+"""The true gap of a case: without noise, after the baseline is refitted.
 
 The same case is made without noise, scatter and background, and the baseline is fitted
-to it with the weights of a usual noise. What is left is systematic; so is what the named
-causes leave of it.
+to it with the weights of a usual noise. The residual is then systematic, and so is the part
+of it that the named causes leave.
 """
 
 from collections.abc import Sequence
@@ -96,9 +96,9 @@ class CleanCase:
     def oracle_power(self) -> float:
         """Return the power of the best test that knows the force that is there.
 
-        Neyman and Pearson: the likelihood ratio, at 2 % false alarms. Its signal over noise
-        is the length of what the refitted baseline leaves, in units of the measurement, the
-        scatter of trials and that of assemblies.
+        Neyman and Pearson: the likelihood ratio, at 2 % false alarms. Its signal-to-noise
+        ratio is the norm of what the refitted baseline leaves, whitened by the measurement
+        error and by the scatter of trials and of assemblies.
         """
         model, residuals = self._model, residuals_of(self._model, self._psi)
         rest = self._rest(model, residuals, Acting())
@@ -132,7 +132,7 @@ class CleanCase:
 
 
 def _usual_noise(model: LinearModel) -> Array:
-    """Return logarithms of a noise as boards have it, whatever these events are free of."""
+    """Return the logarithms of a usual board's noise; these events have none of their own."""
     noise: list[float] = []
     if model.gravity is not None:
         first = float(np.median(model.gravity.rows.variance))

@@ -51,7 +51,7 @@ def estimate_of(values: Sequence[float]) -> Estimate:
 
 
 def reliability_of(probability: Sequence[float], correct: Sequence[bool]) -> list[ReliabilityBin]:
-    """Return how often verdicts of about one probability were correct.
+    """Return how often verdicts were correct, in bins of their probability.
 
     The band is that of Bröcker and Smith (Weather and Forecasting 22, 2007): each case of
     the bin comes true with the probability that it reported.

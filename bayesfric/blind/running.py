@@ -198,7 +198,7 @@ def score_recording(
 
 
 def _kept(folder: Path, key: dict[str, Any]) -> Path:
-    """Return where the cases of such a campaign are kept: those of another one never mix in."""
+    """Return the folder of a campaign's cases; no other campaign shares it."""
     digest = hashlib.sha256(json.dumps(key, sort_keys=True).encode()).hexdigest()
     return folder.resolve() / CASES / digest[:12]
 

@@ -134,10 +134,10 @@ def _rates(cases: Sequence[ScoredCase]) -> dict[str, Rate]:
 
 
 def _came_true(case: ScoredCase) -> bool:
-    """Return whether that is so of which the verdict gives the probability.
+    """Return whether the statement is true whose probability the verdict gives.
 
-    An unseparated verdict gives that of known effects, whichever they are: neither none nor an
-    unknown force. It is true where there are some, though it is not correct.
+    That of an unseparated verdict is that known effects act, whichever they are: neither none
+    nor an unknown force. It is true where some act, though the verdict is not correct.
     """
     return case.kind in ("effect", "pair") if case.verdict == "unseparated" else case.correct
 

@@ -1,4 +1,4 @@
-"""What a verdict is worth once the envelope is open."""
+"""The score of a verdict, once the envelope is open."""
 
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
@@ -116,7 +116,7 @@ def _twins(found: DiagnosisFile) -> list[set[str]]:
 
 
 def _stands_for(name: str, cause: str, twins: Sequence[set[str]]) -> bool:
-    """Return whether a cause is an effect, or of its class, which is reported whole."""
+    """Return whether a cause is this effect, or was reported as identical to it on this rig."""
     return name == cause or any({name, cause} <= alike for alike in twins)
 
 

@@ -15,15 +15,13 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis, analysis_sha256
-from bayesfric.claims.base import BASELINE, Case, Claim, Finding
+from bayesfric.claims.base import PAPER, Case, Claim, Entered, Finding
 from bayesfric.claims.comparison import bayes_factor, log_evidence
 from bayesfric.claims.contradictions import contradictions
 from bayesfric.claims.studies import Studied, Task, study_all
 from bayesfric.effects import all_effects
 from bayesfric.recording.tables import Recording
 from bayesfric.results import json_bytes, provenance, replace_outputs, write_netcdf
-from bayesfric.rigs import all_rigs
-from bayesfric.rigs.data import Data
 from bayesfric.schemas import (
     ClaimResult,
     ClaimsFile,
@@ -120,37 +118,49 @@ def check_claims(
     recording: Recording,
     analysis: Analysis | None = None,
     *,
-    posterior: Mapping[str, Array] | None = None,
+    posterior: Mapping[str, Mapping[str, Array]] | None = None,
     executor: Executor | None = None,
     only: Sequence[str] | None = None,
+    rigs: Sequence[str] | None = None,
+    baseline: str = PAPER,
 ) -> Checked:
     """Judge the paper's claims on a recording.
 
     Parameters
     ----------
     recording : Recording
-        With a gravity board, a motor board or both.
+        Of any rig.
     analysis : Analysis or None
         Priors, rules and seed; None for the defaults.
-    posterior : mapping of str to ndarray of shape (S,), or None
-        Draws of the law given the gravity board's data by parameter name, from a fit of
-        the same recording and analysis; None draws anew.
+    posterior : mapping of str to mapping of str to ndarray of shape (S,), or None
+        Draws of the law by parameter name given the data of one rig alone, by the name of
+        the rig, from a fit of the same recording and analysis; others are drawn anew.
     executor : Executor or None
         Where hypotheses are studied; None is here, one by one. The result is the same.
     only : sequence of str or None
         Ids of the claims to judge; None is all.
+    rigs : sequence of str or None
+        Whose data enter; None is all that there are.
+    baseline : str
+        The friction law that the claims are about, a name in
+        :data:`bayesfric.physics.laws.BASELINES`.
 
     Returns
     -------
     Checked
         Verdicts and the numbers they rest on.
+
+    Raises
+    ------
+    InputError
+        The law or a rig is unknown, or a rig that is named has no data.
     """
     began = time.perf_counter()
     analysis = Analysis() if analysis is None else analysis
     claims = [claim for claim in registered() if only is None or claim.name in only]
-    data = _data(recording)
-    studied = _studied(claims, data, analysis, executor)
-    case = Case(recording, analysis, data, studied, posterior)
+    entered = Entered.of(recording, rigs, baseline)
+    studied = _studied(claims, entered, analysis, executor)
+    case = Case(recording, analysis, entered, studied, posterior or {})
     findings = [(claim, claim.judge(claim, case)) for claim in claims]
     attributes = provenance(
         seed=analysis.seed,
@@ -160,6 +170,8 @@ def check_claims(
     )
     summary = ClaimsFile(
         **attributes.model_dump(),
+        rigs=entered.rigs,
+        baseline=baseline,
         rules=analysis.claims.model_dump(),
         claims=tuple(_result(claim, found) for claim, found in findings),
         self_contradictions=tuple(
@@ -171,19 +183,19 @@ def check_claims(
 
 def _studied(
     claims: Sequence[Claim],
-    data: Mapping[str, Data],
+    entered: Entered,
     analysis: Analysis,
     executor: Executor | None,
 ) -> dict[Task, Studied]:
     """Study all hypotheses: the law and each claim's best rival with draws, the rest screened."""
-    tasks = list(dict.fromkeys(task for claim in claims for task in claim.tasks(data)))
-    own = {task for task in tasks if task.hypothesis == BASELINE}
-    studied = study_all(tasks, data, analysis, all_effects(), executor, sampled=own)
+    tasks = list(dict.fromkeys(task for claim in claims for task in claim.tasks(entered)))
+    own = {task for task in tasks if task.hypothesis == entered.baseline}
+    studied = study_all(tasks, entered.data, analysis, all_effects(), executor, sampled=own)
     # One whose draws sit in separate places has no evidence after all: then the next best.
-    while best := {one for claim in claims if (one := _best_rival(claim, data, studied))}:
+    while best := {one for claim in claims if (one := _best_rival(claim, entered, studied))}:
         studied |= study_all(
             [task for task in tasks if task in best],
-            data,
+            entered.data,
             analysis,
             all_effects(),
             executor,
@@ -193,11 +205,10 @@ def _studied(
     return studied
 
 
-def _best_rival(
-    claim: Claim, data: Mapping[str, Data], studied: Mapping[Task, Studied]
-) -> Task | None:
+def _best_rival(claim: Claim, entered: Entered, studied: Mapping[Task, Studied]) -> Task | None:
     """Return the rival with the largest evidence, if it has no draws for prediction yet."""
-    whole = [task for task in claim.tasks(data) if task.whole and task.hypothesis != BASELINE]
+    tasks = claim.tasks(entered)
+    whole = [task for task in tasks if task.whole and task.hypothesis != entered.baseline]
     known = [task for task in whole if studied[task].evidence is not None]
     if not known:
         return None
@@ -223,27 +234,17 @@ def screen_claims(
         Log10 Bayes factor and its error, of the claims for which they can be had.
     """
     analysis = Analysis() if analysis is None else analysis
-    data = {name: one for name, one in _data(recording).items() if "/" not in name}
+    entered = Entered.of(recording).whole()
     compared = [claim for claim in registered() if claim.by_size and claim.rivals]
-    claims = [claim for claim in compared if not claim.untestable(data)]
-    tasks = list(dict.fromkeys(task for claim in claims for task in claim.tasks(data)))
-    studied = study_all(tasks, data, analysis, all_effects(), executor, sampled=())
+    claims = [claim for claim in compared if not claim.untestable(entered)]
+    tasks = list(dict.fromkeys(task for claim in claims for task in claim.tasks(entered)))
+    studied = study_all(tasks, entered.data, analysis, all_effects(), executor, sampled=())
     found = {}
     for claim in claims:
-        own, *rivals = (studied[task] for task in claim.tasks(data))
+        own, *rivals = (studied[task] for task in claim.tasks(entered))
         if all(one.evidence is not None for one in (own, *rivals)):
             found[claim.name] = bayes_factor(own, rivals)
     return found
-
-
-def _data(recording: Recording) -> dict[str, Data]:
-    """Return the data of each board, and of each board and size."""
-    opened = {name: rig.trials(recording) for name, rig in all_rigs().items()}
-    data = {n: Data((one,)) for n, one in opened.items() if one is not None and len(one.table)}
-    for board in list(data):
-        for size in data[board].sizes:
-            data[f"{board}/{size}"] = data[board].of_size(size)
-    return data
 
 
 def _result(claim: Claim, found: Finding) -> ClaimResult:
@@ -251,6 +252,7 @@ def _result(claim: Claim, found: Finding) -> ClaimResult:
         id=claim.name,
         statement=claim.statement,
         paper=claim.paper,
+        about_these_data=claim.about_these_data,
         verdict=found.verdict,
         reason=found.reason,
         log10_bayes_factor=found.log10_bayes_factor,

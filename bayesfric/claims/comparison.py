@@ -4,10 +4,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import logsumexp
 
 from bayesfric.analysis import ClaimRules
-from bayesfric.claims.base import BASELINE, Case, Claim, Finding, Verdict
+from bayesfric.claims.base import Case, Claim, Finding, Verdict
 from bayesfric.claims.studies import WIDTHS, Studied, Task
 from bayesfric.inference.evidence import difference
 
@@ -21,33 +20,33 @@ STABLE_OVER = (10**-0.5, 10**0.5)  # a tenfold change of the width
 
 
 def compare(claim: Claim, case: Case) -> Finding:
-    """Judge a claim by its Bayes factor against the equal-weight average of its rivals.
+    """Judge a claim by its Bayes factor against the best of its rivals.
 
     Parameters
     ----------
     claim : Claim
-        With a board and rivals.
+        With rivals.
     case : Case
         Of a recording.
 
     Returns
     -------
     Finding
-        ``not-testable`` where the recording lacks the board or the condition that the
+        ``not-testable`` where the recording lacks the rig or the condition that the
         rivals differ in does not vary.
     """
-    board = claim.board
-    assert board is not None
-    if lack := claim.untestable(case.data):
+    if lack := claim.untestable(case.entered):
         return Finding("not-testable", lack)
+    name = claim.rig(case.entered)
     rules = case.analysis.claims
-    own = case.studied[Task(board, BASELINE)]
-    rivals = {one: case.studied[Task(board, one)] for one in claim.rivals}
+    own = case.studied[Task(name, case.entered.baseline)]
+    rivals = {one: case.studied[Task(name, one)] for one in claim.against(case.entered)}
     lacking = [f"{one.label}: {found.why}" for one, found in rivals.items() if not found.evidence]
     known = {one: found for one, found in rivals.items() if found.evidence is not None}
     if own.evidence is None or not known:
         why = own.why or "; ".join(lacking)
         return Finding("undecided", f"No evidence can be had: {why}.", why=why)
+    each = {one.label: bayes_factor(own, [found]) for one, found in known.items()}
     log10, error = bayes_factor(own, list(known.values()))
     curve = np.array(
         [bayes_factor(own, list(known.values()), place)[0] for place in range(len(WIDTHS))]
@@ -55,8 +54,12 @@ def compare(claim: Claim, case: Case) -> Finding:
     # Draws, which prediction needs, there are of the best rival; screening picked it.
     drawn = {one: found.prediction for one, found in known.items() if found.prediction}
     best = max(drawn, key=lambda one: log_evidence(known[one]))
-    with_effect = [found for found in known.values() if found.size.size]
-    bound = max((float(np.quantile(one.size, 0.95)) for one in with_effect), default=0.0)
+    bounds = {
+        one.label: float(np.quantile(found.size, 0.95))
+        for one, found in known.items()
+        if found.size.size
+    }
+    bound = max(bounds.values(), default=0.0)
     best_size = known[best].size
     beyond = float((best_size > rules.region_of_equivalence).mean()) if best_size.size else 1.0
     assert own.prediction is not None  # the law is always sampled where it has an evidence
@@ -76,11 +79,10 @@ def compare(claim: Claim, case: Case) -> Finding:
         verdict, reason = "undecided", f"A rival could not be weighed: {'; '.join(lacking)}."
     figures: dict[str, Any] = {
         "best_rival": best.label,
-        "log10_bayes_factor_against": {
-            one.label: (own.evidence.log_evidence - log_evidence(found)) / LN10
-            for one, found in known.items()
-        },
+        "log10_bayes_factor_against": {label: value for label, (value, _) in each.items()},
+        "log10_bayes_factor_against_se": {label: error for label, (_, error) in each.items()},
         "effect_upper_bound_95": bound,
+        "effect_upper_bound_95_of": bounds,
         "probability_effect_matters": beyond,
         "lowest_over_prior_width": float(stable.min()),
         "highest_over_prior_width": float(stable.max()),
@@ -99,7 +101,8 @@ def compare(claim: Claim, case: Case) -> Finding:
         predicted.elpd,
         predicted.se,
         by_pulley={
-            size: _by_pulley(claim, case, f"{board}/{size}") for size in case.data[board].sizes
+            size: _by_pulley(claim, case, f"{name}/{size}")
+            for size in case.entered.data[name].sizes
         },
         curve={"width": widths, "log10_bayes_factor": curve},
     )
@@ -141,7 +144,7 @@ def decide(
     for_it = log10 >= rules.support_log10_bayes_factor
     against = log10 <= rules.refute_log10_bayes_factor
     if for_it and small:
-        if over_width[0] >= rules.support_log10_bayes_factor:
+        if over_width[0] >= rules.support_over_width_log10_bayes_factor:
             return "supported", (
                 f"The data favour the claim {odds(log10)} and leave an effect of at most "
                 f"{share(upper_bound)} of friction."
@@ -198,7 +201,10 @@ def log_evidence(found: Studied) -> float:
 def bayes_factor(
     own: Studied, rivals: list[Studied], width: int | None = None
 ) -> tuple[float, float]:
-    """Return the log10 Bayes factor against the equal-weight average of rivals.
+    """Return the log10 Bayes factor against the best of some rivals.
+
+    Rivals are not averaged: one that the data rule out would only take its share of the
+    prior from the others, and flatter the claim.
 
     Parameters
     ----------
@@ -208,26 +214,27 @@ def bayes_factor(
         All with an evidence.
     width : int or None
         Place in :data:`bayesfric.claims.studies.WIDTHS` of the width of the rivals'
-        priors; None is as they are.
+        priors; None is as they are. Which rival is best depends on it.
 
     Returns
     -------
     value, error : float
     """
     assert own.evidence is not None
-    values = np.array([log_evidence(one) for one in rivals])
+    values = [log_evidence(one) for one in rivals]
     if width is not None:
-        values = values + [one.widths[width] if one.widths.size else 0.0 for one in rivals]
-    errors = np.array([one.evidence.error for one in rivals if one.evidence is not None])
-    average = logsumexp(values) - np.log(len(values))
-    share = np.exp(values - logsumexp(values))
-    error = np.sqrt(own.evidence.error**2 + ((share * errors) ** 2).sum())
-    return float((own.evidence.log_evidence - average) / LN10), float(error / LN10)
+        shifts = [one.widths[width] if one.widths.size else 0.0 for one in rivals]
+        values = [value + shift for value, shift in zip(values, shifts, strict=True)]
+    best = int(np.argmax(values))
+    rival = rivals[best].evidence
+    assert rival is not None
+    error = float(np.hypot(own.evidence.error, rival.error))
+    return float(own.evidence.log_evidence - values[best]) / LN10, error / LN10
 
 
 def _by_pulley(claim: Claim, case: Case, name: str) -> tuple[float | None, float | None, str]:
-    own = case.studied[Task(name, BASELINE)]
-    rivals = [case.studied[Task(name, one)] for one in claim.rivals]
+    own = case.studied[Task(name, case.entered.baseline)]
+    rivals = [case.studied[Task(name, one)] for one in claim.against(case.entered)]
     lacking = [one.why for one in (own, *rivals) if one.evidence is None]
     if lacking:
         return None, None, "; ".join(lacking)

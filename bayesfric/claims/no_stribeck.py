@@ -13,7 +13,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
     found = compare(claim, case)
     if found.verdict == "not-testable":
         return found
-    slowest = slowest_speed(case.data["gravity"])
+    slowest = slowest_speed(case.entered.data[claim.rig(case.entered)])
     return replace(
         found,
         reason=f"{found.reason} Below {slowest:.3f} m/s, the slowest recorded speed, the claim is "
@@ -28,6 +28,6 @@ CLAIM = Claim(
     statement="Friction does not rise towards standstill.",
     paper="With rolling bearings neither stiction nor a Stribeck term is needed (Sec. II).",
     judge=_judge,
-    board="gravity",
+    motion="accelerated",
     rivals=tuple(Hypothesis(effects=(("stribeck", law),)) for law in ("exponential", "gaussian")),
 )

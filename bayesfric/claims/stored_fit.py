@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.claims.base import PAPER
 from bayesfric.recording.tables import Recording
 from bayesfric.results import read_json, read_tree
 from bayesfric.schemas import FitFile
@@ -16,9 +17,9 @@ Array = NDArray[np.float64]
 
 
 def current_posterior(
-    folder: Path, recording: Recording, analysis: Analysis
-) -> dict[str, Array] | None:
-    """Return the draws of a stored fit by parameter name, each of shape (S,).
+    folder: Path, recording: Recording, analysis: Analysis, baseline: str = PAPER
+) -> dict[str, dict[str, Array]]:
+    """Return the draws of a stored fit by rig and parameter name, each of shape (S,).
 
     Parameters
     ----------
@@ -28,25 +29,27 @@ def current_posterior(
         Of which the fit must be.
     analysis : Analysis
         With which it must have been made.
+    baseline : str
+        The friction law, a name in :data:`bayesfric.physics.laws.BASELINES`.
 
     Returns
     -------
-    dict of str to ndarray, or None
-        None where there is no fit of the paper's law to the gravity board's data alone,
-        or it has not converged.
+    dict of str to dict of str to ndarray
+        Empty where there is no fit of this law to one rig alone, or it has not
+        converged.
     """
     if not (folder / "fit.json").exists() or not (folder / "draws.nc").exists():
-        return None
+        return {}
     summary = read_json(FitFile, folder / "fit.json")
     current = (
         summary.recording.sha256 == recording.sha256
         and summary.analysis_sha256 == analysis_sha256(analysis)
-        and tuple(summary.rigs) == ("gravity",)
-        and summary.baseline == "paper"
+        and len(summary.rigs) == 1
+        and summary.baseline == baseline
         and summary.converged
     )
     if not current:
-        return None
+        return {}
     posterior = read_tree(folder / "draws.nc")["posterior"].to_dataset()
     draws: dict[str, Array] = {}
     for name, variable in posterior.data_vars.items():
@@ -55,4 +58,4 @@ def current_posterior(
                 draws[f"{name}[{size}]"] = variable.sel(pulley=size).to_numpy().ravel()
         else:
             draws[str(name)] = variable.to_numpy().ravel()
-    return draws
+    return {summary.rigs[0]: draws}

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis, Sampler
+from bayesfric.claims.apart import ApartModel
 from bayesfric.effects import Effect, State
 from bayesfric.fitting.hypothesis import Hypothesis, model_of
 from bayesfric.fitting.predictive.left_out import leave_setups_out
@@ -50,8 +51,8 @@ class Task(NamedTuple):
     Parameters
     ----------
     data : str
-        Name of the data: ``gravity`` or ``motor``, or these of one size as in
-        ``gravity/small``.
+        Name of the data: that of a rig; of a rig and one pulley size as in ``RIG/small``;
+        or of two rigs that may differ as in ``RIG+OTHER``.
     hypothesis : Hypothesis
         What is assumed.
     """
@@ -63,6 +64,11 @@ class Task(NamedTuple):
     def whole(self) -> bool:
         """Whether all sizes enter, which then are sampled and not only screened."""
         return "/" not in self.data
+
+    @property
+    def apart(self) -> bool:
+        """Whether two rigs are studied, of which the second may differ from the first."""
+        return "+" in self.data
 
 
 @dataclass(frozen=True)
@@ -171,6 +177,9 @@ def _study(
     seed, proposals = np.random.SeedSequence([analysis.seed, *words]).generate_state(2)
     with threadpool_limits(limits=1):
         model = model_of(data, analysis, task.hypothesis, effects)
+        if task.apart:
+            first, second = model.likelihoods
+            return _apart(ApartModel(first, second, analysis.priors), int(seed), int(proposals))
         if before is not None and before.laplace is not None and before.evidence is not None:
             laplace, rough = before.laplace, before.evidence
         else:
@@ -184,8 +193,7 @@ def _study(
                 widths = _over_widths(drawn, task.hypothesis, effects)
                 size = _size_at_edge(data, drawn, task.hypothesis, effects)
                 return Studied(rough, "", drawn, widths=widths, size=size, laplace=laplace)
-        walkers = max(WALKERS, 2 * laplace.mode.size)
-        run = SHORT_RUN.model_copy(update={"walkers": walkers})
+        run = _run(laplace)
         draws = sample(model.log_posterior, laplace, run, int(seed), converged=in_one_place)
         try:
             evidence = bridge_evidence(model.log_posterior, draws.z, int(proposals))
@@ -212,6 +220,23 @@ def _study(
         _over_widths(named, task.hypothesis, effects),
         _size_at_edge(data, named, task.hypothesis, effects),
     )
+
+
+def _apart(model: Model, seed: int, proposals: int) -> Studied:
+    """Draw how far two rigs are apart: that is all that is asked of them."""
+    laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
+    rough, z = laplace_draws(model.log_posterior, laplace, proposals)
+    if not rough.reliable:
+        draws = sample(model.log_posterior, laplace, _run(laplace), seed, converged=in_one_place)
+        if not in_one_place(draws.z):
+            return Studied(None, "the draws sit in different places")
+        z = draws.z.reshape(-1, draws.z.shape[-1])
+    return Studied(None, "no rival was weighed", model.by_name(model.natural(z)))
+
+
+def _run(laplace: Laplace) -> Sampler:
+    walkers = max(WALKERS, 2 * laplace.mode.size)
+    return SHORT_RUN.model_copy(update={"walkers": walkers})
 
 
 def _start(model: Model, hypothesis: Hypothesis, effects: dict[str, Effect]) -> Array:

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from bayesfric.cli.exits import exit_status, fail_on
-from bayesfric.cli.options import Config, FailOn, Folder, Quiet, Seed, Workers
+from bayesfric.cli.options import Baseline, Config, FailOn, Folder, Quiet, Rigs, Seed, Workers
 
 __all__ = ["claims", "claims_into"]
 
@@ -18,6 +18,8 @@ def claims(
     junit: Annotated[
         Path | None, typer.Option("--junit", help="Also write a test report, for CI.")
     ] = None,
+    rigs: Rigs = None,
+    baseline: Baseline = "paper",
     workers: Workers = 2,
     seed: Seed = None,
     config: Config = None,
@@ -32,6 +34,8 @@ def claims(
         recording,
         output,
         junit=junit,
+        rigs=rigs,
+        baseline=baseline,
         workers=workers,
         seed=seed,
         config=config,
@@ -46,6 +50,8 @@ def claims_into(
     output: Path,
     *,
     junit: Path | None,
+    rigs: str | None,
+    baseline: str,
     workers: int,
     seed: int | None,
     config: Path | None,
@@ -68,8 +74,10 @@ def claims_into(
         checked = check_claims(
             found,
             analysis,
-            posterior=current_posterior(output, found, analysis),
+            posterior=current_posterior(output, found, analysis, baseline),
             executor=executor,
+            rigs=None if rigs is None else [rig.strip() for rig in rigs.split(",")],
+            baseline=baseline,
         )
     checked.write(output, junit=junit)
     for one in checked.summary.claims:

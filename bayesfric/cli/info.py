@@ -17,7 +17,9 @@ def info() -> None:
     from threadpoolctl import threadpool_info
 
     from bayesfric.results import package_versions
+    from bayesfric.rigs import all_rigs
 
+    typer.echo(f"{'rigs':<14} {', '.join(all_rigs())}")
     for name, version in package_versions().items():
         typer.echo(f"{name:<14} {version}")
     for pool in threadpool_info():

@@ -18,7 +18,9 @@ Config = Annotated[
 Rigs = Annotated[
     str | None,
     typer.Option(
-        "--rigs", help="Whose data enter: gravity, motor or gravity,motor; else the first there is."
+        "--rigs",
+        help="Rigs whose data enter: NAME,… (bayesfric info lists them). Absent: the first there "
+        "is for a fit, all for claims.",
     ),
 ]
 Baseline = Annotated[

@@ -58,6 +58,8 @@ def run(
         source,
         output,
         junit=None,
+        rigs=rigs,
+        baseline=baseline,
         workers=workers,
         seed=seed,
         config=config,

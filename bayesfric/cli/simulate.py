@@ -24,7 +24,7 @@ class ProtocolName(StrEnum):
 def simulate(
     folder: Annotated[Path, typer.Argument(help="New folder; refused if it is not empty.")],
     protocol: Annotated[
-        ProtocolName, typer.Option(help="About 600 gravity trials, or 180.")
+        ProtocolName, typer.Option(help="About 600 trials of the board with weights, or 180.")
     ] = ProtocolName.paper,
     effect: Annotated[
         list[str] | None,
@@ -44,7 +44,7 @@ def simulate(
     Example: bayesfric simulate my-recording --protocol quick --effect viscous=0.5 --seed 7
     """
     from bayesfric.analysis import read_analysis
-    from bayesfric.recording import write_recording
+    from bayesfric.recording import describe_recording, write_recording
     from bayesfric.results import created_date
     from bayesfric.simulate import simulate_recording
 
@@ -59,12 +59,10 @@ def simulate(
     )
     write_recording(recording, folder)
     if not quiet:
-        assert recording.gravity is not None
-        stalled = recording.metadata["simulation"]["stalled"]
-        runs = 0 if recording.motor is None else len(recording.motor.runs)
-        trials = len(recording.gravity.trials)
-        typer.echo(f"{trials} gravity trials and {runs} motor runs written to {folder}", err=True)
-        if stalled:
+        for label, text in describe_recording(recording):
+            typer.echo(f"{label}: {text}", err=True)
+        typer.echo(f"written to {folder}", err=True)
+        if stalled := recording.metadata["simulation"]["stalled"]:
             typer.echo(f"stalled and left out: {', '.join(stalled)}", err=True)
 
 

@@ -217,4 +217,9 @@ def causes_of(
 
 def _number(parameter: EffectParameter, draws: Array) -> EffectNumber:
     five = interval(draws)
-    return EffectNumber(**five.model_dump(), unit=parameter.unit, prior=describe(parameter.prior))
+    return EffectNumber(
+        **five.model_dump(),
+        unit=parameter.unit,
+        prior=describe(parameter.prior),
+        prior_density=parameter.prior,
+    )

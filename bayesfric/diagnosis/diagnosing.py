@@ -246,7 +246,7 @@ def _entering(trials: RigTrials, recording: Recording) -> RigTrials:
         return trials
     excluded = trials.screened.excluded
     disagreeing = [trial for trial, rule in excluded.items() if rule == "sensors-disagree"]
-    if len(disagreeing) <= MANY * len(trials.recorded.trials):
+    if len(disagreeing) <= MANY * len(trials.recorded):
         return trials
     whole = trials.rig.trials(recording, exclude=False)
     assert whole is not None

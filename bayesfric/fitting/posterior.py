@@ -22,7 +22,7 @@ from bayesfric.fitting.predictive.reported import predictions, uniformities
 from bayesfric.fitting.summary import summarise, summarise_without_exclusions
 from bayesfric.inference.diagnostics import diagnose_all
 from bayesfric.inference.laplace import laplace_approximation
-from bayesfric.inference.model import Model, RigLikelihood
+from bayesfric.inference.model import Model
 from bayesfric.inference.priors import log_density
 from bayesfric.inference.sampling import Chart, Draws, Progress, sample
 from bayesfric.physics.laws import BASELINES, Baseline
@@ -34,15 +34,13 @@ from bayesfric.results import (
     replace_outputs,
     write_netcdf,
 )
-from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
-from bayesfric.rigs.gravity_board.screening import Screened, screen_trials
-from bayesfric.rigs.motor_board.likelihood import MotorLikelihood
+from bayesfric.rigs.data import Data
+from bayesfric.rigs.opening import chosen_rigs, open_rigs
 from bayesfric.schemas import FitFile, RecordingId, TimingsFile
 
 __all__ = ["Fit", "fit"]
 
 Array = NDArray[np.float64]
-RIGS = ("gravity", "motor")
 POINTWISE_DRAWS = 2000  # draws of which the log likelihood by trial is stored
 
 
@@ -108,7 +106,8 @@ def fit(
     Parameters
     ----------
     recording : Recording
-        With gravity trials, motor runs or both.
+        With trials of at least one rig that can be fitted; those of role ``test`` do not
+        enter.
     analysis : Analysis or None
         Priors, scatter, sampler and seed; None for the defaults.
     progress : callable or None
@@ -117,8 +116,8 @@ def fit(
         Folder that keeps the draws on the way: a fit that is killed and called
         again goes on to the same result. Remove it when the fit is written.
     rigs : sequence of str or None
-        Whose data enter: ``gravity``, ``motor`` or both. None is the gravity board
-        where there is one, else the motor board.
+        Whose data enter, by name (:func:`bayesfric.rigs.all_rigs`). None is the first rig
+        that the recording has.
     baseline : str
         The friction law, a name in :data:`bayesfric.physics.laws.BASELINES`.
 
@@ -133,7 +132,7 @@ def fit(
         A rig is unknown or has no data in the recording, or no trial could enter.
     """
     analysis = Analysis() if analysis is None else analysis
-    chosen = _choose(recording, rigs)
+    chosen = chosen_rigs(recording, rigs)
     if baseline not in BASELINES:
         raise InputError([Fault("baseline", f"one of {', '.join(BASELINES)}", value=baseline)])
     law = BASELINES[baseline]
@@ -146,24 +145,18 @@ def fit(
     seconds: dict[str, float] = {}
     with threadpool_limits(limits=1):  # one BLAS thread: the same bytes, and faster
         with _timed(seconds, "reduce"):
-            screened = None
-            if "gravity" in chosen and recording.gravity is not None:
-                screened = screen_trials(recording.gravity, recording.rig)
-                if screened.gravity.trials.empty:
-                    expected = "a trial that enters the fit; all are left out"
-                    raise InputError([Fault(recording.name, expected)])
-            likelihoods = _likelihoods(recording, chosen, screened, analysis, law)
-            model = Model(list(likelihoods.values()))
+            data = Data(open_rigs(recording, chosen))
+            model = _model(data, analysis, law)
         key = ",".join([*chosen, baseline]) + attributes.model_dump_json()
         draws = _draw(model, analysis, Checkpoint(checkpoint, key), progress, seconds)
         with _timed(seconds, "without_exclusions"):
-            whole, why = _all_that_can_enter(recording, screened)
+            whole, why = _all_that_can_enter(recording, data)
             without = None
             if whole is not None:
-                again = Model(list(_likelihoods(recording, chosen, whole, analysis, law).values()))
+                again = _model(whole, analysis, law)
                 folder = None if checkpoint is None else checkpoint / "without-exclusions"
                 without = summarise_without_exclusions(
-                    len(whole.gravity.trials),
+                    _under_rules(whole),
                     again,
                     _draw(again, analysis, Checkpoint(folder, key), progress, {}),
                 )
@@ -174,7 +167,7 @@ def fit(
             flat = some.reshape(-1, some.shape[-1])
             left_out = {
                 name: leave_out(model, rig, flat, start, analysis.seed)
-                for name, rig in likelihoods.items()
+                for name, rig in zip(chosen, model.likelihoods, strict=True)
             }
         with _timed(seconds, "summary"):
             fields = {
@@ -186,52 +179,16 @@ def fit(
                 "uniformity": uniformities(left_out),
             }
             summary = summarise(
-                attributes.model_dump() | fields, recording, screened, model, draws, theta
+                attributes.model_dump() | fields, recording, data, model, draws, theta
             )
-            tree = _draws_tree(
-                model, likelihoods, theta, left_out, attributes.model_dump(mode="json")
-            )
+            tree = _draws_tree(model, chosen, theta, left_out, attributes.model_dump(mode="json"))
         with _timed(seconds, "predictive"):
-            predictive = predict(
-                recording, screened, likelihoods, model, theta, left_out, analysis, law
-            )
+            predictive = predict(data, model, theta, left_out, analysis, law)
     return Fit(summary, tree, predictive, seconds)
 
 
-def _choose(recording: Recording, rigs: Sequence[str] | None) -> tuple[str, ...]:
-    """Return the rigs to fit, in the order of :data:`RIGS`."""
-    there = [rig for rig in RIGS if getattr(recording, rig) is not None]
-    if rigs is None:
-        if not there:
-            expected = "gravity_trials.csv or motor_runs.csv, the kinds that can be fitted"
-            raise InputError([Fault(recording.name, expected)])
-        return (there[0],)
-    unknown = [Fault("rigs", f"one of {', '.join(RIGS)}", value=r) for r in rigs if r not in RIGS]
-    absent = [
-        Fault(recording.name, f"data of the rig {rig!r}, which was asked for")
-        for rig in rigs
-        if rig in RIGS and rig not in there
-    ]
-    if unknown or absent or not rigs:
-        raise InputError([*unknown, *absent] or [Fault("rigs", f"one of {', '.join(RIGS)}")])
-    return tuple(rig for rig in RIGS if rig in rigs)
-
-
-def _likelihoods(
-    recording: Recording,
-    chosen: Sequence[str],
-    screened: Screened | None,
-    analysis: Analysis,
-    law: Baseline,
-) -> dict[str, RigLikelihood]:
-    """Return the likelihood of each rig that is fitted."""
-    likelihoods: dict[str, RigLikelihood] = {}
-    if screened is not None:
-        gravity = GravityLikelihood(screened.gravity, recording.rig, analysis, law)
-        likelihoods["gravity"] = gravity
-    if "motor" in chosen and recording.motor is not None:
-        likelihoods["motor"] = MotorLikelihood(recording.motor, recording.rig, analysis, law)
-    return likelihoods
+def _model(data: Data, analysis: Analysis, law: Baseline) -> Model:
+    return Model([trials.likelihood(analysis, law) for trials in data.rigs])
 
 
 def _draw(
@@ -257,18 +214,22 @@ def _draw(
         )
 
 
-def _all_that_can_enter(
-    recording: Recording, screened: Screened | None
-) -> tuple[Screened | None, str | None]:
+def _all_that_can_enter(recording: Recording, data: Data) -> tuple[Data | None, str | None]:
     """Return the trials with those that a rule left out, or why there are no others."""
-    if screened is None or recording.gravity is None:
-        return None, "the gravity board, whose trials the rules are for, does not enter"
-    if not screened.excluded:
+    ruled = [trials for trials in data.rigs if trials.excluded is not None]
+    if not ruled:
+        return None, "no rule keeps a trial of these rigs from entering"
+    if not any(trials.excluded for trials in ruled):
         return None, "no trial was left out"
-    whole = screen_trials(recording.gravity, recording.rig, exclude=False)
-    if len(whole.gravity.trials) == len(screened.gravity.trials):
+    whole = Data(open_rigs(recording, [one.rig.name for one in data.rigs], exclude=False))
+    if _under_rules(whole) == _under_rules(data):
         return None, "no trial that was left out has a motion that can be computed"
     return whole, None
+
+
+def _under_rules(data: Data) -> int:
+    """Return how many trials enter of the rigs that have rules."""
+    return sum(len(trials.table) for trials in data.rigs if trials.excluded is not None)
 
 
 @contextmanager
@@ -291,7 +252,7 @@ def _pointwise_draws(z: Array) -> Array:
 
 def _draws_tree(
     model: Model,
-    likelihoods: Mapping[str, RigLikelihood],
+    rigs: Sequence[str],
     theta: Array,
     left_out: Mapping[str, LeftOut],
     attributes: dict[str, Any],
@@ -308,7 +269,8 @@ def _draws_tree(
     setups = np.concatenate([left.setup_log_likelihood for left in left_out.values()], axis=-1)
     trials = np.concatenate([left.trial_log_likelihood for left in left_out.values()], axis=-1)
     # Two rigs may use the same ids: then the rig's name goes before them.
-    before = {name: f"{name}/" if len(likelihoods) > 1 else "" for name in likelihoods}
+    before = [f"{name}/" if len(rigs) > 1 else "" for name in rigs]
+    named = list(zip(before, model.likelihoods, strict=True))
     tree = draws_tree(
         {
             "posterior": posterior,
@@ -328,10 +290,8 @@ def _draws_tree(
         },
         dims={"setup": ["setup_id"], "trial": ["trial_id"]},
         coords={
-            "setup_id": [before[n] + s for n, rig in likelihoods.items() for s in rig.setups],
-            "trial_id": [
-                before[n] + t for n, rig in likelihoods.items() for t in rig.trials["trial"]
-            ],
+            "setup_id": [prefix + setup for prefix, rig in named for setup in rig.setups],
+            "trial_id": [prefix + trial for prefix, rig in named for trial in rig.trials["trial"]],
             "draw": np.arange(kept)[::stride],
         },
         ensemble=np.repeat(np.arange(ensembles), walkers),

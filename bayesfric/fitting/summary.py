@@ -7,23 +7,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.inference.diagnostics import LIMITS, Convergence, diagnose_all, power_scaling
-from bayesfric.inference.laplace import curvature_steps, finite_hessian
+from bayesfric.inference.informed import informed_by_data
 from bayesfric.inference.model import Model
-from bayesfric.inference.priors import LOG_2PI, Parameter, describe, prior_sd
+from bayesfric.inference.priors import LOG_2PI, Kind, Parameter, describe, prior_sd
 from bayesfric.inference.sampling import Draws
-from bayesfric.recording.tables import Recording, RigConstants
-from bayesfric.rigs.gravity_board.estimator import estimate_as_the_paper
-from bayesfric.rigs.gravity_board.screening import RULES, Screened
-from bayesfric.rigs.gravity_board.sensor_agreement import MATERIAL_SHARE, SensorAgreement
+from bayesfric.recording.tables import Recording
+from bayesfric.rigs import all_rigs
+from bayesfric.rigs.data import Data
 from bayesfric.schemas import (
-    Agreement,
     DataQuality,
-    Excluded,
     FitFile,
     Interval,
     ParameterSummary,
-    PointEstimate,
-    Repaired,
     SamplerSummary,
     Uniformity,
     WithoutExclusions,
@@ -39,7 +34,7 @@ NOT_UNIFORM = 0.01  # p below which a reader must know; one sound recording in a
 def summarise(
     attributes: dict[str, Any],
     recording: Recording,
-    screened: Screened | None,
+    data: Data,
     model: Model,
     draws: Draws,
     theta: Array,
@@ -53,8 +48,8 @@ def summarise(
         trials that were left out would change.
     recording : Recording
         As read.
-    screened : Screened or None
-        Which gravity trials entered; None where that board did not.
+    data : Data
+        Trials that entered.
     model : Model
         Of the posterior.
     draws : Draws
@@ -63,7 +58,7 @@ def summarise(
         The draws in the parameters' units.
     """
     convergence = dict(zip(model.names, diagnose_all(theta), strict=True))
-    informed = _informed(model, np.median(theta.reshape(-1, theta.shape[-1]), axis=0))
+    informed = informed_by_data(model, np.median(theta.reshape(-1, theta.shape[-1]), axis=0))
     entries = {
         parameter.name: _parameter(
             parameter, theta[..., place], convergence[parameter.name], bool(informed[place])
@@ -74,7 +69,7 @@ def summarise(
         entries[name] = entries[name].model_copy(update=moved)
     sizes = [name[3:-1] for name in entries if name.startswith("c1[")]
     ensembles, kept, walkers, _ = theta.shape
-    quality = _quality(recording, screened, motor="motor" in attributes["rigs"])
+    quality = _quality(recording, data)
     converged = all(figures.converged for figures in convergence.values())
     return FitFile(
         **attributes,
@@ -84,10 +79,12 @@ def summarise(
             *_not_uniform(attributes["uniformity"]),
         ),
         pulleys={size: {c: entries[f"{c}[{size}]"] for c in COEFFICIENTS} for size in sizes},
-        scatter={n: e for n, e in entries.items() if n.startswith(("tau", "omega"))},
-        noise={n: e for n, e in entries.items() if n.startswith(("sigma", "load_noise"))},
-        parameters={n: e for n, e in entries.items() if n == "torque_constant_factor"},
-        paper_estimator={} if screened is None else _as_the_paper(screened, recording.rig),
+        scatter=_of_kind(model, entries, "scatter"),
+        noise=_of_kind(model, entries, "noise"),
+        parameters=_of_kind(model, entries, "other"),
+        paper_estimator={
+            size: found for one in data.rigs for size, found in one.paper_estimates().items()
+        },
         sampler=SamplerSummary(
             ensembles=ensembles,
             walkers=walkers,
@@ -111,7 +108,7 @@ def summarise_without_exclusions(trials: int, model: Model, draws: Draws) -> Wit
     Parameters
     ----------
     trials : int
-        Gravity trials that entered it.
+        Trials that entered it, of rigs that have rules.
     model : Model
         Of its posterior.
     draws : Draws
@@ -130,19 +127,10 @@ def summarise_without_exclusions(trials: int, model: Model, draws: Draws) -> Wit
     )
 
 
-def _as_the_paper(screened: Screened, rig: RigConstants) -> dict[str, PointEstimate]:
-    estimates = estimate_as_the_paper(screened.gravity, rig).sizes
-    return {
-        size.pulley_size: PointEstimate(
-            c1=size.c1.value,
-            c1_why=size.c1.reason,
-            c2=size.c2.value,
-            c2_why=size.c2.reason,
-            c3=size.c3.value,
-            c3_why=size.c3.reason,
-        )
-        for size in estimates
-    }
+def _of_kind(
+    model: Model, entries: Mapping[str, ParameterSummary], kind: Kind
+) -> dict[str, ParameterSummary]:
+    return {p.name: entries[p.name] for p in model.parameters if p.kind == kind}
 
 
 def _parameter(
@@ -173,25 +161,6 @@ def _interval(draws: Array) -> Interval:
     )
 
 
-def _informed(model: Model, centre: Array) -> NDArray[np.bool_]:
-    """Whether the likelihood alone pins each parameter down better than its prior.
-
-    From the curvature of the log likelihood at the posterior median, in units of
-    the priors' widths: a direction that the data leave open has a curvature below 1.
-    """
-    z = model.sampling(centre)
-    unit = model.scale()
-
-    def log_likelihood(points: Array) -> Array:
-        return model.log_likelihood(model.natural(points))
-
-    step = curvature_steps(log_likelihood, z, 0.3 * unit)
-    curvature = -finite_hessian(log_likelihood, z, step) * np.outer(unit, unit)
-    values, vectors = np.linalg.eigh(curvature)
-    variance = (vectors**2 / np.maximum(values, 1e-12)).sum(axis=1)
-    return np.asarray(variance < 1)
-
-
 def _sensitivity(model: Model, draws: Draws, theta: Array) -> dict[str, dict[str, float]]:
     """Return how much each coefficient moves with the power of priors and likelihood."""
     by_walker = draws.z.shape[:-1]
@@ -211,52 +180,19 @@ def _sensitivity(model: Model, draws: Draws, theta: Array) -> dict[str, dict[str
     }
 
 
-def _quality(recording: Recording, screened: Screened | None, *, motor: bool) -> DataQuality:
-    runs = len(recording.motor.runs) if motor and recording.motor is not None else 0
-    if screened is None or recording.gravity is None:
-        return DataQuality(
-            trials=0,
-            trials_used=0,
-            setups=0,
-            events=0,
-            motor_runs=runs,
-            replicated_cells=0,
-            excluded=(),
-            notes=recording.notes,
-        )
-    trials = screened.gravity.trials
-    cells = trials.groupby(["pulley_size", "n_pulleys", "wrap_angle_deg"])["setup"].nunique()
-    return DataQuality(
-        trials=len(recording.gravity.trials),
-        trials_used=len(trials),
-        setups=trials["setup"].nunique(),
-        events=len(screened.gravity.events),
-        motor_runs=runs,
-        replicated_cells=int((cells > 1).sum()),
-        excluded=tuple(
-            Excluded(trial=trial, rule=rule, reason=RULES[rule])
-            for trial, rule in screened.excluded.items()
-        ),
-        notes=recording.notes,
-        repaired=tuple(
-            Repaired.model_validate(row) for row in screened.repaired.to_dict("records")
-        ),
-        agreement=_agreement(screened.agreement),
-        stalled=screened.stalled,
-    )
-
-
-def _agreement(agreement: SensorAgreement) -> Agreement:
-    trials = agreement.trials
-    size = np.abs(trials["z"].to_numpy(dtype=np.float64))
-    return Agreement(
-        trials=len(trials),
-        largest_z=float(size.max()) if size.size else None,
-        z_q95=float(np.quantile(size, 0.95)) if size.size else None,
-        limit_z=agreement.limit,
-        limit_friction_share=MATERIAL_SHARE,
-        disagreeing=tuple(trials["trial"][trials["disagrees"].astype(bool)]),
-    )
+def _quality(recording: Recording, data: Data) -> DataQuality:
+    """Return what entered, as each rig says."""
+    fields: dict[str, Any] = {
+        "trials": 0,
+        "trials_used": 0,
+        "setups": 0,
+        "events": 0,
+        "replicated_cells": 0,
+        "excluded": (),
+    }
+    for trials in data.rigs:
+        fields |= trials.quality()
+    return DataQuality(**fields, notes=recording.notes)
 
 
 def _attention(
@@ -294,8 +230,9 @@ def _not_uniform(found: Sequence[Uniformity]) -> Iterator[str]:
     """Yield what leave-one-trial-out probabilities that are not uniform say of the model."""
     for one in found:
         if one.p_value < NOT_UNIFORM:
+            rig = all_rigs()[one.rig].words.rig
             yield (
-                f"The {one.rig} board's trials are not where the fit to the others puts them: "
+                f"The {rig}'s trials are not where the fit to the others puts them: "
                 f"leave-one-out probabilities depart from uniform with p = {one.p_value:.2g}, and "
                 f"trials lie {one.spread:.2f} times as far from their prediction as the model "
                 f"says ({one.spread_q05:.2f} to {one.spread_q95:.2f} by chance)"

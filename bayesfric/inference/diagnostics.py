@@ -1,4 +1,4 @@
-"""Whether draws can be trusted, and weights: R-hat, effective draws, Pareto k, sensitivity.
+"""Diagnostics of draws and of weights: R-hat, effective sample size, Pareto k, power-scaling.
 
 Walkers of one ensemble depend on one another, so R-hat pools them into the chain of
 their ensemble, and the effective sample size is the smaller of ArviZ's and that of

@@ -1,7 +1,8 @@
-"""What data say of the numbers of the linear model, and the evidence that follows.
+"""The information matrix of a linear Gaussian model, and the evidence that follows.
 
-Given the noise, everything is linear and Gaussian: data are a precision, a slope and a
-constant. The numbers are standard normal before the data, up to a mean.
+Given the noise, the log likelihood of the model's numbers g is a quadratic form: an
+information matrix (``precision``), a vector (``slope``) and a constant. Each number has an
+independent normal prior.
 """
 
 from dataclasses import dataclass
@@ -53,7 +54,7 @@ class Information:
     constant: float
 
     def __add__(self, other: "Information") -> "Information":
-        """Return what independent data say together."""
+        """Return the information of independent data together."""
         return Information(
             self.precision + other.precision,
             self.slope + other.slope,
@@ -66,7 +67,7 @@ class Information:
         Parameters
         ----------
         mean, prior_sd : ndarray, shape (p,)
-            Of each number before the data; those of the candidates are not used. A
+            Of each number's prior; those of the candidates are not used. A
             standard deviation of 0 holds a number at its mean.
         candidates : ndarray of int
             Places of the candidates.

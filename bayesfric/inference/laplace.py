@@ -148,7 +148,7 @@ def _gradient(log_density: LogDensity, point: Array, unit: Array) -> Array:
 
 
 def curvature_steps(log_density: LogDensity, point: Array, scale: Array) -> Array:
-    """Return the change of each coordinate that costs about 1/2.
+    """Return the change of each coordinate that lowers the log density by about 1/2.
 
     Parameters
     ----------

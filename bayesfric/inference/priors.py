@@ -6,7 +6,7 @@ bounds are at infinity, and a scale that may vanish has no long tail.
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +15,7 @@ from scipy import special, stats
 from bayesfric.analysis import HalfNormal, LogNormal, Normal, Prior, Uniform
 
 __all__ = [
+    "Kind",
     "Parameter",
     "describe",
     "draw",
@@ -30,6 +31,9 @@ LOG_2 = float(np.log(2))
 FAR = 30.0  # standard deviations; tail probabilities soon underflow, their logarithms do not
 
 
+Kind = Literal["coefficient", "scatter", "noise", "other"]
+
+
 @dataclass(frozen=True)
 class Parameter:
     """A parameter with its name, unit and prior.
@@ -42,15 +46,15 @@ class Parameter:
         SI, angles in degrees; ``1`` for a ratio.
     prior : Prior
         Normalised density in that unit.
-    linear : bool
-        Whether what is observed is linear in it: then what the data leave open is straight
-        in its own unit, and bent where the prior is made normal.
+    kind : {"coefficient", "scatter", "noise", "other"}
+        What it is in results. The data are linear in a coefficient: a direction that they
+        leave open is straight in its own unit, and bent in the sampling space.
     """
 
     name: str
     unit: str
     prior: Prior
-    linear: bool = False
+    kind: Kind = "other"
 
 
 def log_density(prior: Prior, value: ArrayLike) -> NDArray[np.float64]:

@@ -1,8 +1,8 @@
 """Ensemble sampling of a log density with emcee: the moves, ensembles and progress.
 
-Knows nothing of friction. Nine moves in ten propose from a Student-t fitted around
-the density, whatever the walker's place, with the Hastings ratio that this needs;
-the tenth is differential evolution, which mends what the Student-t does not fit.
+Nothing here knows of friction. Nine moves in ten are independence proposals, from a
+Student-t fitted to the density and with their Hastings ratio; the tenth is differential
+evolution, which explores where the Student-t does not fit.
 The proposal is fitted before the first draw that is kept, and then left alone.
 Draws that have not converged are taken as a better pilot: a proposal is fitted to them
 in the coordinates of a :class:`Chart`, and the ensembles are run on for new draws.
@@ -60,8 +60,8 @@ class Draws:
     acceptance : ndarray, shape (ensembles,)
         Share of proposals accepted, all walkers and moves.
     steps, thin : int
-        Steps of an ensemble with the last proposal, after burn-in, and of how many
-        one was kept.
+        Steps of an ensemble with the last proposal, after burn-in; each `thin`-th was
+        kept.
     extensions : int
         Times that the ensembles were run on with a new proposal.
     """
@@ -162,7 +162,7 @@ def _charted(points: Array, chart: Chart) -> Propose:
 
 
 def _around(points: Array) -> StudentT:
-    """Return the Student-t that proposes where points of shape (N, D) are."""
+    """Return the Student-t proposal fitted to points of shape (N, D)."""
     return StudentT(points.mean(axis=0), PROPOSAL_INFLATION * np.cov(points, rowvar=False))
 
 
@@ -203,7 +203,8 @@ def sample(
     Returns
     -------
     Draws
-        After burn-in, each `thin`-th step; as many however often the ensembles were run on.
+        Each `thin`-th step after burn-in; runs that are continued are thinned to the same
+        number.
 
     Raises
     ------

@@ -6,12 +6,12 @@ and goes on if that exceeds F/kp, where friction holds the shaft. So hunting beg
 
     γ* = (F/F̂)(1 + tanh(πζ/(2√(1 − ζ²)))) ≈ (F/F̂)(1 + πζ/2)
 
-as long as F/kp is many encoder counts, also many of those that the shaft travels in a
-sample at full swing (F ω_n T/kp above 3 counts), and the kick exceeds F/kp. Then the
-simulator is within 10 % of the first form up to ζ = 0.84, and of the second up to
-ζ = 0.7. With fewer counts the compensator is off for much of a swing and γ* is
-higher; where the reference moves so slowly that most samples read no motion, shafts
-slip and stick at γ below F/F̂ too. Only the simulation knows these.
+as long as F/kp is many encoder counts, the shaft at full swing travels several counts in
+a sample (F ω_n T/kp above 3 counts), and the kick exceeds F/kp. Then the simulator is
+within 10 % of the first form up to ζ = 0.84, and of the second up to ζ = 0.7. With fewer
+counts the compensator is off for much of a swing and γ* is higher; where the reference
+moves so slowly that most samples read no motion, shafts slip and stick at γ below F/F̂ too.
+Only the simulation knows these.
 """
 
 from dataclasses import replace
@@ -35,7 +35,7 @@ def settling_duration(loop: SampledLoop, reference_speed: ArrayLike = 0.0) -> fl
     Whichever is longest for the slowest draw: eight time constants 2J/|b_eff| of the linear
     loop, with b_eff = kd + b − kp (delay + T/2); ten of its periods; five times that the
     reference takes for 2F/kp, in which it drags a shaft off that sticks. Between 0.5 and 5 s.
-    The slow hunting of integral action is not thought of.
+    The slow hunting of integral action may take longer.
 
     Parameters
     ----------

@@ -53,7 +53,7 @@ class Rule:
     spec : str
         Key of the loop's spec; empty where none can be set.
     note : str
-        What is said with it always.
+        A remark that always accompanies it.
     """
 
     name: str

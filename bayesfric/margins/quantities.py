@@ -9,9 +9,9 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, Discriminator, Tag
 
 from bayesfric.analysis import HalfNormal, LogNormal, Normal, Uniform
-from bayesfric.inference.priors import describe, from_normal
+from bayesfric.inference.priors import from_normal
 
-__all__ = ["NonNegative", "Positive", "Quantity", "central", "is_uncertain", "worded"]
+__all__ = ["NonNegative", "Positive", "Quantity", "central", "is_uncertain"]
 
 FAMILIES = {"number", "half-normal", "log-normal", "normal", "uniform"}
 """What a quantity may be; also the tags that pydantic puts into the place of an error."""
@@ -82,8 +82,3 @@ def is_uncertain(value: object) -> bool:
 def central(value: float | HalfNormal | LogNormal | Normal | Uniform) -> float:
     """Return the number, or the median of the distribution."""
     return float(value) if isinstance(value, float | int) else float(from_normal(value, 0.0))
-
-
-def worded(value: float | HalfNormal | LogNormal | Normal | Uniform) -> str:
-    """Return a quantity as people read it: ``0.3`` or ``log-normal(median=0.3, sd_log=0.2)``."""
-    return f"{value:g}" if isinstance(value, float | int) else describe(value)

@@ -131,7 +131,7 @@ class CompliantMotion:
 
     @property
     def moving_stretch_m(self) -> Array:
-        """The stretch around which the cable rings, nominal tension over k [m]; fv none."""
+        """The stretch around which the cable rings without fv, nominal tension over k [m]."""
         tension = (
             2 * self.reduced_mass_kg * self.gravity_m_s2
             + 0.5 * self.friction_n * (self.mass_drive_kg - self.mass_load_kg) / self.total_mass_kg

@@ -1,7 +1,7 @@
 """The gravity board with any friction force, by the 4th-order Runge-Kutta method.
 
-Eq. (4) of the paper, ``(m1 + m2) a = (m1 − m2) g − F(x, v, a)``, where F is whatever the
-cable meets. The closed forms of :mod:`bayesfric.physics.gravity` are faster where they
+Eq. (4) of the paper, ``(m1 + m2) a = (m1 − m2) g − F(x, v, a)``, where F is any
+force against the motion. The closed forms of :mod:`bayesfric.physics.gravity` are faster where they
 hold; this holds for every force.
 """
 
@@ -101,7 +101,7 @@ def step_board(
     steps : int
         Number of steps in that time.
     distance_m : float
-        All is over once every trial has come so far or stays [m].
+        The integration ends once every trial has travelled this far, or rests [m].
 
     Returns
     -------

@@ -1,6 +1,5 @@
 """The diagnosis: where simulation misses the board, and which effect causes it."""
 
-import re
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -10,9 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
-from pydantic import TypeAdapter, ValidationError
 
-from bayesfric.analysis import Prior
 from bayesfric.inference.priors import log_density
 from bayesfric.plots.labels import LONGEST, plain
 from bayesfric.plots.style import COLORS, NEUTRAL, figure, halves
@@ -211,10 +208,9 @@ def _amplitude(panel: Axes, cause: Cause, draws: np.ndarray) -> None:
     panel.axvspan(low, high, facecolor="#e6e6e6", hatch="////", edgecolor="white", linewidth=0)
     counts, bins = np.histogram(draws, bins=25)
     panel.stairs(counts / counts.max(), bins, fill=True, color=COLORS["blue"])
-    prior = stored_prior(number.prior)
-    if prior is not None:
+    if number.prior_density is not None:
         grid = np.linspace(first - edge, last + edge, 400)
-        density = np.exp(log_density(prior, grid))
+        density = np.exp(log_density(number.prior_density, grid))
         panel.plot(grid, density / density.max(), "--", color=COLORS["black"], linewidth=1.0)
     # A posterior far narrower than the plausible range is a hair: its interval stands above.
     panel.plot([number.q05, number.q95], [1.16, 1.16], color=COLORS["blue"], linewidth=1.6)
@@ -233,18 +229,6 @@ def _amplitude(panel: Axes, cause: Cause, draws: np.ndarray) -> None:
 def amplitude_of(cause: Cause) -> tuple[str, EffectNumber]:
     """Return name and numbers of a cause's amplitude: the first of its parameters."""
     return next(iter(cause.parameters.items()))
-
-
-def stored_prior(text: str) -> Prior | None:
-    """Read a prior as it is stored, ``half-normal(scale=0.05)``; None if it is not so."""
-    found = re.fullmatch(r"([a-z-]+)\((.*)\)", text)
-    if found is None:
-        return None
-    numbers = dict(part.strip().partition("=")[::2] for part in found[2].split(","))
-    try:
-        return TypeAdapter(Prior).validate_python({"family": found[1], **numbers})
-    except ValidationError:
-        return None
 
 
 def axis_label(name: str) -> str:

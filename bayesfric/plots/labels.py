@@ -5,7 +5,7 @@ from functools import cache
 
 from matplotlib.font_manager import findfont, get_font
 
-__all__ = ["SYMBOLS", "ordered_sizes", "parameter_label", "plain"]
+__all__ = ["SYMBOLS", "ordered_sizes", "parameter_label", "parts", "plain"]
 
 SYMBOLS = {
     "c1": "c_1",
@@ -16,8 +16,6 @@ SYMBOLS = {
     "sigma_x": "σ_x",
     "sigma_t": "σ_t",
     "sigma_a": "σ_a",
-    "tau_motor": "τ_\\text{motor}",
-    "omega_motor": "ω_\\text{motor}",
     "torque_constant_factor": "κ",
     "sigma_current": "σ_I",
     "load_noise": "λ",
@@ -38,11 +36,33 @@ def parameter_label(name: str) -> str:
     Returns
     -------
     str
-        A formula in matplotlib's notation, followed by the size if there is one.
+        A formula in matplotlib's notation, followed by whose it is if that is said.
+    """
+    stem, whose = parts(name)
+    written = f"${SYMBOLS[stem]}$" if stem in SYMBOLS else plain(stem)
+    return f"{written} {plain(whose)}" if whose else written
+
+
+def parts(name: str) -> tuple[str, str]:
+    """Part a parameter's name into what it is and whose.
+
+    Parameters
+    ----------
+    name : str
+        As stored.
+
+    Returns
+    -------
+    tuple of str
+        Of ``c1[small]``, ``c1`` and ``small``; of ``tau_rig``, where no parameter has that
+        name of its own, ``tau`` and ``rig``; of others, the name and nothing.
     """
     stem, _, size = name.partition("[")
-    written = f"${SYMBOLS[stem]}$" if stem in SYMBOLS else plain(stem)
-    return f"{written} {plain(size[:-1])}" if size else written
+    whose = [size[:-1]] if size else []
+    general, _, rig = stem.partition("_")
+    if stem not in SYMBOLS and general in SYMBOLS and rig:
+        stem, whose = general, [rig, *whose]
+    return stem, " ".join(whose)
 
 
 def ordered_sizes(names: Iterable[str]) -> list[str]:

@@ -5,21 +5,27 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from bayesfric.plots.labels import plain
+from bayesfric.plots.rig_tables import rig_tables
 from bayesfric.plots.style import COLORS, NEUTRAL, figure
 
-__all__ = ["leave_one_out_probabilities"]
+__all__ = ["has_probabilities", "leave_one_out_probabilities"]
 
-BOARDS = {"trial_checks": "gravity board, trials", "run_checks": "motor board, runs"}
+
+def has_probabilities(predictive: xr.DataTree) -> bool:
+    """Tell whether any rig's trials were left out one at a time."""
+    return any(
+        one.checks is not None and "pit_difference" in one.checks for one in rig_tables(predictive)
+    )
 
 
 def leave_one_out_probabilities(predictive: xr.DataTree) -> Figure:
-    """Draw the distribution of the probabilities less the uniform one, a panel a board.
+    """Draw the distribution of the probabilities less the uniform one, a panel a rig.
 
     Parameters
     ----------
     predictive : DataTree
-        ``predictive.nc`` with ``pit_difference`` in its groups ``trial_checks``,
-        ``run_checks`` or both.
+        ``predictive.nc`` with ``pit_difference`` among the checks of some rig.
 
     Returns
     -------
@@ -27,13 +33,13 @@ def leave_one_out_probabilities(predictive: xr.DataTree) -> Figure:
         A step line, and the band that 95 % of recordings made again stay within.
     """
     tables = {
-        group: predictive[group].to_dataset()
-        for group in BOARDS
-        if group in predictive and "pit_difference" in predictive[group].data_vars
+        f"{plain(one.title)}, {plain(one.trials)}": one.checks
+        for one in rig_tables(predictive)
+        if one.checks is not None and "pit_difference" in one.checks
     }
     with figure(height=62.0) as fig:
         panels = fig.subplots(1, len(tables), squeeze=False, sharey=True)[0]
-        for axes, (group, table) in zip(panels, tables.items(), strict=True):
+        for axes, (title, table) in zip(panels, tables.items(), strict=True):
             at = table["probability"].to_numpy()
             low, high = table["pit_band"].to_numpy()
             axes.fill_between(at, low, high, color=NEUTRAL, alpha=0.18, linewidth=0)
@@ -41,7 +47,7 @@ def leave_one_out_probabilities(predictive: xr.DataTree) -> Figure:
             difference = table["pit_difference"].to_numpy()
             axes.step(at, difference, where="mid", color=COLORS["blue"])
             axes.set_xlim(0, 1)
-            axes.set_title(BOARDS[group])
+            axes.set_title(title)
             axes.set_xlabel("probability of less friction, left out")
         panels[0].set_ylabel("share below it, less it")
         keys: list[Line2D | Patch] = [

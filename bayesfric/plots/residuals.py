@@ -8,6 +8,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from bayesfric.plots.labels import ordered_sizes, plain
+from bayesfric.plots.rig_tables import RigTable, rig_tables
 from bayesfric.plots.style import COLORS, NEUTRAL, SizeStyle, figure, size_styles
 
 __all__ = ["residuals_by_order"]
@@ -16,17 +17,16 @@ NORMAL_90 = 1.6449
 """Half the width of a standard normal's 90 % interval, the unit of the stored z."""
 
 NAMED = 6  # outliers that carry their id; more would hide the points
-BOARDS = {"trials": "gravity board, trials", "runs": "motor board, runs"}
 LINE = 0.9
 
 
 def residuals_by_order(predictive: xr.DataTree) -> Figure:
-    """Draw the z of each trial in the order of measuring, a panel a board.
+    """Draw the z of each trial in the order of measuring, a panel a rig.
 
     Parameters
     ----------
     predictive : DataTree
-        ``predictive.nc`` with its group ``trials``, ``runs`` or both.
+        ``predictive.nc``.
 
     Returns
     -------
@@ -34,14 +34,14 @@ def residuals_by_order(predictive: xr.DataTree) -> Figure:
         A point a trial by size, the 90 % interval of new trials shaded, the limit of
         outliers dotted; outliers are ringed and named.
     """
-    tables = {group: predictive[group].to_dataset() for group in BOARDS if group in predictive}
-    names = [name for table in tables.values() for name in table["pulley_size"].to_numpy()]
+    tables = rig_tables(predictive)
+    names = [name for one in tables for name in one.sizes]
     styles = size_styles(ordered_sizes(names))
     with figure(height=10.0 + 48.0 * len(tables)) as fig:
         panels = fig.subplots(len(tables), squeeze=False)[:, 0]
-        for axes, (group, table) in zip(panels, tables.items(), strict=True):
-            _draw(axes, table, group.removesuffix("s"), styles)
-            axes.set_title(BOARDS[group])
+        for axes, one in zip(panels, tables, strict=True):
+            _draw(axes, one, styles)
+            axes.set_title(f"{plain(one.title)}, {plain(one.trials)}")
             axes.set_ylabel("z of friction")
         panels[-1].set_xlabel("order of measuring")
         keys: list[Line2D | Patch] = [
@@ -63,12 +63,13 @@ def residuals_by_order(predictive: xr.DataTree) -> Figure:
         return fig
 
 
-def _draw(axes: Axes, table: xr.Dataset, trial: str, styles: dict[str, SizeStyle]) -> None:
+def _draw(axes: Axes, one: RigTable, styles: dict[str, SizeStyle]) -> None:
+    table = one.table
     axes.axhspan(-NORMAL_90, NORMAL_90, color=NEUTRAL, alpha=0.15, linewidth=0)
     for sign in (-1, 1):
         limit = sign * float(table["z_limit"])
         axes.axhline(limit, color=COLORS["black"], linewidth=LINE, linestyle=":")
-    sizes = table["pulley_size"].to_numpy()
+    sizes = np.array(one.sizes)
     order, z = table["order"].to_numpy(), table["z"].to_numpy()
     for size, look in styles.items():
         axes.plot(
@@ -90,7 +91,7 @@ def _draw(axes: Axes, table: xr.Dataset, trial: str, styles: dict[str, SizeStyle
         markerfacecolor="none",
     )
     for place in far if len(far) <= NAMED else ():
-        name = plain(str(table[trial].to_numpy()[place]))
+        name = plain(str(table[one.id].to_numpy()[place]))
         axes.annotate(name, (order[place], z[place]), (5, 3), textcoords="offset points")
 
 

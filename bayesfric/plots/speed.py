@@ -1,29 +1,34 @@
-"""Friction against speed on the motor board, as in the paper's Figs 4 to 7."""
+"""Friction at constant speeds, as in the paper's Figs 4 to 7."""
 
 import numpy as np
-import xarray as xr
 from matplotlib.figure import Figure
 
+from bayesfric.plots.labels import ordered_sizes
+from bayesfric.plots.rig_tables import RigTable
 from bayesfric.plots.style import MARKERS, figure, size_styles
 
-__all__ = ["friction_against_speed"]
+__all__ = ["friction_against_speed", "has_speeds"]
 
 VARIED = (
     ("hanging_mass_kg", "{:g} kg", "weight (Figs 4, 5)"),
     ("wrap_angle_deg", "{:g}°", "wrap angle (Fig. 6)"),
     ("n_pulleys", "n = {:g}", "number of pulleys (Fig. 7)"),
 )
-PAPER_ORDER = {"small": 0, "medium": 1, "large": 2}
 HEADROOM = 1.6  # above the data, for the legend
 
 
-def friction_against_speed(predictive: xr.DataTree) -> Figure:
+def has_speeds(one: RigTable) -> bool:
+    """Tell whether each trial of a rig was measured at one speed."""
+    return {"velocity_m_s", *(name for name, _, _ in VARIED)} <= set(one.table.data_vars)
+
+
+def friction_against_speed(one: RigTable) -> Figure:
     """Draw friction against speed: a row for what varies, a column for each size.
 
     Parameters
     ----------
-    predictive : DataTree
-        ``predictive.nc`` with its group ``runs``.
+    one : RigTable
+        Of a rig that :func:`has_speeds`.
 
     Returns
     -------
@@ -31,12 +36,9 @@ def friction_against_speed(predictive: xr.DataTree) -> Figure:
         Runs, and the 5 % to 95 % band of a new run on a new assembly. A row holds
         the conditions that differ in one thing from the size's most frequent one.
     """
-    runs = predictive["runs"].to_dataset()
-    size_column = runs["pulley_size"].to_numpy()
-    sizes = sorted(
-        {str(size) for size in size_column},
-        key=lambda size: (PAPER_ORDER.get(size, len(PAPER_ORDER)), size),
-    )
+    runs = one.table
+    size_column = np.array(one.sizes)
+    sizes = ordered_sizes(sorted(one.sizes))
     styles = size_styles(sizes)
     columns = {name: runs[name].to_numpy() for name, _, _ in VARIED}
     with figure(height=52.0 * len(VARIED)) as fig:
@@ -51,7 +53,7 @@ def friction_against_speed(predictive: xr.DataTree) -> Figure:
                     if name != varied:
                         alike &= values == usual[name]
                 for place, value in enumerate(np.unique(columns[varied][alike])):
-                    some = runs.isel(run=np.flatnonzero(alike & (columns[varied] == value)))
+                    some = runs.isel({one.id: np.flatnonzero(alike & (columns[varied] == value))})
                     some = some.sortby("velocity_m_s")
                     speed = some["velocity_m_s"].to_numpy()
                     low, _, high = some["predicted_n"].to_numpy().T

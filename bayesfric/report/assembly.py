@@ -1,53 +1,31 @@
-"""The chapters in order."""
+"""The chapters in order, as far as there are results for them."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from datetime import datetime
-from itertools import chain
 
-from bayesfric.report.chapters.blind import (
-    blind,
-    blind_chapter,
-    scorecard_line,
-    scored_from,
-)
+from bayesfric.report.chapters.blind import blind_chapter, scorecard_line, scored_from
 from bayesfric.report.chapters.checks import checks
 from bayesfric.report.chapters.claims import claims, verdicts
 from bayesfric.report.chapters.data_quality import data_quality
-from bayesfric.report.chapters.diagnosis import diagnosis, diagnosis_chapter, verdict_line
+from bayesfric.report.chapters.diagnosis import diagnosis, verdict_line
 from bayesfric.report.chapters.diagnostics import diagnostics
-from bayesfric.report.chapters.margins import gain_lines, margins, margins_chapter
+from bayesfric.report.chapters.margins import gain_lines, margins
 from bayesfric.report.chapters.methods import methods
 from bayesfric.report.chapters.posteriors import posteriors
 from bayesfric.report.chapters.predictions import predictions
 from bayesfric.report.chapters.provenance import made_from, provenance
-from bayesfric.report.chapters.summary import front, summary
-from bayesfric.report.content import Block, Code, Document, Heading, Paragraph
-from bayesfric.report.stored import StoredDiagnosis, StoredResults
-from bayesfric.schemas import MarginsFile, ScorecardFile
+from bayesfric.report.chapters.summary import convergence, front, recorded, summary
+from bayesfric.report.content import Block, Document, Heading
+from bayesfric.report.stored import StoredResults
 
-__all__ = [
-    "build_diagnosis_document",
-    "build_document",
-    "build_margins_document",
-    "build_scorecard_document",
-]
+__all__ = ["build_document"]
 
-CHAPTERS: tuple[Callable[[StoredResults], Iterator[Block]], ...] = (
-    front,
-    verdicts,
-    summary,
-    diagnosis,
-    blind,
-    margins,
-    claims,
-    predictions,
-    checks,
-    methods,
-    posteriors,
-    diagnostics,
-    data_quality,
-    provenance,
-)
+SUBTITLES = {
+    "fit.json": "Bayesian analysis of",
+    "diagnosis.json": "Sim-to-real diagnosis of",
+    "claims.json": "The paper's claims on",
+    "margins.json": "Controller margins over the draws of",
+}
 
 
 def build_document(stored: StoredResults) -> Document:
@@ -56,86 +34,63 @@ def build_document(stored: StoredResults) -> Document:
     Parameters
     ----------
     stored : StoredResults
-        Results of the verbs.
+        Results of the verbs, of one at least.
     """
-    created = stored.fit.created
+    subtitle = "The diagnosis on data whose effect is withheld"
+    created = None if stored.scorecard is None else stored.scorecard.created
+    for file, record in list(stored.records.items())[:1]:
+        subtitle, created = f"{SUBTITLES[file]} {record.recording.name}", record.created
     return Document(
         title="Cable-pulley friction",
-        subtitle=f"Bayesian analysis of {stored.fit.recording.name}",
-        blocks=tuple(chain.from_iterable(chapter(stored) for chapter in CHAPTERS)),
+        subtitle=subtitle,
+        blocks=tuple(_blocks(stored)),
         date=None if created is None else datetime.fromisoformat(created),
     )
 
 
-def build_margins_document(found: MarginsFile) -> Document:
-    """Return the content of a report on controller margins alone, without a fit.
-
-    Parameters
-    ----------
-    found : MarginsFile
-        Result of ``bayesfric margins``.
-    """
-    blocks: list[Block] = [
-        Paragraph(["Draws of the recording ", Code(found.recording.name), "."]),
-        *gain_lines(found),
-        *margins_chapter(found),
-        Heading(1, "Provenance"),
-        made_from(found),
-    ]
-    return Document(
-        title="Cable-pulley friction",
-        subtitle="Controller margins",
-        blocks=blocks,
-        date=None if found.created is None else datetime.fromisoformat(found.created),
-    )
-
-
-def build_diagnosis_document(
-    stored: StoredDiagnosis, card: ScorecardFile | None = None
-) -> Document:
-    """Return the content of a report on a diagnosis alone, without a fit.
-
-    Parameters
-    ----------
-    stored : StoredDiagnosis
-        Results of ``bayesfric diagnose``.
-    card : ScorecardFile or None
-        Of ``bayesfric blind``, where it was run into the same folder.
-    """
-    found = stored.found
-    blocks: list[Block] = [
-        Paragraph(["Recording ", Code(found.recording.name), f": {found.recording.title}"]),
-        verdict_line(found),
-        Heading(1, "Provenance"),
-        made_from(found),
-        *diagnosis_chapter(stored),
-        *(() if card is None else blind_chapter(card)),
-    ]
-    return Document(
-        title="Cable-pulley friction",
-        subtitle=f"Sim-to-real diagnosis of {found.recording.name}",
-        blocks=blocks,
-        date=None if found.created is None else datetime.fromisoformat(found.created),
-    )
+def _blocks(stored: StoredResults) -> Iterator[Block]:
+    """Yield page one, results, evidence, method and where all is from."""
+    yield from _page_one(stored)
+    fitted = stored.fitted
+    if fitted is not None:
+        yield from summary(fitted)
+    if stored.diagnosis is not None:
+        yield from diagnosis(stored.diagnosis)
+    if stored.scorecard is not None:
+        yield from blind_chapter(stored.scorecard)
+    if stored.margins is not None:
+        yield from margins(stored.margins)
+    if stored.claims is not None:
+        yield from claims(stored.claims)
+    if fitted is not None:
+        yield from predictions(fitted)
+        yield from checks(fitted)
+        yield from methods(fitted)
+        yield from posteriors(fitted)
+        yield from diagnostics(fitted)
+        yield from data_quality(fitted)
+        yield from provenance(fitted)
+        return
+    yield Heading(1, "Provenance")
+    for record in list(stored.records.values())[:1]:
+        yield made_from(record)
+    if not stored.records and stored.scorecard is not None:
+        yield scored_from(stored.scorecard)
 
 
-def build_scorecard_document(card: ScorecardFile) -> Document:
-    """Return the content of a report on a scorecard alone.
-
-    Parameters
-    ----------
-    card : ScorecardFile
-        Result of ``bayesfric blind``.
-    """
-    blocks: list[Block] = [
-        scorecard_line(card),
-        Heading(1, "Provenance"),
-        scored_from(card),
-        *blind_chapter(card),
-    ]
-    return Document(
-        title="Cable-pulley friction",
-        subtitle="The diagnosis on data whose effect is withheld",
-        blocks=blocks,
-        date=None if card.created is None else datetime.fromisoformat(card.created),
-    )
+def _page_one(stored: StoredResults) -> Iterator[Block]:
+    """Yield what stands before the table of contents."""
+    for record in list(stored.records.values())[:1]:
+        yield recorded(record.recording, stored.fitted)
+    if stored.fitted is not None:
+        yield convergence(stored.fitted.fit)
+    if stored.diagnosis is not None:
+        yield verdict_line(stored.diagnosis.found)
+    if stored.scorecard is not None and stored.fitted is None:
+        yield scorecard_line(stored.scorecard)
+    if stored.margins is not None:
+        yield from gain_lines(stored.margins)
+    if stored.fitted is not None:
+        yield from front(stored.fitted.fit)
+    if stored.claims is not None:
+        yield from verdicts(stored.claims.found)

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Literal, TypeAlias
 
-from bayesfric.report import formula
 from bayesfric.report.words import (
     Code,
     Emphasis,
@@ -26,6 +25,7 @@ from bayesfric.report.words import (
     Text,
     inlines,
     require,
+    require_formula,
     require_text,
 )
 
@@ -120,18 +120,14 @@ class Equation:
     ----------
     source : str
         As in `Math`.
-    alt : str
-        The formula in words, for people who do not see it.
     label : str, optional
     """
 
     source: str
-    alt: str
     label: str | None = None
 
     def __post_init__(self) -> None:
-        formula.parse(self.source)
-        require_text(self.alt, "equation, alt")
+        require_formula(self.source)
 
 
 @dataclass(frozen=True)

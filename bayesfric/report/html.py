@@ -36,7 +36,7 @@ from bayesfric.report.content import (
     Text,
     inlines,
 )
-from bayesfric.report.mathml import to_mathml
+from bayesfric.report.formulas import FORMULAS
 from bayesfric.report.numbering import Place, label_places, number_blocks
 
 __all__ = ["render_html"]
@@ -108,10 +108,10 @@ def _block(block: Block, place: Place | None, labels: Mapping[str, Place]) -> Ma
             return Markup('<pre tabindex="0"><code>{}</code></pre>').format(
                 legible(words, lines=True)
             )
-        case Equation(source, alt) if place is not None:
+        case Equation(source) if place is not None:
             return Markup(
                 '<div class="equation" id="{}">{} <span class="number">({})</span></div>'
-            ).format(place.anchor, to_mathml(source, alt, block=True), place.number)
+            ).format(place.anchor, _formula(source, block=True), place.number)
         case Figure() if place is not None:
             data = base64.b64encode(block.svg).decode("ascii")
             return Markup(
@@ -204,11 +204,18 @@ def _inline(inline: Inline, labels: Mapping[str, Place]) -> Markup:
             return Markup("<strong>{}</strong>").format(legible(text))
         case Code(text):
             return Markup("<code>{}</code>").format(legible(text))
-        case Math(source, alt):
-            return to_mathml(source, alt)
+        case Math(source):
+            return _formula(source)
         case Link(text, url):
             return Markup('<a href="{}">{}</a>').format(url, legible(text))
         case Reference(label):
             return Markup('<a class="reference" href="#{}">{}</a>').format(
                 labels[label].anchor, labels[label].name
             )
+
+
+def _formula(source: str, block: bool = False) -> Markup:
+    known = FORMULAS[source]
+    return Markup('<math alttext="{}"{}>{}</math>').format(
+        known.spoken, Markup(' display="block"') if block else "", Markup(known.mathml)
+    )

@@ -114,9 +114,9 @@ def _inline(inline: Inline, labels: Mapping[str, Place], in_table: bool) -> str:
         case str():
             return _escape(inline)
         case Emphasis(text):
-            return f"*{_escape(text)}*"
+            return _marked("*", text)
         case Strong(text):
-            return f"**{_escape(text)}**"
+            return _marked("**", text)
         case Code(text):
             code = legible(text)
             fence = _fence(code, at_least=1)
@@ -125,7 +125,7 @@ def _inline(inline: Inline, labels: Mapping[str, Place], in_table: bool) -> str:
             # A cell ends at a pipe even within code.
             return shown.replace("|", "\\|") if in_table else shown
         case Math(source):
-            return f"$`{source.replace('|', chr(92) + 'vert ')}`$"
+            return f"$`{source}`$"
         case Link(text, url):
             # Brackets and blanks would end the address.
             address = re.sub(r"[\s()<>|\\]", lambda found: f"%{ord(found[0]):02X}", url)
@@ -137,6 +137,13 @@ def _inline(inline: Inline, labels: Mapping[str, Place], in_table: bool) -> str:
 def _escape(text: str) -> str:
     """Take its meaning from all that Markdown or HTML would read as markup."""
     return re.sub(r"[\\`*_{}\[\]<>#|~$&]", r"\\\g<0>", legible(text))
+
+
+def _marked(mark: str, text: str) -> str:
+    """Mark words; a blank inside of the marks, at an end, would make them plain characters."""
+    words = text.strip()
+    before, _, after = text.partition(words)
+    return f"{before}{mark}{_escape(words)}{mark}{after}" if words else text
 
 
 def _guard(line: str) -> str:

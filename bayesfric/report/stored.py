@@ -1,4 +1,4 @@
-"""The stored results that a report is written from."""
+"""The stored results that a report is written from: whatever the verbs left in a folder."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,16 +7,49 @@ import xarray as xr
 
 from bayesfric.errors import Fault, InputError
 from bayesfric.results import read_json, read_tree
-from bayesfric.schemas import ClaimsFile, DiagnosisFile, FitFile, MarginsFile, ScorecardFile
+from bayesfric.schemas import (
+    ClaimsFile,
+    DiagnosisFile,
+    FitFile,
+    MarginsFile,
+    Provenance,
+    ScorecardFile,
+)
 
-__all__ = [
-    "StoredDiagnosis",
-    "StoredResults",
-    "read_diagnosis",
-    "read_margins",
-    "read_scorecard",
-    "read_stored",
-]
+__all__ = ["StoredClaims", "StoredDiagnosis", "StoredFit", "StoredResults", "read_stored"]
+
+
+@dataclass(frozen=True)
+class StoredFit:
+    """What ``bayesfric fit`` left in a folder.
+
+    Parameters
+    ----------
+    fit : FitFile
+        ``fit.json``.
+    draws, predictive : DataTree
+        ``draws.nc`` and ``predictive.nc``.
+    """
+
+    fit: FitFile
+    draws: xr.DataTree
+    predictive: xr.DataTree
+
+
+@dataclass(frozen=True)
+class StoredClaims:
+    """What ``bayesfric claims`` left in a folder.
+
+    Parameters
+    ----------
+    found : ClaimsFile
+        ``claims.json``.
+    curves : DataTree
+        ``claims.nc``.
+    """
+
+    found: ClaimsFile
+    curves: xr.DataTree
 
 
 @dataclass(frozen=True)
@@ -41,34 +74,41 @@ class StoredDiagnosis:
 
 @dataclass(frozen=True)
 class StoredResults:
-    """What the verbs left in a folder.
+    """What the verbs left in a folder, None for a verb that did not run.
 
     Parameters
     ----------
-    fit : FitFile
-        ``fit.json``.
-    draws, predictive : DataTree
-        ``draws.nc`` and ``predictive.nc``.
-    claims : ClaimsFile or None
-        ``claims.json``, where the claims were judged.
-    claim_curves : DataTree or None
-        ``claims.nc``, likewise.
+    fitted : StoredFit or None
+        The posterior.
+    claims : StoredClaims or None
+        The paper's claims, judged.
     diagnosis : StoredDiagnosis or None
-        Where the simulation misses, where that was asked.
+        Where the simulation misses.
     scorecard : ScorecardFile or None
-        How well the diagnosis does where it is not told, likewise.
+        How well the diagnosis does where it is not told; of other recordings.
     margins : MarginsFile or None
-        ``margins.json``, where loops were given.
+        Of the loops that were given.
     """
 
-    fit: FitFile
-    draws: xr.DataTree
-    predictive: xr.DataTree
-    claims: ClaimsFile | None = None
-    claim_curves: xr.DataTree | None = None
+    fitted: StoredFit | None = None
+    claims: StoredClaims | None = None
     diagnosis: StoredDiagnosis | None = None
     scorecard: ScorecardFile | None = None
     margins: MarginsFile | None = None
+
+    @property
+    def records(self) -> dict[str, Provenance]:
+        """The results of this recording, by file, the fit first."""
+        records: dict[str, Provenance] = {}
+        if self.fitted is not None:
+            records["fit.json"] = self.fitted.fit
+        if self.diagnosis is not None:
+            records["diagnosis.json"] = self.diagnosis.found
+        if self.claims is not None:
+            records["claims.json"] = self.claims.found
+        if self.margins is not None:
+            records["margins.json"] = self.margins
+        return records
 
 
 def read_stored(folder: Path) -> StoredResults:
@@ -77,26 +117,47 @@ def read_stored(folder: Path) -> StoredResults:
     Parameters
     ----------
     folder : Path
-        Where ``bayesfric fit`` wrote.
+        Where the verbs wrote.
 
     Returns
     -------
     StoredResults
-        All of one fit.
+        All of one recording.
 
     Raises
     ------
     InputError
-        A file is missing or not what its verb writes, or the files are of different
-        fits or recordings.
+        No result is there, a file is missing or not what its verb writes, or the files
+        are of different fits or recordings.
     """
-    missing = [
-        Fault(name, f"in {folder}: run `bayesfric fit RECORDING -o {folder}` first")
-        for name in ("fit.json", "draws.nc", "predictive.nc")
-        if not (folder / name).is_file()
+
+    def there(name: str) -> bool:
+        return (folder / name).is_file()
+
+    stored = StoredResults(
+        _fit(folder) if there("fit.json") else None,
+        _claims(folder) if there("claims.json") else None,
+        _diagnosis(folder) if there("diagnosis.json") else None,
+        read_json(ScorecardFile, folder / "scorecard.json") if there("scorecard.json") else None,
+        read_json(MarginsFile, folder / "margins.json") if there("margins.json") else None,
+    )
+    records = stored.records
+    if not records and stored.scorecard is None:
+        expected = f"it in {folder}, or another result: run `bayesfric fit RECORDING -o {folder}`"
+        raise InputError([Fault("fit.json", expected)])
+    first = next(iter(records), "")
+    strange = [
+        Fault(name, f"a result of the recording in {first}")
+        for name, record in records.items()
+        if record.recording.sha256 != records[first].recording.sha256
     ]
-    if missing:
-        raise InputError(missing)
+    if strange:
+        raise InputError(strange)
+    return stored
+
+
+def _fit(folder: Path) -> StoredFit:
+    _beside("fit", folder, "fit", "draws.nc", "predictive.nc")
     fit = read_json(FitFile, folder / "fit.json")
     draws = read_tree(folder / "draws.nc")
     if (draws.attrs.get("recording.sha256"), draws.attrs.get("analysis_sha256")) != (
@@ -105,68 +166,28 @@ def read_stored(folder: Path) -> StoredResults:
     ):
         raise InputError([Fault("draws.nc", "the draws of the fit in fit.json")])
     predictive = read_tree(folder / "predictive.nc")
-    if not {"coefficients", "densities", "ranks"} <= set(predictive.children):
+    named = any("rig" in predictive[name].attrs for name in predictive.children)
+    if not named or not {"coefficients", "densities", "ranks"} <= set(predictive.children):
         expected = f"what this version predicts: run `bayesfric fit RECORDING -o {folder}` again"
         raise InputError([Fault("predictive.nc", expected)])
-    claims, claim_curves = _claims(folder, fit)
-    diagnosis = read_diagnosis(folder) if (folder / "diagnosis.json").is_file() else None
-    if diagnosis is not None and diagnosis.found.recording.sha256 != fit.recording.sha256:
-        raise InputError([Fault("diagnosis.json", "a diagnosis of the recording in fit.json")])
-    margins = read_margins(folder) if (folder / "margins.json").is_file() else None
-    if margins is not None and margins.recording.sha256 != fit.recording.sha256:
-        raise InputError([Fault("margins.json", "margins over the draws of the fit in fit.json")])
-    card = read_scorecard(folder)
-    return StoredResults(fit, draws, predictive, claims, claim_curves, diagnosis, card, margins)
+    return StoredFit(fit, draws, predictive)
 
 
-def read_diagnosis(folder: Path) -> StoredDiagnosis:
-    """Read the diagnosis in a folder.
-
-    Raises
-    ------
-    InputError
-        A file is missing or not what ``bayesfric diagnose`` writes.
-    """
+def _diagnosis(folder: Path) -> StoredDiagnosis:
+    _beside("diagnosis", folder, "diagnose", "diagnosis.nc")
     found = read_json(DiagnosisFile, folder / "diagnosis.json")
-    _beside("diagnosis", folder, "diagnose")
     return StoredDiagnosis(found, read_tree(folder / "diagnosis.nc"))
 
 
-def read_scorecard(folder: Path) -> ScorecardFile | None:
-    """Read the scorecard in a folder, None where there is none.
-
-    Raises
-    ------
-    InputError
-        The file is not what ``bayesfric blind`` writes.
-    """
-    path = folder / "scorecard.json"
-    return read_json(ScorecardFile, path) if path.is_file() else None
+def _claims(folder: Path) -> StoredClaims:
+    _beside("claims", folder, "claims", "claims.nc")
+    found = read_json(ClaimsFile, folder / "claims.json")
+    return StoredClaims(found, read_tree(folder / "claims.nc"))
 
 
-def read_margins(folder: Path) -> MarginsFile:
-    """Read the margins in a folder.
-
-    Raises
-    ------
-    InputError
-        The file is missing or not what ``bayesfric margins`` writes.
-    """
-    return read_json(MarginsFile, folder / "margins.json")
-
-
-def _claims(folder: Path, fit: FitFile) -> tuple[ClaimsFile | None, xr.DataTree | None]:
-    if not (folder / "claims.json").is_file():
-        return None, None
-    claims = read_json(ClaimsFile, folder / "claims.json")
-    if claims.recording.sha256 != fit.recording.sha256:
-        raise InputError([Fault("claims.json", "claims of the recording in fit.json")])
-    _beside("claims", folder, "claims")
-    return claims, read_tree(folder / "claims.nc")
-
-
-def _beside(name: str, folder: Path, verb: str) -> None:
-    """Refuse a JSON file whose curves are not beside it."""
-    if not (folder / f"{name}.nc").is_file():
-        expected = f"beside {name}.json: run `bayesfric {verb} RECORDING -o {folder}` again"
-        raise InputError([Fault(f"{name}.nc", expected)])
+def _beside(name: str, folder: Path, verb: str, *others: str) -> None:
+    """Refuse a JSON file whose arrays are not beside it."""
+    expected = f"beside {name}.json: run `bayesfric {verb} RECORDING -o {folder}` again"
+    missing = [Fault(other, expected) for other in others if not (folder / other).is_file()]
+    if missing:
+        raise InputError(missing)

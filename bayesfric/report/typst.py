@@ -14,7 +14,6 @@ from typing import Any, Literal
 
 import typst
 
-from bayesfric.report import formula
 from bayesfric.report.characters import printable
 from bayesfric.report.content import (
     Block,
@@ -38,6 +37,7 @@ from bayesfric.report.content import (
     Text,
     inlines,
 )
+from bayesfric.report.formulas import FORMULAS
 from bayesfric.report.numbering import Place, label_places, number_blocks
 
 __all__ = ["render_pages", "render_pdf"]
@@ -156,8 +156,8 @@ def _block(block: Block, place: Place | None, places: Mapping[str, Place]) -> di
             }
         case Listing(words):
             data |= {"text": printable(words, lines=True)}
-        case Equation(source, alt):
-            data |= {"formula": _formula(formula.parse(source)), "alt": printable(alt)}
+        case Equation(source):
+            data |= {"formula": FORMULAS[source].typst, "alt": FORMULAS[source].spoken}
         case Table():
             data |= {
                 "caption": text(block.caption),
@@ -186,31 +186,9 @@ def _inline(inline: Inline, places: Mapping[str, Place]) -> list[object]:
             return ["text", printable(inline)]
         case Emphasis(text) | Strong(text) | Code(text):
             return [type(inline).__name__.lower(), printable(text)]
-        case Math(source, alt):
-            return ["math", _formula(formula.parse(source)), printable(alt)]
+        case Math(source):
+            return ["math", FORMULAS[source].typst, FORMULAS[source].spoken]
         case Link(text, url):
             return ["link", printable(text), url]
         case Reference(label):
             return ["reference", places[label].kind, places[label].anchor]
-
-
-def _formula(tree: formula.Formula) -> list[object]:
-    name = type(tree).__name__.lower()
-    match tree:
-        case formula.Symbol(character):
-            shown = printable(character)
-            return [name, shown] if shown == character else ["words", shown]
-        case formula.Number(text) | formula.Words(text) | formula.Function(text):
-            return [name, printable(text)]
-        case formula.Row(items):
-            return [name, *map(_formula, items)]
-        case formula.Bracket(left, body, right):
-            return [name, left, _formula(body), right]
-        case formula.Fraction(above, below):
-            return [name, _formula(above), _formula(below)]
-        case formula.Root(body):
-            return [name, _formula(body)]
-        case formula.Accent(body, mark):
-            return [name, _formula(body), mark]
-        case formula.Scripts(base, sub, sup):
-            return [name, _formula(base), sub and _formula(sub), sup and _formula(sup)]

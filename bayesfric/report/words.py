@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from bayesfric.report import formula
+from bayesfric.report.formulas import FORMULAS
 
 __all__ = [
     "Code",
@@ -17,6 +17,7 @@ __all__ = [
     "Text",
     "inlines",
     "require",
+    "require_formula",
     "require_text",
 ]
 
@@ -44,29 +45,23 @@ class Code:
 
 @dataclass(frozen=True)
 class Math:
-    """A symbol or a short formula within a line.
+    """A symbol within a line.
 
     Parameters
     ----------
     source : str
-        The notation of `bayesfric.report.formula`, a small part of LaTeX:
-        ``"c_1"``, ``"f_c = n_p c_2"``.
-    alt : str, optional
-        What is read aloud; the formula in plain characters if left out.
+        Its TeX, one of `bayesfric.report.formulas.FORMULAS`: ``"c_1"``.
 
     Raises
     ------
     ValueError
-        If the source is not of that notation.
+        If it is not one of these.
     """
 
     source: str
-    alt: str = ""
 
     def __post_init__(self) -> None:
-        plain = formula.to_plain(formula.parse(self.source))
-        if not self.alt:
-            object.__setattr__(self, "alt", plain)
+        require_formula(self.source)
 
 
 @dataclass(frozen=True)
@@ -106,6 +101,11 @@ def require(condition: bool, message: str) -> None:
     """Raise a ValueError with this message unless the condition holds."""
     if not condition:
         raise ValueError(message)
+
+
+def require_formula(source: str) -> None:
+    """Raise a ValueError unless a formula is one that every form of the report can show."""
+    require(source in FORMULAS, f"formula: expected one of {list(FORMULAS)}, got {source!r}")
 
 
 def require_text(text: Text, place: str) -> None:

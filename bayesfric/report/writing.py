@@ -2,15 +2,10 @@
 
 from pathlib import Path
 
-from bayesfric.report.assembly import (
-    build_diagnosis_document,
-    build_document,
-    build_margins_document,
-    build_scorecard_document,
-)
+from bayesfric.report.assembly import build_document
 from bayesfric.report.html import render_html
 from bayesfric.report.markdown import render_markdown
-from bayesfric.report.stored import read_diagnosis, read_margins, read_scorecard, read_stored
+from bayesfric.report.stored import read_stored
 from bayesfric.report.typst import render_pdf
 from bayesfric.results import replace_outputs
 
@@ -30,16 +25,7 @@ def write_report(folder: Path) -> None:
     InputError
         A result is missing or damaged, or the folder cannot be written.
     """
-    fitted = (folder / "fit.json").is_file()
-    card = None if fitted else read_scorecard(folder)
-    if (folder / "diagnosis.json").is_file() and not fitted:
-        document = build_diagnosis_document(read_diagnosis(folder), card)
-    elif (folder / "margins.json").is_file() and not fitted:
-        document = build_margins_document(read_margins(folder))
-    elif card is not None:
-        document = build_scorecard_document(card)
-    else:
-        document = build_document(read_stored(folder))
+    document = build_document(read_stored(folder))
     pdf = render_pdf(document)
     html = render_html(document).encode()
     summary = render_markdown(document).encode()

@@ -9,7 +9,7 @@ from pkgutil import iter_modules
 
 from bayesfric.rigs.base import Rig
 
-__all__ = ["Rig", "all_rigs"]
+__all__ = ["Rig", "all_rigs", "paper_rigs"]
 
 
 @cache
@@ -19,3 +19,8 @@ def all_rigs() -> dict[str, Rig]:
     modules = (import_module(f"{__name__}.{name}") for name in folders)
     rigs: list[Rig] = [module.RIG for module in modules if hasattr(module, "RIG")]
     return {rig.name: rig for rig in sorted(rigs, key=lambda rig: rig.name)}
+
+
+def paper_rigs() -> dict[str, Rig]:
+    """Return the paper's own rigs, for which its protocols are laid out."""
+    return {name: rig for name, rig in all_rigs().items() if rig.paper}

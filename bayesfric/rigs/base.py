@@ -5,19 +5,42 @@ and of these a likelihood, predictions and a linear model are made. No room belo
 asks which rig it has.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Any, Literal, Protocol
 
+import numpy as np
 import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
+from bayesfric.effects import Effect
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.inference.model import RigLikelihood
+from bayesfric.physics.compliant import Cable
 from bayesfric.physics.laws import BASELINES, Baseline
-from bayesfric.recording.tables import Recording
+from bayesfric.recording.tables import Recording, RigConstants
+from bayesfric.rigs.changes import Change
+from bayesfric.rigs.protocols import Protocol as Design
+from bayesfric.rigs.remaking import Remade
+from bayesfric.rigs.truth import Truth
+from bayesfric.schemas import PointEstimate
 
-__all__ = ["Motion", "Rig", "RigTrials", "Unsupported", "Words"]
+__all__ = [
+    "Motion",
+    "Predictive",
+    "Resting",
+    "Rig",
+    "RigTrials",
+    "Simulated",
+    "Unsupported",
+    "Words",
+    "why_inert",
+]
+
+
+Array = NDArray[np.float64]
 
 Motion = Literal["accelerated", "steady"]
 """Whether a trial gathers speed along a path, or is one measurement at one speed."""
@@ -34,6 +57,18 @@ class Unsupported:
     """
 
     reason: str
+
+
+def why_inert(response: NDArray[np.float64]) -> Unsupported | None:
+    """Return why an effect with this response would not move a likelihood; None where it does."""
+    if not np.isfinite(response).all():
+        return Unsupported(
+            "It depends on what nobody wrote down here: the order of the trials, or the radius "
+            "of the pulleys."
+        )
+    if not response.any():
+        return Unsupported("It changes nothing that was measured here.")
+    return None
 
 
 @dataclass(frozen=True)
@@ -72,6 +107,10 @@ class Rig(Protocol):
     def tables(self) -> tuple[str, ...]:
         """Which tables of a recording it reads."""
 
+    @property
+    def paper(self) -> bool:
+        """Whether it is one of the paper's own, which its protocols are for."""
+
     def trials(self, recording: Recording, *, exclude: bool = True) -> "RigTrials | None":
         """Return the trials of a recording that enter; None where it has none of this rig.
 
@@ -82,6 +121,47 @@ class Rig(Protocol):
         exclude : bool
             False keeps every trial that can be computed at all.
         """
+
+    def change(
+        self, effect: Effect, design: Design, constants: RigConstants, truth: Truth
+    ) -> Change | None:
+        """Return what an effect changes relative to friction; None where it cannot act."""
+
+    def simulate(
+        self, design: Design, constants: RigConstants, truth: Truth, seed: int
+    ) -> "Simulated":
+        """Return what the rig records; the mirror of :meth:`RigTrials.likelihood`.
+
+        Parameters
+        ----------
+        design : Protocol
+            Conditions to measure.
+        constants : RigConstants
+            Of the rig.
+        truth : Truth
+            What is simulated.
+        seed : int
+            Of the recording; the rig draws from streams of its own.
+        """
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """What a rig recorded.
+
+    Parameters
+    ----------
+    tables : mapping of str to object
+        Fields of :class:`bayesfric.recording.tables.Recording`.
+    trials : int
+        How many trials there are.
+    stalled : tuple of str
+        Trials that stalled and could not be written.
+    """
+
+    tables: Mapping[str, Any]
+    trials: int
+    stalled: tuple[str, ...] = ()
 
 
 class RigTrials(Protocol):
@@ -109,10 +189,106 @@ class RigTrials(Protocol):
     def select(self, keep: "pd.Series[bool]") -> "RigTrials | None":
         """Return the trials of a mask over the table; None without any."""
 
+    @property
+    def recorded(self) -> pd.DataFrame:
+        """All trials as recorded, whatever enters; their ids as in :attr:`table`."""
+
+    @property
+    def excluded(self) -> Mapping[str, str] | None:
+        """Trials that a rule keeps from entering, with its name; None where there is no rule."""
+
+    def supports(self, effect: Effect) -> Unsupported | None:
+        """Return why an effect cannot enter the likelihood; None where it can."""
+
     def likelihood(
         self,
         analysis: Analysis,
         law: Baseline = BASELINES["paper"],
         effects: Sequence[ActiveEffect] = (),
     ) -> RigLikelihood:
-        """Return the exact density of the raw data."""
+        """Return the exact density of the raw data, without effects that are not supported."""
+
+    def stretch_ratios(self, cable: Cable, theta: Mapping[str, Array]) -> Array | Unsupported:
+        """Return friction found with a cable that stretches over that without.
+
+        Parameters
+        ----------
+        cable : Cable
+            Arrays of shape (C,).
+        theta : mapping of str to ndarray of shape (S,)
+            Draws of the noise parameters.
+
+        Returns
+        -------
+        ndarray, shape (C, N), or Unsupported
+            Of the N trials that would show a stretch.
+        """
+
+    def quality(self) -> Mapping[str, Any]:
+        """Return fields of :class:`bayesfric.schemas.DataQuality`."""
+
+    def paper_estimates(self) -> Mapping[str, PointEstimate]:
+        """Return the paper's own estimate of each pulley size; empty without one."""
+
+    def predicted(self, view: "Predictive") -> xr.Dataset:
+        """Return what was observed of each trial, and what is predicted of a new one.
+
+        Over a dimension that is called as one trial is: ``tension_n``, ``friction_n`` and
+        ``law_n`` and ``predicted_n`` over ``quantile``, beside conditions.
+        """
+
+    def resting(self, conditions: pd.DataFrame) -> "Resting | None":
+        """Return what holds conditions at rest; None where the rig moves whatever friction is.
+
+        Parameters
+        ----------
+        conditions : DataFrame
+            One row a condition: pulley size, n, wrap angle and :attr:`loads`.
+        """
+
+    def figures(self, view: "Predictive") -> Mapping[str, xr.Dataset]:
+        """Return what figures show of this rig alone, by group of ``predictive.nc``."""
+
+
+@dataclass(frozen=True)
+class Predictive:
+    """A fit, from which predictions are made.
+
+    Parameters
+    ----------
+    likelihood : RigLikelihood
+        Of the rig.
+    law : Baseline
+        The friction law of the fit.
+    named : dict of str to ndarray, shape (W,)
+        Posterior draws by parameter.
+    factor : ndarray, shape (W, N)
+        Friction over that of the law, for new trials on new assemblies.
+    remade : Remade
+        New trials, and whole recordings made again.
+    rng : Generator
+        For further recordings made again.
+    """
+
+    likelihood: RigLikelihood
+    law: Baseline
+    named: dict[str, Array]
+    factor: Array
+    remade: Remade
+    rng: np.random.Generator
+
+
+@dataclass(frozen=True)
+class Resting:
+    """What friction has to hold at rest.
+
+    Parameters
+    ----------
+    tension_n : ndarray, shape (C,)
+        Tension of the cable at rest [N].
+    drive_n : ndarray, shape (C,)
+        Force that would move it [N].
+    """
+
+    tension_n: Array
+    drive_n: Array

@@ -1,6 +1,7 @@
 """The trials of all rigs that enter together."""
 
 from dataclasses import dataclass
+from typing import Any
 
 from bayesfric.rigs.base import RigTrials
 
@@ -25,19 +26,22 @@ class Data:
         return tuple(dict.fromkeys(size for one in self.rigs for size in one.table["pulley_size"]))
 
     @property
-    def gravity(self):  # type: ignore[no-untyped-def]
+    def gravity(self) -> Any:
         """For the diagnosis, until it holds rigs."""
-        return next((one.gravity for one in self.rigs if one.rig.name == "gravity"), None)
+        return self._first("gravity")
 
     @property
-    def motor(self):  # type: ignore[no-untyped-def]
+    def motor(self) -> Any:
         """For the diagnosis, until it holds rigs."""
-        return next((getattr(one, "motor") for one in self.rigs if one.rig.name == "motor"), None)  
+        return self._first("motor")
 
     @property
-    def constants(self):  # type: ignore[no-untyped-def]
+    def constants(self) -> Any:
         """For the diagnosis, until it holds rigs."""
-        return getattr(self.rigs[0], "constants")  
+        return self._first("constants")
+
+    def _first(self, name: str) -> Any:
+        return next((getattr(one, name) for one in self.rigs if hasattr(one, name)), None)
 
     def of_size(self, size: str) -> "Data":
         """Return the trials of one pulley size; a rig without any is left out."""

@@ -52,8 +52,8 @@ def check_residuals(trial: str, remade: Remade, observed: Array) -> dict[str, An
     }
 
 
-def measuring_order(recorded: pd.DataFrame, key: str, table: pd.DataFrame) -> NDArray[np.intp]:
+def measuring_order(recorded: pd.DataFrame, table: pd.DataFrame) -> NDArray[np.intp]:
     """Return each trial's place in the order of measuring: as recorded, else of the file."""
     place = recorded["order"] if "order" in recorded else np.arange(1, len(recorded) + 1)
-    by_trial = pd.Series(np.asarray(place), index=recorded[key])
+    by_trial = pd.Series(np.asarray(place), index=recorded["trial"])
     return by_trial.loc[table["trial"]].to_numpy(dtype=np.intp)

@@ -4,9 +4,11 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-__all__ = ["Interval", "Number", "Provenance", "Record", "RecordingId"]
+__all__ = ["Interval", "Number", "Provenance", "Record", "RecordingId", "Why"]
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
+Why = Annotated[str | None, Field(description="Why there is none.")]
+"""Of a key ``x_why``: the reason where ``x`` is null or empty, null where there is an ``x``."""
 
 
 class Record(BaseModel):

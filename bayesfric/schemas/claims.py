@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import ConfigDict, Field
 
-from bayesfric.schemas.base import Number, Provenance, Record
+from bayesfric.schemas.base import Number, Provenance, Record, Why
 
 __all__ = [
     "ClaimResult",
@@ -18,7 +18,7 @@ class PulleyEvidence(Record):
     """A claim's Bayes factor from the data of one pulley size alone."""
 
     log10_bayes_factor: Number | None = Field(description="In favour of the claim.")
-    log10_bayes_factor_why: str | None = Field(None, description="Why there is none.")
+    log10_bayes_factor_why: Why = None
     log10_bayes_factor_se: Number | None = Field(description="Its standard error.")
 
 
@@ -28,20 +28,26 @@ class ClaimResult(Record):
     id: str = Field(description="Name of the claim.")
     statement: str = Field(description="What is claimed.")
     paper: str = Field(description="What the paper states, and where.")
+    about_these_data: bool = Field(
+        True,
+        description="Whether these data could speak for or against it; false where it rests on "
+        "the paper's numbers or on priors.",
+    )
     verdict: Literal["supported", "refuted", "undecided", "not-testable"] = Field(
         description="By the rules under `rules`."
     )
     reason: str = Field(description="The verdict in a sentence.")
     log10_bayes_factor: Number | None = Field(
-        description="In favour of the claim, against the equal-weight average of its rivals."
+        description="In favour of the claim, against the best of its rivals; `figures` has it "
+        "against each."
     )
-    log10_bayes_factor_why: str | None = Field(None, description="Why there is none.")
+    log10_bayes_factor_why: Why = None
     log10_bayes_factor_se: Number | None = Field(description="Its standard error.")
     elpd_difference: Number | None = Field(
         description="Assemblies left out one at a time: positive where the claim predicts them "
         "better than its best rival [nat]."
     )
-    elpd_difference_why: str | None = Field(None, description="Why there is none.")
+    elpd_difference_why: Why = None
     elpd_difference_se: Number | None = Field(description="Its standard error.")
     figures: dict[str, Number | int | bool | str | dict[str, Number]] = Field(
         description="Numbers that the verdict rests on."
@@ -61,6 +67,8 @@ class ClaimsFile(Provenance):
     """``claims.json``: the paper's claims, judged on a recording."""
 
     schema_: Literal["bayesfric.claims/1"] = Field("bayesfric.claims/1", alias="schema")
+    rigs: tuple[str, ...] = Field((), description="Rigs whose data entered.")
+    baseline: str = Field("paper", description="The friction law that the claims are about.")
     rules: dict[str, Number] = Field(description="Thresholds of the verdicts.")
     claims: tuple[ClaimResult, ...] = Field(description="In the order of the report.")
     self_contradictions: tuple[SelfContradiction, ...] = Field(

@@ -4,6 +4,7 @@ from typing import Literal
 
 from pydantic import ConfigDict, Field
 
+from bayesfric.analysis import Prior
 from bayesfric.schemas.base import Interval, Number, Provenance, Record
 
 __all__ = [
@@ -27,6 +28,9 @@ class EffectNumber(Interval):
 
     unit: str = Field(description="SI, degrees for angles.")
     prior: str = Field(description="What was assumed before the data.")
+    prior_density: Prior | None = Field(
+        None, description="The same in numbers; null in files of earlier versions."
+    )
 
 
 class Cause(Record):

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import ConfigDict, Field
 
-from bayesfric.schemas.base import Interval, Number, Provenance, Record
+from bayesfric.schemas.base import Interval, Number, Provenance, Record, Why
 
 __all__ = [
     "Agreement",
@@ -141,9 +141,9 @@ class Prediction(Record):
     elpd: Number | None = Field(
         description="Sum of log p(group | all others), a density of raw data [nat]."
     )
-    elpd_why: str | None = Field(None, description="Why there is none.")
+    elpd_why: Why = None
     elpd_se: Number | None = Field(description="Standard error over other groups of the kind.")
-    elpd_se_why: str | None = Field(None, description="Why there is none.")
+    elpd_se_why: Why = None
     pareto_k_limit: Number | None = Field(
         description="Above it the weights of draws that saw the group are not relied on."
     )

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import ConfigDict, Field
 
-from bayesfric.schemas.base import Interval, Number, Provenance, Record
+from bayesfric.schemas.base import Interval, Number, Provenance, Record, Why
 
 __all__ = [
     "GammaProbability",
@@ -28,18 +28,18 @@ class Metric(Record):
         None, description="Of an open run: the motor pulls the load, or the load the motor."
     )
     interval: Interval | None = Field(description="Over the draws.")
-    interval_why: str | None = Field(None, description="Why there is none.")
+    interval_why: Why = None
     quantiles: tuple[Number, ...] = Field(
         (), description="At 0.01, 0.05, 0.10, … 0.95, 0.99; empty without an interval."
     )
     spec: Number | None = Field(None, description="What is asked for; null where nothing is.")
     sense: Literal["at least", "at most"] = Field(description="Which way the spec bounds it.")
     probability_of_violation: Number | None = Field(None, description="Of the spec.")
-    probability_of_violation_why: str | None = Field(None, description="Why there is none.")
+    probability_of_violation_why: Why = None
     monte_carlo_se: Number | None = Field(
         None, description="Of that probability where there is one, else of the mean."
     )
-    monte_carlo_se_why: str | None = Field(None, description="Why there is none.")
+    monte_carlo_se_why: Why = None
     note: str = Field("", description="What a reader must know of it.")
 
 
@@ -72,7 +72,7 @@ class Verification(Record):
     tolerance: Number = Field(description="Relative, of γ.")
     inside_conditions: int = Field(description="Draws inside the formula's conditions.")
     agreement: Number | None = Field(description="Share of those that agree.")
-    agreement_why: str | None = Field(None, description="Why there is none.")
+    agreement_why: Why = None
     steady_error_agreement: Number = Field(
         description="Share of the draws that come to rest within the steady error."
     )
@@ -102,7 +102,7 @@ class WithEffects(Record):
     largest_safe_compensation_gain: Number | None = Field(
         description="The largest γ with P(limit cycle) within the spec."
     )
-    largest_safe_compensation_gain_why: str | None = Field(None, description="Why there is none.")
+    largest_safe_compensation_gain_why: Why = None
 
 
 class LoopMargins(Record):
@@ -120,7 +120,7 @@ class LoopMargins(Record):
     limit_cycle_probability: tuple[GammaProbability, ...] = Field(
         description="Over γ; empty where the compensator cannot cause one."
     )
-    limit_cycle_probability_why: str | None = Field(None, description="Why there is none.")
+    limit_cycle_probability_why: Why = None
     limit_cycle_probability_max: Number = Field(description="The spec.")
     limit_cycle_method: Literal["formula", "simulation", "none"] = Field(
         description="How thresholds were found."
@@ -128,7 +128,7 @@ class LoopMargins(Record):
     largest_safe_compensation_gain: Number | None = Field(
         description="The largest γ with P(limit cycle) within the spec."
     )
-    largest_safe_compensation_gain_why: str | None = Field(None, description="Why there is none.")
+    largest_safe_compensation_gain_why: Why = None
     largest_safe_compensation_gain_se: Number | None = Field(
         None, description="Its Monte Carlo standard error."
     )
@@ -137,11 +137,11 @@ class LoopMargins(Record):
         "one group, being correlated. A metric without spread has none."
     )
     verification: Verification | None = Field(description="Against the simulator.")
-    verification_why: str | None = Field(None, description="Why there is none.")
+    verification_why: Why = None
     with_effects: WithEffects | None = Field(
         None, description="After: with the effects of a diagnosed gap."
     )
-    with_effects_why: str | None = Field(None, description="Why there is none.")
+    with_effects_why: Why = None
     nyquist: tuple[NyquistFan, ...] = Field(description="What the figures draw.")
     warnings: tuple[str, ...] = Field(description="Assumptions and doubts; read them first.")
 

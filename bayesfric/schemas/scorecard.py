@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import ConfigDict, Field
 
-from bayesfric.schemas.base import Interval, Number, Record, RecordingId
+from bayesfric.schemas.base import Interval, Number, Record, RecordingId, Why
 
 __all__ = [
     "Confusion",
@@ -25,7 +25,7 @@ class Rate(Record):
     """How many of how many, with a 95 % interval of Clopper and Pearson."""
 
     rate: Number | None = Field(description="Share; null where there was no case.")
-    rate_why: str | None = Field(None, description="Why there is none.")
+    rate_why: Why = None
     low: Number = Field(description="Lower end of the 95 % interval.")
     high: Number = Field(description="Upper end.")
     hits: int = Field(description="Cases of which it is true.")
@@ -36,11 +36,11 @@ class Estimate(Record):
     """A figure over cases, with a 95 % interval from drawing cases anew."""
 
     value: Number | None = Field(description="The figure; null where there is none.")
-    value_why: str | None = Field(None, description="Why there is none.")
+    value_why: Why = None
     low: Number | None = Field(description="Lower end of the 95 % interval.")
-    low_why: str | None = Field(None, description="Why there is none.")
+    low_why: Why = None
     high: Number | None = Field(description="Upper end.")
-    high_why: str | None = Field(None, description="Why there is none.")
+    high_why: Why = None
     cases: int = Field(description="Cases that count.")
 
 
@@ -109,16 +109,16 @@ class ScoredCase(Record):
     withheld: tuple[str, ...] = Field(description="Names of what is withheld.")
     form: tuple[str, ...] = Field(description="Functional form of each.")
     own: bool | None = Field(description="Whether all forms are the diagnosis's own.")
-    own_why: str | None = Field(None, description="Why there is none.")
+    own_why: Why = None
     strength: dict[str, Number] = Field(description="Of each; 1 is 10 % of friction, rms.")
     noise_free_gap: Number | None = Field(
         description="Without noise, baseline refitted: rms over rms friction."
     )
-    noise_free_gap_why: str | None = Field(None, description="Why there is none.")
+    noise_free_gap_why: Why = None
     oracle_power: Number | None = Field(
         description="Of the best test that knows the force that is withheld."
     )
-    oracle_power_why: str | None = Field(None, description="Why there is none.")
+    oracle_power_why: Why = None
     counts_as_none: bool = Field(
         description="Nothing is withheld, or that gap is below the practical share."
     )
@@ -134,13 +134,13 @@ class ScoredCase(Record):
     flagged: bool = Field(description="Unknown, or a significant remainder on a true axis.")
     remainder_significant: bool = Field(description="Whether the causes leave a further force.")
     shrink: Interval | None = Field(description="As reported.")
-    shrink_why: str | None = Field(None, description="Why there is none.")
+    shrink_why: Why = None
     true_shrink: Number | None = Field(description="What the causes take of the noise-free gap.")
-    true_shrink_why: str | None = Field(None, description="Why there is none.")
+    true_shrink_why: Why = None
     shrink_covered: bool | None = Field(
         description="Whether the 90 % interval holds the true shrink, where rightly named."
     )
-    shrink_covered_why: str | None = Field(None, description="Why there is none.")
+    shrink_covered_why: Why = None
     parameters_covered: dict[str, bool] = Field(
         description="Likewise each parameter of an own form."
     )
@@ -153,10 +153,10 @@ class ScorecardFile(Record):
     seed: int = Field(description="Of the first case; each further case has the next.")
     versions: dict[str, str] = Field(description="Python and packages.")
     recording: RecordingId | None = Field(description="The user's; null for a campaign.")
-    recording_why: str | None = Field(None, description="Why there is none.")
+    recording_why: Why = None
     analysis_sha256: str = Field(description="Over the analysis, defaults filled in.")
     created: str | None = Field(description="SOURCE_DATE_EPOCH, else null.")
-    created_why: str | None = Field(None, description="Why there is none.")
+    created_why: Why = None
     engine: str = Field(description="Who made the recordings: an engine, or the user.")
     design: str = Field(description="After which protocol.")
     hypotheses: Literal["design", "prior", "user"] = Field(

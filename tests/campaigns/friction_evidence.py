@@ -5,7 +5,7 @@ from threadpoolctl import threadpool_limits
 from bayesfric.analysis import Analysis, Sampler
 from bayesfric.effects import all_effects
 from bayesfric.fitting.hypothesis import Data, Hypothesis, model_of
-from bayesfric.inference.evidence import bridge_evidence, in_one_place, laplace_evidence
+from bayesfric.inference.evidence import bridge_evidence, in_one_place, laplace_draws
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.sampling import sample
 from bayesfric.rigs.gravity_board.screening import screen_trials
@@ -32,7 +32,7 @@ def case(name):
         laplace = laplace_approximation(density, model.start(), model.scale())
         draws = sample(density, laplace, settings, SEED, converged=in_one_place)
         bridge = bridge_evidence(density, draws.z, SEED)
-        large = laplace_evidence(density, laplace, SEED + 1, size=DRAWS)
+        large = laplace_draws(density, laplace, SEED + 1, size=DRAWS)[0]
     return {
         "hypothesis": name,
         "bridge": bridge.log_evidence,

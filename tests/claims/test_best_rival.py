@@ -4,9 +4,9 @@ import numpy as np
 
 from bayesfric.analysis import Analysis
 from bayesfric.claims import checking
+from bayesfric.claims.base import Entered
 from bayesfric.claims.checking import registered
 from bayesfric.claims.studies import Studied
-from bayesfric.fitting.hypothesis import Data
 from bayesfric.inference.evidence import ELPD, Evidence
 from bayesfric.simulate import simulate_recording
 
@@ -31,8 +31,8 @@ def test_the_next_best_is_sampled_where_draws_of_the_best_sit_apart(monkeypatch)
     monkeypatch.setattr(checking, "study_all", study_all)
     (claim,) = (one for one in registered() if one.name == "no-stribeck")
     recording = simulate_recording("quick", seed=1, rigs=("gravity",))
-    data = {"gravity": Data(recording.rig, recording.gravity, None)}
-    studied = checking._studied([claim], data, Analysis(), None)
+    entered = Entered.of(recording).whole()
+    studied = checking._studied([claim], entered, Analysis(), None)
     found = {task.hypothesis.label: one for task, one in studied.items() if task.whole}
     assert found["stribeck/gaussian"].evidence is None
     assert found["stribeck/exponential"].prediction is PREDICTION

@@ -7,13 +7,15 @@ from scipy import stats
 from bayesfric.analysis import Analysis, ClaimRules
 from bayesfric.claims import check_claims, registered
 from bayesfric.claims.coefficients import tail_probability
-from bayesfric.claims.comparison import decide, odds, share
+from bayesfric.claims.comparison import bayes_factor, decide, odds, share
 from bayesfric.claims.contradictions import contradictions
-from bayesfric.claims.stiffness_negligible import friction_ratios
+from bayesfric.claims.studies import Studied
+from bayesfric.inference.evidence import Evidence
 from bayesfric.physics.compliant import Cable, compliant_motion
 from bayesfric.physics.gravity import Condition, board_friction
 from bayesfric.recording.tables import Gravity
 from bayesfric.rigs.gravity_board.likelihood import trial_condition
+from bayesfric.rigs.gravity_board.stretch import friction_ratios
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import simulate_recording, table1_coefficients
@@ -41,8 +43,8 @@ def test_the_ten_claims_are_there():
     ("log10", "width", "bound", "beyond", "elpd", "verdict"),
     [
         (1.5, (1.0, 2.0), 0.01, 0.0, 0.0, "supported"),
-        (0.5, (0.5, 1.0), 0.049, 0.0, -5.0, "supported"),
-        (0.49, (0.0, 1.0), 0.01, 0.0, 0.0, "undecided"),  # too weak
+        (1.0, (0.5, 1.5), 0.049, 0.0, -5.0, "supported"),
+        (0.99, (0.6, 1.5), 0.01, 0.0, 0.0, "undecided"),  # too weak: less than 10 to 1
         (1.5, (0.4, 2.0), 0.01, 0.0, 0.0, "undecided"),  # rests on the prior's width
         (1.5, (1.0, 2.0), 0.05, 0.0, 0.0, "undecided"),  # could hide an effect that matters
         (-1.0, (-2.0, -1.0), 0.2, 0.95, -2.1, "refuted"),
@@ -54,6 +56,32 @@ def test_the_ten_claims_are_there():
 )
 def test_verdicts(log10, width, bound, beyond, elpd, verdict):
     assert decide(RULES, log10, width, bound, beyond, elpd, "rival")[0] == verdict
+
+
+def study(log_evidence, error=0.0, widths=()):
+    evidence = Evidence(log_evidence, error, "made up", None)
+    return Studied(evidence, widths=np.array(widths))
+
+
+def test_a_claim_is_weighed_against_its_best_rival_and_dead_ones_do_not_flatter_it():
+    own, near, dead = study(0.0, 0.03), study(-1.0, 0.04), study(-145.0, 9.0)
+    for rivals in ([near], [near, dead], [dead, near, dead, dead]):
+        value, error = bayes_factor(own, rivals)
+        assert value == pytest.approx(1 / np.log(10))
+        assert error == pytest.approx(0.05 / np.log(10))
+
+
+def test_which_rival_is_best_may_change_with_the_width_of_its_prior():
+    own, one, two = study(0.0), study(-1.0, widths=[0.0, -5.0]), study(-3.0, widths=[0.0, 1.0])
+    assert bayes_factor(own, [one, two], 0)[0] == pytest.approx(1 / np.log(10))
+    assert bayes_factor(own, [one, two], 1)[0] == pytest.approx(2 / np.log(10))
+
+
+def test_the_threshold_of_support_is_the_user_s():
+    mild = ClaimRules(support_log10_bayes_factor=0.5)
+    case = (0.6, (0.5, 1.0), 0.01, 0.0, 0.0, "rival")
+    assert decide(RULES, *case)[0] == "undecided"
+    assert decide(mild, *case)[0] == "supported"
 
 
 def test_odds_in_words():
@@ -116,8 +144,8 @@ def ringing_recording(amplitude):
 def test_friction_of_a_ringing_board_is_found_by_the_stretching_model():
     """Model (3) gives the true friction, model (4) is off, by what the ratio says."""
     gravity, rig, truth = ringing_recording(0.5)
-    cable = [np.array([value]) for value in (15e3, 1.6, 0.05)]
-    ratio = friction_ratios(gravity, rig, *cable, 5e-6, 1e-7)[0]
+    cable = Cable(*(np.array([value]) for value in (15e3, 1.6, 0.05)))
+    ratio = friction_ratios(gravity, rig, cable, 5e-6, 1e-7)[0]
     condition = trial_condition(gravity.trials, rig)
     plain = pilot_fits(gravity.events, gravity.trials["trial"]).acceleration
     rigid = condition.drive_force_n - condition.total_mass_kg * plain
@@ -129,9 +157,20 @@ def test_no_stretch_changes_nothing():
     recording = simulate_recording(
         Protocol({(9, 85.0): 1}, (16.0,), (), 2), seed=8, rigs=("gravity",)
     )
-    cables = np.array([15e3, 12e3]), np.array([1.6, 2.0]), np.array([0.05, 0.2])
-    ratio = friction_ratios(recording.gravity, recording.rig, *cables, 30e-6, 20e-6)
+    cables = Cable(np.array([15e3, 12e3]), np.array([1.6, 2.0]), np.array([0.05, 0.2]))
+    ratio = friction_ratios(recording.gravity, recording.rig, cables, 30e-6, 20e-6)
     assert np.abs(ratio - 1).max() < 3e-3  # what the noise has of the ringing's shape
+
+
+def test_what_is_not_about_the_data_says_so():
+    recording = simulate_recording(
+        Protocol({(9, 85.0): 1}, (16.0,), (), 2), seed=8, rigs=("gravity",)
+    )
+    found = check_claims(recording, only=["nominal-tension"]).summary.claims[0]
+    assert "says nothing of these data" in found.reason
+    assert not found.about_these_data
+    besides = {claim.name for claim in registered() if not claim.about_these_data}
+    assert besides == {"nominal-tension", "stiffness-negligible"}
 
 
 @pytest.mark.parametrize(

@@ -10,11 +10,13 @@ from bayesfric.fitting.predictive.coverage import coverage
 from bayesfric.fitting.predictive.prior import PRIOR_QUANTILES, friction_of_prior
 from bayesfric.inference.priors import draw
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.gravity import Condition, coulomb_acceleration
+from bayesfric.physics.gravity import Condition, coulomb_acceleration, nominal_tension
 from bayesfric.physics.laws import BASELINES
+from bayesfric.rigs.base import Resting
 from bayesfric.rigs.coefficients import coefficient_parameters
 from bayesfric.rigs.remaking import Remade
 
+LOADS = ("mass_drive_kg",)
 TRIALS = pd.DataFrame(
     {
         "trial": list("abcdef"),
@@ -34,6 +36,7 @@ def covered():
     return coverage(
         TRIALS,
         ("small", "large"),
+        LOADS,
         Remade(apart, apart),
         np.array([0.5, 0.24, 0.27, 0.96, 0.26, 0.74]),
     )
@@ -74,6 +77,8 @@ BOARD = Condition(
     np.array([9.0, 15.0]), np.array([85.0, 135.0]), np.array([1.0, 2.5]), np.array([0.7, 1.8]), 9.81
 )
 
+RESTING = Resting(nominal_tension(BOARD, 0.0), BOARD.drive_force_n)
+
 
 def prior_draws(size=40_000):
     rng = np.random.default_rng(5)
@@ -84,7 +89,7 @@ def prior_draws(size=40_000):
 def test_friction_of_a_draw_is_the_laws():
     law = {"c1[small]": 0.02, "c2[small]": 0.05, "c3[small]": -1e-4}
     one = {name: np.array([value]) for name, value in law.items()}
-    found = friction_of_prior(CONDITIONS, BOARD, one, one, BASELINES["paper"])
+    found = friction_of_prior(CONDITIONS, RESTING, one, one, BASELINES["paper"])
     expected = [9 * (0.02 * 8 + 0.05), 15 * ((0.02 - 50e-4) * 20 + 0.05)]
     for name in ("prior_n", "posterior_n"):
         assert found[name].to_numpy() == pytest.approx(np.repeat([expected], 5, axis=0).T)
@@ -96,7 +101,7 @@ def test_default_priors_hold_the_board_as_often_as_two_half_normals_do():
     """At 85° friction is n (c1 T + c2): a sum of two half-normals, by quadrature."""
     found = friction_of_prior(
         CONDITIONS.iloc[:1],
-        Condition(*(np.atleast_1d(part)[:1] for part in BOARD[:4]), 9.81),
+        Resting(RESTING.tension_n[:1], RESTING.drive_n[:1]),
         prior_draws(),
         prior_draws(100),
         BASELINES["paper"],
@@ -118,7 +123,7 @@ def test_a_draw_holds_the_board_where_the_moving_board_would_not_speed_up():
     """Not above zero is the acceleration that drive and friction in motion agree upon."""
     prior = prior_draws(4000)
     gentle = {name: values[prior["c1[small]"] < 0.05] for name, values in prior.items()}
-    found = friction_of_prior(CONDITIONS, BOARD, gentle, gentle, BASELINES["paper"])
+    found = friction_of_prior(CONDITIONS, RESTING, gentle, gentle, BASELINES["paper"])
     law = Coefficients(*(gentle[f"{name}[small]"][:, None] for name in Coefficients._fields))
     rests = coulomb_acceleration(law, BOARD) <= 0
     assert float(found["prior_stuck"][0]) == pytest.approx(rests.mean(), abs=1e-12)

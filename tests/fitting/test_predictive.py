@@ -11,7 +11,7 @@ from bayesfric.analysis import Analysis, Sampler
 from bayesfric.fitting.posterior import fit
 from bayesfric.report.assembly import build_document
 from bayesfric.report.content import Figure
-from bayesfric.report.stored import StoredResults
+from bayesfric.report.stored import StoredFit, StoredResults
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.remaking import remake
 from bayesfric.rigs.residuals import check_residuals, measuring_order
@@ -129,7 +129,9 @@ def test_a_recording_of_one_tension_has_no_lines_and_still_a_report():
     found = fit(recording, Analysis(sampler=Sampler(burn=60, steps=80, thin=2)))
     for group in ("tension_lines", "wrap_lines"):
         assert not found.predictive[group].data_vars
-    document = build_document(StoredResults(found.summary, found.draws, found.predictive))
+    document = build_document(
+        StoredResults(StoredFit(found.summary, found.draws, found.predictive))
+    )
     labels = {block.label for block in document.blocks if isinstance(block, Figure)}
     assert "tension" in labels
     assert not labels & {"pulleys", "wrap", "wrap-slopes"}
@@ -203,8 +205,8 @@ def test_an_outlier_is_beyond_what_one_recording_in_twenty_has():
 def test_order_is_the_recorded_one_else_that_of_the_file():
     recorded = pd.DataFrame({"trial": list("abc"), "order": [30, 10, 20]})
     table = pd.DataFrame({"trial": ["c", "a"]})
-    assert measuring_order(recorded, "trial", table).tolist() == [20, 30]
-    assert measuring_order(recorded[["trial"]], "trial", table).tolist() == [3, 1]
+    assert measuring_order(recorded, table).tolist() == [20, 30]
+    assert measuring_order(recorded[["trial"]], table).tolist() == [3, 1]
 
 
 def test_densities_are_the_prior_and_a_histogram_of_the_draws(small_fit):

@@ -3,10 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
+from inference.conjugate import LinearGaussian
 from scipy.special import gammaln
 
 from bayesfric.analysis import Sampler
-from bayesfric.inference.evidence import LinearGaussian
 from bayesfric.inference.laplace import Laplace, laplace_approximation
 from bayesfric.inference.sampling import sample
 

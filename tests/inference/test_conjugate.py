@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
+from inference.conjugate import LinearGaussian
 from scipy import integrate, stats
-
-from bayesfric.inference.evidence import LinearGaussian
 
 DESIGN = np.array([[1.0, 0.5], [1.0, -0.3], [1.0, 2.0], [1.0, 0.1]])
 NOISE = np.diag([0.5, 0.8, 0.4, 1.0]) + 0.1

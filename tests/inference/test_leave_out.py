@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from inference.conjugate import LinearGaussian
 from scipy import stats
 
 from bayesfric.inference.evidence import (
     ELPD,
-    LinearGaussian,
     bridge_ratio,
     difference,
     elpd,

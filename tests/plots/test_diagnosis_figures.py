@@ -7,8 +7,7 @@ import pytest
 from matplotlib.collections import PolyCollection
 from report.diagnosis_sample import axis, cause, curves, diagnosis, stored_diagnosis, without_gap
 
-from bayesfric.analysis import HalfNormal, Normal
-from bayesfric.plots.diagnosis import stored_prior, what_causes_it, where_it_lies
+from bayesfric.plots.diagnosis import what_causes_it, where_it_lies
 from bayesfric.plots.gap import how_far
 from bayesfric.plots.style import to_svg
 
@@ -94,13 +93,6 @@ def test_amplitude_stands_against_its_prior_and_the_plausible_range():
     number = found.causes[1].parameters["slope"]
     assert list(interval.get_xdata()) == [number.q05, number.q95]
     assert median.get_xdata()[0] == number.q50
-
-
-def test_a_stored_prior_is_read_back():
-    assert stored_prior("half-normal(scale=0.15)") == HalfNormal(scale=0.15)
-    assert stored_prior("normal(mean=-1, sd=0.02)") == Normal(mean=-1, sd=0.02)
-    assert stored_prior("whatever the user thinks") is None
-    assert stored_prior("half-normal(scale=wide)") is None
 
 
 def test_bars_of_the_gap_are_the_stored_means_in_newtons_and_millimetres():

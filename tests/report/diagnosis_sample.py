@@ -3,6 +3,7 @@
 import numpy as np
 import xarray as xr
 
+from bayesfric.analysis import HalfNormal
 from bayesfric.report.stored import StoredDiagnosis
 from bayesfric.schemas import (
     Absorbed,
@@ -64,7 +65,12 @@ def cause(effect: str, **changes: object) -> Cause:
         "log10_bayes_factor_se": 0.056,
         "law": "constant",
         "parameters": {
-            "slope": EffectNumber(**slope.model_dump(), unit="s/m", prior="half-normal(scale=0.15)")
+            "slope": EffectNumber(
+                **slope.model_dump(),
+                unit="s/m",
+                prior="half-normal(scale=0.15)",
+                prior_density=HalfNormal(scale=0.15),
+            )
         },
         "plausible": True,
         "plausible_range": (0.0, 0.3),

@@ -22,6 +22,7 @@ from bayesfric.report.content import (
     Strong,
     Table,
 )
+from bayesfric.report.formulas import LAW
 
 SVG = (
     b'<svg xmlns="http://www.w3.org/2000/svg" width="100" height="50" viewBox="0 0 100 50">'
@@ -62,7 +63,7 @@ def document(**changes: object) -> Document:
             ["Plain, ", Emphasis("slanted"), ", ", Strong("bold"), ", ", Code("a.toml"), "."]
         ),
         Paragraph([Link("the paper", "https://example.org/paper"), " has ", Math("c_1"), "."]),
-        Equation(r"f_c = \frac{n_p}{2} (c_1 + c_3 (\theta - 85°)) T", "friction law", label="law"),
+        Equation(LAW, label="law"),
         Heading(2, "Numbers"),
         Table(
             "Coefficients.",

@@ -1,7 +1,5 @@
 """The scorecard in the report: from scorecard.json alone, every number where it is said."""
 
-from types import SimpleNamespace
-
 import pytest
 from blind.scored import scored
 from matplotlib.lines import Line2D
@@ -11,11 +9,12 @@ from bayesfric.blind.scorecard import scorecard_of
 from bayesfric.errors import InputError
 from bayesfric.plots.scorecard import confusion_matrix, promises_and_reliability
 from bayesfric.plots.style import to_svg
-from bayesfric.report.assembly import CHAPTERS, build_scorecard_document
-from bayesfric.report.chapters.blind import blind, blind_chapter, scorecard_line
+from bayesfric.report.assembly import build_document
+from bayesfric.report.chapters.blind import blind_chapter, scorecard_line
 from bayesfric.report.content import Heading, Notice, Paragraph, Table, inlines
 from bayesfric.report.html import render_html
 from bayesfric.report.markdown import render_markdown
+from bayesfric.report.stored import StoredResults
 from bayesfric.report.writing import write_report
 from bayesfric.results import json_bytes
 
@@ -131,14 +130,18 @@ def test_a_report_is_made_of_a_scorecard_alone(card, tmp_path):
     assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF")
     text = (tmp_path / "summary.md").read_text()
     assert "28 of 32 verdicts are correct" in text
-    assert text == render_markdown(build_scorecard_document(card))
-    assert "What makes the same result again" in render_html(build_scorecard_document(card))
+    assert text == render_markdown(build_document(StoredResults(scorecard=card)))
+    assert "What makes the same result again" in render_html(
+        build_document(StoredResults(scorecard=card))
+    )
 
 
 def test_a_report_of_everything_has_the_chapter_where_there_is_a_scorecard(card):
-    assert blind in CHAPTERS
-    assert list(blind(SimpleNamespace(scorecard=None))) == []
-    heads = [b.text for b in blind(SimpleNamespace(scorecard=card)) if isinstance(b, Heading)]
+    heads = [
+        b.text
+        for b in build_document(StoredResults(scorecard=card)).blocks
+        if isinstance(b, Heading)
+    ]
     assert heads[0] == "The diagnosis where it is not told"
 
 

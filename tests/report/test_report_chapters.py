@@ -16,19 +16,19 @@ from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters.symbols import symbol
 from bayesfric.report.content import Notice, Table
 from bayesfric.report.markdown import render_markdown
-from bayesfric.report.stored import StoredResults, read_stored
+from bayesfric.report.stored import StoredFit, StoredResults, read_stored
 from bayesfric.report.typst import render_pdf
 from bayesfric.report.writing import write_report
 
 
 @pytest.fixture(scope="module")
 def stored(small_fit):
-    return StoredResults(small_fit.summary, small_fit.draws, small_fit.predictive)
+    return StoredFit(small_fit.summary, small_fit.draws, small_fit.predictive)
 
 
 @pytest.fixture(scope="module")
 def document(stored):
-    return build_document(stored)
+    return build_document(StoredResults(stored))
 
 
 def table(document, label):
@@ -56,7 +56,9 @@ def test_table_of_coefficients_has_the_numbers_of_the_fit(document, stored):
 def test_an_uninformed_coefficient_is_marked(stored):
     pulleys = {size: dict(entries) for size, entries in stored.fit.pulleys.items()}
     pulleys["small"]["c3"] = pulleys["small"]["c3"].model_copy(update={"informed": False})
-    rows = table(build_document(changed(stored, pulleys=pulleys)), "coefficients").rows
+    rows = table(
+        build_document(StoredResults(changed(stored, pulleys=pulleys))), "coefficients"
+    ).rows
     assert [row[-1] for row in rows].count("prior") == 1
     assert rows[2][-1] == "prior"
 
@@ -81,7 +83,7 @@ def test_sensitivity_is_that_of_the_fit(document, stored):
 def test_what_is_left_out_has_the_numbers_of_the_fit(stored):
     one, two = stored.fit.prediction
     bad = one.model_copy(update={"bad": 3, "refitted": 2, "elpd_se": None, "elpd_se_why": "one"})
-    rows = table(build_document(changed(stored, prediction=(bad, two))), "elpd").rows
+    rows = table(build_document(StoredResults(changed(stored, prediction=(bad, two)))), "elpd").rows
     assert [row[0] for row in rows] == [
         "trial of the gravity board",
         "assembly of the gravity board",
@@ -120,24 +122,30 @@ def test_a_fit_of_an_earlier_version_has_a_report_without_these(stored):
         changed(stored, prediction=(), uniformity=()),
         predictive=xr.DataTree.from_dict(children),
     )
-    labels = {getattr(block, "label", None) for block in build_document(before).blocks}
+    labels = {
+        getattr(block, "label", None) for block in build_document(StoredResults(before)).blocks
+    }
     assert "coverage" in labels
     assert not labels & {"coverage-trials", "loo-pit", "elpd", "prior-friction"}
 
 
 def test_unconverged_is_said_on_page_one(stored):
     lines = ("tau has not converged: R-hat 1.2000",)
-    poor = build_document(changed(stored, converged=False, attention=lines))
+    poor = build_document(StoredResults(changed(stored, converged=False, attention=lines)))
     first = PdfReader(io.BytesIO(render_pdf(poor))).pages[0].extract_text()
     assert "Unconverged" in first
     assert "R-hat 1.2000" in first
-    good = build_document(changed(stored, converged=True, attention=()))
+    good = build_document(StoredResults(changed(stored, converged=True, attention=())))
     kinds = [block.kind for block in good.blocks if isinstance(block, Notice)]
     assert kinds == ["good"]
 
 
 def test_title_of_the_recording_is_on_page_one(stored):
-    first = PdfReader(io.BytesIO(render_pdf(build_document(stored)))).pages[0].extract_text()
+    first = (
+        PdfReader(io.BytesIO(render_pdf(build_document(StoredResults(stored)))))
+        .pages[0]
+        .extract_text()
+    )
     assert "Synthetic pulley-board recording" in " ".join(first.split())
 
 
@@ -147,7 +155,7 @@ def test_excluded_trials_are_listed_with_their_rule(stored):
     quality = stored.fit.data_quality.model_copy(
         update={"excluded": (Excluded(trial="g0007", rule="stalled", reason="it stopped"),)}
     )
-    listed = table(build_document(changed(stored, data_quality=quality)), "excluded")
+    listed = table(build_document(StoredResults(changed(stored, data_quality=quality))), "excluded")
     assert listed.rows == [["g0007", "stalled", "it stopped"]]
 
 
@@ -179,11 +187,7 @@ def test_report_is_written_from_the_folder_and_repeats_its_bytes(small_fit, tmp_
 def test_missing_results_say_which_verb_makes_them(tmp_path):
     with pytest.raises(InputError, match="bayesfric fit") as raised:
         read_stored(tmp_path)
-    assert [fault.file for fault in raised.value.faults] == [
-        "fit.json",
-        "draws.nc",
-        "predictive.nc",
-    ]
+    assert [fault.file for fault in raised.value.faults] == ["fit.json"]
 
 
 def test_files_of_different_fits_are_refused(small_fit, tmp_path):
@@ -201,3 +205,28 @@ def test_a_damaged_result_is_one_clear_error(small_fit, tmp_path):
     with pytest.raises(InputError, match=r"draws\.nc"):
         write_report(tmp_path)
     assert not (tmp_path / "report.pdf").exists()
+
+
+def test_results_of_a_rig_that_nobody_here_knows_have_a_report(small_fit):
+    table = small_fit.predictive["trials"].to_dataset().rename(trial="slide")
+    table = table.drop_vars(["pulley_size", "n_pulleys", "wrap_angle_deg", "tension_n"])
+    words = {"rig": "rail", "title": "rail", "trial": "slide", "trials": "slides", "id": "slide"}
+    kept = {n: small_fit.predictive[n].to_dataset() for n in ("coefficients", "densities", "ranks")}
+    predictive = xr.DataTree.from_dict({**kept, "slides": table.assign_attrs(words)})
+    fit = small_fit.summary
+    quality = fit.data_quality.model_copy(update={"trials": 0, "events": 0})
+    rail = fit.model_copy(
+        update={
+            "rigs": ("rail",),
+            "data_quality": quality,
+            "prediction": tuple(p.model_copy(update={"rig": "rail"}) for p in fit.prediction),
+            "uniformity": tuple(p.model_copy(update={"rig": "rail"}) for p in fit.uniformity),
+        }
+    )
+    stored = StoredResults(StoredFit(rail, small_fit.draws, predictive))
+    document = build_document(stored)
+    text = render_markdown(document)
+    assert "48 slides of the rail" in text
+    assert "trial of the rig rail" in text
+    assert "gravity" not in text
+    assert render_pdf(document).startswith(b"%PDF")

@@ -1,7 +1,5 @@
 """The claims in the report: stored numbers, refuted ones first, never another recording's."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -10,7 +8,7 @@ from bayesfric.errors import InputError
 from bayesfric.plots.claims import against_rivals, over_prior_width
 from bayesfric.report.chapters.claims import claims, verdicts
 from bayesfric.report.content import Heading, Notice, Paragraph, Table
-from bayesfric.report.stored import StoredResults, read_stored
+from bayesfric.report.stored import StoredClaims, read_stored
 from bayesfric.results import json_bytes, write_netcdf
 from bayesfric.schemas import ClaimResult, ClaimsFile, SelfContradiction
 
@@ -34,8 +32,10 @@ def result(name, verdict, log10, **more):
         verdict=verdict,
         reason=f"The reason of {name}.",
         log10_bayes_factor=log10,
+        log10_bayes_factor_why="no rival" if log10 is None else None,
         log10_bayes_factor_se=None if log10 is None else 0.0312,
         elpd_difference=None if log10 is None else -3.14,
+        elpd_difference_why="no rival" if log10 is None else None,
         elpd_difference_se=None if log10 is None else 1.26,
         figures=more,
         by_pulley={},
@@ -67,17 +67,11 @@ def stored(small_fit):
         {"log10_bayes_factor": (("claim", "width"), [[-2.0, -2.345, -1.5]])},
         coords={"claim": ["linear-in-tension"], "width": [0.1, 1.0, 10.0]},
     )
-    return StoredResults(
-        small_fit.summary,
-        small_fit.draws,
-        small_fit.predictive,
-        found,
-        xr.DataTree.from_dict({"curves": curves}),
-    )
+    return StoredClaims(found, xr.DataTree.from_dict({"curves": curves}))
 
 
 def test_page_one_has_the_stored_verdicts(stored):
-    notice, table = verdicts(stored)
+    notice, table = verdicts(stored.found)
     assert isinstance(notice, Notice)
     assert notice.title == "Refuted"
     assert "The reason of linear-in-tension." in str(notice.text)
@@ -98,30 +92,24 @@ def test_the_chapter_tells_each_claim_and_the_rules(stored):
     assert headings[-1] == "The paper against itself"
 
 
-def test_without_claims_nothing_is_said(stored):
-    plain = dataclasses.replace(stored, claims=None, claim_curves=None)
-    assert list(verdicts(plain)) == []
-    assert list(claims(plain)) == []
-
-
 def test_claims_of_another_recording_are_refused(stored, small_fit, tmp_path):
     small_fit.write(tmp_path)
-    write_netcdf(stored.claim_curves, tmp_path / "claims.nc")
-    (tmp_path / "claims.json").write_bytes(json_bytes(stored.claims))
-    assert read_stored(tmp_path).claims == stored.claims
-    other = stored.claims.recording.model_copy(update={"sha256": "0" * 64})
-    stale = stored.claims.model_copy(update={"recording": other})
+    write_netcdf(stored.curves, tmp_path / "claims.nc")
+    (tmp_path / "claims.json").write_bytes(json_bytes(stored.found))
+    assert read_stored(tmp_path).claims.found == stored.found
+    other = stored.found.recording.model_copy(update={"sha256": "0" * 64})
+    stale = stored.found.model_copy(update={"recording": other})
     (tmp_path / "claims.json").write_bytes(json_bytes(stale))
     with pytest.raises(InputError, match=r"claims\.json"):
         read_stored(tmp_path)
-    (tmp_path / "claims.json").write_bytes(json_bytes(stored.claims))
+    (tmp_path / "claims.json").write_bytes(json_bytes(stored.found))
     (tmp_path / "claims.nc").unlink()
     with pytest.raises(InputError, match=r"claims\.nc.*bayesfric claims"):
         read_stored(tmp_path)
 
 
 def test_the_curve_is_the_stored_one(stored):
-    (axes,) = over_prior_width(stored.claim_curves, 0.5, -1.0).axes
+    (axes,) = over_prior_width(stored.curves, 0.5, -1.0).axes
     curve, support, refute = axes.lines
     np.testing.assert_array_equal(curve.get_xdata(), [0.1, 1.0, 10.0])
     np.testing.assert_array_equal(curve.get_ydata(), [-2.0, -2.345, -1.5])
@@ -129,7 +117,7 @@ def test_the_curve_is_the_stored_one(stored):
 
 
 def test_what_is_beyond_the_axis_is_written(stored):
-    rivals = stored.claims.claims[0].figures["log10_bayes_factor_against"]
+    rivals = stored.found.claims[0].figures["log10_bayes_factor_against"]
     (axes,) = against_rivals({"linear-in-tension": rivals}).axes
     dots = [line.get_xdata()[0] for line in axes.lines if len(line.get_xdata()) == 1]
     assert dots == [-2.6, 8.0]

@@ -16,9 +16,8 @@ from report.diagnosis_sample import (
 )
 
 from bayesfric.errors import InputError
-from bayesfric.report.assembly import build_diagnosis_document, build_document
-from bayesfric.report.chapters.diagnosis import diagnosis_chapter
-from bayesfric.report.chapters.summary import front
+from bayesfric.report.assembly import build_document
+from bayesfric.report.chapters.diagnosis import diagnosis as chapter
 from bayesfric.report.content import (
     BulletList,
     Figure,
@@ -31,7 +30,7 @@ from bayesfric.report.content import (
 )
 from bayesfric.report.html import render_html
 from bayesfric.report.markdown import render_markdown
-from bayesfric.report.stored import StoredDiagnosis, StoredResults, read_diagnosis, read_stored
+from bayesfric.report.stored import StoredDiagnosis, StoredFit, StoredResults, read_stored
 from bayesfric.report.typst import render_pdf
 from bayesfric.report.writing import write_report
 from bayesfric.results import json_bytes, write_netcdf
@@ -43,7 +42,7 @@ def words(text):
 
 
 def tables(stored):
-    return {b.label: b for b in diagnosis_chapter(stored) if isinstance(b, Table)}
+    return {b.label: b for b in chapter(stored) if isinstance(b, Table)}
 
 
 def rows(stored, label):
@@ -51,14 +50,14 @@ def rows(stored, label):
 
 
 def paragraphs(stored):
-    blocks = list(diagnosis_chapter(stored))
+    blocks = list(chapter(stored))
     said = [words(b.text) for b in blocks if isinstance(b, Paragraph | Notice)]
     said += [words(item) for b in blocks if isinstance(b, BulletList) for item in b.items]
     return " ".join(said)
 
 
 def figures(stored):
-    return {b.label: b for b in diagnosis_chapter(stored) if isinstance(b, Figure)}
+    return {b.label: b for b in chapter(stored) if isinstance(b, Figure)}
 
 
 @pytest.fixture
@@ -66,7 +65,8 @@ def fit_results(small_fit):
     """The results of a fit, with a diagnosis of the same recording."""
     record = diagnosis(recording=small_fit.summary.recording)
     found = StoredDiagnosis(record, curves())
-    return StoredResults(small_fit.summary, small_fit.draws, small_fit.predictive, diagnosis=found)
+    fitted = StoredFit(small_fit.summary, small_fit.draws, small_fit.predictive)
+    return StoredResults(fitted, diagnosis=found)
 
 
 def store(found, folder):
@@ -94,7 +94,9 @@ def test_the_first_page_tells_all_and_holds_it_all():
     for stored in (stored_diagnosis(), without_gap(), two_causes()):
         pages = [
             " ".join(page.extract_text().split())
-            for page in PdfReader(io.BytesIO(render_pdf(build_diagnosis_document(stored)))).pages
+            for page in PdfReader(
+                io.BytesIO(render_pdf(build_document(StoredResults(diagnosis=stored))))
+            ).pages
         ]
         (page,) = [text for text in pages if "Which. Most probable" in text]
         for part in (stored.found.sentence[:40], "Where. Velocity", "How far. "):
@@ -102,7 +104,8 @@ def test_the_first_page_tells_all_and_holds_it_all():
 
 
 def test_verdict_stands_on_page_one_and_leads_to_the_chapter(fit_results):
-    (notice,) = [b for b in front(fit_results) if getattr(b, "title", "") == "Sim-to-real gap"]
+    blocks = build_document(fit_results).blocks
+    (notice,) = [b for b in blocks if getattr(b, "title", "") == "Sim-to-real gap"]
     assert words(notice.text).startswith("Named. Friction grows in proportion to the speed")
     assert Reference("diagnosis") in notice.text
     page = PdfReader(io.BytesIO(render_pdf(build_document(fit_results)))).pages[0]
@@ -111,9 +114,9 @@ def test_verdict_stands_on_page_one_and_leads_to_the_chapter(fit_results):
 
 def test_without_a_diagnosis_nothing_is_said(fit_results):
     plain = dataclasses.replace(fit_results, diagnosis=None)
-    assert not [b for b in front(plain) if getattr(b, "title", "") == "Sim-to-real gap"]
-    headings = [b.label for b in build_document(plain).blocks if isinstance(b, Heading)]
-    assert "diagnosis" not in headings
+    blocks = build_document(plain).blocks
+    assert not [b for b in blocks if getattr(b, "title", "") == "Sim-to-real gap"]
+    assert "diagnosis" not in [b.label for b in blocks if isinstance(b, Heading)]
 
 
 def test_probabilities_are_the_stored_ones_most_probable_first():
@@ -177,7 +180,7 @@ def test_axes_have_their_shares_and_blind_ones_say_so():
 def test_all_blind_axes_are_no_failure():
     blind = stored_diagnosis(where=(axis("wrap_angle", "deg", None), axis("rig", "1", None)))
     assert "No axis varied" in words(figures(blind)["where"].caption)
-    assert render_pdf(build_diagnosis_document(blind)).startswith(b"%PDF")
+    assert render_pdf(build_document(StoredResults(diagnosis=blind))).startswith(b"%PDF")
 
 
 def test_gap_table_is_in_thousandths_row_by_row():
@@ -227,7 +230,7 @@ def test_no_gap_names_nothing_and_gives_its_reasons():
 def test_unknown_and_unseparated_are_boxes_of_attention():
     for verdict, title in (("unknown", "Unknown (p"), ("unseparated", "Not told apart (p")):
         stored = stored_diagnosis(verdict=verdict, causes=())
-        (notice,) = [b for b in diagnosis_chapter(stored) if isinstance(b, Notice)]
+        (notice,) = [b for b in chapter(stored) if isinstance(b, Notice)]
         assert notice.kind == "attention"
         assert notice.title.startswith(title)
 
@@ -285,7 +288,7 @@ def test_a_diagnosis_of_another_recording_is_refused(fit_results, small_fit, tmp
         read_stored(tmp_path)
     (tmp_path / "diagnosis.nc").unlink()
     with pytest.raises(InputError, match=r"diagnosis\.nc.*bayesfric diagnose"):
-        read_diagnosis(tmp_path)
+        read_stored(tmp_path)
 
 
 def test_a_diagnosis_alone_has_its_report(tmp_path):

@@ -8,11 +8,11 @@ from margins.loops import loop, write_draws
 from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins
 from bayesfric.plots.margins import limit_cycle_against_gain, nyquist_fan
-from bayesfric.report.assembly import build_margins_document
-from bayesfric.report.chapters.margins import margins_chapter
+from bayesfric.report.assembly import build_document
+from bayesfric.report.chapters.margins import margins
 from bayesfric.report.content import Heading, Paragraph, Strong, Table
 from bayesfric.report.markdown import render_markdown
-from bayesfric.report.stored import read_stored
+from bayesfric.report.stored import StoredResults, read_stored
 from bayesfric.report.writing import write_report
 
 
@@ -25,7 +25,7 @@ def computed(tmp_path_factory):
 
 
 def test_the_first_line_says_which_gain_to_set(computed):
-    blocks = list(margins_chapter(computed.summary))
+    blocks = list(margins(computed.summary))
     assert isinstance(blocks[0], Heading)
     first = blocks[1]
     assert isinstance(first, Paragraph)
@@ -34,7 +34,7 @@ def test_the_first_line_says_which_gain_to_set(computed):
 
 
 def test_the_tables_hold_the_stored_figures(computed):
-    tables = [block for block in margins_chapter(computed.summary) if isinstance(block, Table)]
+    tables = [block for block in margins(computed.summary) if isinstance(block, Table)]
     (one,) = [table for table in tables if table.label == "margins-bench"]
     rows = {row[0]: row for row in one.rows}
     error = next(m for m in computed.summary.loops[0].metrics if m.name == "steady_error_servo")
@@ -49,7 +49,9 @@ def test_the_tables_hold_the_stored_figures(computed):
 
 
 def test_why_a_figure_is_missing_is_said(computed):
-    text = render_markdown(build_margins_document(computed.summary)).replace("\\", "")
+    text = render_markdown(build_document(StoredResults(margins=computed.summary))).replace(
+        "\\", ""
+    )
     assert "drive.continuous_current_a is not given" in text
     assert "Coulomb friction is not in the linear loop" in text
     assert re.search(r"2 draws, .* of the 2 inside the formula's", text)

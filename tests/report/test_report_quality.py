@@ -9,13 +9,13 @@ import xarray as xr
 from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters import checks, data_quality, predictions, summary
 from bayesfric.report.content import Figure, Paragraph, Table, inlines
-from bayesfric.report.stored import StoredResults
+from bayesfric.report.stored import StoredFit, StoredResults
 from bayesfric.schemas import Agreement, Interval, Repaired, WithoutExclusions
 
 
 @pytest.fixture(scope="module")
 def stored(wrap_fit):
-    return StoredResults(wrap_fit.summary, wrap_fit.draws, wrap_fit.predictive)
+    return StoredFit(wrap_fit.summary, wrap_fit.draws, wrap_fit.predictive)
 
 
 def words(text):
@@ -39,7 +39,7 @@ def with_quality(stored, **changes):
 def test_a_clean_recording_is_called_clean(stored):
     blocks = list(data_quality.data_quality(stored))
     text = paragraphs(blocks)
-    assert "No trial of the gravity board was left out." in text
+    assert "No trial was left out." in text
     assert "No Hall event was found missed or doubled." in text
     assert "No trial stalls." in text
     assert set(tables(blocks)) == {"agreement"}
@@ -148,7 +148,7 @@ def test_outliers_have_a_table_of_their_own(stored):
         ("pulleys", "proportional to n, without an offset, eqs. (6) and (7)"),
         ("wrap", "linear in the wrap angle"),
         ("wrap-slopes", "proportional to n, eqs. (10) and (11), and to T, eq. (9)"),
-        ("motor", "does not depend on speed"),
+        ("speed-runs", "does not depend on speed"),
     ],
 )
 def test_under_each_figure_stands_what_the_paper_says(stored, label, statement):
@@ -174,7 +174,7 @@ def test_each_figure_is_referred_to_or_stands_alone_in_its_chapter(stored):
     """Figures float, so that the text must say which one it means."""
     from bayesfric.report.content import Reference
 
-    document = build_document(stored)
+    document = build_document(StoredResults(stored))
     named = {
         inline.label
         for block in document.blocks

@@ -23,6 +23,7 @@ from bayesfric.report.content import (
     Strong,
     Table,
 )
+from bayesfric.report.formulas import FORMULAS, LAW
 from bayesfric.report.typst import render_pages, render_pdf
 
 FONTS = ("LibertinusSerif-", "NewCM", "DejaVuSansMono")
@@ -69,7 +70,7 @@ def test_structure_is_tagged_with_heads_and_alternative_text(pdf: PdfReader) -> 
         "A rectangle filled with blue.",
         "The same rectangle.",
     ]
-    assert [e["/Alt"] for e in elements(pdf, "/Formula")] == ["c_1", "friction law", "c_1"]
+    assert [e["/Alt"] for e in elements(pdf, "/Formula")] == ["c_1", FORMULAS[LAW].spoken, "c_1"]
     assert len(elements(pdf, "/Table")) == 2
     assert len(elements(pdf, "/TH")) == 4
     assert len(elements(pdf, "/TD")) == 9 + len(HOSTILE)

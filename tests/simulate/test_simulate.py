@@ -233,7 +233,7 @@ def test_motor_design_is_fixed_before_any_parameter():
 
 @pytest.mark.parametrize("rigs", [(), ("steady",), "motor"])
 def test_an_unknown_rig_is_refused(rigs):
-    with pytest.raises(ValueError, match="'gravity', 'motor' or both"):
+    with pytest.raises(ValueError, match="one or more of gravity, motor"):
         simulate_recording("quick", rigs=rigs)
 
 

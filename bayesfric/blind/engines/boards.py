@@ -1,4 +1,4 @@
-"""From a design and what is true to the two boards, ready to move and to be read."""
+"""The two boards of a case, from its design and its truth, before motion and readings."""
 
 from collections.abc import Sequence
 from dataclasses import replace

@@ -1,8 +1,8 @@
 """Outsiders: what a board may do that no effect of the package describes.
 
 Each names the axes along which its force really varies. Where a design has few levels of
-an axis, any curve through them is some effect's: so what varies with wrap angle or tension
-does not scale with the rest of friction as those effects do.
+an axis, some effect of the package fits any curve through them. So an outsider that varies
+with wrap angle or tension does not scale with the rest of friction as those effects do.
 """
 
 from collections.abc import Callable, Mapping

@@ -39,7 +39,6 @@ __all__ = [
     "effect_names",
     "forms",
     "make",
-    "outsider_axes",
     "outsider_names",
 ]
 
@@ -106,17 +105,6 @@ def forms(name: str) -> tuple[Form, ...]:
 def outsider_names() -> tuple[str, ...]:
     """Return what may be withheld and is no effect of the package's."""
     return tuple(OUTSIDERS_BY_NAME)
-
-
-def outsider_axes(name: str) -> tuple[str, ...]:
-    """Return the axes along which an outsider shows.
-
-    Raises
-    ------
-    KeyError
-        If there is no such outsider.
-    """
-    return OUTSIDERS_BY_NAME[name].axes
 
 
 def make(

@@ -10,22 +10,15 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
-from bayesfric.fitting.predictive.coverage import CELL, MASSES, coverage
+from bayesfric.fitting.predictive.coverage import CELL, coverage
 from bayesfric.fitting.predictive.left_out import LeftOut, uniformity
 from bayesfric.fitting.predictive.parameters import coefficients, densities, ranks
 from bayesfric.fitting.predictive.prior import PRIOR_DRAWS, friction_of_prior
 from bayesfric.inference.model import Model, RigLikelihood
-from bayesfric.physics.gravity import Condition
 from bayesfric.physics.laws import Baseline
-from bayesfric.recording.tables import Recording
 from bayesfric.rigs.bands import QUANTILES
-from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
-from bayesfric.rigs.gravity_board.predictions import curves, trials
-from bayesfric.rigs.gravity_board.screening import Screened
-from bayesfric.rigs.gravity_board.slopes import paper_slopes
-from bayesfric.rigs.gravity_board.trajectories import trajectories
-from bayesfric.rigs.motor_board.likelihood import MotorLikelihood
-from bayesfric.rigs.motor_board.predictions import runs
+from bayesfric.rigs.base import Predictive, RigTrials
+from bayesfric.rigs.data import Data
 from bayesfric.rigs.remaking import Remade, remake
 
 __all__ = ["QUANTILES", "predict"]
@@ -35,9 +28,7 @@ DRAWS = 1000  # enough for a 5 % quantile to a twentieth of an sd
 
 
 def predict(
-    recording: Recording,
-    screened: Screened | None,
-    likelihoods: Mapping[str, RigLikelihood],
+    data: Data,
     model: Model,
     theta: Array,
     left_out: Mapping[str, LeftOut],
@@ -48,14 +39,10 @@ def predict(
 
     Parameters
     ----------
-    recording : Recording
-        As read.
-    screened : Screened or None
-        The gravity trials that entered; None where that board did not.
-    likelihoods : mapping of str to RigLikelihood
-        Of the fit, by rig.
+    data : Data
+        Trials that entered.
     model : Model
-        Of the fit.
+        Of the fit; its likelihoods are those of the rigs of `data`.
     theta : ndarray, shape (ensembles, draws, walkers, D)
         Posterior draws in the parameters' units.
     left_out : mapping of str to LeftOut
@@ -71,16 +58,14 @@ def predict(
         ``coefficients``: quantiles, and their ratio to Table I for its sizes.
         ``densities``: of each parameter, prior and posterior.
         ``ranks``: how the draws of each ensemble rank among all.
-        Of the gravity board, ``trials``: friction observed, and predicted for a new
-        trial on a new assembly, with z and coverage; ``curves``: friction against tension
-        at each (size, n, θ) cell, of the law and of Table I; ``tension_lines`` and
-        ``wrap_lines``: the paper's slopes; ``trajectories``: a few trials, measured and
-        predicted from their first speed alone. Of the motor board, ``runs``: friction
-        observed, and predicted for a new run on a new assembly, with z and coverage.
-        Both with ``loo_pit``, the probability of less friction had the trial been left
-        out, and ``pareto_k`` of its weights; ``trial_checks`` and ``run_checks``: how far
-        these are from uniform, and coverage by condition. ``prior``: friction that the
-        priors alone imply, of the gravity board where it enters.
+        Of each rig a group that is called as its trials are (``trials``, ``runs``), with
+        the attributes ``rig``, ``title``, ``trial``, ``trials`` and ``id`` (its dimension):
+        friction observed, and predicted
+        for a new trial on a new assembly, with z and coverage; ``loo_pit``, the
+        probability of less friction had the trial been left out, and ``pareto_k`` of its
+        weights. Of each rig ``trial_checks`` (``run_checks``): how far these are from
+        uniform, and coverage by condition. Beside it what the rig alone can show.
+        ``prior``: friction that the priors alone imply, of the first rig.
     """
     rng = np.random.default_rng(np.random.SeedSequence([analysis.seed, 1]))
     checks = np.random.default_rng(np.random.SeedSequence([analysis.seed, 2]))
@@ -92,41 +77,37 @@ def predict(
         "densities": densities(model, flat),
         "ranks": ranks(model, theta),
     }
-    for likelihood in likelihoods.values():
+    for trials, likelihood in zip(data.rigs, model.likelihoods, strict=True):
+        rig, words = trials.rig, trials.rig.words
         factor = 1 + likelihood.draw_scatter(named, rng)
         remade = remake(likelihood, named, factor - 1, checks)
-        if isinstance(likelihood, GravityLikelihood) and screened is not None:
-            assert recording.gravity is not None
-            recorded = recording.gravity.trials
-            table = trials(likelihood, recorded, named, factor, remade)
-            found = _checked("trial", table, likelihood, left_out["gravity"], remade)
-            groups |= {"trials": found[0], "trial_checks": found[1]}
-            groups["prior"] = _prior(table, likelihood, model, named, analysis, baseline)
-            groups["curves"] = curves(likelihood, named, baseline)
-            groups |= paper_slopes(
-                likelihood, screened.gravity, recording.rig, named, baseline, checks
-            )
-            groups["trajectories"] = trajectories(
-                likelihood, screened.gravity, recording.rig, named, factor, baseline
-            )
-        elif isinstance(likelihood, MotorLikelihood):
-            assert recording.motor is not None
-            table = runs(likelihood, recording.motor.runs, named, factor, remade)
-            found = _checked("run", table, likelihood, left_out["motor"], remade)
-            groups |= {"runs": found[0], "run_checks": found[1]}
-            if "prior" not in groups:
-                groups["prior"] = _prior(table, likelihood, model, named, analysis, baseline)
+        view = Predictive(likelihood, baseline, named, factor, remade, checks)
+        table = trials.predicted(view).assign_attrs(
+            rig=rig.name,
+            title=words.rig,
+            trial=words.trial,
+            trials=words.trials,
+            id=words.trial,
+        )
+        groups[words.trials], groups[f"{words.trial}_checks"] = _checked(
+            trials, table, likelihood, left_out[rig.name], remade
+        )
+        if "prior" not in groups:
+            groups["prior"] = _prior(trials, table, model, named, analysis, baseline)
+        groups |= trials.figures(view)
     return xr.DataTree.from_dict(groups)
 
 
 def _checked(
-    trial: str, table: xr.Dataset, likelihood: RigLikelihood, left: LeftOut, remade: Remade
+    trials: RigTrials, table: xr.Dataset, likelihood: RigLikelihood, left: LeftOut, remade: Remade
 ) -> tuple[xr.Dataset, xr.Dataset]:
     """Return the table of trials with what leaving them out says, and the checks over all."""
-    checks = coverage(likelihood.trials, likelihood.sizes, remade, table["friction_n"].to_numpy())
+    observed = table["friction_n"].to_numpy()
+    checks = coverage(likelihood.trials, likelihood.sizes, trials.loads, remade, observed)
     if left.trials is None:
         return table, checks
-    table = table.assign(loo_pit=(trial, left.pit), pareto_k=(trial, left.trials.pareto_k))
+    one = trials.rig.words.trial
+    table = table.assign(loo_pit=(one, left.pit), pareto_k=(one, left.trials.pareto_k))
     found = uniformity(left.pit, left.again)
     return table, checks.assign_coords(probability=found.grid).assign(
         pit_difference=("probability", found.difference),
@@ -135,8 +116,8 @@ def _checked(
 
 
 def _prior(
+    trials: RigTrials,
     table: xr.Dataset,
-    likelihood: RigLikelihood,
     model: Model,
     named: dict[str, Array],
     analysis: Analysis,
@@ -145,14 +126,11 @@ def _prior(
     """Return what the priors imply of friction, by condition."""
     rng = np.random.default_rng(np.random.SeedSequence([analysis.seed, 4]))
     prior = model.by_name(model.draw_prior(PRIOR_DRAWS, rng))
-    key = [*CELL, *(name for name in MASSES if name in likelihood.trials)]
+    likelihood = model.likelihoods[0]
+    key = [*CELL, *trials.loads]
     measured = {name: table[name].to_numpy() for name in ("tension_n", "friction_n")}
-    if isinstance(likelihood, MotorLikelihood):  # signed there: it is against the motion
+    if trials.rig.motion == "steady":  # signed there: it is against the motion
         measured["friction_n"] = np.abs(measured["friction_n"])
     rows = likelihood.trials[key].assign(**measured)
     rows = rows.groupby(key, sort=False, as_index=False).mean()
-    board = None
-    if isinstance(likelihood, GravityLikelihood):
-        n, wrap, drive, load = (rows[name].to_numpy(dtype=np.float64) for name in key[1:])
-        board = Condition(n, wrap, drive, load, likelihood.condition.gravity_m_s2)
-    return friction_of_prior(rows, board, prior, named, baseline)
+    return friction_of_prior(rows, trials.resting(rows), prior, named, baseline)

@@ -10,16 +10,19 @@ from numpy.typing import NDArray
 from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.remaking import Remade
 
-__all__ = ["CELL", "LEVELS", "MASSES", "coverage"]
+__all__ = ["CELL", "LEVELS", "coverage"]
 
 Array = NDArray[np.float64]
 LEVELS = (0.5, 0.9)
 CELL = ("pulley_size", "n_pulleys", "wrap_angle_deg")
-MASSES = ("mass_drive_kg", "mass_load_kg", "hanging_mass_kg")
 
 
 def coverage(
-    table: pd.DataFrame, sizes: Sequence[str], remade: Remade, observed: Array
+    table: pd.DataFrame,
+    sizes: Sequence[str],
+    loads: Sequence[str],
+    remade: Remade,
+    observed: Array,
 ) -> xr.Dataset:
     """Count the trials inside the central intervals of new trials on new assemblies.
 
@@ -29,6 +32,8 @@ def coverage(
         The N trials or runs.
     sizes : sequence of str
         Pulley sizes in the order in which their conditions stand.
+    loads : sequence of str
+        Columns that, with size, n and wrap angle, make a condition.
     remade : Remade
         New trials, and whole recordings made again.
     observed : ndarray, shape (N,)
@@ -37,7 +42,7 @@ def coverage(
     Returns
     -------
     Dataset
-        Over each ``condition`` (size, n, θ, masses), each ``cell`` (size, n, θ) and all:
+        Over each ``condition`` (size, n, θ, loads), each ``cell`` (size, n, θ) and all:
         ``…_share``, of trials inside, by level; ``…_expected``, 5, 50 and 95 % quantile of
         that share if the recording were made again; ``…_trials``, how many there are.
     """
@@ -51,7 +56,7 @@ def coverage(
             for bottom, top in zip(low, high, strict=True)
         ]
     )
-    columns = [*CELL, *(name for name in MASSES if name in table)]
+    columns = [*CELL, *loads]
     ranked = table.assign(rank=table["pulley_size"].map(list(sizes).index))
     groups = {
         "condition": ranked.groupby(["rank", *columns[1:]]),

@@ -8,8 +8,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.gravity import Condition, nominal_tension
 from bayesfric.physics.laws import Baseline
+from bayesfric.rigs.base import Resting
 
 __all__ = ["PRIOR_DRAWS", "PRIOR_QUANTILES", "friction_of_prior"]
 
@@ -20,7 +20,7 @@ PRIOR_QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 
 def friction_of_prior(
     conditions: pd.DataFrame,
-    board: Condition | None,
+    resting: Resting | None,
     prior: Mapping[str, Array],
     posterior: Mapping[str, Array],
     baseline: Baseline,
@@ -32,9 +32,8 @@ def friction_of_prior(
     conditions : DataFrame
         A row each: ``pulley_size``, ``n_pulleys``, ``wrap_angle_deg``, ``tension_n``, the
         nominal tension at which friction was measured, and ``friction_n``.
-    board : Condition or None
-        The same conditions of the gravity board, arrays of shape (C,); None is the motor
-        board, whose motor moves whatever the friction.
+    resting : Resting or None
+        What holds the same conditions at rest; None where the rig moves whatever friction is.
     prior, posterior : mapping of str to ndarray, shape (W,)
         Draws by parameter.
     baseline : Baseline
@@ -52,15 +51,14 @@ def friction_of_prior(
     """
     sizes = [str(size) for size in dict.fromkeys(conditions["pulley_size"])]
     count, quantiles = len(conditions), len(PRIOR_QUANTILES)
-    resting = None if board is None else nominal_tension(board, 0.0)
     found: dict[str, object] = {
         name: ("condition", conditions[name].to_numpy())
         for name in ("pulley_size", "n_pulleys", "wrap_angle_deg", "tension_n")
     }
     found["measured_n"] = ("condition", conditions["friction_n"].to_numpy())
     found["measured_range_n"] = (("pulley", "end"), np.empty((len(sizes), 2)))
-    if board is not None:
-        found["drive_n"] = ("condition", board.drive_force_n)
+    if resting is not None:
+        found["drive_n"] = ("condition", resting.drive_n)
     by_condition = {name: np.empty((count, quantiles)) for name in ("prior", "posterior")}
     pooled = {name: np.empty((len(sizes), quantiles)) for name in by_condition}
     stuck = {name: np.zeros(len(sizes)) for name in by_condition}
@@ -81,10 +79,10 @@ def friction_of_prior(
             pooled[name][place] = np.quantile(friction, PRIOR_QUANTILES)
             if name == "prior":
                 negative[place] = (friction < 0).mean()
-            if board is not None and resting is not None:
+            if resting is not None:
                 # At rest both sides hang still: the tension is higher than in motion.
-                holds = baseline.at_tension(law, n, wrap, resting[here])
-                rests = holds >= board.drive_force_n[here]
+                holds = baseline.at_tension(law, n, wrap, resting.tension_n[here])
+                rests = holds >= resting.drive_n[here]
                 stuck[name][place] = rests.mean()
                 somewhere[name][place] = rests.any(axis=1).mean()
     found["measured_range_n"] = (("pulley", "end"), extremes)
@@ -92,7 +90,7 @@ def friction_of_prior(
     for name in by_condition:
         found[f"{name}_n"] = (("condition", "level"), by_condition[name])
         found[f"{name}_pooled_n"] = (("pulley", "level"), pooled[name])
-        if board is not None:
+        if resting is not None:
             found[f"{name}_stuck"] = ("pulley", stuck[name])
             found[f"{name}_stuck_somewhere"] = ("pulley", somewhere[name])
     return xr.Dataset(found, coords={"pulley": sizes, "level": list(PRIOR_QUANTILES)})

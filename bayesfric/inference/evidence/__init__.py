@@ -1,10 +1,8 @@
 """Evidence of a density and what leaving data out predicts; knows nothing of friction."""
 
 from bayesfric.inference.evidence.bridge import bridge_evidence, bridge_ratio, in_one_place
-from bayesfric.inference.evidence.conjugate import LinearGaussian
-from bayesfric.inference.evidence.importance import laplace_draws, laplace_evidence, reliable_draws
+from bayesfric.inference.evidence.importance import laplace_draws, reliable_draws
 from bayesfric.inference.evidence.leave_out import ELPD, Difference, difference, elpd, loo_pit
-from bayesfric.inference.evidence.nested import savage_dickey
 from bayesfric.inference.evidence.record import Evidence, SeparatedModes, agree
 from bayesfric.inference.evidence.refit import Refit, refit_without
 
@@ -12,7 +10,6 @@ __all__ = [
     "ELPD",
     "Difference",
     "Evidence",
-    "LinearGaussian",
     "Refit",
     "SeparatedModes",
     "agree",
@@ -22,9 +19,7 @@ __all__ = [
     "elpd",
     "in_one_place",
     "laplace_draws",
-    "laplace_evidence",
     "loo_pit",
     "refit_without",
     "reliable_draws",
-    "savage_dickey",
 ]

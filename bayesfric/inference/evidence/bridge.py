@@ -48,7 +48,7 @@ def bridge_evidence(
 ) -> Evidence:
     """Estimate the log evidence from converged draws.
 
-    A place that no walker has found cannot be noticed.
+    A mode that no walker has found cannot be noticed.
 
     Parameters
     ----------
@@ -68,8 +68,8 @@ def bridge_evidence(
     Raises
     ------
     SeparatedModes
-        Ensembles or walkers sit in different places, or nothing like a Student-t
-        overlaps with the draws.
+        Ensembles or walkers sample different modes, or no Student-t overlaps with the
+        draws.
     ValueError
         Draws of another shape, not finite, or where the density is zero.
     """
@@ -180,7 +180,7 @@ def _spread(count: int, available: int) -> NDArray[np.int_]:
 
 
 def in_one_place(draws: Array) -> bool:
-    """Say whether ensembles and walkers sit in one place, as :func:`bridge_evidence` needs.
+    """Return whether ensembles and walkers sample one mode, as :func:`bridge_evidence` needs.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ from bayesfric.inference.evidence.proposal import LogDensity, Proposal, evaluate
 from bayesfric.inference.evidence.record import Evidence
 from bayesfric.inference.laplace import Laplace
 
-__all__ = ["laplace_draws", "laplace_evidence", "reliable_draws"]
+__all__ = ["laplace_draws", "reliable_draws"]
 
 Array = NDArray[np.float64]
 
@@ -32,13 +32,13 @@ LEAST_SIZE = 200
 SIZES = 2000, 4000  # of a sample, and of another where the first is not to be relied on
 
 
-def laplace_evidence(
+def laplace_draws(
     log_density: LogDensity,
     laplace: Laplace,
     seed: int | np.random.Generator,
     size: int = 2000,
-) -> Evidence:
-    """Estimate the log evidence around one mode.
+) -> tuple[Evidence, Array]:
+    """Estimate the log evidence around one mode, and resample the points by their weights.
 
     Where the tail of the weights is bad, the proposal is fitted anew to the weighted
     sample, once, and a fresh sample drawn. A mode far from this one cannot be noticed.
@@ -56,34 +56,8 @@ def laplace_evidence(
 
     Returns
     -------
-    Evidence
-        Of infinite error where the Pareto k is above 0.7.
-
-    Raises
-    ------
-    ValueError
-        Too small a sample, or the density is zero at all of its points.
-    """
-    return laplace_draws(log_density, laplace, seed, size)[0]
-
-
-def laplace_draws(
-    log_density: LogDensity,
-    laplace: Laplace,
-    seed: int | np.random.Generator,
-    size: int = 2000,
-) -> tuple[Evidence, Array]:
-    """Estimate the log evidence around one mode, and resample the points by their weights.
-
-    Parameters
-    ----------
-    log_density, laplace, seed, size
-        As for :func:`laplace_evidence`.
-
-    Returns
-    -------
     evidence : Evidence
-        As of :func:`laplace_evidence`.
+        Of infinite error where the Pareto k is above 0.7.
     draws : ndarray, shape (size, D)
         Of the density, some of them more than once; as good as the evidence is.
 
@@ -114,14 +88,15 @@ def laplace_draws(
 def reliable_draws(
     log_density: LogDensity, laplace: Laplace, seed: int
 ) -> tuple[Evidence, Array] | None:
-    """Estimate and resample, with more points where few are not to be relied on.
+    """Estimate and resample, again with more points where the first sample is unreliable.
 
-    Of a density with tails that are just light enough, one sample in eight looks too heavy.
+    Where the tails of a density are barely light enough, one sample in eight has a Pareto k
+    above its limit by chance.
 
     Parameters
     ----------
     log_density, laplace, seed
-        As for :func:`laplace_evidence`.
+        As for :func:`laplace_draws`.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""How well data are predicted that were left out, from draws that saw them.
+"""Leave-one-group-out predictive densities, from draws of the posterior of all data.
 
 The groups of a joint normal are not independent given the parameters θ, so what is
 left out is a group g given all others: its density is p(y_g | y_−g, θ). Since
@@ -6,8 +6,8 @@ left out is a group g given all others: its density is p(y_g | y_−g, θ). Sinc
     p(θ | y_−g) ∝ p(θ | y) / p(y_g | y_−g, θ)
 
 holds without any independence, draws of p(θ | y) with the weights 1/p(y_g | y_−g, θ)
-are draws that have not seen g, and the leave-one-out density is the mean over them of
-that same conditional density. The weights are Pareto-smoothed; where that
+are draws of the posterior without g, and the leave-one-out density is the mean over them
+of that same conditional density. The weights are Pareto-smoothed; where that
 fails, only an exact refit without the group helps.
 
 References
@@ -55,7 +55,7 @@ class ELPD:
     refitted : ndarray of bool, shape (G,)
         Which come from an exact refit.
     limit_k : float
-        What `pareto_k` may be with as many draws.
+        Largest `pareto_k` that is reliable with this number of draws.
     """
 
     pointwise: Array
@@ -70,7 +70,7 @@ class ELPD:
 
     @property
     def se(self) -> float:
-        """Standard error of the total over other groups of the kind; inf for a single one."""
+        """Standard error of the total, over new groups of the same kind; inf for a single one."""
         return _standard_error(self.pointwise)
 
     @property
@@ -189,9 +189,10 @@ def difference(first: ELPD, second: ELPD) -> Difference:
 
 
 def loo_pit(cdf: Array, log_likelihood: Array, r_eff: float = 1.0) -> Array:
-    """Return the probability that a group would be lower than it was, had it been left out.
+    """Return the leave-one-out probability integral transform (LOO-PIT) of each group.
 
-    Uniform from 0 to 1 over the groups of a model that is right.
+    It is the probability, had the group been left out, of a lower value than was observed;
+    uniform from 0 to 1 over the groups where the model is right.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What an estimate of a log evidence says, and when it refuses to be one."""
+"""An estimate of a log evidence, and its refusal where modes are separated."""
 
 from dataclasses import dataclass
 
@@ -8,9 +8,9 @@ __all__ = ["Evidence", "SeparatedModes", "agree"]
 
 
 class SeparatedModes(ValueError):  # noqa: N818 — a finding about the density, named as one
-    """The draws sit in places between which they do not move; the message has the numbers.
+    """The draws lie in modes between which they do not move; the message has the numbers.
 
-    How much probability each place holds is then not known from the draws, so no
+    How much probability each mode holds is then not known from the draws, so no
     evidence is guessed.
     """
 
@@ -38,7 +38,7 @@ class Evidence:
 
     @property
     def reliable(self) -> bool:
-        """Whether the error is one."""
+        """Whether the error is finite."""
         return bool(np.isfinite(self.error))
 
 

@@ -1,12 +1,12 @@
-"""Draws that have not seen a group: the posterior without it, sampled anew.
+"""The posterior without one group of the data, sampled anew.
 
-Where the weights of leave-one-out fail, the group decides so much that draws which saw
-it are of no use. The density without it is known all the same,
+Where the weights of leave-one-out fail, the group decides so much that draws of the
+posterior of all data are of no use. The density without it is known all the same,
 
     p(θ | y_−g) ∝ p(θ | y) / p(y_g | y_−g, θ),
 
-so nothing has to be built again: its mode is climbed to from that of all the data, and
-it is sampled around it by importance.
+so no model is built again: the mode is climbed to from that of all the data, and the
+density is sampled around it by importance.
 
 References
 ----------

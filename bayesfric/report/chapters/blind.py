@@ -20,22 +20,15 @@ from bayesfric.report.content import (
     Text,
 )
 from bayesfric.report.quantities import MISSING, format_fixed, format_share
-from bayesfric.report.stored import StoredResults
 from bayesfric.schemas import Estimate, Rate, ScorecardFile, Target
 
-__all__ = ["blind", "blind_chapter", "scorecard_line", "scored_from"]
+__all__ = ["blind_chapter", "scorecard_line", "scored_from"]
 
 SOURCES = {
     "design": "Kinds and strengths are laid out in fixed proportions.",
     "prior": "What is withheld is drawn from the prior that a diagnosis reports.",
     "user": "The recording and its answer are a user's.",
 }
-
-
-def blind(stored: StoredResults) -> Iterator[Block]:
-    """Yield the chapter, where there is a scorecard."""
-    if stored.scorecard is not None:
-        yield from blind_chapter(stored.scorecard)
 
 
 def scorecard_line(card: ScorecardFile) -> Notice:

@@ -1,12 +1,12 @@
 """Whether the fit predicts its own data: residuals by trial, and coverage."""
 
 from collections.abc import Iterator
-from typing import Literal
 
 import numpy as np
 import xarray as xr
 
 from bayesfric.plots.residuals import residuals_by_order
+from bayesfric.plots.rig_tables import RigTable, rig_tables
 from bayesfric.plots.style import to_svg
 from bayesfric.report.chapters.left_out import left_out
 from bayesfric.report.content import (
@@ -20,16 +20,21 @@ from bayesfric.report.content import (
     Table,
 )
 from bayesfric.report.quantities import format_count, format_fixed, format_number, format_share
-from bayesfric.report.stored import StoredResults
+from bayesfric.report.stored import StoredFit
 
 __all__ = ["checks"]
 
-Group = Literal["trials", "runs"]
 CELL = ("pulley_size", "n_pulleys", "wrap_angle_deg")
-BOARDS: dict[Group, str] = {"trials": "gravity", "runs": "motor"}
+CONDITION = (
+    ("pulley_size", Column("pulley"), str),
+    ("n_pulleys", Column("n", align="right"), lambda value: format_count(int(value))),
+    ("wrap_angle_deg", Column("wrap angle", "°", "right"), lambda value: f"{value:g}"),
+    ("tension_n", Column("tension", "N", "decimal"), lambda value: format_number(value, 3)),
+)
+"""Of a trial: column, its head, how it is written."""
 
 
-def checks(stored: StoredResults) -> Iterator[Block]:
+def checks(stored: StoredFit) -> Iterator[Block]:
     """Yield coverage of the predictive intervals, outliers and the figure of residuals."""
     yield Heading(1, "Predictive checks")
     yield Paragraph(
@@ -42,13 +47,13 @@ def checks(stored: StoredResults) -> Iterator[Block]:
             " counts the trials inside their interval.",
         ]
     )
-    groups = [group for group in BOARDS if group in stored.predictive]
-    yield _coverage(stored, groups)
-    for group in groups:
-        if (name := f"{group.removesuffix('s')}_checks") in stored.predictive:
-            yield _by_cell(stored.predictive[name].to_dataset(), group)
-    for group in groups:
-        yield from _outliers(stored.predictive[group].to_dataset(), group)
+    rigs = rig_tables(stored.predictive)
+    yield _coverage(rigs)
+    for one in rigs:
+        if one.checks is not None and "cell_pulley_size" in one.checks:
+            yield _by_cell(one, one.checks)
+    for one in rigs:
+        yield from _outliers(one)
     yield Figure(
         to_svg(residuals_by_order(stored.predictive)),
         [
@@ -65,16 +70,16 @@ def checks(stored: StoredResults) -> Iterator[Block]:
     yield from left_out(stored)
 
 
-def _coverage(stored: StoredResults, groups: list[Group]) -> Table:
+def _coverage(rigs: tuple[RigTable, ...]) -> Table:
     rows = []
-    for group in groups:
-        table = stored.predictive[group].to_dataset()
+    for one in rigs:
+        table = one.table
         low, _, high = table["covered_expected"].to_numpy()
         share = float(table["covered_share"])
         rows.append(
             [
-                f"{BOARDS[group]} board, {group}",
-                format_count(table["z"].size),
+                f"{one.title}, {one.trials}",
+                format_count(one.count),
                 format_share(share, 3),
                 f"{format_share(float(low), 3)} to {format_share(float(high), 3)}",
                 "yes" if low <= share <= high else "no",
@@ -96,7 +101,7 @@ def _coverage(stored: StoredResults, groups: list[Group]) -> Table:
     )
 
 
-def _by_cell(table: xr.Dataset, group: Group) -> Table:
+def _by_cell(one: RigTable, table: xr.Dataset) -> Table:
     conditions = {
         key: int(number)
         for key, number in zip(
@@ -114,8 +119,8 @@ def _by_cell(table: xr.Dataset, group: Group) -> Table:
             format_count(int(row["cell_trials"])),
         ]
         for level in (0.5, 0.9):
-            one = row.sel(level=level)
-            cells += [_percent(one["cell_share"]), _expected(one["cell_expected"])]
+            at = row.sel(level=level)
+            cells += [_percent(at["cell_share"]), _expected(at["cell_expected"])]
         rows.append(cells)
     whole = [
         "all",
@@ -125,23 +130,23 @@ def _by_cell(table: xr.Dataset, group: Group) -> Table:
         format_count(int(table["all_trials"])),
     ]
     for level in (0.5, 0.9):
-        one = table.sel(level=level)
-        whole += [_percent(one["all_share"]), _expected(one["all_expected"])]
+        at = table.sel(level=level)
+        whole += [_percent(at["all_share"]), _expected(at["all_expected"])]
     return Table(
-        f"Coverage by condition, {BOARDS[group]} board: {group} inside their predictive interval.",
+        f"Coverage by condition, {one.title}: {one.trials} inside their predictive interval.",
         [
             "pulley",
             Column("n", align="right"),
             Column("wrap angle", "°", align="right"),
             Column("conditions", align="right"),
-            Column(group, align="right"),
+            Column(one.trials, align="right"),
             Column("in 50 %", "%", align="right"),
             Column("made again", "%", align="right"),
             Column("in 90 %", "%", align="right"),
             Column("made again", "%", align="right"),
         ],
         [*rows, whole],
-        label=f"coverage-{group}",
+        label=f"coverage-{one.trials}",
         note=[
             "Made again: the share, 5 % to 95 %, that the fit expects of another recording of the "
             "same design. A row is one number of pulleys at one angle with all of its masses; few "
@@ -166,35 +171,25 @@ def _expected(share: xr.DataArray) -> str:
     return f"{low:.0f} to {high:.0f}"
 
 
-def _outliers(table: xr.Dataset, group: Group) -> Iterator[Block]:
-    limit = format_number(float(table["z_limit"]), 3)
-    one = group.removesuffix("s")
-    chosen = table["outlier"].to_numpy().astype(bool)
+def _outliers(one: RigTable) -> Iterator[Block]:
+    limit = format_number(float(one.table["z_limit"]), 3)
+    chosen = one.table["outlier"].to_numpy().astype(bool)
     if not chosen.any():
-        yield Paragraph(f"No {one} of the {BOARDS[group]} board lies beyond |z| = {limit}.")
+        yield Paragraph(f"No {one.trial} of the {one.title} lies beyond |z| = {limit}.")
         return
-    far = table.isel({one: chosen})
+    far = one.table.isel({one.id: chosen})
+    known = [(name, head, write) for name, head, write in CONDITION if name in far]
     yield Table(
-        f"Outliers of the {BOARDS[group]} board, beyond |z| = {limit}.",
-        [
-            one,
-            "pulley",
-            Column("n", align="right"),
-            Column("wrap angle", "°", align="right"),
-            Column("tension", "N", align="decimal"),
-            Column("z", align="decimal"),
-        ],
+        f"Outliers of the {one.title}, beyond |z| = {limit}.",
+        [one.trial, *(head for _, head, _ in known), Column("z", align="decimal")],
         [
             [
-                str(row[one].item()),
-                str(row["pulley_size"].item()),
-                format_count(int(row["n_pulleys"])),
-                f"{float(row['wrap_angle_deg']):g}",
-                format_number(float(row["tension_n"]), 3),
+                str(row[one.id].item()),
+                *(write(row[name].item()) for name, _, write in known),
                 format_number(float(row["z"]), 3),
             ]
-            for row in (far.isel({one: place}) for place in range(far.sizes[one]))
+            for row in (far.isel({one.id: place}) for place in range(far.sizes[one.id]))
         ],
-        label=f"outliers-{group}",
+        label=f"outliers-{one.trials}",
         note="One recording in twenty that obeys the model would have a trial beyond that limit.",
     )

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+import xarray as xr
+
 from bayesfric.plots.claims import against_rivals, over_prior_width
 from bayesfric.plots.style import to_svg
 from bayesfric.report.content import (
@@ -19,7 +21,7 @@ from bayesfric.report.content import (
     Table,
 )
 from bayesfric.report.quantities import format_fixed
-from bayesfric.report.stored import StoredResults
+from bayesfric.report.stored import StoredClaims
 from bayesfric.schemas import ClaimResult, ClaimsFile
 
 __all__ = ["claims", "verdicts"]
@@ -37,11 +39,9 @@ FAMILIES = {
 }
 
 
-def verdicts(stored: StoredResults) -> Iterator[Block]:
-    """Yield the verdict table of page one, where claims were judged."""
-    if stored.claims is None:
-        return
-    fallen = [one for one in stored.claims.claims if one.verdict == "refuted"]
+def verdicts(found: ClaimsFile) -> Iterator[Block]:
+    """Yield the verdict table of page one."""
+    fallen = [one for one in found.claims if one.verdict == "refuted"]
     for one in fallen:
         yield Notice("attention", [Code(one.id), f": {one.reason}"], title="Refuted")
     yield Table(
@@ -63,22 +63,20 @@ def verdicts(stored: StoredResults) -> Iterator[Block]:
                 format_fixed(one.elpd_difference, 1),
                 _elpd_error(one),
             ]
-            for one in stored.claims.claims
+            for one in found.claims
         ],
         label="verdicts",
-        note="Bayes factors are in favour of the claim, against the average of its rivals; Δelpd "
-        "says how much better than its best rival the claim predicts an assembly that was left "
+        note="Bayes factors are in favour of the claim, against the best of its rivals; Δelpd "
+        "says how much better than that one the claim predicts an assembly that was left "
         "out, in nat; its error stands in brackets where it is not to be relied on (a difference "
         "below 4 nat, fewer than 20 assemblies, or a bad Pareto k). A claim without rivals "
         "rests on a probability or on arithmetic.",
     )
 
 
-def claims(stored: StoredResults) -> Iterator[Block]:
+def claims(stored: StoredClaims) -> Iterator[Block]:
     """Yield each claim with what its verdict rests on."""
-    found = stored.claims
-    if found is None:
-        return
+    found = stored.found
     by_name = {one.id: one for one in found.claims}
     yield Heading(1, "The paper's claims")
     yield Paragraph(_rules(found))
@@ -92,7 +90,7 @@ def claims(stored: StoredResults) -> Iterator[Block]:
         yield Heading(2, "Further claims")
         for one in by_name.values():
             yield from _claim(one)
-    yield from _figures(stored, found)
+    yield from _figures(found, stored.curves)
     yield Heading(2, "The paper against itself")
     yield BulletList(
         [
@@ -136,29 +134,32 @@ def _elpd_error(one: ClaimResult) -> str:
 
 def _rules(found: ClaimsFile) -> list[str]:
     rule = found.rules
+    support = rule["support_log10_bayes_factor"]
+    over_width = rule.get("support_over_width_log10_bayes_factor", support)  # once it was one
     return [
-        "A claim is supported where its log₁₀ Bayes factor against the equal-weight average of its "
-        f"rivals is at least {rule['support_log10_bayes_factor']:g} and the 95 % upper bound of "
+        "A claim is supported where its log₁₀ Bayes factor against the best of its "
+        f"rivals is at least {support:g} and the 95 % upper bound of "
         f"the effect is below {rule['region_of_equivalence']:.0%} of friction, at 1.3 m/s or at "
         "the edge of the paper's Table II. It is refuted where the factor is at most "
         f"{format_fixed(rule['refute_log10_bayes_factor'], 0)}, the effect is above that share "
         f"with probability {rule['refute_effect_probability']:g} and the rival predicts assemblies "
         f"better by more than {rule['refute_elpd_errors']:g} standard errors. Both must hold over "
-        "a tenfold change of the width of the rivals' priors. A claim without rivals is supported "
+        "a tenfold change of the width of the rivals' priors, support with a factor of at least "
+        f"{over_width:g}. A claim without rivals is supported "
         f"at a probability of {rule['support_probability']:g} and refuted at "
-        f"{rule['refute_probability']:g}; the coefficients are refuted where the joint tail "
-        f"probability of Table I is below {rule['refute_tail_probability']:g}. All else is "
+        f"{rule['refute_probability']:g}; the coefficients only where the joint tail "
+        f"probability of Table I is below {rule['refute_tail_probability']:g} too. All else is "
         "undecided."
     ]
 
 
-def _figures(stored: StoredResults, found: ClaimsFile) -> Iterator[Block]:
+def _figures(found: ClaimsFile, curves: xr.DataTree) -> Iterator[Block]:
     factors = {
         one.id: rivals
         for one in found.claims
         if isinstance(rivals := one.figures.get("log10_bayes_factor_against"), dict)
     }
-    if not factors or stored.claim_curves is None:
+    if not factors:
         return
     yield Heading(2, "Against each rival")
     yield Paragraph(
@@ -186,7 +187,7 @@ def _figures(stored: StoredResults, found: ClaimsFile) -> Iterator[Block]:
     yield Figure(
         to_svg(
             over_prior_width(
-                stored.claim_curves,
+                curves,
                 rule["support_log10_bayes_factor"],
                 rule["refute_log10_bayes_factor"],
             )

@@ -2,10 +2,11 @@
 
 from collections.abc import Iterator
 
+from bayesfric.plots.rig_tables import rig_tables
 from bayesfric.report.chapters.symbols import EXPONENTS, symbol, unit_head
 from bayesfric.report.content import Block, Code, Column, Heading, Inline, Paragraph, Table
 from bayesfric.report.quantities import MISSING, format_count, format_number, format_share
-from bayesfric.report.stored import StoredResults
+from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import DataQuality, FitFile
 
 __all__ = ["data_quality"]
@@ -13,18 +14,21 @@ __all__ = ["data_quality"]
 SHOWN = 30  # rows of a table; a recording that is worse is read in fit.json
 
 
-def data_quality(stored: StoredResults) -> Iterator[Block]:
+def data_quality(stored: StoredFit) -> Iterator[Block]:
     """Yield trials left out, repaired events, agreement of the sensors, and stalls."""
     quality = stored.fit.data_quality
     yield Heading(1, "Data quality")
-    if "gravity" in stored.fit.rigs:
+    entered = "; ".join(
+        f"{format_count(one.count)} {one.trials} of the {one.title}"
+        for one in rig_tables(stored.predictive)
+    )
+    yield Paragraph(f"What enters: {entered}.")
+    if quality.trials:
         yield Paragraph(" ".join(_clean(quality)))
         yield from _left_out(quality)
         yield from _with_all(stored.fit)
         yield from _repairs(quality)
         yield from _agreement(quality)
-    if "motor" in stored.fit.rigs:
-        yield Paragraph("Every run of the motor board enters: no rule leaves one out.")
     for note in quality.notes:
         yield Paragraph(note)
 
@@ -32,7 +36,7 @@ def data_quality(stored: StoredResults) -> Iterator[Block]:
 def _clean(quality: DataQuality) -> Iterator[str]:
     """Yield in a sentence each what no table tells."""
     if not quality.excluded:
-        yield "No trial of the gravity board was left out."
+        yield "No trial was left out."
     if not quality.repaired:
         yield "No Hall event was found missed or doubled."
     if quality.agreement is None or not quality.agreement.trials:

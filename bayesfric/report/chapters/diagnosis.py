@@ -22,10 +22,10 @@ from bayesfric.report.content import (
     Strong,
 )
 from bayesfric.report.quantities import format_interval, format_probability, format_share
-from bayesfric.report.stored import StoredDiagnosis, StoredResults
+from bayesfric.report.stored import StoredDiagnosis
 from bayesfric.schemas import Axis, Cause, DiagnosisFile, Gap, Interval
 
-__all__ = ["diagnosis", "diagnosis_chapter", "verdict_line"]
+__all__ = ["diagnosis", "verdict_line"]
 
 VERDICTS = {
     "no-gap": "No gap",
@@ -56,13 +56,7 @@ def verdict_line(found: DiagnosisFile) -> Notice:
     )
 
 
-def diagnosis(stored: StoredResults) -> Iterator[Block]:
-    """Yield the chapter, where a diagnosis was made."""
-    if stored.diagnosis is not None:
-        yield from diagnosis_chapter(stored.diagnosis)
-
-
-def diagnosis_chapter(stored: StoredDiagnosis) -> Iterator[Block]:
+def diagnosis(stored: StoredDiagnosis) -> Iterator[Block]:
     """Yield the page that tells all, then the tables."""
     found = stored.found
     yield PageBreak()

@@ -24,6 +24,7 @@ from bayesfric.report.quantities import (
     format_unit,
     interval_cells,
 )
+from bayesfric.report.rig_words import rig_words
 from bayesfric.schemas import Cause, DiagnosisFile, Gap, GapRow, Interval
 
 __all__ = ["axis_words", "details"]
@@ -54,7 +55,7 @@ def _probabilities(found: DiagnosisFile) -> Iterator[Block]:
     fixed = f" Held at shipped values: {', '.join(found.fixed)}." if found.fixed else ""
     yield Paragraph(
         [
-            f"The baseline is the {found.baseline} law, on the data of: {', '.join(found.rigs)}."
+            f"The baseline is the {found.baseline} law, on the data of: {_rigs(found.rigs)}."
             f"{fixed}{_strays(found.stray_trials)} ",
             Reference("hypotheses"),
             " gives each hypothesis's posterior probability, and what becomes of it where the "
@@ -88,6 +89,10 @@ def _probabilities(found: DiagnosisFile) -> Iterator[Block]:
         f"{format_probability(found.unvisited_probability)} at most, together."
         + (f" The {more} least probable are in diagnosis.json." if more > 0 else ""),
     )
+
+
+def _rigs(names: Sequence[str]) -> str:
+    return ", ".join(rig_words(name).rig for name in names)
 
 
 def _strays(trials: Sequence[str]) -> str:

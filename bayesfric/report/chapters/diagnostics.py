@@ -9,13 +9,13 @@ from bayesfric.plots.style import to_svg
 from bayesfric.report.chapters.symbols import symbol
 from bayesfric.report.content import Block, Code, Column, Figure, Heading, Paragraph, Table
 from bayesfric.report.quantities import format_count, format_number, format_share
-from bayesfric.report.stored import StoredResults
+from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import ParameterSummary
 
 __all__ = ["diagnostics"]
 
 
-def diagnostics(stored: StoredResults) -> Iterator[Block]:
+def diagnostics(stored: StoredFit) -> Iterator[Block]:
     """Yield the table of diagnostics and the rank histograms."""
     fit, sampler = stored.fit, stored.fit.sampler
     yield Heading(1, "Diagnostics")

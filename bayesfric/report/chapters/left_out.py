@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from bayesfric.plots.loo_pit import leave_one_out_probabilities
+from bayesfric.plots.loo_pit import has_probabilities, leave_one_out_probabilities
 from bayesfric.plots.style import to_svg
 from bayesfric.report.content import (
     Block,
@@ -20,26 +20,25 @@ from bayesfric.report.quantities import (
     format_number,
     format_probability,
 )
-from bayesfric.report.stored import StoredResults
+from bayesfric.report.rig_words import rig_words
+from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import Prediction, Uniformity
 
 __all__ = ["left_out"]
 
-KINDS = {"gravity": {"trial": "trial", "setup": "assembly"}, "motor": {"trial": "run"}}
 
-
-def left_out(stored: StoredResults) -> Iterator[Block]:
+def left_out(stored: StoredFit) -> Iterator[Block]:
     """Yield leave-one-trial-out probabilities and leave-one-out predictive densities."""
     fit = stored.fit
     if not fit.prediction:
         return
     yield Heading(2, "One left out")
-    if fit.uniformity:
+    if fit.uniformity and has_probabilities(stored.predictive):
         yield from _probabilities(stored, fit.uniformity)
     yield _densities(fit.prediction)
 
 
-def _probabilities(stored: StoredResults, found: tuple[Uniformity, ...]) -> Iterator[Block]:
+def _probabilities(stored: StoredFit, found: tuple[Uniformity, ...]) -> Iterator[Block]:
     yield Paragraph(
         [
             "Each trial is now left out in turn, and the fit to all others, those of its own "
@@ -61,16 +60,16 @@ def _probabilities(stored: StoredResults, found: tuple[Uniformity, ...]) -> Iter
             Code("predictive.nc"),
             ".",
         ],
-        "A panel for each board: a step line around zero, and a band that is widest in the middle "
+        "A panel for each rig: a step line around zero, and a band that is widest in the middle "
         "and vanishes at both ends.",
         label="loo-pit",
     )
 
 
 def _uniform(one: Uniformity) -> str:
-    each = "trials" if one.rig == "gravity" else "runs"
+    words = rig_words(one.rig)
     return (
-        f"The {format_count(one.trials)} {each} of the {one.rig} board: p = "
+        f"The {format_count(one.trials)} {words.trials} of the {words.rig}: p = "
         f"{format_probability(one.p_value)} of as large a departure by chance; they lie "
         f"{format_fixed(one.spread, 2)} times as far from their prediction as the model says "
         f"({format_fixed(one.spread_q05, 2)} to {format_fixed(one.spread_q95, 2)} if made again, "
@@ -92,7 +91,7 @@ def _densities(found: tuple[Prediction, ...]) -> Table:
         ],
         [
             [
-                f"{_kind(one)} of the {one.rig} board",
+                _kind(one),
                 format_count(one.groups),
                 format_fixed(one.elpd, 1),
                 "—" if one.elpd_se is None else format_number(one.elpd_se, 2),
@@ -110,7 +109,8 @@ def _densities(found: tuple[Prediction, ...]) -> Table:
 
 
 def _kind(one: Prediction) -> str:
-    return KINDS[one.rig].get(one.left_out, "assembly")
+    words = rig_words(one.rig)
+    return f"{words.trial if one.left_out == 'trial' else 'assembly'} of the {words.rig}"
 
 
 def _limit(found: tuple[Prediction, ...]) -> str:

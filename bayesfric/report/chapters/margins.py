@@ -33,10 +33,9 @@ from bayesfric.report.quantities import (
     format_share,
     interval_cells,
 )
-from bayesfric.report.stored import StoredResults
 from bayesfric.schemas import Interval, LoopMargins, MarginsFile, Metric, Verification
 
-__all__ = ["gain_lines", "margins", "margins_chapter"]
+__all__ = ["gain_lines", "margins"]
 
 WORDS = {
     "friction_nominal": "friction, eq. (15)",
@@ -75,13 +74,7 @@ def gain_lines(found: MarginsFile) -> Iterator[Block]:
         yield Notice(_kind(loop), [Code(loop.name), f": {loop.answer}"], title="Which γ to set")
 
 
-def margins(stored: StoredResults) -> Iterator[Block]:
-    """Yield the chapter, where margins were computed."""
-    if stored.margins is not None:
-        yield from margins_chapter(stored.margins)
-
-
-def margins_chapter(found: MarginsFile) -> Iterator[Block]:
+def margins(found: MarginsFile) -> Iterator[Block]:
     """Yield the chapter on ``margins.json``.
 
     Parameters

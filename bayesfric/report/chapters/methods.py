@@ -3,21 +3,25 @@
 from collections.abc import Iterator
 
 from bayesfric.report.content import Block, Equation, Heading, Math, Paragraph, Reference
-from bayesfric.report.stored import StoredResults
+from bayesfric.report.formulas import CURRENT, LAW, RECURSIVE, SCATTER
+from bayesfric.report.stored import StoredFit
 
 __all__ = ["methods"]
 
 
-def methods(stored: StoredResults) -> Iterator[Block]:
-    """Yield law, likelihoods of the rigs that entered, and sampler."""
+def methods(stored: StoredFit) -> Iterator[Block]:
+    """Yield the law, the likelihood of what was measured, and the sampler."""
     yield Heading(1, "Method")
     yield from _law()
     if stored.fit.baseline == "recursive":
         yield from _recursive()
-    if "gravity" in stored.fit.rigs:
-        yield from _gravity()
-    if "motor" in stored.fit.rigs:
-        yield from _motor()
+    # What was measured shows in what its noise is.
+    if "sigma_x" in stored.fit.noise:
+        yield from _events()
+    if "sigma_a" in stored.fit.noise:
+        yield from _accelerations()
+    if "sigma_current" in stored.fit.noise:
+        yield from _currents()
     yield Paragraph(
         [
             "Priors are proper and listed in ",
@@ -45,8 +49,7 @@ def _law() -> Iterator[Block]:
         ]
     )
     yield Equation(
-        "f_c = n((c_1 + c_3(θ − 85))T + c_2)",
-        "f c equals n times, in brackets, c 1 plus c 3 times theta minus 85, times T, plus c 2.",
+        LAW,
         label="law",
     )
     yield Paragraph(
@@ -60,8 +63,7 @@ def _law() -> Iterator[Block]:
         ]
     )
     yield Equation(
-        "f_{ij} = f_c(1 + η_i + ε_{ij})",
-        "f i j equals f c times, in brackets, one plus eta i plus epsilon i j.",
+        SCATTER,
         label="scatter-law",
     )
     yield Paragraph(
@@ -91,17 +93,16 @@ def _recursive() -> Iterator[Block]:
         ]
     )
     yield Equation(
-        "Δ T_k = (c_1 + c_3(θ_k − 85))T_k + c_2",
-        "delta T k equals, in brackets, c 1 plus c 3 times theta k minus 85, times T k, plus c 2.",
+        RECURSIVE,
         label="recursive-law",
     )
     yield Paragraph(["and ", Math("f_c"), " is the sum of the drops."])
 
 
-def _gravity() -> Iterator[Block]:
+def _events() -> Iterator[Block]:
     yield Paragraph(
         [
-            "The data of the gravity board are the times of the Hall events. Each has a position "
+            "Of trials with Hall events, the data are the times of these. Each has a position "
             "error (",
             Math("σ_x"),
             ") and a clock error (",
@@ -117,11 +118,22 @@ def _gravity() -> Iterator[Block]:
     )
 
 
-def _motor() -> Iterator[Block]:
+def _accelerations() -> Iterator[Block]:
     yield Paragraph(
         [
-            "The data of the motor board are the currents of the runs and of the idle motor. With "
-            "the capstan radius ",
+            "Of trials without events, the datum is the acceleration; one without a standard error "
+            "has the error ",
+            Math("σ_a"),
+            ".",
+        ]
+    )
+
+
+def _currents() -> Iterator[Block]:
+    yield Paragraph(
+        [
+            "Of runs at constant speed, the data are the currents, and those of the idle motor. "
+            "With the capstan radius ",
             Math("r"),
             ", the specified torque constant ",
             Math("k_t"),
@@ -135,9 +147,8 @@ def _motor() -> Iterator[Block]:
         ]
     )
     yield Equation(
-        "I_{ij} = I_0(v) + \\frac{r}{κ k_t}(mg + f_{ij})",
-        "I i j equals I zero of v plus r over kappa k t, times, in brackets, m g plus f i j.",
-        label="motor-law",
+        CURRENT,
+        label="current-law",
     )
     yield Paragraph(
         [
@@ -148,10 +159,6 @@ def _motor() -> Iterator[Block]:
             " times the load current. The idle curve ",
             Math("I_0"),
             " is a parabola in the speed that all runs share; it is integrated out in closed form, "
-            "and so is the scatter, which has ",
-            Math("ω_\\text{motor}"),
-            " and ",
-            Math("τ_\\text{motor}"),
-            " of its own.",
+            "and so is the scatter of the runs.",
         ]
     )

@@ -8,12 +8,12 @@ from bayesfric.plots.posterior import PAIRS_SHARE, coefficient_pairs
 from bayesfric.plots.style import to_svg
 from bayesfric.report.chapters.prior_friction import prior_friction
 from bayesfric.report.content import Block, Code, Figure, Heading, Paragraph, Reference
-from bayesfric.report.stored import StoredResults
+from bayesfric.report.stored import StoredFit
 
 __all__ = ["posteriors"]
 
 
-def posteriors(stored: StoredResults) -> Iterator[Block]:
+def posteriors(stored: StoredFit) -> Iterator[Block]:
     """Yield prior beside posterior, and a corner figure a size."""
     yield Heading(1, "Posteriors")
     yield Figure(

@@ -4,8 +4,9 @@ from collections import Counter
 from collections.abc import Iterator
 from math import isnan
 
+from bayesfric.plots.rig_tables import RigTable, rig_tables
 from bayesfric.plots.slopes import line_against_pulleys, wrap_slopes
-from bayesfric.plots.speed import friction_against_speed
+from bayesfric.plots.speed import friction_against_speed, has_speeds
 from bayesfric.plots.style import to_svg
 from bayesfric.plots.tension import friction_against_tension
 from bayesfric.plots.trajectories import measured_and_predicted
@@ -21,7 +22,7 @@ from bayesfric.report.content import (
     Reference,
 )
 from bayesfric.report.quantities import format_number, format_probability
-from bayesfric.report.stored import StoredResults
+from bayesfric.report.stored import StoredFit
 
 __all__ = ["predictions"]
 
@@ -33,14 +34,13 @@ AGAIN = (
 )
 
 
-def predictions(stored: StoredResults) -> Iterator[Block]:
-    """Yield the paper's Figs 11 to 16 of the gravity board, and 4 to 7 of the motor board."""
-    yield Heading(1, "Measured and predicted")
-    if "trials" in stored.predictive:
-        yield from _trajectories(stored)
-        yield from _lines(stored)
-    if "runs" in stored.predictive:
-        yield _motor(stored)
+def predictions(stored: StoredFit) -> Iterator[Block]:
+    """Yield what is there of the paper's Figs 11 to 16 and 4 to 7."""
+    figures = [*_trajectories(stored), *_lines(stored)]
+    figures += [_speed(one) for one in rig_tables(stored.predictive) if has_speeds(one)]
+    if figures:
+        yield Heading(1, "Measured and predicted")
+        yield from figures
 
 
 def _caption(text: str, paper: str) -> list[Inline]:
@@ -48,8 +48,8 @@ def _caption(text: str, paper: str) -> list[Inline]:
     return [text, " ", Emphasis("In the paper:"), f" {paper}", *FROM_PREDICTIVE]
 
 
-def _trajectories(stored: StoredResults) -> Iterator[Block]:
-    if "travel_m" not in stored.predictive["trajectories"].data_vars:
+def _trajectories(stored: StoredFit) -> Iterator[Block]:
+    if not _holds(stored, "trajectories", "travel_m"):
         return
     yield Paragraph(
         [
@@ -80,7 +80,7 @@ def _trajectories(stored: StoredResults) -> Iterator[Block]:
     )
 
 
-def _tension(stored: StoredResults) -> Figure:
+def _tension(stored: StoredFit) -> Figure:
     counts = Counter(stored.predictive["trials"]["wrap_angle_deg"].to_numpy().tolist())
     angle = REFERENCE_ANGLE_DEG
     if angle not in counts:
@@ -103,7 +103,7 @@ def _tension(stored: StoredResults) -> Figure:
     )
 
 
-def _least(stored: StoredResults, name: str, of: str) -> str:
+def _least(stored: StoredFit, name: str, of: str) -> str:
     """Return the least R² of this recording as a clause, where there is one."""
     table = stored.predictive["tension_lines"]
     if name not in table.data_vars or isnan(value := float(table[name])):
@@ -113,8 +113,10 @@ def _least(stored: StoredResults, name: str, of: str) -> str:
     return f"; the least R² of a {of} is {written} here"
 
 
-def _lines(stored: StoredResults) -> Iterator[Block]:
+def _lines(stored: StoredFit) -> Iterator[Block]:
     """Yield the paper's steps, as far as the recording has the lines that they rest on."""
+    if not _holds(stored, "curves", "law_n"):
+        return
     figures = [_tension(stored), *_slopes(stored)]
     if len(figures) > 1:
         yield Paragraph(
@@ -130,10 +132,12 @@ def _lines(stored: StoredResults) -> Iterator[Block]:
     yield from figures
 
 
-def _slopes(stored: StoredResults) -> Iterator[Figure]:
+def _slopes(stored: StoredFit) -> Iterator[Figure]:
     """Yield what rests on straight lines in tension and in the wrap angle, where there are any."""
-    lines, wraps = stored.predictive["tension_lines"], stored.predictive["wrap_lines"]
-    if "slope" in lines.data_vars and lines["upright"].to_numpy().any():
+    if (
+        _holds(stored, "tension_lines", "slope")
+        and stored.predictive["tension_lines"]["upright"].to_numpy().any()
+    ):
         yield Figure(
             to_svg(line_against_pulleys(stored.predictive)),
             _caption(
@@ -147,7 +151,7 @@ def _slopes(stored: StoredResults) -> Iterator[Figure]:
             "on straight lines that rise from the origin with the number of pulleys.",
             label="pulleys",
         )
-    if "slope_n_per_deg" not in wraps.data_vars:
+    if not _holds(stored, "wrap_lines", "slope_n_per_deg"):
         return
     yield Figure(
         to_svg(friction_against_wrap(stored.predictive)),
@@ -176,19 +180,23 @@ def _slopes(stored: StoredResults) -> Iterator[Figure]:
     )
 
 
-def _motor(stored: StoredResults) -> Figure:
+def _holds(stored: StoredFit, group: str, name: str) -> bool:
+    return group in stored.predictive and name in stored.predictive[group].data_vars
+
+
+def _speed(one: RigTable) -> Figure:
     return Figure(
-        to_svg(friction_against_speed(stored.predictive)),
+        to_svg(friction_against_speed(one)),
         _caption(
-            "Friction on the motor board against speed, as in the paper's Figs 4 to 7: runs "
-            "(markers), and the 5 % to 95 % band of a new run on a new assembly, without the noise "
-            "of the current, so that runs may scatter beyond it. A viscous term would tilt the "
-            "runs against the level bands.",
+            f"Friction on the {one.title} against speed, as in the paper's Figs 4 to 7: "
+            f"{one.trials} (markers), and the 5 % to 95 % band of a new {one.trial} on a new "
+            f"assembly, without the noise of the sensor, so that {one.trials} may scatter beyond "
+            f"it. A viscous term would tilt the {one.trials} against the level bands.",
             "friction does not depend on speed, at any tension (Figs 4 and 5), wrap angle (Fig. 6) "
             "or number of pulleys (Fig. 7).",
         ),
         "A column of panels for each pulley size; rows vary the weight, the wrap angle and the "
         "number of pulleys. Each panel has level bands of friction, one for each value, with "
         "markers scattered about them at all speeds.",
-        label="motor",
+        label=f"speed-{one.trials}",
     )

@@ -19,12 +19,12 @@ from bayesfric.report.content import (
     Table,
 )
 from bayesfric.report.quantities import format_number, format_share
-from bayesfric.report.stored import StoredResults
+from bayesfric.report.stored import StoredFit
 
 __all__ = ["prior_friction"]
 
 
-def prior_friction(stored: StoredResults) -> Iterator[Block]:
+def prior_friction(stored: StoredFit) -> Iterator[Block]:
     """Yield friction by prior and posterior, as a table and a figure."""
     if "prior" not in stored.predictive:
         return
@@ -91,8 +91,8 @@ def prior_friction(stored: StoredResults) -> Iterator[Block]:
         to_svg(friction_of_priors(stored.predictive)),
         [
             "Friction of each condition: bands of the prior, the posterior, the measurements, and "
-            "on the gravity board the friction from which on it would not move. "
-            "The axis is linear around zero, logarithmic above the least friction. From ",
+            + ("the friction from which on the board would not move. " if moving else "")
+            + "The axis is linear around zero, logarithmic above the least friction. From ",
             Code("predictive.nc"),
             ".",
         ],

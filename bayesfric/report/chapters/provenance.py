@@ -2,15 +2,17 @@
 
 from collections.abc import Iterator
 
+from bayesfric.plots.rig_tables import rig_tables
 from bayesfric.report.content import Block, Code, Heading, Listing, Paragraph, Table
 from bayesfric.report.quantities import MISSING, format_count
-from bayesfric.report.stored import StoredResults
-from bayesfric.schemas import FitFile, Provenance
+from bayesfric.report.rig_words import rig_words
+from bayesfric.report.stored import StoredFit
+from bayesfric.schemas import Provenance
 
 __all__ = ["made_from", "provenance"]
 
 
-def provenance(stored: StoredResults) -> Iterator[Block]:
+def provenance(stored: StoredFit) -> Iterator[Block]:
     """Yield what entered, versions, hashes and the command."""
     fit = stored.fit
     yield Heading(1, "Data and provenance")
@@ -20,9 +22,9 @@ def provenance(stored: StoredResults) -> Iterator[Block]:
         [
             ["name", Code(fit.recording.name)],
             ["title", fit.recording.title or MISSING],
-            ["rigs", ", ".join(fit.rigs)],
+            ["rigs", ", ".join(rig_words(name).rig for name in fit.rigs)],
             ["friction law", fit.baseline],
-            *_counts(fit),
+            *_counts(stored),
         ],
         label="data",
     )
@@ -60,17 +62,16 @@ def made_from(record: Provenance) -> Table:
     )
 
 
-def _counts(fit: FitFile) -> Iterator[tuple[str, str]]:
+def _counts(stored: StoredFit) -> Iterator[tuple[str, str]]:
     """Yield what each rig brought."""
-    quality = fit.data_quality
-    if "gravity" in fit.rigs:
+    for one in rig_tables(stored.predictive):
+        yield f"{one.trials} of the {one.title} that enter", format_count(one.count)
+    quality = stored.fit.data_quality
+    if quality.trials:
         yield "trials recorded", format_count(quality.trials)
-        yield "trials that enter", format_count(quality.trials_used)
         yield "assemblies", format_count(quality.setups)
         yield "Hall events", format_count(quality.events)
         yield (
             "cells (size, n, angle) assembled more than once",
             format_count(quality.replicated_cells),
         )
-    if "motor" in fit.rigs:
-        yield "motor runs", format_count(quality.motor_runs)

@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 
 from bayesfric.paper import table1
+from bayesfric.plots.labels import parts
 from bayesfric.plots.posterior import coefficients_relative_to_paper
+from bayesfric.plots.rig_tables import rig_tables
 from bayesfric.plots.style import to_svg
-from bayesfric.report.chapters.diagnosis import verdict_line
-from bayesfric.report.chapters.margins import gain_lines
-from bayesfric.report.chapters.symbols import EXPONENTS, symbol, unit_head
+from bayesfric.report.chapters.symbols import EXPONENTS, exponent, symbol, unit_head
 from bayesfric.report.content import (
     Block,
     BulletList,
@@ -22,45 +22,47 @@ from bayesfric.report.content import (
     Table,
 )
 from bayesfric.report.quantities import MISSING, format_count, format_number, interval_cells
-from bayesfric.report.stored import StoredResults
-from bayesfric.schemas import DataQuality, FitFile, ParameterSummary
+from bayesfric.report.rig_words import rig_words
+from bayesfric.report.stored import StoredFit
+from bayesfric.schemas import FitFile, ParameterSummary, RecordingId
 
-__all__ = ["front", "summary"]
+__all__ = ["convergence", "front", "recorded", "summary"]
 
 BOXES = 3  # remarks; more of them as boxes would fill page one
 
 
-def front(stored: StoredResults) -> Iterator[Block]:
-    """Yield what stands before the table of contents."""
-    fit = stored.fit
-    quality = fit.data_quality
-    title = fit.recording.title
-    yield Paragraph(
+def recorded(recording: RecordingId, fitted: StoredFit | None) -> Paragraph:
+    """Return which recording it is, and what of it enters the fit."""
+    title = recording.title
+    return Paragraph(
         [
             "Recording ",
-            Code(fit.recording.name),
+            Code(recording.name),
             f": {title}. " if title else ". ",
-            _entered(quality),
-            *_synthetic(f"{title} {fit.recording.name}"),
+            *([_entered(fitted)] if fitted is not None else []),
+            *_synthetic(f"{title} {recording.name}"),
         ]
     )
+
+
+def convergence(fit: FitFile) -> Notice:
+    """Return whether the draws can be used."""
     if fit.converged:
-        yield Notice(
+        return Notice(
             "good",
             "Every R-hat and every effective sample size is within its bound.",
             title="Converged",
         )
-    else:
-        yield Notice(
-            "attention",
-            "The draws have not converged: no number below may be used before the sampler has "
-            "run longer.",
-            title="Unconverged",
-        )
-    if stored.diagnosis is not None:
-        yield verdict_line(stored.diagnosis.found)
-    if stored.margins is not None:
-        yield from gain_lines(stored.margins)
+    return Notice(
+        "attention",
+        "The draws have not converged: no number below may be used before the sampler has run "
+        "longer.",
+        title="Unconverged",
+    )
+
+
+def front(fit: FitFile) -> Iterator[Block]:
+    """Yield what must be read before the numbers."""
     if len(fit.attention) <= BOXES:
         for line in fit.attention:
             yield Notice("attention", line)
@@ -70,7 +72,7 @@ def front(stored: StoredResults) -> Iterator[Block]:
         yield BulletList(fit.attention)
 
 
-def summary(stored: StoredResults) -> Iterator[Block]:
+def summary(stored: StoredFit) -> Iterator[Block]:
     """Yield the coefficients and the scatter."""
     fit = stored.fit
     yield Heading(1, "Coefficients")
@@ -127,9 +129,9 @@ def summary(stored: StoredResults) -> Iterator[Block]:
     rows = [
         [
             symbol(name),
-            MEANINGS[name.partition("[")[0]],
+            meaning(name),
             unit_head(name, entry.unit),
-            *_cells(entry, EXPONENTS.get(_stem(name), 0)),
+            *_cells(entry, exponent(name)),
         ]
         for name, entry in {**fit.scatter, **fit.noise, **fit.parameters}.items()
     ]
@@ -161,18 +163,16 @@ def _not_estimated(fit: FitFile) -> Iterator[Paragraph]:
         yield Paragraph(f"The paper's own estimator has no {'; no '.join(reasons)}.")
 
 
-def _entered(quality: DataQuality) -> str:
+def _entered(stored: StoredFit) -> str:
     """Return what entered the fit, in a sentence."""
-    parts = []
-    if quality.trials_used:
-        parts.append(
-            f"{format_count(quality.trials_used)} of {format_count(quality.trials)} gravity trials "
-            f"on {format_count(quality.setups)} assemblies, with {format_count(quality.events)} "
-            "Hall events"
-        )
-    if quality.motor_runs:
-        parts.append(f"{format_count(quality.motor_runs)} runs of the motor board")
-    return f"What enters: {'; '.join(parts)}."
+    quality = stored.fit.data_quality
+    said = [
+        f"{format_count(one.count)} {one.trials} of the {one.title}"
+        for one in rig_tables(stored.predictive)
+    ]
+    if quality.events:
+        said.append(f"{format_count(quality.events)} Hall events")
+    return f"What enters: {'; '.join(said)}."
 
 
 MEANINGS = {
@@ -181,12 +181,17 @@ MEANINGS = {
     "sigma_x": "position error of a Hall event",
     "sigma_t": "clock error of a Hall event",
     "sigma_a": "error of an acceleration without a standard error",
-    "tau_motor": "relative scatter of friction from motor run to motor run",
-    "omega_motor": "relative scatter of friction between assemblies of the motor board",
     "sigma_current": "noise of a current without load",
     "load_noise": "noise of a current per load current",
     "torque_constant_factor": "torque constant over the specified one",
 }
+
+
+def meaning(name: str) -> str:
+    """Return what a parameter of scatter or noise is; its name, where a rig brought its own."""
+    stem, whose = parts(name)
+    rig = whose.partition(" ")[0] if "_" in name else ""
+    return MEANINGS.get(stem, stem) + (f", {rig_words(rig).rig}" if rig else "")
 
 
 def _cells(entry: ParameterSummary, exponent: int) -> tuple[str, str, str, str]:
@@ -213,10 +218,6 @@ def _synthetic(called: str) -> tuple[Inline, ...]:
         Strong("Synthetic data:"),
         " simulated, not measured.",
     )
-
-
-def _stem(name: str) -> str:
-    return name.partition("[")[0]
 
 
 def _cell(value: float | None, exponent: int, digits: int = 3) -> str:

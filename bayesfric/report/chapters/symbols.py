@@ -1,10 +1,10 @@
 """How parameters are written: symbol, power of ten and unit."""
 
-from bayesfric.plots.labels import SYMBOLS
+from bayesfric.plots.labels import SYMBOLS, parts
 from bayesfric.report.content import Math
 from bayesfric.report.quantities import format_unit
 
-__all__ = ["EXPONENTS", "symbol", "unit_head"]
+__all__ = ["EXPONENTS", "exponent", "symbol", "unit_head"]
 
 EXPONENTS = {
     "c1": -3,
@@ -14,8 +14,6 @@ EXPONENTS = {
     "omega": -2,
     "sigma_x": -6,
     "sigma_t": -6,
-    "tau_motor": -2,
-    "omega_motor": -2,
     "sigma_current": -3,
     "load_noise": -3,
 }
@@ -24,11 +22,16 @@ EXPONENTS = {
 
 def symbol(name: str) -> tuple[Math | str, ...]:
     """Return a parameter as text, ``c1[small]`` as c₁ small."""
-    stem, _, size = name.partition("[")
+    stem, whose = parts(name)
     written: Math | str = Math(SYMBOLS[stem]) if stem in SYMBOLS else stem
-    return (written, f" {size[:-1]}") if size else (written,)
+    return (written, f" {whose}") if whose else (written,)
 
 
 def unit_head(name: str, unit: str) -> str:
     """Return the unit of a cell of this parameter, with its power of ten."""
-    return format_unit(unit, EXPONENTS.get(name.partition("[")[0], 0))
+    return format_unit(unit, exponent(name))
+
+
+def exponent(name: str) -> int:
+    """Return the power of ten in which tables print a parameter."""
+    return EXPONENTS.get(parts(name)[0], 0)

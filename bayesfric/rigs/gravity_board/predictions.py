@@ -12,8 +12,8 @@ from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.gravity import nominal_tension
 from bayesfric.physics.laws import Baseline
 from bayesfric.rigs.bands import QUANTILES, bands
+from bayesfric.rigs.base import Predictive
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
-from bayesfric.rigs.remaking import Remade
 from bayesfric.rigs.residuals import check_residuals, measuring_order
 
 __all__ = ["CURVE_POINTS", "curves", "trials"]
@@ -22,13 +22,7 @@ Array = NDArray[np.float64]
 CURVE_POINTS = 41
 
 
-def trials(
-    likelihood: GravityLikelihood,
-    recorded: pd.DataFrame,
-    named: dict[str, Array],
-    factor: Array,
-    remade: Remade,
-) -> xr.Dataset:
+def trials(likelihood: GravityLikelihood, recorded: pd.DataFrame, view: Predictive) -> xr.Dataset:
     """Return friction observed, and predicted for a new trial on a new assembly.
 
     Parameters
@@ -37,14 +31,10 @@ def trials(
         Of the fit.
     recorded : DataFrame
         All trials as recorded, for their order.
-    named : dict of str to ndarray, shape (W,)
-        Posterior draws by parameter.
-    factor : ndarray, shape (W, N)
-        Friction over that of the law, for new trials on new assemblies.
-    remade : Remade
-        New trials, and whole recordings made again.
+    view : Predictive
+        The fit.
     """
-    table = likelihood.trials
+    table, named = likelihood.trials, view.named
     law = likelihood.law(named)
     middle = {name: np.median(values, keepdims=True) for name, values in named.items()}
     observed, variance, _ = (values[0] for values in likelihood.observed(middle))
@@ -62,9 +52,9 @@ def trials(
             "friction_n": ("trial", observed),
             "friction_sd_n": ("trial", np.sqrt(variance)),
             "law_n": (("trial", "quantile"), bands(law)),
-            "predicted_n": (("trial", "quantile"), bands(law * factor)),
-            "order": ("trial", measuring_order(recorded, "trial", table)),
-            **check_residuals("trial", remade, observed),
+            "predicted_n": (("trial", "quantile"), bands(law * view.factor)),
+            "order": ("trial", measuring_order(recorded, table)),
+            **check_residuals("trial", view.remade, observed),
         },
         coords={"trial": table["trial"].to_numpy(), "quantile": list(QUANTILES)},
     )

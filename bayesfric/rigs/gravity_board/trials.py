@@ -1,22 +1,45 @@
 """Trials of the gravity board that enter, and what kind of rig it is."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
+import numpy as np
 import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
+from bayesfric.effects import Effect
 from bayesfric.effects.terms import ActiveEffect
+from bayesfric.physics.compliant import Cable
+from bayesfric.physics.gravity import nominal_tension
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Gravity, Recording, RigConstants
-from bayesfric.rigs.base import Motion, Words
-from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
-from bayesfric.rigs.gravity_board.screening import Screened, screen_trials
+from bayesfric.rigs.base import Motion, Predictive, Resting, Simulated, Unsupported, Words
+from bayesfric.rigs.changes import Change
+from bayesfric.rigs.gravity_board.estimator import estimate_as_the_paper
+from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood, trial_condition
+from bayesfric.rigs.gravity_board.places import TrialPlaces
+from bayesfric.rigs.gravity_board.predictions import curves
+from bayesfric.rigs.gravity_board.predictions import trials as trials_dataset
+from bayesfric.rigs.gravity_board.screening import RULES, Screened, screen_trials
+from bayesfric.rigs.gravity_board.sensor_agreement import MATERIAL_SHARE, SensorAgreement
+from bayesfric.rigs.gravity_board.simulator import draw_events, lay_trials
+from bayesfric.rigs.gravity_board.slopes import paper_slopes
+from bayesfric.rigs.gravity_board.strength import change_of_readings, change_of_trials
+from bayesfric.rigs.gravity_board.stretch import friction_ratios
+from bayesfric.rigs.gravity_board.trajectories import trajectories
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
+from bayesfric.rigs.protocols import Protocol
+from bayesfric.rigs.truth import Truth
+from bayesfric.schemas import Agreement, Excluded, PointEstimate, Repaired
 
 __all__ = ["RIG", "GravityBoard", "GravityTrials"]
 
+Array = NDArray[np.float64]
 
+STREAMS = (0, 1, 2, 3, 5)  # of a recording's seed: order, scatter, sensors, noise, phases
 WORDS = Words("gravity board", "trial", "trials")
 
 
@@ -28,13 +51,36 @@ class GravityBoard:
     motion: Motion = "accelerated"
     words: Words = WORDS
     tables: tuple[str, ...] = ("gravity_trials.csv", "gravity_events.csv")
+    paper: bool = True
 
     def trials(self, recording: Recording, *, exclude: bool = True) -> "GravityTrials | None":
         """Return the trials that enter by the rules of :mod:`.screening`."""
         if recording.gravity is None:
             return None
         screened = screen_trials(recording.gravity, recording.rig, exclude=exclude)
-        return GravityTrials(recording.rig, screened.gravity, screened, recording.gravity)
+        return GravityTrials(recording.rig, screened.gravity, screened, recording.gravity.trials)
+
+    def change(
+        self, effect: Effect, design: Protocol, constants: RigConstants, truth: Truth
+    ) -> Change | None:
+        """Return what an effect changes of trials, relative to their friction."""
+        if effect.acts_on == "current":
+            return None
+        if effect.acts_on == "reading":
+            return change_of_readings(design, constants, truth)
+        return change_of_trials(design, constants, truth)
+
+    def simulate(
+        self, design: Protocol, constants: RigConstants, truth: Truth, seed: int
+    ) -> Simulated:
+        """Return trials in their order and their events; see :mod:`.simulator`."""
+        streams = [np.random.default_rng(one) for one in np.random.SeedSequence(seed).spawn(7)]
+        order, *rngs = (streams[place] for place in STREAMS)
+        trials = lay_trials(design, order)
+        events, moved = draw_events(trials, constants, truth, *rngs)
+        kept = trials[moved].reset_index(drop=True)
+        stalled = tuple(trials.loc[~moved, "trial"])
+        return Simulated({"gravity": Gravity(kept, events)}, len(kept), stalled)
 
 
 RIG = GravityBoard()
@@ -52,14 +98,14 @@ class GravityTrials:
         Trials and their repaired events.
     screened : Screened
         How they were chosen.
-    recorded : Gravity
+    recorded : DataFrame
         All trials as recorded.
     """
 
     constants: RigConstants
     gravity: Gravity
     screened: Screened
-    recorded: Gravity
+    recorded: pd.DataFrame
     rig: GravityBoard = RIG
     loads: tuple[str, ...] = ("mass_drive_kg", "mass_load_kg")
 
@@ -91,6 +137,10 @@ class GravityTrials:
         events = events[events["trial"].isin(trials["trial"])].reset_index(drop=True)
         return replace(self, gravity=Gravity(trials, events)) if len(trials) else None
 
+    def supports(self, effect: Effect) -> Unsupported | None:
+        """Return why an effect cannot enter the likelihood; None where it can."""
+        return TrialPlaces(self.gravity, self.constants).supports(effect)
+
     def likelihood(
         self,
         analysis: Analysis,
@@ -99,3 +149,89 @@ class GravityTrials:
     ) -> GravityLikelihood:
         """Return the density of the event times."""
         return GravityLikelihood(self.gravity, self.constants, analysis, law, effects)
+
+    def stretch_ratios(self, cable: Cable, theta: Mapping[str, Array]) -> Array | Unsupported:
+        """Return friction of model (3) over that of model (4), where a trial has events."""
+        trials, events = self.gravity.trials, self.gravity.events
+        seen = trials["trial"].isin(events["trial"])
+        if not seen.any():
+            return Unsupported("No trial has Hall events, which would show a stretch.")
+        with_events = Gravity(trials[seen].reset_index(drop=True), events)
+        sigma_x, sigma_t = (float(np.median(theta[name])) for name in ("sigma_x", "sigma_t"))
+        return friction_ratios(with_events, self.constants, cable, sigma_x, sigma_t)
+
+    @property
+    def excluded(self) -> Mapping[str, str]:
+        """Trials that a rule of :data:`.screening.RULES` keeps from entering."""
+        return self.screened.excluded
+
+    def quality(self) -> Mapping[str, Any]:
+        """Return trials, assemblies and events that enter, and what is odd about them."""
+        trials, screened = self.gravity.trials, self.screened
+        cells = trials.groupby(["pulley_size", "n_pulleys", "wrap_angle_deg"])["setup"].nunique()
+        return {
+            "trials": len(self.recorded),
+            "trials_used": len(trials),
+            "setups": trials["setup"].nunique(),
+            "events": len(self.gravity.events),
+            "replicated_cells": int((cells > 1).sum()),
+            "excluded": tuple(
+                Excluded(trial=trial, rule=rule, reason=RULES[rule])
+                for trial, rule in screened.excluded.items()
+            ),
+            "repaired": tuple(
+                Repaired.model_validate(row) for row in screened.repaired.to_dict("records")
+            ),
+            "agreement": _agreement(screened.agreement),
+            "stalled": screened.stalled,
+        }
+
+    def paper_estimates(self) -> Mapping[str, PointEstimate]:
+        """Return the paper's own estimate of each pulley size, eqs (6) to (15)."""
+        estimates = estimate_as_the_paper(self.gravity, self.constants).sizes
+        return {
+            size.pulley_size: PointEstimate(
+                c1=size.c1.value,
+                c1_why=size.c1.reason,
+                c2=size.c2.value,
+                c2_why=size.c2.reason,
+                c3=size.c3.value,
+                c3_why=size.c3.reason,
+            )
+            for size in estimates
+        }
+
+    def predicted(self, view: Predictive) -> xr.Dataset:
+        """Return friction observed, and predicted for a new trial on a new assembly."""
+        return trials_dataset(self._mine(view), self.recorded, view)
+
+    def resting(self, conditions: pd.DataFrame) -> Resting:
+        """Return tension and drive of both masses at rest."""
+        condition = trial_condition(conditions, self.constants)
+        return Resting(nominal_tension(condition, 0.0), condition.drive_force_n)
+
+    def figures(self, view: Predictive) -> Mapping[str, xr.Dataset]:
+        """Return friction against tension, the paper's slopes, and a few trajectories."""
+        likelihood, board = self._mine(view), (self.gravity, self.constants)
+        found = {"curves": curves(likelihood, view.named, view.law)}
+        found |= paper_slopes(likelihood, *board, view.named, view.law, view.rng)
+        found["trajectories"] = trajectories(likelihood, *board, view.named, view.factor, view.law)
+        return found
+
+    @staticmethod
+    def _mine(view: Predictive) -> GravityLikelihood:
+        assert isinstance(view.likelihood, GravityLikelihood)
+        return view.likelihood
+
+
+def _agreement(agreement: SensorAgreement) -> Agreement:
+    trials = agreement.trials
+    size = np.abs(trials["z"].to_numpy(dtype=np.float64))
+    return Agreement(
+        trials=len(trials),
+        largest_z=float(size.max()) if size.size else None,
+        z_q95=float(np.quantile(size, 0.95)) if size.size else None,
+        limit_z=agreement.limit,
+        limit_friction_share=MATERIAL_SHARE,
+        disagreeing=tuple(trials["trial"][trials["disagrees"].astype(bool)]),
+    )

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from bayesfric.physics.motor import nominal_tension
 from bayesfric.rigs.bands import QUANTILES, bands
+from bayesfric.rigs.base import Predictive
 from bayesfric.rigs.motor_board.likelihood import MotorLikelihood
-from bayesfric.rigs.remaking import Remade
 from bayesfric.rigs.residuals import check_residuals, measuring_order
 
 __all__ = ["runs"]
@@ -18,17 +18,19 @@ __all__ = ["runs"]
 Array = NDArray[np.float64]
 
 
-def runs(
-    likelihood: MotorLikelihood,
-    recorded: pd.DataFrame,
-    named: dict[str, Array],
-    factor: Array,
-    remade: Remade,
-) -> xr.Dataset:
+def runs(likelihood: MotorLikelihood, recorded: pd.DataFrame, view: Predictive) -> xr.Dataset:
     """Return friction observed, and predicted for a new run on a new assembly.
 
-    The arguments are those of :func:`bayesfric.rigs.gravity_board.predictions.trials`.
+    Parameters
+    ----------
+    likelihood : MotorLikelihood
+        Of the fit.
+    recorded : DataFrame
+        All runs as recorded, for their order.
+    view : Predictive
+        The fit.
     """
+    named = view.named
     table, condition = likelihood.trials, likelihood.condition
     law = likelihood.law(named)
     middle = {name: np.median(values, keepdims=True) for name, values in named.items()}
@@ -50,9 +52,9 @@ def runs(
             "tension_n": ("run", nominal_tension(condition, friction)),
             "friction_n": ("run", friction),
             "law_n": (("run", "quantile"), bands(law)),
-            "predicted_n": (("run", "quantile"), bands(law * factor)),
-            "order": ("run", measuring_order(recorded, "run", table)),
-            **check_residuals("run", remade, friction),
+            "predicted_n": (("run", "quantile"), bands(law * view.factor)),
+            "order": ("run", measuring_order(recorded, table)),
+            **check_residuals("run", view.remade, friction),
         },
         coords={"run": table["trial"].to_numpy(), "quantile": list(QUANTILES)},
     )

@@ -1,20 +1,36 @@
 """Runs of the motor board that enter, and what kind of rig it is."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
+import numpy as np
 import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
+from bayesfric.effects import Effect
 from bayesfric.effects.terms import ActiveEffect
+from bayesfric.physics.compliant import Cable
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Motor, Recording, RigConstants
-from bayesfric.rigs.base import Motion, Words
+from bayesfric.rigs.base import Motion, Predictive, Simulated, Unsupported, Words
+from bayesfric.rigs.changes import Change
 from bayesfric.rigs.motor_board.likelihood import MotorLikelihood
+from bayesfric.rigs.motor_board.places import RunPlaces
+from bayesfric.rigs.motor_board.predictions import runs as runs_dataset
+from bayesfric.rigs.motor_board.simulator import simulate_motor
+from bayesfric.rigs.motor_board.strength import change_of_runs
+from bayesfric.rigs.protocols import Protocol
+from bayesfric.rigs.truth import Truth
+from bayesfric.schemas import PointEstimate
 
 __all__ = ["RIG", "MotorBoard", "MotorRuns"]
 
+Array = NDArray[np.float64]
 
+STREAMS = (4, 6)  # of a recording's seed: runs, and phases of effects on them
 WORDS = Words("motor board", "run", "runs")
 
 
@@ -26,13 +42,30 @@ class MotorBoard:
     motion: Motion = "steady"
     words: Words = WORDS
     tables: tuple[str, ...] = ("motor_runs.csv", "motor_idle.csv")
+    paper: bool = True
 
     def trials(self, recording: Recording, *, exclude: bool = True) -> "MotorRuns | None":
         """Return all runs: no rule keeps one out."""
         del exclude
         if recording.motor is None:
             return None
-        return MotorRuns(recording.rig, recording.motor, recording.motor)
+        return MotorRuns(recording.rig, recording.motor, _by_trial(recording.motor.runs))
+
+    def change(
+        self, effect: Effect, design: Protocol, constants: RigConstants, truth: Truth
+    ) -> Change | None:
+        """Return what an effect changes of runs, relative to their friction."""
+        del design
+        return None if effect.acts_on == "reading" else change_of_runs(constants, truth)
+
+    def simulate(
+        self, design: Protocol, constants: RigConstants, truth: Truth, seed: int
+    ) -> Simulated:
+        """Return runs in their order and the idle motor; see :mod:`.simulator`."""
+        del design
+        streams = [np.random.default_rng(one) for one in np.random.SeedSequence(seed).spawn(7)]
+        motor = simulate_motor(constants, truth, *(streams[place] for place in STREAMS))
+        return Simulated({"motor": motor}, len(motor.runs))
 
 
 RIG = MotorBoard()
@@ -48,20 +81,20 @@ class MotorRuns:
         The board.
     motor : Motor
         Runs and idle measurements.
-    recorded : Motor
-        All runs as recorded.
+    recorded : DataFrame
+        All runs as recorded; their id is ``trial``.
     """
 
     constants: RigConstants
     motor: Motor
-    recorded: Motor
+    recorded: pd.DataFrame
     rig: MotorBoard = RIG
     loads: tuple[str, ...] = ("hanging_mass_kg",)
 
     @property
     def table(self) -> pd.DataFrame:
         """One row a run; its id is ``trial``."""
-        return self.motor.runs.rename(columns={"run": "trial"})
+        return _by_trial(self.motor.runs)
 
     @property
     def slowest_speed_m_s(self) -> float:
@@ -78,6 +111,10 @@ class MotorRuns:
         runs = self.motor.runs[keep].reset_index(drop=True)
         return replace(self, motor=Motor(runs, self.motor.idle)) if len(runs) else None
 
+    def supports(self, effect: Effect) -> Unsupported | None:
+        """Return why an effect cannot enter the likelihood; None where it can."""
+        return RunPlaces(self.motor.runs, self.constants).supports(effect)
+
     def likelihood(
         self,
         analysis: Analysis,
@@ -86,3 +123,39 @@ class MotorRuns:
     ) -> MotorLikelihood:
         """Return the density of the currents."""
         return MotorLikelihood(self.motor, self.constants, analysis, law, effects)
+
+    def stretch_ratios(self, cable: Cable, theta: Mapping[str, Array]) -> Array | Unsupported:
+        """Decline: at constant speed the stretch of the cable is constant."""
+        del cable, theta
+        return Unsupported("At constant speed the stretch of the cable does not change.")
+
+    @property
+    def excluded(self) -> None:
+        """No rule keeps a run from entering."""
+        return None
+
+    def quality(self) -> Mapping[str, Any]:
+        """Return how many runs enter."""
+        return {"motor_runs": len(self.motor.runs)}
+
+    def paper_estimates(self) -> Mapping[str, PointEstimate]:
+        """Return nothing: the paper takes its coefficients from the other board."""
+        return {}
+
+    def predicted(self, view: Predictive) -> xr.Dataset:
+        """Return friction observed, and predicted for a new run on a new assembly."""
+        assert isinstance(view.likelihood, MotorLikelihood)
+        return runs_dataset(view.likelihood, self.recorded, view)
+
+    def resting(self, conditions: pd.DataFrame) -> None:
+        """Return nothing: the motor moves the cable whatever friction is."""
+        del conditions
+
+    def figures(self, view: Predictive) -> Mapping[str, xr.Dataset]:
+        """Return nothing beyond the runs."""
+        del view
+        return {}
+
+
+def _by_trial(runs: pd.DataFrame) -> pd.DataFrame:
+    return runs.rename(columns={"run": "trial"})

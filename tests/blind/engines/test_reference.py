@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from bayesfric.blind.engines import awkward, reference
+from bayesfric.blind.engines.outsiders import OUTSIDERS
 from bayesfric.blind.engines.reference import Withheld, make
 from bayesfric.recording import read_recording, write_recording
 
@@ -162,8 +163,10 @@ def make_awkward(seed):
 def test_axes_and_forms_that_others_ask_for():
     assert len(reference.effect_names()) == 22
     assert [form.own for form in reference.forms("stribeck")] == [True, True, False, False]
-    assert reference.outsider_axes("speed-by-tension") == ("velocity", "tension")
-    told = {axis for name in reference.outsider_names() for axis in reference.outsider_axes(name)}
+    axes = {one.name: one.axes for one in OUTSIDERS}
+    assert tuple(axes) == reference.outsider_names()
+    assert axes["speed-by-tension"] == ("velocity", "tension")
+    told = {axis for of_one in axes.values() for axis in of_one}
     assert told <= AXES
     assert len(told) >= 7
 

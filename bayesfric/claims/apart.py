@@ -1,0 +1,62 @@
+"""Two rigs of which the second's friction differs from the first's by a share of it."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Priors
+from bayesfric.inference.model import Model, RigLikelihood
+from bayesfric.inference.priors import Parameter
+from bayesfric.physics.friction import Coefficients
+
+__all__ = ["ApartModel", "differences"]
+
+Array = NDArray[np.float64]
+MEAN = "rig_difference"
+
+
+class ApartModel(Model):
+    """The posterior of one friction law, and of how far a second rig is from it.
+
+    The coefficients of a size on the second rig are 1 + d times those on the first, with
+    d = mean + own, the mean over sizes and what is a size's own. Both are unknown, so that
+    sizes are pooled as far as the priors say that they are alike: three sizes could not
+    tell their spread.
+
+    Parameters
+    ----------
+    first, second : RigLikelihood
+        The second has no size that the first has not.
+    priors : Priors
+        Those of the mean difference and of a size's own.
+    """
+
+    def __init__(self, first: RigLikelihood, second: RigLikelihood, priors: Priors) -> None:
+        super().__init__((first, second))
+        self._first, self._second = first, second
+        self._start = np.append(super().start(), np.zeros(1 + len(second.sizes)))
+        self.parameters = (
+            *self.parameters,
+            Parameter(MEAN, "1", priors.rig_difference),
+            *(Parameter(f"{MEAN}[{s}]", "1", priors.rig_difference_of_size) for s in second.sizes),
+        )
+
+    def start(self) -> Array:
+        """Return a sampling-space point to climb from: rigs that do not differ, shape (D,)."""
+        return self._start
+
+    def log_likelihood(self, theta: Array) -> Array:
+        """Return the log density of the raw data of both, shape (W,)."""
+        named = self.by_name(theta)
+        own = {
+            f"{name}[{size}]": (1 + share) * named[f"{name}[{size}]"]
+            for size, share in differences(named, self._second.sizes).items()
+            for name in Coefficients._fields
+        }
+        return self._first.log_likelihood(named) + self._second.log_likelihood(named | own)
+
+
+def differences(theta: Mapping[str, Array], sizes: tuple[str, ...]) -> dict[str, Array]:
+    """Return the second rig's friction over the first's, less 1, of each size."""
+    return {size: theta[MEAN] + theta[f"{MEAN}[{size}]"] for size in sizes}

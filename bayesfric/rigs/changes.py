@@ -1,0 +1,36 @@
+"""What an effect changes of a rig's friction, relative to it: the measure of its strength."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bayesfric.physics.friction import Coefficients
+from bayesfric.recording.tables import RigConstants
+from bayesfric.rigs.acting import surroundings
+from bayesfric.rigs.truth import AppliedEffect
+
+__all__ = ["Change", "around_rows", "at_times", "law_column"]
+
+Array = NDArray[np.float64]
+Change = Callable[[AppliedEffect], Array]
+"""An applied effect to its change relative to friction, shape (rows, times); of an effect
+with components one after another on a first axis."""
+
+
+def law_column(law: Coefficients) -> Coefficients:
+    """Return the law of each row as columns, to broadcast over times."""
+    return Coefficients(*(np.asarray(part)[:, None] for part in law))
+
+
+def around_rows(table: pd.DataFrame, constants: RigConstants) -> dict[str, Any]:
+    """Return radius, order and gravity of rows as columns, fields of State."""
+    around = surroundings(table, constants)
+    return around | {name: around[name][:, None] for name in ("radius_m", "order")}
+
+
+def at_times(change: Array, shape: tuple[int, int]) -> Array:
+    """Return a change at every time, also where it does not depend on time."""
+    return np.broadcast_to(change, (*np.shape(change)[:-2], *shape))

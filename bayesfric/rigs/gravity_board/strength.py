@@ -1,0 +1,89 @@
+"""What an effect changes of the trials, relative to their friction."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.effects import Reading, State
+from bayesfric.physics.gravity import nominal_tension, trajectory
+from bayesfric.recording.tables import RigConstants
+from bayesfric.rigs.changes import Change, around_rows, at_times, law_column
+from bayesfric.rigs.gravity_board.simulator import conditions_of, lay_trials
+from bayesfric.rigs.protocols import TRAVEL_M, Protocol
+from bayesfric.rigs.truth import AppliedEffect, Truth, laws_of
+
+__all__ = ["change_of_readings", "change_of_trials"]
+
+Array = NDArray[np.float64]
+TIMES = 33  # of a trial, at which friction is compared
+READING_TIMES = 513  # the same for readings, which may go to and fro
+DERIVATIVE_SHARE = 1e-4  # of a trial's duration, the step of a second derivative
+
+
+def change_of_trials(design: Protocol, constants: RigConstants, truth: Truth) -> Change:
+    """Return how an effect changes the friction of each trial, at equal steps of time."""
+    trials = lay_trials(design, np.random.default_rng(0))
+    condition = conditions_of(trials, constants)
+    law = laws_of(truth, trials["pulley_size"])
+    motion = trajectory(law, condition)
+    whole = motion.time_at(np.full(len(trials), TRAVEL_M))
+    times = np.linspace(0, 1, TIMES) * np.where(np.isfinite(whole), whole, 0.0)[:, None]
+    acceleration = motion.acceleration[:, None]
+    n, wrap = (np.asarray(part)[:, None] for part in condition[:2])
+    state = State.of(
+        law_column(law),
+        n,
+        wrap,
+        nominal_tension(condition, motion.acceleration)[:, None],
+        acceleration * times,
+        travel_m=acceleration * times**2 / 2,
+        acceleration_m_s2=acceleration,
+        **around_rows(trials, constants),
+    )
+    return lambda applied: at_times(applied(state) / state.friction_n, times.shape)
+
+
+def change_of_readings(design: Protocol, constants: RigConstants, truth: Truth) -> Change:
+    """Return the equivalent of errors of readings along the motion of the law.
+
+    It is (m1 + m2) times the second derivative of the mean of both sensors' errors.
+    """
+    trials = lay_trials(design, np.random.default_rng(0))
+    condition = conditions_of(trials, constants)
+    motion = trajectory(laws_of(truth, trials["pulley_size"]), condition)
+    whole = motion.time_at(np.full(len(trials), TRAVEL_M))
+    assert constants.hall_spacing_m and constants.magnets_per_revolution
+    spacing, magnets = constants.hall_spacing_m, constants.magnets_per_revolution
+    moves = np.isfinite(whole)
+    # Trial × sensor × time, those that stall left out.
+    acceleration = motion.acceleration[moves][:, None, None]
+    drive, load = (np.asarray(m)[moves][:, None, None] for m in condition[2:4])
+    duration = whole[moves][:, None, None]
+    times = np.linspace(0, 1, READING_TIMES) * duration
+    friction = condition.drive_force_n[moves][:, None] - (drive + load)[:, 0] * acceleration[:, 0]
+
+    def reading(time: Array) -> Reading:
+        def whole(value: Array) -> Array:
+            return np.broadcast_to(value, (len(time), 2, time.shape[-1]))
+
+        travel = acceleration * time**2 / 2
+        return Reading(
+            displacement_m=whole(travel),
+            event=whole(travel / spacing),
+            is_load=whole(np.array([[0.0], [1.0]])),
+            time_s=whole(time),
+            speed_m_s=whole(acceleration * time),
+            acceleration_m_s2=whole(acceleration),
+            mass_drive_kg=whole(drive),
+            mass_load_kg=whole(load),
+            magnets_per_revolution=magnets,
+        )
+
+    def change(applied: AppliedEffect) -> Array:
+        step = DERIVATIVE_SHARE * duration
+        before, here, after = (applied(reading(times + k * step)) for k in (-1, 0, 1))
+        bend = (after - 2 * here + before) / step**2
+        # Phases differ between sensors: their squares add up, not their values.
+        mean = np.sqrt((bend**2).sum(axis=-2)) / 2 if applied.effect.components else bend.mean(-2)
+        return np.asarray((drive + load)[:, 0] * mean / friction)
+
+    return change

@@ -1,0 +1,83 @@
+"""What a cable that stretches changes of the friction that a trial shows."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.physics.compliant import Cable
+from bayesfric.physics.gravity import nominal_tension
+from bayesfric.recording.tables import Gravity, RigConstants
+from bayesfric.rigs.gravity_board.likelihood import trial_condition
+from bayesfric.rigs.gravity_board.trial_motion import Events, prepare_events
+
+__all__ = ["friction_ratios"]
+
+Array = NDArray[np.float64]
+
+
+def friction_ratios(
+    gravity: Gravity,
+    rig: RigConstants,
+    cable: Cable,
+    sigma_x: float,
+    sigma_t: float,
+) -> Array:
+    """Return fc of model (3) over fc of model (4) for each cable and trial.
+
+    In model (3) the masses ring against each other: the drive side by m2/(m1 + m2) of
+    the stretch, the load side by −m1/(m1 + m2). Phase and amplitude of the ringing are
+    free, with a normal prior as wide as the static stretch; what they change of the
+    least-squares acceleration is what stretch changes of friction.
+
+    Parameters
+    ----------
+    gravity : Gravity
+        Trials, all of which have events.
+    rig : RigConstants
+        The board.
+    cable : Cable
+        Arrays of shape (C,).
+    sigma_x, sigma_t : float
+        Noise of an event [m] and [s].
+
+    Returns
+    -------
+    ndarray, shape (C, N)
+    """
+    events = prepare_events(gravity.events, gravity.trials["trial"])
+    condition = trial_condition(gravity.trials, rig)
+    drive, load = (np.asarray(mass, dtype=np.float64) for mass in condition[2:4])
+    total = condition.total_mass_kg
+    plain, speed = _least_squares(events, np.ones_like(events.tau))
+    weight = 1 / (sigma_x**2 + (sigma_t * speed) ** 2)
+    stiff, _ = _least_squares(events, weight)
+    tension = nominal_tension(condition, plain[:, 3])
+    on_drive = events.regressors[0] != 0
+    share = np.where(on_drive, (load / total)[events.trial], -(drive / total)[events.trial])
+    ratios = []
+    for stiffness, damping in zip(
+        cable.stiffness_n_m, np.asarray(cable.damping_ratio), strict=True
+    ):
+        rate = np.sqrt(stiffness * total / (drive * load))[events.trial]
+        decay = share * np.exp(-damping * rate * events.tau)
+        phase = rate * np.sqrt(1 - damping**2) * events.tau
+        ringing = np.stack([decay * np.cos(phase), decay * np.sin(phase)])
+        stretch = tension / stiffness
+        both = replace(events, regressors=np.concatenate([events.regressors, ringing]))
+        soft, _ = _least_squares(both, weight, stretch)
+        friction = [condition.drive_force_n - total * fit[:, 3] for fit in (soft, stiff)]
+        ratios.append(friction[0] / friction[1])
+    return np.array(ratios)
+
+
+def _least_squares(
+    events: Events, weight: Array, stretch: Array | None = None
+) -> tuple[Array, Array]:
+    """Return the coefficients of each trial and the speed at each event."""
+    matrix, right = events.normal_equations(weight, events.displacement)
+    if stretch is not None:
+        for place in (4, 5):
+            matrix[:, place, place] += 1 / stretch**2
+    fit = np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0], dtype=np.float64)
+    return fit, fit[events.trial, 2] + fit[events.trial, 3] * events.tau

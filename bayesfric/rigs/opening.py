@@ -1,0 +1,85 @@
+"""A recording to the trials of its rigs that enter."""
+
+from collections.abc import Sequence
+
+from bayesfric.errors import Fault, InputError
+from bayesfric.recording.tables import Recording
+from bayesfric.rigs import all_rigs
+from bayesfric.rigs.base import RigTrials
+
+__all__ = ["calibrating", "chosen_rigs", "open_rigs"]
+
+
+def chosen_rigs(recording: Recording, rigs: Sequence[str] | None) -> tuple[str, ...]:
+    """Return the rigs to fit, in the order of :func:`bayesfric.rigs.all_rigs`.
+
+    Parameters
+    ----------
+    recording : Recording
+        As read.
+    rigs : sequence of str or None
+        Names; None is the first rig that the recording has.
+
+    Raises
+    ------
+    InputError
+        A rig is unknown, or has no data in the recording.
+    """
+    known = all_rigs()
+    there = [name for name, rig in known.items() if rig.trials(recording) is not None]
+    if rigs is None:
+        if not there:
+            kinds = " or ".join(rig.tables[0] for rig in known.values())
+            raise InputError([Fault(recording.name, f"{kinds}, the kinds that can be fitted")])
+        return (there[0],)
+    one_of = f"one of {', '.join(known)}"
+    unknown = [Fault("rigs", one_of, value=name) for name in rigs if name not in known]
+    absent = [
+        Fault(recording.name, f"data of the rig {name!r}, which was asked for")
+        for name in rigs
+        if name in known and name not in there
+    ]
+    if unknown or absent or not rigs:
+        raise InputError([*unknown, *absent] or [Fault("rigs", one_of)])
+    return tuple(name for name in known if name in rigs)
+
+
+def open_rigs(
+    recording: Recording, rigs: Sequence[str], *, exclude: bool = True
+) -> tuple[RigTrials, ...]:
+    """Return the trials of some rigs that enter a fit, those of role ``test`` left out.
+
+    Parameters
+    ----------
+    recording : Recording
+        Has all of these rigs.
+    rigs : sequence of str
+        As :func:`chosen_rigs` returns them.
+    exclude : bool
+        False keeps every trial that can be computed at all.
+
+    Raises
+    ------
+    InputError
+        No trial of a rig could enter.
+    """
+    found = []
+    for name in rigs:
+        trials = all_rigs()[name].trials(recording, exclude=exclude)
+        entering = None if trials is None or trials.table.empty else calibrating(trials)
+        if trials is None or trials.table.empty:
+            raise InputError(
+                [Fault(recording.name, "a trial that enters the fit; all are left out")]
+            )
+        if entering is None:
+            expected = f"a {trials.rig.words.trial} that fits the law; all have the role test"
+            raise InputError([Fault(recording.name, expected, column="role")])
+        found.append(entering)
+    return tuple(found)
+
+
+def calibrating(trials: RigTrials) -> RigTrials | None:
+    """Return the trials that fit the law: those whose role is not ``test``; None without any."""
+    if "role" not in trials.table:
+        return trials
+    return trials.select(trials.table["role"] != "test")

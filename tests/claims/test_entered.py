@@ -1,0 +1,76 @@
+"""Whose data enter, and which law is claimed: the same for every verb, or refused."""
+
+import pytest
+from typer.testing import CliRunner
+
+from bayesfric.claims import check_claims, registered
+from bayesfric.claims.base import Entered
+from bayesfric.cli import app
+from bayesfric.errors import InputError
+from bayesfric.recording import write_recording
+from bayesfric.rigs.base import Unsupported
+from bayesfric.simulate import simulate_recording
+
+
+@pytest.fixture(scope="module")
+def both():
+    return simulate_recording("quick", seed=4)
+
+
+def test_data_are_of_each_rig_and_of_each_size(both):
+    names = set(Entered.of(both).data)
+    sizes = ("small", "medium", "large")
+    assert names == {"gravity", "motor"} | {f"{r}/{s}" for r in ("gravity", "motor") for s in sizes}
+    assert Entered.of(both).whole().rigs == ("gravity", "motor")
+
+
+def test_a_claim_takes_the_rig_that_moves_as_it_needs(both):
+    entered = Entered.of(both)
+    taken = {one.name: one.rig(entered) for one in registered() if one.motion is not None}
+    assert taken.pop("no-viscous-motor") == "motor"
+    assert set(taken.values()) == {"gravity"}
+
+
+def test_a_rig_that_was_not_asked_for_is_said_to_be_left_out(both):
+    checked = check_claims(both, only=["no-viscous-motor"], rigs=["gravity"])
+    (one,) = checked.summary.claims
+    assert (one.verdict, one.reason) == ("not-testable", "The motor board was left out.")
+    assert checked.summary.rigs == ("gravity",)
+
+
+def test_a_rival_that_a_rig_cannot_show_makes_the_claim_not_testable_with_the_reason(
+    both, monkeypatch
+):
+    reason = "Nothing moves here."
+
+    def unable(_, effect):
+        return Unsupported(reason) if effect.name == "stribeck" else None
+
+    monkeypatch.setattr(type(Entered.of(both).trials("gravity")), "supports", unable)
+    lacking = {one.name: one.untestable(Entered.of(both)) for one in registered()}
+    assert lacking.pop("no-stribeck") == reason
+    assert set(lacking.values()) == {""}
+
+
+def test_the_law_that_is_claimed_is_the_baseline(both):
+    tasks = [task for one in registered() for task in one.tasks(Entered.of(both, law="recursive"))]
+    assert {task.hypothesis.law for task in tasks} == {"recursive", "no-wrap", "bearing-load"}
+    found = check_claims(both, only=["nominal-tension"], baseline="recursive").summary
+    assert found.baseline == "recursive"
+
+
+@pytest.mark.parametrize("asked", [{"rigs": ["crane"]}, {"baseline": "newton"}])
+def test_what_there_is_not_is_refused(both, asked):
+    with pytest.raises(InputError, match=r"crane|newton"):
+        check_claims(both, only=["nominal-tension"], **asked)
+
+
+@pytest.mark.parametrize("asked", [("--rigs", "crane"), ("--baseline", "newton")])
+def test_the_verb_hands_on_what_is_asked(small_recording, tmp_path, asked):
+    write_recording(small_recording, tmp_path / "board")
+    found = CliRunner().invoke(
+        app, ["claims", str(tmp_path / "board"), "-o", str(tmp_path / "out"), *asked]
+    )
+    assert found.exit_code == 2
+    assert asked[1] in found.output
+    assert not (tmp_path / "out" / "claims.json").exists()

@@ -1,0 +1,78 @@
+"""A rig that nobody has seen is one folder: fitted, simulated and reported as the others are."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import bayesfric as bf
+from bayesfric import rigs
+from bayesfric.analysis import Analysis, Sampler
+from bayesfric.recording.tables import Recording, RigConstants
+from bayesfric.recording.writing import write_recording
+from bayesfric.report.writing import write_report
+from bayesfric.rigs.protocols import PROTOCOLS
+from bayesfric.rigs.truth import Truth, table1_coefficients
+
+TOYS = str(Path(__file__).parent / "toy")
+SHORT = Analysis(seed=3, sampler=Sampler(burn=60, steps=120, thin=3))
+
+
+@pytest.fixture(scope="module")
+def scale():
+    rigs.__path__.append(TOYS)
+    rigs.all_rigs.cache_clear()
+    yield rigs.all_rigs()["scale"]
+    rigs.__path__.remove(TOYS)
+    rigs.all_rigs.cache_clear()
+
+
+@pytest.fixture(scope="module")
+def recording(scale, tmp_path_factory):
+    simulated = scale.simulate(PROTOCOLS["quick"], RigConstants(), Truth(), seed=4)
+    made = Recording("toy", "Readings of a toy", RigConstants(), **simulated.tables)
+    folder = tmp_path_factory.mktemp("toy") / "recording"
+    write_recording(made, folder)
+    return bf.read_recording(folder)
+
+
+@pytest.fixture(scope="module")
+def fitted(recording):
+    return bf.fit(recording, SHORT)
+
+
+def test_it_is_found_by_being_there(scale):
+    assert list(rigs.all_rigs()) == ["gravity", "motor", "scale"]
+    assert "scale" not in rigs.paper_rigs()
+
+
+def test_it_is_fitted_to_the_law_from_which_it_was_simulated(fitted):
+    for size, law in table1_coefficients().items():
+        if size != "medium":
+            for name in ("c1", "c2"):
+                found = fitted.summary.pulleys[size][name]
+                assert abs(found.mean - getattr(law, name)) < 4 * found.sd
+                assert found.sd < 0.2 * getattr(law, name)
+
+
+def test_it_is_reported(fitted, tmp_path):
+    fitted.write(tmp_path)
+    write_report(tmp_path)
+    text = (tmp_path / "report.html").read_text("utf-8")
+    assert "pull scale" in text
+    assert "gravity board" not in text
+
+
+def test_its_density_is_a_dense_normal(recording, scale):
+    """Against the covariance written out."""
+    likelihood = scale.trials(recording).likelihood(Analysis())
+    theta = {name: np.array([value]) for name, value in likelihood.start().items()}
+    law = likelihood.law(theta)[0]
+    setup = likelihood.trials["setup"].to_numpy()
+    same = setup[:, None] == setup
+    covariance = np.diag((0.02 * law) ** 2 + 0.01**2) + same * np.outer(0.02 * law, 0.02 * law)
+    off = likelihood.trials["friction_n"].to_numpy() - law
+    expected = -0.5 * (
+        off @ np.linalg.solve(covariance, off) + np.linalg.slogdet(2 * np.pi * covariance)[1]
+    )
+    assert likelihood.log_likelihood(theta)[0] == pytest.approx(expected, abs=1e-8)
