@@ -5,7 +5,7 @@ friction adds up from pulley to pulley between them: an equation for a. It is a 
 line in a where effects are straight lines in tension, and is iterated where not.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -38,12 +38,24 @@ class Board:
         Masses.
     factor : ndarray
         Scatter of friction: 1 + setup + trial.
+    wander : callable or None
+        Of the travel (trials, anything), by which share friction then differs.
+    push_m_s : ndarray or float
+        Speed at the release.
     """
 
     state: State
     drive_kg: Array
     load_kg: Array
     factor: Array
+    wander: Callable[[Array], Array] | None = None
+    push_m_s: Array | float = 0.0
+
+    def factor_at(self, travel_m: Array) -> Array:
+        """Return the scatter of friction where the cable is."""
+        if self.wander is None:
+            return self.factor
+        return np.asarray(self.factor * (1 + self.wander(travel_m)))
 
 
 @dataclass(frozen=True)
@@ -147,7 +159,8 @@ def acceleration_of(board: Board, effects: Sequence[Acting], travel: Array, spee
     """
     g = board.state.gravity_m_s2
     state = replace(board.state, travel_m=travel, speed_m_s=np.maximum(speed, 0.0))
-    slope, constant, _, _ = _straight(state, (), board.factor)
+    factor = board.factor_at(travel)
+    slope, constant, _, _ = _straight(state, (), factor)
     growth, total = _powers(slope, state.n_pulleys)
     drive = board.drive_kg * g - growth * board.load_kg * g - constant * total
     moving = board.drive_kg + growth * board.load_kg
@@ -157,7 +170,7 @@ def acceleration_of(board: Board, effects: Sequence[Acting], travel: Array, spee
 
     def missing(a: Array) -> Array:
         at = replace(state, acceleration_m_s2=a)
-        pull = friction_along(at, effects, board.factor, board.load_kg * (g + a))
+        pull = friction_along(at, effects, factor, board.load_kg * (g + a))
         return np.asarray(board.drive_kg * (g - a) - pull)
 
     # Secants: two steps are exact where effects are straight lines, as nearly all are.
@@ -175,17 +188,18 @@ def acceleration_of(board: Board, effects: Sequence[Acting], travel: Array, spee
 
 
 def move(board: Board, effects: Sequence[Acting], travel_m: float = TRAVEL_M) -> Motion:
-    """Integrate all trials from rest until each has run its travel, or stands.
+    """Integrate all trials from their release until each has run its travel, or stands.
 
     A stage is a piece of time, of another length for each trial: trials that have
     arrived stand still in the next one. DOP853 (Hairer, Nørsett and Wanner, Solving
     Ordinary Differential Equations I, 1993) then solves for all of them at once.
     """
     trials = len(board.drive_kg)
-    travel, speed, elapsed = np.zeros((trials, 1)), np.zeros((trials, 1)), np.zeros((trials, 1))
+    travel, elapsed = np.zeros((trials, 1)), np.zeros((trials, 1))
+    speed = np.broadcast_to(board.push_m_s, (trials, 1)).astype(np.float64)
     pieces: list[tuple[Array, Array, Array]] = []
     running = np.ones((trials, 1), dtype=bool)
-    starts = acceleration_of(board, effects, travel, speed) > 0
+    starts = (acceleration_of(board, effects, travel, speed) > 0) | (speed > 0)
     running &= starts
     for _ in range(STAGES):
         length = np.where(running, _time_left(board, effects, travel, speed, travel_m), 0.0)

@@ -23,6 +23,12 @@ from bayesfric.blind.engines.catalogue import EFFECTS, OUTSIDERS_BY_NAME, drawn,
 from bayesfric.blind.engines.design import Trials, bench_of, trials_of, unbalanced
 from bayesfric.blind.engines.law import SIZES, Nature, draw_nature
 from bayesfric.blind.engines.motion import move
+from bayesfric.blind.engines.nuisances import (
+    Nuisances,
+    disturbed,
+    disturbed_trains,
+    draw_nuisances,
+)
 from bayesfric.blind.engines.recorder import (
     event_trains,
     gravity_tables,
@@ -46,6 +52,7 @@ KINDS = {"none": 0, "effect": 1, "pair": 2, "outsider": 1}  # and how many are w
 FORMS = ("own", "foreign", "random")
 # Independent streams of random numbers: what is drawn in one leaves the others alone.
 NATURE, AWKWARD, TRIALS, BENCH, WITHHELD, BACKGROUND, SCATTER, PHASES, EVENTS, CURRENTS = range(10)
+NUISANCES = 10
 STUDENT_DEGREES = 5.0
 
 
@@ -79,7 +86,7 @@ class Made:
         Says nothing of what is withheld.
     truth : dict
         Plain JSON: ``coefficients``, ``scatter``, ``withheld``, ``background``,
-        ``awkward``.
+        ``awkward``, ``nuisances``.
     """
 
     recording: Recording
@@ -126,9 +133,9 @@ def make(
     design : str
         ``quick``: 180 trials in 30 assemblies, and 460 runs of the motor board.
     background : bool
-        Whether there are small amounts of other effects, heavy-tailed scatter, a trial that
-        nearly stalls, a dropped and a doubled event, and at times a sensor, the motor board
-        or some trials missing.
+        Whether there are small amounts of other effects, heavy-tailed scatter, the
+        nuisances of :mod:`.nuisances`, a trial that nearly stalls, a dropped and a doubled
+        event, and at times a sensor, the motor board or some trials missing.
     noise : bool
         False gives the same truth and design without noise, scatter, background effects
         and awkward trials: what is left of the gap is what is withheld.
@@ -177,6 +184,10 @@ def make(
         slow, trials = nearly_stalling(nature, trials, acting, _stream(seed, AWKWARD, 2))
         awkward = replace(awkward, nearly_stalls=slow)
     board = board_of(nature, trials, factor if noise else None)
+    nuisances = Nuisances()
+    if noise and background:
+        nuisances = draw_nuisances(_stream(seed, NUISANCES))
+        board = disturbed(board, trials, nuisances, _stream(seed, NUISANCES, 1))
     clock_start = _stream(seed, PHASES, 2).uniform(0.0, 1.0, (len(trials), 1))
     motion = move(board, acting)
     trains = event_trains(
@@ -189,6 +200,8 @@ def make(
         _stream(seed, EVENTS),
     )
     if noise and background:
+        disturb_rng = _stream(seed, NUISANCES, 2)
+        trains = disturbed_trains(trains, board, clock_start, nuisances, disturb_rng)
         trains, awkward = spoiled(trains, awkward, _stream(seed, AWKWARD, 3))
     tables, lost = gravity_tables(trials, trains, ticks=noise)
     if bench is not None and runs is not None:
@@ -201,6 +214,7 @@ def make(
             _stream(seed, CURRENTS) if noise else None,
         )
     truth = _truth(nature, withheld, effects, other if noise else [], awkward)
+    truth["nuisances"] = nuisances.as_json()
     stalled = np.flatnonzero(np.isfinite(motion.stall_m) & (motion.stall_m < 0.6))
     truth["awkward"]["stalled"] = [f"g{i + 1:04d}" for i in stalled]
     truth["awkward"]["left_out"] = [f"g{i + 1:04d}" for i in lost]
