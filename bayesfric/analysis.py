@@ -17,6 +17,7 @@ __all__ = [
     "ClaimRules",
     "DiagnosisRules",
     "HalfNormal",
+    "HypothesisPriors",
     "LogNormal",
     "Normal",
     "Prior",
@@ -269,13 +270,41 @@ class ClaimRules(_Section):
     )
 
 
+class HypothesisPriors(_Section):
+    """Prior probabilities of hypotheses by number of effects, shared equally within a number."""
+
+    none: Share = Field(0.5, description="That nothing acts beside the baseline.")
+    one: Share = Field(0.3, description="That one effect acts; an alias class counts once.")
+    two: Share = Field(0.08, description="That two act.")
+    more: Share = Field(0.02, description="That three or more act.")
+    unknown: Share = Field(0.1, description="That a force acts which nobody described.")
+
+    @model_validator(mode="after")
+    def _whole(self) -> "HypothesisPriors":
+        total = self.none + self.one + self.two + self.more + self.unknown
+        if abs(total - 1) > 1e-9:
+            raise ValueError(f"probabilities that add up to 1, not {total:g}")
+        return self
+
+
 class DiagnosisRules(_Section):
-    """What counts as a gap between simulation and reality."""
+    """What counts as a gap between simulation and reality, and what is expected beforehand."""
 
     practical_share: Share = Field(
-        0.005,
-        description="Rms of the discrepancy that every hypothesis has, as a share of rms "
-        "friction; a systematic gap below it is none.",
+        0.02,
+        description="Share of rms friction below which a systematic gap, or an effect, is of no "
+        "concern; a quarter of it (at least 0.0025) is the rms of the discrepancy of every "
+        "hypothesis.",
+    )
+    unknown_scale: Share = Field(
+        0.1, description="Scale of the half-normal rms of an unknown force, of rms friction."
+    )
+    hypotheses: HypothesisPriors = Field(
+        default_factory=HypothesisPriors, description="Prior probabilities of hypotheses."
+    )
+    widths: dict[str, Positive] = Field(
+        default_factory=dict,
+        description="By effect, what the width of its amplitude's prior is multiplied by.",
     )
 
 

@@ -1,4 +1,4 @@
-"""The gap between simulation and reality: where it lies, what causes it, how far it shrinks."""
+"""Where the law misses a recording, what causes it, and how far that shrinks."""
 
 from bayesfric.diagnosis.diagnosing import Diagnosed, diagnose
 

@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
-from bayesfric.diagnosis.linear_model import Acting, LinearModel
-from bayesfric.diagnosis.weighing import candidates_by_name
+from bayesfric.diagnosis.model import LinearModel
 from bayesfric.effects.candidates import SHAPE_NODES, prior_moments
 from bayesfric.inference.information import Information
 from bayesfric.physics.friction import Coefficients
+from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.layout import COEFFICIENTS
 
 __all__ = ["AbsorbedEffect", "Classes", "classes_of"]
@@ -75,31 +75,31 @@ def classes_of(model: LinearModel, psi: Array) -> Classes:
     psi : ndarray
         Logarithms of the noise.
     """
-    names = candidates_by_name(model)
+    names = {name: [p for law in laws for p in law.places] for name, laws in model.lawbook.items()}
     columns = tuple(place for place, c in enumerate(model.candidates) if not c.effect.components)
-    information = model.information(psi, Acting(columns))
-    mean, sd = model.prior(columns)
-    places = model.places(columns)
+    information = model.said_of(psi, columns)
+    mean, sd = model.prior([model.candidates[p].effect.amplitude.prior for p in columns])
+    places = model.places(len(columns))
     # The coefficients are left free here: what they can take is not the effect's to show.
     # There is no discrepancy either: what is identical is so whatever it takes up.
     free = sd.copy()
     free[: places[0] if places.size else None] = np.where(_is_coefficient(model), 1e3, 0.0)
     after = model.layout.own * len(model.layout.sizes) + len(columns)
-    free[after : after + model.layout.small] = 0.0
+    free[after : after + model.layout.shared] = 0.0
     reduced = information.reduced(mean, free, places)
     felt, raw = np.diag(reduced.precision), np.diag(information.precision)[places]
     absorbed, left_out, entering = [], {}, []
     for name, own in names.items():
         effect = model.candidates[own[0]].effect
         if effect.components:
-            if model.gravity is None or not _phases_felt(model, own):
-                left_out[name] = _absent(model, effect.acts_on)
+            if not _phases_felt(model, own):
+                left_out[name] = _absent(model, own[0])
             else:
                 entering.append(name)
             continue
         inside = [columns.index(place) for place in own]
         if raw[inside].max() < FELT:
-            left_out[name] = _absent(model, effect.acts_on)
+            left_out[name] = _absent(model, own[0])
         elif (felt[inside] < LEFT * raw[inside]).all():
             absorbed.append(_absorbed(model, information, sd, places[inside[0]], name))
         elif felt[inside].max() < FELT:
@@ -118,11 +118,12 @@ def classes_of(model: LinearModel, psi: Array) -> Classes:
     return Classes(tuple(tuple(one) for one in members), tuple(absorbed), left_out)
 
 
-def _absent(model: LinearModel, acts_on: str) -> str:
-    if acts_on == "current" and model.motor is None:
-        return "absent from these data: no motor board"
-    if acts_on != "current" and model.gravity is None:
-        return "absent from these data: no gravity board"
+def _absent(model: LinearModel, place: int) -> str:
+    """Return why nothing of an effect shows: no rig here can, or it does not matter."""
+    reasons = [rig.rows.relative_force(model.candidates[place]) for rig in model.rigs]
+    unsupported = [one.reason for one in reasons if isinstance(one, Unsupported)]
+    if len(unsupported) == len(reasons):
+        return f"absent from these data: {unsupported[0]}"
     return "no influence on the prediction"
 
 
@@ -132,9 +133,8 @@ def _is_coefficient(model: LinearModel) -> NDArray[np.bool_]:
 
 
 def _phases_felt(model: LinearModel, own: Sequence[int]) -> bool:
-    assert model.gravity is not None
     width = prior_moments(model.candidates[own[0]].effect.amplitude.prior)[1]
-    return any(width**2 * model.gravity.phase_strength(place) > FELT for place in own)
+    return any(width**2 * rig.phase_strength(p) > FELT for rig in model.rigs for p in own)
 
 
 def _absorbed(
@@ -151,7 +151,7 @@ def _absorbed(
     most = int(np.argmax(share))
     size = model.layout.sizes[most // model.layout.own]
     column = most % model.layout.own
-    bias = float(moved[most] * model.scale(column))
+    bias = float(moved[most] * model.scales[column])
     unit = ("1", "N", "1/deg")[column]
     return AbsorbedEffect(name, f"{Coefficients._fields[column]}[{size}]", bias, unit)
 

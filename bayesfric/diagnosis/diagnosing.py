@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -11,41 +11,44 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis, analysis_sha256
-from bayesfric.diagnosis.causes import cause_draws, causes_of
-from bayesfric.diagnosis.figures import curves_of, gap_figures
-from bayesfric.diagnosis.linear_model import Acting, LinearModel
+from bayesfric.diagnosis.causes import causes_of, inclusion_of, known_of
+from bayesfric.diagnosis.classes import classes_of
+from bayesfric.diagnosis.forms import other_forms
+from bayesfric.diagnosis.held_out import Arms, measure_gap
+from bayesfric.diagnosis.model import Acting, Law, LinearModel
 from bayesfric.diagnosis.next_experiment import next_experiment
-from bayesfric.diagnosis.reference import amplitudes_of, fitted_laws, reference_laws
 from bayesfric.diagnosis.remainder import remainder_of
-from bayesfric.diagnosis.shapes import share_of_form, sharpened, sharpened_around, widened_by
-from bayesfric.diagnosis.shrink import Arms, measure_gap
-from bayesfric.diagnosis.strays import stray_trials
-from bayesfric.diagnosis.trajectories import free_running
-from bayesfric.diagnosis.verdict import decide, sentence_of, unseparated_of
+from bayesfric.diagnosis.residuals import residuals_of
+from bayesfric.diagnosis.search import NONE, UNKNOWN, Search, compare, search
+from bayesfric.diagnosis.stored import curves_of, gap_of
+from bayesfric.diagnosis.systematic import posterior_of
+from bayesfric.diagnosis.verdict import (
+    decide,
+    sentence_of,
+    sets_of_one,
+    sort_effects,
+    unseparated_of,
+)
 from bayesfric.diagnosis.weighing import Weighed, weigh
 from bayesfric.diagnosis.where import where_it_lies
-from bayesfric.diagnosis.which import NONE, PRIOR, UNKNOWN, Which, look_closer, which_effect
 from bayesfric.effects import Effect, all_effects
-from bayesfric.effects.candidates import candidates_of
+from bayesfric.effects.candidates import Candidate, candidates_of
 from bayesfric.errors import Fault, InputError
 from bayesfric.paper import table1
 from bayesfric.physics.friction import Coefficients
 from bayesfric.recording.tables import Recording
 from bayesfric.results import json_bytes, provenance, replace_outputs, write_netcdf
 from bayesfric.rigs import all_rigs
-from bayesfric.rigs.base import RigTrials
 from bayesfric.rigs.data import Data
-from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion, measured_motion
-from bayesfric.rigs.gravity_board.trials import GravityTrials
-from bayesfric.schemas import Absorbed, DiagnosisFile, ExaminedEffect, RecordingId
+from bayesfric.schemas import Absorbed, Cause, DiagnosisFile, ExaminedEffect, RecordingId
 
 __all__ = ["Diagnosed", "diagnose"]
 
 Array = NDArray[np.float64]
 LN10 = float(np.log(10))
-MANY = 0.1  # of the trials, whose sensors disagree, from which on it is the rig's doing
-MOSTLY = 0.5  # probability of none, or of an unknown force, that decides
-ROUNDS = 2  # of linearising around the law that was fitted with the causes
+MOSTLY = 0.5  # probability of an unknown force, from which on its noise counts
+ROUNDS = 2  # of linearising around the law that was fitted with the leader
+FORMED = 12.0  # nat from the best, of a hypothesis whose effects have other forms
 
 
 @dataclass(frozen=True)
@@ -136,7 +139,7 @@ def _diagnose(
     shipped: Mapping[str, Coefficients] | None,
 ) -> tuple[DiagnosisFile, xr.DataTree]:
     data = _data(recording)
-    share = analysis.diagnosis.practical_share
+    practical = analysis.diagnosis.practical_share
     if shipped is None:
         shipped = {
             size: Coefficients(row.c1.value, row.c2.value, row.c3.value)
@@ -144,120 +147,241 @@ def _diagnose(
         }
     held = _held(fixed, data, shipped)
     examined = all_effects() | {effect.name: effect for effect in effects}
-    measured = _measured(data)
-    laws, psi = reference_laws(data, analysis, share, held, shipped, measured)
-    stray = stray_trials(data, laws, measured)
-    if stray:
-        data = _without(data, stray)
-        measured = _measured(data)
-        laws, psi = reference_laws(data, analysis, share, held, shipped, measured)
+    examined = {name: _widened(one, analysis) for name, one in examined.items()}
+    data, stray, laws, psi = _baseline(data, analysis, held, shipped)
     candidates = [one for effect in examined.values() for one in candidates_of(effect)]
-    model = LinearModel(data, laws, candidates, analysis, share, held, measured=measured)
-    model, _ = sharpened(model, psi)
-    which = which_effect(model, psi)
-    found = _most_probable(which)
-    around = model
-    if found.names:
-        around = sharpened_around(model, found)
-        which = look_closer(around, which, found)
-        found = _most_probable(which)
-        # What was not weighed again is as it was.
-        around = around if found.log_shares.size > 1 else model
-    chances = which.probabilities()
-    proposals, no_proposal = next_experiment(around, found.psi, chances)
-    if found.names:
-        model, found = _around_causes(model, around, found)
+    first = LinearModel(data, laws, candidates, analysis, held)
+    first = first.squeezed(psi)
+    first_found = _first_look(first, psi)
+    model, found = _finals(first, first_found)
+    chances = found.probabilities()
     fold_rng, gap_rng, where_rng, draw_rng = (
         np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(4)
     )
-    arms = _arms(model, found, which, {s: shipped[s] for s in data.sizes if s in shipped})
-    figures = measure_gap(arms, fold_rng)
-    free = free_running(arms, figures)
-    gap, systematic = gap_figures(figures, free, arms, bool(found.names), gap_rng)
-    taken = float(np.median(systematic)) if found.names else 0.0
-    verdict, chance = decide(chances, systematic, share * gap.friction_rms)
-    named = verdict in ("named", "unseparated")
-    draws = cause_draws(model, found, draw_rng) if named else {}
-    strength = figures.strengths(arms)
+    best = found.best()
+    unknown = chances.get(UNKNOWN, 0.0) >= MOSTLY and found.unknown is not None
+    settled = found.unknown.at if unknown and found.unknown is not None else best.at
+    residuals = residuals_of(model.full, settled.psi)
+    posterior = posterior_of(model, found, residuals, draw_rng)
+    known = known_of(model, found, posterior, practical)
+    named, present, possible = sort_effects(known)
+    friction = residuals.friction_rms
+    above = float(np.mean(posterior.gap >= practical * friction))
+    together = sets_of_one(chances, known, named)
+    of_causes = [one for one in known if one.effect in named]
+    verdict, chance = decide(chances, of_causes, above, together)
+    arms = _arms(model, found, best, named, settled.psi, shipped)
+    plain = residuals_of(arms.plain, arms.psi)
+    held_out = measure_gap(arms, plain, fold_rng)
+    gap = gap_of(held_out, posterior, residuals, arms, practical, gap_rng)
+    where = where_it_lies(plain, held_out.before, held_out.fold, where_rng)
     floor = gap.floor.q50 / gap.friction_rms
-    causes = causes_of(model, found, which, draws, strength, floor) if named else ()
-    where = where_it_lies(arms.model, figures.residuals, figures.before, figures.fold, where_rng)
+
+    def told(names: list[str]) -> tuple[Cause, ...]:
+        return causes_of(names, model, found, posterior, practical, floor)
+
+    causes = told(named)
+    unseparated = unseparated_of(found.classes, together if verdict == "unseparated" else ())
+    proposals, no_proposal = next_experiment(model, found, chances)
     attributes = provenance(
         seed=analysis.seed,
         recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
         analysis_sha256=analysis_sha256(analysis),
         created=recording.created,
     )
-    unseparated = unseparated_of(which, chances, verdict)
+    prior = analysis.diagnosis.hypotheses
     summary = DiagnosisFile(
         **attributes.model_dump(),
         rigs=tuple(one.rig.name for one in data.rigs),
         baseline="paper",
         fixed=tuple(sorted(held)),
         stray_trials=stray,
-        practical_share=share,
+        practical_share=practical,
         verdict=verdict,
         verdict_probability=chance,
-        sentence=sentence_of(verdict, chance, causes, gap, where, unseparated),
+        sentence=sentence_of(verdict, chance, causes, gap, where, unseparated, practical),
         probabilities=chances,
-        hypothesis_prior=PRIOR,
+        hypothesis_prior=prior.model_dump(),
         prior_sensitivity={
-            "0.1": which.probabilities(0.1),
-            "0.9": which.probabilities(0.9),
+            "0.1": found.probabilities(0.1),
+            "0.9": found.probabilities(0.9),
         },
-        unvisited_probability=which.unvisited(),
+        unvisited_probability=found.unvisited(),
+        inclusion=inclusion_of(known, posterior, practical),
         causes=causes,
+        present=told(present),
+        possible=told(possible),
+        scatter=model.named(settled.psi),
         unseparated=unseparated,
         absorbed=tuple(
             Absorbed(effect=one.effect, by=one.by, bias=one.bias, unit=one.unit)
-            for one in which.classes.absorbed
+            for one in found.classes.absorbed
         ),
-        remainder=remainder_of(model, found, taken / gap.friction_rms),
+        remainder=remainder_of(model, found, best, float(np.median(posterior.gap)) / friction),
         where=where,
         gap=gap,
-        effects=_examined(which, sorted(examined)),
+        effects=_examined(found, first_found, sorted(examined)),
         next_experiment=proposals,
         next_experiment_why=no_proposal,
     )
-    return summary, curves_of(figures, free, draws)
+    amplitudes = {name: posterior.amplitudes[name] for name in named}
+    return summary, curves_of(held_out, amplitudes)
 
 
 def _data(recording: Recording) -> Data:
     opened = [rig.trials(recording) for rig in all_rigs().values()]
-    rigs = tuple(_entering(one, recording) for one in opened if one is not None)
+    rigs = tuple(one.entering() for one in opened if one is not None)
     data = Data(tuple(one for one in rigs if not one.table.empty))
     if not data.rigs:
-        raise InputError([Fault(recording.name, "a gravity trial or a motor run to diagnose")])
+        names = " or ".join(rig.words.trial for rig in all_rigs().values())
+        raise InputError([Fault(recording.name, f"a {names} to diagnose")])
     return data
 
 
-def _measured(data: Data) -> MeasuredMotion | None:
-    """Return the motion of the trials, which no law changes."""
-    return None if data.gravity is None else measured_motion(data.gravity, data.constants)
+def _widened(effect: Effect, analysis: Analysis) -> Effect:
+    """Return an effect whose amplitude's prior is as wide as the user wants it."""
+    factor = analysis.diagnosis.widths.get(effect.name, 1.0)
+    prior = effect.amplitude.prior
+    if factor == 1.0:
+        return effect
+    key = {"half-normal": "scale", "normal": "sd", "log-normal": "sd_log"}.get(prior.family)
+    if key is None:
+        raise InputError(
+            [Fault("analysis.toml", "an effect whose prior has a width", column=effect.name)]
+        )
+    wider = prior.model_copy(update={key: factor * getattr(prior, key)})
+    return replace(effect, amplitude=replace(effect.amplitude, prior=wider))
 
 
-def _entering(trials: RigTrials, recording: Recording) -> RigTrials:
-    """Return the trials that enter by the rules of a fit.
+def _baseline(
+    data: Data, analysis: Analysis, held: frozenset[str], shipped: Mapping[str, Coefficients]
+) -> tuple[Data, tuple[str, ...], dict[str, Coefficients], Array]:
+    """Fit the law, leave out trials that stray, and fit again.
 
-    Where the sensors of many trials disagree, it is no fault of a trial, but of the rig,
-    and what the diagnosis is to find: these trials stay.
+    Returns
+    -------
+    data : Data
+        Without strays.
+    stray : tuple of str
+        Their ids.
+    laws : dict of str to Coefficients
+        Of each size.
+    psi : ndarray
+        Logarithms of the noise.
     """
-    if not isinstance(trials, GravityTrials):
-        return trials
-    excluded = trials.screened.excluded
-    disagreeing = [trial for trial, rule in excluded.items() if rule == "sensors-disagree"]
-    if len(disagreeing) <= MANY * len(trials.recorded):
-        return trials
-    whole = trials.rig.trials(recording, exclude=False)
-    assert whole is not None
-    kept = whole.select(~whole.table["trial"].isin(set(excluded) - set(disagreeing)))
-    assert kept is not None
-    return kept
+    laws = _rough_laws(data, analysis)
+    for size, law in shipped.items():
+        if size in laws:
+            fixed = [f in held or f"{f}[{size}]" in held for f in Coefficients._fields]
+            laws[size] = Coefficients(
+                *(s if h else r for s, r, h in zip(law, laws[size], fixed, strict=True))
+            )
+    stray: tuple[str, ...] = ()
+    psi: Array | None = None
+    for last in (False, True):
+        model = LinearModel(data, laws, (), analysis, held)
+        at = model.climb(model.start if psi is None else psi, Acting())
+        psi, laws = at.psi, model.fitted_laws(at)
+        if not last:
+            stray = tuple(name for one in data.rigs for name in one.linear(laws).strays())
+            kept = (one.select(~one.table["trial"].isin(stray)) for one in data.rigs)
+            data = Data(tuple(one for one in kept if one is not None)) if stray else data
+    assert psi is not None
+    return data, stray, laws, psi
 
 
-def _without(data: Data, trials: Collection[str]) -> Data:
-    kept = (one.select(~one.table["trial"].isin(trials)) for one in data.rigs)
-    return Data(tuple(one for one in kept if one is not None))
+def _rough_laws(data: Data, analysis: Analysis) -> dict[str, Coefficients]:
+    """Return laws by plain least squares."""
+    start: dict[str, float] = {}
+    for one in reversed(data.rigs):
+        start |= one.likelihood(analysis).start()
+    return {
+        size: Coefficients(*(start[f"{name}[{size}]"] for name in Coefficients._fields))
+        for size in data.sizes
+    }
+
+
+def _first_look(model: LinearModel, psi: Array) -> Search:
+    """Weigh hypotheses around the baseline."""
+    at = model.climb(psi, Acting())
+    classes = classes_of(model, at.psi)
+    model.merge(classes.members)
+    curvature = model.curvature(at, Acting())
+    inverse = np.linalg.inv(curvature)
+    none = weigh(model, (), [at.psi], inverse, 0.0)
+    return search(model, none, inverse, 0.0, classes)
+
+
+def _finals(first: LinearModel, found: Search) -> tuple[LinearModel, Search]:
+    """Compare the finalists alike, around the law that was fitted with the leader."""
+    model = first
+    for _ in range(ROUNDS):
+        leader = found.best()
+        acting = model.amplitudes(leader.at, leader.acting)
+        names = {name for one in found.weighed.values() for name in one.names}
+        forms = other_forms([rig.rows for rig in model.rigs], _acting_once(model, found))
+        around = model.around(
+            model.fitted_laws(leader.at),
+            [c for c in first.candidates if c.effect.name in _all(found, names)],
+            scattering=acting,
+            forms=forms,
+        )
+        around.merge([m for m in found.classes.members if m[0] in names])
+        around = around.squeezed(leader.at.psi)
+        model, found = around, compare(around, found)
+        if found.best().names == leader.names:
+            break
+    return model, found
+
+
+def _all(found: Search, names: set[str]) -> set[str]:
+    """Return effects and those that are identical to them."""
+    return {one for members in found.classes.members for one in members if members[0] in names}
+
+
+def _acting_once(model: LinearModel, found: Search) -> list[tuple[Candidate, float]]:
+    """Return each effect of the likeliest hypotheses, as the best with it has it."""
+    ranked = sorted(found.weighed.values(), key=lambda one: -found.worth(one))
+    top = found.worth(ranked[0])
+    acting: dict[str, tuple[Candidate, float]] = {}
+    for one in ranked:
+        if found.worth(one) < top - FORMED:
+            break
+        for candidate, amplitude in model.amplitudes(one.at, one.acting):
+            acting.setdefault(candidate.effect.name, (candidate, amplitude))
+    return list(acting.values())
+
+
+def _arms(
+    model: LinearModel,
+    found: Search,
+    best: Weighed,
+    named: Collection[str],
+    psi: Array,
+    shipped: Mapping[str, Coefficients],
+) -> Arms:
+    within = [one for one in found.weighed.values() if set(one.names) == set(named)]
+    chosen = within[0] if within else best
+    laws = [law for law in chosen.acting.laws if law.effect in named]
+    shapes = [
+        shape
+        for law, shape in zip(chosen.acting.laws, chosen.acting.shapes, strict=True)
+        if law.effect in named
+    ]
+    own = [model.candidate(law, shape) for law, shape in zip(laws, shapes, strict=True)]
+    own = [replace(one, node=shape) for one, shape in zip(own, shapes, strict=True)]
+    plain = model.around(model.laws, own, discrepancy=False, by_trial=False)
+    known = model.around(model.laws, own, by_trial=True)
+    acting = tuple(
+        Law(law.effect, law.law, (place,), (shape,), 0.0)
+        for place, (law, shape) in enumerate(zip(laws, shapes, strict=True))
+    )
+    complete = set(shipped) >= set(model.layout.sizes)
+    causes = Acting(
+        acting, tuple(shapes), tuple(law for law in chosen.acting.phases if law.effect in named)
+    )
+    shipped_here = {size: shipped[size] for size in model.layout.sizes if size in shipped}
+    return Arms(plain, known, psi[: len(model.noise)], causes, shipped_here if complete else None)
 
 
 def _held(
@@ -283,66 +407,22 @@ def _held(
     return frozenset(fixed)
 
 
-def _most_probable(which: Which) -> Weighed:
-    """Return the causes: of the most probable named hypothesis, none where none is needed."""
-    chances = which.probabilities()
-    if chances.get(NONE, 0.0) >= MOSTLY or chances.get(UNKNOWN, 0.0) >= MOSTLY:
-        return which.weighed[NONE]
-    named = [name for name in which.weighed if name in chances and name != NONE]
-    return which.weighed[max(named, key=lambda name: chances[name])]
-
-
-def _around_causes(
-    model: LinearModel, around: LinearModel, found: Weighed
-) -> tuple[LinearModel, Weighed]:
-    """Linearise around the law that was fitted with the causes, and weigh them again.
-
-    The discrepancy grows by what their laws are wrong by, as far as the data tell.
-    """
-    wrong = share_of_form(found)
-    for _ in range(ROUNDS):
-        laws = fitted_laws(around, found.psi, found.best)
-        own = [c for c in around.candidates if c.effect.name in found.names]
-        around = model.around(
-            laws,
-            own,
-            scattering=amplitudes_of(around, found.psi, found.best),
-            widened=widened_by(wrong, model, around, found),
-        )
-        found = weigh(around, found.names, found.psi)
-    return around, found
-
-
-def _arms(
-    model: LinearModel,
-    found: Weighed,
-    which: Which,
-    shipped: Mapping[str, Coefficients],
-) -> Arms:
-    acting = (*found.best.columns, *found.best.phases)
-    chosen = [model.candidates[place] for place in acting]
-    caused = model.around(model.laws, chosen, discrepancy=False)
-    columns = len(found.best.columns)
-    after = Acting(tuple(range(columns)), tuple(range(columns, len(chosen))))
-    complete = set(shipped) == set(model.layout.sizes)
-    # What scatters is known best where all that is systematic has been taken up.
-    unknown = which.probabilities().get(UNKNOWN, 0.0) >= MOSTLY
-    settled = which.unknown.psi if unknown and which.unknown is not None else found.psi
-    known = model.around(model.laws, chosen)
-    return Arms(caused, known, settled, after, shipped if complete else None)
-
-
-def _examined(which: Which, names: list[str]) -> tuple[ExaminedEffect, ...]:
-    absorbed = {one.effect for one in which.classes.absorbed}
-    found = []
+def _examined(found: Search, first: Search, names: list[str]) -> tuple[ExaminedEffect, ...]:
+    absorbed = {one.effect for one in found.classes.absorbed}
+    stands = {name: members[0] for members in found.classes.members for name in members}
+    listed = []
     for name in names:
-        stands = which.representative.get(name)
-        value, why = None, which.classes.left_out.get(name)
+        value, why, bound = None, found.classes.left_out.get(name), False
         if name in absorbed:
             why = "it only moves a parameter of the baseline"
-        elif stands is not None:
-            value = (which.log_evidence[stands] - which.log_evidence[NONE]) / LN10
-        found.append(
-            ExaminedEffect(effect=name, log10_bayes_factor=value, log10_bayes_factor_why=why)
+        elif name in stands:
+            own = stands[name]
+            source = found if own in found.weighed else first
+            value = (source.weighed[own].log_evidence - source.weighed[NONE].log_evidence) / LN10
+            bound = source.weighed[own].bound
+        listed.append(
+            ExaminedEffect(
+                effect=name, log10_bayes_factor=value, log10_bayes_factor_why=why, bound=bound
+            )
         )
-    return tuple(found)
+    return tuple(listed)

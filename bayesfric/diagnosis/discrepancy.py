@@ -1,18 +1,27 @@
-"""Smooth forces that every hypothesis has, and how wide an unknown one makes some of them."""
+"""What every hypothesis leaves open: smooth forces, and small amounts of every effect.
 
+All models are wrong by a little. Smooth forces along everything that varied, and traces of
+every effect that smooth forces do not cover, make together a share of rms friction. An unknown
+force is the smooth part, made wide along all axes or along one.
+"""
+
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from bayesfric.inference.smooths import Smooth, smooth_along
-from bayesfric.rigs.gravity_board.rows import GravityRows
-from bayesfric.rigs.motor_board.linear import MotorPart
+from bayesfric.effects.candidates import Candidate, goes_to_and_fro
+from bayesfric.inference.smooths import NARROW, Smooth, Span, smooth_along
+from bayesfric.rigs.base import Unsupported
+from bayesfric.rigs.linear import LinearRows
 
-__all__ = ["Wide", "smooth_forces"]
+__all__ = ["Wide", "discrepancy_share", "relative_rms", "small_amounts", "smooth_forces"]
 
+Array = NDArray[np.float64]
 SHARED_AXES = ("velocity", "tension", "n_pulleys", "wrap_angle")
-TRIAL_AXES = ("displacement", "order", "acceleration")
-RELATIVE_AXES = ("n_pulleys", "displacement", "order", "acceleration")  # also a share of friction
+PART, LEAST = 0.25, 0.0025  # of the practical share; at least, as a share of friction
+SHAPES = np.array([-1.0, 1.0])  # normal quantiles of the prior of a shape
 
 
 @dataclass(frozen=True)
@@ -23,50 +32,83 @@ class Wide:
     ----------
     share : float
         Rms of the forces that are wide, as a share of rms friction.
-    smooths : tuple of int
-        Their places; the others are as wide as the discrepancy.
+    axis : str or None
+        Along which; None is along all.
     """
 
     share: float
-    smooths: tuple[int, ...]
+    axis: str | None
 
 
-def smooth_forces(rows: GravityRows | None, motor: MotorPart | None) -> tuple[Smooth, ...]:
-    """Return the smooth forces along whatever varied on the boards.
+def discrepancy_share(practical_share: float) -> float:
+    """Return the rms of the discrepancy of every hypothesis, as a share of rms friction."""
+    return max(PART * practical_share, LEAST)
+
+
+def smooth_forces(rows: Sequence[LinearRows]) -> tuple[list[Smooth], list[Smooth]]:
+    """Return the smooth forces of each size, and those that sizes share.
 
     Parameters
     ----------
-    rows : GravityRows or None
-    motor : MotorPart or None
-        The boards. What is of one board alone depends on its own covariates.
+    rows : sequence of LinearRows
+        The rigs. What a rig has beside others may differ from them by a constant share.
     """
-    found: list[Smooth | None] = []
-    here = [part.covariates() for part in (rows, motor) if part is not None]
-    ranges = {
-        axis: (
-            min(float(np.min(where[axis])) for where in here),
-            max(float(np.max(where[axis])) for where in here),
-        )
-        for axis in SHARED_AXES
-    }
-    both = ("velocity", "tension")
-    for axis in SHARED_AXES:
-        found += _along(axis, ranges[axis])
-    found.append(smooth_along({axis: ranges[axis] for axis in both}))
-    if rows is not None:
-        where = rows.covariates()
-        for axis in TRIAL_AXES:
-            limits = (float(np.min(where[axis])), float(np.max(where[axis])))
-            found += _along(axis, limits, "gravity")
-    if rows is not None and motor is not None:
-        where = motor.covariates()
+    where = [one.covariates() for one in rows]
+    span = {axis: Span.of(*(one[axis] for one in where)) for axis in SHARED_AXES}
+    own = [smooth_along({axis: span[axis]}) for axis in SHARED_AXES]
+    shared = [
+        smooth_along({axis: span[axis]}, relative=True, length=NARROW) for axis in SHARED_AXES
+    ]
+    shared.append(smooth_along({axis: span[axis] for axis in ("velocity", "tension")}))
+    for one, here in zip(rows, where, strict=True):
+        for axis in one.trial_axes:
+            along = {axis: Span.of(here[axis])}
+            shared.append(smooth_along(along, one.name, relative=True, length=NARROW))
+    for one, here in zip(rows[1:], where[1:], strict=True):
         for axis in SHARED_AXES:
-            limits = (float(np.min(where[axis])), float(np.max(where[axis])))
-            found.append(smooth_along({axis: limits}, "motor"))
-        found.append(smooth_along({}, "motor", relative=True))
-    return tuple(smooth for smooth in found if smooth is not None)
+            shared.append(smooth_along({axis: Span.of(here[axis])}, one.name, relative=True))
+        shared.append(smooth_along({}, one.name, relative=True))
+    return [one for one in own if one], [one for one in shared if one]
 
 
-def _along(axis: str, limits: tuple[float, float], rig: str | None = None) -> list[Smooth | None]:
-    both = (False, True) if axis in RELATIVE_AXES else (False,)
-    return [smooth_along({axis: limits}, rig, relative=relative) for relative in both]
+def small_amounts(
+    rows: Sequence[LinearRows], candidates: Sequence[Candidate], share: float
+) -> list[tuple[Candidate, float]]:
+    """Return effects with the standard deviations of their small amounts.
+
+    Parameters
+    ----------
+    rows : sequence of LinearRows
+        The rigs.
+    candidates : sequence of Candidate
+        Of the effects that are examined, any number an effect.
+    share : float
+        Rms force of them all, as a share of friction.
+    """
+    effects = {
+        candidate.effect.name: candidate.effect
+        for candidate in candidates
+        if not goes_to_and_fro(candidate.effect) and not candidate.effect.components
+    }
+    found: list[tuple[Candidate, float]] = []
+    for effect in effects.values():
+        nodes = SHAPES if effect.shape is not None else np.zeros(1)
+        each = [Candidate(effect, law, float(node), 0.0) for law in effect.laws for node in nodes]
+        part = share / np.sqrt(len(effects) * len(each))
+        for candidate in each:
+            size = relative_rms(rows, candidate)
+            if size > 0:
+                found.append((candidate, part / size))
+    return found
+
+
+def relative_rms(rows: Sequence[LinearRows], candidate: Candidate) -> float:
+    """Return the rms of what amplitude 1 does to friction, over the rigs where it acts."""
+    squares: list[Array] = []
+    for one in rows:
+        force = one.relative_force(candidate)
+        if not isinstance(force, Unsupported):
+            square = np.atleast_3d(force**2).sum(axis=0).mean(axis=1)
+            squares.append(np.broadcast_to(square, (len(one.table),)))
+    acting = [one for one in squares if one.any()]
+    return float(np.sqrt(np.concatenate(acting).mean())) if acting else 0.0

@@ -5,7 +5,7 @@ in proportion to it, a drift saturate, slip grow with travel. The difference is 
 the effect does, which changes along what it acts over: along each axis a sum of Legendre
 polynomials over the part of the range where the effect does something, the rougher the less,
 each without its mean, which is the amplitude's. How large a share it is, the same for all axes,
-is integrated over :data:`SHARES`.
+is averaged over.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -16,17 +16,15 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-from bayesfric.diagnosis.small_amounts import relative_rms
+from bayesfric.diagnosis.discrepancy import relative_rms
 from bayesfric.effects import ActsOn, Effect, Law
 from bayesfric.effects.candidates import Candidate, goes_to_and_fro, unit_values
-from bayesfric.rigs.gravity_board.rows import GravityRows
-from bayesfric.rigs.motor_board.linear import MotorPart
+from bayesfric.rigs.base import Unsupported
+from bayesfric.rigs.linear import LinearRows
 
-__all__ = ["SHARES", "other_forms"]
+__all__ = ["other_forms"]
 
 Array = NDArray[np.float64]
-SHARES = (0.0, 0.1, 0.3)
-"""Rms of what a law is wrong by along each axis, as shares of what the effect does."""
 FORCE_AXES = ("speed_m_s", "tension_n", "n_pulleys", "wrap_angle_deg", "travel_m", "order")
 AXES: Mapping[ActsOn, tuple[str, ...]] = {
     "friction": FORCE_AXES,
@@ -34,21 +32,20 @@ AXES: Mapping[ActsOn, tuple[str, ...]] = {
     "reading": ("displacement_m", "speed_m_s", "acceleration_m_s2"),
     "current": ("speed_m_s", "load_current_a", "order"),
 }
-HIGHEST = 4  # degree
+HIGHEST = 3  # degree
 UNLIKE = 0.05  # of a polynomial's rms where the effect acts, that lower degrees do not have
 TAIL = 1e-3  # of the effect's square, beyond either end of the range
 
 
 def other_forms(
-    rows: GravityRows | None, motor: MotorPart | None, acting: Sequence[tuple[Candidate, float]]
+    rows: Sequence[LinearRows], acting: Sequence[tuple[Candidate, float]]
 ) -> list[tuple[Candidate, float]]:
     """Return differences of form, with their standard deviations at a share of 1.
 
     Parameters
     ----------
-    rows : GravityRows or None
-    motor : MotorPart or None
-        The boards.
+    rows : sequence of LinearRows
+        The rigs.
     acting : sequence of (Candidate, float)
         Effects that act, with their amplitudes. Errors of readings that go to and fro have
         none: there is no equivalent force to take a share of.
@@ -57,27 +54,28 @@ def other_forms(
     for candidate, amplitude in acting:
         if goes_to_and_fro(candidate.effect) or amplitude == 0:
             continue
-        places = _places(rows, motor, candidate)
+        places = _places(rows, candidate)
         for axis in AXES[candidate.effect.acts_on]:
             shapes = _shapes(*_along(axis, places))
             # The effect itself, on the boards that have the axis.
             alike = replace(candidate, effect=_varied(candidate.effect, axis, np.ones_like))
-            size = _size(rows, motor, alike) * abs(amplitude)
+            size = _size(rows, alike) * abs(amplitude)
             weights = 1 / np.arange(1, len(shapes) + 1)
             for shape, weight in zip(shapes, weights / np.linalg.norm(weights), strict=True):
                 one = replace(candidate, effect=_varied(candidate.effect, axis, shape))
-                found.append((one, weight * size / _size(rows, motor, one)))
+                found.append((one, weight * size / _size(rows, one)))
     return found
 
 
-def _size(rows: GravityRows | None, motor: MotorPart | None, candidate: Candidate) -> float:
+def _size(rows: Sequence[LinearRows], candidate: Candidate) -> float:
     """Return the rms of what amplitude 1 does, of an error of readings in metres."""
     if candidate.effect.acts_on != "reading":
-        return relative_rms(rows, motor, candidate)
-    if rows is None:
-        return 0.0
-    column = rows.candidate_columns(candidate).sum(axis=1)
-    return float(np.sqrt((column**2).mean()))
+        return relative_rms(rows, candidate)
+    return max((one.size_of(candidate) for one in rows if _shows(one, candidate)), default=0.0)
+
+
+def _shows(rows: LinearRows, candidate: Candidate) -> bool:
+    return not isinstance(rows.where(candidate.effect.acts_on), Unsupported)
 
 
 def _varied(effect: Effect, axis: str, shape: Callable[[Array], Array]) -> Effect:
@@ -130,16 +128,10 @@ def _shapes(at: Array, weight: Array) -> list[Callable[[Array], Array]]:
     return found
 
 
-def _places(
-    rows: GravityRows | None, motor: MotorPart | None, candidate: Candidate
-) -> list[tuple[Any, Array]]:
-    """Return where each board is, and the square of what the effect does there."""
+def _places(rows: Sequence[LinearRows], candidate: Candidate) -> list[tuple[Any, Array]]:
+    """Return where each rig is, and the square of what the effect does there."""
     effect = candidate.effect
-    places: list[Any] = []
-    if rows is not None and effect.acts_on != "current":
-        places.append(rows.readings() if effect.acts_on == "reading" else rows.state)
-    if motor is not None and effect.acts_on != "reading":
-        places.append(motor.state)
+    places = [one.where(effect.acts_on) for one in rows if _shows(one, candidate)]
     values, _ = unit_values(candidate)
     law = effect.laws[candidate.law]
     return [(place, np.asarray(law(values, place), dtype=np.float64) ** 2) for place in places]

@@ -3,11 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from bayesfric.diagnosis.linear_model import LinearModel
-from bayesfric.diagnosis.shrink import interval
+from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis.search import Search, unknown_force
+from bayesfric.diagnosis.systematic import interval
 from bayesfric.diagnosis.weighing import Weighed
-from bayesfric.diagnosis.which import Unknown, unknown_evidence
-from bayesfric.rigs.layout import COEFFICIENTS
 from bayesfric.schemas import Remainder
 
 __all__ = ["remainder_of"]
@@ -18,33 +17,46 @@ SIGNIFICANT = 1.0  # log10 Bayes factor
 DRAWS = 1000
 
 
-def remainder_of(model: LinearModel, found: Weighed, taken_share: float) -> Remainder:
+def remainder_of(model: LinearModel, search: Search, found: Weighed, gap_share: float) -> Remainder:
     """Weigh a further smooth force beside the causes.
 
     Parameters
     ----------
     model : LinearModel
-        Around the law that was fitted with the causes.
+        In which hypotheses were compared.
+    search : Search
+        The hypotheses.
     found : Weighed
-        The causes; may be none.
-    taken_share : float
-        Rms of what the causes take away over rms friction; the rest of the gap is the
-        further force.
+        The most probable one with names; may be none.
+    gap_share : float
+        Rms of the gap over rms friction, of which the further force is a part.
     """
-    further = unknown_evidence(model, found.psi, found.best)
-    gain = (further.log_evidence - model.log_joint(found.psi, found.best)) / LN10
+    why = "no further force is asked for"
+    further = unknown_force(model, found, found.acting, search.inverse, search.volume)
+    if further is None:
+        return Remainder(
+            significant=False,
+            log10_bayes_factor=0.0,
+            share_of_gap=None,
+            share_of_gap_why=why,
+            axis=None,
+            axis_why=why,
+        )
+    before = model.evaluate(found.at.psi, found.acting, None, found.forms).value + search.volume
+    gain = (further.log_evidence - before) / LN10
     significant = gain > SIGNIFICANT
-    axis, share, why = None, None, "no further force is asked for"
+    axis, share = None, None
     if significant:
-        axis = _axis(model, found, further)
-        # Beyond the discrepancy that every hypothesis has.
-        rms2 = np.array([wide.share**2 for wide in further.nodes]) - model.practical_share**2
+        axis = further.best.axis
+        if axis is None:
+            axis = _widest(model, found, further)
+        shares = np.array([wide.share for wide in further.nodes])
         weights = np.exp(further.log_weights)
-        order = np.argsort(rms2)
+        order = np.argsort(shares)
         ladder = (np.arange(DRAWS) + 0.5) / DRAWS
-        place = np.searchsorted(np.cumsum(weights[order]), ladder).clip(max=rms2.size - 1)
-        drawn = rms2[order][place]
-        share = interval(drawn / (drawn + taken_share**2))
+        place = np.searchsorted(np.cumsum(weights[order]), ladder).clip(max=shares.size - 1)
+        drawn = shares[order][place] ** 2
+        share = interval(drawn / (drawn + gap_share**2))
     return Remainder(
         significant=bool(significant),
         log10_bayes_factor=float(gain),
@@ -55,17 +67,12 @@ def remainder_of(model: LinearModel, found: Weighed, taken_share: float) -> Rema
     )
 
 
-def _axis(model: LinearModel, found: Weighed, further: Unknown) -> str:
-    """Return the covariate along which the further force is largest."""
-    wide = further.nodes[int(np.argmax(further.log_weights))]
-    mean, sd = model.prior(found.best.columns, wide)
-    centre, _ = model.information(further.psi, found.best).posterior(mean, sd)
-    own, sizes = model.layout.own, len(model.layout.sizes)
-    numbers = centre[: own * sizes].reshape(sizes, own)[:, COEFFICIENTS:]
-    power: dict[str, float] = {}
-    start = 0
-    for smooth in model.smooths:
-        square = float((numbers[:, start : start + smooth.count] ** 2).sum())
-        power[smooth.axis] = power.get(smooth.axis, 0.0) + square
-        start += smooth.count
-    return max(power, key=lambda name: power[name])
+def _widest(model: LinearModel, found: Weighed, further) -> str:  # type: ignore[no-untyped-def]
+    """Return the axis that gains most where it alone is wide."""
+    del model, found
+    rated = [
+        (float(weight), node.axis)
+        for weight, node in zip(further.log_weights, further.nodes, strict=True)
+        if node.axis is not None
+    ]
+    return str(max(rated)[1])

@@ -1,29 +1,17 @@
-"""Residual forces of both boards in one table, and what a fit makes of them."""
+"""Residual forces of all rigs in one table, and what a fit makes of them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bayesfric.diagnosis.linear_model import Acting, LinearModel
+from bayesfric.diagnosis.model import LinearModel
 from bayesfric.physics.friction import Coefficients
-from bayesfric.rigs.gravity_board.linear import GravityPart
-from bayesfric.rigs.gravity_board.rows import GravityRows
 from bayesfric.rigs.layout import COEFFICIENTS
-from bayesfric.rigs.motor_board.linear import MotorPart
-from bayesfric.rigs.windows import Windows
+from bayesfric.rigs.linear import LinearRig
 
-__all__ = [
-    "AXES",
-    "Residuals",
-    "fitted",
-    "local_numbers",
-    "numbers_of_laws",
-    "recalibrated",
-    "residuals_of",
-]
+__all__ = ["AXES", "CATEGORIES", "Residuals", "recalibrated", "residuals_of"]
 
 Array = NDArray[np.float64]
 AXES = {
@@ -34,15 +22,20 @@ AXES = {
     "displacement": "m",
     "acceleration": "m/s²",
     "order": "1",
+    "drive_end": "1",
+    "trial_in_setup": "1",
+    "setup": "1",
     "pulley_size": "1",
     "rig": "1",
 }
-"""Covariates with their units; the last two are numbers of a category."""
+"""Covariates with their units."""
+CATEGORIES = ("drive_end", "setup", "pulley_size", "rig")
+"""Covariates that are numbers of a category."""
 
 
 @dataclass(frozen=True)
 class Residuals:
-    """Windows of both boards, gravity's first.
+    """Windows of all rigs, one rig's after another's.
 
     Parameters
     ----------
@@ -54,34 +47,48 @@ class Residuals:
         Place of the pulley size.
     friction_n : ndarray, shape (R,)
         Of the reference law [N].
-    variance : ndarray, shape (R,)
-        Of the measurement [N²].
-    spread : ndarray, shape (R,)
-        Of friction from the law, relative: a trial's and an assembly's together.
-    trial, setup, condition : ndarray of int, shape (R,)
-        Numbers over both boards.
     covariance : tuple of ndarray
         Of the measurement error, trial by trial [N²].
+    wander : tuple of ndarray
+        Of friction along the path, relative, trial by trial.
     scatter : ndarray, shape (R, 2)
-        Relative scatter of a trial and of an assembly.
+        Relative variance of a trial's and of an assembly's friction.
+    trial, setup, condition, rig : ndarray of int, shape (R,)
+        Numbers over all rigs.
     covariates : dict of str to ndarray, shape (R,)
         Of :data:`AXES`; nan where there is none.
     names : tuple of str
-        Of the trials and runs.
+        Of the trials.
+    rig_names : tuple of str
+        Of the rigs.
     """
 
     residual_n: Array
     columns: Array
     size: NDArray[np.intp]
     friction_n: Array
-    variance: Array
+    covariance: tuple[Array, ...]
+    wander: tuple[Array, ...]
+    scatter: Array
     trial: NDArray[np.intp]
     setup: NDArray[np.intp]
     condition: NDArray[np.intp]
-    covariance: tuple[Array, ...]
-    scatter: Array
+    rig: NDArray[np.intp]
     covariates: dict[str, Array]
     names: tuple[str, ...]
+    rig_names: tuple[str, ...]
+
+    @property
+    def variance(self) -> Array:
+        """Of each window's measurement error, shape (R,) [N²]."""
+        return np.concatenate([np.diag(part) for part in self.covariance])
+
+    @property
+    def spread2(self) -> Array:
+        """Relative variance of friction that no law predicts, (R,)."""
+        return np.asarray(
+            self.scatter.sum(axis=1) + np.concatenate([np.diag(part) for part in self.wander])
+        )
 
     @property
     def weight(self) -> Array:
@@ -91,160 +98,132 @@ class Residuals:
         trials = np.bincount(pairs[0])[self.condition]
         return np.asarray(1 / (windows * trials * np.unique(self.condition).size))
 
-    def left(self, model: LinearModel, numbers: Array) -> Array:
-        """Return what numbers of the model leave of the residual, shape (R,) [N]."""
-        local = local_numbers(model, numbers)
+    @property
+    def friction_rms(self) -> float:
+        """Of the reference law, by the weights [N]."""
+        return float(np.sqrt((self.weight * self.friction_n**2).sum()))
+
+    def left(self, local: Array) -> Array:
+        """Return what local numbers, (sizes, q), leave of the residual, shape (R,) [N]."""
         return np.asarray(self.residual_n - (self.columns * local[self.size]).sum(axis=1))
+
+    def without_law(self, values: Array) -> Array:
+        """Return forces, (R, …), less what a recalibrated law takes of them.
+
+        The law is fitted by least squares with the weights.
+        """
+        root = np.sqrt(self.weight)
+        sizes = np.unique(self.size)
+        design = np.zeros((root.size, COEFFICIENTS * sizes.size))
+        for place, size in enumerate(sizes):
+            mine = self.size == size
+            design[mine, COEFFICIENTS * place : COEFFICIENTS * (place + 1)] = self.columns[
+                mine, :COEFFICIENTS
+            ]
+        left, singular, _ = np.linalg.svd(root[:, None] * design, full_matrices=False)
+        basis = left[:, singular > 1e-9 * singular[0]] / root[:, None]
+        weighted = self.weight.reshape(-1, *(1,) * (values.ndim - 1)) * values
+        return np.asarray(values - np.tensordot(basis, np.tensordot(basis.T, weighted, 1), 1))
 
 
 def residuals_of(model: LinearModel, psi: Array) -> Residuals:
-    """Return the residual forces of both boards.
+    """Return the residual forces of all rigs.
 
     Parameters
     ----------
     model : LinearModel
-        The boards.
+        The rigs.
     psi : ndarray
         Logarithms of the noise.
     """
-    gravity, motor = model.noise(psi)
-    boards: list[Residuals] = []
-    if model.gravity is not None and gravity is not None:
-        part, rows = model.gravity, model.gravity.rows
-        windows = part.windows()
-        masses = ["mass_drive_kg", "mass_load_kg"]
-        # The noise of events by the first estimate of it, which no law's misfit inflates.
-        boards.append(_of_board(part, rows, windows, masses, (gravity.tau, gravity.omega), 0))
-    if model.motor is not None and motor is not None:
-        board, windows = model.motor, model.motor.windows(motor)
-        held = ["hanging_mass_kg"]
-        boards.append(_of_board(board, board, windows, held, (motor.tau, motor.omega), 1))
-    return boards[0] if len(boards) == 1 else _joined(*boards)
+    noise = model.named(psi)
+    parts = [_of_rig(rig, noise, place) for place, rig in enumerate(model.rigs)]
+
+    def joined(name: str) -> Array:
+        return np.concatenate([part[name] for part in parts])
+
+    def numbered(name: str) -> NDArray[np.intp]:
+        found, start = [], 0
+        for part in parts:
+            found.append(part[name] + start)
+            start += int(part[name].max()) + 1
+        return np.concatenate(found)
+
+    setup = numbered("setup")
+    covariates = {axis: joined(axis) for axis in AXES if axis != "setup"}
+    covariates["setup"] = setup.astype(np.float64)
+    return Residuals(
+        joined("residual_n"),
+        joined("columns"),
+        joined("size"),
+        joined("friction_n"),
+        tuple(one for part in parts for one in part["covariance"]),
+        tuple(one for part in parts for one in part["wander"]),
+        joined("scatter"),
+        numbered("trial"),
+        setup,
+        numbered("condition"),
+        joined("rig").astype(np.intp),
+        {axis: covariates[axis] for axis in AXES},
+        tuple(name for rig in model.rigs for name in rig.rows.table["trial"]),
+        tuple(rig.rows.name for rig in model.rigs),
+    )
 
 
-def _of_board(
-    part: GravityPart | MotorPart,
-    rows: GravityRows | MotorPart,
-    windows: Windows,
-    masses: list[str],
-    scatter: tuple[float, float],
-    rig: int,
-) -> Residuals:
-    table, row = rows.trials, windows.row
-    keys = ["pulley_size", "n_pulleys", "wrap_angle_deg", *masses]
+def _of_rig(rig: LinearRig, noise: Mapping[str, float], place: int):  # type: ignore[no-untyped-def]
+    windows, table = rig.windows(noise), rig.rows.table
+    row = windows.row
+    keys = ["pulley_size", "n_pulleys", "wrap_angle_deg", *rig.rows.loads]
     condition = table.groupby(keys, sort=False).ngroup().to_numpy().astype(np.intp)
-    covariates = dict(windows.covariates)
-    covariates["acceleration"] = rows.acceleration[row]
-    covariates["pulley_size"] = part.size[row].astype(np.float64)
-    covariates["rig"] = np.full(row.size, float(rig))
-    return Residuals(
-        residual_n=windows.residual_n,
-        columns=windows.columns,
-        size=part.size[row],
-        friction_n=rows.friction_n[row],
-        variance=windows.variance,
-        trial=row,
-        setup=part.setup[row],
-        condition=condition[row],
-        covariance=windows.covariance,
-        scatter=np.tile(np.array(scatter), (row.size, 1)),
-        covariates={axis: covariates[axis] for axis in AXES},
-        names=tuple(table["trial"]),
-    )
+    nowhere = np.full(row.size, np.nan)
+    found = {axis: windows.covariates.get(axis, nowhere) for axis in AXES}
+    return found | {
+        "residual_n": windows.residual_n,
+        "columns": windows.columns,
+        "size": rig.size[row],
+        "friction_n": rig.rows.friction_n[row],
+        "covariance": windows.covariance,
+        "wander": windows.wander,
+        "scatter": rig.scatter(noise)[row],
+        "trial": row,
+        "setup": rig.setup[row],
+        "condition": condition[row],
+        "pulley_size": rig.size[row].astype(np.float64),
+        "rig": np.full(row.size, float(place)),
+    }
 
 
-def _joined(one: Residuals, other: Residuals) -> Residuals:
-    """Return the residuals of both boards, trials and assemblies numbered on."""
+def spread_numbers(model: LinearModel, numbers: Array, mixing: Array) -> Array:
+    """Return local numbers of each size, (…, sizes, q), from those of a hypothesis, (…, p).
 
-    def both(name: str) -> Any:
-        return np.concatenate([getattr(one, name), getattr(other, name)])
-
-    def on(name: str) -> NDArray[np.intp]:
-        first: NDArray[np.intp] = getattr(one, name)
-        return np.concatenate([first, getattr(other, name) + first.max() + 1])
-
-    return Residuals(
-        both("residual_n"),
-        both("columns"),
-        both("size"),
-        both("friction_n"),
-        both("variance"),
-        on("trial"),
-        on("setup"),
-        on("condition"),
-        one.covariance + other.covariance,
-        both("scatter"),
-        {axis: np.concatenate([one.covariates[axis], other.covariates[axis]]) for axis in AXES},
-        one.names + other.names,
-    )
-
-
-def fitted(
-    model: LinearModel,
-    psi: Array,
-    acting: Acting,
-    used: Mapping[str, NDArray[np.bool_]] | None = None,
-) -> tuple[Array, Array]:
-    """Fit a model.
-
-    Parameters
-    ----------
-    model : LinearModel
-        The boards.
-    psi : ndarray
-        Logarithms of the noise.
-    acting : Acting
-        Candidates that act.
-    used : mapping of str to ndarray of bool, or None
-        Trials and runs that enter.
-
-    Returns
-    -------
-    mean : ndarray, shape (p,)
-        Of every number of the model, 0 of a candidate that does not act.
-    covariance : ndarray, shape (p, p)
-        Likewise.
+    They are those of the whole model where that of the hypothesis is squeezed.
     """
-    mean, sd = model.prior(acting.columns)
-    found, covariance = model.information(psi, acting, used).posterior(mean, sd)
-    count, acted = model.layout.own * len(model.layout.sizes), len(acting.columns)
-    places = np.concatenate(
-        [
-            np.arange(count),
-            count + np.array(acting.columns, dtype=np.intp),
-            count + model.layout.candidates + np.arange(found.size - count - acted),
-        ]
-    )
-    total = count + model.layout.candidates + model.layout.always().size
-    whole, spread = np.zeros(total), np.zeros((total, total))
-    whole[places], spread[np.ix_(places, places)] = found, covariance
-    return whole, spread
+    layout, sizes = model.layout, len(model.layout.sizes)
+    own = numbers[..., : layout.own * sizes].reshape(*numbers.shape[:-1], sizes, layout.own)
+    shared = numbers[..., layout.own * sizes :]
+    acting = shared[..., : mixing.shape[1]] @ mixing.T
+    rest = np.concatenate([acting, shared[..., mixing.shape[1] :]], axis=-1)
+    rest = np.broadcast_to(rest[..., None, :], (*own.shape[:-1], rest.shape[-1]))
+    found = np.concatenate([own, rest], axis=-1)
+    return found if model.squeeze is None else found @ model.squeeze.T
 
 
-def local_numbers(model: LinearModel, numbers: Array) -> Array:
-    """Return the local numbers of each size, shape (sizes, q), from those of all."""
-    sizes, own = len(model.layout.sizes), model.layout.own
-    shared = np.tile(numbers[own * sizes :], (sizes, 1))
-    return np.concatenate([numbers[: own * sizes].reshape(sizes, own), shared], axis=1)
-
-
-def numbers_of_laws(model: LinearModel, laws: Mapping[str, Coefficients], numbers: Array) -> Array:
-    """Return numbers with the coefficients of given laws and no effects."""
-    found = np.zeros_like(numbers)
-    own = model.layout.own
+def numbers_of_laws(model: LinearModel, laws: Mapping[str, Coefficients], local: Array) -> Array:
+    """Return local numbers with the coefficients of given laws, and no effects."""
+    found = np.zeros_like(local)
     for place, size in enumerate(model.layout.sizes):
         for column in range(COEFFICIENTS):
             moved = float(np.asarray(laws[size][column]) - np.asarray(model.laws[size][column]))
-            found[place * own + column] = moved / model.scale(column)
-    if model.layout.idle:
-        found[-model.layout.idle :] = numbers[-model.layout.idle :]
+            found[place, column] = moved / model.scales[column]
+    start = model.layout.local - sum(model.layout.nuisances)
+    found[:, start:] = local[:, start:]
     return found
 
 
 def recalibrated(
-    model: LinearModel, residuals: Residuals, rows: NDArray[np.bool_], numbers: Array
+    model: LinearModel, residuals: Residuals, rows: NDArray[np.bool_], local: Array
 ) -> Array:
-    """Return numbers with the law that fits the forces of some windows best.
+    """Return local numbers with the law that fits the forces of some windows best.
 
     Least squares with the weights of the gap, less where the measurement is poor, and the
     prior of the law: what a force that the law does not have does within a trial does not
@@ -258,27 +237,43 @@ def recalibrated(
         Of its windows.
     rows : ndarray of bool, shape (R,)
         Those that enter; without any the law is that of the prior.
-    numbers : ndarray, shape (p,)
-        Of every number of the model; the law's are left aside, the others held.
+    local : ndarray, shape (sizes, q)
+        The law's are left aside, the others held.
     """
-    own, sizes = model.layout.own, len(model.layout.sizes)
-    mean, sd = (values[: own * sizes] for values in model.prior(()))
-    found = numbers.copy()
-    found[: own * sizes] = mean
+    sizes = len(model.layout.sizes)
+    mean, sd = (one[: COEFFICIENTS * sizes] for one in model.prior(()))
+    found = local.copy()
+    found[:, :COEFFICIENTS] = mean.reshape(sizes, COEFFICIENTS)
     if not rows.any():
         return found
-    spread2 = residuals.friction_n**2 * (residuals.scatter**2).sum(axis=1)
+    spread2 = residuals.friction_n**2 * residuals.spread2
     weight = residuals.weight * rows * spread2 / (spread2 + residuals.variance)
-    design = np.zeros((rows.size, own * sizes))
+    design = np.zeros((rows.size, COEFFICIENTS * sizes))
     for size in range(sizes):
         mine = residuals.size == size
-        design[mine, own * size : own * (size + 1)] = residuals.columns[mine, :own]
+        place = slice(COEFFICIENTS * size, COEFFICIENTS * (size + 1))
+        design[mine, place] = residuals.columns[mine, :COEFFICIENTS]
     design *= sd
     # An assembly's scatter enters once, however many windows there are of it.
     assemblies = np.unique(residuals.setup[rows]).size
     variance = (weight * (spread2 + residuals.variance)).sum()
     certainty = assemblies / variance * weight[:, None] * design
-    precision = design.T @ certainty + np.eye(own * sizes)
-    slope = certainty.T @ residuals.left(model, found)
-    found[: own * sizes] += sd * np.linalg.solve(precision, slope)
+    precision = design.T @ certainty + np.eye(COEFFICIENTS * sizes)
+    slope = certainty.T @ residuals.left(found)
+    moved = (sd * np.linalg.solve(precision, slope)).reshape(sizes, COEFFICIENTS)
+    found[:, :COEFFICIENTS] += moved
+    return found
+
+
+def used_of(
+    model: LinearModel, residuals: Residuals, out: NDArray[np.bool_]
+) -> dict[str, NDArray[np.bool_]]:
+    """Return which trials of each rig stay where those of some windows are left out."""
+    gone = np.zeros(len(residuals.names), dtype=bool)
+    gone[residuals.trial[out]] = True
+    found, start = {}, 0
+    for rig in model.rigs:
+        count = len(rig.rows.table)
+        found[rig.rows.name] = ~gone[start : start + count]
+        start += count
     return found

@@ -1,143 +1,238 @@
-"""Shapes looked at more closely where an effect is there.
+"""The evidence of effects that act together: amplitudes, shapes and laws integrated out.
 
-Data that speak for an effect by thousands of nats tell its shape to a hundredth of
-what the prior leaves open. Nodes are added around the best one until they are as close.
+Given the noise, amplitudes are normal (folded where they are positive: an orthant's
+probability), and columns at any shape are mixtures of those at the nodes.
 """
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import logsumexp
+from scipy.special import log_ndtr, logsumexp
+from scipy.stats import multivariate_normal
 
-from bayesfric.diagnosis.forms import SHARES, other_forms
-from bayesfric.diagnosis.linear_model import Acting, LinearModel
-from bayesfric.diagnosis.reference import amplitudes_of, fitted_laws
-from bayesfric.diagnosis.small_amounts import relative_rms
-from bayesfric.diagnosis.weighing import Weighed, candidates_by_name, single_gains
-from bayesfric.effects.candidates import Candidate, candidates_of
+from bayesfric.diagnosis.model import Law, LinearModel
+from bayesfric.effects.candidates import is_positive, prior_moments
+from bayesfric.inference.information import Reduced
 
-__all__ = ["share_of_form", "sharpened", "sharpened_around", "widened_by"]
+__all__ = ["Choice", "Quadratic", "choose", "log_orthant"]
 
 Array = NDArray[np.float64]
-ROUNDS = 2
-NEW = np.array([-3, -2, -1, 1, 2, 3]) / 4  # cells from the best node
-GAIN = 10.0  # nat that an effect alone adds, from which on its shape is looked at
-FORM = 0.1  # of an effect's force, by which its law may be wrong before the data are asked
-LEAST = 0.05  # of it, by which any law is: tension differs from pulley to pulley
-NEAR = 0.01  # width of a cell, in normal quantiles: closer, and no more nodes are needed
+WIDEST = 2.4  # normal quantile of a shape
+COARSE, FINE, ZOOMS = 49, 13, 3
+SWEEPS = 2  # over the shapes of effects that act together
+NEAR = 12.0  # nat from the best law, of one that is followed
+LOG_2 = float(np.log(2))
 
 
-def sharpened(model: LinearModel, psi: Array) -> tuple[LinearModel, Array]:
-    """Add nodes to the shapes of effects that help on their own; start with the best of them.
+@dataclass(frozen=True)
+class Choice:
+    """Laws and shapes of effects that act together.
 
-    With the best one a trial is followed back to its release, which effects of the first
-    stretch of travel need to be told from each other.
+    Parameters
+    ----------
+    laws : tuple of Law
+        One an effect.
+    shapes : tuple of float
+        The best, as normal quantiles.
+    log_evidence : float
+        Shapes integrated out, the laws' prior weight included.
+    """
+
+    laws: tuple[Law, ...]
+    shapes: tuple[float, ...]
+    log_evidence: float
+
+
+class Quadratic:
+    """A quadratic form in the amplitudes of candidates, and their priors.
 
     Parameters
     ----------
     model : LinearModel
-        With the usual nodes.
-    psi : ndarray
-        Logarithms of the noise under the baseline alone.
-
-    Returns
-    -------
-    model : LinearModel
-        With more candidates, or the same.
-    psi : ndarray
-        Logarithms of the noise with the best effect alone.
+        For the priors.
+    reduced : Reduced
+        The form.
+    places : sequence of int
+        Candidates that its rows are of.
     """
-    for _ in range(ROUNDS):
-        gains = _gains(model, psi)
-        if not np.any(gains > GAIN):
-            return model, psi
-        best = Acting((int(np.argmax(gains)),))
-        psi, _ = model.climb(psi, best)
-        gains = _gains(model, psi)
-        model = model.around(
-            fitted_laws(model, psi, best),
-            _with_nodes(model, gains, gains > GAIN),
-            released=amplitudes_of(model, psi, best),
+
+    def __init__(self, model: LinearModel, reduced: Reduced, places: Sequence[int]) -> None:
+        self._model, self.reduced = model, reduced
+        self._row = {place: row for row, place in enumerate(places)}
+
+    def _mixed(self, laws: Sequence[Law], shapes: Sequence[Array]) -> tuple[Array, Array]:
+        """Return precision (M, k, k) and slope (M, k) at M choices of shapes."""
+        rows = [np.array([self._row[place] for place in law.places]) for law in laws]
+        weights = [law.weights(shape) for law, shape in zip(laws, shapes, strict=True)]
+        count = max(len(one) for one in weights)
+        k = len(laws)
+        precision, slope = np.empty((count, k, k)), np.empty((count, k))
+        whole = self.reduced
+        for i in range(k):
+            slope[:, i] = weights[i] @ whole.slope[rows[i]]
+            for j in range(i + 1):
+                block = whole.precision[np.ix_(rows[i], rows[j])]
+                value = ((weights[i] @ block) * weights[j]).sum(axis=1)
+                precision[:, i, j] = precision[:, j, i] = value
+        return precision, slope
+
+    def values(self, laws: Sequence[Law], shapes: Sequence[Array], *, exact: bool = False) -> Array:
+        """Return what amplitudes add to the log evidence, at M choices of shapes, (M,).
+
+        Parameters
+        ----------
+        laws : sequence of Law
+            One an effect.
+        shapes : sequence of ndarray, shape (M,) or (1,)
+            Of each.
+        exact : bool
+            Whether the probability of an orthant is that of its normal; else the product
+            of its marginals.
+        """
+        precision, slope = self._mixed(laws, shapes)
+        priors = [self._model.amplitude_prior(law) for law in laws]
+        at = np.array([prior_moments(one)[0] / prior_moments(one)[1] for one in priors])
+        covariance = np.linalg.inv(precision + np.eye(len(laws)))
+        slope = slope + at
+        mean = (covariance @ slope[:, :, None])[:, :, 0]
+        value = 0.5 * (slope * mean).sum(axis=1) + 0.5 * np.linalg.slogdet(covariance)[1]
+        value -= 0.5 * at @ at
+        positive = np.flatnonzero([is_positive(one) for one in priors])
+        value += positive.size * LOG_2
+        if exact:
+            part = np.ix_(positive, positive)
+            return np.asarray(
+                [
+                    v + log_orthant(m[positive], c[part])
+                    for v, m, c in zip(value, mean, covariance, strict=True)
+                ]
+            )
+        sd = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
+        return np.asarray(value + log_ndtr(mean[:, positive] / sd[:, positive]).sum(axis=1))
+
+    def along(
+        self, laws: Sequence[Law], shapes: Sequence[float], which: int
+    ) -> tuple[float, float]:
+        """Return the best shape of one effect, and the log integral over its prior.
+
+        The others' shapes are held.
+        """
+
+        def value(grid: Array) -> Array:
+            each = [np.array([shape]) for shape in shapes]
+            each[which] = grid
+            return self.values(laws, each)
+
+        grid = np.linspace(-WIDEST, WIDEST, COARSE)
+        found = value(grid)
+        width = grid[1] - grid[0]
+        for _ in range(ZOOMS):
+            best = grid[np.argmax(found)]
+            more = np.clip(best + width * np.linspace(-1, 1, FINE), -WIDEST, WIDEST)
+            grid, first = np.unique(np.append(grid, more), return_index=True)
+            found = np.append(found, value(more))[first]
+            width *= 2 / (FINE - 1)
+        density = found - 0.5 * grid**2
+        cells = np.gradient(grid)
+        normal = np.log((np.exp(-0.5 * grid**2) * cells).sum())
+        return float(grid[np.argmax(density)]), float(logsumexp(density + np.log(cells)) - normal)
+
+    def choice(self, laws: Sequence[Law], start: Sequence[float] | None = None) -> Choice:
+        """Return the best shapes of some laws, all shapes integrated out one at a time."""
+        shapes = list(start) if start is not None else [0.0] * len(laws)
+        free = [place for place, law in enumerate(laws) if law.has_shape]
+        gain = 0.0
+        for sweep in range(SWEEPS if len(free) > 1 else 1):
+            gain = 0.0
+            for place in free:
+                shapes[place], integral = self.along(laws, shapes, place)
+                if sweep == (SWEEPS if len(free) > 1 else 1) - 1:
+                    here = self.values(laws, [np.array([shape]) for shape in shapes])[0]
+                    gain += integral - float(here)
+        at = [np.array([shape]) for shape in shapes]
+        value = float(self.values(laws, at, exact=True)[0]) if laws else 0.0
+        weight = sum(law.log_weight for law in laws)
+        return Choice(tuple(laws), tuple(shapes), value + gain + weight)
+
+
+def choose(
+    quadratic: Quadratic,
+    lawbook: Mapping[str, Sequence[Law]],
+    names: Sequence[str],
+    starts: Mapping[str, float] | None = None,
+) -> list[Choice]:
+    """Return choices of laws of effects with columns, the best first.
+
+    Parameters
+    ----------
+    quadratic : Quadratic
+        Of their candidates, at one noise.
+    lawbook : mapping of str to sequence of Law
+        The laws of each effect.
+    names : sequence of str
+        Effects.
+    starts : mapping of str to float, or None
+        A shape of each law, ``effect:law``, to begin with.
+    """
+    known = starts or {}
+
+    def start(laws: Sequence[Law]) -> list[float]:
+        return [known.get(f"{law.effect}:{law.law}", 0.0) for law in laws]
+
+    combinations = list(product(*(lawbook[name] for name in names)))
+    if len(names) > 1:
+        # Laws that are far behind at these shapes are not followed.
+        rough = np.array(
+            [
+                quadratic.values(laws, [np.array([one]) for one in start(laws)])[0]
+                for laws in combinations
+            ]
         )
-    return model, psi
+        combinations = [
+            laws for laws, one in zip(combinations, rough, strict=True) if one > rough.max() - NEAR
+        ]
+    found = [quadratic.choice(laws, start(laws)) for laws in combinations]
+    return sorted(found, key=lambda one: -one.log_evidence)
 
 
-def sharpened_around(model: LinearModel, found: Weighed) -> LinearModel:
-    """Linearise around the law fitted with effects that act together; sharpen their shapes.
-
-    No law of an effect is quite right: the discrepancy grows by a tenth of what the effects
-    do, and each law may be wrong by more along what it acts over, lest the difference between
-    two forms of one effect pass for another effect.
-    """
-    best = np.full(len(model.candidates), -np.inf)
-    for choice, weight in zip(found.choices, found.log_weights, strict=True):
-        for place in choice.columns:
-            best[place] = max(best[place], weight)
-    acting = amplitudes_of(model, found.psi, found.best)
-    rows = None if model.gravity is None else model.gravity.rows
-    return model.around(
-        fitted_laws(model, found.psi, found.best),
-        _with_nodes(model, best, np.isfinite(best)),
-        scattering=acting,
-        widened=widened_by(FORM, model, model, found),
-        forms=other_forms(rows, model.motor, acting),
-    )
-
-
-def share_of_form(found: Weighed) -> float:
-    """Return by which share of what causes do their laws are wrong, by the data.
-
-    Causes without forms have the same evidence at every share.
-    """
-    if np.ptp(found.log_shares) == 0:
-        return FORM
-    weights = np.exp(found.log_shares - logsumexp(found.log_shares))
-    return float(np.sqrt(LEAST**2 + weights @ np.square(SHARES)))
-
-
-def widened_by(share: float, model: LinearModel, around: LinearModel, found: Weighed) -> float:
-    """Return how many times as wide the discrepancy is with a share of what causes do.
+def log_orthant(mean: Array, covariance: Array) -> float:
+    """Return the log probability that all of some normal variables are positive.
 
     Parameters
     ----------
-    share : float
-        Of it.
-    model : LinearModel
-        Whose discrepancy is widened.
-    around : LinearModel
-        In which the causes were found.
-    found : Weighed
-        The causes.
+    mean : ndarray, shape (k,)
+    covariance : ndarray, shape (k, k)
     """
-    rows = None if around.gravity is None else around.gravity.rows
-    acting = amplitudes_of(around, found.psi, found.best)
-    sizes = [relative_rms(rows, around.motor, one) * amplitude for one, amplitude in acting]
-    sizes += [around.candidates[place].amplitude for place in found.best.phases]
-    return float(np.hypot(1.0, share * np.linalg.norm(sizes) / model.practical_share))
+    sd = np.sqrt(np.diag(covariance))
+    marginals = log_ndtr(mean / sd)
+    if mean.size < 2 or marginals.min() > -1e-6:
+        return float(marginals.sum())
+    if marginals.min() < -25.0:
+        # Far out: one after another, each given that those before are at their edge or mean.
+        return _sequential(mean, covariance)
+    correlation = covariance / np.outer(sd, sd)
+    zero = np.zeros(mean.size)
+    chance = multivariate_normal.cdf(
+        mean / sd, zero, correlation, allow_singular=True, rng=np.random.default_rng(0)
+    )
+    return float(np.log(chance)) if chance > 0 else _sequential(mean, covariance)
 
 
-def _gains(model: LinearModel, psi: Array) -> Array:
-    """Return what each candidate alone adds, -inf of those with phases, shape (E,)."""
-    columns = tuple(p for p, c in enumerate(model.candidates) if not c.effect.components)
-    mean, sd = model.prior(columns)
-    reduced = model.information(psi, Acting(columns)).reduced(mean, sd, model.places(columns))
-    gains = np.full(len(model.candidates), -np.inf)
-    gains[list(columns)] = single_gains([model.candidates[p] for p in columns], reduced)
-    return gains
-
-
-def _with_nodes(model: LinearModel, value: Array, wanted: NDArray[np.bool_]) -> list[Candidate]:
-    """Return the candidates with nodes added around the best of each law."""
-    candidates: list[Candidate] = []
-    for places in candidates_by_name(model).values():
-        effect = model.candidates[places[0]].effect
-        nodes: dict[str, Array] = {}
-        for law in effect.laws:
-            own = [place for place in places if model.candidates[place].law == law]
-            nodes[law] = np.array([model.candidates[place].node for place in own])
-            best = max(own, key=lambda place: value[place])
-            cell = model.candidates[best].cell
-            if effect.shape is not None and wanted[best] and cell > NEAR:
-                more = model.candidates[best].node + cell * NEW
-                nodes[law] = np.unique(np.concatenate([nodes[law], more]).round(9))
-        candidates += candidates_of(effect, nodes)
-    return candidates
+def _sequential(mean: Array, covariance: Array) -> float:
+    """Return the same by normals whose moments are matched one variable at a time."""
+    mean, covariance, total = mean.copy(), covariance.copy(), 0.0
+    left = list(range(mean.size))
+    while left:
+        worst = min(left, key=lambda i: mean[i] / np.sqrt(covariance[i, i]))
+        sd = np.sqrt(covariance[worst, worst])
+        z = mean[worst] / sd
+        total += float(log_ndtr(z))
+        ratio = float(np.exp(-0.5 * z**2 - 0.5 * np.log(2 * np.pi) - log_ndtr(z)))
+        gain = covariance[:, worst] / sd
+        mean = mean + gain * ratio
+        covariance = covariance - np.outer(gain, gain) * ratio * (ratio + z)
+        left.remove(worst)
+    return total

@@ -1,25 +1,75 @@
 """The verdict, by the rules of the contract, and in a sentence."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bayesfric.diagnosis.which import NONE, UNKNOWN, Which
+from bayesfric.diagnosis.classes import Classes
+from bayesfric.effects import Effect
 from bayesfric.schemas import Axis, Cause, Gap, Unseparated
 
-__all__ = ["decide", "sentence_of", "unseparated_of"]
+__all__ = ["Known", "Verdict", "decide", "sentence_of", "sort_effects", "unseparated_of"]
 
 Array = NDArray[np.float64]
-Verdict = Literal["no-gap", "named", "unseparated", "unknown"]
-HALF, NAMED = 0.5, 0.9
-UPPER = 0.95
-RIVAL = 0.05  # probability from which on a hypothesis counts among those not told apart
+Verdict = Literal["no-gap", "named", "unseparated", "unknown", "undecided"]
+HALF, SURE, POSSIBLE = 0.5, 0.9, 0.1
+FELT = 0.003  # of friction: an error of readings or of a current below it is not named
+
+
+@dataclass(frozen=True)
+class Known:
+    """What is known of one effect.
+
+    Parameters
+    ----------
+    effect : str
+        Its name.
+    probability : float
+        That it acts, over all hypotheses.
+    above_practical : float
+        Probability that its own force is above the practical share.
+    strength : float
+        Its median, if it acts; rms of its force over rms friction.
+    measuring : bool
+        Whether it is an error of a sensor, a clock or a motor's constant.
+    forceless : bool
+        Whether it has no equivalent force at all.
+    """
+
+    effect: str
+    probability: float
+    above_practical: float
+    strength: float
+    measuring: bool = False
+    forceless: bool = False
+
+
+def sort_effects(known: Sequence[Known]) -> tuple[list[str], list[str], list[str]]:
+    """Return the causes, those present but too weak to matter, and those that are possible.
+
+    A cause acts with probability 0.9 at least, and its force is above the practical share
+    with 0.5 at least; an error of measuring counts wherever it is felt.
+    """
+    causes, present, possible = [], [], []
+    for one in known:
+        matters = one.above_practical >= HALF
+        if one.measuring:
+            matters = one.forceless or one.strength >= FELT
+        if one.probability >= SURE:
+            (causes if matters else present).append(one.effect)
+        elif one.probability >= POSSIBLE:
+            possible.append(one.effect)
+    return causes, present, possible
 
 
 def decide(
-    chances: Mapping[str, float], systematic: Array, practical: float
+    chances: Mapping[str, float],
+    causes: Sequence[Known],
+    above: float,
+    together: Sequence[Sequence[str]],
 ) -> tuple[Verdict, float]:
     """Return the verdict and its probability.
 
@@ -27,62 +77,108 @@ def decide(
     ----------
     chances : mapping of str to float
         Posterior probabilities of hypotheses.
-    systematic : ndarray
-        Draws of the systematic gap [N].
-    practical : float
-        A gap below it is none [N].
+    causes : sequence of Known
+        Effects that are causes.
+    above : float
+        Probability that the gap is practical or more.
+    together : sequence of sequence of str
+        Sets of effects of which one acts.
     """
-    none, unknown = chances.get(NONE, 0.0), chances.get(UNKNOWN, 0.0)
-    if none >= HALF:
-        return "no-gap", none
-    # The floor is known from scatter around a law; where only an unknown force explains the
-    # data there is none to take the gap's distance from.
-    if unknown < HALF and np.quantile(systematic, UPPER) < practical:
-        return "no-gap", float(np.mean(systematic < practical))
+    unknown = chances.get("unknown", 0.0)
     if unknown >= HALF:
         return "unknown", unknown
-    best = max((p for name, p in chances.items() if name not in (NONE, UNKNOWN)), default=0.0)
-    if best >= NAMED:
-        return "named", best
-    return "unseparated", 1 - none - unknown
+    measuring = [one for one in causes if one.measuring]
+    if causes and (above >= SURE or measuring):
+        names = {one.effect for one in causes}
+        every = sum(p for name, p in chances.items() if names <= set(name.split("+")))
+        return "named", float(min(every, 1.0))
+    if above >= SURE and together:
+        acting = {name for one in together for name in one}
+        some = sum(p for name, p in chances.items() if acting & set(name.split("+")))
+        return "unseparated", float(min(some, 1.0))
+    if 1 - above >= SURE:
+        return "no-gap", float(1 - above)
+    return "undecided", float(max(above, 1 - above))
 
 
-def unseparated_of(
-    which: Which, chances: Mapping[str, float], verdict: Verdict
-) -> tuple[Unseparated, ...]:
+def sets_of_one(
+    chances: Mapping[str, float], known: Sequence[Known], causes: Sequence[str]
+) -> tuple[tuple[str, ...], ...]:
+    """Return sets of effects of which one acts with probability 0.9, and none does alone.
+
+    The set grows from the likeliest rivals until one of it surely acts.
+    """
+    rivals = [one.effect for one in known if one.effect not in causes and one.probability < SURE]
+    chosen: list[str] = []
+    for name in rivals[:6]:
+        chosen.append(name)
+        either = sum(p for h, p in chances.items() if set(h.split("+")) & set(chosen))
+        if len(chosen) > 1 and either >= SURE:
+            return (tuple(chosen),)
+    return ()
+
+
+def unseparated_of(classes: Classes, together: Sequence[Sequence[str]]) -> tuple[Unseparated, ...]:
     """Return what is identical on this rig, and what these data leave open."""
     found = [
         Unseparated(effects=members, reason="identical-on-this-rig")
-        for members in which.classes.members
+        for members in classes.members
         if len(members) > 1
     ]
-    open_ = tuple(name for name, chance in chances.items() if chance >= RIVAL)
-    if verdict == "unseparated" and len(open_) > 1:
-        found.append(Unseparated(effects=open_, reason="these-data"))
+    found += [Unseparated(effects=tuple(one), reason="these-data") for one in together]
     return tuple(found)
+
+
+def measures(effect: Effect) -> bool:
+    """Return whether an effect is an error of a sensor, a clock or a motor's constant."""
+    return effect.acts_on in ("reading", "current")
 
 
 def sentence_of(
     verdict: Verdict,
     chance: float,
-    causes: tuple[Cause, ...],
+    causes: Sequence[Cause],
     gap: Gap,
-    where: tuple[Axis, ...],
-    unseparated: tuple[Unseparated, ...],
+    where: Sequence[Axis],
+    unseparated: Sequence[Unseparated],
+    share: float,
 ) -> str:
-    """Return the verdict in words."""
-    before, floor = f"{gap.before.q50:.3g} N", f"{gap.floor.q50:.3g} N"
+    """Return the verdict in words: one thing, and the probability of that.
+
+    Parameters
+    ----------
+    verdict, chance
+        As of :func:`decide`.
+    causes, gap, where, unseparated
+        As they are stored.
+    share : float
+        The practical share of friction.
+    """
+    friction = gap.friction_rms
+    size = f"{gap.systematic.q50:.3g} N rms, {gap.systematic.q50 / friction:.1%} of friction"
     if verdict == "no-gap":
         return (
-            f"Once recalibrated, the simulation misses held-out friction by {before} rms, and "
-            f"friction's own scatter is {floor} (probability {chance:.2f})."
+            f"Once recalibrated, the simulation is systematically off by less than {share:.1%} of "
+            f"friction (probability {chance:.2f}); the median is {size}."
+        )
+    if verdict == "undecided":
+        return (
+            f"These data leave a gap of up to {gap.systematic.q95 / friction:.1%} of friction "
+            f"open: no cause is sure, and neither is that there is none."
         )
     if verdict == "unknown":
         axis = next((one.axis for one in where if not one.blind), None)
         place = f", most of all along {axis.replace('_', ' ')}" if axis else ""
         return (
-            f"There is a gap of {gap.systematic.q50:.3g} N rms{place}, and none of the effects "
-            f"examined explains it (probability {chance:.2f})."
+            f"A gap of {size} is there{place}, and none of the effects examined explains it "
+            f"(probability {chance:.2f})."
+        )
+    if verdict == "unseparated":
+        sets = [one.effects for one in unseparated if one.reason == "these-data"]
+        rivals = ", ".join(sets[0]) if sets else "several effects"
+        return (
+            f"A gap of {size} is there, and one of {rivals} causes it; these data cannot tell "
+            f"which (probability {chance:.2f})."
         )
     names = " and ".join(cause.effect for cause in causes)
     twins = {
@@ -93,14 +189,11 @@ def sentence_of(
         if {cause.effect for cause in causes} & set(one.effects)
     } - {cause.effect for cause in causes}
     alike = f" (on this rig the same as {', '.join(sorted(twins))})" if twins else ""
-    if verdict == "named":
-        shrunk = "" if gap.shrink is None else f", which takes {gap.shrink.q50:.0%} of it away"
-        return (
-            f"The gap of {gap.systematic.q50:.3g} N rms comes from {names}{alike}{shrunk} "
-            f"(probability {chance:.2f})."
+    shrunk = ""
+    if gap.shrink is not None:
+        shrunk = (
+            f" Adding it takes {gap.shrink.q50:.0%} [{gap.shrink.q05:.0%}, {gap.shrink.q95:.0%}] "
+            f"of the squared gap of {size} away."
         )
-    rivals = next((one.effects for one in unseparated if one.reason == "these-data"), ())
-    return (
-        f"There is a gap of {gap.systematic.q50:.3g} N rms, and these data cannot tell apart "
-        f"{', '.join(rivals) or names}."
-    )
+    acts = "acts" if len(causes) == 1 else "act"
+    return f"{names}{alike} {acts} (probability {chance:.2f}).{shrunk}"

@@ -1,22 +1,25 @@
-"""The evidence of effects that act together, their laws and shapes averaged."""
+"""One hypothesis weighed: its noise climbed to its own mode, laws and shapes integrated out."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from itertools import product
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import log_ndtr, logsumexp
+from scipy.special import logsumexp
 
-from bayesfric.diagnosis.linear_model import Acting, LinearModel
-from bayesfric.effects.candidates import Candidate, is_positive
-from bayesfric.inference.information import Reduced
+from bayesfric.diagnosis.model import Acting, At, LinearModel
+from bayesfric.diagnosis.shapes import Choice, Quadratic, choose
 
-__all__ = ["Weighed", "candidates_by_name", "combine", "single_gains", "weigh"]
+__all__ = ["FORM_SHARES", "Weighed", "label", "weigh"]
 
 Array = NDArray[np.float64]
+NONE = "none"
 ROUNDS = 3  # of choosing laws and shapes, and noise, in turn
-WORTH = -40.0  # log weight below the best, of a choice of laws and shapes that is kept
+SETTLED = 0.05  # of a shape, in normal quantiles
+FORM_SHARES = (0.0, 0.1, 0.3)
+"""By which shares of what they do laws may be wrong, each as likely before the data."""
+AMPLITUDES = np.linspace(-4.0, 4.0, 17)  # of phases around the mode, in standard deviations
+START_PHASE = 0.1  # of an amplitude with phases, in units of its prior
 
 
 @dataclass(frozen=True)
@@ -26,160 +29,174 @@ class Weighed:
     Parameters
     ----------
     names : tuple of str
-        Effects; none for the baseline alone.
+        Effects, sorted; none for the baseline alone.
     log_evidence : float
-        Without the volume of the noise's mode, which hypotheses share unless it is
-        computed.
-    psi : ndarray
-        Logarithms of the noise at the mode.
-    choices : tuple of Acting
-        Candidates that act, one choice of laws and shapes each.
-    log_weights : ndarray
-        Of each choice, normalised.
-    log_shares : ndarray
-        Log evidence by what laws may be wrong by, of each share that was tried.
+        With the Laplace volume of the noise where it is known, see `volume`.
+    volume : float or None
+        That volume; None where another hypothesis' stands for it.
+    acting : Acting
+        The most probable laws and shapes.
+    at : At
+        At the mode of the noise.
+    choices : tuple of Choice
+        Of laws, the best first, at that noise.
+    form : float
+        The most probable share by which laws are wrong.
+    form_weights : tuple of float
+        Posterior probability of each share.
+    bound : bool
+        Whether the noise was not climbed to its mode, so that the evidence is a lower bound.
     """
 
     names: tuple[str, ...]
     log_evidence: float
-    psi: Array
-    choices: tuple[Acting, ...]
-    log_weights: Array
-    log_shares: Array
+    volume: float | None
+    acting: Acting
+    at: At
+    choices: tuple[Choice, ...] = ()
+    form: float = 0.0
+    form_weights: tuple[float, ...] = field(default=(1.0, 0.0, 0.0))
+    bound: bool = False
 
     @property
-    def best(self) -> Acting:
-        """The most probable choice of laws and shapes."""
-        return self.choices[int(np.argmax(self.log_weights))]
+    def label(self) -> str:
+        """Name of the hypothesis."""
+        return label(self.names)
+
+    @property
+    def forms(self) -> dict[str, float]:
+        """The most probable share of each effect."""
+        return dict.fromkeys(self.names, self.form)
 
 
-def candidates_by_name(model: LinearModel) -> dict[str, list[int]]:
-    """Return the places of each effect's candidates."""
-    places: dict[str, list[int]] = {}
-    for place, candidate in enumerate(model.candidates):
-        places.setdefault(candidate.effect.name, []).append(place)
-    return places
+def label(names: Sequence[str]) -> str:
+    """Return the name of a joint hypothesis."""
+    return "+".join(sorted(names)) if names else NONE
 
 
 def weigh(
     model: LinearModel,
     names: Sequence[str],
-    psi: Array,
+    starts: Sequence[Array],
+    inverse: Array,
+    volume: float,
     *,
-    climb: bool = True,
-    shares: Sequence[float] = (0.0,),
+    shapes: Mapping[str, float] | None = None,
+    forms: Sequence[float] = (0.0,),
+    own_volume: bool = False,
 ) -> Weighed:
     """Weigh effects that act together.
 
     Parameters
     ----------
     model : LinearModel
-        The boards.
+        All rigs.
     names : sequence of str
         Effects.
-    psi : ndarray
-        Logarithms of the noise, a start.
-    climb : bool
-        Whether to look for the mode of the noise; else it is taken as `psi`.
-    shares : sequence of float
-        By which shares of what effects do their laws may be wrong, summed over.
+    starts : sequence of ndarray
+        Logarithms of the noise to climb from, the amplitudes of phases not among them; the
+        best is climbed from.
+    inverse : ndarray
+        Of the curvature of the noise, of another hypothesis.
+    volume : float
+        Log Laplace volume of the noise, of that hypothesis.
+    shapes : mapping of str to float, or None
+        A shape of each law to begin with.
+    forms : sequence of float
+        By which shares of what they do laws may be wrong, averaged over.
+    own_volume : bool
+        Whether the volume of this hypothesis' own noise is computed.
     """
-    places = candidates_by_name(model)
-    each = [places[name] for name in names]
-    for _ in range(ROUNDS if climb else 1):
-        choices, values = _choices(model, each, psi, shares)
-        if not climb:
-            break
-        form, place = divmod(int(np.argmax(values)), len(choices))
-        moved, _ = model.climb(psi, choices[place], form=shares[form])
-        settled = bool(np.abs(moved - psi).max() < 1e-2)
+    names = tuple(sorted(names))
+    free = [name for name in names if not _has_phases(model, name)]
+    phases = tuple(model.lawbook[name][0] for name in names if _has_phases(model, name))
+    first = np.array([np.log(START_PHASE * model.amplitude_scale(law)) for law in phases])
+    known = dict(shapes or {})
+    each = [np.concatenate([start[: len(model.noise)], first]) for start in starts]
+    tried = [_chosen(model, free, phases, one, known, 0.0) for one in each]
+    rated = [
+        model.evaluate(one, acting).value for one, (acting, _) in zip(each, tried, strict=True)
+    ]
+    best = int(np.argmax(rated))
+    psi, (acting, _) = each[best], tried[best]
+    form, weights = 0.0, np.zeros(len(forms))
+    for _ in range(ROUNDS):
+        at = model.climb(psi, acting, None, dict.fromkeys(names, form), inverse)
+        before, moved = acting, at.psi
+        known |= {f"{w.effect}:{w.law}": s for w, s in zip(acting.laws, acting.shapes, strict=True)}
+        results = [_chosen(model, free, phases, moved, known, share) for share in forms]
+        weights = np.array([total for _, (total, _) in results])
+        form = forms[int(np.argmax(weights))]
+        acting, (_, choices) = results[int(np.argmax(weights))]
         psi = moved
-        if settled:
+        if _same(before, acting):
             break
-    if climb:
-        choices, values = _choices(model, each, psi, shares)
-    log_values = logsumexp(values, axis=0)
-    total = float(logsumexp(log_values))
-    kept = np.flatnonzero(log_values > log_values.max() + WORTH)
+    prior, _ = model.log_prior(psi, acting)
+    total = float(logsumexp(weights) - np.log(len(forms))) + prior
+    share = dict.fromkeys(names, form)
+    if own_volume:
+        curvature = model.curvature(at, acting, share)
+        known_noise = len(model.noise)
+        volume = _log_volume(curvature[:known_noise, :known_noise])
+    if phases:
+        total += _over_amplitudes(model, at, acting, share)
+    shares = np.exp(weights - logsumexp(weights))
     return Weighed(
-        tuple(names),
-        total + model.log_prior(psi),
-        psi,
-        tuple(choices[index] for index in kept),
-        log_values[kept] - logsumexp(log_values[kept]),
-        logsumexp(values, axis=1),
+        names,
+        total + volume,
+        volume if own_volume else None,
+        acting,
+        at,
+        tuple(choices),
+        form,
+        tuple(float(one) for one in shares),
     )
 
 
-def _choices(
-    model: LinearModel, each: list[list[int]], psi: Array, shares: Sequence[float]
-) -> tuple[list[Acting], Array]:
-    """Return every choice of a candidate from each effect, with its weighted log evidence.
-
-    The log evidence has a row a share by which laws may be wrong.
-    """
-    with_phases = [[p for p in places if model.candidates[p].effect.components] for places in each]
-    columns = tuple(
-        p for places in each for p in places if not model.candidates[p].effect.components
-    )
-    fixed = [places for places in with_phases if places]
-    free = [places for places, phases in zip(each, with_phases, strict=True) if not phases]
-    together = list(product(*free))
-    places = np.array(together, dtype=np.intp)
-    stands = np.zeros(len(model.candidates), dtype=np.intp)
-    stands[list(columns)] = np.arange(len(columns))
-    own_weight = np.array([candidate.log_weight for candidate in model.candidates])
-    choices: list[Acting] = []
-    values: list[Array] = []
-    for phases in product(*fixed):
-        information = model.information(psi, Acting(columns, phases))
-        choices += [Acting(chosen, phases) for chosen in together]
-        weight = own_weight[list(phases)].sum() + own_weight[places].sum(axis=1)
-        rows = []
-        for form in shares:
-            mean, sd = model.prior(columns, form=form)
-            reduced = information.reduced(mean, sd, model.places(columns))
-            rows.append(weight + combine(model, reduced, stands[places], places))
-        values.append(np.stack(rows))
-    return choices, np.concatenate(values, axis=1)
+def _has_phases(model: LinearModel, name: str) -> bool:
+    return bool(model.candidates[model.lawbook[name][0].places[0]].effect.components)
 
 
-def combine(
-    model: LinearModel, reduced: Reduced, inside: NDArray[np.intp], chosen: NDArray[np.intp]
-) -> Array:
-    """Return the log evidence of candidates that act together, shape (M,).
-
-    Parameters
-    ----------
-    model : LinearModel
-        For the priors.
-    reduced : Reduced
-        The quadratic form in the amplitudes.
-    inside : ndarray of int, shape (M, k)
-        Places of k candidates in it, a choice of them a row.
-    chosen : ndarray of int, shape (M, k)
-        Their places among the model's candidates.
-    """
-    precision = reduced.precision[inside[:, :, None], inside[:, None, :]] + np.eye(inside.shape[1])
-    slope = reduced.slope[inside]
-    covariance = np.linalg.inv(precision)
-    mean = (covariance @ slope[:, :, None])[:, :, 0]
-    value = reduced.log_evidence + 0.5 * (slope * mean).sum(axis=1)
-    value += 0.5 * np.linalg.slogdet(covariance)[1]
-    # A half-normal is a folded normal: twice the share of it that lies above zero.
-    sd = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
-    share = np.where(_positive(model.candidates)[chosen], np.log(2) + log_ndtr(mean / sd), 0.0)
-    return np.asarray(value + share.sum(axis=1))
+def _chosen(  # type: ignore[no-untyped-def]
+    model: LinearModel, free: Sequence[str], phases, psi: Array, known, form: float
+):
+    """Return the best laws and shapes at a noise, and the log evidence of all of them."""
+    places = [place for name in free for law in model.lawbook[name] for place in law.places]
+    share = dict.fromkeys([*free, *(law.effect for law in phases)], form)
+    reduced = model.reduced(psi, Acting(phases=phases), share, places)
+    choices = choose(Quadratic(model, reduced, places), model.lawbook, free, known)
+    best = choices[0]
+    total = reduced.log_evidence + float(logsumexp([one.log_evidence for one in choices]))
+    return Acting(best.laws, best.shapes, phases), (total, choices)
 
 
-def single_gains(candidates: Sequence[Candidate], reduced: Reduced) -> Array:
-    """Return what each candidate alone adds to the log evidence, shape (E,)."""
-    precision = np.diag(reduced.precision) + 1
-    gains = 0.5 * reduced.slope**2 / precision - 0.5 * np.log(precision)
-    share = np.log(2) + log_ndtr(reduced.slope / np.sqrt(precision))
-    return np.asarray(gains + np.where(_positive(candidates), share, 0.0))
+def _same(one: Acting, other: Acting) -> bool:
+    if one.laws != other.laws:
+        return False
+    apart = np.abs(np.array(one.shapes) - np.array(other.shapes))
+    return bool(apart.max() < SETTLED) if apart.size else True
 
 
-def _positive(candidates: Sequence[Candidate]) -> NDArray[np.bool_]:
-    """Return whose amplitude is above zero, shape (E,)."""
-    return np.array([is_positive(c.effect.amplitude.prior) for c in candidates], dtype=bool)
+def _log_volume(curvature: Array) -> float:
+    values = np.linalg.eigvalsh(curvature)
+    return float(0.5 * (values.size * np.log(2 * np.pi) - np.log(values).sum()))
+
+
+def _over_amplitudes(
+    model: LinearModel, at: At, acting: Acting, form: Mapping[str, float]
+) -> float:
+    """Return the log integral over amplitudes with phases, one at a time, over its mode."""
+    total, noise = 0.0, len(model.noise)
+    for place in range(noise, at.psi.size):
+
+        def value(shift: float, place: int = place) -> float:
+            psi = at.psi.copy()
+            psi[place] += shift
+            return model.evaluate(psi, acting, None, form).value - at.value
+
+        step = 0.1
+        width = max(-(value(step) + value(-step)) / step**2, 1e-3) ** -0.5
+        shifts = min(width, 1.5) * AMPLITUDES
+        values = np.array([value(float(one)) for one in shifts])
+        total += float(logsumexp(values) + np.log(shifts[1] - shifts[0]))
+    return total

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bayesfric.diagnosis.linear_model import LinearModel
-from bayesfric.diagnosis.residuals import AXES, Residuals
-from bayesfric.inference.smooths import smooth_along
+from bayesfric.diagnosis.residuals import AXES, CATEGORIES, Residuals
+from bayesfric.inference.smooths import Span, smooth_along
 from bayesfric.rigs.layout import COEFFICIENTS
 from bayesfric.schemas import Axis, Shape
 
@@ -28,7 +27,6 @@ ALIKE = 0.95  # canonical correlation of two axes' functions, from which on they
 BAND = 0.95
 ROUNDING = 1e-9  # of a covariate's size, which is no variation
 VISIBLE = 0.02  # of a function of an axis: less, and it does not vary here
-CATEGORIES = ("pulley_size", "rig")
 
 
 @dataclass(frozen=True)
@@ -43,18 +41,12 @@ class _Design:
 
 
 def where_it_lies(
-    model: LinearModel,
-    residuals: Residuals,
-    before: Array,
-    fold: NDArray[np.intp],
-    rng: np.random.Generator,
+    residuals: Residuals, before: Array, fold: NDArray[np.intp], rng: np.random.Generator
 ) -> tuple[Axis, ...]:
     """Return every axis, the largest share first.
 
     Parameters
     ----------
-    model : LinearModel
-        For the columns of the coefficients.
     residuals : Residuals
         Of both boards.
     before : ndarray, shape (R,)
@@ -68,12 +60,12 @@ def where_it_lies(
     blind = [name for name in AXES if name not in designs]
     relative = before / residuals.friction_n
     noise = residuals.variance / residuals.friction_n**2
-    spread2 = (residuals.scatter**2).sum(axis=1)
+    spread2 = residuals.spread2
     precision = 1 / (noise + spread2)
     weight = residuals.weight * residuals.friction_n**2
     gap2 = float((weight * (relative**2 - noise - spread2)).sum())
     share, unique = _shares(designs, relative, fold, precision, weight, gap2)
-    p_values, shapes = _tests(model, residuals, designs, relative, precision, rng)
+    p_values, shapes = _tests(residuals, designs, relative, precision, rng)
     unit = float(np.sqrt(weight.sum()))
     axes = []
     for name, design in designs.items():
@@ -128,8 +120,9 @@ def _design(name: str, residuals: Residuals) -> _Design | None:
         grid = np.unique(values[known])
         columns = np.equal.outer(values, grid).astype(np.float64)
         return _Design(name, known, columns, grid, np.eye(grid.size))
-    low, high = float(values[known].min()), float(values[known].max())
-    smooth = smooth_along({name: (low, high)})
+    span = Span.of(values[known])
+    low, high = span.low, span.high
+    smooth = smooth_along({name: span})
     assert smooth is not None
     columns = np.where(known, smooth.columns({name: np.where(known, values, low)}), 0.0)
     grid = np.linspace(low, high, GRID)
@@ -169,16 +162,12 @@ def _shares(
 
     names = list(designs)
     whole = explained(names)
-    share = {name: float(np.clip(explained([name]), 0, 1)) for name in names}
-    unique = {
-        name: float(np.clip(whole - explained([n for n in names if n != name]), 0, 1))
-        for name in names
-    }
+    share = {name: explained([name]) for name in names}
+    unique = {name: whole - explained([n for n in names if n != name]) for name in names}
     return share, unique
 
 
 def _tests(
-    model: LinearModel,
     residuals: Residuals,
     designs: dict[str, _Design],
     relative: Array,
@@ -187,7 +176,7 @@ def _tests(
 ) -> tuple[dict[str, float], dict[str, tuple[Array, Array]]]:
     """Return adjusted p-values, and each shape with the half width of its band."""
     drawn = _redrawn(residuals, rng)
-    refit = _refitting(model, residuals, precision)
+    refit = _refitting(residuals, precision)
     drawn, observed = drawn - refit(drawn), relative - refit(relative[:, None])[:, 0]
     statistics, null = {}, {}
     shapes = {}
@@ -202,7 +191,7 @@ def _tests(
         off = design.on_grid @ many
         sd = off.std(axis=1)
         width = np.quantile(np.abs(off / sd[:, None]).max(axis=0), BAND)
-        shapes[name] = (design.on_grid @ (smoothing @ relative), width * sd)
+        shapes[name] = (design.on_grid @ numbers, width * sd)
     largest = np.max(list(null.values()), axis=0)
     return {
         name: float((1 + np.count_nonzero(largest >= value)) / (1 + DRAWS))
@@ -213,27 +202,30 @@ def _tests(
 def _redrawn(residuals: Residuals, rng: np.random.Generator) -> Array:
     """Draw relative residuals of the baseline: measurement, trials and assemblies, (R, B)."""
     count = residuals.residual_n.size
-    tau, omega = residuals.scatter[:, :1], residuals.scatter[:, 1:]
+    tau, omega = np.sqrt(residuals.scatter[:, :1]), np.sqrt(residuals.scatter[:, 1:])
     setups, trials = residuals.setup.max() + 1, residuals.trial.max() + 1
     drawn = omega * rng.standard_normal((setups, DRAWS))[residuals.setup]
     drawn += tau * rng.standard_normal((trials, DRAWS))[residuals.trial]
     start = 0
     error = np.empty((count, DRAWS))
-    for part in residuals.covariance:
+    for part, wander in zip(residuals.covariance, residuals.wander, strict=True):
         rows = slice(start, start + len(part))
-        error[rows] = np.linalg.cholesky(part) @ rng.standard_normal((len(part), DRAWS))
+        friction = residuals.friction_n[rows]
+        values, vectors = np.linalg.eigh(part + wander * np.outer(friction, friction))
+        root = vectors * np.sqrt(np.maximum(values, 0.0))
+        error[rows] = root @ rng.standard_normal((len(part), DRAWS))
         start = rows.stop
     return np.asarray(drawn + error / residuals.friction_n[:, None])
 
 
-def _refitting(model: LinearModel, residuals: Residuals, precision: Array):  # type: ignore[no-untyped-def]
+def _refitting(residuals: Residuals, precision: Array):  # type: ignore[no-untyped-def]
     """Return the projection on what the coefficients of each size can take up."""
-    sizes = len(model.layout.sizes)
-    columns = np.zeros((residuals.size.size, sizes * COEFFICIENTS))
+    sizes = np.unique(residuals.size)
+    columns = np.zeros((residuals.size.size, sizes.size * COEFFICIENTS))
     own = residuals.columns[:, :COEFFICIENTS] / residuals.friction_n[:, None]
-    for size in range(sizes):
+    for place, size in enumerate(sizes):
         mine = residuals.size == size
-        columns[mine, size * COEFFICIENTS : (size + 1) * COEFFICIENTS] = own[mine]
+        columns[mine, place * COEFFICIENTS : (place + 1) * COEFFICIENTS] = own[mine]
     basis = np.linalg.svd(np.sqrt(precision)[:, None] * columns, full_matrices=False)
     kept = basis[0][:, basis[1] > 1e-8 * basis[1][0]]
     root = np.sqrt(precision)[:, None]

@@ -54,6 +54,10 @@ class State(NamedTuple):
         Place in the order of the recording, from 0 (first) to 1 (last).
     gravity_m_s2 : array_like
         Local acceleration of free fall [m/s²].
+    drive_end : array_like
+        Which physical end carried the drive mass: −0.5 left, 0.5 right, 0 where nobody says.
+    trial_in_setup : array_like
+        How many trials of the same assembly went before; 0 of the first.
     steady : bool
         Whether the cable has run at this speed for long: what passes, as the first
         stretch of travel does, is over, and what goes round averages out.
@@ -72,6 +76,8 @@ class State(NamedTuple):
     radius_m: ArrayLike = MEDIUM_RADIUS_M
     order: ArrayLike = 0.5
     gravity_m_s2: ArrayLike = STANDARD_GRAVITY_M_S2
+    drive_end: ArrayLike = 0.0
+    trial_in_setup: ArrayLike = 0.0
     steady: bool = False
 
     @classmethod

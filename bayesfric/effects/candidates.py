@@ -1,8 +1,8 @@
 """Effects as candidates: each law at each of some shapes is one column.
 
-A shape parameter, such as the Stribeck speed, is integrated over nodes of its prior.
-An effect with phases that nobody recorded has no column: its amplitude is a scatter of
-every trial, and is integrated over nodes too.
+A shape parameter, such as the Stribeck speed, has nodes over its prior, between which a column
+is interpolated. An effect with phases that nobody recorded has no column: its amplitude is a
+scatter of every trial.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,8 +30,6 @@ __all__ = [
 Array = NDArray[np.float64]
 SHAPE_NODES = np.linspace(-2.4, 2.4, 13)
 """Shapes that are tried, as normal quantiles of the prior."""
-AMPLITUDE_NODES = np.linspace(-2.6, 2.2, 17)
-"""Amplitudes of effects with phases, as normal quantiles of the prior."""
 SMALL = 1e-4  # of the prior's sd, at which a law is taken to be linear in its amplitude
 
 
@@ -46,8 +44,7 @@ class Candidate:
     law : str
         Name of the variant.
     node : float
-        Normal quantile of the shape, or of the amplitude of an effect with phases;
-        0 without either.
+        Normal quantile of the shape; 0 without one.
     log_weight : float
         Prior weight among the candidates of the effect.
     cell : float
@@ -67,11 +64,6 @@ class Candidate:
             return None
         return float(from_normal(self.effect.shape.prior, self.node))
 
-    @property
-    def amplitude(self) -> float:
-        """The amplitude of an effect with phases."""
-        return float(from_normal(self.effect.amplitude.prior, self.node))
-
 
 def candidates_of(effect: Effect, nodes: Mapping[str, Array] | None = None) -> list[Candidate]:
     """Return the candidates of an effect, their weights adding up to 1.
@@ -83,11 +75,7 @@ def candidates_of(effect: Effect, nodes: Mapping[str, Array] | None = None) -> l
     nodes : mapping of str to ndarray, or None
         Nodes of each law, ascending normal quantiles; None is the usual ones.
     """
-    usual = np.zeros(1)
-    if effect.components:
-        usual = AMPLITUDE_NODES
-    elif effect.shape is not None:
-        usual = SHAPE_NODES
+    usual = np.zeros(1) if effect.shape is None else SHAPE_NODES
     found = []
     for law in effect.laws:
         places = usual if nodes is None else nodes[law]

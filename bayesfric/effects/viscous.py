@@ -26,6 +26,10 @@ def _with_wrap(p: Mapping[str, Array], state: State) -> Array:
     return _constant(p, state) * (np.asarray(state.wrap_angle_deg) / REFERENCE_WRAP_DEG)
 
 
+def _with_friction(p: Mapping[str, Array], state: State) -> Array:
+    return np.asarray(p["slope"] * np.asarray(state.speed_m_s) * state.friction_n)
+
+
 EFFECT = Effect(
     name="viscous",
     acts_on="friction",
@@ -40,7 +44,12 @@ EFFECT = Effect(
         " that bearings have a load and a speed part is textbook (Harris and Kotzalas, "
         "Essential Concepts of Bearing Technology, 2006)",
     ),
-    laws={"constant": _constant, "tension": _with_tension, "wrap": _with_wrap},
+    laws={
+        "constant": _constant,
+        "tension": _with_tension,
+        "wrap": _with_wrap,
+        "friction": _with_friction,
+    },
     edge={"speed_m_s": 1.3},
     along_path=True,
 )

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
+from scipy.linalg.lapack import dpotri
 
 __all__ = ["Information", "Reduced"]
 
@@ -88,6 +89,20 @@ class Information:
             self.slope[candidates] - across @ at - (across * scale) @ solved[:, 0],
             float(evidence),
         )
+
+    def integrated(self, mean: Array, prior_sd: Array) -> tuple[float, Array, Array]:
+        """Return the log evidence, and mean and covariance of all numbers given the data."""
+        whole = prior_sd[:, None] * self.precision * prior_sd + np.eye(self.slope.size)
+        factor = _factor(whole)
+        left = self.precision @ mean
+        slope = prior_sd * (self.slope - left)
+        moved = cho_solve(factor, slope)
+        value = self.constant + self.slope @ mean - 0.5 * mean @ left + 0.5 * slope @ moved
+        value -= np.log(np.diag(factor[0])).sum()
+        inverse, status = dpotri(factor[0], lower=1)
+        assert status == 0
+        inverse = np.tril(inverse) + np.tril(inverse, -1).T
+        return float(value), mean + prior_sd * moved, prior_sd[:, None] * inverse * prior_sd
 
     def posterior(self, mean: Array, prior_sd: Array) -> tuple[Array, Array]:
         """Return mean, shape (p,), and covariance, shape (p, p), of all numbers."""

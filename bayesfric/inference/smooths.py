@@ -1,12 +1,9 @@
 """Smooth forces that nobody named: the discrepancy of every hypothesis.
 
-A force along each covariate is a zero-mean Gaussian process with the squared
-exponential kernel and a length scale of a third of the covariate's range; along speed
-by tension it is a process of both. A plate, a worn spot, a day or a load of spinning up
-changes all friction in proportion: along the number of pulleys, displacement, order and
-acceleration a process of half that length scale is a share of friction, and so is a
-constant of the motor board. Each is reduced to its leading eigenvectors, so that the force
-is linear in a few standard normal numbers. The processes share the variance equally.
+A force along each covariate is a zero-mean Gaussian process with the squared exponential
+kernel; along two covariates it is a process of both. Each is reduced to its leading
+eigenvectors, so that the force is linear in a few standard normal numbers. Of a covariate
+that takes few values these are vectors over the values.
 """
 
 from collections.abc import Mapping
@@ -17,47 +14,75 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline, make_interp_spline
 
-__all__ = ["Smooth", "smooth_along"]
+__all__ = ["BROAD", "NARROW", "Smooth", "Span", "smooth_along"]
 
 Array = NDArray[np.float64]
 NODES = 25
 BROAD, NARROW = 1 / 3, 1 / 6  # length scales, as shares of the range
-KEPT = 0.995  # of a process' variance
+KEPT = 0.99  # of a process' variance
+FEW = 9  # values of a covariate that are taken one by one
+
+
+@dataclass(frozen=True)
+class Span:
+    """Where a covariate lies.
+
+    Parameters
+    ----------
+    low, high : float
+        Lowest and highest value.
+    values : tuple of float
+        Its values where they are few, else none.
+    """
+
+    low: float
+    high: float
+    values: tuple[float, ...] = ()
+
+    @classmethod
+    def of(cls, *found: Array) -> "Span":
+        """Return the span of arrays; NaN is nowhere."""
+        whole = np.concatenate([np.ravel(one) for one in found])
+        whole = whole[np.isfinite(whole)]
+        if not whole.size:
+            return cls(0.0, 0.0)
+        low, high = float(whole.min()), float(whole.max())
+        distinct = np.unique(whole.round(9))
+        few = tuple(distinct.tolist()) if distinct.size <= FEW else ()
+        return cls(low, high, few)
 
 
 @dataclass(frozen=True)
 class Smooth:
-    """A Gaussian process along one covariate or along two.
+    """A Gaussian process along one covariate or along two, of unit variance.
 
     Parameters
     ----------
     axes : tuple of str
         Names of the covariates; none of a constant.
-    ranges : tuple of (float, float)
-        Lowest and highest value of each.
+    spans : tuple of Span
+        Where each lies.
     kept : ndarray of int, shape (k, len(axes))
         Which eigenvectors of each axis are multiplied.
-    rig : {"gravity", "motor"} or None
-        The only board that it acts on; None is both.
+    length : float
+        Length scale, as a share of each range.
+    rig : str or None
+        The only rig that it acts on; None is all.
     relative : bool
-        Whether it is a share of friction, and narrow; else a force, and broad.
+        Whether it is a share of friction; else a force.
     """
 
     axes: tuple[str, ...]
-    ranges: tuple[tuple[float, float], ...]
+    spans: tuple[Span, ...]
     kept: NDArray[np.intp]
+    length: float = BROAD
     rig: str | None = None
     relative: bool = False
 
     @property
-    def length(self) -> float:
-        """Length scale, as a share of each range."""
-        return NARROW if self.relative else BROAD
-
-    @property
     def axis(self) -> str:
         """What the force depends on: the first covariate, or the rig."""
-        return "rig" if self.rig == "motor" else self.axes[0]
+        return self.axes[0] if self.axes else "rig"
 
     @property
     def count(self) -> int:
@@ -72,13 +97,13 @@ class Smooth:
         covariates : mapping of str to ndarray
             By name, of shapes that broadcast.
         """
-        tables = [
-            _eigenfunctions(self.length)(_place(covariates[axis], limits))
-            for axis, limits in zip(self.axes, self.ranges, strict=True)
-        ]
         if not self.axes:
             shape = np.broadcast_shapes(*(np.shape(values) for values in covariates.values()))
             return np.ones((1, *shape))
+        tables = [
+            _functions(span, self.length, np.asarray(covariates[axis], dtype=np.float64))
+            for axis, span in zip(self.axes, self.spans, strict=True)
+        ]
         products = []
         for chosen in self.kept:
             product = np.ones(())
@@ -89,54 +114,75 @@ class Smooth:
 
 
 def smooth_along(
-    ranges: Mapping[str, tuple[float, float]], rig: str | None = None, *, relative: bool = False
+    spans: Mapping[str, Span],
+    rig: str | None = None,
+    *,
+    relative: bool = False,
+    length: float = BROAD,
 ) -> Smooth | None:
     """Return the process along covariates, or None where one of them does not vary.
 
     Parameters
     ----------
-    ranges : mapping of str to (float, float)
-        Lowest and highest value by covariate; empty of a constant.
-    rig : {"gravity", "motor"} or None
-        The only board that it acts on.
+    spans : mapping of str to Span
+        By covariate; empty of a constant.
+    rig : str or None
+        The only rig that it acts on.
     relative : bool
-        Whether it is a share of friction, and narrow; else a force, and broad.
+        Whether it is a share of friction; else a force.
+    length : float
+        Length scale, as a share of each range.
     """
-    if any(high <= low for low, high in ranges.values()):
+    if any(span.high <= span.low for span in spans.values()):
         return None
-    if not ranges:
-        return Smooth((), (), np.zeros((1, 0), dtype=np.intp), rig, relative)
-    length = NARROW if relative else BROAD
-    share = _eigenvalues(length)
-    for _ in range(len(ranges) - 1):
-        share = np.multiply.outer(share, _eigenvalues(length))
+    if not spans:
+        return Smooth((), (), np.zeros((1, 0), dtype=np.intp), length, rig, relative)
+    share = np.ones(())
+    for span in spans.values():
+        share = np.multiply.outer(share, _values(span, length))
     order = np.argsort(share, axis=None)[::-1]
     count = int(np.searchsorted(np.cumsum(share.ravel()[order]), KEPT)) + 1
     kept = np.stack(np.unravel_index(order[:count], share.shape), axis=1)
-    return Smooth(tuple(ranges), tuple(ranges.values()), kept, rig, relative)
+    return Smooth(tuple(spans), tuple(spans.values()), kept, length, rig, relative)
 
 
-def _place(values: Array, limits: tuple[float, float]) -> Array:
-    low, high = limits
-    return np.clip((np.asarray(values, dtype=np.float64) - low) / (high - low), 0.0, 1.0)
+def _functions(span: Span, length: float, at: Array) -> Array:
+    """Return all functions of one covariate at some places, shape (…, K)."""
+    place = np.clip((at - span.low) / (span.high - span.low), 0.0, 1.0)
+    if not span.values:
+        return np.asarray(_splines(length)(place))
+    levels, _, vectors = _few(span, length)
+    table = [np.interp(place, levels, vector) for vector in vectors.T]
+    return np.stack(table, axis=-1)
+
+
+def _values(span: Span, length: float) -> Array:
+    values = _few(span, length)[1] if span.values else _kernel(length)[1]
+    return np.asarray(values / values.sum())
+
+
+def _decomposed(grid: Array, length: float) -> tuple[Array, Array]:
+    kernel = np.exp(-0.5 * ((grid[:, None] - grid) / length) ** 2)
+    values, vectors = np.linalg.eigh(kernel)
+    values, vectors = np.maximum(values[::-1], 0.0), vectors[:, ::-1]
+    # Signs are settled, so that one machine's eigenvectors are another's.
+    signs = np.sign(vectors[np.abs(vectors).argmax(axis=0), np.arange(grid.size)])
+    return values, vectors * signs * np.sqrt(values)
+
+
+@cache
+def _few(span: Span, length: float) -> tuple[Array, Array, Array]:
+    levels = (np.array(span.values) - span.low) / (span.high - span.low)
+    return levels, *_decomposed(levels, length)
 
 
 @cache
 def _kernel(length: float) -> tuple[Array, Array, Array]:
     grid = np.linspace(0, 1, NODES)
-    kernel = np.exp(-0.5 * ((grid[:, None] - grid) / length) ** 2)
-    values, vectors = np.linalg.eigh(kernel)
-    return grid, np.maximum(values[::-1], 0.0), vectors[:, ::-1]
-
-
-def _eigenvalues(length: float) -> Array:
-    values = _kernel(length)[1]
-    return np.asarray(values / values.sum())
+    return grid, *_decomposed(grid, length)
 
 
 @cache
-def _eigenfunctions(length: float) -> BSpline:
-    grid, values, vectors = _kernel(length)
-    # Signs are settled, so that one machine's eigenvectors are another's.
-    signs = np.sign(vectors[np.abs(vectors).argmax(axis=0), np.arange(NODES)])
-    return make_interp_spline(grid, vectors * signs * np.sqrt(values), k=3)
+def _splines(length: float) -> BSpline:
+    grid, _, vectors = _kernel(length)
+    return make_interp_spline(grid, vectors, k=3)

@@ -13,7 +13,15 @@ from bayesfric.paper import table1
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.truth import AppliedEffect, Truth
 
-__all__ = ["Acting", "draw_phases", "of_kind", "surroundings", "total"]
+__all__ = [
+    "Acting",
+    "draw_phases",
+    "drive_end",
+    "of_kind",
+    "surroundings",
+    "total",
+    "trial_in_setup",
+]
 
 Array = NDArray[np.float64]
 
@@ -88,7 +96,23 @@ def surroundings(table: pd.DataFrame, rig: RigConstants) -> dict[str, Any]:
     if "order" in table:
         order = table["order"].to_numpy(dtype=np.float64)
     return {
+        "drive_end": drive_end(table),
+        "trial_in_setup": trial_in_setup(table),
         "radius_m": table["pulley_size"].map(radius).to_numpy(dtype=np.float64),
         "order": (order - order.min()) / max(np.ptp(order), 1.0),
         "gravity_m_s2": rig.gravity_m_s2,
     }
+
+
+def drive_end(table: pd.DataFrame) -> Array:
+    """Return which end carried the drive mass: −0.5 left, 0.5 right, 0 where nobody says."""
+    if "drive_end" not in table:
+        return np.zeros(len(table))
+    return np.asarray(table["drive_end"].map({"left": -0.5, "right": 0.5}).fillna(0.0), dtype=float)
+
+
+def trial_in_setup(table: pd.DataFrame) -> Array:
+    """Return how many trials of the same assembly went before, 0 without an order."""
+    if "order" not in table or "setup" not in table or table["order"].isna().any():
+        return np.zeros(len(table))
+    return np.asarray(table.groupby("setup")["order"].rank(), dtype=np.float64) - 1

@@ -7,7 +7,7 @@ asks which rig it has.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
 import pandas as pd
@@ -19,6 +19,7 @@ from bayesfric.effects import Effect
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.inference.model import RigLikelihood
 from bayesfric.physics.compliant import Cable
+from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Recording, RigConstants
 from bayesfric.rigs.changes import Change
@@ -39,8 +40,10 @@ __all__ = [
     "why_inert",
 ]
 
-
 Array = NDArray[np.float64]
+if TYPE_CHECKING:
+    from bayesfric.effects.candidates import Candidate
+    from bayesfric.rigs.linear import LinearRows
 
 Motion = Literal["accelerated", "steady"]
 """Whether a trial gathers speed along a path, or is one measurement at one speed."""
@@ -199,6 +202,27 @@ class RigTrials(Protocol):
 
     def supports(self, effect: Effect) -> Unsupported | None:
         """Return why an effect cannot enter the likelihood; None where it can."""
+
+    def linear(
+        self,
+        laws: Mapping[str, Coefficients],
+        acting: "Sequence[tuple[Candidate, float]]" = (),
+    ) -> "LinearRows":
+        """Return the trials, linear around a reference law.
+
+        Parameters
+        ----------
+        laws : mapping of str to Coefficients
+            Of each pulley size.
+        acting : sequence of (Candidate, float)
+            Effects on friction with which trials start to move, with their amplitudes.
+        """
+
+    def entering(self) -> "RigTrials":
+        """Return the trials that enter a diagnosis: what the rig itself does stays in."""
+
+    def next_trials(self, laws: Mapping[str, Coefficients]) -> "RigTrials | None":
+        """Return feasible trials without noise, on time by a law; None where none moves."""
 
     def likelihood(
         self,

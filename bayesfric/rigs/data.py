@@ -1,7 +1,6 @@
 """The trials of all rigs that enter together."""
 
 from dataclasses import dataclass
-from typing import Any
 
 from bayesfric.rigs.base import RigTrials
 
@@ -24,24 +23,6 @@ class Data:
     def sizes(self) -> tuple[str, ...]:
         """Pulley sizes, in order of appearance."""
         return tuple(dict.fromkeys(size for one in self.rigs for size in one.table["pulley_size"]))
-
-    @property
-    def gravity(self) -> Any:
-        """For the diagnosis, until it holds rigs."""
-        return self._first("gravity")
-
-    @property
-    def motor(self) -> Any:
-        """For the diagnosis, until it holds rigs."""
-        return self._first("motor")
-
-    @property
-    def constants(self) -> Any:
-        """For the diagnosis, until it holds rigs."""
-        return self._first("constants")
-
-    def _first(self, name: str) -> Any:
-        return next((getattr(one, name) for one in self.rigs if hasattr(one, name)), None)
 
     def of_size(self, size: str) -> "Data":
         """Return the trials of one pulley size; a rig without any is left out."""

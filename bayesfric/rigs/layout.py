@@ -1,10 +1,10 @@
 """Where each number of the linear model stands.
 
-The numbers are, for each pulley size, the three coefficients of the law and the smooth
-forces of the discrepancy; then, shared by all sizes, an amplitude for each candidate,
-small amounts of every effect (the rest of the discrepancy), what laws may be wrong by, and
-the idle curve of the motor. A trial or run meets those of its own size only: its
-columns are the *local* ones. All are in units of their prior's standard deviation.
+The numbers are, for each pulley size, the three coefficients of the law and smooth forces
+of the discrepancy; then, shared by all sizes, an amplitude of each effect that acts; then what
+every hypothesis has: further smooth forces, small amounts and other forms of effects, and each
+rig's own nuisances, such as the curve of an idle motor. A trial meets those of its own size
+only: its columns are the *local* ones. All are in units of their scale.
 """
 
 from dataclasses import dataclass
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 __all__ = ["COEFFICIENTS", "Layout"]
 
 COEFFICIENTS = 3  # c1, c2, c3
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -26,20 +27,20 @@ class Layout:
     sizes : tuple of str
         Pulley sizes.
     smooths : int
-        Smooth forces of each size, K.
+        Smooth forces of each size.
     candidates : int
-        Candidate effects, E.
-    idle : int
-        Columns of the idle curve, 0 without a motor board.
-    small : int
-        Small amounts of effects, and after them the other forms of those that act.
+        Candidates, of which a hypothesis mixes its effects.
+    shared : int
+        Columns of every hypothesis that all sizes share.
+    nuisances : tuple of int
+        Columns of each rig's own, in the order of the rigs.
     """
 
     sizes: tuple[str, ...]
     smooths: int
     candidates: int
-    idle: int
-    small: int = 0
+    shared: int
+    nuisances: tuple[int, ...]
 
     @property
     def own(self) -> int:
@@ -47,36 +48,43 @@ class Layout:
         return COEFFICIENTS + self.smooths
 
     @property
+    def always(self) -> int:
+        """Shared columns of every hypothesis."""
+        return self.shared + sum(self.nuisances)
+
+    @property
     def local(self) -> int:
-        """Columns of a trial or run."""
-        return self.own + self.candidates + self.small + self.idle
+        """Columns of a trial: own, candidates, always."""
+        return self.own + self.candidates + self.always
 
-    def base(self) -> NDArray[np.intp]:
-        """Local columns of every hypothesis: all but the candidates."""
-        return np.concatenate([np.arange(self.own), self.always()])
+    def nuisance(self, rig: int) -> slice:
+        """Local columns of a rig's own nuisances, by its place."""
+        start = self.own + self.candidates + self.shared + sum(self.nuisances[:rig])
+        return slice(start, start + self.nuisances[rig])
 
-    def always(self) -> NDArray[np.intp]:
-        """Local columns, shared by all sizes, that every hypothesis has."""
-        return np.arange(self.own + self.candidates, self.local)
+    def mixed(self, mixing: Array) -> Array:
+        """Return what makes the columns of a hypothesis of the local ones, (local, k).
 
-    def candidate(self, place: int) -> int:
-        """Local column of a candidate."""
-        return self.own + place
+        Parameters
+        ----------
+        mixing : ndarray, shape (candidates, effects)
+            Column of each effect that acts, as a mixture of candidates.
+        """
+        acting = mixing.shape[1]
+        found = np.zeros((self.local, self.own + acting + self.always))
+        found[: self.own, : self.own] = np.eye(self.own)
+        found[self.own : self.own + self.candidates, self.own : self.own + acting] = mixing
+        found[self.own + self.candidates :, self.own + acting :] = np.eye(self.always)
+        return found
 
-    def small_amount(self, place: int) -> int:
-        """Local column of a small amount of an effect."""
-        return self.own + self.candidates + place
-
-    def spread(self, kept: NDArray[np.intp], size: int) -> NDArray[np.intp]:
-        """Return where the kept local columns of a size stand among all sizes' kept ones.
+    def spread(self, columns: int, size: int) -> NDArray[np.intp]:
+        """Return where a size's columns of a hypothesis stand among the numbers of all sizes.
 
         Those of the first size come first, then the next; what is shared comes last.
         """
-        mine = np.count_nonzero(kept < self.own)
-        shared = np.arange(kept.size - mine) + mine * len(self.sizes)
-        return np.concatenate([np.arange(mine) + mine * size, shared])
+        shared = np.arange(columns - self.own) + self.own * len(self.sizes)
+        return np.concatenate([np.arange(self.own) + self.own * size, shared])
 
-    def total(self, kept: NDArray[np.intp]) -> int:
-        """Numbers in all, of the kept local columns."""
-        mine = int(np.count_nonzero(kept < self.own))
-        return mine * len(self.sizes) + kept.size - mine
+    def total(self, columns: int) -> int:
+        """Numbers in all, of the columns of a hypothesis."""
+        return self.own * (len(self.sizes) - 1) + columns

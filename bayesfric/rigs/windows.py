@@ -24,8 +24,9 @@ class Windows:
     columns : ndarray, shape (R, q)
         What each local number adds [N].
     covariance : tuple of ndarray
-        Of the measurement error of each trial's or run's windows [N²]; of events for
-        κ = 1.
+        Of the measurement error of each trial's or run's windows [N²].
+    wander : tuple of ndarray
+        Of friction along the path of each trial, relative.
     covariates : mapping of str to ndarray, shape (R,)
         Where each window lies.
     """
@@ -34,6 +35,7 @@ class Windows:
     residual_n: Array
     columns: Array
     covariance: tuple[Array, ...]
+    wander: tuple[Array, ...]
     covariates: Mapping[str, Array]
 
     @property

@@ -16,6 +16,7 @@ __all__ = [
     "ExaminedEffect",
     "Gap",
     "GapRow",
+    "Inclusion",
     "NextExperiment",
     "Remainder",
     "Shape",
@@ -34,7 +35,7 @@ class EffectNumber(Interval):
 
 
 class Cause(Record):
-    """An effect of the most probable named hypothesis."""
+    """An effect that acts, or may act: of ``causes``, ``present`` or ``possible``."""
 
     effect: str = Field(description="Name of the effect.")
     sentence: str = Field(description="What the board does.")
@@ -48,8 +49,28 @@ class Cause(Record):
     plausible: bool = Field(description="Whether the amplitude's median is physically plausible.")
     plausible_range: tuple[Number, Number] = Field(description="Of the amplitude.")
     plausible_reference: str = Field(description="Where that range comes from.")
-    strength: Number = Field(description="Rms of its force over that of friction.")
+    strength: Number = Field(description="Rms of its force over that of friction, median.")
+    makes_a_gap: bool = Field(
+        True, description="Whether a recalibrated law leaves a practical part of its force."
+    )
     below_floor: bool = Field(description="Whether its force is below the floor.")
+
+
+class Inclusion(Record):
+    """What is known of one effect, over all hypotheses."""
+
+    effect: str = Field(description="Name of the effect.")
+    probability: Number = Field(description="That it acts.")
+    strength: Interval | None = Field(
+        description="If it acts: rms of its force, or its equivalent, over rms friction."
+    )
+    strength_why: str | None = Field(None, description="Why there is none.")
+    probability_above_practical: Number = Field(
+        description="That it acts and its strength is above the practical share."
+    )
+    makes_a_gap: bool = Field(
+        description="Whether a recalibrated law leaves a practical part of its force."
+    )
 
 
 class Unseparated(Record):
@@ -118,7 +139,12 @@ class GapRow(Record):
     before: Interval = Field(description="Baseline, every parameter refitted.")
     after: Interval = Field(description="With the causes, every parameter refitted.")
     floor: Interval = Field(description="What a perfect law would leave.")
-    shrink: Interval | None = Field(description="(before² − after²) / (before² − floor²).")
+    below_floor: Number = Field(
+        0.0, description="Share of resampled assemblies in which before is below the floor."
+    )
+    shrink: Interval | None = Field(
+        description="(before² − after²) / (before² − floor²), resampled where before is above."
+    )
     shrink_why: str | None = Field(None, description="Why there is none.")
 
 
@@ -131,8 +157,20 @@ class Gap(Record):
     before: Interval = Field(description="Recalibrated baseline, over folds of setups.")
     after: Interval = Field(description="With the causes.")
     floor: Interval = Field(description="What a perfect law would leave.")
-    systematic: Interval = Field(description="√(before² − floor²), 0 where that is negative.")
-    shrink: Interval | None = Field(description="(before² − after²) / (before² − floor²).")
+    systematic: Interval = Field(
+        description="Rms of the systematic force over the conditions, the law recalibrated: its "
+        "posterior, averaged over hypotheses."
+    )
+    probability_above_practical: Number = Field(
+        description="That the systematic gap is the practical share of friction or more."
+    )
+    floor_agrees: bool = Field(
+        description="Whether the floor agrees with what held-out data leave once the causes act."
+    )
+    shrink: Interval | None = Field(
+        description="Part of the squared systematic gap that the causes take away: its "
+        "posterior. `held_out` has the figures of data that the fit has not seen."
+    )
     shrink_why: str | None = Field(None, description="Why there is none.")
     friction_rms: Number = Field(description="Of the baseline's friction, same weights [N].")
     held_out: tuple[GapRow, ...] = Field(description="Folds over setups, and extrapolations [N].")
@@ -149,6 +187,9 @@ class ExaminedEffect(Record):
     effect: str = Field(description="Name of the effect.")
     log10_bayes_factor: Number | None = Field(description="Alone, against the baseline.")
     log10_bayes_factor_why: str | None = Field(None, description="Why there is none.")
+    bound: bool = Field(
+        False, description="Whether it is a lower bound: the noise was not climbed to its mode."
+    )
 
 
 class NextExperiment(Record):
@@ -170,7 +211,7 @@ class DiagnosisFile(Provenance):
         (), description="Trials left out: each lies far from the others of its own assembly."
     )
     practical_share: Number = Field(description="Share of rms friction below which none cares.")
-    verdict: Literal["no-gap", "named", "unseparated", "unknown"] = Field(
+    verdict: Literal["no-gap", "named", "unseparated", "unknown", "undecided"] = Field(
         description="By the rules of the contract."
     )
     verdict_probability: Number = Field(description="Of what the verdict says.")
@@ -183,7 +224,21 @@ class DiagnosisFile(Provenance):
     unvisited_probability: Number = Field(
         description="Of hypotheses that were screened only, together."
     )
-    causes: tuple[Cause, ...] = Field(description="Of the most probable named hypothesis.")
+    inclusion: tuple[Inclusion, ...] = Field(
+        (), description="Every effect that was weighed, the most probable first."
+    )
+    causes: tuple[Cause, ...] = Field(
+        description="Effects that act with probability 0.9 at least, and matter."
+    )
+    present: tuple[Cause, ...] = Field(
+        (), description="Effects that act likewise, below the practical share."
+    )
+    possible: tuple[Cause, ...] = Field(
+        (), description="Effects that act with a probability from 0.1 on and are no cause."
+    )
+    scatter: dict[str, Number] = Field(
+        default_factory=dict, description="Noise of every rig at its most probable, by name."
+    )
     unseparated: tuple[Unseparated, ...] = Field(description="What cannot be told apart.")
     absorbed: tuple[Absorbed, ...] = Field(description="Effects that only move the baseline.")
     remainder: Remainder = Field(description="What the causes leave.")

@@ -260,15 +260,15 @@ def _scatter(
             return rng.standard_normal(size)
         return np.asarray(rng.standard_t(STUDENT_DEGREES, size) * np.sqrt(1 - 2 / STUDENT_DEGREES))
 
-    def by_setup(setup: Array, stream: int) -> Array:
+    def by_trial(setup: Array, stream: int) -> Array:
         setups = _stream(seed, SCATTER, stream).standard_normal(int(setup.max()) + 1)
         return np.asarray(setups[setup])
 
-    factor = 1 + nature.tau * each(len(trials), 0) + nature.omega * by_setup(trials.setup, 1)
+    factor = 1 + nature.tau * each(len(trials), 0) + nature.omega * by_trial(trials.setup, 1)
     if bench is None:
         return factor, np.ones((0, 1))
     runs = (
-        1 + nature.tau_motor * each(len(bench), 2) + nature.omega_motor * by_setup(bench.setup, 3)
+        1 + nature.tau_motor * each(len(bench), 2) + nature.omega_motor * by_trial(bench.setup, 3)
     )
     return factor, runs[:, None]
 

@@ -1,79 +1,85 @@
 """The gravity board in the linear model: rows summed up, scatter integrated out.
 
-Offsets and first speed are projected out of each trial, its scatter and that of its
-assembly integrated out at the noise that is asked for; what is left of all the events
-are sums over assemblies, and columns of the scatter a trial.
+Offsets and first speed are projected out of each trial. What scatters has columns of its own:
+friction's deviation in a trial, its wander along the travel (cosines), in an assembly the
+deviation of its slope and of its intercept, phases of effects that go round, and the travel
+that a trial had made before its first event. They are integrated out at the noise that is asked
+for; derivatives by the noise follow from Fisher's identity.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
-from typing import NamedTuple
+from functools import partial
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from bayesfric.analysis import HalfNormal, LogNormal, Prior, Priors
 from bayesfric.effects.candidates import Candidate
 from bayesfric.inference.information import Information
+from bayesfric.inference.priors import log_density
 from bayesfric.inference.smooths import Smooth
-from bayesfric.rigs.gravity_board.columns import assemble
+from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.gravity_board.rows import GravityRows
-from bayesfric.rigs.layout import Layout
+from bayesfric.rigs.layout import COEFFICIENTS, Layout
+from bayesfric.rigs.linear import Evaluated, NoiseParameter, Run
 from bayesfric.rigs.windows import Windows
 
-__all__ = ["GravityNoise", "GravityPart"]
+__all__ = ["WAVES", "GravityPart", "wander_weights"]
 
 Array = NDArray[np.float64]
 WINDOWS = 8  # of a trial's travel
 EVENTS_A_WINDOW = 4  # at least, of both sensors
 APART = (1, 2, 3)  # powers of the travel, by which two sensors differ
-VIEWS = 8  # selections of columns that are kept at hand
+WAVES = 6  # cosines along the travel
+FIRST = 5  # events of a sensor that set the offset and the first speed
+TRIAL, INTERCEPT, WANDER, ELSEWHERE = 0, 1, slice(2, 2 + WAVES), 2 + WAVES
+ALWAYS = 3 + WAVES  # columns that scatter in every hypothesis
+SLOPE_AND_INTERCEPT = np.array([[1.0, -1.0], [0.0, 1.0]])  # of the first two columns
+KAPPA_SD_LOG = 0.3  # of the events' variance over its first estimate
+ZETA: Prior = HalfNormal(scale=0.02)  # rms of the wander, argued: a fifth of what would be seen
+LENGTH: Prior = LogNormal(median=0.1, sd_log=0.5)  # m, of the wander
 LOG_2PI = float(np.log(2 * np.pi))
 
 
-class GravityNoise(NamedTuple):
-    """What scatters on the gravity board.
+def wander_weights(length_m: float, travel_m: float) -> tuple[Array, Array]:
+    """Return the variance of each cosine of a wander of unit rms, and how its log grows.
+
+    The spectrum is that of a squared exponential process along the travel.
 
     Parameters
     ----------
-    tau, omega : float
-        Of friction, relative, a trial and an assembly.
-    kappa : float
-        Variance of events over the first estimate of it.
-    """
+    length_m : float
+        Correlation length [m].
+    travel_m : float
+        Longest travel [m].
 
-    tau: float
-    omega: float
-    kappa: float
+    Returns
+    -------
+    variance : ndarray, shape (WAVES,)
+        Of each cosine.
+    slope : ndarray, shape (WAVES,)
+        Derivative of its logarithm by the logarithm of the length.
+    """
+    turned = (np.pi * np.arange(1, WAVES + 1) * length_m / travel_m) ** 2
+    weight = np.exp(-0.5 * (turned - turned[0]))
+    share = weight / weight.sum()
+    return 2 * share, share @ turned - turned
 
 
 @dataclass(frozen=True)
 class _View:
-    """The sums of some columns and of some trials."""
+    """The sums of the columns of one hypothesis."""
 
     precision: tuple[Array, ...]  # by size, (k, k)
-    slope: Array  # (n, k)
-    across: Array  # (n, k, r)
-    inner: Array  # (n, r, r)
-    right: Array  # (n, r)
-
-
-@dataclass(frozen=True)
-class _Sums:
-    """What events say, nuisances projected out, at κ = 1."""
-
-    precision: Array  # (blocks, q, q)
-    slope: Array  # (N, q)
-    square: Array  # (N,)
-    freedom: Array  # (N,)
-    across: Array  # (N, q, R), local numbers by what scatters
-    inner: Array  # (N, R, R)
-    right: Array  # (N, R)
-    constant: float
+    slope: tuple[Array, ...]  # by size, (k,)
+    across: Array  # (n, R, k)
 
 
 class GravityPart:
-    """Events of the gravity board as information on the local numbers.
+    """Events of the gravity board as information on the numbers of a hypothesis.
 
     Parameters
     ----------
@@ -81,191 +87,148 @@ class GravityPart:
         Events, linear around the reference law.
     layout : Layout
         Where numbers stand.
-    smooths, candidates : sequence
-        In the order of the layout.
-    small : sequence of (Candidate, float)
-        Small amounts of effects, with the standard deviation of their amplitudes.
+    place : int
+        Of the rig among all.
+    own : sequence of Smooth
+        Smooth forces of each size.
+    candidates : sequence of Candidate
+        Effects.
+    shared : sequence of Smooth or Candidate
+        Columns of every hypothesis.
     scales : ndarray, shape (q,)
-        Prior standard deviation of each local number.
+        What each local column is multiplied by.
     friction_scale : mapping of str to float
-        Unit of the smooth forces of each size [N].
+        Unit of smooth forces of each size [N].
     scattering : sequence of (Candidate, float)
         Effects whose force scatters with friction, with their amplitudes.
     by_trial : bool
-        Whether any trial can be left out; else only whole assemblies can, which takes
-        less memory.
+        Whether trials can be left out.
+    priors : Priors
+        Of the noise.
+
+    Attributes
+    ----------
+    columns : ndarray, shape (E, q)
+        Of the local numbers [m].
+    random : ndarray, shape (E, R)
+        Of what scatters.
+    blocks : dict of int to slice
+        The phases of candidates that have some, among the columns that scatter.
     """
 
     def __init__(
         self,
         rows: GravityRows,
         layout: Layout,
-        smooths: Sequence[Smooth],
+        *,
+        place: int,
+        own: Sequence[Smooth],
         candidates: Sequence[Candidate],
-        small: Sequence[tuple[Candidate, float]],
+        shared: Sequence[Smooth | Candidate],
         scales: Array,
         friction_scale: Mapping[str, float],
-        *,
         scattering: Sequence[tuple[Candidate, float]],
         by_trial: bool,
+        priors: Priors,
     ) -> None:
-        self.rows, self._layout = rows, layout
-        sizes = rows.trials["pulley_size"]
+        self.rows, self.layout, self.place = rows, layout, place
+        sizes = rows.table["pulley_size"]
         self.size = np.array([layout.sizes.index(size) for size in sizes])
-        codes, setups = pd.factorize(rows.trials["setup"])
+        codes, setups = pd.factorize(rows.table["setup"])
         self.setup, self.setups = codes, tuple(str(setup) for setup in setups)
+        self.size_of_setup = self.size[[int(np.argmax(codes == j)) for j in range(len(setups))]]
         self._member = np.equal.outer(np.arange(len(setups)), codes).astype(np.float64)
-        self._block = np.arange(len(sizes)) if by_trial else codes
-        self._size_of_setup = self.size[[int(np.argmax(codes == j)) for j in range(len(setups))]]
+        self._travel = float(rows.covariates()["displacement"].max())
         force = np.array([friction_scale[size] for size in sizes])
-        little = [candidate for candidate, _ in small]
-        columns, random, blocks = assemble(rows, layout, smooths, candidates, little, scales, force)
-        self.blocks = blocks[: len(candidates)]
-        amounts = zip(blocks[len(candidates) :], (sd for _, sd in small), strict=True)
-        self._little = [(block, sd) for block, sd in amounts if block.stop > block.start]
+        self._assemble(own, candidates, shared, scales, force)
         for candidate, amplitude in scattering:
-            random[:, 0] += amplitude * rows.candidate_columns(candidate)[:, 0]
-        self.columns, self._random = columns, random
-        self._sums = self._summed()
-        self._views: dict[tuple[bytes, tuple[int, ...]], _View] = {}
-
-    def information(
-        self,
-        noise: GravityNoise,
-        kept: NDArray[np.intp],
-        scatters: Iterable[tuple[slice, float]] = (),
-        used: NDArray[np.bool_] | None = None,
-    ) -> Information:
-        """Return what the events say of the kept local numbers.
-
-        Parameters
-        ----------
-        noise : GravityNoise
-            Scatter and noise.
-        kept : ndarray of int
-            Local columns.
-        scatters : iterable of (slice, float)
-            Phases that act, a block of :attr:`blocks`, with their amplitude.
-        used : ndarray of bool, shape (N,), or None
-            Trials that enter; None is all.
-        """
-        sums, kappa = self._sums, noise.kappa
-        trials = np.ones(len(self.setup), dtype=bool) if used is None else used
-        chosen, spread = [0], [noise.tau]
-        acting = list(scatters)
-        little = [one for one in self._little if one[0] not in [block for block, _ in acting]]
-        for block, amplitude in acting:
-            # An effect that acts does so on top of its small amount.
-            amount = [sd for other, sd in self._little if other == block]
-            little.append((block, float(np.linalg.norm([amplitude, *amount]))))
-        for block, amplitude in little:
-            chosen += range(block.start, block.stop)
-            spread += [amplitude] * (block.stop - block.start)
-        sd = np.array(spread)
-        view = self._view(kept, tuple(chosen), None if used is None else trials)
-        across, inner, right = view.across, view.inner, view.right
-        # (κ Λ⁻¹ + R)⁻¹ in units of the scatter, none of which has to be above 0.
-        whole = np.eye(sd.size) + sd[:, None] * inner * sd / kappa
-        gain = sd[:, None] * np.linalg.inv(whole) * sd / kappa
-        moved, solved = across @ gain, (gain * right[:, None, :]).sum(axis=-1)
-        freedom = sums.freedom[trials].sum()
-        square = sums.square[trials] - (right * solved).sum(axis=-1)
-        constant = sums.constant if used is None else 0.0
-        constant += -0.5 * (freedom * np.log(kappa) + square.sum() / kappa)
-        constant += -0.5 * np.linalg.slogdet(whole)[1].sum()
-        # What is left of the column of friction's scatter, which the assembly shares.
-        along = across[:, :, 0] - (moved @ inner[:, 0, :, None])[:, :, 0]
-        stiff = inner[:, 0, 0] - np.einsum("nr,nrs,ns->n", inner[:, 0], gain, inner[:, 0])
-        pull = right[:, 0] - (inner[:, 0] * solved).sum(axis=-1)
-        group, groups = self.setup[trials], len(self.setups)
-        summed = self._member[:, trials] @ along / kappa
-        stiffness = np.bincount(group, stiff / kappa, groups)
-        pulled = np.bincount(group, pull / kappa, groups)
-        share = noise.omega**2 / (1 + noise.omega**2 * stiffness)
-        constant += 0.5 * (share * pulled**2 - np.log1p(noise.omega**2 * stiffness)).sum()
-        slopes = (view.slope - (across @ solved[:, :, None])[:, :, 0]) / kappa
-        count = self._layout.total(kept)
-        precision, slope = np.zeros((count, count)), np.zeros(count)
-        for size in range(len(self._layout.sizes)):
-            mine = self.size[trials] == size
-            theirs = self._size_of_setup == size
-            part = view.precision[size] / kappa
-            left, rest = (a[mine].swapaxes(1, 2).reshape(-1, kept.size) for a in (moved, across))
-            part -= left.T @ rest / kappa
-            part -= (summed[theirs].T * share[theirs]) @ summed[theirs]
-            place = self._layout.spread(kept, size)
-            precision[np.ix_(place, place)] += part
-            slope[place] += slopes[mine].sum(axis=0)
-            slope[place] -= (share[theirs] * pulled[theirs]) @ summed[theirs]
-        return Information(precision, slope, float(constant))
-
-    def _view(
-        self,
-        kept: NDArray[np.intp],
-        chosen: tuple[int, ...],
-        trials: NDArray[np.bool_] | None,
-    ) -> "_View":
-        """Return the sums of some columns and trials; the last ones of all trials are kept."""
-        key = (kept.tobytes(), chosen)
-        if trials is None and key in self._views:
-            return self._views[key]
-        sums, used = self._sums, np.ones(len(self.setup), dtype=bool) if trials is None else trials
-        blocks = [
-            np.unique(self._block[used & (self.size == size)])
-            for size in range(len(self._layout.sizes))
-        ]
-        pick = list(chosen)
-        view = _View(
-            tuple(sums.precision[block].sum(axis=0)[np.ix_(kept, kept)] for block in blocks),
-            sums.slope[used][:, kept],
-            sums.across[used][:, kept][:, :, pick],
-            sums.inner[used][:, pick][:, :, pick],
-            sums.right[used][:, pick],
+            column = rows.candidate_columns(candidate)
+            further = rows.elsewhere(candidate)
+            if not isinstance(column, Unsupported):
+                self.random[:, TRIAL] += amplitude * column[:, 0]
+            if further is not None:
+                self.random[:, ELSEWHERE] += amplitude * further
+        self.noise = (
+            _scatter("tau", priors.tau),
+            _scatter("omega", priors.omega),
+            _scatter("omega_c2", priors.omega),
+            _scatter("zeta", ZETA, 0.003),
+            NoiseParameter("zeta_length", 0.1, (0.04, 0.5), partial(_log_prior, LENGTH)),
+            NoiseParameter("kappa", 1.0, (0.05, 1e4), _log_prior_kappa),
         )
-        if trials is None:
-            if len(self._views) >= VIEWS:
-                self._views.clear()
-            self._views[key] = view
-        return view
+        self._summed(by_trial)
+        self._views: dict[bytes, _View] = {}
 
-    def phase_strength(self, place: int) -> float:
-        """Return the squared signal over noise of phases at unit amplitude."""
-        block = self.blocks[place]
-        inner = self._sums.inner[:, block, block]
-        return float(np.trace(inner, axis1=1, axis2=2).sum())
+    def _assemble(
+        self,
+        own: Sequence[Smooth],
+        candidates: Sequence[Candidate],
+        shared: Sequence[Smooth | Candidate],
+        scales: Array,
+        force: Array,
+    ) -> None:
+        rows, layout = self.rows, self.layout
+        count = rows.residual.size
+        columns = np.zeros((count, layout.local))
+        columns[:, :COEFFICIENTS] = rows.coefficient_columns()
+        place = COEFFICIENTS
+        for smooth in own:
+            if smooth.rig in (None, rows.name):
+                columns[:, place : place + smooth.count] = rows.smooth_columns(smooth, force)
+            place += smooth.count
+        random = [rows.scatter_columns(), rows.wander_columns(WAVES), np.zeros((count, 1))]
+        width, known = ALWAYS, {}
+        self.blocks: dict[int, slice] = {}
+        for index, candidate in enumerate(candidates):
+            found = rows.candidate_columns(candidate)
+            if isinstance(found, Unsupported):
+                continue
+            if not candidate.effect.components:
+                columns[:, layout.own + index] = found[:, 0]
+                continue
+            key = (candidate.effect.name, candidate.law)
+            if key not in known:
+                random.append(found)
+                known[key] = slice(width, width + found.shape[1])
+                width = known[key].stop
+            self.blocks[index] = known[key]
+        place = layout.own + layout.candidates
+        for one in shared:
+            if isinstance(one, Smooth):
+                if one.rig in (None, rows.name):
+                    columns[:, place : place + one.count] = rows.smooth_columns(one, force)
+                place += one.count
+                continue
+            found = rows.candidate_columns(one)
+            if not isinstance(found, Unsupported):
+                columns[:, place] = found[:, 0]
+            place += 1
+        nuisance = layout.nuisance(self.place)
+        if nuisance.stop > nuisance.start:
+            columns[:, nuisance] = rows.late_column()[:, None]
+        self.columns, self.random = columns * scales, np.hstack(random)
 
-    def windows(self) -> Windows:
-        """Return residual forces in windows of travel; fewer where events are few."""
-        newton, places = self.rows.window_columns(WINDOWS)
-        found = []
+    def _summed(self, by_trial: bool) -> None:
+        count, q, r = len(self.rows.table), self.layout.local, self.random.shape[1]
+        self._block = np.arange(count) if by_trial else self.size
+        self._precision = np.zeros((self._block.max() + 1, q, q))
+        self._slope, self._across = np.zeros((count, q)), np.zeros((count, r, q))
+        self._inner, self._right = np.zeros((count, r, r)), np.zeros((count, r))
+        self._square, self._freedom = np.zeros(count), np.zeros(count)
+        self._constant = np.zeros(count)
         for trial, rows in enumerate(self.rows.rows_of_trials()):
-            enough = max(1, (rows.stop - rows.start) // EVENTS_A_WINDOW)
-            joined = _join(WINDOWS, min(WINDOWS, enough))
-            white, project = self._whitening(rows, apart=True)
-            design = project(white[:, None] * (newton[:, rows].T @ joined))
-            rest = project(white[:, None] * np.column_stack([self._y[rows], self.columns[rows]]))
-            precision = design.T @ design
-            solved = np.linalg.solve(precision, design.T @ rest)
-            mean = joined / joined.sum(axis=0)
-            where = {name: values[trial] @ mean for name, values in places.items()}
-            found.append((trial, solved, np.linalg.inv(precision), where))
-        return Windows(
-            row=np.concatenate([np.full(len(s), t) for t, s, _, _ in found]),
-            residual_n=np.concatenate([s[:, 0] for _, s, _, _ in found]),
-            columns=np.concatenate([s[:, 1:] for _, s, _, _ in found]),
-            covariance=tuple(c for _, _, c, _ in found),
-            covariates={name: np.concatenate([w[name] for _, _, _, w in found]) for name in places},
-        )
-
-    @property
-    def scatter_column(self) -> Array:
-        """What a relative deviation of friction of 1 does to each row, shape (E,) [m]."""
-        return np.asarray(self._random[:, 0])
-
-    @property
-    def _y(self) -> Array:
-        """Displacements less those of the reference motion."""
-        return self.rows.residual
+            white, project = self._whitening(rows)
+            y = self.rows.residual[rows]
+            stack = np.column_stack([self.columns[rows], self.random[rows], y])
+            whole = project(white[:, None] * stack)
+            x, z, y = whole[:, :q], whole[:, q : q + r], whole[:, -1]
+            self._precision[self._block[trial]] += x.T @ x
+            self._slope[trial], self._across[trial] = x.T @ y, z.T @ x
+            self._inner[trial], self._right[trial] = z.T @ z, z.T @ y
+            self._square[trial] = y @ y
+            nuisances = (self.rows.events.regressors[:3, rows] != 0).any(axis=1).sum()
+            self._freedom[trial] = white.size - nuisances
+            self._constant[trial] = np.log(white).sum() - 0.5 * self._freedom[trial] * LOG_2PI
 
     def _whitening(self, rows: slice, *, apart: bool = False):  # type: ignore[no-untyped-def]
         """Return 1/sd of rows, and the projection off their nuisances.
@@ -283,27 +246,296 @@ class GravityPart:
         basis = np.linalg.qr(nuisance.T)[0]
         return white, lambda values: values - basis @ (basis.T @ values)
 
-    def _summed(self) -> _Sums:
-        count, q, r = len(self.rows.trials), self._layout.local, self._random.shape[1]
-        precision = np.zeros((self._block.max() + 1, q, q))
-        slope, square, freedom = np.zeros((count, q)), np.zeros(count), np.zeros(count)
-        across, inner = np.zeros((count, q, r)), np.zeros((count, r, r))
-        right, constant = np.zeros((count, r)), 0.0
+    def _view(self, mixing: Array, trials: NDArray[np.bool_] | None) -> _View:
+        key = mixing.tobytes() + str(mixing.shape).encode()
+        if trials is None and key in self._views:
+            return self._views[key]
+        layout = self.layout
+        start, end = layout.own, layout.own + layout.candidates
+        used = np.ones(len(self.setup), dtype=bool) if trials is None else trials
+
+        def mixed(values: Array) -> Array:
+            parts = [values[..., :start], values[..., start:end] @ mixing, values[..., end:]]
+            return np.concatenate(parts, axis=-1)
+
+        blocks = [np.unique(self._block[used & (self.size == s)]) for s in range(len(layout.sizes))]
+        both = [mixed(mixed(self._precision[one].sum(axis=0)).T) for one in blocks]
+        slopes = [
+            mixed(self._slope[used & (self.size == s)].sum(axis=0))
+            for s in range(len(layout.sizes))
+        ]
+        view = _View(tuple(both), tuple(slopes), mixed(self._across[used]))
+        if trials is None:
+            if len(self._views) > 3:
+                self._views.clear()
+            self._views[key] = view
+        return view
+
+    def evaluate(
+        self,
+        noise: Mapping[str, float],
+        mixing: Array,
+        phases: Sequence[tuple[int, float, str]] = (),
+        used: NDArray[np.bool_] | None = None,
+    ) -> Evaluated:
+        """Return what the events say of the numbers of a hypothesis.
+
+        Parameters
+        ----------
+        noise : mapping of str to float
+            Of :attr:`noise`.
+        mixing : ndarray, shape (candidates, k)
+            Column of each effect that acts, as a mixture of candidates.
+        phases : sequence of (int, float, str)
+            Candidates with phases that act, their amplitudes and what these are called.
+        used : ndarray of bool, shape (N,), or None
+            Trials that enter; None is all.
+        """
+        trials = np.ones(len(self.setup), dtype=bool) if used is None else used
+        view, kappa = self._view(mixing, used), noise["kappa"]
+        blocks = [(self.blocks[place], value) for place, value, _ in phases if place in self.blocks]
+        chosen = np.concatenate(
+            [np.arange(ALWAYS), *(np.arange(b.start, b.stop) for b, _ in blocks)]
+        )
+        variance, growth = wander_weights(noise["zeta_length"], self._travel)
+        sd = np.zeros(chosen.size)
+        sd[TRIAL], sd[ELSEWHERE] = noise["tau"], 1.0
+        sd[WANDER] = noise["zeta"] * np.sqrt(variance)
+        places, start = {}, ALWAYS
+        for (block, value), (_, _, name) in zip(blocks, phases, strict=False):
+            places[name] = slice(start, start + block.stop - block.start)
+            sd[places[name]] = value
+            start = places[name].stop
+        pick = np.ix_(np.flatnonzero(trials), chosen)
+        inner = self._inner[trials][:, chosen][:, :, chosen]
+        right, across = self._right[pick], view.across[:, chosen]
+        whole = np.eye(sd.size) + sd[:, None] * inner * sd / kappa
+        gain = sd[:, None] * np.linalg.inv(whole) * sd / kappa
+        moved, solved = gain @ across, (gain @ right[:, :, None])[:, :, 0]
+        constant = self._constant[trials].sum()
+        freedom = self._freedom[trials].sum()
+        square = (self._square[trials].sum() - (right * solved).sum()) / kappa
+        constant += -0.5 * (freedom * np.log(kappa) + np.linalg.slogdet(whole)[1].sum())
+        # What is left of the columns that scatter, the trial's own taken up.
+        left = np.eye(sd.size) - inner @ gain
+        across_left, right_left = left @ across / kappa, (left @ right[:, :, None])[:, :, 0] / kappa
+        inner_left = left @ inner / kappa
+        # Of slope and intercept, which the assembly shares.
+        h = np.zeros((chosen.size, 2))
+        h[:2] = SLOPE_AND_INTERCEPT.T
+        member = self._member[:, trials]
+        summed = np.einsum("ra,nrk->nak", h[:2], across_left[:, :2])
+        flat = member @ summed.reshape(len(summed), summed.shape[1] * summed.shape[2])
+        summed = flat.reshape(len(self.setups), *summed.shape[1:])
+        pulled = member @ (right_left[:, :2] @ h[:2])
+        stiff = np.einsum("ra,nrs,sb->nab", h[:2], inner_left[:, :2, :2], h[:2])
+        stiff = (member @ stiff.reshape(len(stiff), 4)).reshape(-1, 2, 2)
+        omega = np.array([noise["omega"], noise["omega_c2"]])
+        shared = np.eye(2) + omega[:, None] * stiff * omega
+        taken = omega[:, None] * np.linalg.inv(shared) * omega
+        share, pull = taken @ summed, (taken @ pulled[:, :, None])[:, :, 0]
+        constant += -0.5 * np.linalg.slogdet(shared)[1].sum()
+        square -= (pulled * pull).sum()
+        constant -= 0.5 * square
+        columns = across.shape[2]
+        total = self.layout.total(columns)
+        precision, slope = np.zeros((total, total)), np.zeros(total)
+        locals_ = []
+        for size in range(len(self.layout.sizes)):
+            mine, theirs = self.size[trials] == size, self.size_of_setup == size
+            part = view.precision[size] / kappa
+            part -= _fold(moved[mine], across[mine]) / kappa + _fold(share[theirs], summed[theirs])
+            own = view.slope[size] - np.einsum("nr,nrk->k", solved[mine], across[mine])
+            own = own / kappa - np.einsum("na,nak->k", pull[theirs], summed[theirs])
+            place = self.layout.spread(columns, size)
+            precision[np.ix_(place, place)] += part
+            slope[place] += own
+            locals_.append((part, own))
+        information = Information(precision, slope, float(constant))
+
+        def gradient(mean: Sequence[Array], covariance: Sequence[Array]) -> dict[str, float]:
+            """Return derivatives of the log evidence by the logarithms of the noise."""
+            setup = self.setup[trials]
+            along = inner_left @ h
+            trial_q, setup_q = np.zeros(chosen.size), np.zeros(2)
+            scale = square - freedom
+            for size in range(len(self.layout.sizes)):
+                mine, theirs = self.size[trials] == size, self.size_of_setup == size
+                m, v = mean[size], covariance[size]
+                part, own = locals_[size]
+                scale += m @ part @ m - 2 * own @ m + (part * v).sum()
+                j = setup[mine]
+                a = across_left[mine] - along[mine] @ share[j]
+                b = right_left[mine] - (along[mine] @ pull[j][:, :, None])[:, :, 0]
+                c = np.diagonal(inner_left[mine], axis1=1, axis2=2) - (
+                    (along[mine] @ taken[j]) * along[mine]
+                ).sum(axis=2)
+                trial_q += ((b - a @ m) ** 2 + _spread(a, v) - c).sum(axis=0)
+                whole_setup = stiff[theirs]
+                a = summed[theirs] - whole_setup @ share[theirs]
+                b = pulled[theirs] - (whole_setup @ pull[theirs][:, :, None])[:, :, 0]
+                c = np.diagonal(
+                    whole_setup - whole_setup @ taken[theirs] @ whole_setup, axis1=1, axis2=2
+                )
+                setup_q += ((b - a @ m) ** 2 + _spread(a, v) - c).sum(axis=0)
+            felt, shared_felt = sd**2 * trial_q, omega**2 * setup_q
+            found = {
+                "tau": felt[TRIAL],
+                "omega": shared_felt[0],
+                "omega_c2": shared_felt[1],
+                "zeta": felt[WANDER].sum(),
+                "zeta_length": 0.5 * (felt[WANDER] * growth).sum(),
+                "kappa": 0.5 * (scale - felt.sum() - shared_felt.sum()),
+            }
+            found |= {name: felt[block].sum() for name, block in places.items()}
+            return {name: float(value) for name, value in found.items()}
+
+        return Evaluated(information, gradient)
+
+    def squeezed(self, squeeze: Array, layout: Layout) -> "GravityPart":
+        """Return the rig with mixtures of its columns in their place."""
+        found = copy(self)
+        found.layout, found.columns = layout, self.columns @ squeeze
+        found._precision = squeeze.T @ self._precision @ squeeze
+        found._slope, found._across = self._slope @ squeeze, self._across @ squeeze
+        found._views = {}
+        return found
+
+    def told(self, noise: Mapping[str, float]) -> Array:
+        """Return what each trial alone says of the local numbers, (N, q, q).
+
+        Its scatter and its assembly's, wander and measurement are taken up.
+        """
+        sd = np.zeros(ALWAYS)
+        scatter = self.scatter(noise).sum(axis=1)
+        sd[WANDER] = noise["zeta"] * np.sqrt(wander_weights(noise["zeta_length"], self._travel)[0])
+        found = np.empty((len(self.size), self.layout.local, self.layout.local))
         for trial, rows in enumerate(self.rows.rows_of_trials()):
             white, project = self._whitening(rows)
-            stack = np.column_stack([self.columns[rows], self._random[rows], self._y[rows]])
-            whole = project(white[:, None] * stack)
-            x, z, y = whole[:, :q], whole[:, q : q + r], whole[:, -1]
-            precision[self._block[trial]] += x.T @ x
-            slope[trial], across[trial] = x.T @ y, x.T @ z
-            inner[trial], right[trial], square[trial] = z.T @ z, z.T @ y, y @ y
-            nuisances = (self.rows.events.regressors[:3, rows] != 0).any(axis=1).sum()
-            freedom[trial] = white.size - nuisances
-            constant += float(np.log(white).sum() - 0.5 * freedom[trial] * LOG_2PI)
-        return _Sums(precision, slope, square, freedom, across, inner, right, constant)
+            x = project(white[:, None] * self.columns[rows]) / np.sqrt(noise["kappa"])
+            z = project(white[:, None] * self.random[rows, :ALWAYS]) / np.sqrt(noise["kappa"])
+            sd[TRIAL] = np.sqrt(scatter[trial])
+            whole = np.eye(ALWAYS) + sd[:, None] * (z.T @ z) * sd
+            across = sd[:, None] * (z.T @ x)
+            found[trial] = x.T @ x - across.T @ np.linalg.solve(whole, across)
+        return found
+
+    def phase_strength(self, place: int) -> float:
+        """Return the squared signal over noise of a candidate's phases at unit amplitude."""
+        if place not in self.blocks:
+            return 0.0
+        block = self.blocks[place]
+        inner = self._inner[:, block, block]
+        return float(np.trace(inner, axis1=1, axis2=2).sum())
+
+    def scatter(self, noise: Mapping[str, float]) -> Array:
+        """Return the relative variance of trials' and assemblies' friction, (N, 2)."""
+        part = np.asarray(self.rows.state.constant_friction_n)[:, 0] / self.rows.friction_n
+        assembly = (noise["omega"] * (1 - part)) ** 2 + (noise["omega_c2"] * part) ** 2
+        return np.stack([np.full_like(part, noise["tau"] ** 2), assembly], axis=1)
+
+    def windows(self, noise: Mapping[str, float]) -> Windows:
+        """Return residual forces in windows of travel; fewer where events are few."""
+        newton, places = self.rows.window_columns(WINDOWS)
+        variance, _ = wander_weights(noise["zeta_length"], self._travel)
+        found = []
+        for trial, rows in enumerate(self.rows.rows_of_trials()):
+            enough = max(1, (rows.stop - rows.start) // EVENTS_A_WINDOW)
+            joined = _join(WINDOWS, min(WINDOWS, enough))
+            white, project = self._whitening(rows, apart=True)
+            design = project(white[:, None] * (newton[:, rows].T @ joined))
+            rest = project(
+                white[:, None] * np.column_stack([self.rows.residual[rows], self.columns[rows]])
+            )
+            solved, *_ = np.linalg.lstsq(design, rest, rcond=None)
+            mean = joined / joined.sum(axis=0)
+            where = {name: values[trial] @ mean for name, values in places.items()}
+            travel = np.atleast_1d(where["displacement"]) / self._travel
+            waves = np.cos(np.pi * np.arange(1, WAVES + 1) * travel[:, None])
+            wander = (waves * variance) @ waves.T * noise["zeta"] ** 2
+            covariance = np.linalg.pinv(design.T @ design) * noise["kappa"]
+            found.append((trial, solved, covariance, where, wander))
+        return Windows(
+            row=np.concatenate([np.full(len(f[1]), f[0]) for f in found]),
+            residual_n=np.concatenate([f[1][:, 0] for f in found]),
+            columns=np.concatenate([f[1][:, 1:] for f in found]),
+            covariance=tuple(f[2] for f in found),
+            wander=tuple(f[4] for f in found),
+            covariates={name: np.concatenate([f[3][name] for f in found]) for name in places},
+        )
+
+    def runs(self, noise: Mapping[str, float], numbers: Array) -> dict[int, Run]:
+        """Return trials that run freely once their first events have set offset and speed.
+
+        Parameters
+        ----------
+        noise : mapping of str to float
+            For what scatter leaves.
+        numbers : ndarray, shape (A, N, q)
+            Local numbers of each arm, trial by trial.
+        """
+        found = {}
+        spread2 = self.scatter(noise).sum(axis=1)
+        wander = noise["zeta"] ** 2 * wander_weights(noise["zeta_length"], self._travel)[0]
+        for trial, rows in enumerate(self.rows.rows_of_trials()):
+            nuisance = self.rows.events.regressors[:3, rows]
+            first = np.zeros(nuisance.shape[1], dtype=bool)
+            for sensor in nuisance[:2]:
+                first[np.flatnonzero(sensor != 0)[:FIRST]] = True
+            seen = (nuisance != 0).any(axis=1)
+            if first.all() or not seen[2]:
+                continue
+            design = nuisance[seen].T
+            carry = design[~first] @ np.linalg.pinv(design[first])
+            variance = noise["kappa"] * self.rows.variance[rows]
+            left = self.rows.residual[rows] - numbers[:, trial] @ self.columns[rows].T
+            off = left[:, ~first] - left[:, first] @ carry.T
+            random = self.random[rows]
+            moved = random[~first] - carry @ random[first]
+            floor = spread2[trial] * (moved[:, TRIAL] ** 2).mean()
+            floor += (moved[:, WANDER] ** 2 @ wander).mean()
+            error = variance[~first] + carry**2 @ variance[first]
+            sensors = nuisance[:2] != 0
+            shown = sensors[0] if sensors[0].any() else sensors[1]
+            measured = self.rows.events.displacement[rows]
+            start = left[:, first] @ (design @ np.linalg.pinv(design[first])).T
+            tau = self.rows.events.tau[rows][shown]
+            found[trial] = Run(
+                trial,
+                off,
+                float(error.mean()),
+                float(floor),
+                tau - tau[0],
+                measured[shown],
+                (measured - (left - start))[:, shown],
+            )
+        return found
+
+
+def _fold(one: Array, other: Array) -> Array:
+    """Return the sum over trials and columns that scatter of outer products, (k, k)."""
+    return np.asarray(one.reshape(-1, one.shape[-1]).T @ other.reshape(-1, other.shape[-1]))
+
+
+def _spread(columns: Array, covariance: Array) -> Array:
+    """Return the variance of each column's mixture of numbers, (n, r)."""
+    flat = columns.reshape(-1, columns.shape[-1])
+    return np.asarray(((flat @ covariance) * flat).sum(axis=1).reshape(columns.shape[:2]))
 
 
 def _join(fine: int, coarse: int) -> Array:
     """Return which of the fine windows make a coarse one, shape (fine, coarse)."""
     group = np.arange(fine) * coarse // fine
     return np.asarray(group[:, None] == np.arange(coarse), dtype=np.float64)
+
+
+def _scatter(name: str, prior: Prior, start: float = 0.012) -> NoiseParameter:
+    return NoiseParameter(name, start, (1e-4, 1.0), partial(_log_prior, prior), scatters=True)
+
+
+def _log_prior(prior: Prior, value: float) -> float:
+    return float(log_density(prior, value)) + float(np.log(value))
+
+
+def _log_prior_kappa(value: float) -> float:
+    return -0.5 * float((np.log(value) / KAPPA_SD_LOG) ** 2)

@@ -34,16 +34,19 @@ class MeasuredMotion(NamedTuple):
         Splines through the events.
     rough : ndarray, shape (E,)
         What they leave of each event [m].
+    events : Events
+        Sorted by trial.
     """
 
     paths: Paths
     rough: Array
+    events: Events
 
 
 def measured_motion(gravity: Gravity, rig: RigConstants) -> MeasuredMotion:
     """Follow the motion of each trial."""
     events = prepare_events(gravity.events, gravity.trials["trial"])
-    return MeasuredMotion(*_follow(trial_paths(gravity, rig), events))
+    return MeasuredMotion(*_follow(trial_paths(gravity, rig), events), events)
 
 
 def _follow(paths: Paths, events: Events) -> tuple[Paths, Array]:

@@ -9,28 +9,41 @@ acceleration alone is one row: the travel that it makes from rest.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
+from scipy.integrate import cumulative_simpson
 
-from bayesfric.effects import Law, Reading, State
+from bayesfric.analysis import Priors
+from bayesfric.effects import ActsOn, Law, Reading, State
 from bayesfric.effects.candidates import Candidate, unit_values
 from bayesfric.inference.smooths import Smooth
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.physics.gravity import coulomb_acceleration, nominal_tension, tension_feedback
 from bayesfric.recording.tables import Gravity, RigConstants
+from bayesfric.rigs.acting import drive_end, trial_in_setup
+from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.gravity_board.likelihood import trial_condition
 from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion, travel_to_speed
-from bayesfric.rigs.gravity_board.trial_motion import Events, prepare_events
+from bayesfric.rigs.gravity_board.paths import POINTS
+from bayesfric.rigs.gravity_board.trial_motion import Events
+from bayesfric.rigs.layout import Layout
+from bayesfric.rigs.linear import LinearRig, pulley_radii, rank
 
-__all__ = ["GravityRows", "rank"]
+__all__ = ["NO_CURRENT", "GravityRows"]
 
 Array = NDArray[np.float64]
 STATED_SD = 0.01  # m/s², of an acceleration that comes without its standard error
 ROUGH = 9.0  # times the noise: squared, what no smooth path follows
 LEAST_ACCELERATION = 0.02  # m/s², where the reference law predicts that the cable stands
+PUSHED = 0.15  # of the travel from rest to the first speed, that a push may have spared
+LATE_S = 1e-3  # by which one sensor may be late
+SPACING_M = 0.01  # where the rig does not say
+FEWEST, FAR = 3, 10.0  # trials of an assembly that has a middle; times the usual distance
+MAD = 1.4826  # standard deviation of a normal over its median absolute deviation
+NO_CURRENT = Unsupported("it acts on a motor's current, and no motor drives these trials")
 
 
 class GravityRows:
@@ -44,8 +57,6 @@ class GravityRows:
         The board.
     laws : mapping of str to Coefficients
         The reference law of each pulley size.
-    radii : mapping of str to float
-        Pulley radius of each size [m].
     measured : MeasuredMotion
         Of the trials.
     acting : sequence of (Candidate, float)
@@ -54,7 +65,7 @@ class GravityRows:
 
     Attributes
     ----------
-    trials : DataFrame
+    table : DataFrame
         The N trials.
     law : Coefficients
         Of each trial, arrays of shape (N,).
@@ -70,16 +81,19 @@ class GravityRows:
         Of a row, by a first estimate of the noise [m²].
     """
 
+    name = "gravity"
+    loads = ("mass_drive_kg", "mass_load_kg")
+    trial_axes = ("displacement", "order", "acceleration", "drive_end", "trial_in_setup")
+
     def __init__(
         self,
         gravity: Gravity,
         rig: RigConstants,
         laws: Mapping[str, Coefficients],
-        radii: Mapping[str, float],
         measured: MeasuredMotion,
         acting: Sequence[tuple[Candidate, float]] = (),
     ) -> None:
-        self.trials, self._rig = gravity.trials, rig
+        self.table, self.constants = gravity.trials, rig
         self.condition = trial_condition(gravity.trials, rig)
         sizes = gravity.trials["pulley_size"]
         self.law = Coefficients(*(np.array(c) for c in zip(*(laws[s] for s in sizes), strict=True)))
@@ -88,14 +102,16 @@ class GravityRows:
         self.friction_n = self.condition.drive_force_n - mass * predicted
         self.acceleration = np.maximum(predicted, 0.0)
         self.order = rank(gravity.trials)
+        radii = pulley_radii(sizes.unique(), rig)
         self._radius = np.array([radii[size] for size in sizes])
-        self._paths, self._rough = measured
+        self._measured = measured
+        self._paths, self._rough = measured.paths, measured.rough
         self._feedback = tension_feedback(self.law, self.condition)[:, None]
         self._slowed = self._feedback / mass[:, None]
         self._before = self._travel_before(acting)
         self._travel = self._travelled()
-        self.state = self._state()
-        self.events, alone, stated = self._rows(gravity)
+        self.state = self._state_at(self._travel, self._paths.speed_m_s)
+        self.events, alone, stated = self._rows(gravity, measured.events)
         displacement = self.events.displacement
         self.residual = displacement - predicted[self.events.trial] * self.events.tau**2 / 2
         self._speed = self._at_rows(self._paths.speed_m_s)
@@ -111,31 +127,74 @@ class GravityRows:
             "wrap_angle": np.asarray(self.state.wrap_angle_deg, dtype=np.float64),
             "order": self.order[:, None],
             "acceleration": self.acceleration[:, None],
+            "drive_end": np.asarray(self.state.drive_end),
+            "trial_in_setup": np.asarray(self.state.trial_in_setup),
         }
 
+    def where(self, acts_on: ActsOn) -> Any:
+        """Return the places of a law, or Unsupported."""
+        if acts_on == "current":
+            return NO_CURRENT
+        return self.readings() if acts_on == "reading" else self.state
+
     def forces(self, force_n: Array) -> Array:
-        """Return what a force against the motion does to each row, shape (E,) [m].
+        """Return what forces against the motion do to each row, shape (E, …) [m].
 
         Parameters
         ----------
         force_n : ndarray
-            Along the paths, broadcasts to (N, P) [N].
+            Along the paths, (…, N, P) or what broadcasts to it [N].
         """
-        slowing = np.broadcast_to(-self._slowed * force_n, self._travel.shape)
-        return self._paths.response(self.events, slowing)
+        shape = (*np.shape(force_n)[:-2], *self._travel.shape)
+        slowing = np.broadcast_to(-self._slowed * force_n, shape).reshape(-1, POINTS)
+        speeds, travels = (slowing @ one for one in _integrals())
+        place, step = self._place
+        trial, left = self.events.trial, np.minimum(place.astype(int), POINTS - 2)
+        share = place - left
+        rise = share**2 * (3 - 2 * share)  # cubic Hermite interpolation on the grid
+        travels = travels.reshape(-1, *self._travel.shape)
+        speeds = speeds.reshape(travels.shape)
+        # On a grid of unit steps; a step is of this many seconds.
+        found = (1 - rise) * travels[:, trial, left] + rise * travels[:, trial, left + 1]
+        found += share * (1 - share) ** 2 * speeds[:, trial, left]
+        found -= share**2 * (1 - share) * speeds[:, trial, left + 1]
+        return np.asarray((step**2 * found).T.reshape(trial.size, *shape[:-2]))
+
+    @cached_property
+    def _place(self) -> tuple[Array, Array]:
+        """Place of each row on its trial's grid, and the grid's step [s]."""
+        step = self._paths.step_s[self.events.trial, 0]
+        return self.events.tau / step, step
 
     def coefficient_columns(self) -> Array:
         """Return what c1, c2 and c3 do to each row, shape (E, 3) [m per unit]."""
         n = np.asarray(self.state.n_pulleys, dtype=np.float64)
         tension = np.asarray(self.state.tension_n)
         turn = np.asarray(self.state.wrap_angle_deg) - REFERENCE_WRAP_ANGLE_DEG
-        each = (n * tension, n, n * tension * turn)
-        return np.stack([self.forces(force) for force in each], axis=1)
+        return self.forces(np.stack([n * tension, n, n * tension * turn]))
 
-    def scatter_column(self) -> Array:
-        """Return what a relative deviation of friction of 1 does to each row, (E,) [m]."""
+    def scatter_columns(self) -> Array:
+        """Return what relative deviations of friction do, of all and of the intercept's part.
+
+        Returns
+        -------
+        ndarray, shape (E, 2)
+            [m]
+        """
         # Friction of the reference law is what it is with its tension: no feedback twice.
-        return self.forces(self.friction_n[:, None] / self._feedback)
+        both = np.stack([self.friction_n, np.asarray(self.state.constant_friction_n)[:, 0]])
+        return self.forces(both[:, :, None] / self._feedback)
+
+    def wander_columns(self, count: int) -> Array:
+        """Return what relative cosines along the travel do to each row, shape (E, count) [m]."""
+        travel = self._travel / self._travel.max()
+        waves = np.cos(np.pi * np.arange(1, count + 1)[:, None, None] * travel)
+        return self.forces(self.friction_n[:, None] * waves / self._feedback)
+
+    def late_column(self) -> Array:
+        """Return by how much readings differ if the load sensor is late, (E,) [m/s]."""
+        drive, load = self.events.regressors[:2] != 0
+        return np.asarray(0.5 * (load.astype(np.float64) - drive) * self._speed)
 
     def smooth_columns(self, smooth: Smooth, force_n: Array) -> Array:
         """Return what a smooth force of unit size does, shape (E, k) [m].
@@ -149,9 +208,9 @@ class GravityRows:
         """
         shapes = smooth.columns(self.covariates())
         unit = self.friction_n if smooth.relative else force_n
-        return np.stack([self.forces(unit[:, None] * shape) for shape in shapes], axis=1)
+        return self.forces(unit[:, None] * shapes)
 
-    def candidate_columns(self, candidate: Candidate) -> Array:
+    def candidate_columns(self, candidate: Candidate) -> Array | Unsupported:
         """Return what an effect of amplitude 1 does, shape (E, C) [m].
 
         C is 1; of an effect with phases it is the number of its components, of one on
@@ -159,7 +218,7 @@ class GravityRows:
         """
         effect = candidate.effect
         if effect.acts_on == "current":
-            return np.zeros((self.events.tau.size, 1))
+            return NO_CURRENT
         values, small = unit_values(candidate)
         law = effect.laws[candidate.law]
         if effect.acts_on == "reading":
@@ -169,10 +228,27 @@ class GravityRows:
             sensors = self.events.regressors[:2] != 0
             return np.stack([-part * seen for part in beyond for seen in sensors], axis=1)
         force = np.asarray(law(values, self.state)) / small
-        parts = force if effect.components else force[None]
-        return np.stack([self.forces(part) for part in parts], axis=1)
+        return self.forces(force if effect.components else force[None])
 
-    def relative_force(self, candidate: Candidate) -> Array:
+    def elsewhere(self, candidate: Candidate) -> Array | None:
+        """Return how an effect's column changes as trials have come further by one sd.
+
+        Returns
+        -------
+        ndarray, shape (E,), or None
+            [m]; None where an effect does not depend on travel.
+        """
+        effect = candidate.effect
+        if effect.acts_on not in ("friction", "drive") or effect.components:
+            return None
+        values, small = unit_values(candidate)
+        law = effect.laws[candidate.law]
+        moved = (PUSHED * self._before)[:, None]
+        further = law(values, self.state._replace(travel_m=self._travel + moved))
+        change = (np.asarray(further) - np.asarray(law(values, self.state))) / small
+        return self.forces(change) if np.any(change) else None
+
+    def relative_force(self, candidate: Candidate) -> Array | Unsupported:
         """Return what an effect of amplitude 1 adds to friction, or its equivalent.
 
         The equivalent of an error of readings is (m1 + m2) times the acceleration that a
@@ -186,26 +262,65 @@ class GravityRows:
         """
         effect, friction = candidate.effect, self.friction_n[:, None]
         if effect.acts_on == "current":
-            return np.zeros((1, len(self.trials), 1))
+            return NO_CURRENT
         if effect.acts_on == "reading":
-            column = self.candidate_columns(candidate).sum(axis=1)
-            off = np.array([self._parabola(rows, column[rows]) for rows in self.rows_of_trials()])
-            return np.asarray(self.condition.total_mass_kg * off / self.friction_n)[None, :, None]
+            columns = self.candidate_columns(candidate)
+            assert not isinstance(columns, Unsupported)
+            off = np.array([self._parabola(rows, columns[rows]) for rows in self.rows_of_trials()])
+            return (self.condition.total_mass_kg * off.T / self.friction_n)[:, :, None]
         values, small = unit_values(candidate)
         force = np.asarray(effect.laws[candidate.law](values, self.state)) / small / friction
         return force if effect.components else force[None]
 
+    def size_of(self, candidate: Candidate) -> float:
+        """Return the rms of what amplitude 1 does: a share of friction, of a reading in metres."""
+        if candidate.effect.acts_on == "reading":
+            columns = self.candidate_columns(candidate)
+            assert not isinstance(columns, Unsupported)
+            return float(np.sqrt((columns.sum(axis=1) ** 2).mean()))
+        force = self.relative_force(candidate)
+        return 0.0 if isinstance(force, Unsupported) else float(np.sqrt((force**2).mean()))
+
+    def strays(self) -> tuple[str, ...]:
+        """Return the trials whose friction is far from that of their assembly.
+
+        A cable that caught for once, or a run that all but stalled, is no effect; left in, it
+        passes for scatter of all trials. Distances are relative deviations from the law less
+        the assembly's median; the usual one is their median over all trials, which an effect
+        widens and one trial does not.
+        """
+        deviation, setup = self.relative_deviation(), self.table["setup"].to_numpy()
+        distance = np.zeros_like(deviation)
+        for one in dict.fromkeys(setup):
+            own = setup == one
+            if np.count_nonzero(own) >= FEWEST:
+                distance[own] = np.abs(deviation[own] - np.median(deviation[own]))
+        usual = MAD * float(np.median(distance[distance > 0])) if (distance > 0).any() else np.inf
+        return tuple(str(trial) for trial in self.table["trial"][distance > FAR * usual])
+
+    def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
+        """Return the prior standard deviations of the board's own numbers: a sensor is late."""
+        del priors
+        both = (self.events.regressors[:2] != 0).any(axis=1).all()
+        return (LATE_S,) if both else ()
+
+    def laid_out(self, layout: Layout, **given: Any) -> LinearRig:
+        """Return the rig with the columns of a model."""
+        from bayesfric.rigs.gravity_board.linear import GravityPart
+
+        return GravityPart(self, layout, **given)
+
     def relative_deviation(self) -> Array:
         """Return how far each trial's friction is from the law, as a share of it, (N,)."""
-        off = [self._parabola(rows, self.residual[rows]) for rows in self.rows_of_trials()]
+        off = [self._parabola(rows, self.residual[rows, None])[0] for rows in self.rows_of_trials()]
         return np.asarray(-self.condition.total_mass_kg * np.array(off) / self.friction_n)
 
-    def _parabola(self, rows: slice, displacement: Array) -> float:
-        """Return the acceleration of a parabola through one trial's rows [m/s²]."""
+    def _parabola(self, rows: slice, displacement: Array) -> Array:
+        """Return the accelerations of parabolas through columns of one trial, (C,) [m/s²]."""
         nuisance = self.events.regressors[:3, rows]
         nuisance = nuisance[(nuisance != 0).any(axis=1)]
         design = np.column_stack([self.events.tau[rows] ** 2 / 2, *nuisance])
-        return float(np.linalg.lstsq(design, displacement, rcond=None)[0][0])
+        return np.asarray(np.linalg.lstsq(design, displacement, rcond=None)[0][0])
 
     def window_columns(self, count: int) -> tuple[Array, dict[str, Array]]:
         """Return what a newton in each of some windows does, and where the windows lie.
@@ -226,7 +341,7 @@ class GravityRows:
         share = (self._travel - start) / np.where(end > start, end - start, 1.0)
         window = np.minimum((share * count).astype(int), count - 1)
         inside = window == np.arange(count)[:, None, None]
-        columns = np.stack([self.forces(chosen / self._feedback) for chosen in inside])
+        columns = self.forces(inside / self._feedback).T
         weight = inside / np.maximum(inside.sum(axis=2, keepdims=True), 1)
         shape = self._travel.shape
         places = {
@@ -254,10 +369,10 @@ class GravityRows:
                 force = force + amplitude / small * np.asarray(law(values, state))
             return np.asarray(self.acceleration[:, None] - self._slowed * force)
 
-        return travel_to_speed(self._paths.speed_m_s[:, 0], acceleration)
-
-    def _state(self) -> State:
-        return self._state_at(self._travel, self._paths.speed_m_s)
+        from_rest = travel_to_speed(self._paths.speed_m_s[:, 0], acceleration)
+        # The first event comes within one spacing of the release; a push spares some travel.
+        most = np.minimum(from_rest, self.constants.hall_spacing_m or SPACING_M)
+        return np.asarray((1 - PUSHED) * most)
 
     def _state_at(self, travel_m: Array, speed_m_s: Array) -> State:
         condition = self.condition
@@ -271,13 +386,14 @@ class GravityRows:
             acceleration_m_s2=self.acceleration[:, None],
             radius_m=self._radius[:, None],
             order=self.order[:, None],
+            drive_end=drive_end(self.table)[:, None],
+            trial_in_setup=trial_in_setup(self.table)[:, None],
             gravity_m_s2=condition.gravity_m_s2,
         )
 
-    def _rows(self, gravity: Gravity) -> tuple[Events, NDArray[np.bool_], Array]:
+    def _rows(self, gravity: Gravity, events: Events) -> tuple[Events, NDArray[np.bool_], Array]:
         """Return all rows, which of them are of an acceleration alone, and its sd [m/s²]."""
         trials = gravity.trials
-        events = prepare_events(gravity.events, trials["trial"])
         alone = np.flatnonzero(~np.isin(np.arange(len(trials)), events.trial))
         duration = self._paths.step_s[alone, 0] * (self._travel.shape[1] - 1)
         stated = np.full(len(trials), np.nan)
@@ -300,6 +416,11 @@ class GravityRows:
             given = trials["acceleration_sd_m_s2"].to_numpy(dtype=np.float64)
             sd = np.where(np.isfinite(given), given, sd)
         return rows, np.isin(rows.trial, alone), sd
+
+    @property
+    def name_of_trials(self) -> tuple[str, ...]:
+        """Ids of the trials."""
+        return tuple(self.table["trial"])
 
     def _at_rows(self, values: Array) -> Array:
         """Interpolate what is known along the paths to the rows, shape (E,)."""
@@ -338,7 +459,7 @@ class GravityRows:
         # to what was read would explain everything.
         rate = np.maximum(self.acceleration, LEAST_ACCELERATION)[trial]
         first, tau = self._paths.speed_m_s[trial, 0], events.tau
-        spacing = self._rig.hall_spacing_m or 1.0
+        spacing = self.constants.hall_spacing_m or 1.0
         return Reading(
             displacement_m=first * tau + rate * tau**2 / 2,
             event=np.round(events.displacement / spacing),
@@ -348,7 +469,7 @@ class GravityRows:
             acceleration_m_s2=rate,
             mass_drive_kg=np.asarray(condition.mass_drive_kg)[trial],
             mass_load_kg=np.asarray(condition.mass_load_kg)[trial],
-            magnets_per_revolution=self._rig.magnets_per_revolution or 1,
+            magnets_per_revolution=self.constants.magnets_per_revolution or 1,
         )
 
     def _noise(self, alone: NDArray[np.bool_], stated_sd: Array) -> Array:
@@ -380,8 +501,8 @@ class GravityRows:
             yield slice(start, end)
 
 
-def rank(trials: pd.DataFrame) -> Array:
-    """Return each row's place in the order of the recording, 0 to 1, shape (N,)."""
-    if "order" not in trials or trials["order"].isna().any() or len(trials) < 2:
-        return np.full(len(trials), 0.5)
-    return np.asarray((trials["order"].rank().to_numpy(dtype=np.float64) - 1) / (len(trials) - 1))
+@cache
+def _integrals() -> tuple[Array, Array]:
+    """Return what turns values on a grid of unit steps into their first and second integral."""
+    first = cumulative_simpson(np.eye(POINTS), axis=1, initial=0)
+    return first, np.asarray(cumulative_simpson(first, axis=1, initial=0))

@@ -101,9 +101,9 @@ def screen_trials(gravity: Gravity, rig: RigConstants, *, exclude: bool = True) 
         excluded = dict.fromkeys(disagreeing, "sensors-disagree") | excluded
     in_order = {trial: excluded[trial] for trial in trials["trial"] if trial in excluded}
     kept = trials[~trials["trial"].isin(excluded)]
-    by_setup = kept.iloc[pd.factorize(kept["setup"])[0].argsort(kind="stable")]
+    by_trial = kept.iloc[pd.factorize(kept["setup"])[0].argsort(kind="stable")]
     return Screened(
-        Gravity(by_setup.reset_index(drop=True), events[events["trial"].isin(kept["trial"])]),
+        Gravity(by_trial.reset_index(drop=True), events[events["trial"].isin(kept["trial"])]),
         in_order,
         repaired,
         agreement,

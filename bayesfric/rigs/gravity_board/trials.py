@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -11,8 +12,10 @@ from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
 from bayesfric.effects import Effect
+from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.physics.compliant import Cable
+from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import nominal_tension
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Gravity, Recording, RigConstants
@@ -20,9 +23,12 @@ from bayesfric.rigs.base import Motion, Predictive, Resting, Simulated, Unsuppor
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.gravity_board.estimator import estimate_as_the_paper
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood, trial_condition
+from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion, measured_motion
+from bayesfric.rigs.gravity_board.next_trials import lay_out
 from bayesfric.rigs.gravity_board.places import TrialPlaces
 from bayesfric.rigs.gravity_board.predictions import curves
 from bayesfric.rigs.gravity_board.predictions import trials as trials_dataset
+from bayesfric.rigs.gravity_board.rows import GravityRows
 from bayesfric.rigs.gravity_board.screening import RULES, Screened, screen_trials
 from bayesfric.rigs.gravity_board.sensor_agreement import MATERIAL_SHARE, SensorAgreement
 from bayesfric.rigs.gravity_board.simulator import draw_events, lay_trials
@@ -40,6 +46,7 @@ __all__ = ["RIG", "GravityBoard", "GravityTrials"]
 Array = NDArray[np.float64]
 
 STREAMS = (0, 1, 2, 3, 5)  # of a recording's seed: order, scatter, sensors, noise, phases
+MANY = 0.1  # of the trials, whose sensors disagree, from which on it is the rig's doing
 WORDS = Words("gravity board", "trial", "trials")
 
 
@@ -58,7 +65,7 @@ class GravityBoard:
         if recording.gravity is None:
             return None
         screened = screen_trials(recording.gravity, recording.rig, exclude=exclude)
-        return GravityTrials(recording.rig, screened.gravity, screened, recording.gravity.trials)
+        return GravityTrials(recording.rig, screened.gravity, screened, recording.gravity)
 
     def change(
         self, effect: Effect, design: Protocol, constants: RigConstants, truth: Truth
@@ -98,14 +105,14 @@ class GravityTrials:
         Trials and their repaired events.
     screened : Screened
         How they were chosen.
-    recorded : DataFrame
-        All trials as recorded.
+    source : Gravity
+        All trials and events as recorded.
     """
 
     constants: RigConstants
     gravity: Gravity
     screened: Screened
-    recorded: pd.DataFrame
+    source: Gravity
     rig: GravityBoard = RIG
     loads: tuple[str, ...] = ("mass_drive_kg", "mass_load_kg")
 
@@ -141,6 +148,38 @@ class GravityTrials:
         """Return why an effect cannot enter the likelihood; None where it can."""
         return TrialPlaces(self.gravity, self.constants).supports(effect)
 
+    @cached_property
+    def measured(self) -> MeasuredMotion:
+        """What events say of the motion, whatever the law is."""
+        return measured_motion(self.gravity, self.constants)
+
+    def linear(
+        self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
+    ) -> GravityRows:
+        """Return the events as rows of a linear model."""
+        return GravityRows(self.gravity, self.constants, laws, self.measured, acting)
+
+    def entering(self) -> "GravityTrials":
+        """Return the trials that enter a diagnosis.
+
+        Where the sensors of many trials disagree, it is no fault of a trial, but of the rig,
+        and what the diagnosis is to find: these trials stay.
+        """
+        excluded = self.screened.excluded
+        disagreeing = [trial for trial, rule in excluded.items() if rule == "sensors-disagree"]
+        if len(disagreeing) <= MANY * len(self.recorded):
+            return self
+        screened = screen_trials(self.source, self.constants, exclude=False)
+        whole = replace(self, gravity=screened.gravity, screened=screened)
+        kept = whole.select(~whole.table["trial"].isin(set(excluded) - set(disagreeing)))
+        assert kept is not None
+        return kept
+
+    def next_trials(self, laws: Mapping[str, Coefficients]) -> "GravityTrials | None":
+        """Return a trial at every feasible condition; see :mod:`.next_trials`."""
+        laid = lay_out(self.gravity.trials, self.constants, laws)
+        return None if laid is None else replace(self, gravity=laid)
+
     def likelihood(
         self,
         analysis: Analysis,
@@ -159,6 +198,11 @@ class GravityTrials:
         with_events = Gravity(trials[seen].reset_index(drop=True), events)
         sigma_x, sigma_t = (float(np.median(theta[name])) for name in ("sigma_x", "sigma_t"))
         return friction_ratios(with_events, self.constants, cable, sigma_x, sigma_t)
+
+    @property
+    def recorded(self) -> pd.DataFrame:
+        """All trials as recorded."""
+        return self.source.trials
 
     @property
     def excluded(self) -> Mapping[str, str]:

@@ -11,17 +11,21 @@ from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
 from bayesfric.effects import Effect
+from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.physics.compliant import Cable
+from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Motor, Recording, RigConstants
 from bayesfric.rigs.base import Motion, Predictive, Simulated, Unsupported, Words
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.motor_board.likelihood import MotorLikelihood
+from bayesfric.rigs.motor_board.linear import motor_rows
 from bayesfric.rigs.motor_board.places import RunPlaces
 from bayesfric.rigs.motor_board.predictions import runs as runs_dataset
 from bayesfric.rigs.motor_board.simulator import simulate_motor
 from bayesfric.rigs.motor_board.strength import change_of_runs
+from bayesfric.rigs.points import PointRows
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.truth import Truth
 from bayesfric.schemas import PointEstimate
@@ -114,6 +118,22 @@ class MotorRuns:
     def supports(self, effect: Effect) -> Unsupported | None:
         """Return why an effect cannot enter the likelihood; None where it can."""
         return RunPlaces(self.motor.runs, self.constants).supports(effect)
+
+    def linear(
+        self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
+    ) -> PointRows:
+        """Return the currents as rows of a linear model; nothing starts to move here."""
+        del acting
+        return motor_rows(self.motor, self.constants, laws)
+
+    def entering(self) -> "MotorRuns":
+        """Return all runs."""
+        return self
+
+    def next_trials(self, laws: Mapping[str, Coefficients]) -> "MotorRuns | None":
+        """Return None: nobody has laid out further runs of this board."""
+        del laws
+        return None
 
     def likelihood(
         self,

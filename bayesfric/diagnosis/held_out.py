@@ -1,0 +1,338 @@
+"""How far simulation and reality are apart on data that the fit has not seen.
+
+Every parameter is refitted in both arms, before and with the causes: residual forces in
+windows, their sampling variance taken off, equal weight a condition. The floor is what
+friction's own scatter leaves, from its posterior. Intervals come from drawing assemblies anew.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.diagnosis.model import Acting, LinearModel
+from bayesfric.diagnosis.residuals import (
+    Residuals,
+    numbers_of_laws,
+    recalibrated,
+    spread_numbers,
+    used_of,
+)
+from bayesfric.diagnosis.systematic import interval
+from bayesfric.physics.friction import Coefficients
+from bayesfric.rigs.layout import COEFFICIENTS
+from bayesfric.rigs.linear import Run
+from bayesfric.schemas import GapRow, Interval
+
+__all__ = ["Arms", "HeldOut", "Squares", "extrapolated", "folds_of", "gap_row", "measure_gap"]
+
+Array = NDArray[np.float64]
+FOLDS = 5
+DRAWS = 400
+SURE = 0.95  # probability that the gap before is above the floor
+MOST_SHRINK = 1.2  # above it held-out figures contradict themselves
+NEAR = 0.8  # of the range of tension, from which on a trial is extrapolated to
+EXAMPLES = 3
+
+
+@dataclass(frozen=True)
+class Arms:
+    """The baseline, and the baseline with the causes, around the same reference law.
+
+    Parameters
+    ----------
+    plain : LinearModel
+        Without discrepancy; its candidates are the causes.
+    known : LinearModel
+        The same with discrepancy, from which the causes are known; trials can be left out.
+    psi : ndarray
+        Logarithms of the noise, with amplitudes of phases.
+    causes : Acting
+        The causes, by the laws of both models.
+    shipped : mapping of str to Coefficients, or None
+        Published values of every size, if there are any.
+    """
+
+    plain: LinearModel
+    known: LinearModel
+    psi: Array
+    causes: Acting
+    shipped: Mapping[str, Coefficients] | None
+
+    def numbers(self, residuals: Residuals, out: NDArray[np.bool_]) -> Array:
+        """Return local numbers as shipped, before and after, (3, sizes, q), without windows.
+
+        The law is recalibrated before and after alike; after, with the causes as they are
+        known without the trials of the windows that are left out.
+        """
+        used = used_of(self.known, residuals, out) if out.any() else None
+        noise = self.psi[: len(self.known.noise)]
+        before = self._refitted(Acting(), noise, residuals, out, used)
+        after = before
+        if self.causes.laws:
+            after = self._refitted(
+                Acting(self.causes.laws, self.causes.shapes), noise, residuals, out, used
+            )
+        shipped = before
+        if self.shipped is not None:
+            shipped = numbers_of_laws(self.plain, self.shipped, before)
+        return np.stack([shipped, before, after])
+
+    def _refitted(
+        self,
+        acting: Acting,
+        noise: Array,
+        residuals: Residuals,
+        out: NDArray[np.bool_],
+        used: Mapping[str, NDArray[np.bool_]] | None,
+    ) -> Array:
+        at = self.known.evaluate(noise, acting, used=used)
+        found = spread_numbers(self.known, at.mean, self.known.mixing(acting))
+        layout, plain = self.known.layout, self.plain.layout
+        effects = found[:, layout.own : layout.own + layout.candidates]
+        nuisances = found[:, layout.local - sum(layout.nuisances) :]
+        local = np.zeros((len(layout.sizes), plain.local))
+        local[:, COEFFICIENTS : COEFFICIENTS + plain.candidates] = effects
+        local[:, plain.local - sum(plain.nuisances) :] = nuisances
+        return recalibrated(self.plain, residuals, ~out, local)
+
+
+@dataclass(frozen=True)
+class Squares:
+    """Weighted squares, sampling variance taken off, (R,) each.
+
+    Parameters
+    ----------
+    as_shipped, before, after, floor : ndarray or None
+        In the unit squared.
+    setup : ndarray of int
+        Assembly of each.
+    """
+
+    as_shipped: Array | None
+    before: Array
+    after: Array
+    floor: Array
+    setup: NDArray[np.intp]
+
+    def of(self, rows: NDArray[np.bool_], weight: float) -> "Squares":
+        """Return those of some rows, for weights that add up to 1 again."""
+        shipped = None if self.as_shipped is None else self.as_shipped[rows] / weight
+        parts = (one[rows] / weight for one in (self.before, self.after, self.floor))
+        return Squares(shipped, *parts, self.setup[rows])
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """Residuals held out, in both arms.
+
+    Parameters
+    ----------
+    residuals : Residuals
+        Around the reference law.
+    fold : ndarray of int, shape (R,)
+        In which each window was held out.
+    before, after : ndarray, shape (R,)
+        Held-out residual force of each arm [N].
+    rows : tuple of (str, Squares)
+        Of the folds, then of what was extrapolated to.
+    in_sample : Squares
+        Of the same with nothing held out.
+    trajectory : Squares or None
+        In metres, from the first five events to the end of travel.
+    examples : tuple of (str, Run)
+        Trials that run freely, with their ids.
+    """
+
+    residuals: Residuals
+    fold: NDArray[np.intp]
+    before: Array
+    after: Array
+    rows: tuple[tuple[str, Squares], ...]
+    in_sample: Squares
+    trajectory: Squares | None
+    examples: tuple[tuple[str, Run], ...]
+
+
+def measure_gap(arms: Arms, residuals: Residuals, rng: np.random.Generator) -> HeldOut:
+    """Refit both arms fold by fold and return what is left.
+
+    Parameters
+    ----------
+    arms : Arms
+        The two models.
+    residuals : Residuals
+        Windows of the plain one.
+    rng : Generator
+        Assigns assemblies to folds.
+    """
+    fold = folds_of(residuals.setup, rng)
+    left, numbers = np.full((3, fold.size), np.nan), []
+    for number in range(int(fold.max()) + 1):
+        rows = fold == number
+        numbers.append(arms.numbers(residuals, rows))
+        left[:, rows] = np.stack([residuals.left(one) for one in numbers[-1]])[:, rows]
+    known = arms.shipped is not None
+    found = [("folds over assemblies", _squares(residuals, left, shipped=known))]
+    for name, rows in extrapolated(residuals).items():
+        one = np.stack([residuals.left(n) for n in arms.numbers(residuals, rows)])
+        weight = float(residuals.weight[rows].sum())
+        found.append((name, _squares(residuals, one, shipped=known).of(rows, weight)))
+    every = arms.numbers(residuals, np.zeros(fold.size, dtype=np.bool_))
+    inside = _squares(residuals, np.stack([residuals.left(n) for n in every]), shipped=known)
+    trajectory, examples = _free_running(arms, residuals, fold, np.stack(numbers))
+    return HeldOut(residuals, fold, left[1], left[2], tuple(found), inside, trajectory, examples)
+
+
+def folds_of(setup: NDArray[np.intp], rng: np.random.Generator) -> NDArray[np.intp]:
+    """Return the fold of each assembly's rows, shape of `setup`."""
+    names = np.unique(setup)
+    fold = np.empty(names.size, dtype=np.intp)
+    fold[rng.permutation(names.size)] = np.arange(names.size) % min(FOLDS, names.size)
+    return np.asarray(fold[np.searchsorted(names, setup)])
+
+
+def extrapolated(residuals: Residuals) -> dict[str, NDArray[np.bool_]]:
+    """Return the windows of what lies at the end of a range, and of each rig.
+
+    Returns
+    -------
+    dict of str to ndarray of bool, shape (R,)
+        Whole trials, by name; none that would leave a pulley size without windows.
+    """
+    found: dict[str, NDArray[np.bool_]] = {}
+    where = residuals.covariates
+    tension, pulleys, wrap = (where[axis] for axis in ("tension", "n_pulleys", "wrap_angle"))
+    running = np.isfinite(where["displacement"])
+    if running.any():
+        # Trials of one pair of masses differ in tension by what they accelerate.
+        low, high = tension[running].min(), tension[running].max()
+        found["top tension"] = running & (tension > low + NEAR * (high - low))
+        # Means over a window: as equal as rounding lets them be.
+        found["largest number of pulleys"] = np.isclose(pulleys, pulleys.max())
+        found["extreme wrap angle"] = np.isclose(wrap, wrap.max())
+    if len(residuals.rig_names) > 1:
+        for place, name in enumerate(residuals.rig_names):
+            found[f"the {name} board, from the rest"] = residuals.rig == place
+    sizes = [residuals.size == size for size in np.unique(residuals.size)]
+    return {
+        name: rows
+        for name, rows in found.items()
+        if rows.any() and all((~rows & mine).any() for mine in sizes)
+    }
+
+
+def _squares(residuals: Residuals, left: Array, *, shipped: bool) -> Squares:
+    weight = residuals.weight
+    floor = weight * residuals.friction_n**2 * residuals.spread2
+    first, before, after = weight * (left**2 - residuals.variance)
+    return Squares(first if shipped else None, before, after, floor, residuals.setup)
+
+
+def _free_running(
+    arms: Arms, residuals: Residuals, fold: NDArray[np.intp], numbers: Array
+) -> tuple[Squares | None, tuple[tuple[str, Run], ...]]:
+    """Return squares of the deviation of each held-out trial [m²], and some examples."""
+    first = np.unique(residuals.trial, return_index=True)[1]
+    noise, start = arms.plain.named(arms.psi), 0
+    runs: dict[int, Run] = {}
+    for rig in arms.plain.rigs:
+        count = len(rig.rows.table)
+        mine = fold[first[start : start + count]]
+        local = numbers[mine, :, rig.size].swapaxes(0, 1)
+        runs |= {start + trial: run for trial, run in rig.runs(noise, local).items()}
+        start += count
+    if not runs:
+        return None, ()
+    trials = np.array(list(runs))
+    square = np.array([(run.off**2).mean(axis=1) - run.error2 for run in runs.values()]).T
+    floor = np.array([run.floor2 for run in runs.values()])
+    condition = residuals.condition[first[trials]]
+    weight = 1 / np.bincount(condition)[condition] / np.unique(condition).size
+    shipped, before, after = square * weight
+    chosen = trials[:: max(1, trials.size // EXAMPLES)][:EXAMPLES]
+    return (
+        Squares(
+            None if arms.shipped is None else shipped,
+            before,
+            after,
+            floor * weight,
+            residuals.setup[first[trials]],
+        ),
+        tuple((residuals.names[trial], runs[int(trial)]) for trial in chosen),
+    )
+
+
+def gap_row(
+    name: str,
+    squares: Squares,
+    *,
+    no_shrink: str | None,
+    shipped_why: str,
+    rng: np.random.Generator,
+) -> GapRow:
+    """Return the four figures of one set of held-out data.
+
+    Parameters
+    ----------
+    name : str
+        What was held out.
+    squares : Squares
+        Of the windows.
+    no_shrink : str or None
+        Why nothing can shrink; None where it can.
+    shipped_why : str
+        Why nothing was shipped.
+    rng : Generator
+        For the bootstrap over assemblies.
+
+    References
+    ----------
+    F. E. Satterthwaite, "An approximate distribution of estimates of variance
+    components", Biometrics Bulletin 2 (1946): degrees of freedom of a sum of squares.
+    """
+    setups, inverse = np.unique(squares.setup, return_inverse=True)
+
+    def sums(values: Array) -> Array:
+        return np.asarray(np.bincount(inverse, values, setups.size), dtype=np.float64)
+
+    count = rng.multinomial(setups.size, np.full(setups.size, 1 / setups.size), DRAWS)
+    # What scatter left this time is not what it leaves on average: assemblies of much
+    # friction make most of it, so that fewer alike would count (Satterthwaite).
+    by_trial = sums(squares.floor)
+    freedom = by_trial.sum() ** 2 / max((by_trial**2).sum(), 1e-300)
+    floor2 = by_trial.sum() * rng.chisquare(freedom, DRAWS) / freedom
+
+    def draws(values: Array) -> Array:
+        return np.asarray(count @ sums(values))
+
+    before2, after2 = draws(squares.before), draws(squares.after)
+    gap2 = before2 - floor2
+    shrink, why = None, no_shrink
+    if why is None and np.mean(gap2 > 0) < SURE:
+        why = f"the gap is above the floor with a probability of {np.mean(gap2 > 0):.2f} only"
+    if why is None:
+        ratio = (before2 - after2)[gap2 > 0] / gap2[gap2 > 0]
+        if np.median(ratio) > MOST_SHRINK:
+            why = "what the causes leave is further below the floor than chance would have it"
+        else:
+            shrink = interval(np.minimum(ratio, MOST_SHRINK))
+    shipped: Interval | None = None
+    if squares.as_shipped is not None:
+        shipped = interval(_root(draws(squares.as_shipped)))
+    return GapRow(
+        name=name,
+        as_shipped=shipped,
+        as_shipped_why=None if shipped is not None else shipped_why,
+        before=interval(_root(before2)),
+        after=interval(_root(after2)),
+        floor=interval(_root(floor2)),
+        below_floor=float(np.mean(gap2 <= 0)),
+        shrink=shrink,
+        shrink_why=why,
+    )
+
+
+def _root(values: Array) -> Array:
+    return np.sqrt(np.maximum(values, 0.0))

@@ -1,0 +1,430 @@
+"""Which effects act: hypotheses of none, one, two and more effects, and of an unknown force.
+
+All hypotheses that are listed are weighed alike, in one model, each at its own mode of the
+noise. The search goes forward from the best ones; what is only screened is a bound.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import combinations
+from math import comb
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import logsumexp
+from scipy.stats import halfnorm
+
+from bayesfric.analysis import HypothesisPriors
+from bayesfric.diagnosis.classes import Classes
+from bayesfric.diagnosis.discrepancy import Wide
+from bayesfric.diagnosis.model import Acting, At, LinearModel
+from bayesfric.diagnosis.shapes import Quadratic
+from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed, label, weigh
+
+__all__ = [
+    "NONE",
+    "UNKNOWN",
+    "Search",
+    "Unknown",
+    "compare",
+    "search",
+    "unknown_force",
+]
+
+Array = NDArray[np.float64]
+NONE, UNKNOWN = "none", "unknown"
+QUANTILES = (0.1, 0.3, 0.5, 0.7, 0.9)  # of the rms of an unknown force
+MOST = 4  # effects at a time
+BEAM = 3  # hypotheses of each number that are gone on from
+TRIED = 5  # of those with an effect more, by a first look
+WITHIN = 8.0  # nat from the best, prior included, of what is worth a climb
+GAIN = 0.5  # nat that a further effect has to gain to be gone on from
+FINALISTS = 14
+LISTED = 1e-6  # probability below which a hypothesis is not listed
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """A smooth force that nobody named, weighed.
+
+    Parameters
+    ----------
+    nodes : tuple of Wide
+        How large it may be, and along which axis.
+    log_weights : ndarray
+        Of each node, normalised.
+    log_evidence : float
+        As of :class:`~bayesfric.diagnosis.weighing.Weighed`.
+    at : At
+        With the most probable node.
+    """
+
+    nodes: tuple[Wide, ...]
+    log_weights: Array
+    log_evidence: float
+    at: At
+
+    @property
+    def best(self) -> Wide:
+        """The most probable node."""
+        return self.nodes[int(np.argmax(self.log_weights))]
+
+
+@dataclass(frozen=True)
+class Search:
+    """Hypotheses weighed.
+
+    Parameters
+    ----------
+    weighed : dict of str to Weighed
+        Named ones and ``none``.
+    rough : dict of str to float
+        Log evidence of hypotheses that were screened only.
+    unknown : Unknown or None
+        An unknown force; None where there are no smooth forces.
+    classes : Classes
+        What is identical, absorbed or left out.
+    priors : HypothesisPriors
+        Of hypotheses by their number of effects.
+    inverse : ndarray
+        Of the curvature of the noise without effects.
+    volume : float
+        Log Laplace volume of that noise.
+    """
+
+    weighed: dict[str, Weighed]
+    rough: dict[str, float]
+    unknown: Unknown | None
+    classes: Classes
+    priors: HypothesisPriors
+    inverse: Array
+    volume: float
+    names_of: dict[str, tuple[str, ...]] = field(default_factory=dict)
+
+    @property
+    def none(self) -> Weighed:
+        """The baseline alone."""
+        return self.weighed[NONE]
+
+    def log_prior(self, name: str, none: float | None = None) -> float:
+        """Return the log prior probability of a hypothesis, with another one of none."""
+        prior = self.priors
+        rest = 1.0 if none is None else (1 - none) / (1 - prior.none)
+        if name == NONE:
+            return float(np.log(prior.none if none is None else none))
+        if name == UNKNOWN:
+            return float(np.log(rest * prior.unknown))
+        number = name.count("+") + 1
+        mass = {1: prior.one, 2: prior.two}.get(number, prior.more)
+        return float(np.log(rest * mass / comb(len(self.classes.members), number)))
+
+    def worth(self, one: Weighed) -> float:
+        """Return the log of evidence times prior."""
+        return one.log_evidence + self.log_prior(one.label)
+
+    def probabilities(self, none: float | None = None) -> dict[str, float]:
+        """Return posterior probabilities, the largest first, summing to 1."""
+        values = {name: one.log_evidence for name, one in self.weighed.items()}
+        values |= {name: one for name, one in self.rough.items() if name not in values}
+        if self.unknown is not None:
+            values[UNKNOWN] = self.unknown.log_evidence
+        names = list(values)
+        logs = np.array([values[name] + self.log_prior(name, none) for name in names])
+        chances = dict(zip(names, np.exp(logs - logsumexp(logs)), strict=True))
+        listed = {n for n, chance in chances.items() if chance > LISTED} | {NONE}
+        ranked = sorted(listed, key=lambda name: (-chances[name], name))
+        total = sum(chances[name] for name in ranked)
+        found = {name: float(chances[name] / total) for name in ranked}
+        return found if UNKNOWN in found else found | {UNKNOWN: 0.0}
+
+    def unvisited(self) -> float:
+        """Return the probability of hypotheses that were screened only."""
+        chances = self.probabilities()
+        return float(sum(chances.get(name, 0.0) for name in self.rough if name not in self.weighed))
+
+    def best(self) -> Weighed:
+        """Return the most probable hypothesis of those with names, none among them."""
+        return max(self.weighed.values(), key=self.worth)
+
+
+def search(
+    model: LinearModel, none: Weighed, inverse: Array, volume: float, classes: Classes
+) -> Search:
+    """Look for effects that act, forward from none.
+
+    Parameters
+    ----------
+    model : LinearModel
+        With every candidate.
+    none : Weighed
+        The baseline alone.
+    inverse : ndarray
+        Of the curvature of its noise.
+    volume : float
+        Log Laplace volume of that.
+    classes : Classes
+        Effects that enter.
+    """
+    priors = model.analysis.diagnosis.hypotheses
+    found = Search({NONE: none}, {}, None, classes, priors, inverse, volume)
+    effects = sorted(members[0] for members in classes.members)
+    quiet = model.quiet(none.at.psi)
+    starts = [none.at.psi]
+    shapes: dict[str, float] = {}
+    rough = _extended(model, none, effects, none.at.psi, shapes)
+    leader = none
+    for name in sorted(rough, key=lambda name: -rough[name]):
+        first = [*starts, quiet] if rough[name] > none.log_evidence + GAIN else starts
+        if leader is not none:
+            first = [*first, leader.at.psi]
+        one = weigh(model, (name,), first, inverse, volume, shapes=shapes)
+        found.weighed[one.label] = one
+        if one.log_evidence > leader.log_evidence:
+            leader = one
+        shapes |= _shapes_of(one)
+    # Where scatter had taken up what an effect does, the others look different without it.
+    if leader.log_evidence > none.log_evidence + WITHIN:
+        for name, one in list(found.weighed.items()):
+            if name in (NONE, leader.label):
+                continue
+            again = weigh(
+                model, one.names, [leader.at.psi], inverse, volume, shapes=_shapes_of(one)
+            )
+            if again.log_evidence > one.log_evidence:
+                found.weighed[name] = again
+    for number in range(2, MOST + 1):
+        last = [one for one in found.weighed.values() if len(one.names) == number - 1]
+        last = sorted(last, key=lambda one: -found.worth(one))[: BEAM if number > 2 else 2]
+        top = max(found.worth(one) for one in found.weighed.values())
+        grown = False
+        for base in last:
+            if found.worth(base) < top - 2 * WITHIN and number > 2:
+                continue
+            rough = _extended(model, base, effects, base.at.psi, shapes)
+            found.rough.update({name: v for name, v in rough.items() if name not in found.rough})
+            first = sorted(rough, key=lambda name: -rough[name])[:TRIED]
+            for name in first:
+                prior = found.log_prior(name)
+                if name in found.weighed or rough[name] + prior < top - WITHIN:
+                    continue
+                if rough[name] < base.log_evidence + GAIN:
+                    continue
+                names = tuple(name.split("+"))
+                one = weigh(model, names, [base.at.psi], inverse, volume, shapes=shapes)
+                found.weighed[name] = one
+                grown |= found.worth(one) > top
+                top = max(top, found.worth(one))
+        if not grown and number > 2:
+            break
+    found = _with(found, unknown=unknown_force(model, found.none, Acting(), inverse, volume))
+    return found
+
+
+def compare(model: LinearModel, first: Search) -> Search:
+    """Weigh the finalists again, alike, in one model around the leader, with their forms.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Around the law fitted with the leading hypothesis; it has the finalists' forms.
+    first : Search
+        By the model around the baseline.
+    """
+    finalists = [first.weighed[name] for name in _finalists(first)]
+    leader = first.best()
+    none = weigh(
+        model, (), [first.none.at.psi, leader.at.psi], first.inverse, 0.0, own_volume=False
+    )
+    curvature = model.curvature(none.at, Acting())
+    inverse = np.linalg.inv(curvature)
+    values = np.linalg.eigvalsh(curvature)
+    volume = float(0.5 * (values.size * np.log(2 * np.pi) - np.log(values).sum()))
+    none = _moved(none, volume)
+    found: dict[str, Weighed] = {NONE: none}
+    noise = leader.at.psi[: len(model.noise)]
+    for one in finalists:
+        if not one.names:
+            continue
+        found[one.label] = weigh(
+            model,
+            one.names,
+            [one.at.psi, noise],
+            inverse,
+            volume,
+            shapes=_shapes_of(one),
+            forms=FORM_SHARES,
+            own_volume=found_near(first, one),
+        )
+    result = Search(found, {}, None, first.classes, first.priors, inverse, volume)
+    # Effects beside the leader, with forms: what is a form of one may have passed for another.
+    best = result.best()
+    # What was screened keeps its distance from the leader's own parts.
+    level = best.log_evidence - first.weighed.get(best.label, first.best()).log_evidence
+    rough = {
+        name: value + min(level, 0.0)
+        for name, value in (
+            first.rough | {n: one.log_evidence for n, one in first.weighed.items()}
+        ).items()
+        if name not in found
+    }
+    result = _with(result, rough=rough)
+    unknown = unknown_force(model, none, Acting(), inverse, volume, [noise])
+    return _with(result, unknown=unknown)
+
+
+def found_near(first: Search, one: Weighed) -> bool:
+    """Return whether a hypothesis is near enough to the best for its own noise volume."""
+    return first.worth(one) > first.worth(first.best()) - WITHIN
+
+
+def _finalists(first: Search) -> list[str]:
+    """Return the hypotheses that are compared alike, the best first."""
+    ranked = sorted(first.weighed.values(), key=lambda one: -first.worth(one))
+    best = ranked[0]
+    chosen = [one.label for one in ranked[:FINALISTS]]
+    # Each part of the leader: a cause counts against the best without it.
+    for number in range(1, len(best.names)):
+        for names in combinations(best.names, number):
+            if label(names) in first.weighed:
+                chosen.append(label(names))
+    return list(dict.fromkeys(chosen))
+
+
+def unknown_force(
+    model: LinearModel,
+    without: Weighed,
+    acting: Acting,
+    inverse: Array,
+    volume: float,
+    starts: Sequence[Array] = (),
+) -> Unknown | None:
+    """Weigh a smooth force beyond the discrepancy, along all axes or any single one.
+
+    Parameters
+    ----------
+    model : LinearModel
+        All rigs.
+    without : Weighed
+        The same without the force.
+    acting : Acting
+        What acts beside it.
+    inverse, volume
+        Of the noise without effects.
+    starts : sequence of ndarray
+        Further noises to climb from.
+    """
+    model = model.full
+    axes = model.acting_axes
+    if not axes:
+        return None
+    scale = model.analysis.diagnosis.unknown_scale
+    shares = scale * halfnorm.ppf(QUANTILES)
+    nodes = tuple(Wide(float(share), axis) for axis in (None, *axes) for share in shares)
+    form = without.forms
+
+    def values(psi: Array) -> Array:
+        information = model.evaluate(psi, acting, nodes[0], form).information
+        priors = [model.amplitude_prior(law) for law in acting.laws]
+        nothing = np.array([], dtype=np.intp)
+        log_prior, _ = model.log_prior(psi, acting)
+        return log_prior + np.array(
+            [
+                information.reduced(*model.prior(priors, one, form), nothing).log_evidence
+                for one in nodes
+            ]
+        )
+
+    psi = without.at.psi
+    tried = [psi, model.quiet(psi), *(s for s in starts if s.size == psi.size)]
+    rated = [values(one) for one in tried]
+    best = int(np.argmax([one.max() for one in rated]))
+    psi, found = tried[best], rated[best]
+    for _ in range(2):
+        at = model.climb(psi, acting, nodes[int(np.argmax(found))], form, inverse)
+        settled = bool(np.abs(at.psi - psi).max() < 0.05)
+        psi = at.psi
+        found = values(psi)
+        if settled:
+            break
+    total = float(logsumexp(found) - np.log(len(nodes))) + volume
+    # Along all axes is as likely as along any one.
+    return Unknown(nodes, found - logsumexp(found), total, at)
+
+
+def _extended(
+    model: LinearModel,
+    base: Weighed,
+    effects: Sequence[str],
+    psi: Array,
+    shapes: dict[str, float],
+) -> dict[str, float]:
+    """Return a first look at hypotheses with an effect more, at the noise of the base.
+
+    Shapes that are best so are noted in `shapes` where none is known.
+    """
+    with_columns = [
+        name
+        for name in effects
+        if not model.candidates[model.lawbook[name][0].places[0]].effect.components
+    ]
+    acting = Acting(phases=base.acting.phases)
+    places = [p for name in with_columns for law in model.lawbook[name] for p in law.places]
+    reduced = model.reduced(psi, acting, None, places)
+    quadratic = Quadratic(model, reduced, places)
+    held = (
+        quadratic.values(base.acting.laws, [np.array([s]) for s in base.acting.shapes])[0]
+        if base.acting.laws
+        else 0.0
+    )
+    found: dict[str, float] = {}
+    for name in with_columns:
+        if name in base.names:
+            continue
+        values = []
+        for law in model.lawbook[name]:
+            laws = (*base.acting.laws, law)
+            key = f"{law.effect}:{law.law}"
+            at = [*base.acting.shapes, shapes.get(key, 0.0)]
+            if law.has_shape:
+                shape, gain = quadratic.along(laws, at, len(laws) - 1)
+                if not base.names:
+                    shapes[key] = shape
+            else:
+                gain = float(quadratic.values(laws, [np.array([s]) for s in at])[0])
+            values.append(gain - held + law.log_weight)
+        found[label((*base.names, name))] = base.log_evidence + float(logsumexp(values))
+    for name in set(effects) - set(with_columns) - set(base.names):
+        law = model.lawbook[name][0]
+        both = Acting(base.acting.laws, base.acting.shapes, (*base.acting.phases, law))
+        scale = model.amplitude_scale(law)
+        tried = [
+            model.evaluate(np.append(psi, np.log(share * scale)), both).value
+            for share in (0.03, 0.1, 0.3, 1.0)
+        ]
+        found[label((*base.names, name))] = base.log_evidence + max(tried) - base.at.value
+    return found
+
+
+def _shapes_of(one: Weighed) -> dict[str, float]:
+    return {
+        f"{law.effect}:{law.law}": shape
+        for choice in one.choices[::-1]
+        for law, shape in zip(choice.laws, choice.shapes, strict=True)
+    }
+
+
+def _moved(one: Weighed, volume: float) -> Weighed:
+    from dataclasses import replace
+
+    return replace(one, log_evidence=one.log_evidence + volume, volume=volume)
+
+
+def _with(found: Search, **new: object) -> Search:
+    from dataclasses import replace
+
+    return replace(found, **new)  # type: ignore[arg-type]
+
+
+def names_of(chances: Mapping[str, float]) -> dict[str, tuple[str, ...]]:
+    """Return the effects of each hypothesis, by its name."""
+    return {name: () if name in (NONE, UNKNOWN) else tuple(name.split("+")) for name in chances}

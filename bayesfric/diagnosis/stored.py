@@ -1,0 +1,136 @@
+"""The figures of the gap, and the curves beside them, as they are stored."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from bayesfric.diagnosis.held_out import Arms, HeldOut, gap_row
+from bayesfric.diagnosis.residuals import Residuals
+from bayesfric.diagnosis.systematic import Posterior, interval, shrink_of
+from bayesfric.schemas import Gap
+
+__all__ = ["curves_of", "gap_of"]
+
+Array = NDArray[np.float64]
+NO_CAUSE = "no cause is named, so nothing was added that could shrink the gap"
+NO_PHASES = "where in its round the cause begins differs from trial to trial, unpredictably"
+NO_GAP = "the cause leaves no gap once the law is recalibrated, so that nothing can shrink"
+NO_SHIPPED = "no published coefficients of these pulley sizes"
+AGREES = 1.5  # ratio of what is left after the causes to the floor, within which they agree
+PLACES = ("velocity", "tension", "wrap_angle", "n_pulleys", "displacement", "order")
+
+
+def gap_of(
+    held_out: HeldOut,
+    posterior: Posterior,
+    residuals: Residuals,
+    arms: Arms,
+    practical: float,
+    rng: np.random.Generator,
+) -> Gap:
+    """Return how far simulation and reality are apart, before and after.
+
+    Parameters
+    ----------
+    held_out : HeldOut
+        Figures on data that the fit has not seen.
+    posterior : Posterior
+        Draws of the systematic gap.
+    residuals : Residuals
+        Windows of the model that these were drawn with.
+    arms : Arms
+        Both models.
+    practical : float
+        Practical share of friction.
+    rng : Generator
+        For the bootstrap.
+    """
+    causes = bool(arms.causes.laws or arms.causes.phases)
+    why = None if arms.causes.laws else NO_PHASES if causes else NO_CAUSE
+    rows = [
+        gap_row(name, squares, no_shrink=why, shipped_why=NO_SHIPPED, rng=rng)
+        for name, squares in held_out.rows
+    ]
+    inside = gap_row(
+        "in sample", held_out.in_sample, no_shrink=why, shipped_why=NO_SHIPPED, rng=rng
+    )
+    trajectory = None
+    if held_out.trajectory is not None:
+        name = "free-running, folds over assemblies"
+        trajectory = gap_row(
+            name, held_out.trajectory, no_shrink=why, shipped_why=NO_SHIPPED, rng=rng
+        )
+    friction = residuals.friction_rms
+    shrink = None
+    if why is None:
+        every = np.zeros(held_out.fold.size, dtype=np.bool_)
+        _, before, after = arms.numbers(held_out.residuals, every)
+        force = held_out.residuals.left(before) - held_out.residuals.left(after)
+        draws = shrink_of(residuals, posterior, residuals.without_law(force))
+        if draws is None or np.median(posterior.gap) < practical * friction / 2:
+            why = NO_GAP
+        else:
+            shrink = interval(np.maximum(draws, -1.0))
+    first = rows[0]
+    left = first.after.q50 if arms.causes.laws else first.before.q50
+    agrees = bool(1 / AGREES < max(left, 1e-12) / max(first.floor.q50, 1e-12) < AGREES)
+    return Gap(
+        **first.model_dump(exclude={"name", "shrink", "shrink_why", "below_floor"}),
+        shrink=shrink,
+        shrink_why=why,
+        systematic=interval(posterior.gap),
+        probability_above_practical=float(np.mean(posterior.gap >= practical * friction)),
+        floor_agrees=agrees,
+        friction_rms=friction,
+        held_out=tuple(rows),
+        in_sample=inside,
+        trajectory=trajectory,
+        trajectory_why=None if trajectory is not None else "no trial has events enough",
+    )
+
+
+def curves_of(held_out: HeldOut, amplitudes: Mapping[str, Array]) -> xr.DataTree:
+    """Return what ``diagnosis.nc`` holds."""
+    residuals = held_out.residuals
+    groups = {
+        "residuals": xr.Dataset(
+            {
+                "rig": ("row", np.array(residuals.rig_names)[residuals.rig]),
+                "trial": ("row", np.array(residuals.names)[residuals.trial]),
+                "friction_n": ("row", residuals.friction_n),
+                "residual_n": ("row", held_out.before),
+                "residual_after_n": ("row", held_out.after),
+                "noise_sd_n": ("row", np.sqrt(residuals.variance)),
+                **{name: ("row", residuals.covariates[name]) for name in PLACES},
+            }
+        )
+    }
+    if held_out.examples:
+        runs = [run for _, run in held_out.examples]
+        longest = max(run.time_s.size for run in runs)
+
+        def padded(values: list[Array]) -> Array:
+            table = np.full((len(values), longest), np.nan)
+            for row, one in enumerate(values):
+                table[row, : one.size] = one
+            return table
+
+        curves = {
+            "time_s": [run.time_s for run in runs],
+            "measured_m": [run.measured_m for run in runs],
+            "before_m": [run.simulated_m[1] for run in runs],
+            "after_m": [run.simulated_m[2] for run in runs],
+        }
+        groups["trajectories"] = xr.Dataset(
+            {name: (("example", "event"), padded(values)) for name, values in curves.items()},
+            coords={"trial": ("example", [name for name, _ in held_out.examples])},
+        )
+    if amplitudes:
+        longest = max(values.size for values in amplitudes.values())
+        table = np.stack([np.resize(values, longest) for values in amplitudes.values()])
+        groups["amplitudes"] = xr.Dataset(
+            {"amplitude": (("cause", "draw"), table)}, coords={"cause": list(amplitudes)}
+        )
+    return xr.DataTree.from_dict(groups)

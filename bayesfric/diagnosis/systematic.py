@@ -1,0 +1,280 @@
+"""What is known of each effect and of the gap: posteriors averaged over hypotheses.
+
+The gap is the rms of the systematic force over the recording's conditions, once the law is
+recalibrated: what effects, their forms, small amounts and smooth forces make together.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import truncnorm
+
+from bayesfric.diagnosis.model import Acting, At, LinearModel
+from bayesfric.diagnosis.residuals import Residuals, spread_numbers
+from bayesfric.diagnosis.search import NONE, UNKNOWN, Search
+from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.effects.candidates import is_positive
+from bayesfric.schemas import Interval
+
+__all__ = ["Posterior", "interval", "posterior_of", "shrink_of"]
+
+Array = NDArray[np.float64]
+DRAWS = 1000
+RARE = 0.003  # probability of a hypothesis that is not drawn from
+SMALLEST = 1e-9  # of friction, of a gap that can shrink
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """Draws over all hypotheses.
+
+    Parameters
+    ----------
+    hypothesis : ndarray of str, shape (S,)
+        Of each draw.
+    force : ndarray, shape (R, S)
+        Systematic force in each window, the law recalibrated [N].
+    hidden2 : ndarray, shape (S,)
+        Mean square of forces whose phase nobody knows [N²].
+    gap : ndarray, shape (S,)
+        Rms of both [N].
+    strengths : dict of str to ndarray, shape (S,)
+        By effect: rms of its force over rms friction, 0 where it does not act.
+    left : dict of str to float
+        By effect: what a recalibrated law leaves of its force, rms over rms friction, in the
+        mean.
+    amplitudes, shapes : dict of str to ndarray
+        By effect, of the draws in which it acts.
+    """
+
+    hypothesis: NDArray[np.str_]
+    force: Array
+    hidden2: Array
+    gap: Array
+    strengths: dict[str, Array]
+    left: dict[str, float]
+    amplitudes: dict[str, Array]
+    shapes: dict[str, Array]
+
+
+def posterior_of(
+    model: LinearModel, search: Search, residuals: Residuals, rng: np.random.Generator
+) -> Posterior:
+    """Draw effects and systematic forces.
+
+    Parameters
+    ----------
+    model : LinearModel
+        In which the hypotheses were compared.
+    search : Search
+        The hypotheses.
+    residuals : Residuals
+        Windows of that model.
+    rng : Generator
+        Source of randomness.
+    """
+    chances = {
+        name: chance
+        for name, chance in search.probabilities().items()
+        if chance > RARE and (name in search.weighed or name == UNKNOWN)
+    }
+    names = list(chances)
+    weights = np.array([chances[name] for name in names])
+    counts = rng.multinomial(DRAWS, weights / weights.sum())
+    rms = residuals.friction_rms
+    weight, full = residuals.weight, model.full.layout
+    labels, forces, hidden = [], [], []
+    strengths: dict[str, Array] = {}
+    lefts: dict[str, list[float]] = {}
+    amplitudes: dict[str, list[Array]] = {}
+    shapes: dict[str, list[Array]] = {}
+    start = 0
+    for name, count in zip(names, counts, strict=True):
+        if not count:
+            continue
+        one = search.weighed[name if name != UNKNOWN else NONE]
+        at = search.unknown.at if name == UNKNOWN and search.unknown is not None else one.at
+        own = model.full if name == UNKNOWN else model
+        drawn = _numbers(own, one, at, int(count), rng)
+        acting = one.acting
+        places = own.places(len(acting.laws))
+        local = spread_numbers(own, drawn, own.mixing(acting))
+        local[:, :, :3] = 0.0
+        local[:, :, local.shape[2] - sum(model.layout.nuisances) :] = 0.0
+        force = np.empty((residuals.size.size, int(count)))
+        for size in range(len(model.layout.sizes)):
+            mine = residuals.size == size
+            force[mine] = residuals.columns[mine] @ local[:, size].T
+        forces.append(force)
+        hidden.append(np.zeros(int(count)))
+        rows = slice(start, start + int(count))
+        for column, law in enumerate(acting.laws):
+            values = drawn[:, places[column]]
+            mixed = (
+                residuals.columns[:, full.own : full.own + full.candidates]
+                @ model.mixing(acting)[:, column]
+            )
+            strength, felt = _strength(residuals, mixed)
+            strengths.setdefault(law.effect, np.zeros(DRAWS))[rows] = strength * np.abs(values)
+            lefts.setdefault(law.effect, []).append(felt * float(np.abs(values).mean()))
+            scale = model.amplitude_scale(law)
+            amplitudes.setdefault(law.effect, []).append(values * scale)
+            shapes.setdefault(law.effect, []).append(
+                _shape_draws(model, one, column, int(count), rng)
+            )
+        for place, law in enumerate(acting.phases):
+            spread = 1 / np.sqrt(max(_amplitude_curvature(model, one, place), 1e-2))
+            middle = at.psi[len(model.noise) + place]
+            values = np.exp(middle + spread * rng.standard_normal(int(count)))
+            amplitudes.setdefault(law.effect, []).append(values)
+            share = values * _phase_share(model, law.places[0])
+            strengths.setdefault(law.effect, np.zeros(DRAWS))[rows] = share
+            real = model.candidates[law.places[0]].effect.acts_on != "reading"
+            lefts.setdefault(law.effect, []).append(float(share.mean()) if real else 0.0)
+            if real:
+                hidden[-1] = hidden[-1] + (share * rms) ** 2
+        labels += [name] * int(count)
+        start = rows.stop
+    force = residuals.without_law(np.concatenate(forces, axis=1))
+    hidden2 = np.concatenate(hidden)
+    gap = np.sqrt(weight @ force**2 + hidden2)
+    return Posterior(
+        np.array(labels),
+        force,
+        hidden2,
+        gap,
+        strengths,
+        {name: float(np.mean(values)) for name, values in lefts.items()},
+        {name: np.concatenate(values) for name, values in amplitudes.items()},
+        {name: np.concatenate(values) for name, values in shapes.items()},
+    )
+
+
+def _numbers(
+    model: LinearModel, one: Weighed, at: At, count: int, rng: np.random.Generator
+) -> Array:
+    """Draw the numbers of a hypothesis, no positive amplitude below 0, (S, p)."""
+    covariance = 0.5 * (at.covariance + at.covariance.T)
+    values, vectors = np.linalg.eigh(covariance)
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    drawn = at.mean + rng.standard_normal((count, values.size)) @ root.T
+    for place, law in zip(model.places(len(one.acting.laws)), one.acting.laws, strict=True):
+        if not is_positive(model.amplitude_prior(law)):
+            continue
+        below = drawn[:, place] <= 0
+        if below.any():
+            mean, sd = at.mean[place], np.sqrt(covariance[place, place])
+            again = truncnorm.rvs(
+                -mean / sd, np.inf, mean, sd, size=int(below.sum()), random_state=rng
+            )
+            # What hangs together with it moves along.
+            moved = again - drawn[below, place]
+            drawn[below] += moved[:, None] * covariance[place] / covariance[place, place]
+    return np.asarray(drawn)
+
+
+def _strength(residuals: Residuals, column: Array) -> tuple[float, float]:
+    """Return the rms of a force over rms friction where it acts, and what the law leaves."""
+    rigs = [rig for rig in np.unique(residuals.rig) if np.any(column[residuals.rig == rig])]
+    here = np.isin(residuals.rig, rigs)
+    weight = residuals.weight * here
+    friction2 = (weight * residuals.friction_n**2).sum()
+    if friction2 == 0:
+        return 0.0, 0.0
+    left = residuals.without_law(column)
+    return (
+        float(np.sqrt((weight * column**2).sum() / friction2)),
+        float(np.sqrt((residuals.weight * left**2).sum()) / residuals.friction_rms),
+    )
+
+
+def _phase_share(model: LinearModel, place: int) -> float:
+    """Return the share of friction that phases of unit amplitude make, rms."""
+    from bayesfric.diagnosis.discrepancy import relative_rms
+
+    return relative_rms([rig.rows for rig in model.rigs], model.candidates[place])
+
+
+def _amplitude_curvature(model: LinearModel, one: Weighed, place: int) -> float:
+    psi = one.at.psi
+    step = np.zeros_like(psi)
+    step[len(model.noise) + place] = 0.1
+    values = [
+        model.evaluate(psi + sign * step, one.acting, None, one.forms).value for sign in (1, -1)
+    ]
+    return (2 * one.at.value - sum(values)) / 0.01
+
+
+def _shape_draws(
+    model: LinearModel, one: Weighed, column: int, count: int, rng: np.random.Generator
+) -> Array:
+    """Draw the shape of an effect around the best, others held; nothing where there is none."""
+    from bayesfric.diagnosis.shapes import Quadratic
+    from bayesfric.inference.priors import from_normal
+
+    law = one.acting.laws[column]
+    effect = model.candidates[law.places[0]].effect
+    if effect.shape is None:
+        return np.empty(0)
+    places = [place for each in one.acting.laws for place in each.places]
+    reduced = model.reduced(one.at.psi, Acting(phases=one.acting.phases), one.forms, places)
+    quadratic = Quadratic(model, reduced, places)
+    centre = one.acting.shapes[column]
+    width = 2.0
+    for _ in range(4):
+        grid = np.clip(centre + width * np.linspace(-1, 1, 41), -2.4, 2.4)
+        each = [np.array([shape]) for shape in one.acting.shapes]
+        each[column] = grid
+        logs = quadratic.values(one.acting.laws, each) - 0.5 * grid**2
+        weights = np.exp(logs - logs.max())
+        weights /= weights.sum()
+        mean = float(weights @ grid)
+        sd = float(np.sqrt(weights @ (grid - mean) ** 2))
+        if sd > width / 12:
+            break
+        centre, width = float(grid[np.argmax(logs)]), max(6 * sd, width / 15)
+    picked = rng.choice(grid, size=count, p=weights)
+    picked = picked + (grid[1] - grid[0]) * rng.uniform(-0.5, 0.5, count)
+    return np.asarray(from_normal(effect.shape.prior, np.clip(picked, -2.4, 2.4)))
+
+
+def shrink_of(residuals: Residuals, posterior: Posterior, taken: Array) -> Array | None:
+    """Return draws of the part of the squared gap that a force takes away.
+
+    Parameters
+    ----------
+    residuals : Residuals
+        For the weights.
+    posterior : Posterior
+        Draws of the gap.
+    taken : ndarray, shape (R,)
+        What is predicted of it, the law recalibrated [N].
+    """
+    weight = residuals.weight
+    whole = posterior.gap**2
+    left = weight @ (posterior.force - taken[:, None]) ** 2 + posterior.hidden2
+    there = whole > (SMALLEST * residuals.friction_rms) ** 2
+    return np.asarray(1 - left[there] / whole[there]) if there.any() else None
+
+
+def interval(draws: Array) -> Interval:
+    """Return the five numbers of draws."""
+    low, half, high = (float(q) for q in np.quantile(draws, [0.05, 0.5, 0.95]))
+    return Interval(mean=float(draws.mean()), sd=float(draws.std()), q05=low, q50=half, q95=high)
+
+
+def inclusion(search: Search) -> dict[str, float]:
+    """Return the probability that each effect acts, over all hypotheses."""
+    return _inclusion(search.probabilities())
+
+
+def _inclusion(chances: Mapping[str, float]) -> dict[str, float]:
+    found: dict[str, float] = {}
+    for name, chance in chances.items():
+        if name in (NONE, UNKNOWN):
+            continue
+        for effect in name.split("+"):
+            found[effect] = found.get(effect, 0.0) + chance
+    return {name: min(value, 1.0) for name, value in found.items()}

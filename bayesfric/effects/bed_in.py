@@ -1,0 +1,43 @@
+"""Bed-in: friction that settles over the first trials of each assembly."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import LogNormal, Normal
+from bayesfric.effects.base import Effect, EffectParameter, State
+
+Array = NDArray[np.float64]
+
+
+def _settling(p: Mapping[str, Array], state: State) -> Array:
+    left = np.exp(-np.asarray(state.trial_in_setup) / p["trials"])
+    return np.asarray(p["excess"] * state.friction_n * left * (not state.steady))
+
+
+EFFECT = Effect(
+    name="bed-in",
+    acts_on="friction",
+    sentence="friction settles over the first trials of each assembly",
+    amplitude=EffectParameter(
+        name="excess",
+        unit="1",
+        meaning="excess of friction in the first trial of an assembly, as a share of friction",
+        prior=Normal(mean=0.0, sd=0.15),
+        plausible=(-0.3, 0.3),
+        reference="argued: cable and grease come to their places within some runs; more than a "
+        "third of friction would be seen by eye",
+    ),
+    shape=EffectParameter(
+        name="trials",
+        unit="1",
+        meaning="trials after which 1/e of the excess is left",
+        prior=LogNormal(median=3.0, sd_log=0.7),
+        plausible=(0.3, 20.0),
+        reference="argued: what takes longer than an assembly's trials is wear or warm-up",
+        typical=3.0,
+    ),
+    laws={"exponential": _settling},
+    edge={"trial_in_setup": 0.0},
+)

@@ -1,0 +1,33 @@
+"""Friction that differs between the two physical ends: guides, bearings or a plate out of line."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Normal
+from bayesfric.effects.base import Effect, EffectParameter, State
+
+Array = NDArray[np.float64]
+
+
+def _relative(p: Mapping[str, Array], state: State) -> Array:
+    return np.asarray(p["difference"] * state.friction_n * np.asarray(state.drive_end))
+
+
+EFFECT = Effect(
+    name="end-asymmetry",
+    acts_on="friction",
+    sentence="friction differs with the end that carries the drive mass",
+    amplitude=EffectParameter(
+        name="difference",
+        unit="1",
+        meaning="friction with the drive mass on the right less that on the left, as a share",
+        prior=Normal(mean=0.0, sd=0.1),
+        plausible=(-0.2, 0.2),
+        reference="argued: two ends of one board are built alike; a guide that rubs at one of "
+        "them may cost a tenth",
+    ),
+    laws={"relative": _relative},
+    edge={"drive_end": 0.5},
+)

@@ -1,0 +1,65 @@
+"""Trials that the board could run next: conditions within what was recorded."""
+
+from collections.abc import Mapping
+from itertools import product
+
+import numpy as np
+import pandas as pd
+
+from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.gravity import coulomb_acceleration
+from bayesfric.recording.tables import Gravity, RigConstants
+from bayesfric.rigs.gravity_board.likelihood import trial_condition
+
+__all__ = ["lay_out"]
+
+PAIRS_OF_MASSES = 10  # of each size
+TRAVEL_M = 0.6  # where the rig does not say
+MOVING_M_S2 = 0.1  # acceleration below which a trial might stall
+
+
+def lay_out(
+    known: pd.DataFrame, rig: RigConstants, laws: Mapping[str, Coefficients]
+) -> Gravity | None:
+    """Return a trial at every feasible condition, its events on time by a law.
+
+    Parameters
+    ----------
+    known : DataFrame
+        Trials that were recorded.
+    rig : RigConstants
+        The board.
+    laws : mapping of str to Coefficients
+        Of each pulley size.
+    """
+    laid = []
+    for size, own in known.groupby("pulley_size", sort=True):
+        masses = own[["mass_drive_kg", "mass_load_kg"]].drop_duplicates()
+        order = np.argsort((masses["mass_drive_kg"] - masses["mass_load_kg"]).to_numpy())
+        chosen = np.unique(np.linspace(0, len(order) - 1, PAIRS_OF_MASSES).astype(int))
+        pairs = masses.to_numpy()[order[chosen]]
+        cells = product(np.unique(own["n_pulleys"]), np.unique(own["wrap_angle_deg"]), pairs)
+        laid += [(size, n, wrap, *pair) for n, wrap, pair in cells]
+    names = ["pulley_size", "n_pulleys", "wrap_angle_deg", "mass_drive_kg", "mass_load_kg"]
+    trials = pd.DataFrame(laid, columns=names)
+    trials.insert(0, "trial", [f"t{place:04d}" for place in range(len(trials))])
+    trials["setup"] = trials["trial"]
+    each = [laws[size] for size in trials["pulley_size"]]
+    law = Coefficients(*(np.array(column) for column in zip(*each, strict=True)))
+    rate = coulomb_acceleration(law, trial_condition(trials, rig))
+    moving = rate > MOVING_M_S2
+    trials = trials[moving].reset_index(drop=True)
+    if trials.empty:
+        return None
+    spacing = rig.hall_spacing_m or 0.01
+    place = np.arange(spacing / 2, rig.limits.get("travel_m", (0.0, TRAVEL_M))[1], spacing)
+    time = np.sqrt(2 * place / rate[moving][:, None])
+    events = pd.DataFrame(
+        {
+            "trial": np.repeat(trials["trial"].to_numpy(), place.size),
+            "sensor": "drive",
+            "displacement_m": np.tile(place - place[0], len(trials)),
+            "time_s": time.ravel(),
+        }
+    )
+    return Gravity(trials, events)

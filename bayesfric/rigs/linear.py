@@ -1,0 +1,240 @@
+"""What a rig offers to the linear (Gaussian) model of a diagnosis.
+
+Trials are made linear around a reference law (:class:`LinearRows`); once the columns of the
+model are laid out they say, given the noise, what the data know of its numbers
+(:class:`LinearRig`). The model holds a tuple of these and asks none for its name.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Protocol
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Prior, Priors
+from bayesfric.effects import ActsOn, State
+from bayesfric.effects.candidates import Candidate
+from bayesfric.inference.information import Information
+from bayesfric.inference.priors import log_density
+from bayesfric.paper import table1
+from bayesfric.recording.tables import RigConstants
+from bayesfric.rigs.base import Unsupported
+from bayesfric.rigs.layout import Layout
+from bayesfric.rigs.windows import Windows
+
+__all__ = [
+    "Evaluated",
+    "LinearRig",
+    "LinearRows",
+    "NoiseParameter",
+    "Run",
+    "noise_parameter",
+    "pulley_radii",
+    "rank",
+]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class NoiseParameter:
+    """A positive number of the noise, which is climbed to in its logarithm.
+
+    Parameters
+    ----------
+    name : str
+        Unique over all rigs.
+    start : float
+        A rough value.
+    bounds : (float, float)
+        Lowest and highest value that is looked at.
+    log_prior : callable
+        Of a value, to the log density of its logarithm.
+    scatters : bool
+        Whether it is friction's own scatter, which an unseen force inflates.
+    """
+
+    name: str
+    start: float
+    bounds: tuple[float, float]
+    log_prior: Callable[[float], float]
+    scatters: bool = False
+
+
+def noise_parameter(
+    name: str,
+    prior: Prior,
+    start: float,
+    bounds: tuple[float, float],
+    *,
+    scatters: bool = False,
+) -> NoiseParameter:
+    """Return a parameter of the noise with a prior of its value, not of its logarithm."""
+    return NoiseParameter(name, start, bounds, partial(_log_prior, prior), scatters)
+
+
+def _log_prior(prior: Prior, value: float) -> float:
+    return float(log_density(prior, value)) + float(np.log(value))
+
+
+@dataclass(frozen=True)
+class Run:
+    """A trial that runs freely once its first events have set offset and speed.
+
+    Parameters
+    ----------
+    trial : int
+        Its place.
+    off : ndarray, shape (A, E)
+        What each arm leaves of each later event [m].
+    error2, floor2 : float
+        Mean variance of the measurement, and mean square that friction's scatter makes [m²].
+    time_s, measured_m, simulated_m : ndarray
+        Of one sensor, for a figure; `simulated_m` has a row an arm.
+    """
+
+    trial: int
+    off: Array
+    error2: float
+    floor2: float
+    time_s: Array
+    measured_m: Array
+    simulated_m: Array
+
+
+@dataclass(frozen=True)
+class Evaluated:
+    """What a rig's data say at a noise.
+
+    Parameters
+    ----------
+    information : Information
+        On the numbers of all sizes.
+    gradient : callable
+        Of mean and covariance, given all data, of each size's local numbers, to the
+        derivatives of the log evidence by the logarithms of the noise, by name.
+    """
+
+    information: Information
+    gradient: Callable[[Sequence[Array], Sequence[Array]], dict[str, float]]
+
+
+class LinearRows(Protocol):
+    """Trials of one rig, linear around a reference law."""
+
+    @property
+    def name(self) -> str:
+        """Of the rig."""
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """One row a trial: ``trial``, ``setup``, ``pulley_size``, condition."""
+
+    @property
+    def loads(self) -> tuple[str, ...]:
+        """Columns that, with size, number and wrap angle, make a condition."""
+
+    @property
+    def friction_n(self) -> Array:
+        """By the reference law, shape (N,) [N]."""
+
+    @property
+    def acceleration(self) -> Array:
+        """By the reference law, shape (N,) [m/s²]."""
+
+    @property
+    def state(self) -> State:
+        """Where every trial is along its path."""
+
+    @property
+    def trial_axes(self) -> tuple[str, ...]:
+        """Covariates that only trials that gather speed have."""
+
+    def covariates(self) -> Mapping[str, Array]:
+        """Return covariates by name, arrays that broadcast to (N,) or (N, P)."""
+
+    def where(self, acts_on: ActsOn) -> Any:
+        """Return the places of a law that acts on something, or Unsupported."""
+
+    def size_of(self, candidate: Candidate) -> float:
+        """Return the rms of what amplitude 1 does: a share of friction, of a reading in metres."""
+
+    def relative_force(self, candidate: Candidate) -> Array | Unsupported:
+        """Return what amplitude 1 adds to friction as a share of it, (C, N, P)."""
+
+    def strays(self) -> tuple[str, ...]:
+        """Return trials that lie far from the others of their assembly."""
+
+    def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
+        """Return the prior standard deviations of numbers that are the rig's own."""
+
+    def laid_out(self, layout: Layout, **given: Any) -> "LinearRig":
+        """Return the rig with the columns of a model."""
+
+
+class LinearRig(Protocol):
+    """Trials of one rig as information on the numbers of a hypothesis."""
+
+    @property
+    def rows(self) -> LinearRows:
+        """The trials."""
+
+    @property
+    def noise(self) -> tuple[NoiseParameter, ...]:
+        """Its noise parameters, by name."""
+
+    @property
+    def size(self) -> NDArray[np.intp]:
+        """Place of each trial's pulley size, (N,)."""
+
+    @property
+    def setup(self) -> NDArray[np.intp]:
+        """Assembly of each trial, (N,)."""
+
+    def evaluate(
+        self,
+        noise: Mapping[str, float],
+        mixing: Array,
+        phases: Sequence[tuple[int, float, str]] = (),
+        used: NDArray[np.bool_] | None = None,
+    ) -> Evaluated:
+        """Return what the data say of the numbers of a hypothesis."""
+
+    def squeezed(self, squeeze: Array, layout: Layout) -> "LinearRig":
+        """Return the rig with mixtures of its columns in their place."""
+
+    def told(self, noise: Mapping[str, float]) -> Array:
+        """Return what each trial alone says of the local numbers, (N, q, q)."""
+
+    def phase_strength(self, place: int) -> float:
+        """Return the squared signal over noise of a candidate's phases at unit amplitude."""
+
+    def scatter(self, noise: Mapping[str, float]) -> Array:
+        """Return the relative variance of a trial's and of its assembly's friction, (N, 2)."""
+
+    def windows(self, noise: Mapping[str, float]) -> Windows:
+        """Return residual forces in windows."""
+
+    def runs(self, noise: Mapping[str, float], numbers: Array) -> dict[int, Run]:
+        """Return trials that run freely from their first events; none where nothing runs."""
+
+
+def rank(trials: pd.DataFrame) -> Array:
+    """Return each row's place in the order of the recording, 0 to 1, shape (N,)."""
+    if "order" not in trials or trials["order"].isna().any() or len(trials) < 2:
+        return np.full(len(trials), 0.5)
+    return np.asarray((trials["order"].rank().to_numpy(dtype=np.float64) - 1) / (len(trials) - 1))
+
+
+def pulley_radii(sizes: Sequence[str], constants: RigConstants) -> dict[str, float]:
+    """Return each size's pulley radius, of the medium size where nobody says [m]."""
+    known = {size: row.radius_m for size, row in table1().items()}
+    radii = {}
+    for size in sizes:
+        pulley = constants.pulleys.get(size)
+        stated = None if pulley is None else pulley.radius_m
+        radii[size] = stated or known.get(size) or known["medium"]
+    return radii
