@@ -224,12 +224,12 @@ class Claim:
             shared = self.rig(entered) in entered.data
             return "" if shared else "The two boards have no pulley size in common."
         trials = entered.trials(self.rig(entered))
-        for effect in dict.fromkeys(name for one in self.rivals for name, _ in one.effects):
-            if (missing := trials.supports(all_effects()[effect])) is not None:
-                return missing.reason
         for name, least in self.levels.items():
             if (found := trials.levels(name)) < least:
                 return f"The {WORDS[name]} takes {found} of at least {least} values."
+        for effect in dict.fromkeys(name for one in self.rivals for name, _ in one.effects):
+            if (missing := trials.supports(all_effects()[effect])) is not None:
+                return missing.reason
         return ""
 
     def tasks(self, entered: Entered) -> list[Task]:

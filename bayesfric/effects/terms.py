@@ -17,6 +17,7 @@ __all__ = [
     "linear_terms",
     "parameters_of",
     "rough_values",
+    "small_values",
     "total",
 ]
 
@@ -63,15 +64,22 @@ def parameters_of(active: ActiveEffect) -> tuple[Parameter, ...]:
     )
 
 
+def small_values(effect: Effect) -> dict[str, Any]:
+    """Return a small amplitude and the median shape by their own names."""
+    amplitude, shape = effect.amplitude, effect.shape
+    values: dict[str, Any] = {amplitude.name: np.float64(START_SHARE * prior_sd(amplitude.prior))}
+    if shape is not None:
+        values[shape.name] = np.float64(from_normal(shape.prior, 0.0))
+    return values
+
+
 def rough_values(active: Sequence[ActiveEffect]) -> dict[str, float]:
     """Return small amplitudes and median shapes, a place to climb from."""
-    values: dict[str, float] = {}
-    for one in active:
-        amplitude, shape = one.effect.amplitude, one.effect.shape
-        values[f"{one.effect.name}.{amplitude.name}"] = START_SHARE * prior_sd(amplitude.prior)
-        if shape is not None:
-            values[f"{one.effect.name}.{shape.name}"] = float(from_normal(shape.prior, 0.0))
-    return values
+    return {
+        f"{one.effect.name}.{name}": float(value)
+        for one in active
+        for name, value in small_values(one.effect).items()
+    }
 
 
 def total(active: Sequence[ActiveEffect], theta: Mapping[str, Array], state: State) -> Array:

@@ -1,154 +1,127 @@
-"""Student-t trial scatter: the robust alternative to :mod:`.scatter`.
+"""Student-t scatter of single measurements: the robust alternative to :mod:`.grouped_normal`.
 
-Around the friction ``μ_j (1 + η)`` of its assembly a trial's observed friction is
-Student-t with the squared scale ``(μ_j τ)² + v_j``. Folding the measurement
-variance v_j into the scale is exact where it is small beside the scatter, as it
-is for Hall events. The assembly's η ~ N(0, ω²) is integrated by the trapezoid
-rule on a grid around its posterior.
+Around what the numbers of its group make of it, a measurement is Student-t. Its scale may
+hold the variance of a normal error too: exact where that is small beside the scatter, as
+it is for Hall events. The numbers of a group, each N(0, 1), are integrated by the
+trapezoid rule on a grid around their posterior.
 """
+
+from dataclasses import dataclass
+from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gammaln, logsumexp, stdtr
 
-from bayesfric.inference.scatter import LOG_2PI, SetupIndex
+from bayesfric.inference.grouped_normal import LOG_2PI, Groups
+from bayesfric.inference.quadratic import gram, matrices
 
-__all__ = ["student_setup_log_density", "student_trial_cdf", "student_trial_log_density"]
+__all__ = ["GroupedStudent"]
 
 Array = NDArray[np.float64]
 REWEIGHTINGS = 12
-HALF_WIDTH = 8.0  # of the grid, in standard deviations
-SETUP_NODES = 41
-TRIAL_NODES = 161
 
 
-def student_setup_log_density(
-    index: SetupIndex,
-    observed: Array,
-    variance: Array,
-    mu: Array,
-    tau: Array,
-    omega: Array,
-    *,
-    freedom: float,
-) -> Array:
-    """Return the log density of each assembly's observed friction.
+class _Nodes(NamedTuple):
+    """A grid along each number of a group."""
+
+    number: int
+    half_width: float  # in standard deviations
+
+
+# The steps are 0.4, 0.1, 0.9 and 0.5 standard deviations: the rule converges exponentially.
+GROUP_NODES = {1: _Nodes(41, 8.0), 2: _Nodes(17, 7.0)}
+SINGLE_NODES = {1: _Nodes(161, 8.0), 2: _Nodes(29, 7.0)}
+
+
+@dataclass(frozen=True)
+class GroupedStudent:
+    """M measurements in G groups, for W sets of parameters at once.
 
     Parameters
     ----------
-    index : SetupIndex
-        N trials in J assemblies.
-    observed, variance : ndarray, shape (…, N)
-        Observed friction [N] and the variance of its measurement error [N²].
-    mu : ndarray, shape (…, N)
-        Friction of the law [N].
-    tau, omega : ndarray, broadcastable to (…, N)
-        Scale of a trial's scatter and sd of an assembly's, both relative.
+    groups : Groups
+        Of the measurements.
+    residual : ndarray, shape (W, M)
+        What was measured less its mean.
+    variance : ndarray, shape (W, M)
+        Squared scale of each measurement's own scatter.
+    moved : ndarray, shape (R, W, M)
+        By how much one standard deviation of each of a group's R ≤ 2 numbers moves a
+        measurement.
     freedom : float
-        Degrees of freedom of the Student-t.
-
-    Returns
-    -------
-    ndarray, shape (…, J)
-        Joint log density of the trials of each assembly.
+        Degrees of freedom.
     """
-    log_weight, trial, _ = _on_grid(
-        index, observed, variance, mu, tau, omega, freedom, SETUP_NODES, leave_out=False
-    )
-    return logsumexp(log_weight + index.total(trial), axis=0)
 
+    groups: Groups
+    residual: Array
+    variance: Array
+    moved: Array
+    freedom: float
 
-def student_trial_log_density(
-    index: SetupIndex,
-    observed: Array,
-    variance: Array,
-    mu: Array,
-    tau: Array,
-    omega: Array,
-    *,
-    freedom: float,
-) -> Array:
-    """Return the log density of each trial given the other trials of its assembly.
+    def group_log_density(self) -> Array:
+        """Return the log density of each group, shape (W, G)."""
+        log_weight, single, _ = self._on_grid(GROUP_NODES[len(self.moved)], leave_out=False)
+        return np.asarray(logsumexp(log_weight + self.groups.total(single), axis=0))
 
-    The arguments are those of :func:`student_setup_log_density`.
+    def single_log_density(self) -> Array:
+        """Return the log density of each measurement given its group's others, (W, M)."""
+        log_weight, single, _ = self._on_grid(SINGLE_NODES[len(self.moved)], leave_out=True)
+        together = (log_weight + self.groups.total(single))[..., self.groups.of_each]
+        return np.asarray(logsumexp(together, axis=0) - logsumexp(together - single, axis=0))
 
-    Returns
-    -------
-    ndarray, shape (…, N)
-        ``log p(y_j | y_−j)``.
-    """
-    log_weight, trial, _ = _on_grid(
-        index, observed, variance, mu, tau, omega, freedom, TRIAL_NODES, leave_out=True
-    )
-    together = (log_weight + index.total(trial))[..., index.of_trial]
-    return logsumexp(together, axis=0) - logsumexp(together - trial, axis=0)
+    def single_cdf(self) -> Array:
+        """Return the probability of less of each measurement given its group's others, (W, M)."""
+        nodes = SINGLE_NODES[len(self.moved)]
+        log_weight, single, distance = self._on_grid(nodes, leave_out=True)
+        rest = (log_weight + self.groups.total(single))[..., self.groups.of_each] - single
+        weight = np.exp(rest - rest.max(axis=0))
+        weight /= weight.sum(axis=0)
+        return np.asarray((weight * stdtr(self.freedom, distance)).sum(axis=0))
 
+    def _on_grid(self, nodes: _Nodes, *, leave_out: bool) -> tuple[Array, Array, Array]:
+        """Return the log weight of each node, (Q, W, G), and of measurements, (Q, W, M), two.
 
-def student_trial_cdf(
-    index: SetupIndex,
-    observed: Array,
-    variance: Array,
-    mu: Array,
-    tau: Array,
-    omega: Array,
-    *,
-    freedom: float,
-) -> Array:
-    """Return the probability of a lower friction of each trial given its assembly's others.
+        These are the log density, and the distance from the centre in units of the scale.
+        """
+        rank, of_each = len(self.moved), self.groups.of_each
+        centre, information = self._mode(leave_out=leave_out)
+        spread = np.linalg.cholesky(np.linalg.inv(information))  # (W, G, R, R)
+        grid = np.linspace(-nodes.half_width, nodes.half_width, nodes.number)
+        place = np.array(list(product(grid, repeat=rank)))  # (Q, R)
+        numbers = centre[..., None] + spread @ place.T  # (W, G, R, Q)
+        numbers = np.moveaxis(numbers, (-1, -2), (0, 1))  # (Q, R, W, G)
+        volume = np.log(np.diagonal(spread, axis1=-2, axis2=-1)).sum(axis=-1)
+        volume = volume + rank * np.log(grid[1] - grid[0])
+        log_weight = volume - 0.5 * (rank * LOG_2PI + (numbers**2).sum(axis=1))
+        off = self.residual - (self.moved * numbers[..., of_each]).sum(axis=1)
+        distance = off / np.sqrt(self.variance)
+        single = (
+            gammaln((self.freedom + 1) / 2)
+            - gammaln(self.freedom / 2)
+            - 0.5 * np.log(self.freedom * np.pi * self.variance)
+            - 0.5 * (self.freedom + 1) * np.log1p(distance**2 / self.freedom)
+        )
+        return log_weight, single, distance
 
-    The arguments are those of :func:`student_setup_log_density`.
+    def _mode(self, *, leave_out: bool) -> tuple[Array, Array]:
+        """Return the most probable numbers of each group, (W, G, R), and their information.
 
-    Returns
-    -------
-    ndarray, shape (…, N)
-        ``P(Y_j ≤ y_j | y_−j)``.
-    """
-    log_weight, trial, distance = _on_grid(
-        index, observed, variance, mu, tau, omega, freedom, TRIAL_NODES, leave_out=True
-    )
-    rest = (log_weight + index.total(trial))[..., index.of_trial] - trial
-    weight = np.exp(rest - rest.max(axis=0))
-    weight /= weight.sum(axis=0)
-    return np.asarray((weight * stdtr(freedom, distance)).sum(axis=0))
-
-
-def _on_grid(
-    index: SetupIndex,
-    observed: Array,
-    variance: Array,
-    mu: Array,
-    tau: Array,
-    omega: Array,
-    freedom: float,
-    nodes: int,
-    *,
-    leave_out: bool,
-) -> tuple[Array, Array, Array]:
-    """Return the log prior weight of η, (Q, …, J), and of trials, (Q, …, N), two things.
-
-    These are the log density, and the distance from the centre in units of the scale.
-    """
-    scale2 = (mu * tau) ** 2 + variance
-    residual = observed - mu
-    omega2 = np.broadcast_to(omega, mu.shape)[..., index.starts] ** 2
-    centre = np.zeros_like(omega2)
-    for _ in range(REWEIGHTINGS):  # iteratively reweighted least squares
-        off = residual - mu * centre[..., index.of_trial]
-        weight = (freedom + 1) / (freedom + off**2 / scale2) / scale2
-        information = weight * mu**2
-        precision = 1 / omega2 + index.total(information)
-        centre = index.total(weight * mu * residual) / precision
-    if leave_out:  # wide enough for the posterior without the most telling trial
-        precision = precision - np.maximum.reduceat(information, index.starts, axis=-1)
-    step = 2 * HALF_WIDTH / (nodes - 1) / np.sqrt(precision)
-    place = np.arange(nodes) - (nodes - 1) / 2
-    eta = centre + step * place.reshape(-1, *np.ones(centre.ndim, dtype=int))
-    log_weight = np.log(step) - 0.5 * (LOG_2PI + np.log(omega2) + eta**2 / omega2)
-    distance = (residual - mu * eta[..., index.of_trial]) / np.sqrt(scale2)
-    trial = (
-        gammaln((freedom + 1) / 2)
-        - gammaln(freedom / 2)
-        - 0.5 * np.log(freedom * np.pi * scale2)
-        - 0.5 * (freedom + 1) * np.log1p(distance**2 / freedom)
-    )
-    return log_weight, trial, distance
+        By iteratively reweighted least squares. With `leave_out`, the information is that
+        without the most telling measurement, so that a grid is wide enough for any.
+        """
+        groups, moved = self.groups, self.moved
+        centre = np.zeros((*self.residual.shape[:-1], groups.starts.size, len(moved)))
+        for _ in range(REWEIGHTINGS):
+            off = self.residual - (moved * np.moveaxis(centre, -1, 0)[..., groups.of_each]).sum(0)
+            weight = (self.freedom + 1) / (self.freedom + off**2 / self.variance) / self.variance
+            matrix = matrices(gram([*moved, self.residual], weight, groups.total))
+            information = np.eye(len(moved)) + matrix[..., :-1, :-1]
+            centre = np.linalg.solve(information, matrix[..., :-1, -1:])[..., 0]
+        if leave_out:
+            told = weight * (moved**2).sum(axis=0)
+            most = np.maximum.reduceat(told, groups.starts, axis=-1)[..., groups.of_each]
+            rest = gram(list(moved), np.where(told == most, 0.0, weight), groups.total)
+            information = np.eye(len(moved)) + matrices(rest)
+        return centre, information

@@ -78,10 +78,15 @@ def total(acting: Sequence[Acting], where: Any) -> Any:
 
 
 def surroundings(table: pd.DataFrame, rig: RigConstants) -> dict[str, Any]:
-    """Return radius, place in the order and gravity of trials or runs, fields of State."""
+    """Return radius, place in the order and gravity of trials or runs, fields of State.
+
+    Radius and order are nan where nobody wrote them down.
+    """
     radius = {size: row.radius_m for size, row in table1().items()}
     radius |= {size: own.radius_m for size, own in rig.pulleys.items() if own.radius_m}
-    order = table["order"].to_numpy(dtype=np.float64)
+    order = np.full(len(table), np.nan)
+    if "order" in table:
+        order = table["order"].to_numpy(dtype=np.float64)
     return {
         "radius_m": table["pulley_size"].map(radius).to_numpy(dtype=np.float64),
         "order": (order - order.min()) / max(np.ptp(order), 1.0),

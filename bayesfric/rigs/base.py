@@ -14,13 +14,14 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
+from bayesfric.effects import Effect
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.inference.model import RigLikelihood
 from bayesfric.physics.compliant import Cable
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Recording
 
-__all__ = ["Motion", "Rig", "RigTrials", "Unsupported", "Words"]
+__all__ = ["Motion", "Rig", "RigTrials", "Unsupported", "Words", "why_inert"]
 
 Array = NDArray[np.float64]
 Motion = Literal["accelerated", "steady"]
@@ -38,6 +39,18 @@ class Unsupported:
     """
 
     reason: str
+
+
+def why_inert(response: NDArray[np.float64]) -> Unsupported | None:
+    """Return why an effect with this response would not move a likelihood; None where it does."""
+    if not np.isfinite(response).all():
+        return Unsupported(
+            "It depends on what nobody wrote down here: the order of the trials, or the radius "
+            "of the pulleys."
+        )
+    if not response.any():
+        return Unsupported("It changes nothing that was measured here.")
+    return None
 
 
 @dataclass(frozen=True)
@@ -113,13 +126,16 @@ class RigTrials(Protocol):
     def select(self, keep: "pd.Series[bool]") -> "RigTrials | None":
         """Return the trials of a mask over the table; None without any."""
 
+    def supports(self, effect: Effect) -> Unsupported | None:
+        """Return why an effect cannot enter the likelihood; None where it can."""
+
     def likelihood(
         self,
         analysis: Analysis,
         law: Baseline = BASELINES["paper"],
         effects: Sequence[ActiveEffect] = (),
     ) -> RigLikelihood:
-        """Return the exact density of the raw data."""
+        """Return the exact density of the raw data, without effects that are not supported."""
 
     def stretch_ratios(self, cable: Cable, theta: Mapping[str, Array]) -> Array | Unsupported:
         """Return friction found with a cable that stretches over that without.

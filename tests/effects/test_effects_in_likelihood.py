@@ -1,5 +1,9 @@
 """Effects in the likelihood: none at amplitude 0, and the truth where one was simulated."""
 
+import re
+from dataclasses import replace
+from functools import cache
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -12,31 +16,39 @@ from bayesfric.inference.model import Model
 from bayesfric.physics.friction import coulomb_friction
 from bayesfric.physics.gravity import Condition, trajectory
 from bayesfric.recording.tables import Gravity
+from bayesfric.rigs import all_rigs
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
-from bayesfric.rigs.gravity_board.screening import screen_trials
-from bayesfric.rigs.motor_board.likelihood import MotorLikelihood
 from bayesfric.rigs.protocols import PROTOCOLS, Protocol
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 from bayesfric.simulate.strength import at_strength
 
-# The likelihood tells a law neither the travel nor the order, and has no phases.
-OF_TRAVEL_OR_ORDER = {"presliding", "hysteresis", "wear-drift"}
-LAWS = [
+RIGS = all_rigs()
+GRAVITY = RIGS["gravity"]
+PAIRS = [
+    (rig, name, law)
+    for rig in RIGS
+    for name, effect in all_effects().items()
+    for law in effect.laws
+]
+# What stands in an effect's response to first order: where a trial was released, and the
+# motion of a cable that slips, which the two sensors tell differently.
+APART = {"presliding": 0.08, "hysteresis": 0.08, "slip": 0.04}
+STRENGTHS = {"slip": 0.1}
+FOUND = [
     (name, law)
     for name, effect in all_effects().items()
     for law in effect.laws
-    if effect.acts_on in ("friction", "current")
-    and not effect.components
-    and name not in OF_TRAVEL_OR_ORDER
+    if not effect.components and name != "cable-compliance"
 ]
+STRENGTH = 0.7
 SMALL = Protocol({(5, 85.0): 1, (9, 50.0): 1, (15, 135.0): 1}, (6.0, 28.0), (6.0, 28.0), 2)
 
 
 def likelihoods(recording, effects=()):
-    gravity = screen_trials(recording.gravity, recording.rig).gravity
+    """Of all trials: those whose sensors disagree as the cable slips would be left out."""
     return [
-        GravityLikelihood(gravity, recording.rig, Analysis(), effects=effects),
-        MotorLikelihood(recording.motor, recording.rig, Analysis(), effects=effects),
+        rig.trials(recording, exclude=False).likelihood(Analysis(), effects=effects)
+        for rig in RIGS.values()
     ]
 
 
@@ -52,25 +64,63 @@ def truth_point(truth=None):
     return {name: np.array([value]) for name, value in values.items()}
 
 
+def with_amplitude(effect, amplitude):
+    """Return the truth without effects, and an effect of one amplitude and usual shape."""
+    point = truth_point() | {f"{effect.name}.{effect.amplitude.name}": np.array([amplitude])}
+    if effect.shape is not None:
+        point[f"{effect.name}.{effect.shape.name}"] = np.array([effect.shape.typical])
+    return point
+
+
 @pytest.fixture(scope="module")
-def recording():
+def plain():
     return simulate_recording(SMALL, seed=4)
 
 
-@pytest.fixture(scope="module")
-def baseline(recording):
-    return [rig.log_likelihood(truth_point())[0] for rig in likelihoods(recording)]
+@cache
+def acted(name, law):
+    """Return a recording in which one law acts, and its amplitude."""
+    base = simulate_recording(SMALL, seed=4)
+    applied = at_strength(name, STRENGTH, SMALL, base.rig, Truth(), law)
+    recording = simulate_recording(SMALL, seed=4, truth=Truth(effects=(applied,)))
+    return recording, applied.values[all_effects()[name].amplitude.name]
 
 
-@pytest.mark.parametrize(("name", "law"), LAWS)
-def test_no_amplitude_is_the_baseline(recording, baseline, name, law):
+@pytest.mark.parametrize(("rig", "name", "law"), PAIRS)
+def test_an_effect_moves_the_likelihood_or_the_rig_says_why_not(plain, rig, name, law):
+    """Of every rig and every law: the log likelihood climbs towards an effect that acts."""
     effect = all_effects()[name]
-    point = truth_point() | {f"{name}.{effect.amplitude.name}": np.zeros(1)}
-    if effect.shape is not None:
-        point[f"{name}.{effect.shape.name}"] = np.array([effect.shape.typical])
-    rigs = likelihoods(recording, [ActiveEffect(effect, law)])
-    found = [rig.log_likelihood(point)[0] for rig in rigs]
-    assert found == pytest.approx(baseline, abs=1e-6)
+    trials = RIGS[rig].trials(plain)
+    reason = trials.supports(effect)
+    active = [ActiveEffect(effect, law)]
+    without = trials.likelihood(Analysis()).log_likelihood(truth_point())[0]
+    if reason is not None:
+        assert re.fullmatch(r"[A-Z][^.]{20,}\.", reason.reason)
+        inert = trials.likelihood(Analysis(), effects=active)
+        assert not [p.name for p in inert.parameters if p.name.startswith(name)]
+        assert inert.log_likelihood(truth_point())[0] == without
+        return
+    likelihood = trials.likelihood(Analysis(), effects=active)
+    none = likelihood.log_likelihood(with_amplitude(effect, 0.0))[0]
+    assert none == pytest.approx(without, abs=1e-6)
+    recording, amplitude = acted(name, law)
+    there = RIGS[rig].trials(recording, exclude=False).likelihood(Analysis(), effects=active)
+    step = 1e-3 * amplitude
+    low, high = (there.log_likelihood(with_amplitude(effect, a))[0] for a in (0.0, step))
+    assert (high - low) / step * amplitude > 1.0
+
+
+def test_what_nobody_wrote_down_is_a_reason(plain):
+    trials = GRAVITY.trials(plain)
+    gravity = replace(plain.gravity, trials=plain.gravity.trials.drop(columns="order"))
+    unordered = GRAVITY.trials(replace(plain, gravity=gravity))
+    drift, slip = all_effects()["wear-drift"], all_effects()["slip"]
+    assert trials.supports(drift) is None
+    assert "the order of the trials" in unordered.supports(drift).reason
+    kept = plain.gravity.events[plain.gravity.events["sensor"] == "drive"]
+    alone = GRAVITY.trials(replace(plain, gravity=replace(plain.gravity, events=kept)))
+    assert trials.supports(slip) is None
+    assert alone.supports(slip).reason == "It changes nothing that was measured here."
 
 
 def test_viscous_trial_against_a_dense_normal():
@@ -148,12 +198,14 @@ def test_viscous_trial_against_a_dense_normal():
     assert found == pytest.approx(dense + log_jacobian + log_flat, abs=0.1)
 
 
-@pytest.mark.parametrize(("name", "law"), LAWS)
+@pytest.mark.parametrize(("name", "law"), FOUND)
 def test_a_simulated_effect_is_found_at_its_amplitude(name, law):
     """Within four posterior standard deviations, on both boards together."""
     effect = all_effects()[name]
     base = simulate_recording(SMALL, seed=1)
-    applied = at_strength(name, 0.7, PROTOCOLS["quick"], base.rig, Truth(), law)
+    applied = at_strength(
+        name, STRENGTHS.get(name, STRENGTH), PROTOCOLS["quick"], base.rig, Truth(), law
+    )
     recording = simulate_recording("quick", seed=17, truth=Truth(effects=(applied,)))
     model = Model(likelihoods(recording, [ActiveEffect(effect, law)]))
     found = laplace_approximation(model.log_posterior, model.start(), model.scale())
@@ -165,4 +217,5 @@ def test_a_simulated_effect_is_found_at_its_amplitude(name, law):
         values = np.array([model.natural(point)[place]])
         point[place] += sd
         width = abs(model.natural(point)[place] - values[0])
-        assert abs(values[0] - truth[parameter.name]) < 4 * width, (parameter.name, values, width)
+        allowed = 4 * width + APART.get(name, 0.0) * truth[parameter.name]
+        assert abs(values[0] - truth[parameter.name]) < allowed, (parameter.name, values, width)

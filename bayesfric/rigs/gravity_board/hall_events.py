@@ -77,51 +77,27 @@ class TrialForm(NamedTuple):
     ----------
     origin : ndarray, shape (N,)
         â₀, from which acceleration is counted [m/s²].
-    curvature : ndarray, shape ((1 + K)(2 + K)/2, W, N)
-        G, its upper triangle row by row.
-    slope : ndarray, shape (1 + K, W, N)
-        b.
+    triangle : ndarray, shape ((2 + K)(3 + K)/2, W, N)
+        Upper triangle of [[G, b], [bᵀ, squares]] row by row: minus twice the log density is
+        this form of (w, −1), up to a constant.
     log_constant : ndarray, shape (W, N)
-        C, the log density of the events at w = 0.
+        C, without what the squares take from it.
     """
 
     origin: Array
-    curvature: Array
-    slope: Array
+    triangle: Array
     log_constant: Array
 
     def acceleration(self) -> TrialAcceleration:
         """Return the normal density of the acceleration where no effect acts."""
-        precision, slope = self.curvature[0], self.slope[0]
+        precision, slope, squares = self.triangle
         return TrialAcceleration(
             self.origin + slope / precision,
             1 / precision,
-            self.log_constant + 0.5 * (slope**2 / precision + LOG_2PI - np.log(precision)),
+            self.log_constant
+            - 0.5 * squares
+            + 0.5 * (slope**2 / precision + LOG_2PI - np.log(precision)),
         )
-
-    def along(self, amplitudes: Array) -> tuple[Array, Array, Array]:
-        """Return the parts of the form that effects along the trial take.
-
-        Parameters
-        ----------
-        amplitudes : ndarray, shape (K, W, N)
-            A.
-
-        Returns
-        -------
-        mixed, squared, slope : ndarray, shape (W, N)
-            Of G, its product with A and the acceleration's unit, and with A twice; the
-            product of b and A.
-        """
-        count = len(amplitudes)
-        mixed = (self.curvature[1 : 1 + count] * amplitudes).sum(axis=0)
-        squared = np.zeros_like(mixed)
-        place = 1 + count
-        for first in range(count):
-            row = self.curvature[place : place + count - first] * amplitudes[first:]
-            squared += amplitudes[first] * (2 * row.sum(axis=0) - row[0])
-            place += count - first
-        return mixed, squared, (self.slope[1:] * amplitudes).sum(axis=0)
 
 
 @dataclass(frozen=True)
@@ -144,8 +120,6 @@ class EventTable:
         The part of C that no parameter moves.
     origin : ndarray, shape (N,)
         Pilot accelerations [m/s²].
-    columns : int
-        K.
     pilot_scale : float
         Root mean square residual of the pilot [m].
     """
@@ -157,7 +131,6 @@ class EventTable:
     degrees_of_freedom: Array
     constant: Array
     origin: Array
-    columns: int
     pilot_scale: float
 
     def at(self, sigma_x: Array, sigma_t: Array) -> TrialForm:
@@ -179,17 +152,13 @@ class EventTable:
         # The scale goes into the few coefficients, not into all that comes of them.
         rows = (np.insert(self.spline(log_ratio), 0, 1.0, axis=1) / scale2) @ self.basis
         parts = rows.reshape(len(sigma_x), -1, self.origin.size).transpose(1, 0, 2)
-        size = 1 + self.columns
-        triangle = size * (size + 1) // 2
-        squares, log_determinant = parts[-2], parts[-1] * scale2
+        log_determinant = parts[-1] * scale2
         return TrialForm(
             self.origin,
-            parts[:triangle],
-            parts[triangle : triangle + size],
+            parts[:-1],
             self.constant
             + log_determinant
-            - 0.5 * self.degrees_of_freedom * (LOG_2PI + np.log(scale2))
-            - 0.5 * squares,
+            - 0.5 * self.degrees_of_freedom * (LOG_2PI + np.log(scale2)),
         )
 
 
@@ -258,13 +227,12 @@ def reduce_events(
         degrees_of_freedom=table.total(np.ones_like(table.tau)) - sensors - 1.0,
         constant=table.total(np.log(speed)) - sensors * np.log(spacing_m) + log_speed_prior,
         origin=pilot.acceleration,
-        columns=len(responses),
         pilot_scale=pilot.rms_residual,
     )
 
 
 def _statistics(table: Events, relative2: Array, log_ratio: float, residual: Array) -> Array:
-    """Return G (upper triangle), b, squares and the log determinant at one noise ratio, (R N,)."""
+    """Return the form (upper triangle) and the log determinant at one noise ratio, (R N,)."""
     ratio2 = np.exp(2 * log_ratio)
     spread = (1 + ratio2 * relative2) / (1 + ratio2)  # event variance over S²
     matrix, right = table.normal_equations(1 / spread, residual)
@@ -275,12 +243,8 @@ def _statistics(table: Events, relative2: Array, log_ratio: float, residual: Arr
     slope = right[:, NUISANCES:] - (mixed * solved[..., -1:]).sum(axis=1)
     squares = table.total(residual**2 / spread) - (right[:, :NUISANCES] * solved[..., -1]).sum(1)
     determinant = np.linalg.slogdet(nuisance)[1]
-    row, column = np.triu_indices(curvature.shape[1])
-    return np.concatenate(
-        [
-            curvature[:, row, column].T.ravel(),
-            slope.T.ravel(),
-            squares,
-            -0.5 * (table.total(np.log(spread)) + determinant),
-        ]
-    )
+    rows = [
+        [*curvature[:, place, place:].T, slope[:, place]] for place in range(curvature.shape[1])
+    ]
+    last = [squares, -0.5 * (table.total(np.log(spread)) + determinant)]
+    return np.concatenate([one for row in rows for one in row] + last)

@@ -7,6 +7,7 @@ trial from rest.
 """
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -14,12 +15,12 @@ from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
 from bayesfric.inference.priors import Parameter
+from bayesfric.inference.quadratic import gram
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.hall_events import LOG_2PI, TrialForm, reduce_events
-from bayesfric.rigs.gravity_board.paths import Paths
-from bayesfric.rigs.gravity_board.trial_motion import pilot_fits, prepare_events
+from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 
-__all__ = ["TrialMeasurements", "pilot_accelerations"]
+__all__ = ["Columns", "TrialMeasurements", "pilot_accelerations"]
 
 Array = NDArray[np.float64]
 START_SIGMA_A = 0.01  # m/s², a place to climb from
@@ -36,6 +37,22 @@ def pilot_accelerations(gravity: Gravity) -> Array:
     return acceleration
 
 
+class Columns(NamedTuple):
+    """What K effects along N trials add at unit amplitude.
+
+    Parameters
+    ----------
+    travel : ndarray, shape (K, E)
+        To the travel at each event, in the order of
+        :func:`bayesfric.rigs.gravity_board.trial_motion.prepare_events` [m].
+    acceleration : ndarray, shape (K, N)
+        To the mean acceleration of a trial [m/s²].
+    """
+
+    travel: Array
+    acceleration: Array
+
+
 class TrialMeasurements:
     """The measurements of N trials as quadratic forms in their motion.
 
@@ -47,10 +64,8 @@ class TrialMeasurements:
         The board.
     analysis : Analysis
         Priors of the noise.
-    paths : Paths or None
-        Of the N trials, where effects act along them.
-    added : ndarray, shape (K, N, P), or None
-        Accelerations that effects add along the paths at unit amplitude [m/s²].
+    columns : Columns or None
+        What effects along the trials add.
 
     Attributes
     ----------
@@ -64,8 +79,7 @@ class TrialMeasurements:
         gravity: Gravity,
         rig: RigConstants,
         analysis: Analysis,
-        paths: Paths | None = None,
-        added: Array | None = None,
+        columns: Columns | None = None,
     ) -> None:
         trials, priors = gravity.trials, analysis.priors
         with_events = trials["trial"].isin(gravity.events["trial"]).to_numpy()
@@ -75,20 +89,13 @@ class TrialMeasurements:
         if self._by_events.size:
             assert rig.hall_spacing_m and rig.timer_resolution_s
             trial_ids = trials["trial"][with_events]
-            responses = None
-            if paths is not None and added is not None:
-                events = prepare_events(gravity.events, trial_ids)
-                seen = paths.of(self._by_events)
-                responses = np.array(
-                    [seen.response(events, column) for column in added[:, self._by_events]]
-                )
             self._events = reduce_events(
                 gravity.events,
                 trial_ids,
                 spacing_m=rig.hall_spacing_m,
                 tick_s=rig.timer_resolution_s,
                 first_speed_scale=priors.first_speed.scale,
-                responses=responses,
+                responses=None if columns is None else columns.travel,
             )
             self.parameters += (
                 Parameter("sigma_x", "m", priors.sigma_x),
@@ -101,8 +108,8 @@ class TrialMeasurements:
             if np.isnan(self._stated_sd).any():
                 self.parameters += (Parameter("sigma_a", "m/s²", priors.sigma_a),)
             shown = [np.ones(self._by_acceleration.size)]  # what each adds to the mean
-            if added is not None:
-                shown += list(added[:, self._by_acceleration].mean(axis=-1))
+            if columns is not None:
+                shown += list(columns.acceleration[:, self._by_acceleration])
             self._shown = np.stack(shown)
 
     def at(self, theta: Mapping[str, Array]) -> TrialForm:
@@ -140,11 +147,10 @@ class TrialMeasurements:
         unknown = theta["sigma_a"][:, None] if "sigma_a" in theta else np.nan
         sd = np.where(np.isfinite(self._stated_sd), self._stated_sd, unknown)
         precision = np.broadcast_to(1 / sd**2, (walkers, sd.shape[-1]))
-        row, column = np.triu_indices(len(self._shown))
+        columns = [*self._shown, np.zeros_like(self._acceleration)]  # no residual
         return TrialForm(
             self._acceleration,
-            (self._shown[row] * self._shown[column])[:, None] * precision,
-            np.zeros((len(self._shown), *precision.shape)),
+            gram(columns, np.ones_like(self._acceleration), np.asarray)[:, None] * precision,
             0.5 * (np.log(precision) - LOG_2PI),
         )
 

@@ -46,6 +46,12 @@ class Paths:
     speed_m_s: Array
     acceleration_m_s2: Array
 
+    @property
+    def travel_m(self) -> Array:
+        """Travel since the first time of the grid, shape (N, P) [m]."""
+        travel = self.step_s * cumulative_simpson(self.speed_m_s, axis=1, initial=0)
+        return np.asarray(travel)
+
     def of(self, trials: NDArray[np.intp]) -> "Paths":
         """Return the paths of some trials, by place."""
         return Paths(self.step_s[trials], self.speed_m_s[trials], self.acceleration_m_s2[trials])

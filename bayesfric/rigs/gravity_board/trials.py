@@ -8,12 +8,14 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
+from bayesfric.effects import Effect
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.physics.compliant import Cable
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Gravity, Recording, RigConstants
 from bayesfric.rigs.base import Motion, Unsupported, Words
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
+from bayesfric.rigs.gravity_board.places import TrialPlaces
 from bayesfric.rigs.gravity_board.screening import Screened, screen_trials
 from bayesfric.rigs.gravity_board.stretch import friction_ratios
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
@@ -94,6 +96,10 @@ class GravityTrials:
         events = self.gravity.events
         events = events[events["trial"].isin(trials["trial"])].reset_index(drop=True)
         return replace(self, gravity=Gravity(trials, events)) if len(trials) else None
+
+    def supports(self, effect: Effect) -> Unsupported | None:
+        """Return why an effect cannot enter the likelihood; None where it can."""
+        return TrialPlaces(self.gravity, self.constants).supports(effect)
 
     def likelihood(
         self,

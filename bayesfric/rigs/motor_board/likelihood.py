@@ -6,7 +6,7 @@ Given the parameters, run j on assembly i has the current
 
 with the idle curve h(v)ᵀβ shared by every run and by the idle measurements. β, η
 and ε are Gaussian and linear, so they are integrated out in closed form: the
-currents are one normal (:mod:`bayesfric.inference.joint_normal`). The noise of a
+currents are one normal (:mod:`bayesfric.inference.grouped_normal`). The noise of a
 current grows with the load: its variance is σ_I² + (λ · load current)², the load
 current being the law's; the scatter of friction would change it by 0.2 %. Speed is
 constant in a run, so an effect on friction adds to F, and one on the motor's current to I.
@@ -18,45 +18,23 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.special import ndtr
 
 from bayesfric.analysis import Analysis
 from bayesfric.effects import State
-from bayesfric.effects.terms import (
-    ActiveEffect,
-    parameters_of,
-    rough_values,
-    total,
-)
-from bayesfric.inference.joint_normal import JointNormal
+from bayesfric.effects.terms import ActiveEffect, parameters_of, rough_values, total
+from bayesfric.inference.grouped_normal import GroupedNormal, Groups
 from bayesfric.inference.priors import Parameter
-from bayesfric.inference.scatter import SetupIndex
 from bayesfric.physics.laws import BASELINES, Baseline
-from bayesfric.physics.motor import (
-    MotorCondition,
-    load_current,
-    nominal_tension,
-    tension_feedback,
-)
+from bayesfric.physics.motor import load_current, nominal_tension, tension_feedback
 from bayesfric.recording.tables import Motor, RigConstants
 from bayesfric.rigs.coefficients import SizeIndex, coefficient_parameters
+from bayesfric.rigs.motor_board.places import RunPlaces, run_condition
 
 __all__ = ["MotorLikelihood", "idle_basis", "run_condition"]
 
 Array = NDArray[np.float64]
 TENSION_ITERATIONS = 2  # each takes the error of an effect's tension down by some 20
 LEAST_CURRENT_A = 1e-5  # of the noise, as a start, where the idle curve fits perfectly
-
-
-def run_condition(runs: pd.DataFrame, rig: RigConstants) -> MotorCondition:
-    """Return the condition of each run, arrays of shape (N,)."""
-    return MotorCondition(
-        runs["n_pulleys"].to_numpy(dtype=np.float64),
-        runs["wrap_angle_deg"].to_numpy(dtype=np.float64),
-        runs["hanging_mass_kg"].to_numpy(dtype=np.float64),
-        runs["velocity_m_s"].to_numpy(dtype=np.float64),
-        rig.gravity_m_s2,
-    )
 
 
 def idle_basis(velocity_m_s: Array, *, both_ways: bool) -> Array:
@@ -103,7 +81,7 @@ class MotorLikelihood:
     baseline : Baseline
         The friction law.
     effects : sequence of ActiveEffect
-        What acts beside the law.
+        What acts beside the law; what :meth:`RunPlaces.supports` refuses is left out.
 
     Attributes
     ----------
@@ -129,14 +107,15 @@ class MotorLikelihood:
         effects: Sequence[ActiveEffect] = (),
     ) -> None:
         self._friction = baseline.motor
-        self._effects = tuple(effects)
         assert rig.motor_torque_constant_n_m_per_a and rig.capstan_radius_m
         codes, setups = pd.factorize(motor.runs["setup"])
         order = codes.argsort(kind="stable")
         runs = motor.runs.iloc[order].reset_index(drop=True).rename(columns={"run": "trial"})
         self.trials = runs
         self.setups = tuple(str(setup) for setup in setups)
-        self.condition = run_condition(runs, rig)
+        self._places = RunPlaces(runs, rig)
+        self._effects = [one for one in effects if self._places.supports(one.effect) is None]
+        self.condition = self._places.condition
         self._runs = len(runs)
         self._torque_constant = rig.motor_torque_constant_n_m_per_a
         self._radius = rig.capstan_radius_m
@@ -149,7 +128,7 @@ class MotorLikelihood:
         )
         # The idle measurements are a last group of their own, which no η moves.
         starts = np.flatnonzero(np.diff(codes[order], prepend=-1))
-        self._index = SetupIndex(np.append(starts, self._runs), speed.size)
+        self._groups = Groups(np.append(starts, self._runs), speed.size)
         priors = analysis.priors
         both_ways = bool((idle_speed > 0).any() and (idle_speed < 0).any())
         self._columns = idle_basis(speed, both_ways=both_ways) * priors.idle_current_sd
@@ -179,21 +158,32 @@ class MotorLikelihood:
             fc of eq. (15) and of the effects at the nominal tension of the run, with the
             sign of v.
         """
+        return self._forces(theta)[0]
+
+    def _forces(self, theta: Mapping[str, Array]) -> tuple[Array, Array]:
+        """Return the friction that scatters and what scatter leaves alone, signed, (W, N) [N]."""
         law = self._size.coefficients(theta)
         friction = np.asarray(self._friction(law, self.condition))
-        here = [active for active in self._effects if active.effect.acts_on == "friction"]
-        if not here:
-            return friction
-        feedback = tension_feedback(law, self.condition)
-        sign, speed = np.sign(self.condition.velocity_m_s), np.abs(self.condition.velocity_m_s)
-        drag = np.zeros_like(friction)
+        drag = held = np.zeros_like(friction)
+        if not self._on("friction") and not self._on("drive"):
+            return friction, held
+        feedback, sign = tension_feedback(law, self.condition), np.sign(self.condition.velocity_m_s)
         for _ in range(TENSION_ITERATIONS):  # the drag changes the tension on which it depends
-            tension = nominal_tension(self.condition, friction + sign * feedback * drag)
-            state = State.of(
-                law, self.condition.n_pulleys, self.condition.wrap_angle_deg, tension, speed
-            )
-            drag = total(here, theta, state)
-        return np.asarray(friction + sign * feedback * drag)
+            state = self._places.state(law, friction + sign * feedback * (drag + held))
+            drag = self._added("friction", theta, state)
+            held = self._added("drive", theta, state)
+        return np.asarray(friction + sign * (feedback * drag + (feedback - 1) * held)), sign * held
+
+    def _on(self, kind: str) -> list[ActiveEffect]:
+        return [one for one in self._effects if one.effect.acts_on == kind]
+
+    def _added(self, kind: str, theta: Mapping[str, Array], state: State) -> Array:
+        """Return what effects of one kind add, shape (W, N)."""
+        here = self._on(kind)
+        shape = np.broadcast_shapes(
+            *(np.shape(part) for part in (state.tension_n, state.speed_m_s))
+        )
+        return np.broadcast_to(total(here, theta, state) if here else 0.0, shape)
 
     def observed(self, theta: Mapping[str, Array]) -> Array:
         """Return the signed friction that the currents show [N].
@@ -238,7 +228,7 @@ class MotorLikelihood:
         if not together:
             return np.asarray(np.hypot(tau, omega) * rng.standard_normal(shape))
         assembly = rng.standard_normal((len(tau), len(self.setups)))
-        of_run = self._index.of_trial[: self._runs]
+        of_run = self._groups.of_each[: self._runs]
         return np.asarray(omega * assembly[:, of_run] + tau * rng.standard_normal(shape))
 
     def draw_observed(
@@ -262,10 +252,11 @@ class MotorLikelihood:
             median torque constant, whatever that of the draw; the idle curve's error,
             which all runs share, is left out.
         """
-        friction, torque = self.law(theta), self._torque(theta)
-        scattered = friction * (1 + deviation)
+        friction, held = self._forces(theta)
+        torque = self._torque(theta)
+        scattered = friction * (1 + deviation) + held
         current = load_current(self.condition, scattered, torque, self._radius)
-        expected = load_current(self.condition, friction, torque, self._radius)
+        expected = load_current(self.condition, friction + held, torque, self._radius)
         sd = np.hypot(theta["sigma_current"][:, None], theta["load_noise"][:, None] * expected)
         current += sd * rng.standard_normal(current.shape)
         reading = np.median(torque) / self._radius
@@ -302,12 +293,13 @@ class MotorLikelihood:
         ndarray, shape (W, N)
             A recording made again a row, the idle curve drawn from its prior.
         """
-        return self._friction_cdf(self._currents(theta).made_again(rng))
+        return self._friction_cdf(self._currents(theta).drawn(rng))
 
-    def _friction_cdf(self, currents: JointNormal) -> Array:
+    def _friction_cdf(self, currents: GroupedNormal) -> Array:
         # Friction takes current from a motor that lifts, and gives it back as it lowers.
-        sign = np.sign(self.condition.velocity_m_s)
-        return np.asarray(ndtr(sign * currents.single_z()[:, : self._runs]))
+        sign = np.ones(self._groups.count)
+        sign[: self._runs] = np.sign(self.condition.velocity_m_s)
+        return currents.single_cdf(sign)[:, : self._runs]
 
     def start(self) -> dict[str, float]:
         """Return rough estimates by least squares, a place to climb from."""
@@ -342,26 +334,19 @@ class MotorLikelihood:
             return self._size.spread(theta, "tau_motor"), self._size.spread(theta, "omega_motor")
         return theta["tau_motor"][:, None], theta["omega_motor"][:, None]
 
-    def _currents(self, theta: Mapping[str, Array]) -> JointNormal:
-        friction, torque = self.law(theta), self._torque(theta)
-        load = load_current(self.condition, friction, torque, self._radius)
-        beyond = load + self._added_current(theta, load)
+    def _currents(self, theta: Mapping[str, Array]) -> GroupedNormal:
+        (friction, held), torque = self._forces(theta), self._torque(theta)
+        load = load_current(self.condition, friction + held, torque, self._radius)
+        law = self._size.coefficients(theta)
+        state = self._places.state(law, friction + held, load)
+        beyond = load + self._added("current", theta, state)
         tau, omega = self._scatter(theta)
         per_scatter = friction * self._radius / torque  # current of a relative deviation of 1
         runs = slice(None, self._runs)
-        variance = np.repeat(theta["sigma_current"][:, None] ** 2, self._index.trials, axis=1)
+        variance = np.repeat(theta["sigma_current"][:, None] ** 2, self._groups.count, axis=1)
         variance[:, runs] += (theta["load_noise"][:, None] * load) ** 2 + (tau * per_scatter) ** 2
-        moved = np.zeros_like(variance)
-        moved[:, runs] = omega * per_scatter
+        moved = np.zeros((1, *variance.shape))
+        moved[0, :, runs] = omega * per_scatter
         residual = np.tile(self._current, (len(load), 1))
         residual[:, runs] -= beyond
-        return JointNormal(self._index, self._columns, residual, variance, moved)
-
-    def _added_current(self, theta: Mapping[str, Array], load: Array) -> Array:
-        """Return what effects on the motor add to the current of each run, shape (W, N)."""
-        law = self._size.coefficients(theta)
-        speed = np.abs(self.condition.velocity_m_s)
-        condition = (self.condition.n_pulleys, self.condition.wrap_angle_deg)
-        state = State.of(law, *condition, self.condition.weight_n, speed, load)
-        here = [active for active in self._effects if active.effect.acts_on == "current"]
-        return total(here, theta, state) if here else np.zeros_like(load)
+        return GroupedNormal(self._groups, residual, variance, moved, self._columns)

@@ -8,12 +8,14 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
+from bayesfric.effects import Effect
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.physics.compliant import Cable
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Motor, Recording, RigConstants
 from bayesfric.rigs.base import Motion, Unsupported, Words
 from bayesfric.rigs.motor_board.likelihood import MotorLikelihood
+from bayesfric.rigs.motor_board.places import RunPlaces
 
 __all__ = ["RIG", "MotorBoard", "MotorRuns"]
 
@@ -80,6 +82,10 @@ class MotorRuns:
         """Return the runs of a mask over the table; None without any."""
         runs = self.motor.runs[keep].reset_index(drop=True)
         return replace(self, motor=Motor(runs, self.motor.idle)) if len(runs) else None
+
+    def supports(self, effect: Effect) -> Unsupported | None:
+        """Return why an effect cannot enter the likelihood; None where it can."""
+        return RunPlaces(self.motor.runs, self.constants).supports(effect)
 
     def likelihood(
         self,

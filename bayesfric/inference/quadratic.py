@@ -1,0 +1,107 @@
+"""Quadratic forms of many walkers at once, and normal numbers integrated out of them.
+
+A symmetric matrix of side s is its upper triangle row by row: an array whose first axis
+has s (s + 1) / 2 rows; further axes are walkers, trials, groups. A density that is normal
+in some numbers and in a residual, ``exp(−mᵀ M m / 2)``, stays one when the leading numbers
+are integrated out, one after the other (Schur complement).
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = ["bilinear", "eliminate", "gram", "matrices", "side"]
+
+Array = NDArray[np.float64]
+
+
+def side(triangle: Array) -> int:
+    """Return the side of a matrix that is given by its upper triangle."""
+    return int((np.sqrt(8 * len(triangle) + 1) - 1) / 2)
+
+
+def matrices(triangle: Array) -> Array:
+    """Return full matrices, their two axes last, shape (…, s, s)."""
+    size = side(triangle)
+    whole = np.empty((*triangle.shape[1:], size, size))
+    row, column = np.triu_indices(size)
+    whole[..., row, column] = whole[..., column, row] = np.moveaxis(triangle, 0, -1)
+    return whole
+
+
+def gram(columns: Sequence[Array], weight: Array, total: Callable[[Array], Array]) -> Array:
+    """Return the weighted products of all pairs of columns, summed.
+
+    Parameters
+    ----------
+    columns : sequence of s ndarrays, broadcastable to the shape of `weight`
+        Columns.
+    weight : ndarray, shape (…)
+        Their common weight.
+    total : callable
+        Sum of an array of that shape.
+
+    Returns
+    -------
+    ndarray, shape (s (s + 1) / 2, …)
+        Upper triangles.
+    """
+    rows = [weight * column for column in columns]
+    return np.stack([total(rows[i] * column) for i in range(len(rows)) for column in columns[i:]])
+
+
+def eliminate(triangle: Array, variances: Sequence[ArrayLike]) -> tuple[Array, Array]:
+    """Integrate the leading numbers out, each normal around 0.
+
+    Parameters
+    ----------
+    triangle : ndarray, shape (s (s + 1) / 2, …)
+        Precision of the data for all s numbers.
+    variances : sequence of k array_like, broadcastable to (…)
+        Prior variances of the first k numbers; 0 leaves a number out.
+
+    Returns
+    -------
+    triangle : ndarray, shape ((s − k)(s − k + 1) / 2, …)
+        Of the numbers that are left.
+    log_determinant : ndarray, shape (…)
+        log det(I + V M), V and M of the first k numbers: minus twice the log of what the
+        integral multiplies the density by.
+    """
+    size = side(triangle)
+    log_determinant = np.zeros(triangle.shape[1:])
+    for variance in variances:
+        row, triangle = triangle[:size], triangle[size:].copy()
+        size -= 1
+        pivot = 1 + variance * row[0]
+        log_determinant += np.log(pivot)
+        share = variance / pivot
+        start = 0
+        for place in range(1, size + 1):
+            stop = start + size + 1 - place
+            triangle[start:stop] -= (share * row[place]) * row[place:]
+            start = stop
+    return triangle, log_determinant
+
+
+def bilinear(
+    triangle: Array, left: Sequence[Array | float], right: Sequence[Array | float]
+) -> Array:
+    """Return leftᵀ M right, shape (…).
+
+    Parameters
+    ----------
+    triangle : ndarray, shape (s (s + 1) / 2, …)
+        M.
+    left, right : sequence of s ndarrays or floats
+        Two vectors, their entries broadcastable to (…).
+    """
+    total = np.zeros(triangle.shape[1:])
+    start = 0
+    for i in range(len(left)):
+        for j in range(i, len(left)):
+            both = left[i] * right[j] if i == j else left[i] * right[j] + left[j] * right[i]
+            total += both * triangle[start + j - i]
+        start += len(left) - i
+    return total

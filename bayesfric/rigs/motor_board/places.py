@@ -1,0 +1,89 @@
+"""Where runs of the motor board are when an effect acts."""
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bayesfric.effects import Effect, State
+from bayesfric.effects.terms import small_values
+from bayesfric.paper import table1
+from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.motor import MotorCondition, nominal_tension
+from bayesfric.recording.tables import RigConstants
+from bayesfric.rigs.acting import surroundings
+from bayesfric.rigs.base import Unsupported, why_inert
+
+__all__ = ["RunPlaces", "run_condition"]
+
+Array = NDArray[np.float64]
+ON_READINGS = Unsupported("It acts on sensors along a trial, and this board reads a current.")
+OVER = Unsupported("Nothing of it is left, or it averages out, once the cable runs steadily.")
+NO_PHASES = Unsupported(
+    "Nobody recorded its phases: it is a scatter of every run, and moves none on average."
+)
+
+
+def run_condition(runs: pd.DataFrame, rig: RigConstants) -> MotorCondition:
+    """Return the condition of each run, arrays of shape (N,)."""
+    return MotorCondition(
+        runs["n_pulleys"].to_numpy(dtype=np.float64),
+        runs["wrap_angle_deg"].to_numpy(dtype=np.float64),
+        runs["hanging_mass_kg"].to_numpy(dtype=np.float64),
+        runs["velocity_m_s"].to_numpy(dtype=np.float64),
+        rig.gravity_m_s2,
+    )
+
+
+class RunPlaces:
+    """N runs.
+
+    Parameters
+    ----------
+    runs : DataFrame
+        One row a run.
+    rig : RigConstants
+        The board.
+    """
+
+    def __init__(self, runs: pd.DataFrame, rig: RigConstants) -> None:
+        self.condition = run_condition(runs, rig)
+        self._around = surroundings(runs, rig)
+
+    def state(self, law: Coefficients, friction_n: Array, load_a: Array | float = 0.0) -> State:
+        """Return where runs are, arrays that broadcast to (W, N).
+
+        Parameters
+        ----------
+        law : Coefficients
+            Of each run.
+        friction_n : ndarray, shape (W, N)
+            Signed, with all that pulls beside the weight; sets the tension [N].
+        load_a : ndarray, shape (W, N), or float
+            Current beyond that of the idle motor [A].
+        """
+        condition = self.condition
+        return State.of(
+            law,
+            condition.n_pulleys,
+            condition.wrap_angle_deg,
+            nominal_tension(condition, friction_n),
+            np.abs(condition.velocity_m_s),
+            load_a,
+            steady=True,
+            **self._around,
+        )
+
+    def supports(self, effect: Effect) -> Unsupported | None:
+        """Return why an effect cannot enter the likelihood; None where it can."""
+        if effect.acts_on == "reading":
+            return ON_READINGS
+        medium = table1()["medium"]  # any law will do
+        law = Coefficients(medium.c1.value, medium.c2.value, medium.c3.value)
+        state = self.state(law, np.zeros(1), np.ones(1))
+        for one in effect.laws.values():
+            response = np.asarray(one(small_values(effect), state))
+            if not response.any():
+                return OVER
+            if reason := why_inert(response):
+                return reason
+        return NO_PHASES if effect.components else None

@@ -1,0 +1,191 @@
+"""Groups of measurements against SciPy's multivariate normal and against quadrature."""
+
+import numpy as np
+import pytest
+from scipy import stats
+from scipy.integrate import quad
+
+from bayesfric.inference.grouped_normal import GroupedNormal, Groups
+from bayesfric.inference.quadratic import bilinear, eliminate, gram, matrices
+from bayesfric.inference.student import GroupedStudent
+
+RESIDUAL = np.array([0.02, -0.02, 0.11, -0.01, -0.05, 0.02])
+VARIANCE = np.array([4e-4, 1e-3, 2e-3, 5e-4, 4.6e-3, 5e-4])
+MOVED = np.array([[0.027, 0.042, 0.066, 0.021, 0.09, 0.033],
+                  [0.02, 0.02, -0.01, 0.03, 0.02, 0.01]])  # fmt: skip
+COLUMNS = np.array([[1.0, 0.1], [1.0, 0.3], [1.0, 0.4], [-1.0, 0.1], [-1.0, 0.5], [1.0, 0.9]])
+GROUPS = Groups(np.array([0, 3, 5]), 6)
+SHAPES = [(rank, shared) for rank in (1, 2) for shared in (False, True)]
+
+
+def normal(rank, shared):
+    return GroupedNormal(
+        GROUPS,
+        RESIDUAL[None],
+        VARIANCE[None],
+        MOVED[:rank, None],
+        0.05 * COLUMNS if shared else None,
+    )
+
+
+def covariance(rank, shared):
+    same = GROUPS.of_each[:, None] == GROUPS.of_each
+    whole = np.diag(VARIANCE) + same * (MOVED[:rank].T @ MOVED[:rank])
+    return whole + shared * 0.05**2 * COLUMNS @ COLUMNS.T
+
+
+def log_density(noise, rows):
+    if not len(rows):
+        return 0.0
+    return stats.multivariate_normal(cov=noise[np.ix_(rows, rows)]).logpdf(RESIDUAL[rows])
+
+
+def given_the_rest(noise, rows):
+    rest = np.setdiff1d(np.arange(6), rows)
+    return log_density(noise, np.arange(6)) - log_density(noise, rest)
+
+
+@pytest.mark.parametrize(("rank", "shared"), SHAPES)
+def test_all_is_one_multivariate_normal(rank, shared):
+    expected = log_density(covariance(rank, shared), np.arange(6))
+    assert normal(rank, shared).log_density() == pytest.approx([expected], abs=1e-11)
+
+
+@pytest.mark.parametrize(("rank", "shared"), SHAPES)
+def test_a_group_given_the_rest_is_a_ratio_of_densities(rank, shared):
+    noise = covariance(rank, shared)
+    expected = [given_the_rest(noise, np.flatnonzero(GROUPS.of_each == g)) for g in range(3)]
+    assert normal(rank, shared).group_log_density()[0] == pytest.approx(expected, abs=1e-11)
+
+
+@pytest.mark.parametrize(("rank", "shared"), SHAPES)
+def test_a_measurement_given_the_rest_is_a_ratio_of_densities(rank, shared):
+    noise = covariance(rank, shared)
+    expected = [given_the_rest(noise, np.array([one])) for one in range(6)]
+    assert normal(rank, shared).single_log_density()[0] == pytest.approx(expected, abs=1e-11)
+
+
+@pytest.mark.parametrize(("rank", "shared"), SHAPES)
+def test_the_probability_of_less_is_that_of_the_conditional_normal(rank, shared):
+    noise, expected = covariance(rank, shared), []
+    for one in range(6):
+        rest = np.setdiff1d(np.arange(6), [one])
+        gain = noise[one, rest] @ np.linalg.inv(noise[np.ix_(rest, rest)])
+        sd = np.sqrt(noise[one, one] - gain @ noise[rest, one])
+        expected.append(stats.norm.cdf((RESIDUAL[one] - gain @ RESIDUAL[rest]) / sd))
+    found = normal(rank, shared)
+    assert found.single_cdf()[0] == pytest.approx(expected, abs=1e-11)
+    assert found.single_cdf(-1.0)[0] == pytest.approx(1 - np.array(expected), abs=1e-11)
+
+
+@pytest.mark.parametrize(("rank", "shared"), SHAPES)
+def test_drawn_residuals_have_the_covariance(rank, shared):
+    one = normal(rank, shared)
+    many = 100_000
+    whole = GroupedNormal(
+        GROUPS,
+        np.zeros((many, 6)),
+        np.tile(VARIANCE, (many, 1)),
+        np.repeat(one.moved, many, axis=1),
+        one.columns,
+    )
+    drawn = whole.drawn(np.random.default_rng(1)).residual
+    expected = covariance(rank, shared)
+    # The sd of an entry is √((c_ij² + c_ii c_jj) / draws).
+    sd = np.sqrt((expected**2 + np.outer(np.diag(expected), np.diag(expected))) / many)
+    assert np.abs((drawn.T @ drawn / many - expected) / sd).max() < 4.5
+
+
+def test_walkers_are_independent_rows():
+    one, scale = normal(2, True), np.array([[1.0], [1.3]])
+    both = GroupedNormal(
+        GROUPS, scale * RESIDUAL, scale * VARIANCE, np.stack(2 * [MOVED], axis=1), one.columns
+    )
+    assert both.log_density()[0] == pytest.approx(one.log_density()[0], abs=1e-12)
+    assert both.log_density()[1] != both.log_density()[0]
+
+
+def test_numbers_integrated_out_leave_the_schur_complement():
+    rng = np.random.default_rng(2)
+    columns, weight = rng.standard_normal((4, 7)), rng.uniform(0.5, 2, 7)
+    form = gram(list(columns), weight, np.sum)
+    whole = columns * weight @ columns.T
+    assert matrices(form) == pytest.approx(whole, rel=1e-12)
+    left, right = rng.standard_normal((2, 4))
+    assert bilinear(form, list(left), list(right)) == pytest.approx(left @ whole @ right)
+    variances = [0.7, 0.0, 2.0]
+    rest, log_determinant = eliminate(form, variances)
+    # Of a number without variance nothing is left: it is 0.
+    kept = [0, 2]
+    inner = np.diag(1 / np.array(variances)[kept]) + whole[np.ix_(kept, kept)]
+    gain = np.linalg.solve(inner, whole[kept, 3])
+    assert rest[0] == pytest.approx(whole[3, 3] - whole[3, kept] @ gain)
+    expected = np.linalg.slogdet(np.eye(3) + np.diag(variances) @ whole[:3, :3])[1]
+    assert log_determinant == pytest.approx(expected)
+
+
+def student(rank, freedom):
+    return GroupedStudent(GROUPS, RESIDUAL[None], VARIANCE[None], MOVED[:rank, None], freedom)
+
+
+def by_quadrature(rows, rank, freedom, of=None):
+    """Return the integral over a group's numbers of its density, times something."""
+    moved, scale = MOVED[:rank, rows], np.sqrt(VARIANCE[rows])
+
+    def integrand(*numbers):
+        off = RESIDUAL[rows] - np.array(numbers) @ moved
+        prior = stats.norm.logpdf(np.array(numbers)).sum()
+        value = np.exp(prior + stats.t(freedom, 0, scale).logpdf(off).sum())
+        return value if of is None else value * of(np.array(numbers))
+
+    if rank == 1:
+        return quad(integrand, -12, 12, points=[0.0], epsabs=0, epsrel=1e-10, limit=400)[0]
+    # The trapezoid rule on a far finer and wider grid than the one that is tested.
+    grid = np.linspace(-10, 10, 401)
+    first, second = np.meshgrid(grid, grid)
+    numbers = np.stack([first.ravel(), second.ravel()])
+    off = RESIDUAL[rows][:, None] - moved.T @ numbers
+    prior = stats.norm.logpdf(numbers).sum(axis=0)
+    value = np.exp(prior + stats.t(freedom, 0, scale[:, None]).logpdf(off).sum(axis=0))
+    if of is not None:
+        value = value * of(numbers)
+    return value.sum() * (grid[1] - grid[0]) ** 2
+
+
+@pytest.mark.parametrize(("rank", "freedom"), [(1, 3.0), (1, 8.0), (2, 3.0), (2, 8.0)])
+def test_a_student_group_against_quadrature(rank, freedom):
+    rows = ([0, 1, 2], [3, 4], [5])
+    expected = [np.log(by_quadrature(row, rank, freedom)) for row in rows]
+    found = student(rank, freedom).group_log_density()[0]
+    assert found == pytest.approx(expected, abs=1e-5)
+
+
+@pytest.mark.parametrize("rank", [1, 2])
+def test_a_student_measurement_given_the_rest_against_quadrature(rank):
+    found = student(rank, 4.0).single_log_density()[0]
+    whole, rest = by_quadrature([0, 1, 2], rank, 4.0), by_quadrature([0, 1], rank, 4.0)
+    assert found[2] == pytest.approx(np.log(whole / rest), abs=1e-4)
+    # A measurement alone in its group has no rest: its density is the group's.
+    assert found[5] == pytest.approx(np.log(by_quadrature([5], rank, 4.0)), abs=1e-4)
+
+
+@pytest.mark.parametrize("rank", [1, 2])
+def test_a_student_probability_of_less_against_quadrature(rank):
+    scale = np.sqrt(VARIANCE[2])
+    below = by_quadrature(
+        [0, 1],
+        rank,
+        4.0,
+        lambda numbers: stats.t.cdf((RESIDUAL[2] - MOVED[:rank, 2] @ numbers) / scale, 4.0),
+    )
+    found = student(rank, 4.0).single_cdf()[0]
+    assert found[2] == pytest.approx(below / by_quadrature([0, 1], rank, 4.0), abs=1e-5)
+
+
+@pytest.mark.parametrize("rank", [1, 2])
+def test_a_student_with_many_degrees_of_freedom_is_normal(rank):
+    # The t differs from the normal by O(1/ν): at ν = 1e6 by some 1e-6 a measurement.
+    many, one = student(rank, 1e6), normal(rank, False)
+    assert many.group_log_density() == pytest.approx(one.group_log_density(), abs=1e-4)
+    assert many.single_log_density() == pytest.approx(one.single_log_density(), abs=1e-4)
+    assert many.single_cdf() == pytest.approx(one.single_cdf(), abs=1e-4)
