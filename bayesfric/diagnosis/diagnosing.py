@@ -25,7 +25,7 @@ from bayesfric.diagnosis.verdict import decide, sentence_of, unseparated_of
 from bayesfric.diagnosis.weighing import Weighed, weigh
 from bayesfric.diagnosis.where import where_it_lies
 from bayesfric.diagnosis.which import NONE, PRIOR, UNKNOWN, Which, look_closer, which_effect
-from bayesfric.effects import Effect, all_effects
+from bayesfric.effects import Effect, all_effects, with_priors
 from bayesfric.effects.candidates import candidates_of
 from bayesfric.errors import Fault, InputError
 from bayesfric.paper import table1
@@ -143,7 +143,8 @@ def _diagnose(
             for size, row in table1().items()
         }
     held = _held(fixed, data, shipped)
-    examined = all_effects() | {effect.name: effect for effect in effects}
+    known = all_effects() | {effect.name: effect for effect in effects}
+    examined = with_priors(known, analysis.priors.effects)
     measured = _measured(data)
     laws, psi = reference_laws(data, analysis, share, held, shipped, measured)
     stray = stray_trials(data, laws, measured)
