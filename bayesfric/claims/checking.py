@@ -15,9 +15,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis, analysis_sha256
-from bayesfric.claims.base import PAPER, Case, Claim, Entered, Finding
+from bayesfric.claims.base import Case, Claim, Finding
 from bayesfric.claims.comparison import bayes_factor, log_evidence
 from bayesfric.claims.contradictions import contradictions
+from bayesfric.claims.entered import PAPER, Entered
 from bayesfric.claims.studies import Studied, Task, study_all
 from bayesfric.effects import all_effects, with_priors
 from bayesfric.recording.tables import Recording

@@ -37,7 +37,7 @@ def compare(claim: Claim, case: Case) -> Finding:
     """
     if lack := claim.untestable(case.entered):
         return Finding("not-testable", lack)
-    name = claim.rig(case.entered)
+    name = claim.subject(case.entered)
     rules = case.analysis.claims
     own = case.studied[Task(name, case.entered.baseline)]
     rivals = {one: case.studied[Task(name, one)] for one in claim.against(case.entered)}

@@ -5,7 +5,7 @@ import pytest
 
 from bayesfric.analysis import Analysis, HalfNormal, Priors, read_analysis
 from bayesfric.claims import check_claims, checking
-from bayesfric.claims.base import Entered
+from bayesfric.claims.entered import Entered
 from bayesfric.claims.studies import Studied, Task, study_all
 from bayesfric.effects import all_effects, with_priors
 from bayesfric.errors import InputError
