@@ -47,8 +47,8 @@ class Finding:
     by_pulley : mapping of str to (float or None, float or None, str)
         Bayes factor, its error, and why there is none, for each size alone.
     curve : mapping of str to ndarray
-        Log10 Bayes factor over the width of the rivals' priors: ``width`` and
-        ``log10_bayes_factor``; empty without.
+        ``log10_bayes_factor`` and ``verdict`` over the ``width`` of the rivals' priors;
+        empty without.
     """
 
     verdict: Verdict
@@ -60,7 +60,7 @@ class Finding:
     elpd_difference_se: float | None = None
     why: str = ""
     by_pulley: Mapping[str, tuple[float | None, float | None, str]] = field(default_factory=dict)
-    curve: Mapping[str, Array] = field(default_factory=dict)
+    curve: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -55,8 +55,8 @@ class Checked:
     summary : ClaimsFile
         What ``claims.json`` says.
     curves : DataTree
-        What ``claims.nc`` holds: ``curves``, the log10 Bayes factor over the width of
-        the rivals' priors.
+        What ``claims.nc`` holds: ``curves``, the log10 Bayes factor and the verdict over
+        the width of the rivals' priors.
     seconds : float
         Wall time.
     """
@@ -286,8 +286,12 @@ def _curves(findings: Sequence[tuple[Claim, Finding]]) -> xr.DataTree:
         return xr.DataTree()
     width = next(iter(compared.values()))["width"]
     values = np.stack([curve["log10_bayes_factor"] for curve in compared.values()])
+    verdicts = np.stack([curve["verdict"] for curve in compared.values()])
     curves = xr.Dataset(
-        {"log10_bayes_factor": (("claim", "width"), values)},
+        {
+            "log10_bayes_factor": (("claim", "width"), values),
+            "verdict": (("claim", "width"), verdicts),
+        },
         coords={"claim": list(compared), "width": width},
     )
     return xr.DataTree.from_dict({"curves": curves})
