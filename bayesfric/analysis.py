@@ -165,6 +165,11 @@ class Priors(_Section):
     pulleys: dict[str, PriorOverrides] = Field(
         default_factory=dict, description="Priors of single sizes: [priors.pulleys.SIZE]."
     )
+    effects: dict[str, dict[str, Prior]] = Field(
+        default_factory=dict,
+        description="Priors of the parameters of an effect, amplitude or shape, by their names: "
+        "[priors.effects.NAME]. Claims and diagnosis use them; else those of the effect's file.",
+    )
 
 
 class Scatter(_Section):

@@ -31,7 +31,7 @@ from bayesfric.diagnosis.verdict import (
 )
 from bayesfric.diagnosis.weighing import Weighed, weigh
 from bayesfric.diagnosis.where import where_it_lies
-from bayesfric.effects import Effect, all_effects
+from bayesfric.effects import Effect, all_effects, with_priors
 from bayesfric.effects.candidates import Candidate, candidates_of
 from bayesfric.errors import Fault, InputError
 from bayesfric.paper import table1
@@ -147,6 +147,7 @@ def _diagnose(
         }
     held = _held(fixed, data, shipped)
     examined = all_effects() | {effect.name: effect for effect in effects}
+    examined = with_priors(examined, analysis.priors.effects)
     examined = {name: _widened(one, analysis) for name, one in examined.items()}
     data, stray, laws, psi = _baseline(data, analysis, held, shipped)
     candidates = [one for effect in examined.values() for one in candidates_of(effect)]
