@@ -126,7 +126,6 @@ def _figure(card: ScorecardFile) -> Figure:
         "share of verdicts that came true over their probability; "
         f"{inside} of {len(card.reliability)} points lie in their band.",
         label="scorecard",
-        here=True,
     )
 
 
@@ -145,7 +144,6 @@ def _tables(card: ScorecardFile) -> Iterator[Block]:
         "A table of counts, withheld effects as rows and verdicts as columns; what is right lies "
         "on its diagonal.",
         label="confusion",
-        here=True,
     )
     yield Heading(2, "Rates")
     rows: list[tuple[Text, Rate]] = [
