@@ -84,7 +84,7 @@ def summarise(
             *_not_uniform(attributes["uniformity"]),
         ),
         pulleys={size: {c: entries[f"{c}[{size}]"] for c in COEFFICIENTS} for size in sizes},
-        scatter={n: e for n, e in entries.items() if n.startswith(("tau", "omega"))},
+        scatter={n: e for n, e in entries.items() if n.startswith(("tau", "omega", "wander"))},
         noise={n: e for n, e in entries.items() if n.startswith(("sigma", "load_noise"))},
         parameters={n: e for n, e in entries.items() if n == "torque_constant_factor"},
         paper_estimator={} if screened is None else _as_the_paper(screened, recording.rig),
