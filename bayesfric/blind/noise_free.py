@@ -6,6 +6,7 @@ of it that the named causes leave.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -13,9 +14,8 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from bayesfric.analysis import Analysis
-from bayesfric.diagnosis.linear_model import Acting, LinearModel
-from bayesfric.diagnosis.reference import fitted_laws
-from bayesfric.diagnosis.residuals import Residuals, fitted, residuals_of
+from bayesfric.diagnosis.model import Acting, LinearModel
+from bayesfric.diagnosis.residuals import Residuals, residuals_of, spread_numbers
 from bayesfric.effects import all_effects
 from bayesfric.effects.candidates import Candidate, candidates_of
 from bayesfric.recording.tables import Recording
@@ -26,9 +26,6 @@ from bayesfric.simulate import table1_coefficients
 __all__ = ["CleanCase"]
 
 Array = NDArray[np.float64]
-GRAVITY_SCATTER = (0.01, 0.015)  # of a trial and an assembly
-EVENT_SD_M = 30e-6
-MOTOR_NOISE = (0.01, 0.015, 0.002, 0.005)  # likewise; of a current [A], and per load
 FALSE_ALARMS = 0.02  # of the oracle, as many as are promised of the diagnosis
 ROUNDS = 2  # of fitting the law and linearising around it
 
@@ -53,11 +50,11 @@ class CleanCase:
         opened = (rig.trials(recording, exclude=False) for rig in all_rigs().values())
         data = Data(tuple(one for one in opened if one is not None))
         laws = {size: table1_coefficients()[size] for size in data.sizes}
-        share = analysis.diagnosis.practical_share
-        model = LinearModel(data, laws, (), analysis, share, discrepancy=False)
-        self._psi = _usual_noise(model)
+        model = LinearModel(data, laws, (), analysis, discrepancy=False)
+        # A noise as rigs have it, whatever these data are free of.
+        self._psi = np.log([one.usual for one in model.noise])
         for _ in range(ROUNDS - 1):
-            laws = fitted_laws(model, self._psi, Acting())
+            laws = model.fitted_laws(model.evaluate(self._psi, Acting()))
             model = model.around(laws, (), discrepancy=False)
         self._model = model
         residuals = residuals_of(model, self._psi)
@@ -86,11 +83,18 @@ class CleanCase:
         every: list[Candidate] = [candidate for own in each for candidate in own]
         model = self._model.around(self._model.laws, every, discrepancy=False)
         residuals = residuals_of(model, self._psi)
-        places, start = [], 0
-        for own in each:
-            places.append(range(start, start + len(own)))
-            start += len(own)
-        left = min(self._left(model, residuals, Acting(choice)) for choice in product(*places))
+        # Each candidate is a law of its own here: shapes are those of the nodes.
+        laws = [
+            replace(law, places=(place,), nodes=(node,))
+            for each_law in model.lawbook.values()
+            for law in each_law
+            for place, node in zip(law.places, law.nodes, strict=True)
+        ]
+        own_laws = [[law for law in laws if law.effect == name] for name, _ in causes]
+        left = min(
+            self._left(model, residuals, Acting(choice, (0.0,) * len(choice)))
+            for choice in product(*own_laws)
+        )
         return 1 - (left / self._friction / self.gap) ** 2
 
     def oracle_power(self) -> float:
@@ -102,41 +106,25 @@ class CleanCase:
         """
         model, residuals = self._model, residuals_of(self._model, self._psi)
         rest = self._rest(model, residuals, Acting())
-        # Events are stated for the noise that they have here, which is none.
-        gravity, _ = model.noise(self._psi)
-        trials = 0 if model.gravity is None else len(model.gravity.rows.trials)
-        kappa = 1.0 if gravity is None else gravity.kappa
-        tau, omega = residuals.scatter.T
         square = 0.0
         for setup in np.unique(residuals.setup):
             rows = np.flatnonzero(residuals.setup == setup)
             trial = residuals.trial[rows]
             same = trial[:, None] == trial
             friction = residuals.friction_n[rows]
-            spread = np.outer(tau[rows], tau[rows]) * same + np.outer(omega[rows], omega[rows])
+            sds = np.sqrt(residuals.scatter[rows])
+            spread = np.outer(sds[:, 0], sds[:, 0]) * same + np.outer(sds[:, 1], sds[:, 1])
             covariance = spread * np.outer(friction, friction)
             for one in np.unique(trial):
                 own = np.flatnonzero(trial == one)
-                scale = kappa if one < trials else 1.0
-                covariance[np.ix_(own, own)] += scale * residuals.covariance[one]
+                covariance[np.ix_(own, own)] += residuals.covariance[one]
             square += float(rest[rows] @ np.linalg.solve(covariance, rest[rows]))
         return float(norm.cdf(np.sqrt(square) - norm.isf(FALSE_ALARMS)))
 
     def _rest(self, model: LinearModel, residuals: Residuals, acting: Acting) -> Array:
-        numbers, _ = fitted(model, self._psi, acting)
-        return residuals.left(model, numbers)
+        at = model.evaluate(self._psi, acting)
+        return residuals.left(spread_numbers(model, at.mean, model.mixing(acting)))
 
     def _left(self, model: LinearModel, residuals: Residuals, acting: Acting) -> float:
         rest = self._rest(model, residuals, acting)
         return float(np.sqrt((residuals.weight * rest**2).sum()))
-
-
-def _usual_noise(model: LinearModel) -> Array:
-    """Return the logarithms of a usual board's noise; these events have none of their own."""
-    noise: list[float] = []
-    if model.gravity is not None:
-        first = float(np.median(model.gravity.rows.variance))
-        noise += [*GRAVITY_SCATTER, EVENT_SD_M**2 / first]
-    if model.motor is not None:
-        noise += MOTOR_NOISE
-    return np.log(noise)

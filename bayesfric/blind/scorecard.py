@@ -189,10 +189,10 @@ def _confusion(cases: Sequence[ScoredCase]) -> Confusion:
         return case.withheld[0] if case.kind == "effect" else case.kind
 
     counts = Counter((row(case), case.outcome) for case in cases)
-    ends = {"none", BELOW, "pair", "outsider", OTHERS, "unknown", "unseparated"}
+    ends = {"none", BELOW, "pair", "outsider", OTHERS, "unknown", "unseparated", "undecided"}
     effects = sorted({name for pair in counts for name in pair} - ends)
     rows = ("none", BELOW, *effects, "pair", "outsider")
-    columns = ("none", *effects, "pair", OTHERS, "unknown", "unseparated")
+    columns = ("none", *effects, "pair", OTHERS, "unknown", "unseparated", "undecided")
     return Confusion(
         rows=rows,
         columns=columns,

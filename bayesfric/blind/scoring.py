@@ -140,7 +140,7 @@ def _outcome(names: Sequence[str], kind: str, named: bool, found: DiagnosisFile)
     """Return the column of the confusion matrix."""
     if found.verdict == "no-gap":
         return "none"
-    if found.verdict in ("unknown", "unseparated"):
+    if found.verdict in ("unknown", "unseparated", "undecided"):
         return found.verdict
     if named:
         return names[0] if kind == "effect" else "pair"

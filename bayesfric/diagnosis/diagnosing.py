@@ -103,7 +103,7 @@ def diagnose(
     Parameters
     ----------
     recording : Recording
-        With a gravity board, a motor board or both; all that there is enters.
+        All trials of all rigs that it has enter.
     analysis : Analysis or None
         Priors, rules and seed; None for the defaults.
     fixed : collection of str
@@ -308,7 +308,7 @@ def _first_look(model: LinearModel, psi: Array) -> Search:
     classes = classes_of(model, at.psi)
     model.merge(classes.members)
     curvature = model.curvature(at, Acting())
-    inverse = np.linalg.inv(curvature)
+    inverse = np.asarray(np.linalg.inv(curvature), dtype=np.float64)
     none = weigh(model, (), [at.psi], inverse, 0.0)
     return search(model, none, inverse, 0.0, classes)
 

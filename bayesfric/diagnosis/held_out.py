@@ -119,8 +119,8 @@ class Squares:
     def of(self, rows: NDArray[np.bool_], weight: float) -> "Squares":
         """Return those of some rows, for weights that add up to 1 again."""
         shipped = None if self.as_shipped is None else self.as_shipped[rows] / weight
-        parts = (one[rows] / weight for one in (self.before, self.after, self.floor))
-        return Squares(shipped, *parts, self.setup[rows])
+        before, after, floor = (one[rows] / weight for one in (self.before, self.after, self.floor))
+        return Squares(shipped, before, after, floor, self.setup[rows])
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ from bayesfric.inference.smooths import Smooth
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.layout import COEFFICIENTS, Layout
-from bayesfric.rigs.linear import LinearRig, NoiseParameter
+from bayesfric.rigs.linear import Evaluated, LinearRig, NoiseParameter
 
 __all__ = ["Acting", "At", "Law", "LinearModel"]
 
@@ -274,7 +274,7 @@ class LinearModel:
         blocks = [np.ix_(smooths + layout.own * s, smooths + layout.own * s) for s in range(sizes)]
         start = layout.own * sizes
         taken = np.arange(start, start + layout.shared - forms)
-        of_own = _seen(sum(whole[block] for block in blocks))
+        of_own = _seen(np.sum([whole[block] for block in blocks], axis=0))
         of_shared = _seen(whole[np.ix_(taken, taken)])
         squeezed = replace(layout, smooths=of_own.shape[1], shared=of_shared.shape[1] + forms)
         first = layout.own + layout.candidates
@@ -321,7 +321,7 @@ class LinearModel:
         """Return the columns of effects as mixtures of candidates, (candidates, k)."""
         found = np.zeros((len(self.candidates), len(acting.laws)))
         for column, (law, shape) in enumerate(zip(acting.laws, acting.shapes, strict=True)):
-            found[list(law.places), column] = law.weights(np.float64(shape))
+            found[list(law.places), column] = law.weights(np.asarray(shape))
         return found
 
     def places(self, count: int) -> NDArray[np.intp]:
@@ -442,9 +442,13 @@ class LinearModel:
             slope = slope + np.array([found[name] for name in names])
         return At(psi, value + prior, slope if gradient else None, information, centre, covariance)
 
-    def _evaluated(  # type: ignore[no-untyped-def]
-        self, psi: Array, mixing: Array, phases: Sequence[Law], used
-    ):
+    def _evaluated(
+        self,
+        psi: Array,
+        mixing: Array,
+        phases: Sequence[Law],
+        used: Mapping[str, NDArray[np.bool_]] | None,
+    ) -> tuple[list[Evaluated], Information]:
         noise = self.named(psi)
         amplitudes = np.exp(psi[len(self.noise) :])
         each = [

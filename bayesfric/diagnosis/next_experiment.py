@@ -163,6 +163,7 @@ def _expected(
     taken = told @ mean
     values, vectors = np.linalg.eigh(covariance)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
-    inner, moved = np.eye(len(told)) + root.T @ told @ root, root.T @ taken
-    square = mean @ taken - moved @ np.linalg.solve(inner, moved)
+    stiffness, turned = np.linalg.eigh(root.T @ told @ root)
+    moved = turned.T @ (root.T @ taken)
+    square = mean @ taken - (moved**2 / (1 + np.maximum(stiffness, 0.0))).sum()
     return float(square) / 2 / LN10

@@ -155,7 +155,7 @@ def residuals_of(model: LinearModel, psi: Array) -> Residuals:
     return Residuals(
         joined("residual_n"),
         joined("columns"),
-        joined("size"),
+        joined("size").astype(np.intp),
         joined("friction_n"),
         tuple(one for part in parts for one in part["covariance"]),
         tuple(one for part in parts for one in part["wander"]),

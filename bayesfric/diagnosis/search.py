@@ -41,7 +41,8 @@ WITHIN = 8.0  # nat from the best, prior included, of what is worth a climb
 NEAR = 3.0  # nat below a mode of the noise, of another place that is climbed from
 FAR = 20.0  # nat from the best, prior included, of what is not compared again
 GAIN = 0.5  # nat that a further effect has to gain to be gone on from
-FINALISTS = 14
+FINALISTS = 8
+NEAREST = 4.0  # nat from the best, of a hypothesis whose own noise is integrated over
 LISTED = 1e-6  # probability below which a hypothesis is not listed
 
 
@@ -207,8 +208,7 @@ def search(
                 continue
             rough = _extended(model, base, effects, base.at.psi, shapes)
             found.rough.update({name: v for name, v in rough.items() if name not in found.rough})
-            first = sorted(rough, key=lambda name: -rough[name])[:TRIED]
-            for name in first:
+            for name in sorted(rough, key=lambda name: -rough[name])[:TRIED]:
                 prior = found.log_prior(name)
                 if name in found.weighed or rough[name] + prior < top - WITHIN:
                     continue
@@ -241,7 +241,7 @@ def compare(model: LinearModel, first: Search) -> Search:
         model, (), [first.none.at.psi, leader.at.psi], first.inverse, 0.0, own_volume=False
     )
     curvature = model.curvature(none.at, Acting())
-    inverse = np.linalg.inv(curvature)
+    inverse = np.asarray(np.linalg.inv(curvature), dtype=np.float64)
     values = np.linalg.eigvalsh(curvature)
     volume = float(0.5 * (values.size * np.log(2 * np.pi) - np.log(values).sum()))
     none = _moved(none, volume)
@@ -295,7 +295,7 @@ def compare(model: LinearModel, first: Search) -> Search:
 
 def found_near(first: Search, one: Weighed) -> bool:
     """Return whether a hypothesis is near enough to the best for its own noise volume."""
-    return first.worth(one) > first.worth(first.best()) - WITHIN
+    return first.worth(one) > first.worth(first.best()) - NEAREST
 
 
 def _finalists(first: Search) -> list[str]:
@@ -340,8 +340,8 @@ def unknown_force(
     if not axes:
         return None
     scale = model.analysis.diagnosis.unknown_scale
-    shares = scale * halfnorm.ppf(QUANTILES)
-    nodes = tuple(Wide(float(share), axis) for axis in (None, *axes) for share in shares)
+    shares = [scale * float(halfnorm.ppf(one)) for one in QUANTILES]
+    nodes = tuple(Wide(share, axis) for axis in (None, *axes) for share in shares)
     form = without.forms
 
     def values(psi: Array) -> Array:
@@ -394,11 +394,10 @@ def _extended(
     places = [p for name in with_columns for law in model.lawbook[name] for p in law.places]
     reduced = model.reduced(psi, acting, forms, places)
     quadratic = Quadratic(model, reduced, places)
-    held = (
-        quadratic.values(base.acting.laws, [np.array([s]) for s in base.acting.shapes])[0]
-        if base.acting.laws
-        else 0.0
-    )
+    held = 0.0
+    if base.acting.laws:
+        shapes_held = [np.array([s]) for s in base.acting.shapes]
+        held = float(quadratic.values(base.acting.laws, shapes_held)[0])
     found: dict[str, float] = {}
     for name in with_columns:
         if name in base.names:

@@ -34,7 +34,7 @@ class Known:
     strength : float
         Its median, if it acts; rms of its force over rms friction.
     measuring : bool
-        Whether it is an error of a sensor, a clock or a motor's constant.
+        Whether it is an error of a sensor, a clock or a constant of the drive.
     forceless : bool
         Whether it has no equivalent force at all.
     """
@@ -53,7 +53,9 @@ def sort_effects(known: Sequence[Known]) -> tuple[list[str], list[str], list[str
     A cause acts with probability 0.9 at least, and its force is above the practical share
     with 0.5 at least; an error of measuring counts wherever it is felt.
     """
-    causes, present, possible = [], [], []
+    causes: list[str] = []
+    present: list[str] = []
+    possible: list[str] = []
     for one in known:
         matters = one.above_practical >= HALF
         if one.measuring:
@@ -130,7 +132,7 @@ def unseparated_of(classes: Classes, together: Sequence[Sequence[str]]) -> tuple
 
 
 def measures(effect: Effect) -> bool:
-    """Return whether an effect is an error of a sensor, a clock or a motor's constant."""
+    """Return whether an effect is an error of a sensor, a clock or a constant of the drive."""
     return effect.acts_on in ("reading", "current")
 
 

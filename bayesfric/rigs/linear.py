@@ -53,6 +53,8 @@ class NoiseParameter:
         Lowest and highest value that is looked at.
     log_prior : callable
         Of a value, to the log density of its logarithm.
+    usual : float
+        What a good rig has.
     scatters : bool
         Whether it is friction's own scatter, which an unseen force inflates.
     """
@@ -61,6 +63,7 @@ class NoiseParameter:
     start: float
     bounds: tuple[float, float]
     log_prior: Callable[[float], float]
+    usual: float
     scatters: bool = False
 
 
@@ -69,11 +72,12 @@ def noise_parameter(
     prior: Prior,
     start: float,
     bounds: tuple[float, float],
+    usual: float,
     *,
     scatters: bool = False,
 ) -> NoiseParameter:
     """Return a parameter of the noise with a prior of its value, not of its logarithm."""
-    return NoiseParameter(name, start, bounds, partial(_log_prior, prior), scatters)
+    return NoiseParameter(name, start, bounds, partial(_log_prior, prior), usual, scatters)
 
 
 def _log_prior(prior: Prior, value: float) -> float:

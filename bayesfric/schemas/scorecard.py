@@ -122,7 +122,7 @@ class ScoredCase(Record):
     counts_as_none: bool = Field(
         description="Nothing is withheld, or that gap is below the practical share."
     )
-    verdict: Literal["no-gap", "named", "unseparated", "unknown"] = Field(
+    verdict: Literal["no-gap", "named", "unseparated", "unknown", "undecided"] = Field(
         description="Written before the envelope was opened."
     )
     causes: tuple[str, ...] = Field(description="Named.")

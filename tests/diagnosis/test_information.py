@@ -74,3 +74,13 @@ def test_rounding_takes_nothing_from_the_prior(linear):
     still, nothing = np.zeros(5), np.array([], dtype=int)
     reduced = Information(rounded, still, 0.0).reduced(still, sd, nothing)
     assert reduced.log_evidence == pytest.approx(-0.5 * np.log(1e14), abs=0.02)
+
+
+def test_one_factor_gives_evidence_mean_and_covariance(linear):
+    design, measured, mean, sd = linear
+    said = information(design, measured)
+    value, centre, covariance = said.integrated(mean, sd)
+    assert value == pytest.approx(dense(design, measured, mean, sd))
+    expected = said.posterior(mean, sd)
+    np.testing.assert_allclose(centre, expected[0])
+    np.testing.assert_allclose(covariance, expected[1], atol=1e-14)

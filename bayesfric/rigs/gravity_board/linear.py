@@ -38,6 +38,7 @@ FIRST = 5  # events of a sensor that set the offset and the first speed
 TRIAL, INTERCEPT, WANDER, ELSEWHERE = 0, 1, slice(2, 2 + WAVES), 2 + WAVES
 ALWAYS = 3 + WAVES  # columns that scatter in every hypothesis
 SLOPE_AND_INTERCEPT = np.array([[1.0, -1.0], [0.0, 1.0]])  # of the first two columns
+EVENT_SD_M = 30e-6  # of an event on a good board
 KAPPA_SD_LOG = 0.3  # of the events' variance over its first estimate
 ZETA: Prior = HalfNormal(scale=0.02)  # rms of the wander, argued: a fifth of what would be seen
 LENGTH: Prior = LogNormal(median=0.1, sd_log=0.5)  # m, of the wander
@@ -149,12 +150,18 @@ class GravityPart:
             if further is not None:
                 self.random[:, ELSEWHERE] += amplitude * further
         self.noise = (
-            _scatter("tau", priors.tau),
-            _scatter("omega", priors.omega),
-            _scatter("omega_c2", priors.omega),
-            _scatter("zeta", ZETA, 0.003),
-            NoiseParameter("zeta_length", 0.1, (0.04, 0.5), partial(_log_prior, LENGTH)),
-            NoiseParameter("kappa", 1.0, (0.05, 1e4), _log_prior_kappa),
+            _scatter("tau", priors.tau, 0.01),
+            _scatter("omega", priors.omega, 0.015),
+            _scatter("omega_c2", priors.omega, 0.015),
+            _scatter("zeta", ZETA, 0.001, 0.003),
+            NoiseParameter("zeta_length", 0.1, (0.04, 0.5), partial(_log_prior, LENGTH), 0.1),
+            NoiseParameter(
+                "kappa",
+                1.0,
+                (0.05, 1e4),
+                _log_prior_kappa,
+                EVENT_SD_M**2 / float(np.median(rows.variance)),
+            ),
         )
         self._summed(by_trial)
         self._views: dict[bytes, _View] = {}
@@ -529,8 +536,10 @@ def _join(fine: int, coarse: int) -> Array:
     return np.asarray(group[:, None] == np.arange(coarse), dtype=np.float64)
 
 
-def _scatter(name: str, prior: Prior, start: float = 0.012) -> NoiseParameter:
-    return NoiseParameter(name, start, (1e-4, 1.0), partial(_log_prior, prior), scatters=True)
+def _scatter(name: str, prior: Prior, usual: float, start: float = 0.012) -> NoiseParameter:
+    return NoiseParameter(
+        name, start, (1e-4, 1.0), partial(_log_prior, prior), usual, scatters=True
+    )
 
 
 def _log_prior(prior: Prior, value: float) -> float:

@@ -103,7 +103,7 @@ class GravityRows:
         self.friction_n = self.condition.drive_force_n - mass * predicted
         self.acceleration = np.maximum(predicted, 0.0)
         self.order = rank(gravity.trials)
-        radii = pulley_radii(sizes.unique(), rig)
+        radii = pulley_radii(list(sizes.unique()), rig)
         self._radius = np.array([radii[size] for size in sizes])
         self._measured = measured
         self._paths, self._rough = measured.paths, measured.rough
@@ -269,9 +269,9 @@ class GravityRows:
             columns = self.candidate_columns(candidate)
             assert not isinstance(columns, Unsupported)
             if effect.components:
-                return self._pretended(columns) / self.friction_n[:, None]
+                return np.asarray(self._pretended(columns) / self.friction_n[:, None])
             off = np.array([self._parabola(rows, columns[rows]) for rows in self.rows_of_trials()])
-            return (self.condition.total_mass_kg * off.T / self.friction_n)[:, :, None]
+            return np.asarray(self.condition.total_mass_kg * off.T / self.friction_n)[:, :, None]
         values, small = unit_values(candidate)
         force = np.asarray(effect.laws[candidate.law](values, self.state)) / small / friction
         return force if effect.components else force[None]

@@ -49,7 +49,7 @@ def motor_rows(
     signed = motor_friction(law, condition)
     speed = np.asarray(condition.velocity_m_s, dtype=np.float64)
     load = load_current(condition, signed, torque, radius)
-    radii = pulley_radii(sizes.unique(), constants)
+    radii = pulley_radii(list(sizes.unique()), constants)
     idle_speed = motor.idle["velocity_m_s"].to_numpy(dtype=np.float64)
     both_ways = bool((idle_speed > 0).any() and (idle_speed < 0).any())
     idle = idle_basis(idle_speed, both_ways=both_ways)
@@ -59,11 +59,13 @@ def motor_rows(
 
     def noise(priors: Priors) -> tuple[NoiseParameter, ...]:
         return (
-            noise_parameter("tau_motor", priors.tau_motor, 0.012, SCATTER, scatters=True),
-            noise_parameter("omega_hung", priors.omega_motor, 0.006, SCATTER, scatters=True),
-            noise_parameter("omega_motor", priors.omega_motor, 0.012, SCATTER, scatters=True),
-            noise_parameter("sigma_current", priors.sigma_current, rough_a, ERROR),
-            noise_parameter("load_noise", priors.load_noise, 0.005, (1e-4, 0.5)),
+            noise_parameter("tau_motor", priors.tau_motor, 0.012, SCATTER, 0.01, scatters=True),
+            noise_parameter("omega_hung", priors.omega_motor, 0.006, SCATTER, 0.001, scatters=True),
+            noise_parameter(
+                "omega_motor", priors.omega_motor, 0.012, SCATTER, 0.015, scatters=True
+            ),
+            noise_parameter("sigma_current", priors.sigma_current, rough_a, ERROR, 0.002),
+            noise_parameter("load_noise", priors.load_noise, 0.005, (1e-4, 0.5), 0.005),
         )
 
     return PointRows(

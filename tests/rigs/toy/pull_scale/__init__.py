@@ -114,7 +114,9 @@ class Readings(PlainTrials):
         def noise(priors):
             of = {"tau_scale": priors.tau, "omega_pull": priors.omega, "omega_scale": priors.omega}
             of["sigma_scale"] = HalfNormal(scale=SD_N)
-            return tuple(noise_parameter(name, prior, 0.01, LOOKED) for name, prior in of.items())
+            return tuple(
+                noise_parameter(name, prior, 0.01, LOOKED, 0.01) for name, prior in of.items()
+            )
 
         reading, none = self.table["friction_n"].to_numpy() - state.friction_n, np.zeros((0, 0))
         about = ("scale", self.table, self.loads, state, state.friction_n, one)

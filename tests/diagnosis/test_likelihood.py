@@ -1,0 +1,169 @@
+"""Rigs in the linear model against dense normals of the same data, and their derivatives."""
+
+import numpy as np
+import pytest
+from diagnosis.boards import model_of
+from scipy.linalg import null_space
+from scipy.stats import multivariate_normal
+
+from bayesfric.diagnosis.model import Acting
+from bayesfric.rigs.gravity_board.linear import (
+    ALWAYS,
+    INTERCEPT,
+    TRIAL,
+    WANDER,
+    wander_weights,
+)
+
+NOISE = {
+    "tau": 0.02,
+    "omega": 0.03,
+    "omega_c2": 0.05,
+    "zeta": 0.015,
+    "zeta_length": 0.12,
+    "kappa": 1.3,
+    "tau_motor": 0.02,
+    "omega_motor": 0.03,
+    "omega_hung": 0.04,
+    "sigma_current": 0.003,
+    "load_noise": 0.006,
+}
+
+
+@pytest.fixture(scope="module")
+def model():
+    """Three sizes, two effects with columns and one with phases."""
+    return model_of(("viscous", "runout", "torque-constant"))
+
+
+def acting_of(model, *, phases=True):
+    viscous, runout = model.lawbook["viscous"][0], model.lawbook["runout"][0]
+    return Acting((viscous,), (0.0,), (runout,) if phases else ())
+
+
+def psi_of(model, *, phases=True):
+    psi = np.log([NOISE[one.name] for one in model.noise])
+    return np.append(psi, np.log(0.4)) if phases else psi
+
+
+def test_the_board_of_weights_is_a_dense_normal(model):
+    """Offsets and first speeds projected out; scatter of three levels as covariance."""
+    part, acting = model.rigs[0], acting_of(model)
+    mixing = model.mixing(acting)
+    place, amplitude = acting.phases[0].places[0], 0.4
+    found = part.evaluate(NOISE, mixing, [(place, amplitude, "runout:once")]).information
+    # Small numbers: the density is then a number of which a millionth can be seen.
+    numbers = 1e-3 * np.random.default_rng(1).standard_normal(found.slope.size)
+    value = found.constant + found.slope @ numbers - 0.5 * numbers @ found.precision @ numbers
+    weights, _ = wander_weights(NOISE["zeta_length"], part._travel)
+    columns = part.columns @ model.layout.mixed(mixing)
+    total, rows_of = 0.0, list(part.rows.rows_of_trials())
+    for setup in range(len(part.setups)):
+        residual, blocks, slopes, intercepts = [], [], [], []
+        for trial in np.flatnonzero(part.setup == setup):
+            rows = rows_of[trial]
+            sd = np.sqrt(part.rows.variance[rows])
+            off = null_space(part.rows.events.regressors[:3, rows] / sd)
+            local = numbers[model.layout.spread(columns.shape[1], part.size[trial])]
+            left = part.rows.residual[rows] - columns[rows] @ local
+            residual.append(off.T @ (left / sd))
+            random = off.T @ (part.random[rows] / sd[:, None])
+            whole, constant = random[:, TRIAL], random[:, INTERCEPT]
+            own = NOISE["kappa"] * np.eye(off.shape[1])
+            own += NOISE["tau"] ** 2 * np.outer(whole, whole)
+            wander, wave = random[:, WANDER], random[:, part.blocks[place]]
+            own += NOISE["zeta"] ** 2 * (wander * weights) @ wander.T
+            own += amplitude**2 * wave @ wave.T
+            blocks.append(own)
+            slopes.append(whole - constant)
+            intercepts.append(constant)
+            total -= np.log(sd).sum()
+        joined, slope, constant = map(np.concatenate, (residual, slopes, intercepts))
+        covariance = NOISE["omega"] ** 2 * np.outer(slope, slope)
+        covariance += NOISE["omega_c2"] ** 2 * np.outer(constant, constant)
+        start = 0
+        for own in blocks:
+            end = start + len(own)
+            covariance[start:end, start:end] += own
+            start = end
+        total += multivariate_normal.logpdf(joined, np.zeros(joined.size), covariance)
+    assert value == pytest.approx(total, abs=1e-6)
+
+
+def test_the_board_of_a_motor_is_a_dense_normal(model):
+    part, acting = model.rigs[1], acting_of(model)
+    found = part.evaluate(NOISE, model.mixing(acting)).information
+    columns = part.columns @ model.layout.mixed(model.mixing(acting))
+    numbers = np.random.default_rng(2).standard_normal(found.slope.size)
+    value = found.constant + found.slope @ numbers - 0.5 * numbers @ found.precision @ numbers
+    local = np.stack([numbers[model.layout.spread(columns.shape[1], s)] for s in part.size])
+    residual = part.rows.current - (columns * local).sum(axis=1)
+    moved, load = part._moved, part.rows.load
+    plain = NOISE["sigma_current"] ** 2 + (NOISE["load_noise"] * load) ** 2
+    outer = np.outer(moved, moved)
+    covariance = np.diag(plain + (NOISE["tau_motor"] * moved) ** 2)
+    covariance += NOISE["omega_motor"] ** 2 * outer * np.equal.outer(part.setup, part.setup)
+    covariance += NOISE["omega_hung"] ** 2 * outer * np.equal.outer(part._weight, part._weight)
+    total = multivariate_normal.logpdf(residual, np.zeros(residual.size), covariance)
+    idle = part.rows.idle_current - part._idle @ numbers[part._mine]
+    sd = NOISE["sigma_current"]
+    total += multivariate_normal.logpdf(idle / sd, np.zeros(idle.size)) - idle.size * np.log(sd)
+    assert value == pytest.approx(total, abs=1e-6)
+
+
+def test_derivatives_are_those_of_differences(model):
+    acting, psi = acting_of(model), psi_of(model)
+    found = model.evaluate(psi, acting, gradient=True).gradient
+    for place in range(psi.size):
+        step = np.zeros_like(psi)
+        step[place] = 3e-3
+        there, here = (model.evaluate(psi + s * step, acting).value for s in (1, -1))
+        assert found[place] == pytest.approx((there - here) / 6e-3, rel=2e-3, abs=0.05)
+
+
+def test_trials_that_are_left_out_say_nothing():
+    """What is left of all and what is left without some adds up to the whole."""
+    plain = model_of(("viscous",), discrepancy=False, by_trial=True)
+    acting = Acting((plain.lawbook["viscous"][0],), (0.0,))
+    psi = psi_of(plain, phases=False)
+    first = {"gravity": plain.rigs[0].setup < 3, "motor": plain.rigs[1].setup < 5}
+    rest = {name: ~chosen for name, chosen in first.items()}
+    nothing = {name: np.zeros_like(chosen) for name, chosen in first.items()}
+
+    def said(used):
+        return plain.evaluate(psi, acting, used=used).information
+
+    # The idle motor is measured once, and counts in both parts.
+    parts, whole, idle = said(first) + said(rest), said(None), said(nothing)
+    np.testing.assert_allclose(parts.precision - idle.precision, whole.precision, rtol=1e-9)
+    np.testing.assert_allclose(parts.slope - idle.slope, whole.slope, rtol=1e-9, atol=1e-8)
+
+
+def test_a_squeezed_model_says_the_same(model):
+    """Numbers of which the data say nothing move no difference of evidence."""
+    acting, nothing = acting_of(model), Acting()
+    psi, plain = psi_of(model), psi_of(model, phases=False)
+    small = model.squeezed(plain)
+    assert small.layout.always < 0.8 * model.layout.always
+    gains = [
+        one.evaluate(psi, acting).value - one.evaluate(plain, nothing).value
+        for one in (model, small)
+    ]
+    assert gains[0] == pytest.approx(gains[1], abs=0.1)
+
+
+def test_a_climb_ends_where_no_derivative_is_left(model):
+    acting = acting_of(model, phases=False)
+    at = model.climb(model.start, acting)
+    curvature = model.curvature(at, acting)
+    assert at.gradient @ np.linalg.solve(curvature, at.gradient) / 2 < 0.1
+
+
+def test_wander_has_its_rms():
+    weights, slope = wander_weights(0.1, 0.6)
+    travel = np.linspace(0, 1, 4001)
+    waves = np.cos(np.pi * np.arange(1, weights.size + 1)[:, None] * travel)
+    assert (weights @ waves**2).mean() == pytest.approx(1.0, rel=1e-3)
+    longer, _ = wander_weights(0.1 * np.exp(1e-5), 0.6)
+    np.testing.assert_allclose(np.log(longer / weights) / 1e-5, slope, rtol=1e-4, atol=1e-6)
+    assert weights.size == WANDER.stop - WANDER.start == ALWAYS - 3
