@@ -24,6 +24,7 @@ SHAPES = 4  # axes whose shape is drawn: those of the largest shares
 HYPOTHESES = 8  # most probable ones; the table has all
 AMPLITUDES = 3  # causes whose amplitude is drawn
 FEWEST = 7  # rows that a panel has room for at least
+FEWEST_ACTING, RARE = 4, 0.02  # so many effects are drawn, and those that are more probable
 ROOM = 2.0  # a panel of a shape is this much taller than its band; dots beyond are cut
 CATEGORIES = ("pulley_size", "rig", "drive_end", "setup", "sensor")  # not numbers, but kinds
 UNITS = {"": "", "1": "", "-": "", "deg": "°", "1/deg": "deg⁻¹", "1/m": "m⁻¹", "m/s^2": "m/s²"}
@@ -204,14 +205,15 @@ def what_acts(effects: Sequence[Acts], practical_share: float) -> Figure:
     practical_share : float
         Of rms friction: what is below matters to nobody.
     """
-    shown = list(effects)[:HYPOTHESES]
+    shown = [one for k, one in enumerate(effects) if k < FEWEST_ACTING or one.probability > RARE]
+    shown = shown[:HYPOTHESES]
     with figure(height=17.0 + 4.0 * max(len(shown), FEWEST)) as fig:
         left, right = fig.subplots(1, 2, sharey=True, width_ratios=(1, 1))
         for row, one in enumerate(shown):
             left.barh(row, one.probability, height=0.66, color=COLORS["blue"])
-            left.text(
-                one.probability + 0.02, row, f"{one.probability:.2f}", va="center", fontsize=7
-            )
+            label = left.text(one.probability + 0.02, row, f"{one.probability:.2f}")
+            label.set(va="center", fontsize=7, zorder=3)
+            label.set_bbox({"facecolor": "white", "edgecolor": "none", "pad": 0.5})
             if one.strength is None:
                 continue
             low, middle, high = (

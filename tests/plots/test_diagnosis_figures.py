@@ -44,7 +44,7 @@ def test_bars_of_where_are_the_shares_of_axes_that_explain_a_part():
     ]  # fmt: skip
     # Share and unique share in turn, which is half of it in the sample.
     assert widths(axes)[:4] == pytest.approx([62.0, 31.0, 41.0, 20.5])
-    assert [text.get_text().strip() for text in axes.texts][0] == "62"
+    assert axes.texts[0].get_text().strip() == "62"
 
 
 def test_shapes_are_the_stored_bands_of_the_four_largest():

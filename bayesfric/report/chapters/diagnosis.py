@@ -98,7 +98,8 @@ def _at_a_glance(found: DiagnosisFile) -> Table:
         ["Which effect causes it?", _caused(found)],
     ]
     if possible := also(found, "possible"):
-        rows.append(["What may act beside that?", ", ".join(possible)])
+        beside = " beside that" if found.causes else ""
+        rows.append([f"What may act{beside}?", ", ".join(possible)])
     if present := also(found, "present"):
         rows.append(["What acts, but too weakly to matter?", ", ".join(present)])
     if gap.shrink is not None and found.causes:
