@@ -17,13 +17,14 @@ from bayesfric.plots.style import COLORS, NEUTRAL, figure, halves
 from bayesfric.schemas import Interval
 from bayesfric.schemas.diagnosis import Axis, Cause, DiagnosisFile, EffectNumber
 
-__all__ = ["what_acts", "what_causes_it", "where_it_lies"]
+__all__ = ["most_probable", "what_acts", "what_causes_it", "where_it_lies"]
 
 BARS = 10  # axes whose share is drawn; the table has all
 SHAPES = 4  # axes whose shape is drawn: those of the largest shares
 HYPOTHESES = 8  # most probable ones; the table has all
 AMPLITUDES = 3  # causes whose amplitude is drawn
 FEWEST = 7  # rows that a panel has room for at least
+FEWEST_ACTING, RARE = 4, 0.02  # so many effects are drawn, and those that are more probable
 ROOM = 2.0  # a panel of a shape is this much taller than its band; dots beyond are cut
 CATEGORIES = ("pulley_size", "rig", "drive_end", "setup", "sensor")  # not numbers, but kinds
 UNITS = {"": "", "1": "", "-": "", "deg": "°", "1/deg": "deg⁻¹", "1/m": "m⁻¹", "m/s^2": "m/s²"}
@@ -43,10 +44,12 @@ def where_it_lies(axes: Sequence[Axis], residuals: xr.Dataset | None) -> Figure:
     Returns
     -------
     Figure
-        Left a bar for each of up to ten axes; right a panel for each of up to four shapes,
+        Left a bar for each of up to ten axes that explain a part, of all that varied where
+        none does; right a panel for each of up to four shapes,
         if there is one.
     """
-    shares = [axis for axis in axes if not axis.blind][:BARS]
+    known = [axis for axis in axes if not axis.blind]
+    shares = ([axis for axis in known if (axis.share or 0.0) > 0] or known)[:BARS]
     shapes = [axis for axis in axes if axis.shape is not None][:SHAPES]
     with figure(height=max(46.0, 12.0 + 3.5 * len(shares))) as fig:
         left, right = halves(fig, 5, 6) if shapes else (fig, None)
@@ -128,6 +131,11 @@ def _shape(panel: Axes, axis: Axis, residuals: xr.Dataset | None) -> None:
     panel.set_xlabel(with_unit(axis_label(axis.axis), axis.unit), fontsize=7.5, labelpad=1.5)
 
 
+def most_probable(found: DiagnosisFile) -> list[tuple[str, float]]:
+    """Return the hypotheses that are drawn, with their probabilities."""
+    return sorted(found.probabilities.items(), key=lambda item: -item[1])[:HYPOTHESES]
+
+
 def what_causes_it(found: DiagnosisFile, amplitudes: xr.Dataset | None) -> Figure:
     """Draw the most probable hypotheses, and each cause's amplitude against its prior.
 
@@ -145,38 +153,25 @@ def what_causes_it(found: DiagnosisFile, amplitudes: xr.Dataset | None) -> Figur
         right a panel for each of up to three causes. Densities are scaled to their peaks.
     """
     causes = found.causes[:AMPLITUDES] if amplitudes is not None else ()
-    shown = sorted(found.probabilities.items(), key=lambda item: -item[1])[:HYPOTHESES]
+    shown = most_probable(found)
     with figure(height=15.0 + 3.5 * max(len(shown), FEWEST)) as fig:
         left, right = halves(fig, 6, 4 + 2 * len(causes)) if causes else (fig, None)
         _hypotheses(left.subplots(), shown, found.hypothesis_prior)
-        left.legend(
-            handles=[
-                Patch(color=COLORS["blue"], label="posterior"),
-                Line2D(
-                    [],
-                    [],
-                    linestyle="",
-                    marker="D",
-                    markersize=4,
-                    markerfacecolor="white",
-                    markeredgecolor=COLORS["black"],
-                    label="prior",
-                ),
-            ],
-            loc="outside upper left",
-            ncols=2,
-        )
+        diamond = Line2D([], [], linestyle="", marker="D", markersize=4, label="prior")
+        diamond.set(markerfacecolor="white", markeredgecolor=COLORS["black"])
+        has_prior = any(name in found.hypothesis_prior for name, _ in shown)
+        keys = [Patch(color=COLORS["blue"], label="posterior"), *([diamond] * has_prior)]
+        left.legend(handles=keys, loc="outside upper left", ncols=2)
         if right is not None and amplitudes is not None:
             panels = np.reshape(right.subplots(1, len(causes)), -1)
             for panel, cause in zip(panels, causes, strict=True):
                 draws = amplitudes["amplitude"].sel(cause=cause.effect).to_numpy()
                 _amplitude(panel, cause, draws[np.isfinite(draws)])
+            dashes = Line2D([], [], color=COLORS["black"], linestyle="--", label="prior")
+            has_prior = any(amplitude_of(cause)[1].prior_density is not None for cause in causes)
+            hatch = Patch(facecolor="#e6e6e6", hatch="////", edgecolor="white", label="plausible")
             right.legend(
-                handles=[
-                    Patch(color=COLORS["blue"], label="posterior"),
-                    Line2D([], [], color=COLORS["black"], linestyle="--", label="prior"),
-                    Patch(facecolor="#e6e6e6", hatch="////", edgecolor="white", label="plausible"),
-                ],
+                handles=[keys[0], *([dashes] * has_prior), hatch],
                 loc="outside upper left",
                 ncols=3,
                 columnspacing=1.0,
@@ -210,14 +205,15 @@ def what_acts(effects: Sequence[Acts], practical_share: float) -> Figure:
     practical_share : float
         Of rms friction: what is below matters to nobody.
     """
-    shown = list(effects)[:HYPOTHESES]
+    shown = [one for k, one in enumerate(effects) if k < FEWEST_ACTING or one.probability > RARE]
+    shown = shown[:HYPOTHESES]
     with figure(height=17.0 + 4.0 * max(len(shown), FEWEST)) as fig:
         left, right = fig.subplots(1, 2, sharey=True, width_ratios=(1, 1))
         for row, one in enumerate(shown):
             left.barh(row, one.probability, height=0.66, color=COLORS["blue"])
-            left.text(
-                one.probability + 0.02, row, f"{one.probability:.2f}", va="center", fontsize=7
-            )
+            label = left.text(one.probability + 0.02, row, f"{one.probability:.2f}")
+            label.set(va="center", fontsize=7, zorder=3)
+            label.set_bbox({"facecolor": "white", "edgecolor": "none", "pad": 0.5})
             if one.strength is None:
                 continue
             low, middle, high = (

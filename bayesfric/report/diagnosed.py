@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from bayesfric.report.quantities import format_probability
 from bayesfric.schemas import DiagnosisFile, Interval
 
 __all__ = ["KINDS", "VERDICTS", "Acting", "acting", "also", "has_gap", "strength"]
@@ -49,9 +50,15 @@ def acting(found: DiagnosisFile) -> tuple[Acting, ...]:
 
 
 def also(found: DiagnosisFile, what: Literal["possible", "present"]) -> tuple[str, ...]:
-    """Return effects that are no cause: possible ones, or those present but too weak to matter."""
+    """Return effects that are no cause, with their probability: possible ones, or weak ones."""
     entries: tuple[Any, ...] = getattr(found, what, ())
-    return tuple(str(one.effect) for one in entries)
+    chance = {one.effect: one.probability for one in acting(found)}
+    return tuple(
+        f"{one.effect} ({format_probability(chance[one.effect])})"
+        if one.effect in chance
+        else str(one.effect)
+        for one in entries
+    )
 
 
 def has_gap(found: DiagnosisFile) -> bool:

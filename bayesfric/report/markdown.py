@@ -170,8 +170,8 @@ def _marked(mark: str, text: str) -> str:
 
 def _guard(line: str) -> str:
     """Take its meaning from what makes a list or a rule, at the start of a line only."""
-    line = line.strip()
-    return re.sub(r"^(\d*)([-+=.)])", r"\1\\\2", line)
+    line = re.sub(r"^([-+=])", r"\\\1", line.strip())
+    return re.sub(r"^(\d+)([.)])", r"\1\\\2", line)
 
 
 def _fence(text: str, at_least: int) -> str:

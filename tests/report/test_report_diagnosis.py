@@ -146,8 +146,8 @@ def test_an_undecided_board_says_what_may_act():
     stored = StoredDiagnosis(found, curves())
     told = glance(stored)
     assert told["Which effect causes it?"] == "open: none is certain enough to be named"
-    assert told["What may act beside that?"] == "viscous"
-    assert told["What acts, but too weakly to matter?"] == "slip"
+    assert told["What may act?"] == "viscous (0.62)"
+    assert told["What acts, but too weakly to matter?"] == "slip (0.970)"
     assert verdict_line(found).kind == "attention"
     assert figures(stored)["which"].alt.startswith("Left, a horizontal bar for each effect; the")
     assert render_pdf(build_document(StoredResults(diagnosis=stored))).startswith(b"%PDF")

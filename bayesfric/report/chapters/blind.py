@@ -12,7 +12,6 @@ from bayesfric.report.content import (
     Heading,
     Inline,
     Notice,
-    PageBreak,
     Paragraph,
     Reference,
     Strong,
@@ -46,7 +45,6 @@ def scorecard_line(card: ScorecardFile) -> Notice:
 
 def blind_chapter(card: ScorecardFile) -> Iterator[Block]:
     """Yield how the cases were made, the promises, and every rate."""
-    yield PageBreak()
     yield Heading(1, "The diagnosis where it is not told", label="blind")
     yield Paragraph(
         [

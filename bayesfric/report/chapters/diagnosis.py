@@ -6,7 +6,7 @@ that these rest on follow, each under its question. The long tables are in the a
 
 from collections.abc import Iterator
 
-from bayesfric.plots.diagnosis import what_acts, what_causes_it, where_it_lies
+from bayesfric.plots.diagnosis import most_probable, what_acts, what_causes_it, where_it_lies
 from bayesfric.plots.gap import how_far
 from bayesfric.plots.style import to_svg
 from bayesfric.report.chapters.diagnosis_details import (
@@ -34,6 +34,7 @@ from bayesfric.report.content import (
 from bayesfric.report.diagnosed import KINDS, VERDICTS, acting, also, has_gap
 from bayesfric.report.quantities import (
     format_interval,
+    format_number,
     format_probability,
     format_share,
 )
@@ -90,16 +91,15 @@ def diagnosis(stored: StoredDiagnosis) -> Iterator[Block]:
 
 def _at_a_glance(found: DiagnosisFile) -> Table:
     gap = found.gap
-    large = (
-        f"{_newtons(gap.systematic)}, {format_share(gap.systematic.q50 / gap.friction_rms)} of "
-        f"friction; below {format_share(found.practical_share)} none would care"
-    )
+    large = f"{_newtons(gap.systematic)}, where friction is {format_number(gap.friction_rms)}"
+    large += f"\u202fN; below {format_share(found.practical_share)} of that none would care"
     rows: list[list[Text]] = [
         ["How large is the systematic gap?", large],
         ["Which effect causes it?", _caused(found)],
     ]
     if possible := also(found, "possible"):
-        rows.append(["What may act beside that?", ", ".join(possible)])
+        beside = " beside that" if found.causes else ""
+        rows.append([f"What may act{beside}?", ", ".join(possible)])
     if present := also(found, "present"):
         rows.append(["What acts, but too weakly to matter?", ", ".join(present)])
     if gap.shrink is not None and found.causes:
@@ -182,7 +182,7 @@ def _largest(known: list[Axis], blind: bool) -> list[Inline]:
 def _which(stored: StoredDiagnosis) -> Figure:
     found = stored.found
     included = acting(found)
-    best, probability = max(found.probabilities.items(), key=lambda item: item[1])
+    best, probability = most_probable(found)[0]
     amplitudes = stored.group("amplitudes") if found.causes else None
     drawn = amplitudes is not None and not included
     if included:
@@ -193,7 +193,9 @@ def _which(stored: StoredDiagnosis) -> Figure:
         )
     else:
         picture = what_causes_it(found, amplitudes)
-        left = "Left: posterior and prior of each hypothesis. "
+        left = "Diamonds: the prior of a hypothesis that has one of its own. "
+        if not any(name in found.hypothesis_prior for name, _ in most_probable(found)):
+            left = ""
     return Figure(
         to_svg(picture),
         [

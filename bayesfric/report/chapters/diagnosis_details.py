@@ -275,18 +275,25 @@ def gap_table(found: DiagnosisFile) -> Table:
             for name, unit, row in rows
         ],
         label="gap",
-        note=["Medians. Shrink: (before² − after²) / (before² − floor²). ", *_reasons(gap, rows)],
+        note=[
+            "Medians. ",
+            "Shrink: (before² − after²) / (before² − floor²). " if found.causes else "",
+            *_reasons(gap, rows),
+        ],
     ).filled()
 
 
 def _reasons(gap: Gap, rows: Sequence[tuple[str, str, Gap | GapRow]]) -> list[str]:
-    """Return why figures are missing, each reason once."""
+    """Return why figures are missing, each reason once; with its rows, where not all lack it."""
     said: dict[str, list[str]] = {}
     for name, _, row in rows:
         for what, why in (("as shipped", row.as_shipped_why), ("shrink", row.shrink_why)):
             if why is not None:
                 said.setdefault(f"No figure for {what}: {why}", []).append(name)
-    lines = [f"{why} ({', '.join(names)}). " for why, names in said.items()]
+    lines = [
+        f"{why}. " if len(names) == len(rows) else f"{why} ({', '.join(names)}). "
+        for why, names in said.items()
+    ]
     return lines + ([f"No trajectory: {gap.trajectory_why}. "] if gap.trajectory is None else [])
 
 

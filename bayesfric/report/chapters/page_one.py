@@ -62,8 +62,8 @@ def recorded(recording: RecordingId, fitted: StoredFit | None) -> Paragraph:
         [
             "Recording ",
             Code(recording.name),
-            f": {title}. " if title else ". ",
-            *([_entered(fitted)] if fitted is not None else []),
+            f": {title}." if title else ".",
+            *([f" {_entered(fitted)}"] if fitted is not None else []),
             *_synthetic(f"{title} {recording.name}"),
         ]
     )
