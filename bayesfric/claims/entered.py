@@ -11,6 +11,7 @@ from bayesfric.recording.tables import Recording
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.base import Motion, RigTrials
 from bayesfric.rigs.data import Data
+from bayesfric.rigs.opening import chosen_rigs, open_rigs, rigs_with_trials
 
 __all__ = ["PAPER", "Entered"]
 
@@ -49,25 +50,16 @@ class Entered:
         InputError
             A rig or the law is unknown, or a rig that is named has no data.
         """
-        opened = {name: rig.trials(recording) for name, rig in all_rigs().items()}
-        there = {name: one for name, one in opened.items() if one is not None and len(one.table)}
-        faults = [
-            Fault("rigs", f"one of {', '.join(there)}, the rigs with data", value=name)
-            for name in rigs or ()
-            if name not in there
-        ]
         if law not in BASELINES:
-            faults.append(Fault("baseline", f"one of {', '.join(BASELINES)}", value=law))
-        if faults:
-            raise InputError(faults)
-        data = {}
-        for name, one in there.items():
-            if rigs is None or name in rigs:
-                data[name] = Data((one,))
+            raise InputError([Fault("baseline", f"one of {', '.join(BASELINES)}", value=law)])
+        there = rigs_with_trials(recording)
+        chosen = tuple(there) if rigs is None else chosen_rigs(recording, rigs)
+        opened = zip(chosen, open_rigs(recording, chosen), strict=True)
+        data = {name: Data((one,)) for name, one in opened}
         for name in list(data):
             for size in data[name].sizes:
                 data[f"{name}/{size}"] = data[name].of_size(size)
-        for first, second in permutations(rigs or there, 2):
+        for first, second in permutations(chosen, 2):
             known = there[second].table["pulley_size"].isin(data[first].sizes)
             if (shared := there[second].select(known)) is not None:
                 data[f"{first}+{second}"] = Data((there[first], shared))
