@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from bayesfric.analysis import Priors
 from bayesfric.effects import State
 from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.physics.motor import (
     load_current,
-    motor_friction,
     nominal_tension,
     tension_feedback,
 )
@@ -26,7 +26,10 @@ SCATTER, ERROR = (1e-4, 1.0), (1e-5, 1.0)  # looked at
 
 
 def motor_rows(
-    motor: Motor, constants: RigConstants, laws: Mapping[str, Coefficients]
+    motor: Motor,
+    constants: RigConstants,
+    laws: Mapping[str, Coefficients],
+    baseline: Baseline = BASELINES["paper"],
 ) -> PointRows:
     """Return the runs around a reference law, their readings in ampere.
 
@@ -39,14 +42,16 @@ def motor_rows(
     constants : RigConstants
         The board.
     laws : mapping of str to Coefficients
-        The reference law of each pulley size.
+        Coefficients of each pulley size.
+    baseline : Baseline
+        The law.
     """
     runs = motor.runs.rename(columns={"run": "trial"}).reset_index(drop=True)
     assert constants.motor_torque_constant_n_m_per_a and constants.capstan_radius_m
     torque, radius = constants.motor_torque_constant_n_m_per_a, constants.capstan_radius_m
     condition, sizes = run_condition(runs, constants), runs["pulley_size"]
     law = Coefficients(*(np.array(c) for c in zip(*(laws[s] for s in sizes), strict=True)))
-    signed = motor_friction(law, condition)
+    signed = baseline.motor(law, condition)
     speed = np.asarray(condition.velocity_m_s, dtype=np.float64)
     load = load_current(condition, signed, torque, radius)
     radii = pulley_radii(list(sizes.unique()), constants)

@@ -86,11 +86,14 @@ class MotorRuns(PlainTrials):
         Runs and idle measurements.
     recorded : DataFrame
         All runs as recorded; their id is ``trial``.
+    law : Baseline
+        Around which a diagnosis makes them linear.
     """
 
     constants: RigConstants
     motor: Motor
     recorded: pd.DataFrame
+    law: Baseline = BASELINES["paper"]
     rig: MotorBoard = RIG
     loads: tuple[str, ...] = ("hanging_mass_kg",)
 
@@ -118,12 +121,16 @@ class MotorRuns(PlainTrials):
         """Return why an effect cannot enter the likelihood; None where it can."""
         return RunPlaces(self.motor.runs, self.constants).supports(effect)
 
+    def under(self, law: Baseline) -> "MotorRuns":
+        """Return the same trials, made linear around another law."""
+        return replace(self, law=law)
+
     def linear(
         self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
     ) -> PointRows:
         """Return the currents as rows of a linear model; nothing starts to move here."""
         del acting
-        return motor_rows(self.motor, self.constants, laws)
+        return motor_rows(self.motor, self.constants, laws, self.law)
 
     def likelihood(
         self,

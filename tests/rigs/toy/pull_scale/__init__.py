@@ -106,6 +106,9 @@ class Readings(PlainTrials):
         columns |= check_residuals("reading", view.remade, table["friction_n"].to_numpy())
         return xr.Dataset(columns, {"reading": table["trial"], "quantile": list(QUANTILES)})
 
+    def under(self, law):
+        return self
+
     def linear(self, laws, acting=()):
         rows = zip(*(laws[size] for size in self.table["pulley_size"]), strict=True)
         law, one = Coefficients(*map(np.array, rows)), np.ones(len(self.table))
