@@ -44,7 +44,8 @@ class Parameter:
         Normalised density in that unit.
     linear : bool
         Whether what is observed is linear in it: then what the data leave open is straight
-        in its own unit, and bent where the prior is made normal.
+        in its own unit, and bent where the prior is made normal. So is a scale far below
+        that of its prior.
     """
 
     name: str
