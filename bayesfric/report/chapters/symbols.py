@@ -12,10 +12,13 @@ EXPONENTS = {
     "c3": -6,
     "tau": -2,
     "omega": -2,
+    "omega_intercept": -2,
+    "wander": -2,
     "sigma_x": -6,
     "sigma_t": -6,
     "tau_motor": -2,
     "omega_motor": -2,
+    "omega_intercept_motor": -2,
     "sigma_current": -3,
     "load_noise": -3,
 }
