@@ -93,7 +93,10 @@ class Priors(_Section):
     from the paper's Table I: c1 of 0.05 would lose half the tension over 14
     pulleys; c2 of 0.2 N is 20 g of weight a pulley; c3 of 1e-3/deg would move c1
     by 0.05 over 50°; friction that repeats worse than 5 % is a loose rig; an
-    acceleration known no better than 0.05 m/s² was hardly measured.
+    acceleration known no better than 0.05 m/s² was hardly measured. Friction that wanders
+    by 2 % along a trial is a bearing that is not the same all the way round; a length of
+    0.1 m (95 %: 0.04 to 0.27 m) is two turns of the medium pulley, between one turn of the
+    small one and half the travel.
 
     The cable is that of model (3), and enters only where it stretches: 0.61 mm 7×19
     stainless cable has an EA of 14 to 16 kN when it is run in, a new one less; a
@@ -114,6 +117,17 @@ class Priors(_Section):
     omega: Prior = Field(
         HalfNormal(scale=0.05), description="Relative friction scatter an assembly [-]."
     )
+    omega_intercept: Prior = Field(
+        HalfNormal(scale=0.05),
+        description="Relative scatter of c2 an assembly, beside that of all friction [-].",
+    )
+    wander: Prior = Field(
+        HalfNormal(scale=0.02),
+        description="Relative rms of friction that wanders along the travel of a trial [-].",
+    )
+    wander_length: Prior = Field(
+        LogNormal(median=0.1, sd_log=0.5), description="Correlation length of the wander [m]."
+    )
     sigma_x: Prior = Field(HalfNormal(scale=1e-4), description="Position error of an event [m].")
     sigma_t: Prior = Field(HalfNormal(scale=1e-4), description="Clock error of an event [s].")
     sigma_a: Prior = Field(
@@ -126,6 +140,11 @@ class Priors(_Section):
     omega_motor: Prior = Field(
         HalfNormal(scale=0.05),
         description="Relative friction scatter of an assembly of the motor board [-].",
+    )
+    omega_intercept_motor: Prior = Field(
+        HalfNormal(scale=0.05),
+        description="Relative scatter of c2 an assembly of the motor board, beside that of all "
+        "friction [-].",
     )
     torque_constant_factor: Prior = Field(
         Normal(mean=1.0, sd=0.05), description="Torque constant over the specified one [-]."
@@ -164,6 +183,11 @@ class Priors(_Section):
     )
     pulleys: dict[str, PriorOverrides] = Field(
         default_factory=dict, description="Priors of single sizes: [priors.pulleys.SIZE]."
+    )
+    effects: dict[str, dict[str, Prior]] = Field(
+        default_factory=dict,
+        description="Priors of the parameters of an effect, amplitude or shape, by their names: "
+        "[priors.effects.NAME]. Claims and diagnosis use them; else those of the effect's file.",
     )
 
 

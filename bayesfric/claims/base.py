@@ -1,29 +1,24 @@
 """What a claim is, what it is judged on, and what is found."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from itertools import permutations
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
+from bayesfric.claims.entered import PAPER, Entered
 from bayesfric.claims.studies import Studied, Task
 from bayesfric.effects import all_effects
-from bayesfric.errors import Fault, InputError
 from bayesfric.fitting.hypothesis import Hypothesis
-from bayesfric.physics.laws import BASELINES
 from bayesfric.recording.tables import Recording
-from bayesfric.rigs import all_rigs
-from bayesfric.rigs.base import Motion, RigTrials
-from bayesfric.rigs.data import Data
+from bayesfric.rigs.base import Motion
 
-__all__ = ["PAPER", "Case", "Claim", "Entered", "Finding", "Verdict"]
+__all__ = ["Case", "Claim", "Finding", "Verdict"]
 
 Array = NDArray[np.float64]
 Verdict = Literal["supported", "refuted", "undecided", "not-testable"]
-PAPER = "paper"
 WORDS = {
     "tension": "tension",
     "n_pulleys": "number of pulleys",
@@ -52,8 +47,8 @@ class Finding:
     by_pulley : mapping of str to (float or None, float or None, str)
         Bayes factor, its error, and why there is none, for each size alone.
     curve : mapping of str to ndarray
-        Log10 Bayes factor over the width of the rivals' priors: ``width`` and
-        ``log10_bayes_factor``; empty without.
+        ``log10_bayes_factor`` and ``verdict`` over the ``width`` of the rivals' priors;
+        empty without.
     """
 
     verdict: Verdict
@@ -65,96 +60,7 @@ class Finding:
     elpd_difference_se: float | None = None
     why: str = ""
     by_pulley: Mapping[str, tuple[float | None, float | None, str]] = field(default_factory=dict)
-    curve: Mapping[str, Array] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class Entered:
-    """The data of a recording that enter, whole and by pulley size, and the law.
-
-    Parameters
-    ----------
-    data : mapping of str to Data
-        By the name of a rig, in the order of :func:`bayesfric.rigs.all_rigs`; by that of
-        a rig and a size as in ``RIG/small``; and by those of two rigs as in ``RIG+OTHER``,
-        the second with the sizes that it shares with the first.
-    left_out : tuple of str
-        Rigs of the recording that were not asked for.
-    law : str
-        The friction law that claims are about, a name in
-        :data:`bayesfric.physics.laws.BASELINES`.
-    """
-
-    data: Mapping[str, Data]
-    left_out: tuple[str, ...] = ()
-    law: str = PAPER
-
-    @classmethod
-    def of(
-        cls, recording: Recording, rigs: Sequence[str] | None = None, law: str = PAPER
-    ) -> "Entered":
-        """Return the data of the rigs of a recording, or of those that are named.
-
-        Raises
-        ------
-        InputError
-            A rig or the law is unknown, or a rig that is named has no data.
-        """
-        opened = {name: rig.trials(recording) for name, rig in all_rigs().items()}
-        there = {name: one for name, one in opened.items() if one is not None and len(one.table)}
-        faults = [
-            Fault("rigs", f"one of {', '.join(there)}, the rigs with data", value=name)
-            for name in rigs or ()
-            if name not in there
-        ]
-        if law not in BASELINES:
-            faults.append(Fault("baseline", f"one of {', '.join(BASELINES)}", value=law))
-        if faults:
-            raise InputError(faults)
-        data = {}
-        for name, one in there.items():
-            if rigs is None or name in rigs:
-                data[name] = Data((one,))
-        for name in list(data):
-            for size in data[name].sizes:
-                data[f"{name}/{size}"] = data[name].of_size(size)
-        for first, second in permutations(rigs or there, 2):
-            known = there[second].table["pulley_size"].isin(data[first].sizes)
-            if (shared := there[second].select(known)) is not None:
-                data[f"{first}+{second}"] = Data((there[first], shared))
-        return cls(data, tuple(name for name in there if name not in data), law)
-
-    @property
-    def baseline(self) -> Hypothesis:
-        """The law, and nothing beside it."""
-        return Hypothesis(self.law)
-
-    @property
-    def rigs(self) -> tuple[str, ...]:
-        """Names of the rigs."""
-        return tuple(name for name in self.data if "/" not in name and "+" not in name)
-
-    def whole(self) -> "Entered":
-        """Return the data of all sizes together, without those of each."""
-        return replace(self, data={name: self.data[name] for name in self.rigs})
-
-    def trials(self, name: str) -> RigTrials:
-        """Return the trials of a rig."""
-        (trials,) = self.data[name].rigs
-        return trials
-
-    def first(self, motion: Motion) -> str | None:
-        """Return the name of the first rig that moves so, if one has data."""
-        moving = (name for name in self.rigs if self.trials(name).rig.motion == motion)
-        return next(moving, None)
-
-    def lack(self, motion: Motion) -> str:
-        """Return why there is no rig that moves so, a sentence."""
-        kinds = [rig for rig in all_rigs().values() if rig.motion == motion]
-        without = [rig for rig in kinds if rig.name in self.left_out]
-        if without:
-            return f"The {' and the '.join(rig.words.rig for rig in without)} was left out."
-        return f"The recording has no {' or '.join(rig.words.rig for rig in kinds)}."
+    curve: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -202,7 +108,7 @@ class Claim:
     by_size: bool = True
     about_these_data: bool = True
 
-    def rig(self, entered: Entered) -> str:
+    def subject(self, entered: Entered) -> str:
         """Return the name of the data that the claim is judged on, where it is testable."""
         needed = (motion for motion in (self.motion, self.beside) if motion is not None)
         return "+".join(str(entered.first(motion)) for motion in needed)
@@ -221,25 +127,25 @@ class Claim:
         if self.motion is None:
             return ""
         if self.beside is not None:
-            shared = self.rig(entered) in entered.data
+            shared = self.subject(entered) in entered.data
             return "" if shared else "The two boards have no pulley size in common."
-        trials = entered.trials(self.rig(entered))
-        for effect in dict.fromkeys(name for one in self.rivals for name, _ in one.effects):
-            if (missing := trials.supports(all_effects()[effect])) is not None:
-                return missing.reason
+        trials = entered.trials(self.subject(entered))
         for name, least in self.levels.items():
             if (found := trials.levels(name)) < least:
                 return f"The {WORDS[name]} takes {found} of at least {least} values."
+        for effect in dict.fromkeys(name for one in self.rivals for name, _ in one.effects):
+            if (missing := trials.supports(all_effects()[effect])) is not None:
+                return missing.reason
         return ""
 
     def tasks(self, entered: Entered) -> list[Task]:
         """Return what must be studied, of the data that there are."""
         if self.motion is None or self.untestable(entered):
             return []
-        rig = self.rig(entered)
-        names = [rig]
+        subject = self.subject(entered)
+        names = [subject]
         if self.by_size:
-            names += [name for name in entered.data if name.startswith(f"{rig}/")]
+            names += [name for name in entered.data if name.startswith(f"{subject}/")]
         return [
             Task(name, one) for name in names for one in (entered.baseline, *self.against(entered))
         ]

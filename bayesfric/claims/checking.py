@@ -15,11 +15,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis, analysis_sha256
-from bayesfric.claims.base import PAPER, Case, Claim, Entered, Finding
+from bayesfric.claims.base import Case, Claim, Finding
 from bayesfric.claims.comparison import bayes_factor, log_evidence
 from bayesfric.claims.contradictions import contradictions
+from bayesfric.claims.entered import PAPER, Entered
 from bayesfric.claims.studies import Studied, Task, study_all
-from bayesfric.effects import all_effects
+from bayesfric.effects import all_effects, with_priors
 from bayesfric.recording.tables import Recording
 from bayesfric.results import json_bytes, provenance, replace_outputs, write_netcdf
 from bayesfric.schemas import (
@@ -54,8 +55,8 @@ class Checked:
     summary : ClaimsFile
         What ``claims.json`` says.
     curves : DataTree
-        What ``claims.nc`` holds: ``curves``, the log10 Bayes factor over the width of
-        the rivals' priors.
+        What ``claims.nc`` holds: ``curves``, the log10 Bayes factor and the verdict over
+        the width of the rivals' priors.
     seconds : float
         Wall time.
     """
@@ -188,16 +189,19 @@ def _studied(
     executor: Executor | None,
 ) -> dict[Task, Studied]:
     """Study all hypotheses: the law and each claim's best rival with draws, the rest screened."""
-    tasks = list(dict.fromkeys(task for claim in claims for task in claim.tasks(entered)))
+    effects = with_priors(all_effects(), analysis.priors.effects)
+    by_claim = [claim.tasks(entered) for claim in claims]
+    tasks = list(dict.fromkeys(task for some in by_claim for task in some))
     own = {task for task in tasks if task.hypothesis == entered.baseline}
-    studied = study_all(tasks, entered.data, analysis, all_effects(), executor, sampled=own)
+    rivals = [[task for task in some if task.whole and task not in own] for some in by_claim]
+    studied = study_all(tasks, entered.data, analysis, effects, executor, sampled=own)
     # One whose draws sit in separate places has no evidence after all: then the next best.
-    while best := {one for claim in claims if (one := _best_rival(claim, entered, studied))}:
+    while best := {one for some in rivals if (one := _best_rival(some, studied))}:
         studied |= study_all(
             [task for task in tasks if task in best],
             entered.data,
             analysis,
-            all_effects(),
+            effects,
             executor,
             sampled=best,
             screened=studied,
@@ -205,11 +209,9 @@ def _studied(
     return studied
 
 
-def _best_rival(claim: Claim, entered: Entered, studied: Mapping[Task, Studied]) -> Task | None:
+def _best_rival(rivals: Sequence[Task], studied: Mapping[Task, Studied]) -> Task | None:
     """Return the rival with the largest evidence, if it has no draws for prediction yet."""
-    tasks = claim.tasks(entered)
-    whole = [task for task in tasks if task.whole and task.hypothesis != entered.baseline]
-    known = [task for task in whole if studied[task].evidence is not None]
+    known = [task for task in rivals if studied[task].evidence is not None]
     if not known:
         return None
     best = max(known, key=lambda task: log_evidence(studied[task]))
@@ -238,7 +240,8 @@ def screen_claims(
     compared = [claim for claim in registered() if claim.by_size and claim.rivals]
     claims = [claim for claim in compared if not claim.untestable(entered)]
     tasks = list(dict.fromkeys(task for claim in claims for task in claim.tasks(entered)))
-    studied = study_all(tasks, entered.data, analysis, all_effects(), executor, sampled=())
+    effects = with_priors(all_effects(), analysis.priors.effects)
+    studied = study_all(tasks, entered.data, analysis, effects, executor, sampled=())
     found = {}
     for claim in claims:
         own, *rivals = (studied[task] for task in claim.tasks(entered))
@@ -283,8 +286,12 @@ def _curves(findings: Sequence[tuple[Claim, Finding]]) -> xr.DataTree:
         return xr.DataTree()
     width = next(iter(compared.values()))["width"]
     values = np.stack([curve["log10_bayes_factor"] for curve in compared.values()])
+    verdicts = np.stack([curve["verdict"] for curve in compared.values()])
     curves = xr.Dataset(
-        {"log10_bayes_factor": (("claim", "width"), values)},
+        {
+            "log10_bayes_factor": (("claim", "width"), values),
+            "verdict": (("claim", "width"), verdicts),
+        },
         coords={"claim": list(compared), "width": width},
     )
     return xr.DataTree.from_dict({"curves": curves})

@@ -112,7 +112,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
     """Ask whether Table I fits, whether the data inform it, and how narrowly."""
     if lack := claim.untestable(case.entered):
         return Finding("not-testable", lack)
-    name = claim.rig(case.entered)
+    name = claim.subject(case.entered)
     data = case.entered.data[name]
     sizes = [size for size in data.sizes if size in table1()]
     if not sizes:

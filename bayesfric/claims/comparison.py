@@ -1,13 +1,17 @@
 """A claim against its rivals: Bayes factor, size of the effect, prediction, verdict."""
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import logsumexp
 
 from bayesfric.analysis import ClaimRules
 from bayesfric.claims.base import Case, Claim, Finding, Verdict
-from bayesfric.claims.studies import WIDTHS, Studied, Task
+from bayesfric.claims.studies import WIDTHS, Studied, Task, prior_ratios
+from bayesfric.effects import all_effects, with_priors
+from bayesfric.fitting.hypothesis import Hypothesis
 from bayesfric.inference.evidence import difference
 
 __all__ = ["bayes_factor", "compare", "decide", "log_evidence", "odds", "share"]
@@ -37,7 +41,7 @@ def compare(claim: Claim, case: Case) -> Finding:
     """
     if lack := claim.untestable(case.entered):
         return Finding("not-testable", lack)
-    name = claim.rig(case.entered)
+    name = claim.subject(case.entered)
     rules = case.analysis.claims
     own = case.studied[Task(name, case.entered.baseline)]
     rivals = {one: case.studied[Task(name, one)] for one in claim.against(case.entered)}
@@ -64,6 +68,7 @@ def compare(claim: Claim, case: Case) -> Finding:
     beyond = float((best_size > rules.region_of_equivalence).mean()) if best_size.size else 1.0
     assert own.prediction is not None  # the law is always sampled where it has an evidence
     predicted = difference(own.prediction, drawn[best])
+    elpd_errors = predicted.elpd / predicted.se if predicted.se > 0 else 0.0
     widths = np.array(WIDTHS)
     stable = curve[(widths > 0.999 * STABLE_OVER[0]) & (widths < 1.001 * STABLE_OVER[1])]
     verdict, reason = decide(
@@ -72,11 +77,15 @@ def compare(claim: Claim, case: Case) -> Finding:
         (float(stable.min()), float(stable.max())),
         bound,
         beyond,
-        predicted.elpd / predicted.se if predicted.se > 0 else 0.0,
+        elpd_errors,
         best.label,
     )
-    if lacking and verdict == "supported":
-        verdict, reason = "undecided", f"A rival could not be weighed: {'; '.join(lacking)}."
+    verdicts = verdicts_over_widths(case, known, curve, elpd_errors)
+    if lacking:
+        verdicts = ["undecided" if one == "supported" else one for one in verdicts]
+        if verdict == "supported":
+            verdict, reason = "undecided", f"A rival could not be weighed: {'; '.join(lacking)}."
+    narrowest, widest = same_around(verdicts, verdict)
     figures: dict[str, Any] = {
         "best_rival": best.label,
         "log10_bayes_factor_against": {label: value for label, (value, _) in each.items()},
@@ -86,6 +95,8 @@ def compare(claim: Claim, case: Case) -> Finding:
         "probability_effect_matters": beyond,
         "lowest_over_prior_width": float(stable.min()),
         "highest_over_prior_width": float(stable.max()),
+        "same_verdict_from_prior_width": narrowest,
+        "same_verdict_to_prior_width": widest,
         "elpd_reliable": predicted.reliable,
         "elpd_unreliable_for": "; ".join(predicted.unreliable),
     }
@@ -104,8 +115,63 @@ def compare(claim: Claim, case: Case) -> Finding:
             size: _by_pulley(claim, case, f"{name}/{size}")
             for size in case.entered.data[name].sizes
         },
-        curve={"width": widths, "log10_bayes_factor": curve},
+        curve={"width": widths, "log10_bayes_factor": curve, "verdict": np.array(verdicts)},
     )
+
+
+def verdicts_over_widths(
+    case: Case, rivals: Mapping[Hypothesis, Studied], log10: Array, elpd_errors: float
+) -> list[Verdict]:
+    """Return the verdict at each width of the rivals' priors.
+
+    Draws are weighted by the ratio of the priors, so that the effect's size follows the
+    width as the Bayes factor does; the difference of prediction stays what it is.
+
+    Parameters
+    ----------
+    case : Case
+        For rules and priors.
+    rivals : mapping of Hypothesis to Studied
+        All with an evidence.
+    log10 : ndarray, shape (len(WIDTHS),)
+        Log10 Bayes factor at each width.
+    elpd_errors : float
+        As for :func:`decide`.
+    """
+    rules = case.analysis.claims
+    effects = with_priors(all_effects(), case.analysis.priors.effects)
+    sized = {one: found for one, found in rivals.items() if found.size.size}
+    ratios = {one: prior_ratios(found.theta, one, effects) for one, found in sized.items()}
+    verdicts = []
+    for place in range(len(WIDTHS)):
+        weights = {one: np.exp(r[place] - logsumexp(r[place])) for one, r in ratios.items()}
+        bound = max((_quantile(sized[one].size, w) for one, w in weights.items()), default=0.0)
+        best = max(rivals, key=lambda one: log_evidence(rivals[one], place))
+        beyond = 1.0
+        if best in weights:
+            beyond = float(weights[best] @ (sized[best].size > rules.region_of_equivalence))
+        here = float(log10[place])
+        verdict, _ = decide(rules, here, (here, here), bound, beyond, elpd_errors, best.label)
+        verdicts.append(verdict)
+    return verdicts
+
+
+def same_around(verdicts: Sequence[Verdict], verdict: Verdict) -> tuple[float, float]:
+    """Return the narrowest and widest prior around the analysis's with its verdict."""
+    middle = len(WIDTHS) // 2
+    other = np.flatnonzero(np.array(verdicts) != verdict)
+    if middle in other:  # it rests on the stability over widths, which no width alone has
+        return WIDTHS[middle], WIDTHS[middle]
+    low = other[other < middle].max(initial=-1) + 1
+    high = other[other > middle].min(initial=len(WIDTHS)) - 1
+    return WIDTHS[low], WIDTHS[high]
+
+
+def _quantile(values: Array, weights: Array, level: float = 0.95) -> float:
+    """Return a quantile of weighted draws; the weights add up to 1."""
+    order = np.argsort(values)
+    place = int(np.searchsorted(np.cumsum(weights[order]), level))
+    return float(values[order][min(place, len(order) - 1)])
 
 
 def decide(
@@ -192,10 +258,20 @@ def share(value: float) -> str:
     return f"{100 * value:.2g} %"
 
 
-def log_evidence(found: Studied) -> float:
-    """Return the log evidence of what has one [nat]."""
+def log_evidence(found: Studied, width: int | None = None) -> float:
+    """Return the log evidence of what has one [nat].
+
+    Parameters
+    ----------
+    found : Studied
+        With an evidence.
+    width : int or None
+        Place in :data:`bayesfric.claims.studies.WIDTHS` of the width of its amplitude's
+        prior, if it has one; None is as it is.
+    """
     assert found.evidence is not None
-    return found.evidence.log_evidence
+    change = found.widths[width] if width is not None and found.widths.size else 0.0
+    return float(found.evidence.log_evidence + change)
 
 
 def bayes_factor(
@@ -221,10 +297,7 @@ def bayes_factor(
     value, error : float
     """
     assert own.evidence is not None
-    values = [log_evidence(one) for one in rivals]
-    if width is not None:
-        shifts = [one.widths[width] if one.widths.size else 0.0 for one in rivals]
-        values = [value + shift for value, shift in zip(values, shifts, strict=True)]
+    values = [log_evidence(one, width) for one in rivals]
     best = int(np.argmax(values))
     rival = rivals[best].evidence
     assert rival is not None

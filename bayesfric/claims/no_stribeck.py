@@ -13,7 +13,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
     found = compare(claim, case)
     if found.verdict == "not-testable":
         return found
-    slowest = slowest_speed(case.entered.data[claim.rig(case.entered)])
+    slowest = slowest_speed(case.entered.data[claim.subject(case.entered)])
     return replace(
         found,
         reason=f"{found.reason} Below {slowest:.3f} m/s, the slowest recorded speed, the claim is "

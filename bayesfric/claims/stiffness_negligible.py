@@ -15,7 +15,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
     """Probability, over cables and trials, that stretch changes friction by less."""
     if lack := claim.untestable(case.entered):
         return Finding("not-testable", lack)
-    name = claim.rig(case.entered)
+    name = claim.subject(case.entered)
     priors, rules = case.analysis.priors, case.analysis.claims
     rng = np.random.default_rng([case.analysis.seed, 3])
     cable = Cable(

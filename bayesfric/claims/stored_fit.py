@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis, analysis_sha256
-from bayesfric.claims.base import PAPER
+from bayesfric.claims.entered import PAPER
 from bayesfric.recording.tables import Recording
 from bayesfric.results import read_json, read_tree
 from bayesfric.schemas import FitFile

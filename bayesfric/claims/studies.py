@@ -31,7 +31,7 @@ from bayesfric.inference.sampling import sample
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.data import Data
 
-__all__ = ["WIDTHS", "Studied", "Task", "slowest_speed", "study_all"]
+__all__ = ["WIDTHS", "Studied", "Task", "prior_ratios", "slowest_speed", "study_all"]
 
 Array = NDArray[np.float64]
 SHORT_RUN = Sampler(burn=20, steps=60, thin=3)  # run on where that is not enough
@@ -255,10 +255,35 @@ def _start(model: Model, hypothesis: Hypothesis, effects: dict[str, Effect]) -> 
     return np.asarray(points[np.argmax(model.log_posterior(points))])
 
 
+def prior_ratios(
+    theta: Mapping[str, Array], hypothesis: Hypothesis, effects: Mapping[str, Effect]
+) -> Array:
+    """Return the log ratio of the amplitude's prior at another width to that at its own.
+
+    Parameters
+    ----------
+    theta : mapping of str to ndarray of shape (S,)
+        Draws with an effect.
+    hypothesis : Hypothesis
+        Its first effect is the one whose prior changes.
+    effects : mapping of str to Effect
+        By name.
+
+    Returns
+    -------
+    ndarray, shape (len(WIDTHS), S)
+    """
+    effect = effects[hypothesis.effects[0][0]]
+    amplitude = theta[f"{effect.name}.{effect.amplitude.name}"]
+    prior = effect.amplitude.prior
+    here = log_density(prior, amplitude)
+    return np.array(
+        [log_density(prior, amplitude / width) - np.log(width) - here for width in WIDTHS]
+    )
+
+
 def _over_widths(
-    theta: Mapping[str, Array],
-    hypothesis: Hypothesis,
-    effects: dict[str, Effect],
+    theta: Mapping[str, Array], hypothesis: Hypothesis, effects: dict[str, Effect]
 ) -> Array:
     """Return how the log evidence changes with the width of the amplitude's prior.
 
@@ -267,13 +292,8 @@ def _over_widths(
     """
     if not hypothesis.effects:
         return np.empty(0)
-    effect = effects[hypothesis.effects[0][0]]
-    amplitude = theta[f"{effect.name}.{effect.amplitude.name}"]
-    prior = effect.amplitude.prior
-    here = log_density(prior, amplitude)
     changes = []
-    for width in WIDTHS:
-        ratio = log_density(prior, amplitude / width) - np.log(width) - here
+    for ratio in prior_ratios(theta, hypothesis, effects):
         top = ratio.max()
         changes.append(top + np.log(np.mean(np.exp(ratio - top))))
     return np.array(changes)

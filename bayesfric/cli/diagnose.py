@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from bayesfric.cli.exits import exit_status, fail_on
-from bayesfric.cli.options import Config, FailOn, Folder, Quiet, Seed
+from bayesfric.cli.options import Baseline, Config, FailOn, Folder, Quiet, Seed
 
 __all__ = ["diagnose"]
 
@@ -15,9 +15,10 @@ __all__ = ["diagnose"]
 def diagnose(
     recording: Annotated[Path, typer.Argument(help="Folder of the recording.")],
     output: Folder = Path("bayesfric-run"),
-    baseline: Annotated[
+    baseline: Baseline = "paper",
+    shipped: Annotated[
         Path | None,
-        typer.Option("--baseline", help="Folder of a fit whose means are the shipped values."),
+        typer.Option("--shipped", help="Folder of a fit whose means are the shipped values."),
     ] = None,
     fixed: Annotated[
         str,
@@ -40,6 +41,7 @@ def diagnose(
         recording,
         output,
         baseline=baseline,
+        shipped=shipped,
         fixed=fixed,
         effect_modules=effect_module or [],
         seed=seed,
@@ -54,7 +56,8 @@ def diagnose_into(
     recording: Path,
     output: Path,
     *,
-    baseline: Path | None = None,
+    baseline: str = "paper",
+    shipped: Path | None = None,
     fixed: str = "",
     effect_modules: list[Path],
     seed: int | None,
@@ -81,11 +84,14 @@ def diagnose_into(
         analysis,
         fixed=[name.strip() for name in fixed.split(",") if name.strip()],
         effects=effects,
-        shipped=None if baseline is None else fitted_coefficients(baseline),
+        shipped=None if shipped is None else fitted_coefficients(shipped),
+        baseline=baseline,
     )
     diagnosed.write(output)
     summary = diagnosed.summary
     typer.echo(f"{summary.verdict}: {summary.sentence}")
     for name, chance in list(summary.probabilities.items())[:5]:
         typer.echo(f"  {name:<28} {chance:.3f}")
+    if summary.verdict == "undecided":
+        return {"undecided"}
     return set() if summary.verdict == "no-gap" else {"gap"}

@@ -33,6 +33,7 @@ Quiet = Annotated[bool, typer.Option("--quiet", help="No progress and no chatter
 FailOn = Annotated[
     str,
     typer.Option(
-        "--fail-on", help="Exit with 1 if this happened: refuted, unconverged, gap (a list)."
+        "--fail-on",
+        help="Exit with 1 if one of these happened: refuted, unconverged, gap, undecided.",
     ),
 ]

@@ -69,6 +69,7 @@ def run(
     happened |= diagnose_into(
         source,
         output,
+        baseline=baseline,
         effect_modules=[],
         seed=seed,
         config=config,

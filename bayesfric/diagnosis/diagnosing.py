@@ -31,11 +31,12 @@ from bayesfric.diagnosis.verdict import (
 )
 from bayesfric.diagnosis.weighing import Weighed, weigh
 from bayesfric.diagnosis.where import where_it_lies
-from bayesfric.effects import Effect, all_effects
+from bayesfric.effects import Effect, all_effects, with_priors
 from bayesfric.effects.candidates import Candidate, candidates_of
 from bayesfric.errors import Fault, InputError
 from bayesfric.paper import table1
 from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.laws import BASELINES
 from bayesfric.recording.tables import Recording
 from bayesfric.results import json_bytes, provenance, replace_outputs, write_netcdf
 from bayesfric.rigs import all_rigs
@@ -98,8 +99,9 @@ def diagnose(
     fixed: Collection[str] = (),
     effects: Collection[Effect] = (),
     shipped: Mapping[str, Coefficients] | None = None,
+    baseline: str = "paper",
 ) -> Diagnosed:
-    """Diagnose the gap between the paper's law and a recording.
+    """Diagnose the gap between a friction law and a recording.
 
     Parameters
     ----------
@@ -114,6 +116,8 @@ def diagnose(
         of the same name takes the other's place.
     shipped : mapping of str to Coefficients, or None
         The simulator's values as it was shipped, by pulley size; None is Table I.
+    baseline : str
+        The friction law, a name in :data:`bayesfric.physics.laws.BASELINES`.
 
     Returns
     -------
@@ -123,12 +127,13 @@ def diagnose(
     Raises
     ------
     InputError
-        There is neither board, or a fixed coefficient is unknown or has no value.
+        There is no rig to diagnose, the law is unknown, or a fixed coefficient is unknown
+        or has no value.
     """
     began = time.perf_counter()
     analysis = Analysis() if analysis is None else analysis
     with threadpool_limits(limits=1):
-        summary, curves = _diagnose(recording, analysis, fixed, effects, shipped)
+        summary, curves = _diagnose(recording, analysis, fixed, effects, shipped, baseline)
     return Diagnosed(summary, curves, time.perf_counter() - began)
 
 
@@ -138,8 +143,9 @@ def _diagnose(
     fixed: Collection[str],
     effects: Collection[Effect],
     shipped: Mapping[str, Coefficients] | None,
+    baseline: str,
 ) -> tuple[DiagnosisFile, xr.DataTree]:
-    data = _data(recording)
+    data = _data(recording, baseline)
     practical = analysis.diagnosis.practical_share
     if shipped is None:
         shipped = {
@@ -148,6 +154,7 @@ def _diagnose(
         }
     held = _held(fixed, data, shipped)
     examined = all_effects() | {effect.name: effect for effect in effects}
+    examined = with_priors(examined, analysis.priors.effects)
     examined = {name: _widened(one, analysis) for name, one in examined.items()}
     data, stray, laws, psi = _baseline(data, analysis, held, shipped)
     candidates = [one for effect in examined.values() for one in candidates_of(effect)]
@@ -194,7 +201,7 @@ def _diagnose(
     summary = DiagnosisFile(
         **attributes.model_dump(),
         rigs=tuple(one.rig.name for one in data.rigs),
-        baseline="paper",
+        baseline=baseline,
         fixed=tuple(sorted(held)),
         stray_trials=stray,
         practical_share=practical,
@@ -231,9 +238,11 @@ def _diagnose(
     return summary, curves_of(held_out, amplitudes)
 
 
-def _data(recording: Recording) -> Data:
+def _data(recording: Recording, baseline: str) -> Data:
+    if baseline not in BASELINES:
+        raise InputError([Fault("baseline", f"one of {', '.join(BASELINES)}", value=baseline)])
     opened = [rig.trials(recording) for rig in all_rigs().values()]
-    rigs = tuple(one.entering() for one in opened if one is not None)
+    rigs = tuple(one.under(BASELINES[baseline]).entering() for one in opened if one is not None)
     data = Data(tuple(one for one in rigs if not one.table.empty))
     if not data.rigs:
         names = " or ".join(rig.words.trial for rig in all_rigs().values())

@@ -5,6 +5,8 @@ it to. Other packages offer theirs by the entry point ``bayesfric.effects``, and
 user's own file is read by :func:`effect_of_file`.
 """
 
+from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -12,6 +14,7 @@ from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from pkgutil import iter_modules
 
+from bayesfric.analysis import Prior
 from bayesfric.effects.base import ActsOn, Effect, EffectParameter, Law, Reading, State
 from bayesfric.errors import Fault, InputError
 
@@ -24,6 +27,7 @@ __all__ = [
     "State",
     "all_effects",
     "effect_of_file",
+    "with_priors",
 ]
 
 
@@ -62,3 +66,48 @@ def effect_of_file(path: Path) -> Effect:
     if not isinstance(effect, Effect):
         raise InputError([Fault(str(path), expected)])
     return effect
+
+
+def with_priors(
+    effects: Mapping[str, Effect], priors: Mapping[str, Mapping[str, Prior]]
+) -> dict[str, Effect]:
+    """Return effects with the priors of an analysis in the place of their own.
+
+    Parameters
+    ----------
+    effects : mapping of str to Effect
+        By name.
+    priors : mapping of str to mapping of str to Prior
+        By the names of an effect and of one of its parameters.
+
+    Returns
+    -------
+    dict of str to Effect
+        All of `effects`.
+
+    Raises
+    ------
+    InputError
+        There is no such effect, or it has no such parameter.
+    """
+    faults, changed = [], dict(effects)
+    for name, own in priors.items():
+        if name not in effects:
+            faults.append(Fault("priors.effects", f"one of {', '.join(effects)}", value=name))
+            continue
+        effect = effects[name]
+        known = [parameter.name for parameter in effect.parameters]
+        faults += [
+            Fault(f"priors.effects.{name}", f"one of {', '.join(known)}", value=wrong)
+            for wrong in own
+            if wrong not in known
+        ]
+        amplitude, shape = (
+            None if one is None else replace(one, prior=own.get(one.name, one.prior))
+            for one in (effect.amplitude, effect.shape)
+        )
+        assert amplitude is not None
+        changed[name] = replace(effect, amplitude=amplitude, shape=shape)
+    if faults:
+        raise InputError(faults)
+    return changed

@@ -70,17 +70,18 @@ def eliminate(triangle: Array, variances: Sequence[ArrayLike]) -> tuple[Array, A
         integral multiplies the density by.
     """
     size = side(triangle)
-    log_determinant = np.zeros(triangle.shape[1:])
+    log_determinant = np.zeros_like(triangle[0])
+    triangle = np.copy(triangle)  # in the memory's own order, whichever axis is last
     for variance in variances:
-        row, triangle = triangle[:size], triangle[size:].copy()
+        row, triangle = triangle[:size], triangle[size:]
         size -= 1
         pivot = 1 + variance * row[0]
         log_determinant += np.log(pivot)
-        share = variance / pivot
+        scaled = (variance / pivot) * row
         start = 0
         for place in range(1, size + 1):
             stop = start + size + 1 - place
-            triangle[start:stop] -= (share * row[place]) * row[place:]
+            triangle[start:stop] -= scaled[place] * row[place:]
             start = stop
     return triangle, log_determinant
 

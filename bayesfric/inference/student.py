@@ -30,9 +30,9 @@ class _Nodes(NamedTuple):
     half_width: float  # in standard deviations
 
 
-# The steps are 0.4, 0.1, 0.9 and 0.5 standard deviations: the rule converges exponentially.
-GROUP_NODES = {1: _Nodes(41, 8.0), 2: _Nodes(17, 7.0)}
-SINGLE_NODES = {1: _Nodes(161, 8.0), 2: _Nodes(29, 7.0)}
+# The steps are 0.4, 0.1, 1 and 0.7 standard deviations: the rule converges exponentially.
+GROUP_NODES = {1: _Nodes(41, 8.0), 2: _Nodes(13, 6.0)}
+SINGLE_NODES = {1: _Nodes(161, 8.0), 2: _Nodes(21, 7.0)}
 
 
 @dataclass(frozen=True)

@@ -89,8 +89,9 @@ def step_board(
     duration_s: Array,
     steps: int,
     distance_m: float = np.inf,
+    start_speed_m_s: Array | float = 0.0,
 ) -> SteppedMotion:
-    """Integrate trials from rest.
+    """Integrate trials from their release.
 
     Parameters
     ----------
@@ -102,6 +103,8 @@ def step_board(
         Number of steps in that time.
     distance_m : float
         The integration ends once every trial has travelled this far, or rests [m].
+    start_speed_m_s : ndarray, shape (N,), or float
+        Speed at the release [m/s].
 
     Returns
     -------
@@ -110,8 +113,9 @@ def step_board(
     """
     step = duration_s / steps
     still = np.zeros_like(duration_s)
-    positions, speeds = [still], [still]
-    moving = acceleration(still, still) > 0
+    start = still + start_speed_m_s
+    positions, speeds = [still], [start]
+    moving = (start > 0) | (acceleration(still, still) > 0)
     for _ in range(steps):
         x, v = positions[-1], speeds[-1]
         a1 = acceleration(x, v)

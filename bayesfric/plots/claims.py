@@ -27,7 +27,7 @@ def over_prior_width(curves: xr.DataTree, support: float, refute: float) -> Figu
     table = curves["curves"].to_dataset()
     width = table["width"].to_numpy()
     values = np.clip(table["log10_bayes_factor"].to_numpy(), -FURTHEST, FURTHEST)
-    with figure(height=72.0) as fig:
+    with figure(height=62.0) as fig:
         axes = fig.subplots()
         for place, name in enumerate(table["claim"].to_numpy()):
             axes.plot(
@@ -59,7 +59,7 @@ def against_rivals(factors: Mapping[str, Mapping[str, float]]) -> Figure:
         Claim to rival to log10 Bayes factor in favour of the claim.
     """
     rows = sum(len(rivals) for rivals in factors.values())
-    with figure(height=16.0 + 4.2 * (rows + len(factors))) as fig:
+    with figure(height=14.0 + 3.4 * (rows + len(factors))) as fig:
         axes = fig.subplots()
         row, ticks, labels = 0, [], []
         for place, (claim, rivals) in enumerate(factors.items()):

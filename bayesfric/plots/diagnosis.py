@@ -1,6 +1,7 @@
 """The diagnosis: where simulation misses the board, and which effect causes it."""
 
 from collections.abc import Mapping, Sequence
+from typing import Protocol
 
 import numpy as np
 import xarray as xr
@@ -13,16 +14,19 @@ from matplotlib.ticker import MaxNLocator
 from bayesfric.inference.priors import log_density
 from bayesfric.plots.labels import LONGEST, plain
 from bayesfric.plots.style import COLORS, NEUTRAL, figure, halves
+from bayesfric.schemas import Interval
 from bayesfric.schemas.diagnosis import Axis, Cause, DiagnosisFile, EffectNumber
 
-__all__ = ["what_causes_it", "where_it_lies"]
+__all__ = ["most_probable", "what_acts", "what_causes_it", "where_it_lies"]
 
 BARS = 10  # axes whose share is drawn; the table has all
 SHAPES = 4  # axes whose shape is drawn: those of the largest shares
 HYPOTHESES = 8  # most probable ones; the table has all
 AMPLITUDES = 3  # causes whose amplitude is drawn
 FEWEST = 7  # rows that a panel has room for at least
+FEWEST_ACTING, RARE = 4, 0.02  # so many effects are drawn, and those that are more probable
 ROOM = 2.0  # a panel of a shape is this much taller than its band; dots beyond are cut
+CATEGORIES = ("pulley_size", "rig", "drive_end", "setup", "sensor")  # not numbers, but kinds
 UNITS = {"": "", "1": "", "-": "", "deg": "°", "1/deg": "deg⁻¹", "1/m": "m⁻¹", "m/s^2": "m/s²"}
 
 
@@ -40,10 +44,12 @@ def where_it_lies(axes: Sequence[Axis], residuals: xr.Dataset | None) -> Figure:
     Returns
     -------
     Figure
-        Left a bar for each of up to ten axes; right a panel for each of up to four shapes,
+        Left a bar for each of up to ten axes that explain a part, of all that varied where
+        none does; right a panel for each of up to four shapes,
         if there is one.
     """
-    shares = [axis for axis in axes if not axis.blind][:BARS]
+    known = [axis for axis in axes if not axis.blind]
+    shares = ([axis for axis in known if (axis.share or 0.0) > 0] or known)[:BARS]
     shapes = [axis for axis in axes if axis.shape is not None][:SHAPES]
     with figure(height=max(46.0, 12.0 + 3.5 * len(shares))) as fig:
         left, right = halves(fig, 5, 6) if shapes else (fig, None)
@@ -102,19 +108,32 @@ def _shape(panel: Axes, axis: Axis, residuals: xr.Dataset | None) -> None:
         )
     low, high = min(shape.low_n), max(shape.high_n)
     middle, half = (low + high) / 2, ROOM * (high - low) / 2
-    panel.fill_between(
-        shape.grid, shape.low_n, shape.high_n, color=COLORS["blue"], alpha=0.35, linewidth=0
-    )
-    panel.plot(shape.grid, shape.gap_n, color=COLORS["blue"])
+    if axis.axis in CATEGORIES:
+        panel.vlines(shape.grid, shape.low_n, shape.high_n, color=COLORS["blue"], linewidth=2.0)
+        panel.plot(shape.grid, shape.gap_n, "o", color=COLORS["blue"])
+    else:
+        panel.fill_between(
+            shape.grid, shape.low_n, shape.high_n, color=COLORS["blue"], alpha=0.35, linewidth=0
+        )
+        panel.plot(shape.grid, shape.gap_n, color=COLORS["blue"])
     panel.axhline(0.0, color=COLORS["black"], linewidth=0.7, linestyle="--")
     if half > 0:
         panel.set_ylim(min(middle - half, 0.0), max(middle + half, 0.0))
     first, last = min(shape.grid), max(shape.grid)
-    panel.set_xlim(first - 0.03 * (last - first), last + 0.03 * (last - first))
-    panel.xaxis.set_major_locator(MaxNLocator(4))
+    if axis.axis in CATEGORIES:
+        panel.set_xlim(first - 0.5, last + 0.5)
+        panel.set_xticks(shape.grid, [str(place + 1) for place in range(len(shape.grid))])
+    else:
+        panel.set_xlim(first - 0.03 * (last - first), last + 0.03 * (last - first))
+        panel.xaxis.set_major_locator(MaxNLocator(4))
     panel.yaxis.set_major_locator(MaxNLocator(4))
     panel.tick_params(labelsize=6.5)
     panel.set_xlabel(with_unit(axis_label(axis.axis), axis.unit), fontsize=7.5, labelpad=1.5)
+
+
+def most_probable(found: DiagnosisFile) -> list[tuple[str, float]]:
+    """Return the hypotheses that are drawn, with their probabilities."""
+    return sorted(found.probabilities.items(), key=lambda item: -item[1])[:HYPOTHESES]
 
 
 def what_causes_it(found: DiagnosisFile, amplitudes: xr.Dataset | None) -> Figure:
@@ -134,42 +153,87 @@ def what_causes_it(found: DiagnosisFile, amplitudes: xr.Dataset | None) -> Figur
         right a panel for each of up to three causes. Densities are scaled to their peaks.
     """
     causes = found.causes[:AMPLITUDES] if amplitudes is not None else ()
-    shown = sorted(found.probabilities.items(), key=lambda item: -item[1])[:HYPOTHESES]
+    shown = most_probable(found)
     with figure(height=15.0 + 3.5 * max(len(shown), FEWEST)) as fig:
         left, right = halves(fig, 6, 4 + 2 * len(causes)) if causes else (fig, None)
         _hypotheses(left.subplots(), shown, found.hypothesis_prior)
-        left.legend(
-            handles=[
-                Patch(color=COLORS["blue"], label="posterior"),
-                Line2D(
-                    [],
-                    [],
-                    linestyle="",
-                    marker="D",
-                    markersize=4,
-                    markerfacecolor="white",
-                    markeredgecolor=COLORS["black"],
-                    label="prior",
-                ),
-            ],
-            loc="outside upper left",
-            ncols=2,
-        )
+        diamond = Line2D([], [], linestyle="", marker="D", markersize=4, label="prior")
+        diamond.set(markerfacecolor="white", markeredgecolor=COLORS["black"])
+        has_prior = any(name in found.hypothesis_prior for name, _ in shown)
+        keys = [Patch(color=COLORS["blue"], label="posterior"), *([diamond] * has_prior)]
+        left.legend(handles=keys, loc="outside upper left", ncols=2)
         if right is not None and amplitudes is not None:
             panels = np.reshape(right.subplots(1, len(causes)), -1)
             for panel, cause in zip(panels, causes, strict=True):
                 draws = amplitudes["amplitude"].sel(cause=cause.effect).to_numpy()
                 _amplitude(panel, cause, draws[np.isfinite(draws)])
+            dashes = Line2D([], [], color=COLORS["black"], linestyle="--", label="prior")
+            has_prior = any(amplitude_of(cause)[1].prior_density is not None for cause in causes)
+            hatch = Patch(facecolor="#e6e6e6", hatch="////", edgecolor="white", label="plausible")
             right.legend(
-                handles=[
-                    Patch(color=COLORS["blue"], label="posterior"),
-                    Line2D([], [], color=COLORS["black"], linestyle="--", label="prior"),
-                    Patch(facecolor="#e6e6e6", hatch="////", edgecolor="white", label="plausible"),
-                ],
+                handles=[keys[0], *([dashes] * has_prior), hatch],
                 loc="outside upper left",
                 ncols=3,
                 columnspacing=1.0,
             )
+        return fig
+
+
+class Acts(Protocol):
+    """An effect, how probable it is that it acts, and how strong it then is."""
+
+    @property
+    def effect(self) -> str:
+        """Its name."""
+
+    @property
+    def probability(self) -> float:
+        """Over all hypotheses."""
+
+    @property
+    def strength(self) -> Interval | None:
+        """Rms of its force over rms friction."""
+
+
+def what_acts(effects: Sequence[Acts], practical_share: float) -> Figure:
+    """Draw how probable each effect is, and how strong.
+
+    Parameters
+    ----------
+    effects : sequence of Acts
+        The most probable first; the first eight are drawn.
+    practical_share : float
+        Of rms friction: what is below matters to nobody.
+    """
+    shown = [one for k, one in enumerate(effects) if k < FEWEST_ACTING or one.probability > RARE]
+    shown = shown[:HYPOTHESES]
+    with figure(height=17.0 + 4.0 * max(len(shown), FEWEST)) as fig:
+        left, right = fig.subplots(1, 2, sharey=True, width_ratios=(1, 1))
+        for row, one in enumerate(shown):
+            left.barh(row, one.probability, height=0.66, color=COLORS["blue"])
+            label = left.text(one.probability + 0.02, row, f"{one.probability:.2f}")
+            label.set(va="center", fontsize=7, zorder=3)
+            label.set_bbox({"facecolor": "white", "edgecolor": "none", "pad": 0.5})
+            if one.strength is None:
+                continue
+            low, middle, high = (
+                100 * q for q in (one.strength.q05, one.strength.q50, one.strength.q95)
+            )
+            faint = 1.0 if one.probability >= 0.5 else 0.4
+            right.plot([low, high], [row, row], color=COLORS["blue"], linewidth=2.0, alpha=faint)
+            right.plot(middle, row, "o", color=COLORS["blue"], alpha=faint)
+        for mark in (0.1, 0.9):
+            left.axvline(mark, color=NEUTRAL, linewidth=0.8, linestyle=":")
+        right.axvline(100 * practical_share, color=COLORS["black"], linewidth=0.9, linestyle="--")
+        left.set_yticks(range(len(shown)), [plain(one.effect) for one in shown])
+        left.set_ylim(len(shown) - 0.4, -0.6)
+        left.set_xlim(0.0, 1.15)
+        left.set_xticks([0.0, 0.5, 1.0])
+        left.set_xlabel("probability that it acts")
+        right.set_xlim(left=0.0)
+        right.set_xlabel("strength [% of friction]")
+        for panel in (left, right):
+            panel.grid(visible=False, axis="y")
         return fig
 
 

@@ -5,9 +5,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 from bayesfric.plots.labels import plain
-from bayesfric.plots.style import COLORS, NEUTRAL, figure, halves
+from bayesfric.plots.style import COLORS, figure, halves
 from bayesfric.schemas.diagnosis import Gap, GapRow
 
 __all__ = ["how_far"]
@@ -16,17 +17,22 @@ BARS = {
     "as_shipped": ("as shipped", "#8c8c8c"),
     "before": ("recalibrated", COLORS["vermilion"]),
     "after": ("with the effect", COLORS["blue"]),
-    "floor": ("floor", "#d0d0d0"),
+    "floor": ("scatter (floor)", "#d0d0d0"),
+    "systematic": ("systematic gap", COLORS["purple"]),
 }
 
 
-def how_far(gap: Gap, trajectories: xr.Dataset | None, named: bool) -> Figure:
+def how_far(
+    gap: Gap, practical_share: float, trajectories: xr.Dataset | None, named: bool
+) -> Figure:
     """Draw the gap as bars, and three held-out trajectories before and after.
 
     Parameters
     ----------
     gap : Gap
         Of ``diagnosis.json``.
+    practical_share : float
+        Of rms friction: what is below matters to nobody.
     trajectories : Dataset or None
         Group ``trajectories`` of ``diagnosis.nc``; None where there is none.
     named : bool
@@ -47,6 +53,9 @@ def how_far(gap: Gap, trajectories: xr.Dataset | None, named: bool) -> Figure:
         for panel, (row, scale, label) in zip(panels, kinds, strict=True):
             _bars(panel, row, scale, named)
             panel.set_xlabel(f"rms, held out: {label}", labelpad=1.5)
+            if row is gap:
+                limit = practical_share * gap.friction_rms
+                panel.axvline(limit, color=COLORS["black"], linewidth=0.9, linestyle="--")
         if right is not None and trajectories is not None:
             _paths(right, trajectories, named)
         return fig
@@ -55,13 +64,12 @@ def how_far(gap: Gap, trajectories: xr.Dataset | None, named: bool) -> Figure:
 def _bars(panel: Axes, row: Gap | GapRow, scale: float, named: bool) -> None:
     names = []
     ends = [0.0]
-    for place, (key, (words, color)) in enumerate(BARS.items()):
-        names.append("no effect added" if key == "after" and not named else words)
-        number = getattr(row, key)
-        if number is None:
-            panel.text(0, place, " none", va="center", fontsize=7, style="italic", color=NEUTRAL)
-            continue
-        low, middle, high = scale * number.q05, scale * number.mean, scale * number.q95
+    numbers = {key: getattr(row, key, None) for key in BARS if key != "after" or named}
+    shown = {key: number for key, number in numbers.items() if number is not None}
+    for place, (key, number) in enumerate(shown.items()):
+        words, color = BARS[key]
+        names.append(words)
+        low, middle, high = scale * number.q05, scale * number.q50, scale * number.q95
         panel.barh(place, middle, height=0.66, color=color, edgecolor=COLORS["black"])
         panel.plot([low, high], [place, place], color=COLORS["black"], linewidth=1.2)
         panel.text(high, place, f"  {middle:#.3g}".rstrip("."), va="center", fontsize=7)
@@ -69,6 +77,7 @@ def _bars(panel: Axes, row: Gap | GapRow, scale: float, named: bool) -> None:
     panel.set_yticks(range(len(names)), names)
     panel.set_ylim(len(names) - 0.45, -0.55)
     panel.set_xlim(0.0, 1.25 * max(ends) or 1.0)
+    panel.xaxis.set_major_locator(MaxNLocator(4))
     panel.grid(visible=False, axis="y")
 
 

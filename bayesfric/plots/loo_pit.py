@@ -37,7 +37,7 @@ def leave_one_out_probabilities(predictive: xr.DataTree) -> Figure:
         for one in rig_tables(predictive)
         if one.checks is not None and "pit_difference" in one.checks
     }
-    with figure(height=62.0) as fig:
+    with figure(height=46.0) as fig:
         panels = fig.subplots(1, len(tables), squeeze=False, sharey=True)[0]
         for axes, (title, table) in zip(panels, tables.items(), strict=True):
             at = table["probability"].to_numpy()

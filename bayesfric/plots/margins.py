@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
 
 from bayesfric.plots.labels import plain
 from bayesfric.plots.style import COLORS, LINES, MARKERS, NEUTRAL, figure
@@ -98,6 +99,7 @@ def nyquist_fan(fans: Sequence[NyquistFan]) -> Figure:
         left.plot(-1, 0, "P", color=COLORS["black"], markersize=5)
         left.set_xlim(-3.2, 1.4)
         left.set_ylim(-2.6, 2.0)
+        left.set_aspect("equal")
         left.set_title("open loop L(jω)")
         _real_axis_of_friction(right)
         right.set_title("speed per friction torque × √(kp J)")
@@ -142,6 +144,7 @@ def error_and_headroom(loops: Sequence[LoopMargins]) -> Figure:
         _bars(right, loops, HEADROOMS, 100.0)
         left.set_xlabel("at the tool tip [mm]")
         left.set_xscale("log")
+        left.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         right.set_xlabel("torque left [% of the limit]")
         right.axvline(0, color=COLORS["vermilion"], linewidth=0.8)
     return fig
@@ -155,7 +158,7 @@ def _bars(axes: Axes, loops: Sequence[LoopMargins], names: Sequence[str], scale:
     row, ticks, labels = 0, [], []
     for place, loop in enumerate(loops):
         color = SHADES[place % len(SHADES)]
-        axes.text(0.0, row, plain(loop.name), fontsize=7.5, fontweight="bold", va="center",
+        axes.text(0.02, row, plain(loop.name), fontsize=7.5, fontweight="bold", va="center",
                   transform=axes.get_yaxis_transform())  # fmt: skip
         row += 1
         for metric in _picked(loop, names):

@@ -126,7 +126,7 @@ def coefficient_pairs(draws: xr.DataTree, size: str, paper: dict[str, float] | N
     look = size_styles([size])[size]
     with (
         warnings.catch_warnings(),
-        figure(PAIRS_SHARE * TEXT_WIDTH, 79.0, constrained=False) as fig,
+        figure(PAIRS_SHARE * TEXT_WIDTH, 68.0, constrained=False) as fig,
     ):
         warnings.simplefilter("ignore", FutureWarning)  # arviz, which corner imports
         import corner

@@ -34,7 +34,7 @@ def rank_histograms(predictive: xr.DataTree) -> Figure:
     ensembles = relative.shape[1]
     columns = min(COLUMNS, len(names))
     rows = -(-len(names) // columns)
-    with figure(height=23.0 * rows + 14.0) as fig:
+    with figure(height=18.0 * rows + 14.0) as fig:
         panels = np.reshape(fig.subplots(rows, columns, sharex=True, sharey=True), (rows, columns))
         for place, (panel, name) in enumerate(zip(panels.flat, names, strict=False)):
             heights = table["relative"].sel(parameter=name).to_numpy()

@@ -10,10 +10,11 @@ the title and the table of contents, on page one.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import Literal, TypeAlias
 
+from bayesfric.report.quantities import MISSING
 from bayesfric.report.words import (
     Code,
     Emphasis,
@@ -189,6 +190,19 @@ class Table:
                 f"table, row {number}: expected {len(self.columns)} cells, got {row!r}",
             )
 
+    def filled(self) -> "Table":
+        """Return it without the columns in which no row says anything."""
+        kept = [
+            i
+            for i in range(len(self.columns))
+            if i == 0 or any(row[i] not in ("", MISSING) for row in self.rows)
+        ]
+        return replace(
+            self,
+            columns=[self.columns[i] for i in kept],
+            rows=[[row[i] for i in kept] for row in self.rows],
+        )
+
     @property
     def head(self) -> tuple[Column, ...]:
         """The columns, each as a Column."""
@@ -210,9 +224,6 @@ class Figure:
         What a `Reference` names it by.
     width : float
         Share of the text width, over 0 to 1.
-    here : bool
-        Whether it stands on paper where it stands in the text; else it floats to the
-        head or foot of a page.
     """
 
     svg: bytes
@@ -220,7 +231,6 @@ class Figure:
     alt: str
     label: str | None = None
     width: float = 1.0
-    here: bool = False
 
     def __post_init__(self) -> None:
         require(b"<svg" in self.svg, f"figure: expected SVG, got {self.svg[:40]!r}")

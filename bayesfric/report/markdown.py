@@ -1,4 +1,4 @@
-"""The content tree as GitHub-flavoured Markdown: a summary to read in a job's log.
+"""The content tree as GitHub-flavoured Markdown, whole or page one alone.
 
 Figures are named by their captions; everything else is there.
 """
@@ -31,13 +31,13 @@ from bayesfric.report.content import (
 )
 from bayesfric.report.numbering import Place, label_places, number_blocks
 
-__all__ = ["render_markdown"]
+__all__ = ["render_markdown", "render_summary"]
 
 _RULES = {"left": "---", "center": ":-:", "right": "--:", "decimal": "--:"}
 
 
 def render_markdown(document: Document) -> str:
-    """Write a document as GitHub-flavoured Markdown.
+    """Write a whole document as GitHub-flavoured Markdown.
 
     Parameters
     ----------
@@ -48,6 +48,27 @@ def render_markdown(document: Document) -> str:
     str
         The same for the same document; ends with a line end.
     """
+    return _render(document, len(document.blocks))
+
+
+def render_summary(document: Document) -> str:
+    """Write page one alone, without figures: what fits a comment on a change of code.
+
+    Parameters
+    ----------
+    document : Document
+
+    Returns
+    -------
+    str
+        What stands before the first heading, as :func:`render_markdown` writes it;
+        references name places of the whole report.
+    """
+    headings = [i for i, block in enumerate(document.blocks) if isinstance(block, Heading)]
+    return _render(document, min(headings, default=len(document.blocks)), figures=False)
+
+
+def _render(document: Document, count: int, figures: bool = True) -> str:
     labels = label_places(document)
     parts = [f"# {_escape(document.title)}"]
     if document.subtitle:
@@ -57,9 +78,10 @@ def render_markdown(document: Document) -> str:
         made.append(document.date.date().isoformat())
     if made:
         parts.append(_guard(", ".join(made)))
-    for block, place in zip(document.blocks, number_blocks(document), strict=True):
-        if not isinstance(block, PageBreak):
-            parts.append(_block(block, place, labels))
+    for block, place in list(zip(document.blocks, number_blocks(document), strict=True))[:count]:
+        if isinstance(block, PageBreak) or (isinstance(block, Figure) and not figures):
+            continue
+        parts.append(_block(block, place, labels))
     return "\n\n".join(parts) + "\n"
 
 
@@ -148,8 +170,8 @@ def _marked(mark: str, text: str) -> str:
 
 def _guard(line: str) -> str:
     """Take its meaning from what makes a list or a rule, at the start of a line only."""
-    line = line.strip()
-    return re.sub(r"^(\d*)([-+=.)])", r"\1\\\2", line)
+    line = re.sub(r"^([-+=])", r"\\\1", line.strip())
+    return re.sub(r"^(\d+)([.)])", r"\1\\\2", line)
 
 
 def _fence(text: str, at_least: int) -> str:

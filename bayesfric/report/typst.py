@@ -173,7 +173,6 @@ def _block(block: Block, place: Place | None, places: Mapping[str, Place]) -> di
                 "caption": text(block.caption),
                 "alt": printable(block.alt),
                 "share": block.width,
-                "here": block.here,
             }
         case PageBreak():
             pass

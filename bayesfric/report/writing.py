@@ -4,7 +4,7 @@ from pathlib import Path
 
 from bayesfric.report.assembly import build_document
 from bayesfric.report.html import render_html
-from bayesfric.report.markdown import render_markdown
+from bayesfric.report.markdown import render_summary
 from bayesfric.report.stored import read_stored
 from bayesfric.report.typst import render_pdf
 from bayesfric.results import replace_outputs
@@ -28,7 +28,7 @@ def write_report(folder: Path) -> None:
     document = build_document(read_stored(folder))
     pdf = render_pdf(document)
     html = render_html(document).encode()
-    summary = render_markdown(document).encode()
+    summary = render_summary(document).encode()
     replace_outputs(
         folder,
         {

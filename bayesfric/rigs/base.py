@@ -203,6 +203,9 @@ class RigTrials(Protocol):
     def supports(self, effect: Effect) -> Unsupported | None:
         """Return why an effect cannot enter the likelihood; None where it can."""
 
+    def under(self, law: Baseline) -> "RigTrials":
+        """Return the same trials, which a diagnosis makes linear around another law."""
+
     def linear(
         self,
         laws: Mapping[str, Coefficients],

@@ -7,16 +7,18 @@ model are laid out they say, given the noise, what the data know of its numbers
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Protocol
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bayesfric.analysis import Priors
+from bayesfric.analysis import Prior, Priors
 from bayesfric.effects import ActsOn, State
 from bayesfric.effects.candidates import Candidate
 from bayesfric.inference.information import Information
+from bayesfric.inference.priors import log_density
 from bayesfric.paper import table1
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.base import Unsupported
@@ -29,6 +31,7 @@ __all__ = [
     "LinearRows",
     "NoiseParameter",
     "Run",
+    "noise_parameter",
     "pulley_radii",
     "rank",
 ]
@@ -62,6 +65,23 @@ class NoiseParameter:
     log_prior: Callable[[float], float]
     usual: float
     scatters: bool = False
+
+
+def noise_parameter(
+    name: str,
+    prior: Prior,
+    start: float,
+    bounds: tuple[float, float],
+    usual: float,
+    *,
+    scatters: bool = False,
+) -> NoiseParameter:
+    """Return a parameter of the noise with a prior of its value, not of its logarithm."""
+    return NoiseParameter(name, start, bounds, partial(_log_prior, prior), usual, scatters)
+
+
+def _log_prior(prior: Prior, value: float) -> float:
+    return float(log_density(prior, value)) + float(np.log(value))
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from bayesfric.recording.tables import Recording
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.base import RigTrials
 
-__all__ = ["calibrating", "chosen_rigs", "open_rigs"]
+__all__ = ["calibrating", "chosen_rigs", "open_rigs", "rigs_with_trials"]
 
 
 def chosen_rigs(recording: Recording, rigs: Sequence[str] | None) -> tuple[str, ...]:
@@ -76,6 +76,17 @@ def open_rigs(
             raise InputError([Fault(recording.name, expected, column="role")])
         found.append(entering)
     return tuple(found)
+
+
+def rigs_with_trials(recording: Recording) -> dict[str, RigTrials]:
+    """Return the trials that enter a fit of every rig that has some, by its name."""
+    found = {}
+    for name, rig in all_rigs().items():
+        trials = rig.trials(recording)
+        entering = None if trials is None or trials.table.empty else calibrating(trials)
+        if entering is not None:
+            found[name] = entering
+    return found
 
 
 def calibrating(trials: RigTrials) -> RigTrials | None:

@@ -13,6 +13,8 @@ from bayesfric.physics.friction import Coefficients
 
 __all__ = ["AppliedEffect", "Truth", "laws_of", "table1_coefficients"]
 
+OPTIONAL = ("omega_intercept", "omega_intercept_motor", "wander", "push")
+
 
 @dataclass(frozen=True)
 class AppliedEffect:
@@ -59,12 +61,22 @@ class Truth:
         Friction law of each pulley size; default Table I.
     tau, omega : float
         Relative friction scatter of a trial and of an assembly.
+    omega_intercept : float
+        Relative scatter of c2 from assembly to assembly, beside that of all friction.
+    wander : float
+        Relative rms of friction that wanders along the travel of each trial.
+    wander_length : float
+        Its correlation length [m].
+    push : float
+        Scale of the half-normal speed with which a trial is released [m/s].
     sigma_x : float
         Position error of a Hall event [m].
     sigma_t : float
         Clock error of a Hall event, before rounding [s].
     tau_motor, omega_motor : float
         Relative friction scatter of a motor run and of an assembly of that board.
+    omega_intercept_motor : float
+        That of c2 on the motor board.
     torque_constant_factor : float
         The motor's torque constant over the specified one.
     idle_current : tuple of float
@@ -89,9 +101,16 @@ class Truth:
     sigma_current: float = 0.002
     load_noise: float = 0.005
     effects: Sequence[AppliedEffect] = ()
+    omega_intercept: float = 0.0
+    wander: float = 0.0
+    wander_length: float = 0.1
+    push: float = 0.0
+    omega_intercept_motor: float = 0.0
 
     def as_json(self) -> dict[str, Any]:
-        """Return the values as plain JSON types."""
+        """Return the values as plain JSON types, without levels that are not there."""
+        unused = [name for name in OPTIONAL if not getattr(self, name)]
+        unused += ["wander_length"] if not self.wander else []
         coefficients = {
             size: {name: float(np.asarray(value)) for name, value in law._asdict().items()}
             for size, law in self.coefficients.items()
@@ -99,7 +118,7 @@ class Truth:
         rest = {
             item.name: getattr(self, item.name)
             for item in fields(self)
-            if item.name not in ("coefficients", "effects")
+            if item.name not in ("coefficients", "effects", *unused)
         }
         record = {"coefficients": coefficients, **rest, "idle_current": list(self.idle_current)}
         return record | ({"effects": [e.as_json() for e in self.effects]} if self.effects else {})

@@ -11,12 +11,12 @@ from dataclasses import replace
 import numpy as np
 
 from bayesfric.analysis import Analysis, HalfNormal, Normal, PriorOverrides, Priors, Uniform
+from bayesfric.claims.entered import Entered
 from bayesfric.claims.studies import Task, study_all
 from bayesfric.effects import all_effects
-from bayesfric.fitting.hypothesis import Data, Hypothesis
+from bayesfric.fitting.hypothesis import Hypothesis
 from bayesfric.inference.priors import draw
 from bayesfric.physics.friction import Coefficients
-from bayesfric.rigs.gravity_board.screening import screen_trials
 from bayesfric.simulate import AppliedEffect, Truth, simulate_recording, table1_coefficients
 
 SEEDS = range(400)  # of each effect
@@ -88,10 +88,9 @@ def case(given):
     truth, acts = draw_truth(analysis.priors, effect, law, rng)
     number = int(rng.integers(2**32))
     recording = simulate_recording("quick", seed=number, truth=truth, rigs=("gravity",))
-    screened = screen_trials(recording.gravity, recording.rig).gravity
-    data = {"gravity": Data(recording.rig, gravity=screened)}
     hypotheses = Hypothesis(), Hypothesis(effects=((name, law),))
     tasks = [Task("gravity", one) for one in hypotheses]
+    data = Entered.of(recording).data
     studied = study_all(tasks, data, analysis, {name: effect}, None, sampled=())
     without, with_effect = (studied[task].evidence for task in tasks)
     narrower = float(studied[tasks[1]].widths[NARROW])

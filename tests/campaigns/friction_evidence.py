@@ -4,11 +4,12 @@ from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis, Sampler
 from bayesfric.effects import all_effects
-from bayesfric.fitting.hypothesis import Data, Hypothesis, model_of
+from bayesfric.fitting.hypothesis import Hypothesis, model_of
 from bayesfric.inference.evidence import bridge_evidence, in_one_place, laplace_draws
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.sampling import sample
-from bayesfric.rigs.gravity_board.screening import screen_trials
+from bayesfric.rigs import all_rigs
+from bayesfric.rigs.data import Data
 from bayesfric.simulate import simulate_recording
 
 SEED = 3
@@ -23,8 +24,7 @@ HYPOTHESES = {
 def case(name):
     """Return both log evidences of a hypothesis on one `quick` recording."""
     recording = simulate_recording("quick", seed=SEED, rigs=("gravity",))
-    screened = screen_trials(recording.gravity, recording.rig).gravity
-    data = Data(recording.rig, gravity=screened)
+    data = Data((all_rigs()["gravity"].trials(recording),))
     settings = Sampler(burn=30, steps=120, thin=3)
     with threadpool_limits(1):
         model = model_of(data, Analysis(), HYPOTHESES[name], all_effects())

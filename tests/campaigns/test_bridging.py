@@ -18,6 +18,13 @@ def run(seeds, folder):
     return list(run_on_processes(bridging.case, cases, folder, workers=2).values())
 
 
+def test_a_repeat_is_within_its_reported_errors():
+    """Of no seed that the campaign has."""
+    for name, found in bridging.case(bridging.SEEDS.stop)["densities"].items():
+        assert found["error"] <= 0.02, name
+        assert abs(found["difference"]) < 4.5 * found["error"], name
+
+
 @pytest.fixture(scope="module")
 def first_ten(tmp_path_factory):
     return run(NIGHTLY_SEEDS, tmp_path_factory.mktemp("bridging"))

@@ -4,8 +4,8 @@ import numpy as np
 
 from bayesfric.analysis import Analysis
 from bayesfric.claims import checking
-from bayesfric.claims.base import Entered
 from bayesfric.claims.checking import registered
+from bayesfric.claims.entered import Entered
 from bayesfric.claims.studies import Studied
 from bayesfric.inference.evidence import ELPD, Evidence
 from bayesfric.simulate import simulate_recording

@@ -5,8 +5,8 @@ import pytest
 
 from bayesfric.analysis import Analysis, ClaimRules
 from bayesfric.claims import check_claims
-from bayesfric.claims.base import Entered
 from bayesfric.claims.coefficients import decide, largest_difference
+from bayesfric.claims.entered import Entered
 from bayesfric.fitting.hypothesis import Hypothesis, model_of
 from bayesfric.inference.evidence import laplace_draws
 from bayesfric.inference.laplace import laplace_approximation

@@ -4,7 +4,7 @@ import pytest
 from typer.testing import CliRunner
 
 from bayesfric.claims import check_claims, registered
-from bayesfric.claims.base import Entered
+from bayesfric.claims.entered import Entered
 from bayesfric.cli import app
 from bayesfric.errors import InputError
 from bayesfric.recording import write_recording
@@ -17,17 +17,19 @@ def both():
     return simulate_recording("quick", seed=4)
 
 
-def test_data_are_of_each_rig_and_of_each_size(both):
+def test_data_are_of_each_rig_of_each_size_and_of_two_rigs(both):
     names = set(Entered.of(both).data)
     sizes = ("small", "medium", "large")
-    assert names == {"gravity", "motor"} | {f"{r}/{s}" for r in ("gravity", "motor") for s in sizes}
+    each = {f"{rig}/{size}" for rig in ("gravity", "motor") for size in sizes}
+    assert names == {"gravity", "motor", "gravity+motor", "motor+gravity"} | each
     assert Entered.of(both).whole().rigs == ("gravity", "motor")
 
 
 def test_a_claim_takes_the_rig_that_moves_as_it_needs(both):
     entered = Entered.of(both)
-    taken = {one.name: one.rig(entered) for one in registered() if one.motion is not None}
+    taken = {one.name: one.subject(entered) for one in registered() if one.motion is not None}
     assert taken.pop("no-viscous-motor") == "motor"
+    assert taken.pop("rigs-agree") == "gravity+motor"
     assert set(taken.values()) == {"gravity"}
 
 

@@ -8,7 +8,7 @@ import pytest
 from bayesfric.analysis import Analysis, ClaimRules
 from bayesfric.claims import check_claims
 from bayesfric.claims.apart import ApartModel
-from bayesfric.claims.base import Entered
+from bayesfric.claims.entered import Entered
 from bayesfric.claims.rigs_agree import agree
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 

@@ -47,7 +47,8 @@ def test_it_writes_prints_and_fails_on_a_gap(board):
     [
         (["--fixed", "c9"], "--fixed"),
         (["--effect-module", "nowhere.py"], "nowhere.py"),
-        (["--baseline", "nowhere"], "fit.json"),
+        (["--shipped", "nowhere"], "fit.json"),
+        (["--baseline", "nowhere"], "one of paper, recursive"),
         (["--fail-on", "rain"], "rain"),
     ],
 )

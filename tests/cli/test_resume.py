@@ -14,7 +14,7 @@ import pytest
 from bayesfric.checkpoint import Checkpoint
 from bayesfric.recording import write_recording
 
-KILLS = 6
+KILLS = 4
 SETTINGS = "seed = 5\n[sampler]\nburn = 60\nsteps = 200\nthin = 2\nextensions = 0\n"
 FILES = ("fit.json", "draws.nc", "predictive.nc")
 

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from bayesfric.cli import app
 from bayesfric.recording import write_recording
-from bayesfric.recording.tables import Gravity, Motor
+from bayesfric.recording.tables import Gravity
 from bayesfric.results import read_json
 from bayesfric.schemas import FitFile
 
@@ -34,16 +34,15 @@ def bayesfric(*arguments, cwd, **environment):
 
 @pytest.fixture(scope="session")
 def board(small_recording, tmp_path_factory):
-    """One size of a recording, of both boards, on disk beside a short analysis.toml."""
+    """One size of a recording of the gravity board, on disk beside a short analysis.toml."""
     folder = tmp_path_factory.mktemp("a folder with spaces")
-    gravity, motor = small_recording.gravity, small_recording.motor
+    gravity = small_recording.gravity
     trials = gravity.trials[gravity.trials["pulley_size"] == "small"]
     events = gravity.events[gravity.events["trial"].isin(trials["trial"])]
-    runs = motor.runs[(motor.runs["pulley_size"] == "small") & (motor.runs["n_pulleys"] == 9)]
     one_size = dataclasses.replace(
         small_recording,
         gravity=Gravity(trials.reset_index(drop=True), events.reset_index(drop=True)),
-        motor=Motor(runs.reset_index(drop=True), motor.idle),
+        motor=None,
     )
     write_recording(one_size, folder / "board")
     (folder / "analysis.toml").write_text(SHORT)
@@ -80,6 +79,7 @@ def test_run_writes_results_and_report(board, ran):
     assert "%" not in ran.stderr  # no bar where standard error is not a terminal
 
 
+@pytest.mark.nightly
 def test_same_seed_same_bytes(board, ran):
     """In two processes: JSON and all three forms of the report."""
     again = bayesfric("run", "board", "--config", "analysis.toml", "-o", "again", cwd=board)
@@ -128,7 +128,7 @@ def test_fit_leaves_other_files_alone(board, ran):
 
 def test_unconverged_is_in_the_exit_status_and_still_written(board):
     (board / "few.toml").write_text(
-        "[sampler]\nburn = 10\nsteps = 50\nthin = 2\nwalkers = 28\nextensions = 0\n"
+        "[sampler]\nburn = 10\nsteps = 50\nthin = 2\nwalkers = 34\nextensions = 0\n"
     )
     arguments = ("fit", "board", "--config", "few.toml", "-o", "few", "--fail-on", "unconverged")
     done = bayesfric(*arguments, cwd=board)

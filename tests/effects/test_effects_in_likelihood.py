@@ -33,7 +33,7 @@ PAIRS = [
 # What stands in an effect's response to first order: where a trial was released, and the
 # motion of a cable that slips, which the two sensors tell differently.
 APART = {"presliding": 0.08, "hysteresis": 0.08, "slip": 0.04}
-STRENGTHS = {"slip": 0.1}
+STRENGTHS = {"slip": 0.1, "magnet-spacing": 100.0}  # some 1 % of travel; a tenth of a millimetre
 FOUND = [
     (name, law)
     for name, effect in all_effects().items()
@@ -59,7 +59,8 @@ def truth_point(truth=None):
         for size, law in truth.coefficients.items()
         for name, value in law._asdict().items()
     }
-    names = "tau omega sigma_x sigma_t tau_motor omega_motor sigma_current load_noise".split()
+    names = "tau omega omega_intercept wander wander_length sigma_x sigma_t".split()
+    names += "tau_motor omega_motor omega_intercept_motor sigma_current load_noise".split()
     values |= {name: getattr(truth, name) for name in (*names, "torque_constant_factor")}
     return {name: np.array([value]) for name, value in values.items()}
 
@@ -81,7 +82,8 @@ def plain():
 def acted(name, law):
     """Return a recording in which one law acts, and its amplitude."""
     base = simulate_recording(SMALL, seed=4)
-    applied = at_strength(name, STRENGTH, SMALL, base.rig, Truth(), law)
+    strength = STRENGTHS.get(name, STRENGTH)
+    applied = at_strength(name, strength, SMALL, base.rig, Truth(), law)
     recording = simulate_recording(SMALL, seed=4, truth=Truth(effects=(applied,)))
     return recording, applied.values[all_effects()[name].amplitude.name]
 
@@ -105,7 +107,7 @@ def test_an_effect_moves_the_likelihood_or_the_rig_says_why_not(plain, rig, name
     assert none == pytest.approx(without, abs=1e-6)
     recording, amplitude = acted(name, law)
     there = RIGS[rig].trials(recording, exclude=False).likelihood(Analysis(), effects=active)
-    step = 1e-3 * amplitude
+    step = amplitude if effect.components else 1e-3 * amplitude  # a scatter begins flat
     low, high = (there.log_likelihood(with_amplitude(effect, a))[0] for a in (0.0, step))
     assert (high - low) / step * amplitude > 1.0
 

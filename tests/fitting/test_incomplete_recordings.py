@@ -6,6 +6,7 @@ law's friction at each condition that was measured, whatever cannot be told apar
 """
 
 import dataclasses
+from functools import cache
 
 import numpy as np
 import pytest
@@ -150,11 +151,23 @@ def check_friction(fitted, recording):
         assert (np.abs(middle - truth) < 4 * (high - low) / NORMAL_90).all()
 
 
+@pytest.fixture(scope="module")
+def fit_of(small_recording, tmp_path_factory):
+    """Recording and fit of a case, once each."""
+
+    @cache
+    def found(name):
+        make, sampler, _ = CASES[name]
+        recording = read_back(make(small_recording), tmp_path_factory.mktemp("recording"))
+        return recording, bf.fit(recording, Analysis(seed=5, sampler=sampler))
+
+    return found
+
+
 @pytest.mark.parametrize("name", CASES)
-def test_what_is_informed_is_right_and_the_rest_is_said_to_be_open(name, small_recording, tmp_path):
-    make, sampler, informed = CASES[name]
-    recording = read_back(make(small_recording), tmp_path)
-    fitted = bf.fit(recording, Analysis(seed=5, sampler=sampler))
+def test_what_is_informed_is_right_and_the_rest_is_said_to_be_open(name, fit_of, tmp_path):
+    _, sampler, informed = CASES[name]
+    recording, fitted = fit_of(name)
     summary = fitted.summary
     assert summary.pulleys
     for size, coefficients in summary.pulleys.items():
@@ -173,15 +186,12 @@ def test_what_is_informed_is_right_and_the_rest_is_said_to_be_open(name, small_r
     assert (tmp_path / "out" / "fit.json").is_file()
 
 
-def test_columns_that_are_left_out_say_what_is_lost(small_recording, tmp_path):
+def test_columns_that_are_left_out_say_what_is_lost(fit_of):
     """Without setups each (size, n, angle) is one assembly; the order is not used."""
-    unordered = read_back(without_column(small_recording, "order"), tmp_path / "a")
-    whole = read_back(dataclasses.replace(small_recording, motor=None), tmp_path / "c")
-    analysis = Analysis(seed=5, sampler=SHORT)
-    assert bf.fit(unordered, analysis).summary.pulleys == bf.fit(whole, analysis).summary.pulleys
-    summary = bf.fit(
-        read_back(without_column(small_recording, "setup"), tmp_path / "b"), analysis
-    ).summary
+    _, unordered = fit_of("no order column")
+    _, whole = fit_of("no motor board")
+    assert unordered.summary.pulleys == whole.summary.pulleys
+    summary = fit_of("no setup column")[1].summary
     assert summary.data_quality.setups == 9
     assert summary.data_quality.replicated_cells == 0
     assert any("no replicates" in line for line in summary.attention)

@@ -17,6 +17,8 @@ from bayesfric.rigs.protocols import Protocol
 from bayesfric.schemas import FitFile
 from bayesfric.simulate import simulate_recording
 
+SCATTER = {"tau", "omega", "omega_intercept", "wander", "wander_length"}
+SCATTER_AND_NOISE = (*sorted(SCATTER), "sigma_x", "sigma_t")
 SHORT = Sampler(burn=60, steps=80, thin=2, extensions=0)
 
 
@@ -92,7 +94,7 @@ def test_pointwise_likelihood_is_that_of_the_draws(small_fit, small_recording):
         for c in ("c1", "c2", "c3")
         for size in likelihood.sizes
     }
-    theta |= {n: point[n].to_numpy()[None] for n in ("tau", "omega", "sigma_x", "sigma_t")}
+    theta |= {n: point[n].to_numpy()[None] for n in SCATTER_AND_NOISE}
     stored = pointwise.sel(draw=draw).isel(chain=3)
     assert float(stored.sum()) == pytest.approx(likelihood.log_likelihood(theta)[0], rel=1e-12)
 
@@ -109,19 +111,22 @@ def test_sensitivity_is_that_of_priors_and_likelihood(small_recording, small_fit
     screened = screen_trials(small_recording.gravity, small_recording.rig)
     likelihood = GravityLikelihood(screened.gravity, small_recording.rig, Analysis())
     widths = {"c1": 0.05, "c2": 0.2, "tau": 0.05, "omega": 0.05, "sigma_x": 1e-4, "sigma_t": 1e-4}
+    widths |= {"omega_intercept": 0.05, "wander": 0.02}
     ensembles, walkers = (getattr(small_fit.summary.sampler, n) for n in ("ensembles", "walkers"))
 
     def by_ensemble(values):  # smoothed weights depend on what counts as a chain
         each = values.to_numpy().reshape(ensembles, walkers, -1)
         return each.swapaxes(1, 2).ravel()
 
-    theta = {n: by_ensemble(posterior[n]) for n in ("tau", "omega", "sigma_x", "sigma_t")}
+    theta = {n: by_ensemble(posterior[n]) for n in SCATTER_AND_NOISE}
     for size in likelihood.sizes:
         of_size = posterior.sel(pulley=size)
         theta |= {f"{c}[{size}]": by_ensemble(of_size[c]) for c in ("c1", "c2", "c3")}
     log_prior = sum(
         stats.norm(0, 1e-3).logpdf(values)
         if name.startswith("c3")
+        else stats.lognorm(0.5, scale=0.1).logpdf(values)
+        if name == "wander_length"
         else stats.halfnorm(scale=widths[name.partition("[")[0]]).logpdf(values)
         for name, values in theta.items()
     )
@@ -163,7 +168,7 @@ def test_without_replicates_the_reader_is_told():
 
 
 def test_too_few_draws_are_called_unconverged(small_recording):
-    few = Sampler(walkers=28, burn=10, steps=50, thin=2, extensions=0)
+    few = Sampler(walkers=34, burn=10, steps=50, thin=2, extensions=0)
     summary = bf.fit(small_recording, Analysis(sampler=few)).summary
     assert not summary.converged
     assert any("has not converged" in line for line in summary.attention)
@@ -203,7 +208,8 @@ def test_both_rigs_share_the_coefficients_and_not_the_scatter(small_recording, s
     factor = both.summary.parameters["torque_constant_factor"]
     assert abs(factor.mean - 1.0) < 4 * factor.sd
     assert factor.sd < 0.005  # 1 % would be 8 to 35 % of friction
-    assert {"tau", "omega", "tau_motor", "omega_motor"} == set(both.summary.scatter)
+    of_runs = {"tau_motor", "omega_motor", "omega_intercept_motor"}
+    assert SCATTER | of_runs == set(both.summary.scatter)
     assert both.summary.pulleys["small"]["c3"].sd < small_fit.summary.pulleys["small"]["c3"].sd
     ids = both.draws["log_likelihood"]["setup"]["setup_id"].to_numpy()
     assert sum(name.startswith("motor/") for name in ids) == 15

@@ -93,14 +93,20 @@ def test_the_command_runs_in_an_empty_folder(elsewhere, tmp_path, arguments):
 SHORT = "[sampler]\nburn = 60\nsteps = 80\nthin = 2\nextensions = 0\n"
 
 
-def test_the_bundled_recording_is_fitted_and_reported(elsewhere, tmp_path):
-    """With few draws; `tests/test_reference_run.py` has the whole of them."""
-    (tmp_path / "analysis.toml").write_text(SHORT)
-    python, command = elsewhere / "bin" / "python", elsewhere / "bin" / "bayesfric"
+def test_the_bundled_recording_is_read(elsewhere, tmp_path):
     where = "import bayesfric.resources as r; print(r.bundled_recording())"
-    recording = run(python, "-c", where, cwd=tmp_path).strip()
+    recording = run(elsewhere / "bin" / "python", "-c", where, cwd=tmp_path).strip()
+    said = run(elsewhere / "bin" / "bayesfric", "validate", recording, cwd=tmp_path)
+    assert "medium" in said
+
+
+def test_a_recording_is_fitted_and_reported(elsewhere, tmp_path):
+    """With few draws of the small protocol; `tests/test_reference_run.py` has the bundled one."""
+    (tmp_path / "analysis.toml").write_text(SHORT)
+    command = elsewhere / "bin" / "bayesfric"
+    run(command, "simulate", "board", "--protocol", "quick", cwd=tmp_path)
     options = ["-o", "results", "--config", "analysis.toml", "--quiet"]
-    run(command, "fit", recording, *options, cwd=tmp_path)
+    run(command, "fit", "board", *options, cwd=tmp_path)
     run(command, "report", "results", "--quiet", cwd=tmp_path)
     written = {path.name for path in (tmp_path / "results").iterdir()}
     assert {"fit.json", "draws.nc", "report.pdf", "report.html", "summary.md"} <= written

@@ -5,11 +5,20 @@ import re
 import numpy as np
 import pytest
 from matplotlib.collections import PolyCollection
-from report.diagnosis_sample import axis, cause, curves, diagnosis, stored_diagnosis, without_gap
+from report.diagnosis_sample import (
+    axis,
+    cause,
+    curves,
+    diagnosis,
+    interval,
+    stored_diagnosis,
+    without_gap,
+)
 
-from bayesfric.plots.diagnosis import what_causes_it, where_it_lies
+from bayesfric.plots.diagnosis import what_acts, what_causes_it, where_it_lies
 from bayesfric.plots.gap import how_far
 from bayesfric.plots.style import to_svg
+from bayesfric.report.diagnosed import Acting
 
 
 def panel(fig, label):
@@ -25,17 +34,17 @@ def tick_texts(axes):
     return [text.get_text() for text in axes.get_yticklabels()]
 
 
-def test_bars_of_where_are_the_shares_and_blind_axes_have_none():
+def test_bars_of_where_are_the_shares_of_axes_that_explain_a_part():
     stored = stored_diagnosis()
     axes = panel(
         where_it_lies(stored.found.where, stored.group("residuals")), "part of gap² explained [%]"
     )
     assert tick_texts(axes) == [
-        "velocity", "displacement", "tension", "n pulleys", "order", "setup",
+        "velocity", "displacement", "tension", "n pulleys", "order",
     ]  # fmt: skip
     # Share and unique share in turn, which is half of it in the sample.
     assert widths(axes)[:4] == pytest.approx([62.0, 31.0, 41.0, 20.5])
-    assert "−1" in [text.get_text().strip() for text in axes.texts]
+    assert axes.texts[0].get_text().strip() == "62"
 
 
 def test_shapes_are_the_stored_bands_of_the_four_largest():
@@ -95,23 +104,32 @@ def test_amplitude_stands_against_its_prior_and_the_plausible_range():
     assert median.get_xdata()[0] == number.q50
 
 
-def test_bars_of_the_gap_are_the_stored_means_in_newtons_and_millimetres():
+def test_bars_of_the_gap_are_the_stored_medians_in_newtons_and_millimetres():
     stored = stored_diagnosis()
-    fig = how_far(stored.found.gap, stored.group("trajectories"), named=True)
+    fig = how_far(stored.found.gap, 0.02, stored.group("trajectories"), named=True)
     force = panel(fig, "rms, held out: force [N]")
-    assert widths(force) == [0.0951, 0.0523, 0.0187, 0.0174]
+    systematic = stored.found.gap.systematic.q50
+    assert widths(force) == [0.0951, 0.0523, 0.0187, 0.0174, systematic]
     assert widths(panel(fig, "rms, held out: trajectory [mm]")) == pytest.approx(
         [19.02, 10.46, 3.74, 3.48]
     )
     before = stored.found.gap.before
     assert list(force.lines[1].get_xdata()) == [before.q05, before.q95]
-    assert tick_texts(force) == ["as shipped", "recalibrated", "with the effect", "floor"]
+    assert tick_texts(force) == [
+        "as shipped",
+        "recalibrated",
+        "with the effect",
+        "scatter (floor)",
+        "systematic gap",
+    ]
+    limit = force.lines[-1].get_xdata()[0]
+    assert limit == pytest.approx(0.02 * stored.found.gap.friction_rms)
 
 
 def test_deviations_of_trajectories_are_simulated_minus_measured():
     stored = stored_diagnosis()
     table = stored.curves["trajectories"]
-    fig = how_far(stored.found.gap, stored.group("trajectories"), named=True)
+    fig = how_far(stored.found.gap, 0.02, stored.group("trajectories"), named=True)
     paths, deviations = fig.axes[2:5], fig.axes[5:8]
     assert [axes.get_title() for axes in paths] == ["g0011", "g0042", "g0107"]
     _, before, after = deviations[1].lines
@@ -123,14 +141,13 @@ def test_deviations_of_trajectories_are_simulated_minus_measured():
     )
 
 
-def test_without_cause_shipped_values_or_trajectory_the_bars_say_so():
-    fig = how_far(without_gap().found.gap, None, named=False)
+def test_without_cause_shipped_values_or_trajectory_their_bars_are_left_out():
+    fig = how_far(without_gap().found.gap, 0.02, None, named=False)
     (axes,) = fig.axes
-    assert tick_texts(axes)[2] == "no effect added"
-    assert widths(axes) == [0.0176, 0.0176, 0.0174]
-    assert "none" in [text.get_text().strip() for text in axes.texts]
+    assert tick_texts(axes) == ["recalibrated", "scatter (floor)", "systematic gap"]
+    assert widths(axes)[:2] == [0.0176, 0.0174]
     stored = stored_diagnosis()
-    alone = how_far(stored.found.gap, stored.group("trajectories"), named=False)
+    alone = how_far(stored.found.gap, 0.02, stored.group("trajectories"), named=False)
     assert len(alone.axes[-1].lines) == 2  # zero and before: nothing comes after
 
 
@@ -139,7 +156,7 @@ def test_they_repeat_their_bytes():
     for draw in (
         lambda: where_it_lies(stored.found.where, stored.group("residuals")),
         lambda: what_causes_it(stored.found, stored.group("amplitudes")),
-        lambda: how_far(stored.found.gap, stored.group("trajectories"), named=True),
+        lambda: how_far(stored.found.gap, 0.02, stored.group("trajectories"), named=True),
     ):
         svg = to_svg(draw())
         assert svg == to_svg(draw())
@@ -149,3 +166,32 @@ def test_they_repeat_their_bytes():
         assert set(re.findall(rb"url\(#([^)]*)\)", svg)) - set(defined) <= set(
             re.findall(rb'<pattern id="([^"]*)"', svg)
         )
+
+
+def test_kinds_are_points_with_bars_and_no_line_between_them():
+    kinds = axis("pulley_size", "1", 0.4, 0.0, 2.0)
+    shape = kinds.shape.model_copy(
+        update={
+            "grid": (0.0, 1.0, 2.0),
+            "gap_n": (0.0, 0.1, -0.1),
+            "low_n": (-0.1, 0.0, -0.2),
+            "high_n": (0.1, 0.2, 0.0),
+        }
+    )
+    axes = panel(where_it_lies((kinds.model_copy(update={"shape": shape}),), None), "pulley size")
+    assert [text.get_text() for text in axes.get_xticklabels()] == ["1", "2", "3"]
+    points = axes.lines[0]
+    assert (points.get_linestyle(), points.get_marker()) == ("None", "o")
+    assert list(points.get_ydata()) == [0.0, 0.1, -0.1]
+
+
+def test_what_acts_shows_probability_and_strength():
+    strong = Acting("viscous", 0.97, interval(0.05))
+    left, right = what_acts([strong, Acting("slip", 0.3, None)], 0.02).axes
+    assert widths(left) == [0.97, 0.3]
+    assert tick_texts(left) == ["viscous", "slip"]
+    bar, middle, practical = right.lines
+    ends = [100 * strong.strength.q05, 100 * strong.strength.q95]
+    assert list(bar.get_xdata()) == pytest.approx(ends)
+    assert middle.get_xdata()[0] == pytest.approx(5.0)
+    assert practical.get_xdata()[0] == pytest.approx(2.0)

@@ -1,7 +1,7 @@
 """Whatever lies on disk, the reader returns a recording or raises InputError.
 
-``BAYESFRIC_HYPOTHESIS_EXAMPLES=10000 pytest tests/recording/test_recording_fuzz.py``
-runs the long form, with examples that differ each time.
+``BAYESFRIC_HYPOTHESIS_EXAMPLES=2000 pytest tests/recording/test_recording_fuzz.py``
+runs the long form, with examples that differ each time; `make test-nightly` does.
 """
 
 import json
@@ -32,7 +32,7 @@ EXAMPLES = os.environ.get("BAYESFRIC_HYPOTHESIS_EXAMPLES")
 def fuzz(share: float) -> settings:
     """Examples of one test, as a share of those that are asked for."""
     return settings(
-        max_examples=round(share * int(EXAMPLES or 300)),
+        max_examples=round(share * int(EXAMPLES or 100)),
         deadline=None,
         derandomize=EXAMPLES is None,
         suppress_health_check=list(HealthCheck),

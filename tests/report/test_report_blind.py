@@ -13,7 +13,7 @@ from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters.blind import blind_chapter, scorecard_line
 from bayesfric.report.content import Heading, Notice, Paragraph, Table, inlines
 from bayesfric.report.html import render_html
-from bayesfric.report.markdown import render_markdown
+from bayesfric.report.markdown import render_summary
 from bayesfric.report.stored import StoredResults
 from bayesfric.report.writing import write_report
 from bayesfric.results import json_bytes
@@ -130,7 +130,7 @@ def test_a_report_is_made_of_a_scorecard_alone(card, tmp_path):
     assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF")
     text = (tmp_path / "summary.md").read_text()
     assert "28 of 32 verdicts are correct" in text
-    assert text == render_markdown(build_document(StoredResults(scorecard=card)))
+    assert text == render_summary(build_document(StoredResults(scorecard=card)))
     assert "What makes the same result again" in render_html(
         build_document(StoredResults(scorecard=card))
     )

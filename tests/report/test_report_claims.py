@@ -6,8 +6,8 @@ import xarray as xr
 
 from bayesfric.errors import InputError
 from bayesfric.plots.claims import against_rivals, over_prior_width
-from bayesfric.report.chapters.claims import claims, verdicts
-from bayesfric.report.content import Heading, Notice, Paragraph, Table
+from bayesfric.report.chapters.claims import claims, fallen
+from bayesfric.report.content import Heading, Paragraph, Table
 from bayesfric.report.stored import StoredClaims, read_stored
 from bayesfric.results import json_bytes, write_netcdf
 from bayesfric.schemas import ClaimResult, ClaimsFile, SelfContradiction
@@ -70,12 +70,27 @@ def stored(small_fit):
     return StoredClaims(found, xr.DataTree.from_dict({"curves": curves}))
 
 
-def test_page_one_has_the_stored_verdicts(stored):
-    notice, table = verdicts(stored.found)
-    assert isinstance(notice, Notice)
-    assert notice.title == "Refuted"
-    assert "The reason of linear-in-tension." in str(notice.text)
-    assert isinstance(table, Table)
+def test_page_one_says_which_claims_fell(stored):
+    notice = fallen(stored.found)
+    assert notice.kind == "attention"
+    text = "".join(str(getattr(part, "text", part)) for part in notice.text)
+    assert text.startswith("1 refuted, 1 undecided")
+    assert "linear-in-tension: The reason of linear-in-tension." in text
+    assert "Undecided: rigs-agree." in text
+
+
+def test_page_one_is_green_only_where_every_claim_holds(stored):
+    def kind(*verdicts):
+        claims = tuple(result(f"claim-{k}", v, 1.0) for k, v in enumerate(verdicts))
+        return fallen(stored.found.model_copy(update={"claims": claims})).kind
+
+    assert kind("supported", "supported") == "good"
+    assert kind("supported", "undecided") == "info"
+    assert kind("supported", "refuted") == "attention"
+
+
+def test_the_table_has_the_stored_verdicts(stored):
+    (table,) = [b for b in claims(stored) if isinstance(b, Table)]
     rows = [[str(getattr(cell, "text", cell)) for cell in row] for row in table.rows]
     assert rows[0] == ["linear-in-tension", "− refuted", "−2.3", "0.031", "−3.1", "(1.3)"]
     assert rows[1] == ["rigs-agree", "? undecided", *["—"] * 4]
@@ -89,7 +104,7 @@ def test_the_chapter_tells_each_claim_and_the_rules(stored):
     assert "at most −1" in words
     assert "at least 0.5" in words
     headings = [b.text for b in blocks if isinstance(b, Heading)]
-    assert headings[-1] == "The paper against itself"
+    assert "The paper against itself" in headings
 
 
 def test_claims_of_another_recording_are_refused(stored, small_fit, tmp_path):

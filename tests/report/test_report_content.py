@@ -89,3 +89,9 @@ def test_the_tree_is_cheap_to_import() -> None:
     code = f"import sys, bayesfric.report.content; sys.exit(str({heavy} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.stderr.strip() == "set()"
+
+
+def test_columns_that_say_nothing_are_left_out() -> None:
+    table = Table("t", ["a", "b", "c", "d"], [["", "—", "", "0"], ["", "", "x", "1"]]).filled()
+    assert [column.title for column in table.head] == ["a", "c", "d"]
+    assert list(table.rows) == [["", "", "0"], ["", "x", "1"]]

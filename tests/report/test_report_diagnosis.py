@@ -2,8 +2,10 @@
 
 import dataclasses
 import io
+from types import SimpleNamespace
 
 import pytest
+from margins.loops import loop, write_draws
 from pypdf import PdfReader
 from report.diagnosis_sample import (
     axis,
@@ -16,8 +18,11 @@ from report.diagnosis_sample import (
 )
 
 from bayesfric.errors import InputError
+from bayesfric.margins import compute_margins
 from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters.diagnosis import diagnosis as chapter
+from bayesfric.report.chapters.diagnosis import verdict_line
+from bayesfric.report.chapters.diagnosis_details import appendix
 from bayesfric.report.content import (
     BulletList,
     Figure,
@@ -41,8 +46,13 @@ def words(text):
     return "".join(i if isinstance(i, str) else getattr(i, "text", "") for i in inlines(text))
 
 
+def blocks_of(stored):
+    """Return the chapter and its long tables."""
+    return [*chapter(stored), *appendix(stored.found)]
+
+
 def tables(stored):
-    return {b.label: b for b in chapter(stored) if isinstance(b, Table)}
+    return {b.label: b for b in blocks_of(stored) if isinstance(b, Table)}
 
 
 def rows(stored, label):
@@ -50,7 +60,7 @@ def rows(stored, label):
 
 
 def paragraphs(stored):
-    blocks = list(chapter(stored))
+    blocks = blocks_of(stored)
     said = [words(b.text) for b in blocks if isinstance(b, Paragraph | Notice)]
     said += [words(item) for b in blocks if isinstance(b, BulletList) for item in b.items]
     return " ".join(said)
@@ -90,17 +100,62 @@ def two_causes():
     )
 
 
-def test_the_first_page_tells_all_and_holds_it_all():
+def glance(stored):
+    return {question: " ".join(answer) for question, answer in rows(stored, "glance").items()}
+
+
+def test_the_first_page_tells_all():
     for stored in (stored_diagnosis(), without_gap(), two_causes()):
-        pages = [
-            " ".join(page.extract_text().split())
-            for page in PdfReader(
-                io.BytesIO(render_pdf(build_document(StoredResults(diagnosis=stored))))
-            ).pages
-        ]
-        (page,) = [text for text in pages if "Which. Most probable" in text]
-        for part in (stored.found.sentence[:40], "Where. Velocity", "How far. "):
+        pdf = render_pdf(build_document(StoredResults(diagnosis=stored)))
+        page = " ".join(PdfReader(io.BytesIO(pdf)).pages[0].extract_text().split())
+        for part in (stored.found.sentence[:40], "at a glance", "How large is the systematic gap?"):
             assert part in page
+
+
+def test_a_named_board_says_what_and_how_much_at_a_glance():
+    told = glance(stored_diagnosis())
+    assert told["Which effect causes it?"] == "viscous (probability 0.987)"
+    assert told["How far does it shrink with that?"] == "by 98.1 [97.4, 98.8]\u202f%"
+    assert told["Where does it lie?"].startswith("along velocity")
+
+
+def test_where_there_is_no_gap_no_axis_is_said_to_explain_it():
+    stored = without_gap()
+    assert glance(stored)["Which effect causes it?"] == "none is needed"
+    assert "Where does it lie?" not in glance(stored)
+    assert "where" not in figures(stored)
+    assert "axes" not in tables(stored)
+    document = build_document(StoredResults(diagnosis=stored))
+    assert "explains" not in render_markdown(document).replace("no axis explains", "")
+
+
+def test_an_undecided_board_says_what_may_act():
+    one = SimpleNamespace(
+        effect="viscous", probability=0.62, strength=interval(0.03), makes_a_gap=True
+    )
+    other = SimpleNamespace(effect="slip", probability=0.97, strength=None, makes_a_gap=False)
+    found = diagnosis().model_copy(
+        update={
+            "verdict": "undecided",
+            "causes": (),
+            "inclusion": (other, one),
+            "possible": (one,),
+            "present": (other,),
+        }
+    )
+    stored = StoredDiagnosis(found, curves())
+    told = glance(stored)
+    assert told["Which effect causes it?"] == "open: none is certain enough to be named"
+    assert told["What may act?"] == "viscous (0.62)"
+    assert told["What acts, but too weakly to matter?"] == "slip (0.970)"
+    assert verdict_line(found).kind == "attention"
+    assert figures(stored)["which"].alt.startswith("Left, a horizontal bar for each effect; the")
+    assert render_pdf(build_document(StoredResults(diagnosis=stored))).startswith(b"%PDF")
+
+
+def test_an_unknown_board_says_that_no_effect_makes_it():
+    told = glance(stored_diagnosis(verdict="unknown", causes=()))
+    assert told["Which effect causes it?"] == "a force that no effect of the list makes"
 
 
 def test_verdict_stands_on_page_one_and_leads_to_the_chapter(fit_results):
@@ -159,7 +214,6 @@ def test_a_cause_has_its_numbers():
 def test_an_implausible_cause_below_the_floor_says_both():
     text = paragraphs(two_causes())
     assert "which is below the floor. Not plausible." in text
-    assert "its amplitude is not plausible" in words(figures(two_causes())["which"].caption)
     assert list(rows(two_causes(), "causes")) == ["viscous", "pulley-count-curvature"]
 
 
@@ -185,7 +239,7 @@ def test_all_blind_axes_are_no_failure():
 
 def test_gap_table_is_in_thousandths_row_by_row():
     found = rows(stored_diagnosis(), "gap")
-    assert found["overall"] == [
+    assert found["folds over assemblies"] == [
         "mN",
         "95 [87, 103]",
         "52.3 [48.0, 56.6]",
@@ -212,17 +266,16 @@ def test_no_gap_names_nothing_and_gives_its_reasons():
     assert "causes" not in tables(stored)
     assert "None is named" in paragraphs(stored)
     assert "Nothing to propose: no two hypotheses" in paragraphs(stored)
-    assert "no share of the gap (there is no gap)" in paragraphs(stored)
+    assert "does not ask for a further, smooth force" in paragraphs(stored)
     caption = words(figures(stored)["how-far"].caption)
     for reason in (
         "As shipped: none (the user's simulator has no published values)",
-        "Shrink by an effect: none (P(before > floor) is 0.61, below 0.95)",
+        "No effect is added.",
         "No figure in millimetres: no trial of the gravity board was held out",
     ):
         assert reason in caption
-    found = rows(stored, "gap")["overall"]
-    assert (found[1], found[5]) == ("—", "—")
-    assert found[2] == found[3]
+    heads = [words(column.title) for column in tables(stored)["gap"].head]
+    assert heads == ["held out", "unit", "recalibrated", "floor"]
     note = words(tables(stored)["gap"].note)
     assert note.count("the user's simulator") == 1  # each reason once, with its rows
 
@@ -252,7 +305,9 @@ def test_trials_that_stray_are_told():
 
 def test_remainder_effects_and_next_experiment_are_the_stored_ones():
     stored = stored_diagnosis()
-    assert "log₁₀ Bayes factor −0.7). It would be 1.35 [1.24, 1.46]\u202f%" in paragraphs(stored)
+    assert "does not ask for a further, smooth force (log₁₀ Bayes factor −0.7)" in paragraphs(
+        stored
+    )
     assert rows(stored, "effects") == {
         "viscous": ["14.6", ""],
         "air-drag": ["11.2", ""],
@@ -264,7 +319,9 @@ def test_remainder_effects_and_next_experiment_are_the_stored_ones():
     asked = diagnosis().remainder.model_copy(
         update={"significant": True, "share_of_gap": interval(0.5)}
     )
-    assert "The evidence asks for" in paragraphs(stored_diagnosis(remainder=asked))
+    told = paragraphs(stored_diagnosis(remainder=asked))
+    assert "The evidence asks for" in told
+    assert "It would be 50.0 [45.9, 54.1]\u202f% of gap²" in told
 
 
 def test_every_form_shows_it_with_words_for_the_figures(fit_results):
@@ -298,3 +355,33 @@ def test_a_diagnosis_alone_has_its_report(tmp_path):
     assert "Sim-to-real diagnosis of a-board" in text
     assert "Coefficients" not in text
     assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_margins_stand_beside_a_diagnosis_without_a_fit(tmp_path):
+    draws = write_draws(tmp_path / "draws")
+    computed = compute_margins([loop()], draws)
+    found = diagnosis(recording=computed.summary.recording)
+    computed.write(tmp_path)
+    store(StoredDiagnosis(found, curves()), tmp_path)
+    write_report(tmp_path)
+    html = (tmp_path / "report.html").read_text("utf-8")
+    assert "Controller margins" in html
+    assert "The gap between simulation and board" in html
+    assert "Which γ to set" in (tmp_path / "summary.md").read_text("utf-8")
+
+
+def test_a_box_is_green_only_where_nothing_it_covers_is_open():
+    found = without_gap().found
+    gap = found.gap
+    limit = found.practical_share * gap.friction_rms
+
+    def kind(systematic, significant=False):
+        changes = {
+            "gap": gap.model_copy(update={"systematic": interval(systematic)}),
+            "remainder": found.remainder.model_copy(update={"significant": significant}),
+        }
+        return verdict_line(found.model_copy(update=changes)).kind
+
+    assert kind(0.5 * limit) == "good"
+    assert kind(1.5 * limit) == "info"
+    assert kind(0.5 * limit, significant=True) == "info"

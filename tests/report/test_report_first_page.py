@@ -2,14 +2,16 @@
 
 import dataclasses
 import io
+import re
 
+import numpy as np
 import pytest
 import xarray as xr
 from pypdf import PdfReader
 
 from bayesfric.errors import InputError
 from bayesfric.report.assembly import build_document
-from bayesfric.report.chapters import methods, provenance, summary
+from bayesfric.report.chapters import methods, page_one, provenance
 from bayesfric.report.content import (
     BulletList,
     Equation,
@@ -18,6 +20,7 @@ from bayesfric.report.content import (
     Table,
     inlines,
 )
+from bayesfric.report.markdown import render_summary
 from bayesfric.report.stored import StoredFit, StoredResults, read_stored
 from bayesfric.report.typst import render_pdf
 
@@ -35,20 +38,47 @@ def words(text):
     return "".join(i if isinstance(i, str) else getattr(i, "text", "") for i in inlines(text))
 
 
-def test_many_remarks_leave_room_for_the_contents_on_page_one(stored):
+def test_page_one_says_what_friction_to_expect(stored):
+    (table,) = [b for b in page_one.expected(stored) if isinstance(b, Table)]
+    trials = stored.predictive["trials"].to_dataset()
+    assert [row[0].split()[1] for row in table.rows] == ["small", "medium", "large"]
+    for row in table.rows:
+        n, size, angle, tension = re.match(
+            r"(\d+) (\w+) pulleys, (\d+)°, at ([\d.]+)", row[0]
+        ).groups()
+        here = (
+            (trials["pulley_size"] == size)
+            & (trials["n_pulleys"] == int(n))
+            & (trials["wrap_angle_deg"] == float(angle))
+            & (abs(trials["tension_n"] - float(tension)) < 0.06)
+        )
+        low, middle, high = trials["law_n"][np.flatnonzero(here)[0]].to_numpy()
+        shown, half = (float(part.split()[0]) for part in row[1].text.split(" ± "))
+        assert shown == pytest.approx(middle, rel=0.01)
+        assert half == pytest.approx((high - low) / 2, rel=0.3)
+    assert table.rows[0][0].startswith("9 small pulleys, 85°, at ")
+
+
+def test_page_one_of_a_fit_fits_a_screen_in_markdown(stored):
+    text = render_summary(build_document(StoredResults(stored)))
+    assert len(text.splitlines()) < 40
+    assert "pulleys, 85°" in text
+    assert "Figure" not in text
+    assert "## " not in text
+
+
+def test_many_remarks_stay_on_page_one(stored):
     lines = tuple(f"c{k} has not converged: R-hat 1.5000 (limit 1.01)" for k in range(9))
     poor = changed(stored, converged=False, attention=lines)
-    (listed,) = [block for block in summary.front(poor.fit) if isinstance(block, BulletList)]
+    (listed,) = [block for block in page_one.worries(poor.fit) if isinstance(block, BulletList)]
     assert listed.items == lines
-    first, second = PdfReader(io.BytesIO(render_pdf(build_document(StoredResults(poor))))).pages[:2]
+    first = PdfReader(io.BytesIO(render_pdf(build_document(StoredResults(poor))))).pages[0]
     text = " ".join(first.extract_text().split())
     assert all(line in text for line in lines)
-    assert "Data and provenance" in text
-    assert "Contents" not in second.extract_text()
 
 
 def test_few_remarks_are_boxes(stored):
-    found = summary.front(changed(stored, attention=("1 of 48 trials left out",)).fit)
+    found = page_one.worries(changed(stored, attention=("1 of 48 trials left out",)).fit)
     assert [(b.kind, b.text) for b in found if isinstance(b, Notice)] == [
         ("attention", "1 of 48 trials left out")
     ]
@@ -64,14 +94,14 @@ def test_few_remarks_are_boxes(stored):
 )
 def test_synthetic_data_say_so(stored, name, title, said):
     recording = stored.fit.recording.model_copy(update={"name": name, "title": title})
-    text = words(summary.recorded(recording, changed(stored, recording=recording)).text)
+    text = words(page_one.recorded(recording, changed(stored, recording=recording)).text)
     assert ("Synthetic data:" in text) == said
     assert f"Recording {name}{': ' + title if title else ''}. What enters: 48" in text
 
 
 def test_the_method_is_that_of_the_rigs_and_the_law_of_the_fit(stored):
     def labels(**changes):
-        chapter = methods.methods(changed(stored, **changes))
+        chapter = methods.methods(StoredResults(changed(stored, **changes)))
         return [block.label for block in chapter if isinstance(block, Equation)]
 
     assert labels() == ["law", "scatter-law"]

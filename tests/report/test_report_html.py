@@ -127,7 +127,7 @@ def test_formulas_are_mathml_with_words(page: Page) -> None:
     assert '<math alttext="c_1"><msub><mi>c</mi><mn>1</mn></msub></math>' in render_html(document())
 
 
-def test_text_is_dark_on_light() -> None:
+def test_text_stands_out_in_both_modes() -> None:
     style = re.search("<style>(.*)</style>", render_html(Document("t", "", [])), re.DOTALL)
     assert style is not None
 
@@ -137,10 +137,19 @@ def test_text_is_dark_on_light() -> None:
         linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
         return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
 
-    inks = re.findall(r"[ {;]color: #(\w+);", style[1])
-    papers = re.findall(r"background: #(\w+);", style[1])
-    assert {"1a1a1a", "555", "00507d"} <= set(inks)
-    assert "fcf1e9" in papers
-    darkest, lightest = min(map(luminance, papers)), max(map(luminance, inks))
-    # WCAG AA asks 4.5 of text.
-    assert (darkest + 0.05) / (lightest + 0.05) > 4.5
+    modes = [
+        dict(re.findall(r"--([\w-]+): #(\w+);", block))
+        for block in re.findall(r":root \{([^}]*)\}", style[1])
+    ]
+    assert [set(mode) for mode in modes] == [set(modes[0])] * 2
+    for mode in modes:
+        for ink in ("ink", "faint", "link"):
+            for paper in ("paper", "info", "attention", "good", "code"):
+                light, dark = sorted((luminance(mode[ink]), luminance(mode[paper])), reverse=True)
+                # WCAG AA asks 4.5 of text.
+                assert (light + 0.05) / (dark + 0.05) > 4.5
+    assert luminance(modes[0]["paper"]) > 0.9
+    assert luminance(modes[1]["paper"]) < 0.02
+    assert not re.findall(
+        r"[ {;](?:color|background): #", style[1].replace("background: #fff; pa", "")
+    )

@@ -3,7 +3,18 @@ from markdown_it import MarkdownIt
 from markdown_it.token import Token
 from report.sample import HOSTILE, document
 
-from bayesfric.report.content import Code, Document, Heading, Link, Listing, Math, Paragraph, Table
+from bayesfric.report.content import (
+    Code,
+    Document,
+    Emphasis,
+    Heading,
+    Link,
+    Listing,
+    Math,
+    Paragraph,
+    Strong,
+    Table,
+)
 from bayesfric.report.markdown import render_markdown
 
 
@@ -82,3 +93,8 @@ def test_ticks_and_line_ends_cannot_end_what_holds_them() -> None:
     assert [t.content for t in tokens(text) if t.type == "fence"] == ["```\n# no heading\n"]
     assert inline_texts(text)[-2:] == ["` x", "12) a # b"]
     assert "(https://example.org/a%20b%29c)" in text
+
+
+def test_bold_words_with_blanks_at_their_ends_are_bold() -> None:
+    blocks = [Paragraph([Strong("Where. "), "Here", Emphasis(" or there")])]
+    assert "**Where.** Here *or there*" in render_markdown(Document("t", "", blocks))

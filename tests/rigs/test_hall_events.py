@@ -3,20 +3,28 @@
 import dataclasses
 
 import numpy as np
+import pandas as pd
 import pytest
-from scipy import stats
+from scipy import integrate, linalg, stats
 
 from bayesfric.analysis import Analysis
+from bayesfric.inference.cosines import WHOLE, cosine_variances, cosines
 from bayesfric.inference.model import Model
-from bayesfric.recording.tables import Gravity
+from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.hall_events import reduce_events
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
+from bayesfric.rigs.gravity_board.places import TrialPlaces
 from bayesfric.rigs.gravity_board.screening import screen_trials
+from bayesfric.rigs.gravity_board.wander import Wander
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import Truth, simulate_recording
 
 SPACING, TICK = 0.0098, 4e-6
 TRUTH = Truth()
+
+
+BY_SIZE = ("tau", "omega", "omega_intercept", "wander")
+NOISE = ("tau", "omega", "omega_intercept", "wander", "wander_length", "sigma_x", "sigma_t")
 
 
 def truth_by_name(truth=TRUTH):
@@ -25,12 +33,7 @@ def truth_by_name(truth=TRUTH):
         for size, law in truth.coefficients.items()
         for name, value in law._asdict().items()
     }
-    return values | {
-        "tau": truth.tau,
-        "omega": truth.omega,
-        "sigma_x": truth.sigma_x,
-        "sigma_t": truth.sigma_t,
-    }
+    return values | {name: getattr(truth, name) for name in NOISE}
 
 
 def one_point(values):
@@ -134,9 +137,89 @@ def test_an_assembly_against_one_dense_normal():
     recording = few_trials(4, 15)
     values = truth_by_name() | {"tau": 0.02, "omega": 0.05}
     likelihood = likelihood_of(recording)
-    g, wide = 9.80665, 1.0
-    clock2 = values["sigma_t"] ** 2 + TICK**2 / 12
-    means, blocks, loads, log_speeds, travels, flat = [], [], [], 0.0, [], 0.0
+    found = likelihood.setup_log_likelihood(one_point(values))
+    assert found.sum() == pytest.approx(dense_assembly(recording, values), abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    "third",
+    [
+        {"wander": 0.02, "wander_length": 0.12},
+        {"omega_intercept": 0.07},
+        {"wander": 0.05, "wander_length": 0.04, "omega_intercept": 0.1},
+    ],
+)
+def test_wander_and_scatter_of_the_intercept_against_one_dense_normal(third):
+    recording = few_trials(4, 60)
+    values = truth_by_name() | {"tau": 0.02, "omega": 0.05}
+    likelihood = likelihood_of(recording)
+    without, found = (
+        likelihood.setup_log_likelihood(one_point(one)).sum() for one in (values, values | third)
+    )
+    plain, dense = (dense_assembly(recording, one) for one in (values, values | third))
+    assert abs(dense - plain) > 0.1
+    assert found - without == pytest.approx(dense - plain, abs=1e-6)
+
+
+def test_a_newton_along_a_cosine_adds_its_double_integral():
+    """Along parabolas, whose events are exact: by quadrature of the force over the mass."""
+    spacing, mass, speed, rate = 0.0098, 3.2, 0.12, 0.7
+    displacement = spacing * np.arange(58)
+    time = (-speed + np.sqrt(speed**2 + 2 * rate * displacement)) / rate
+    trials = pd.DataFrame(
+        {
+            "trial": ["a"],
+            "setup": ["s"],
+            "pulley_size": ["medium"],
+            "n_pulleys": [9],
+            "wrap_angle_deg": [85.0],
+            "mass_drive_kg": [1.75],
+            "mass_load_kg": [mass - 1.75],
+        }
+    )
+    events = pd.DataFrame(
+        {"trial": "a", "sensor": "drive", "displacement_m": displacement, "time_s": time}
+    )
+    rig = RigConstants(hall_spacing_m=spacing, timer_resolution_s=TICK)
+    wander = Wander(TrialPlaces(Gravity(trials, events), rig), Analysis())
+    fine = np.linspace(0, time[-1], 40_001)
+    travel = speed * fine + rate * fine**2 / 2
+    for k, column in enumerate(wander.columns.travel, start=1):
+        force = np.sqrt(2) * np.cos(k * np.pi * travel / travel[-1])
+        once = integrate.cumulative_trapezoid(-force / mass, fine, initial=0)
+        twice = integrate.cumulative_trapezoid(once, fine, initial=0)
+        expected = np.interp(time, fine, twice)
+        assert column == pytest.approx(expected, abs=1e-4 * np.abs(expected).max()), k
+
+
+def test_the_wander_has_its_rms_and_its_correlation():
+    """Of the whole process against the Matérn form, away from the ends of the interval."""
+    length, place = 0.05, np.linspace(0.25, 0.75, 101)
+    variance = cosine_variances(length, WHOLE)
+    assert variance.sum() == pytest.approx(1.0, abs=1e-12)
+    shapes = cosines(place, WHOLE)
+    covariance = (shapes * variance[:, None]).T @ shapes
+    apart = np.sqrt(3) * np.abs(place - 0.5) / length
+    matern = (1 + apart) * np.exp(-apart)
+    # Without its mean over the interval, and with what is reflected at the ends.
+    assert covariance[50] / covariance[50, 50] == pytest.approx(matern, abs=0.15)
+    assert np.diff(covariance[50, 50:]).max() < 0
+    middle = cosines((np.arange(1000) + 0.5) / 1000, WHOLE)
+    assert middle.mean(axis=1) == pytest.approx(np.zeros(WHOLE), abs=1e-12)
+    assert (middle**2).mean(axis=1) == pytest.approx(np.ones(WHOLE), abs=1e-9)
+
+
+def dense_assembly(recording, values):
+    """Return the log density of all events of trials of one assembly, as one normal."""
+    likelihood = likelihood_of(recording)
+    columns_of_wander = likelihood._wander.columns.travel
+    extent = np.median(likelihood._places.paths.travel_m[:, -1])
+    order = np.arange(1, WHOLE + 1)
+    share = (1 + (order * np.pi * values["wander_length"] / extent) ** 2 / 3) ** -2.0
+    share = (share / share.sum())[: len(columns_of_wander)]
+    g, clock2 = 9.80665, values["sigma_t"] ** 2 + TICK**2 / 12
+    means, noise, loads, intercepts, nuisances, travels, wanders = ([] for _ in range(7))
+    log_factor, done = 0.0, 0
     for _, row in likelihood.trials.iterrows():
         events = recording.gravity.events.query("trial == @row.trial")
         tau, columns = design(events)
@@ -147,32 +230,35 @@ def test_an_assembly_against_one_dense_normal():
         drive = (row["mass_drive_kg"] - row["mass_load_kg"]) * g
         means.append((drive - law) / mass * tau**2 / 2)
         loads.append(-law / mass * tau**2 / 2)  # of 1 + η + ε
-        prior_sd = np.array([wide, wide, 1.0])
-        spread = columns * prior_sd
-        blocks.append(
-            np.diag(values["sigma_x"] ** 2 + clock2 * speed**2)
-            + spread @ spread.T
-            + values["tau"] ** 2 * np.outer(loads[-1], loads[-1])
-        )
-        log_speeds += np.log(speed).sum()
+        intercept = row["n_pulleys"] * values[f"c2[{row['pulley_size']}]"]
+        intercepts.append(-intercept / mass * tau**2 / 2)  # of κ
+        noise.append(values["sigma_x"] ** 2 + clock2 * speed**2)
+        wanders.append(law * columns_of_wander[:, done : done + len(tau)])
+        done += len(tau)
+        nuisances.append(columns)
         travels.append(travel)
-        # Offsets: density 1/h instead of a wide normal; speed: half-normal, not normal.
-        flat += 2 * (np.log(np.sqrt(2 * np.pi) * wide) - np.log(SPACING)) + np.log(2)
-        flat += 0.5 * (pilot[:2] ** 2).sum() / wide**2
-    size = sum(len(block) for block in blocks)
-    covariance = np.zeros((size, size))
-    start = 0
-    for block in blocks:
-        stop = start + len(block)
-        covariance[start:stop, start:stop] = block
-        start = stop
-    load = np.concatenate(loads)
-    covariance += values["omega"] ** 2 * np.outer(load, load)
-    root = stats.Covariance.from_cholesky(np.linalg.cholesky(covariance))
-    dense = stats.multivariate_normal(np.concatenate(means), root)
-    expected = dense.logpdf(np.concatenate(travels)) + log_speeds + flat
-    found = likelihood.setup_log_likelihood(one_point(values))
-    assert found.sum() == pytest.approx(expected, abs=1e-5)
+        # Flat offsets of density 1/h; the prior of the first speed at the pilot's.
+        log_factor += np.log(speed).sum() - 2 * np.log(SPACING)
+        log_factor += stats.halfnorm.logpdf(pilot[2])
+    covariance = np.diag(np.concatenate(noise))
+    covariance += values["omega"] ** 2 * np.outer(*2 * [np.concatenate(loads)])
+    covariance += values["omega_intercept"] ** 2 * np.outer(*2 * [np.concatenate(intercepts)])
+    covariance += linalg.block_diag(
+        *(
+            values["tau"] ** 2 * np.outer(load, load)
+            + values["wander"] ** 2 * (wander.T * share) @ wander
+            for load, wander in zip(loads, wanders, strict=True)
+        )
+    )
+    # Flat numbers are integrated out of a dense normal by generalised least squares.
+    root = np.linalg.cholesky(covariance)
+    columns = np.linalg.solve(root, linalg.block_diag(*nuisances))
+    residual = np.linalg.solve(root, np.concatenate(travels) - np.concatenate(means))
+    fit = np.linalg.lstsq(columns, residual, rcond=None)[0]
+    square = ((residual - columns @ fit) ** 2).sum()
+    freedom = residual.size - fit.size
+    log_determinant = 2 * np.log(np.diag(root)).sum() + np.linalg.slogdet(columns.T @ columns)[1]
+    return log_factor - 0.5 * (freedom * np.log(2 * np.pi) + log_determinant + square)
 
 
 def test_pilot_speeds_cost_less_than_a_hundredth_of_a_nat_over_quick():
@@ -270,14 +356,17 @@ def test_stalled_trial_leaves_by_the_stated_rule():
 def test_model_puts_prior_jacobian_and_likelihood_together():
     likelihood = likelihood_of(few_trials(3, 12))
     model = Model([likelihood])
-    values = truth_by_name() | {"c1[small]": 0.013}
+    values = truth_by_name() | {"c1[small]": 0.013, "wander": 0.01, "omega_intercept": 0.02}
     theta = np.array([[values[name] for name in model.names]])
     scales = {"c1": 0.05, "c2": 0.2, "tau": 0.05, "omega": 0.05, "sigma_x": 1e-4, "sigma_t": 1e-4}
+    scales |= {"omega_intercept": 0.05, "wander": 0.02}
     expected = likelihood.setup_log_likelihood(one_point(values)).sum()
     for name in model.names:
         stem = name.partition("[")[0]
         if stem == "c3":
             expected += stats.norm(0, 1e-3).logpdf(values[name])
+        elif stem == "wander_length":
+            expected += stats.lognorm(0.5, scale=0.1).logpdf(values[name])
         else:
             expected += stats.halfnorm(scale=scales[stem]).logpdf(values[name])
     z = model.sampling(theta)
@@ -304,9 +393,7 @@ def test_scatter_by_size_with_equal_values_is_the_shared_scatter():
     shared = likelihood_of(recording)
     separate = likelihood_of(recording, Analysis(scatter={"by_size": True}))
     values = truth_by_name()
-    split = values | {
-        f"{name}[{size}]": values[name] for name in ("tau", "omega") for size in shared.sizes
-    }
+    split = values | {f"{name}[{size}]": values[name] for name in BY_SIZE for size in shared.sizes}
     assert separate.setup_log_likelihood(one_point(split)) == pytest.approx(
         shared.setup_log_likelihood(one_point(values)), abs=1e-9
     )

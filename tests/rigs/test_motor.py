@@ -26,12 +26,13 @@ VALUES = {
     },
     "tau_motor": 0.02,
     "omega_motor": 0.05,
+    "omega_intercept_motor": 0.08,
     "torque_constant_factor": 1.02,
     "sigma_current": 0.003,
     "load_noise": 0.004,
 }
-SCATTER = ("tau_motor", "omega_motor")
-GRAVITY = ("tau", "omega", "sigma_x", "sigma_t")
+SCATTER = ("tau_motor", "omega_motor", "omega_intercept_motor")
+GRAVITY = ("tau", "omega", "omega_intercept", "wander", "wander_length", "sigma_x", "sigma_t")
 
 
 def theta(**changes):
@@ -61,6 +62,12 @@ def board():
     return Motor(runs, idle)
 
 
+def constant_friction(condition):
+    """The part of friction that does not grow with tension, against the motion."""
+    c2 = float(table1_coefficients()["medium"].c2)
+    return np.sign(condition.velocity_m_s) * condition.n_pulleys * c2
+
+
 def one_way(motor):
     """The same board with an idle motor that was only measured raising."""
     return Motor(motor.runs, motor.idle[motor.idle["velocity_m_s"] > 0].reset_index(drop=True))
@@ -86,6 +93,8 @@ def dense(motor, values, idle_sd=1.0):
     setup = np.concatenate([motor.runs["setup"], ["idle"] * len(motor.idle)])
     same = setup[:, None] == setup
     covariance += values["omega_motor"] ** 2 * same * np.outer(moved, moved)
+    moved[:runs] = per_newton * constant_friction(condition)
+    covariance += values["omega_intercept_motor"] ** 2 * same * np.outer(moved, moved)
     mean = np.concatenate([load, np.zeros(size - runs)])
     current = np.concatenate([motor.runs["current_a"], motor.idle["current_a"]])
     return current, mean, covariance
@@ -240,13 +249,19 @@ def test_one_run_and_one_idle_current():
     assert np.isnan(found[2])
 
 
+def share_of_intercept(likelihood):
+    condition = likelihood.condition
+    return constant_friction(condition) / motor_friction(table1_coefficients()["medium"], condition)
+
+
 def test_new_runs_scatter_as_much_as_the_parameters_say():
     likelihood = MotorLikelihood(board(), RIG, Analysis())
     many = {name: np.repeat(value, 20_000) for name, value in theta().items()}
     deviation = likelihood.draw_scatter(many, np.random.default_rng(1))
     expected = VALUES["tau_motor"] ** 2 + VALUES["omega_motor"] ** 2
+    expected += (VALUES["omega_intercept_motor"] * share_of_intercept(likelihood)) ** 2
     assert deviation.shape == (20_000, 7)
-    assert deviation.var() == pytest.approx(expected, rel=4 * np.sqrt(2 / deviation.size))
+    assert deviation.var(axis=0) == pytest.approx(expected, rel=4.5 * np.sqrt(2 / 20_000))
 
 
 def test_runs_of_an_assembly_made_again_move_together():
@@ -255,7 +270,9 @@ def test_runs_of_an_assembly_made_again_move_together():
     deviation = likelihood.draw_scatter(many, np.random.default_rng(1), together=True)
     setup = likelihood.trials["setup"].to_numpy()
     same = setup[:, None] == setup
+    share = share_of_intercept(likelihood)
     expected = VALUES["omega_motor"] ** 2 * same + VALUES["tau_motor"] ** 2 * np.eye(7)
+    expected += VALUES["omega_intercept_motor"] ** 2 * same * np.outer(share, share)
     largest = expected.max()
     assert np.cov(deviation.T) == pytest.approx(expected, abs=0.04 * largest)
 
@@ -301,6 +318,7 @@ def test_the_simulator_mirrors_the_likelihood():
     truth = Truth(
         tau_motor=0.03,
         omega_motor=0.04,
+        omega_intercept_motor=0.06,
         torque_constant_factor=1.04,
         idle_current=(0.06, 0.02, -0.01),
         sigma_current=0.004,

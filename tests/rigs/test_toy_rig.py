@@ -8,11 +8,12 @@ import pytest
 import bayesfric as bf
 from bayesfric import rigs
 from bayesfric.analysis import Analysis, Sampler
+from bayesfric.effects import all_effects
 from bayesfric.recording.tables import Recording, RigConstants
 from bayesfric.recording.writing import write_recording
 from bayesfric.report.writing import write_report
 from bayesfric.rigs.protocols import PROTOCOLS
-from bayesfric.rigs.truth import Truth, table1_coefficients
+from bayesfric.rigs.truth import AppliedEffect, Truth, table1_coefficients
 
 TOYS = str(Path(__file__).parent / "toy")
 SHORT = Analysis(seed=3, sampler=Sampler(burn=60, steps=120, thin=3))
@@ -53,6 +54,24 @@ def test_it_is_fitted_to_the_law_from_which_it_was_simulated(fitted):
                 found = fitted.summary.pulleys[size][name]
                 assert abs(found.mean - getattr(law, name)) < 4 * found.sd
                 assert found.sd < 0.2 * getattr(law, name)
+
+
+def test_a_clean_one_is_not_said_to_have_a_gap(recording):
+    found = bf.diagnose(recording).summary
+    assert found.rigs == ("scale",)
+    assert found.verdict in ("no-gap", "undecided")
+    assert not found.causes
+
+
+def test_an_effect_of_it_is_named(scale, tmp_path):
+    """Friction per tension that changes by a fifth for each 100 % of tension."""
+    curved = AppliedEffect(all_effects()["tension-curvature"], "quadratic", {"curvature": 0.2})
+    truth = Truth(effects=(curved,))
+    simulated = scale.simulate(PROTOCOLS["quick"], RigConstants(), truth, seed=5)
+    write_recording(Recording("t", "Toy", RigConstants(), **simulated.tables), tmp_path / "toy")
+    found = bf.diagnose(bf.read_recording(tmp_path / "toy")).summary
+    assert found.inclusion[0].effect == "tension-curvature"
+    assert found.inclusion[0].probability > 0.9
 
 
 def test_it_is_reported(fitted, tmp_path):

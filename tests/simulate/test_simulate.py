@@ -5,6 +5,7 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
+from scipy.interpolate import UnivariateSpline
 
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import board_friction
@@ -16,6 +17,7 @@ from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 from bayesfric.rigs.motor_board.likelihood import run_condition
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 
+RIG = ("gravity",)
 CELL = ["pulley_size", "n_pulleys", "wrap_angle_deg"]
 MASSES = ["mass_drive_kg", "mass_load_kg"]
 
@@ -259,3 +261,69 @@ def test_bundled_recording_says_that_it_is_synthetic():
     recording = read_recording(bundled_recording())
     assert "synthetic" in recording.title.lower()
     assert "no board was measured" in recording.metadata["sources"][0]["title"]
+
+
+def test_levels_that_are_not_there_change_nothing_and_are_not_told():
+    recording = simulate_recording("quick", seed=3)
+    record = recording.metadata["simulation"]["truth"]
+    assert not {"wander", "wander_length", "push", "omega_intercept"} & set(record)
+    wandering = simulate_recording("quick", seed=3, truth=Truth(wander=0.01, push=0.02))
+    told = wandering.metadata["simulation"]["truth"]
+    assert (told["wander"], told["wander_length"], told["push"]) == (0.01, 0.1, 0.02)
+    assert (wandering.motor.runs == recording.motor.runs).all().all()
+
+
+def test_wander_has_its_rms_and_leaves_the_mean_alone():
+    """Noise-free trials: friction from the second derivative of the travel."""
+    quiet = {"tau": 0, "omega": 0, "sigma_x": 1e-12, "sigma_t": 1e-12}
+    recording = simulate_recording("quick", seed=2, truth=Truth(**quiet, wander=0.02), rigs=RIG)
+    trials = recording.gravity.trials
+    condition = trial_condition(trials, recording.rig)
+    laws = (Truth().coefficients[size] for size in trials["pulley_size"])
+    columns = (np.array(column) for column in zip(*laws, strict=True))
+    law = board_friction(Coefficients(*columns), condition)
+    events = dict(list(recording.gravity.events.query("sensor == 'drive'").groupby("trial")))
+    squares, means = [], []
+    for place, trial in enumerate(trials["trial"]):
+        d, t = (events[trial][name].to_numpy() for name in ("displacement_m", "time_s"))
+        motion = UnivariateSpline(t, d, k=5, s=len(t) * (3e-6) ** 2)
+        acceleration = motion.derivative(2)(t)
+        friction = condition.drive_force_n[place] - condition.total_mass_kg[place] * acceleration
+        relative = friction[4:-4] / law[place] - 1  # the ends of a spline are loose
+        squares.append((relative**2).mean())
+        means.append(relative.mean())
+    # What a spline of 60 events follows of a process with a length of a sixth of the travel.
+    assert np.sqrt(np.mean(squares)) == pytest.approx(0.02, rel=0.2)
+    assert abs(np.mean(means)) < 4 * np.std(means) / np.sqrt(len(means))
+    assert np.std(means) < 0.01
+
+
+def test_a_push_is_the_speed_at_release():
+    quiet = {"tau": 0, "omega": 0, "sigma_x": 1e-12, "sigma_t": 1e-12}
+    plain, pushed = (
+        simulate_recording("quick", seed=2, truth=Truth(**quiet, push=push), rigs=RIG)
+        for push in (0.0, 0.1)
+    )
+    fits = [pilot_fits(r.gravity.events, r.gravity.trials["trial"]) for r in (plain, pushed)]
+    assert fits[1].acceleration == pytest.approx(fits[0].acceleration, rel=1e-3)
+    # At one place the squares of the speeds differ by that of the push.
+    push = np.sqrt(fits[1].first_speed ** 2 - fits[0].first_speed ** 2 + 1e-9)
+    assert np.sqrt((push**2).mean()) == pytest.approx(0.1, rel=4 / np.sqrt(2 * len(push)))
+
+
+def test_scatter_of_the_intercept_moves_c2_alone():
+    """Friction beyond the law is κ n c2: as a share of friction it falls with tension."""
+    quiet = {"tau": 0, "omega": 0, "sigma_x": 1e-12, "sigma_t": 1e-12}
+    truth = Truth(**quiet, omega_intercept=0.2)
+    recording = simulate_recording("quick", seed=4, truth=truth, rigs=RIG)
+    trials = recording.gravity.trials
+    condition = trial_condition(trials, recording.rig)
+    laws = (truth.coefficients[size] for size in trials["pulley_size"])
+    law = Coefficients(*(np.array(column) for column in zip(*laws, strict=True)))
+    acceleration = pilot_fits(recording.gravity.events, trials["trial"]).acceleration
+    friction = condition.drive_force_n - condition.total_mass_kg * acceleration
+    beyond = (friction - board_friction(law, condition)) / (condition.n_pulleys * law.c2)
+    by_setup = trials.assign(kappa=beyond).groupby("setup")["kappa"]
+    assert by_setup.std().max() < 1e-3
+    count = by_setup.ngroups
+    assert by_setup.mean().std() == pytest.approx(0.2, rel=4 / np.sqrt(2 * count))

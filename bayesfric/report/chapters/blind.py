@@ -12,7 +12,6 @@ from bayesfric.report.content import (
     Heading,
     Inline,
     Notice,
-    PageBreak,
     Paragraph,
     Reference,
     Strong,
@@ -46,7 +45,6 @@ def scorecard_line(card: ScorecardFile) -> Notice:
 
 def blind_chapter(card: ScorecardFile) -> Iterator[Block]:
     """Yield how the cases were made, the promises, and every rate."""
-    yield PageBreak()
     yield Heading(1, "The diagnosis where it is not told", label="blind")
     yield Paragraph(
         [
@@ -126,7 +124,6 @@ def _figure(card: ScorecardFile) -> Figure:
         "share of verdicts that came true over their probability; "
         f"{inside} of {len(card.reliability)} points lie in their band.",
         label="scorecard",
-        here=True,
     )
 
 
@@ -145,7 +142,6 @@ def _tables(card: ScorecardFile) -> Iterator[Block]:
         "A table of counts, withheld effects as rows and verdicts as columns; what is right lies "
         "on its diagonal.",
         label="confusion",
-        here=True,
     )
     yield Heading(2, "Rates")
     rows: list[tuple[Text, Rate]] = [

@@ -22,7 +22,7 @@ from bayesfric.report.content import (
 from bayesfric.report.quantities import format_count, format_fixed, format_number, format_share
 from bayesfric.report.stored import StoredFit
 
-__all__ = ["checks"]
+__all__ = ["checks", "coverage_tables"]
 
 CELL = ("pulley_size", "n_pulleys", "wrap_angle_deg")
 CONDITION = (
@@ -50,9 +50,6 @@ def checks(stored: StoredFit) -> Iterator[Block]:
     rigs = rig_tables(stored.predictive)
     yield _coverage(rigs)
     for one in rigs:
-        if one.checks is not None and "cell_pulley_size" in one.checks:
-            yield _by_cell(one, one.checks)
-    for one in rigs:
         yield from _outliers(one)
     yield Figure(
         to_svg(residuals_by_order(stored.predictive)),
@@ -68,6 +65,18 @@ def checks(stored: StoredFit) -> Iterator[Block]:
         label="residuals",
     )
     yield from left_out(stored)
+
+
+def coverage_tables(stored: StoredFit) -> Iterator[Block]:
+    """Yield the long tables: coverage by condition, of each rig."""
+    tables = [
+        _by_cell(one, one.checks)
+        for one in rig_tables(stored.predictive)
+        if one.checks is not None and "cell_pulley_size" in one.checks
+    ]
+    if tables:
+        yield Heading(2, "Coverage by condition")
+        yield from tables
 
 
 def _coverage(rigs: tuple[RigTable, ...]) -> Table:

@@ -1,6 +1,7 @@
-"""The paper's claims: verdicts on page one, and a chapter with what they rest on."""
+"""The paper's claims: what fell on page one, and a chapter with what they rest on."""
 
 from collections.abc import Iterator
+from typing import Literal, TypeAlias
 
 import xarray as xr
 
@@ -14,6 +15,7 @@ from bayesfric.report.content import (
     Emphasis,
     Figure,
     Heading,
+    Inline,
     Notice,
     Paragraph,
     Reference,
@@ -24,8 +26,9 @@ from bayesfric.report.quantities import format_fixed
 from bayesfric.report.stored import StoredClaims
 from bayesfric.schemas import ClaimResult, ClaimsFile
 
-__all__ = ["claims", "verdicts"]
+__all__ = ["claims", "fallen"]
 
+Kind: TypeAlias = Literal["attention", "good", "info"]
 SIGNS = {"supported": "+", "refuted": "−", "undecided": "?", "not-testable": "0"}
 FAMILIES = {
     "Speed": ("no-viscous-motor", "no-viscous-gravity", "no-stribeck"),
@@ -39,12 +42,28 @@ FAMILIES = {
 }
 
 
-def verdicts(found: ClaimsFile) -> Iterator[Block]:
-    """Yield the verdict table of page one."""
-    fallen = [one for one in found.claims if one.verdict == "refuted"]
-    for one in fallen:
-        yield Notice("attention", [Code(one.id), f": {one.reason}"], title="Refuted")
-    yield Table(
+def fallen(found: ClaimsFile) -> Notice:
+    """Return, for page one, which of the paper's claims fell and which stay open."""
+    by_verdict = {
+        verdict: [one for one in found.claims if one.verdict == verdict] for verdict in SIGNS
+    }
+    counts = ", ".join(f"{len(ones)} {verdict}" for verdict, ones in by_verdict.items() if ones)
+    said: list[Inline] = [f"{counts} (see ", Reference("claims"), ")."]
+    for one in by_verdict["refuted"]:
+        said += [" ", Strong("Refuted:"), " ", Code(one.id), f": {one.reason}"]
+    for verdict, word in (("undecided", "Undecided"), ("not-testable", "Not testable")):
+        if by_verdict[verdict]:
+            said.append(f" {word}: ")
+            for place, one in enumerate(by_verdict[verdict]):
+                said += [", " if place else "", Code(one.id)]
+            said.append(".")
+    all_hold = len(by_verdict["supported"]) == len(found.claims)
+    kind: Kind = "attention" if by_verdict["refuted"] else "good" if all_hold else "info"
+    return Notice(kind, said, title="The paper's claims")
+
+
+def _verdicts(found: ClaimsFile) -> Table:
+    return Table(
         "The paper's claims on this recording.",
         [
             "claim",
@@ -78,8 +97,9 @@ def claims(stored: StoredClaims) -> Iterator[Block]:
     """Yield each claim with what its verdict rests on."""
     found = stored.found
     by_name = {one.id: one for one in found.claims}
-    yield Heading(1, "The paper's claims")
+    yield Heading(1, "The paper's claims", label="claims")
     yield Paragraph(_rules(found))
+    yield _verdicts(found)
     for family, names in FAMILIES.items():
         here = [by_name.pop(name) for name in names if name in by_name]
         if here:
@@ -90,7 +110,6 @@ def claims(stored: StoredClaims) -> Iterator[Block]:
         yield Heading(2, "Further claims")
         for one in by_name.values():
             yield from _claim(one)
-    yield from _figures(found, stored.curves)
     yield Heading(2, "The paper against itself")
     yield BulletList(
         [
@@ -98,6 +117,7 @@ def claims(stored: StoredClaims) -> Iterator[Block]:
             for one in found.self_contradictions
         ]
     )
+    yield from _figures(found, stored.curves)
 
 
 def _claim(one: ClaimResult) -> Iterator[Block]:

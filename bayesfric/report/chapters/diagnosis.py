@@ -1,15 +1,23 @@
 """Where the simulation misses the board, which effect causes it, and how far that shrinks.
 
-The chapter begins with one page that is read in a minute; the tables follow.
+The chapter begins with the verdict and a table that is read in ten seconds; the figures
+that these rest on follow, each under its question. The long tables are in the appendix.
 """
 
 from collections.abc import Iterator
-from typing import Literal
 
-from bayesfric.plots.diagnosis import what_causes_it, where_it_lies
+from bayesfric.plots.diagnosis import most_probable, what_acts, what_causes_it, where_it_lies
 from bayesfric.plots.gap import how_far
 from bayesfric.plots.style import to_svg
-from bayesfric.report.chapters.diagnosis_details import axis_words, details
+from bayesfric.report.chapters.diagnosis_details import (
+    axis_words,
+    causes,
+    gap_table,
+    gap_words,
+    next_experiment,
+    not_told_apart,
+    remainder,
+)
 from bayesfric.report.content import (
     Block,
     Code,
@@ -17,37 +25,31 @@ from bayesfric.report.content import (
     Heading,
     Inline,
     Notice,
-    PageBreak,
+    Paragraph,
     Reference,
     Strong,
+    Table,
+    Text,
 )
-from bayesfric.report.quantities import format_interval, format_probability, format_share
+from bayesfric.report.diagnosed import VERDICTS, acting, also, box, has_gap
+from bayesfric.report.quantities import (
+    format_interval,
+    format_number,
+    format_probability,
+    format_share,
+)
 from bayesfric.report.stored import StoredDiagnosis
-from bayesfric.schemas import Axis, Cause, DiagnosisFile, Gap, Interval
+from bayesfric.schemas import Axis, DiagnosisFile, Gap, Interval
 
 __all__ = ["diagnosis", "verdict_line"]
 
-VERDICTS = {
-    "no-gap": "No gap",
-    "named": "Named",
-    "unseparated": "Not told apart",
-    "undecided": "Undecided",
-    "unknown": "Unknown",
-}
-KINDS: dict[str, Literal["attention", "good", "info"]] = {
-    "no-gap": "good",
-    "named": "info",
-    "unseparated": "attention",
-    "undecided": "attention",
-    "unknown": "attention",
-}
 FURTHER = 2  # axes after the first that the caption names
 
 
 def verdict_line(found: DiagnosisFile) -> Notice:
     """Return the verdict for the report's first page."""
     return Notice(
-        KINDS[found.verdict],
+        box(found),
         [
             Strong(f"{VERDICTS[found.verdict]}."),
             f" {found.sentence} See ",
@@ -59,20 +61,77 @@ def verdict_line(found: DiagnosisFile) -> Notice:
 
 
 def diagnosis(stored: StoredDiagnosis) -> Iterator[Block]:
-    """Yield the page that tells all, then the tables."""
+    """Yield the verdict, how large the gap is, what causes it, where it lies, and what next."""
     found = stored.found
-    yield PageBreak()
     yield Heading(1, "The gap between simulation and board", label="diagnosis")
     probability = format_probability(found.verdict_probability)
     yield Notice(
-        KINDS[found.verdict],
+        box(found),
         found.sentence,
         title=f"{VERDICTS[found.verdict]} (probability {probability})",
     )
-    yield _where(stored)
-    yield _which(stored)
+    yield _at_a_glance(found)
+    yield Heading(2, "How large it is")
+    yield gap_words(found)
     yield _how_far(stored)
-    yield from details(found)
+    yield gap_table(found)
+    yield Heading(2, "Which effect")
+    yield _which(stored)
+    yield from causes(found.causes)
+    yield from not_told_apart(found)
+    yield Heading(2, "Where it lies")
+    if has_gap(found):
+        yield _where(stored)
+    else:
+        yield Paragraph("There is no gap to place, so that no axis explains a part of one.")
+    yield from remainder(found)
+    yield Heading(2, "What to measure next")
+    yield from next_experiment(found)
+
+
+def _at_a_glance(found: DiagnosisFile) -> Table:
+    gap = found.gap
+    large = f"{_newtons(gap.systematic)}, where friction is {format_number(gap.friction_rms)}"
+    large += f"\u202fN; below {format_share(found.practical_share)} of that none would care"
+    rows: list[list[Text]] = [
+        ["How large is the systematic gap?", large],
+        ["Which effect causes it?", _caused(found)],
+    ]
+    if possible := also(found, "possible"):
+        beside = " beside that" if found.causes else ""
+        rows.append([f"What may act{beside}?", ", ".join(possible)])
+    if present := also(found, "present"):
+        rows.append(["What acts, but too weakly to matter?", ", ".join(present)])
+    if gap.shrink is not None and found.causes:
+        rows.append(["How far does it shrink with that?", f"by {_percent(gap.shrink)}"])
+    if has_gap(found):
+        first = [axis_words(axis.axis) for axis in found.where if (axis.share or 0.0) > 0]
+        rows.append(["Where does it lie?", f"along {', '.join(first[:3])}" if first else "nowhere"])
+    rows.append(
+        [
+            "What of it is unexplained?",
+            "a further force is asked for" if found.remainder.significant else "nothing that shows",
+        ]
+    )
+    return Table("The diagnosis at a glance.", ["question", "answer"], rows, label="glance")
+
+
+def _caused(found: DiagnosisFile) -> list[Inline]:
+    if found.causes:
+        said: list[Inline] = []
+        for place, cause in enumerate(found.causes):
+            said += [
+                ", " if place else "",
+                Code(cause.effect),
+                f" (probability {format_probability(cause.inclusion_probability)})",
+            ]
+        return said
+    uncaused = {
+        "no-gap": "none is needed",
+        "unknown": "a force that no effect of the list makes",
+        "unseparated": "one of several that these data do not tell apart",
+    }
+    return [uncaused.get(found.verdict, "open: none is certain enough to be named")]
 
 
 def _where(stored: StoredDiagnosis) -> Figure:
@@ -84,30 +143,34 @@ def _where(stored: StoredDiagnosis) -> Figure:
     return Figure(
         to_svg(where_it_lies(axes, residuals)),
         [
-            Strong("Where. "),
-            *_largest(known),
+            Strong("Where."),
+            " ",
+            *_largest(known, all(axis.blind for axis in axes)),
             f"Did not vary, so that nothing is known: {', '.join(blind)}. " if blind else "",
             "Right: residual force, its systematic part with a simultaneous 95 % band; dots are "
-            "windows of trials, far ones are cut."
+            "windows of trials, far ones are cut. "
             if shapes
             else "",
+            "All axes: ",
+            Reference("axes"),
+            ".",
         ],
         "Left, a horizontal bar for each axis with the part of the squared gap that it explains"
         + (f", {axis_words(known[0].axis)} {format_share(known[0].share)} at most" if known else "")
         + (f"; {', '.join(blind)} did not vary" if blind else "")
         + ("; right, the residual force along the largest axes with a band." if shapes else "."),
         label="where",
-        here=True,
     )
 
 
-def _largest(known: list[Axis]) -> list[Inline]:
+def _largest(known: list[Axis], blind: bool) -> list[Inline]:
     """Return which axes explain most, in a sentence."""
-    if not known:
-        return ["No axis varied. "]
-    first = known[0]
+    explaining = [axis for axis in known if axis.share is not None and axis.share > 0]
+    if not explaining:
+        return ["No axis varied. " if blind else "No axis alone explains a part of it. "]
+    first, *others = explaining
     rest = ", ".join(
-        f"{axis_words(axis.axis)} {format_share(axis.share)}" for axis in known[1 : 1 + FURTHER]
+        f"{axis_words(axis.axis)} {format_share(axis.share)}" for axis in others[:FURTHER]
     )
     return [
         f"{axis_words(first.axis).capitalize()} explains {format_share(first.share)} of gap² "
@@ -118,50 +181,63 @@ def _largest(known: list[Axis]) -> list[Inline]:
 
 def _which(stored: StoredDiagnosis) -> Figure:
     found = stored.found
-    best, probability = max(found.probabilities.items(), key=lambda item: item[1])
+    included = acting(found)
+    best, probability = most_probable(found)[0]
     amplitudes = stored.group("amplitudes") if found.causes else None
-    drawn = amplitudes is not None
+    drawn = amplitudes is not None and not included
+    if included:
+        picture = what_acts(included, found.practical_share)
+        left = (
+            "Left: probability that an effect acts, over all hypotheses; dotted at 0.1 and 0.9. "
+            "Right: how strong it is then, with its 90 % interval; dashed is the practical share. "
+        )
+    else:
+        picture = what_causes_it(found, amplitudes)
+        left = "Diamonds: the prior of a hypothesis that has one of its own. "
+        if not any(name in found.hypothesis_prior for name, _ in most_probable(found)):
+            left = ""
     return Figure(
-        to_svg(what_causes_it(found, amplitudes)),
+        to_svg(picture),
         [
-            Strong("Which. "),
-            "Most probable: ",
+            Strong("Which."),
+            " Most probable: ",
             Code(best),
             f" ({format_probability(probability)}). ",
-            *(_cause(cause) for cause in found.causes),
+            left,
             "Right: each cause's amplitude, densities scaled to their peaks, the 90 % interval "
-            "above."
+            "above. "
             if drawn
             else "",
-            "" if found.causes else "No effect is named, so there is no amplitude.",
+            "All hypotheses: ",
+            Reference("hypotheses"),
+            ".",
         ],
-        f"Left, a horizontal bar for each hypothesis; the longest is {best} at "
-        f"{format_probability(probability)}."
+        (
+            "Left, a horizontal bar for each effect; the longest is "
+            f"{included[0].effect} at {format_probability(included[0].probability)}."
+            if included
+            else f"Left, a horizontal bar for each hypothesis; the longest is {best} at "
+            f"{format_probability(probability)}."
+        )
         + (" Right, posterior and prior of the amplitude of each cause." if drawn else ""),
         label="which",
-        here=True,
-    )
-
-
-def _cause(cause: Cause) -> str:
-    verdict = "is plausible" if cause.plausible else "is not plausible"
-    return (
-        f"The force of {cause.effect} is {format_share(cause.strength)} of friction (rms), and its "
-        f"amplitude {verdict}. "
     )
 
 
 def _how_far(stored: StoredDiagnosis) -> Figure:
-    gap = stored.found.gap
-    named = bool(stored.found.causes)
+    found = stored.found
+    gap = found.gap
+    named = bool(found.causes)
     trajectories = stored.group("trajectories")
     return Figure(
-        to_svg(how_far(gap, trajectories, named)),
+        to_svg(how_far(gap, found.practical_share, trajectories, named)),
         [
-            Strong("How far. "),
+            Strong("How far."),
+            " ",
             *_tuning(gap),
             *_shrink(gap, named),
-            "Bars are rms on conditions that the fit has not seen, lines their 90 % intervals."
+            "Bars are rms on conditions that the fit has not seen, lines their 90 % intervals; "
+            "dashed is what matters in practice."
             + (" Right: three held-out trials." if trajectories is not None else "")
             + (
                 ""
@@ -179,7 +255,6 @@ def _how_far(stored: StoredDiagnosis) -> Figure:
             else ""
         ),
         label="how-far",
-        here=True,
     )
 
 
@@ -191,13 +266,14 @@ def _tuning(gap: Gap) -> list[str]:
 
 
 def _shrink(gap: Gap, named: bool) -> list[str]:
-    if gap.shrink is None:
-        return [f"Shrink by an effect: none ({gap.shrink_why}). "]
     if not named:
         return ["No effect is added. "]
-    mean, low, high = (100 * one for one in (gap.shrink.mean, gap.shrink.q05, gap.shrink.q95))
-    closed = format_interval(mean, low, high)
-    return [f"Adding what is named closes {closed}\u202f% of what is between that and the floor. "]
+    if gap.shrink is None:
+        return [f"Shrink by an effect: none ({gap.shrink_why}). "]
+    return [
+        f"Adding what is named closes {_percent(gap.shrink)} of what is between that and the "
+        "floor. "
+    ]
 
 
 def _arms(gap: Gap, named: bool) -> Iterator[tuple[str, Interval]]:
@@ -207,7 +283,12 @@ def _arms(gap: Gap, named: bool) -> Iterator[tuple[str, Interval]]:
     if named:
         yield "with the effect", gap.after
     yield "floor", gap.floor
+    yield "systematic", gap.systematic
+
+
+def _percent(number: Interval) -> str:
+    return format_interval(100 * number.q50, 100 * number.q05, 100 * number.q95) + "\u202f%"
 
 
 def _newtons(number: Interval) -> str:
-    return format_interval(number.mean, number.q05, number.q95, "N")
+    return format_interval(number.q50, number.q05, number.q95, "N")

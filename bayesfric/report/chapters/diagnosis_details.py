@@ -1,4 +1,4 @@
-"""The tables of the diagnosis: every number that its first page rests on."""
+"""The numbers of the diagnosis: what stands beside its figures, and the long tables."""
 
 from collections.abc import Iterator, Sequence
 
@@ -14,6 +14,7 @@ from bayesfric.report.content import (
     Table,
     Text,
 )
+from bayesfric.report.diagnosed import has_gap, strength
 from bayesfric.report.quantities import (
     MISSING,
     format_fixed,
@@ -27,7 +28,16 @@ from bayesfric.report.quantities import (
 from bayesfric.report.rig_words import rig_words
 from bayesfric.schemas import Cause, DiagnosisFile, Gap, GapRow, Interval
 
-__all__ = ["axis_words", "details"]
+__all__ = [
+    "appendix",
+    "axis_words",
+    "causes",
+    "gap_table",
+    "gap_words",
+    "next_experiment",
+    "not_told_apart",
+    "remainder",
+]
 
 ROWS = 20  # hypotheses listed; diagnosis.json has all
 REASONS = {
@@ -36,17 +46,13 @@ REASONS = {
 }
 
 
-def details(found: DiagnosisFile) -> Iterator[Block]:
-    """Yield the tables behind the page: where, which, how far, and what next."""
-    yield from _where(found)
-    yield Heading(2, "Which effect")
+def appendix(found: DiagnosisFile) -> Iterator[Block]:
+    """Yield the long tables: hypotheses, effects and axes."""
+    yield Heading(2, "Tables of the diagnosis")
     yield from _probabilities(found)
-    yield from _causes(found.causes)
-    yield from _not_told_apart(found)
-    yield Paragraph([Strong("Remainder. "), *_remainder(found)])
-    yield from _gap(found)
-    yield from _examined(found)
-    yield from _next(found)
+    yield _examined(found)
+    if has_gap(found):
+        yield _axes(found)
 
 
 def _probabilities(found: DiagnosisFile) -> Iterator[Block]:
@@ -104,11 +110,12 @@ def _strays(trials: Sequence[str]) -> str:
     )
 
 
-def _causes(causes: Sequence[Cause]) -> Iterator[Block]:
-    if not causes:
-        yield Paragraph([Strong("Causes. "), "None is named."])
+def causes(found: Sequence[Cause]) -> Iterator[Block]:
+    """Yield what is known of each cause."""
+    if not found:
+        yield Paragraph([Strong("Causes."), " None is named."])
         return
-    for cause in causes:
+    for cause in found:
         yield Paragraph(
             [
                 Code(cause.effect),
@@ -117,10 +124,10 @@ def _causes(causes: Sequence[Cause]) -> Iterator[Block]:
                 "against the same without it: "
                 f"{format_fixed(cause.log10_bayes_factor, 1)} ± "
                 f"{format_fixed(cause.log10_bayes_factor_se, 3)}. Its force is "
-                f"{format_share(cause.strength)} of that of friction (rms)"
+                f"{format_share(strength(cause))} of that of friction (rms)"
                 + (", which is below the floor. " if cause.below_floor else ". "),
-                Strong("Plausible. " if cause.plausible else "Not plausible. "),
-                f"Source of the range: {cause.plausible_reference}.",
+                Strong("Plausible." if cause.plausible else "Not plausible."),
+                f" Source of the range: {cause.plausible_reference}.",
             ]
         )
     yield Table(
@@ -128,7 +135,7 @@ def _causes(causes: Sequence[Cause]) -> Iterator[Block]:
         [
             "cause",
             "parameter",
-            "mean and 90 % interval",
+            "median and 90 % interval",
             Column("sd", align="right"),
             "prior",
             "plausible",
@@ -137,7 +144,7 @@ def _causes(causes: Sequence[Cause]) -> Iterator[Block]:
             [
                 Code(cause.effect),
                 _with_unit(name, number.unit),
-                format_interval(number.mean, number.q05, number.q95),
+                format_interval(number.q50, number.q05, number.q95),
                 format_number(number.sd, digits=2),
                 number.prior,
                 # The range is the amplitude's, which is the first parameter.
@@ -145,14 +152,15 @@ def _causes(causes: Sequence[Cause]) -> Iterator[Block]:
                 if place == 0
                 else MISSING,
             ]
-            for cause in causes
+            for cause in found
             for place, (name, number) in enumerate(cause.parameters.items())
         ],
         label="causes",
     )
 
 
-def _not_told_apart(found: DiagnosisFile) -> Iterator[Block]:
+def not_told_apart(found: DiagnosisFile) -> Iterator[Block]:
+    """Yield effects that these data cannot separate, and those that the law absorbs."""
     lines: list[Text] = [
         [*_codes(one.effects), f": {REASONS[one.reason]}."] for one in found.unseparated
     ]
@@ -173,29 +181,26 @@ def _not_told_apart(found: DiagnosisFile) -> Iterator[Block]:
         )
 
 
-def _remainder(found: DiagnosisFile) -> list[str]:
+def remainder(found: DiagnosisFile) -> Iterator[Block]:
+    """Yield what the named causes leave."""
     rest = found.remainder
-    asked = "asks" if rest.significant else "does not ask"
-    share = rest.share_of_gap
-    if share is None:
-        said = f"It has no share of the gap ({rest.share_of_gap_why})."
-    else:
-        percent = format_interval(100 * share.mean, 100 * share.q05, 100 * share.q95)
-        said = f"It would be {percent}\u202f% of gap²."
-    where = (
-        f" It is largest along {axis_words(rest.axis)}."
-        if rest.axis
-        else f" It has no axis ({rest.axis_why})."
-    )
-    return [
-        f"The evidence {asked} for a further, smooth force (log₁₀ Bayes factor "
-        f"{format_fixed(rest.log10_bayes_factor, 1)}). {said}{where}"
-    ]
+    factor = f"log₁₀ Bayes factor {format_fixed(rest.log10_bayes_factor, 1)}"
+    said = f" The evidence does not ask for a further, smooth force ({factor})."
+    if rest.significant:
+        said = f" The evidence asks for a further, smooth force ({factor})."
+        if rest.share_of_gap is not None:
+            low, middle, high = (
+                100 * q
+                for q in (rest.share_of_gap.q05, rest.share_of_gap.q50, rest.share_of_gap.q95)
+            )
+            said += f" It would be {format_interval(middle, low, high)}\u202f% of gap²."
+        if rest.axis is not None:
+            said += f" It is largest along {axis_words(rest.axis)}."
+    yield Paragraph([Strong("Remainder."), said])
 
 
-def _where(found: DiagnosisFile) -> Iterator[Block]:
-    yield Heading(2, "Where the gap lies")
-    yield Table(
+def _axes(found: DiagnosisFile) -> Table:
+    return Table(
         "Axes, largest share first.",
         [
             "axis",
@@ -220,18 +225,22 @@ def _where(found: DiagnosisFile) -> Iterator[Block]:
         note="Share: cross-validated part of gap² that a smooth of this axis alone explains; "
         "shares overlap, and one below zero predicts worse than none. Unique: what is lost when "
         "the axis leaves the joint smooth. p: by the largest statistic of all axes, from a "
-        "parametric bootstrap. Looks like: axes whose smooths these data do not tell from it.",
-    )
+        "parametric bootstrap."
+        + (
+            " Looks like: axes whose smooths these data do not tell from it."
+            if any(axis.confounded_with for axis in found.where)
+            else ""
+        ),
+    ).filled()
 
 
-def _gap(found: DiagnosisFile) -> Iterator[Block]:
+def gap_words(found: DiagnosisFile) -> Paragraph:
+    """Return how large the gap is, and where every figure of it stands."""
     gap = found.gap
-    yield Heading(2, "How far it shrinks")
-    systematic = gap.systematic
-    yield Paragraph(
+    return Paragraph(
         [
             "The systematic gap of the recalibrated baseline, √(before² − floor²), is ",
-            f"{_thousandths(systematic)} mN, where "
+            f"{_thousandths(gap.systematic)} mN, where "
             f"friction is {format_number(gap.friction_rms, unit='N')} (rms); below "
             f"{format_share(found.practical_share)} of friction none would care. ",
             Reference("gap"),
@@ -239,14 +248,18 @@ def _gap(found: DiagnosisFile) -> Iterator[Block]:
             "both before and after.",
         ]
     )
+
+
+def gap_table(found: DiagnosisFile) -> Table:
+    """Return every figure of the gap on data that the fit has not seen."""
+    gap = found.gap
     rows: list[tuple[str, str, Gap | GapRow]] = [
-        ("overall", "mN", gap),
         *((row.name, "mN", row) for row in gap.held_out),
         ("not held out: the data of the fit", "mN", gap.in_sample),
     ]
     if gap.trajectory is not None:
         rows.append(("free-running trajectory", "mm", gap.trajectory))
-    yield Table(
+    return Table(
         "The gap as root mean square, with 90 % intervals.",
         ["held out", "unit", "as shipped", "recalibrated", "with the causes", "floor", "shrink, %"],
         [
@@ -255,32 +268,38 @@ def _gap(found: DiagnosisFile) -> Iterator[Block]:
                 unit,
                 _thousandths(row.as_shipped),
                 _thousandths(row.before),
-                _thousandths(row.after),
+                _thousandths(row.after) if found.causes else MISSING,
                 _thousandths(row.floor),
                 _cells(row.shrink, -2),
             ]
             for name, unit, row in rows
         ],
         label="gap",
-        note=["Shrink: (before² − after²) / (before² − floor²). ", *_reasons(gap, rows)],
-    )
+        note=[
+            "Medians. ",
+            "Shrink: (before² − after²) / (before² − floor²). " if found.causes else "",
+            *_reasons(gap, rows),
+        ],
+    ).filled()
 
 
 def _reasons(gap: Gap, rows: Sequence[tuple[str, str, Gap | GapRow]]) -> list[str]:
-    """Return why figures are missing, each reason once."""
+    """Return why figures are missing, each reason once; with its rows, where not all lack it."""
     said: dict[str, list[str]] = {}
     for name, _, row in rows:
         for what, why in (("as shipped", row.as_shipped_why), ("shrink", row.shrink_why)):
             if why is not None:
                 said.setdefault(f"No figure for {what}: {why}", []).append(name)
-    lines = [f"{why} ({', '.join(names)}). " for why, names in said.items()]
+    lines = [
+        f"{why}. " if len(names) == len(rows) else f"{why} ({', '.join(names)}). "
+        for why, names in said.items()
+    ]
     return lines + ([f"No trajectory: {gap.trajectory_why}. "] if gap.trajectory is None else [])
 
 
-def _examined(found: DiagnosisFile) -> Iterator[Block]:
-    yield Heading(2, "Every effect examined")
-    yield Table(
-        "Each effect alone against the baseline.",
+def _examined(found: DiagnosisFile) -> Table:
+    return Table(
+        "Every effect examined, alone against the baseline.",
         ["effect", Column("log₁₀ BF", align="decimal"), "why there is none"],
         [
             [
@@ -291,11 +310,11 @@ def _examined(found: DiagnosisFile) -> Iterator[Block]:
             for one in found.effects
         ],
         label="effects",
-    )
+    ).filled()
 
 
-def _next(found: DiagnosisFile) -> Iterator[Block]:
-    yield Heading(2, "What to measure next")
+def next_experiment(found: DiagnosisFile) -> Iterator[Block]:
+    """Yield conditions that would tell hypotheses apart."""
     if not found.next_experiment:
         yield Paragraph(f"Nothing to propose: {found.next_experiment_why}.")
         return
@@ -349,5 +368,5 @@ def _thousandths(number: Interval | None) -> str:
 def _cells(number: Interval | None, exponent: int) -> str:
     if number is None:
         return MISSING
-    mean, low, high = interval_cells(number.mean, number.q05, number.q95, exponent)
+    mean, low, high = interval_cells(number.q50, number.q05, number.q95, exponent)
     return f"{mean} [{low}, {high}]"

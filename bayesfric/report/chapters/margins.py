@@ -115,7 +115,10 @@ def _kind(loop: LoopMargins) -> Literal["attention", "good", "info"]:
         return "info"
     hunts = [one for one in loop.metrics if one.name == "gamma_hunting"]
     p = hunts[0].probability_of_violation if hunts else None
-    return "good" if p is not None and p <= loop.limit_cycle_probability_max else "attention"
+    if p is None or p > loop.limit_cycle_probability_max:
+        return "attention"
+    # Green would cover what the loop's remarks say of its assumptions.
+    return "info" if loop.warnings else "good"
 
 
 def _hunting(loops: Sequence[LoopMargins]) -> Iterator[Block]:

@@ -4,23 +4,35 @@ from collections.abc import Iterator
 
 from bayesfric.report.content import Block, Equation, Heading, Math, Paragraph, Reference
 from bayesfric.report.formulas import CURRENT, LAW, RECURSIVE, SCATTER
-from bayesfric.report.stored import StoredFit
+from bayesfric.report.stored import StoredResults
+from bayesfric.schemas import DiagnosisFile, FitFile
 
 __all__ = ["methods"]
 
 
-def methods(stored: StoredFit) -> Iterator[Block]:
-    """Yield the law, the likelihood of what was measured, and the sampler."""
+def methods(stored: StoredResults) -> Iterator[Block]:
+    """Yield how the fit and the diagnosis are made, as far as they were."""
+    if stored.fitted is None and stored.diagnosis is None:
+        return
     yield Heading(1, "Method")
+    if stored.fitted is not None:
+        yield from _fit(stored.fitted.fit)
+    if stored.diagnosis is not None:
+        yield from _diagnosis(stored.diagnosis.found)
+
+
+def _fit(fit: FitFile) -> Iterator[Block]:
+    """Yield the law, the likelihood of what was measured, and the sampler."""
+    yield Heading(2, "The fit")
     yield from _law()
-    if stored.fit.baseline == "recursive":
+    if fit.baseline == "recursive":
         yield from _recursive()
     # What was measured shows in what its noise is.
-    if "sigma_x" in stored.fit.noise:
+    if "sigma_x" in fit.noise:
         yield from _events()
-    if "sigma_a" in stored.fit.noise:
+    if "sigma_a" in fit.noise:
         yield from _accelerations()
-    if "sigma_current" in stored.fit.noise:
+    if "sigma_current" in fit.noise:
         yield from _currents()
     yield Paragraph(
         [
@@ -31,6 +43,26 @@ def methods(stored: StoredFit) -> Iterator[Block]:
             "mixed with differential evolution. A parameter counts as informed where the curvature "
             "of the likelihood alone pins it down better than its prior does.",
         ]
+    )
+
+
+def _diagnosis(found: DiagnosisFile) -> Iterator[Block]:
+    """Yield how hypotheses are compared, and what gap, floor and shrink are."""
+    prior = ", ".join(f"{name} {value:g}" for name, value in found.hypothesis_prior.items())
+    yield Heading(2, "The diagnosis")
+    yield Paragraph(
+        "A hypothesis is a set of effects that act beside the law, or an unknown smooth force. "
+        "Around the fitted law each effect's force is linear in its amplitude, so that given the "
+        "noise the evidence of a hypothesis is a closed form; the noise is climbed to its own mode "
+        f"in each. Prior probabilities by number of effects: {prior}, shared equally within a "
+        "number. Every hypothesis has the same small discrepancy, since no law is quite right."
+    )
+    yield Paragraph(
+        "The gap is the rms of the residual friction force, resolved along the travel, on "
+        "conditions that are held out of the fit, every parameter refitted before and after an "
+        "effect is added. The floor is what a perfect law would leave there, from the scatter "
+        "between trials and assemblies. The systematic gap is √(before² − floor²), the shrink "
+        "(before² − after²) / (before² − floor²); intervals are by bootstrap over assemblies."
     )
 
 

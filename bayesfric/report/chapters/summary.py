@@ -1,75 +1,23 @@
-"""Page one: what the data are, what must be known first, and the coefficients."""
+"""The coefficients, the scatter and the noise of the sensors."""
 
 from collections.abc import Iterator
 
 from bayesfric.paper import table1
 from bayesfric.plots.labels import parts
-from bayesfric.plots.posterior import coefficients_relative_to_paper
-from bayesfric.plots.rig_tables import rig_tables
-from bayesfric.plots.style import to_svg
 from bayesfric.report.chapters.symbols import EXPONENTS, exponent, symbol, unit_head
 from bayesfric.report.content import (
     Block,
-    BulletList,
-    Code,
     Column,
-    Figure,
     Heading,
-    Inline,
-    Notice,
     Paragraph,
-    Strong,
     Table,
 )
-from bayesfric.report.quantities import MISSING, format_count, format_number, interval_cells
+from bayesfric.report.quantities import MISSING, format_number, interval_cells
 from bayesfric.report.rig_words import rig_words
 from bayesfric.report.stored import StoredFit
-from bayesfric.schemas import FitFile, ParameterSummary, RecordingId
+from bayesfric.schemas import FitFile, ParameterSummary
 
-__all__ = ["convergence", "front", "recorded", "summary"]
-
-BOXES = 3  # remarks; more of them as boxes would fill page one
-
-
-def recorded(recording: RecordingId, fitted: StoredFit | None) -> Paragraph:
-    """Return which recording it is, and what of it enters the fit."""
-    title = recording.title
-    return Paragraph(
-        [
-            "Recording ",
-            Code(recording.name),
-            f": {title}. " if title else ". ",
-            *([_entered(fitted)] if fitted is not None else []),
-            *_synthetic(f"{title} {recording.name}"),
-        ]
-    )
-
-
-def convergence(fit: FitFile) -> Notice:
-    """Return whether the draws can be used."""
-    if fit.converged:
-        return Notice(
-            "good",
-            "Every R-hat and every effective sample size is within its bound.",
-            title="Converged",
-        )
-    return Notice(
-        "attention",
-        "The draws have not converged: no number below may be used before the sampler has run "
-        "longer.",
-        title="Unconverged",
-    )
-
-
-def front(fit: FitFile) -> Iterator[Block]:
-    """Yield what must be read before the numbers."""
-    if len(fit.attention) <= BOXES:
-        for line in fit.attention:
-            yield Notice("attention", line)
-    else:
-        count = len(fit.attention)
-        yield Notice("attention", f"{count} remarks must be read before the numbers:")
-        yield BulletList(fit.attention)
+__all__ = ["summary"]
 
 
 def summary(stored: StoredFit) -> Iterator[Block]:
@@ -111,20 +59,6 @@ def summary(stored: StoredFit) -> Iterator[Block]:
         "the recording does not inform the coefficient, so that its prior drives it.",
     )
     yield from _not_estimated(fit)
-    if "ratio" in stored.predictive["coefficients"].data_vars:
-        yield Figure(
-            to_svg(coefficients_relative_to_paper(stored.predictive, _uninformed(fit))),
-            [
-                "Posterior of each coefficient over its value in Table I: median and the 50 % and "
-                "90 % intervals. A bar that misses the dashed line at one says that data and paper "
-                "differ by more than the uncertainty. From ",
-                Code("predictive.nc"),
-                ".",
-            ],
-            "Horizontal bars, one for each coefficient and pulley size, of the 50 and 90 percent "
-            "intervals relative to the paper's value, which is a dashed vertical line at one.",
-            label="relative",
-        )
     yield Heading(2, "Scatter and noise")
     rows = [
         [
@@ -163,21 +97,12 @@ def _not_estimated(fit: FitFile) -> Iterator[Paragraph]:
         yield Paragraph(f"The paper's own estimator has no {'; no '.join(reasons)}.")
 
 
-def _entered(stored: StoredFit) -> str:
-    """Return what entered the fit, in a sentence."""
-    quality = stored.fit.data_quality
-    said = [
-        f"{format_count(one.count)} {one.trials} of the {one.title}"
-        for one in rig_tables(stored.predictive)
-    ]
-    if quality.events:
-        said.append(f"{format_count(quality.events)} Hall events")
-    return f"What enters: {'; '.join(said)}."
-
-
 MEANINGS = {
     "tau": "relative scatter of friction from trial to trial",
     "omega": "relative scatter of friction from assembly to assembly",
+    "omega_intercept": "relative scatter of c2 from assembly to assembly, beside that",
+    "wander": "relative rms of friction that wanders along the travel of a trial",
+    "wander_length": "correlation length of the wander",
     "sigma_x": "position error of a Hall event",
     "sigma_t": "clock error of a Hall event",
     "sigma_a": "error of an acceleration without a standard error",
@@ -198,26 +123,6 @@ def _cells(entry: ParameterSummary, exponent: int) -> tuple[str, str, str, str]:
     """Return mean, sd, 5 % and 95 % quantile."""
     mean, q05, q95 = interval_cells(entry.mean, entry.q05, entry.q95, exponent)
     return mean, _cell(entry.sd, exponent, digits=2), q05, q95
-
-
-def _uninformed(fit: FitFile) -> tuple[str, ...]:
-    return tuple(
-        f"{name}[{size}]"
-        for size, coefficients in fit.pulleys.items()
-        for name, entry in coefficients.items()
-        if not entry.informed
-    )
-
-
-def _synthetic(called: str) -> tuple[Inline, ...]:
-    """Return a warning where the recording calls itself simulated."""
-    if not any(word in called.casefold() for word in ("synthetic", "simulat")):
-        return ()
-    return (
-        " ",
-        Strong("Synthetic data:"),
-        " simulated, not measured.",
-    )
 
 
 def _cell(value: float | None, exponent: int, digits: int = 3) -> str:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from bayesfric.effects.terms import ActiveEffect, LinearTerm, linear_terms
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import tension_feedback
-from bayesfric.rigs.gravity_board.measurements import Columns
+from bayesfric.rigs.gravity_board.measurements import Columns, joined
 from bayesfric.rigs.gravity_board.places import TrialPlaces
 
 __all__ = ["EffectsAlong"]
@@ -29,39 +29,63 @@ class EffectsAlong:
     places : TrialPlaces
         Where the trials are.
     active : sequence of ActiveEffect
-        Effects along the path, and on readings.
+        Effects along the path, on readings, and with phases.
 
     Attributes
     ----------
     active : tuple of ActiveEffect
-        Forces first.
+        The same.
     columns : Columns or None
-        Of K responses; None without effects.
+        What K responses add; None without effects of known phases.
+    scattered : Columns or None
+        What each component of effects adds whose phases are drawn anew in each trial.
     """
 
     def __init__(self, places: TrialPlaces, active: Sequence[ActiveEffect]) -> None:
-        self._places = places
-        forces = [one for one in active if one.effect.acts_on != "reading"]
-        readings = [one for one in active if one.effect.acts_on == "reading"]
-        self.active = (*forces, *readings)
-        self.columns: Columns | None = None
-        self._terms: list[LinearTerm] = []
-        if not active:
-            return
-        paths, seen = places.paths, places.with_events
-        travel, acceleration = [], []
-        for term in linear_terms(forces, places.slowing, paths.seen):
-            self._terms.append(term)
-            for response in term.responses:
-                acceleration.append(response.mean(axis=-1))
-                if places.events is not None:
-                    there = paths.of(np.flatnonzero(seen))
-                    travel.append(there.response(places.events, response[seen]))
-        for term in linear_terms(readings, places.misread, np.asarray):
-            self._terms.append(term)
-            travel += list(term.responses)
-            acceleration += [np.zeros(seen.size)] * len(term.responses)
-        self.columns = Columns(np.array(travel), np.stack(acceleration))
+        self._places, self.active = places, tuple(active)
+        known = [one for one in active if not one.effect.components]
+        readings = [one for one in known if one.effect.acts_on == "reading"]
+        forces = [one for one in known if one.effect.acts_on != "reading"]
+        by_force, by_reading = [], []
+        if forces:
+            by_force = linear_terms(forces, places.slowing, places.paths.seen)
+        if readings:
+            by_reading = linear_terms(readings, places.misread, np.asarray)
+        self._terms: list[LinearTerm] = [*by_force, *by_reading]
+        self.columns = joined(
+            *(places.columns(list(term.responses)) for term in by_force),
+            *(places.read_columns(term.responses) for term in by_reading),
+        )
+        self._phased = [one for one in active if one.effect.components]
+        each = [self._components(one) for one in self._phased]
+        self._counts = [len(columns.acceleration) for columns in each]
+        self.scattered = joined(*each)
+
+    def variances(self, theta: Mapping[str, Array], law: Coefficients) -> list[Array]:
+        """Return the variance of each of :attr:`scattered`, arrays of shape (W, N).
+
+        Parameters
+        ----------
+        theta : mapping of str to ndarray of shape (W,)
+            Parameters by name.
+        law : Coefficients
+            Of each walker and trial, arrays of shape (W, N).
+        """
+        found = []
+        for active, count in zip(self._phased, self._counts, strict=True):
+            amplitude = active.values(theta)[active.effect.amplitude.name]
+            found += [(amplitude * self._scale(active, theta, law)) ** 2] * count
+        return found
+
+    def _components(self, active: ActiveEffect) -> Columns:
+        """Return what the components of an effect add, those of each sensor apart."""
+        places, unit = self._places, {active.effect.amplitude.name: np.float64(1.0)}
+        if active.effect.acts_on != "reading":
+            return places.columns(list(places.slowing(active, unit)))
+        assert places.events is not None
+        sensors = places.events.regressors[:2] != 0
+        both = places.misread(active, unit)
+        return places.read_columns(np.concatenate([both * one for one in sensors if one.any()]))
 
     def amplitudes(
         self, theta: Mapping[str, Array], law: Coefficients
@@ -85,20 +109,24 @@ class EffectsAlong:
         added: list[Array] = []
         scattered: list[Array | float] = []
         for term in self._terms:
-            numbers = list(term.amplitudes(theta)[:, :, None] * self._scale(term, theta, law))
+            numbers = list(
+                term.amplitudes(theta)[:, :, None] * self._scale(term.active, theta, law)
+            )
             added += numbers
             here = term.active.effect.acts_on == "friction"
             scattered += numbers if here else [0.0] * len(numbers)
         return added, scattered
 
-    def _scale(self, term: LinearTerm, theta: Mapping[str, Array], law: Coefficients) -> Array:
+    def _scale(self, active: ActiveEffect, theta: Mapping[str, Array], law: Coefficients) -> Array:
         """Return by what a response is to be multiplied beside its amplitude, shape (W, N)."""
-        places, effect = self._places, term.active.effect
+        places, effect = self._places, active.effect
         if effect.acts_on == "reading":
             return np.ones((1, places.acceleration.size))
-        values = term.active.values(theta) | {effect.amplitude.name: np.float64(1.0)}
-        force = effect.laws[term.active.law]
+        values = active.values(theta) | {effect.amplitude.name: np.float64(1.0)}
+        force = effect.laws[active.law]
         now = np.asarray(force(values, places.typical_state(law)))
         then = np.asarray(force(values, places.typical_state(places.law)))
+        if effect.components:  # at the release, where the first is a cosine's crest
+            now, then = now[0], then[0]
         ratio = np.divide(now, then, out=np.ones_like(now), where=then != 0)
         return np.asarray(ratio * tension_feedback(law, places.condition))

@@ -38,8 +38,10 @@ def trial_motion(
     acting: Sequence[Acting],
     around: Mapping[str, Any],
     distance_m: float,
+    wander: Callable[[Array], Array] | None = None,
+    start_speed_m_s: Array | float = 0.0,
 ) -> SteppedMotion:
-    """Integrate trials from rest with all forces that effects add.
+    """Integrate trials from their release with all forces that effects add.
 
     Parameters
     ----------
@@ -55,15 +57,20 @@ def trial_motion(
         Further fields of :class:`State`, see :func:`surroundings`.
     distance_m : float
         How far the trials are followed [m].
+    wander : callable or None
+        Travel of each trial, shape (N,), to what is added to `factor` there.
+    start_speed_m_s : ndarray, shape (N,), or float
+        At the release [m/s].
     """
     plain = trajectory(law, condition).time_at(np.full_like(factor, distance_m))
     duration = LONGEST * np.where(np.isfinite(plain), plain, 1.0)
 
     def acceleration(travel: Array, speed: Array) -> Array:
         along = {**around, "travel_m": travel}
-        return _acceleration(law, condition, factor, acting, along, speed)
+        here = factor if wander is None else factor + wander(travel)
+        return _acceleration(law, condition, here, acting, along, speed)
 
-    return step_board(acceleration, duration, STEPS, distance_m)
+    return step_board(acceleration, duration, STEPS, distance_m, start_speed_m_s)
 
 
 def _acceleration(

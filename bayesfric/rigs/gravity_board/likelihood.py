@@ -33,8 +33,10 @@ from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.coefficients import coefficient_parameters
 from bayesfric.rigs.gravity_board.along import EffectsAlong
-from bayesfric.rigs.gravity_board.measurements import TrialMeasurements
+from bayesfric.rigs.gravity_board.hall_events import TrialForm
+from bayesfric.rigs.gravity_board.measurements import TrialMeasurements, joined
 from bayesfric.rigs.gravity_board.places import TrialPlaces, trial_condition
+from bayesfric.rigs.gravity_board.wander import Wander
 
 __all__ = ["GravityLikelihood", "trial_condition"]
 
@@ -89,15 +91,23 @@ class GravityLikelihood:
         self._friction = baseline.gravity
         self._places = TrialPlaces(gravity, rig)
         here = [one for one in effects if self._places.supports(one.effect) is None]
-        self._steady = [one for one in here if not one.effect.along_path]
+        along = [one for one in here if one.effect.along_path or one.effect.components]
+        self._steady = [one for one in here if one not in along]
         self.trials, self.condition = gravity.trials, self._places.condition
         codes, setups = pd.factorize(gravity.trials["setup"])
         self.setups = tuple(str(setup) for setup in setups)
         self._groups = Groups(np.flatnonzero(np.diff(codes, prepend=-1)), codes.size)
         self._size = self._places.size
         self.sizes = self._size.sizes
-        self._along = EffectsAlong(self._places, [one for one in here if one.effect.along_path])
-        self._measurements = TrialMeasurements(gravity, rig, analysis, self._along.columns)
+        self._along = EffectsAlong(self._places, along)
+        self._wander = Wander(self._places, analysis)
+        self._measurements = TrialMeasurements(
+            gravity,
+            rig,
+            analysis,
+            self._along.columns,
+            joined(self._wander.columns, self._along.scattered),
+        )
         self._by_size = analysis.scatter.by_size
         priors = analysis.priors
         groups = [f"[{size}]" for size in self.sizes] if self._by_size else [""]
@@ -105,6 +115,11 @@ class GravityLikelihood:
             *coefficient_parameters(self.sizes, analysis),
             *(Parameter(f"tau{group}", "1", priors.tau, "scatter") for group in groups),
             *(Parameter(f"omega{group}", "1", priors.omega, "scatter") for group in groups),
+            *(
+                Parameter(f"omega_intercept{group}", "1", priors.omega_intercept, "scatter")
+                for group in groups
+            ),
+            *self._wander.parameters,
             *self._measurements.parameters,
             *(parameter for active in here for parameter in parameters_of(active)),
         )
@@ -164,7 +179,7 @@ class GravityLikelihood:
         Parameters
         ----------
         theta : mapping of str to ndarray of shape (W,)
-            Parameters by name; only the noise counts.
+            Parameters by name.
 
         Returns
         -------
@@ -175,7 +190,7 @@ class GravityLikelihood:
         return self._shown(theta, self._forces(theta))
 
     def _shown(self, theta: Mapping[str, Array], forces: "_Forces") -> tuple[Array, Array, Array]:
-        acceleration = self._measurements.at(theta).acceleration()
+        acceleration = self._form(theta, forces.friction).acceleration()
         return (
             forces.drive - forces.mass * acceleration.mean,
             forces.mass**2 * acceleration.variance,
@@ -231,9 +246,10 @@ class GravityLikelihood:
         self, theta: Mapping[str, Array], observed: Array, variance: Array, law: Array
     ) -> GroupedNormal | GroupedStudent:
         """Return the density of frictions, all of shape (W, N), that scatter around the law."""
-        tau, omega = self._scatter(theta)
+        tau, omega, of_intercept = self._scatter(theta)
         own = (law * tau) ** 2 + variance
-        residual, moved = observed - law, (law * omega)[None]
+        residual = observed - law
+        moved = np.stack([law * omega, self._intercept(theta) * of_intercept])
         if self._freedom is None:
             return GroupedNormal(self._groups, residual, own, moved)
         return GroupedStudent(self._groups, residual, own, moved, self._freedom)
@@ -248,7 +264,7 @@ class GravityLikelihood:
         if self._along.columns is None:
             friction, variance, constant = self._shown(theta, forces)
             return friction, variance, law, constant
-        form = self._measurements.at(theta)
+        form = self._form(theta, law)
         added, scattered = self._along.amplitudes(theta, self._size.coefficients(theta))
         # Around the pilot, with A the amplitudes: m0 = (r, A) and m1 = (f, −A), of A only
         # what scatters with friction. The last entry is the residual's.
@@ -261,10 +277,22 @@ class GravityLikelihood:
         constant = constant + 0.5 * (LOG_2PI - np.log(precision)) + np.log(np.abs(law))
         return law * (1 + across / precision), law**2 / precision, law, constant
 
+    def _form(self, theta: Mapping[str, Array], friction_n: Array) -> TrialForm:
+        """Return what was measured, the wander along the trials integrated out."""
+        variances = self._wander.variances(theta, friction_n)
+        variances += self._along.variances(theta, self._size.coefficients(theta))
+        return self._measurements.at(theta).without(variances)
+
+    def _intercept(self, theta: Mapping[str, Array]) -> Array:
+        """Return the part of each trial's friction that does not grow with tension, (W, N) [N]."""
+        return self._size.spread(theta, "c2") * np.asarray(
+            self.condition.n_pulleys, dtype=np.float64
+        )
+
     def draw_scatter(
         self, theta: Mapping[str, Array], rng: np.random.Generator, *, together: bool = False
     ) -> Array:
-        """Draw η + ε of a new trial on a new assembly.
+        """Draw η + κ n c2 / fc + ε of a new trial on a new assembly.
 
         Parameters
         ----------
@@ -281,16 +309,19 @@ class GravityLikelihood:
         ndarray, shape (W, N)
             Relative deviation of friction from the law.
         """
-        tau, omega = self._scatter(theta)
+        tau, omega, of_intercept = self._scatter(theta)
+        of_intercept = of_intercept * self._intercept(theta) / self.law(theta)
         shape = (len(tau), len(self.trials))
         if self._freedom is None:
             trial = rng.standard_normal(shape)
         else:
             trial = rng.standard_t(self._freedom, shape)
-        if not together:
-            return omega * rng.standard_normal(shape) + tau * trial
-        assembly = rng.standard_normal((len(tau), len(self.setups)))
-        return omega * assembly[:, self._groups.of_each] + tau * trial
+        if together:
+            drawn = rng.standard_normal((2, len(tau), len(self.setups)))
+            slope, intercept = drawn[..., self._groups.of_each]
+        else:
+            slope, intercept = rng.standard_normal((2, *shape))
+        return np.asarray(omega * slope + of_intercept * intercept + tau * trial)
 
     def draw_observed(
         self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator
@@ -319,12 +350,15 @@ class GravityLikelihood:
         scatter = {
             parameter.name: START_SCATTER
             for parameter in self.parameters
-            if parameter.name.startswith(("tau", "omega"))
+            if parameter.name.startswith(("tau", "omega", "wander"))
         }
+        scatter |= self._wander.start()
         effects = rough_values([*self._steady, *self._along.active])
         return self._measurements.start() | scatter | effects | self._places.rough
 
-    def _scatter(self, theta: Mapping[str, Array]) -> tuple[Array, Array]:
+    def _scatter(self, theta: Mapping[str, Array]) -> list[Array]:
+        """Return τ, ω and that of the intercept, broadcastable to (W, N)."""
+        names = ("tau", "omega", "omega_intercept")
         if self._by_size:
-            return self._size.spread(theta, "tau"), self._size.spread(theta, "omega")
-        return theta["tau"][:, None], theta["omega"][:, None]
+            return [self._size.spread(theta, name) for name in names]
+        return [theta[name][:, None] for name in names]

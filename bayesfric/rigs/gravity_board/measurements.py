@@ -20,7 +20,7 @@ from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.hall_events import LOG_2PI, TrialForm, reduce_events
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 
-__all__ = ["Columns", "TrialMeasurements", "pilot_accelerations"]
+__all__ = ["Columns", "TrialMeasurements", "joined", "pilot_accelerations"]
 
 Array = NDArray[np.float64]
 START_SIGMA_A = 0.01  # m/s², a place to climb from
@@ -53,6 +53,15 @@ class Columns(NamedTuple):
     acceleration: Array
 
 
+def joined(*parts: Columns | None) -> Columns | None:
+    """Return columns one after the other; None of none."""
+    there = [part for part in parts if part is not None]
+    if not there:
+        return None
+    travel, acceleration = zip(*there, strict=True)
+    return Columns(np.concatenate(travel), np.concatenate(acceleration))
+
+
 class TrialMeasurements:
     """The measurements of N trials as quadratic forms in their motion.
 
@@ -66,6 +75,8 @@ class TrialMeasurements:
         Priors of the noise.
     columns : Columns or None
         What effects along the trials add.
+    scattered : Columns or None
+        What numbers add that are drawn anew in each trial; they come first in the form.
 
     Attributes
     ----------
@@ -80,6 +91,7 @@ class TrialMeasurements:
         rig: RigConstants,
         analysis: Analysis,
         columns: Columns | None = None,
+        scattered: Columns | None = None,
     ) -> None:
         trials, priors = gravity.trials, analysis.priors
         with_events = trials["trial"].isin(gravity.events["trial"]).to_numpy()
@@ -96,6 +108,7 @@ class TrialMeasurements:
                 tick_s=rig.timer_resolution_s,
                 first_speed_scale=priors.first_speed.scale,
                 responses=None if columns is None else columns.travel,
+                scattered=None if scattered is None else scattered.travel,
             )
             self.parameters += (
                 Parameter("sigma_x", "m", priors.sigma_x, "noise"),
@@ -107,7 +120,10 @@ class TrialMeasurements:
             self._stated_sd = _column(alone, "acceleration_sd_m_s2")
             if np.isnan(self._stated_sd).any():
                 self.parameters += (Parameter("sigma_a", "m/s²", priors.sigma_a, "noise"),)
-            shown = [np.ones(self._by_acceleration.size)]  # what each adds to the mean
+            shown = []  # what each adds to the mean acceleration
+            if scattered is not None:
+                shown += list(scattered.acceleration[:, self._by_acceleration])
+            shown.append(np.ones(self._by_acceleration.size))
             if columns is not None:
                 shown += list(columns.acceleration[:, self._by_acceleration])
             self._shown = np.stack(shown)

@@ -7,7 +7,7 @@ measured motion, so that the slope of what is read remains the measured speed, w
 in the Jacobian.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -23,7 +23,7 @@ from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.acting import surroundings
 from bayesfric.rigs.base import Unsupported, why_inert
 from bayesfric.rigs.coefficients import SizeIndex
-from bayesfric.rigs.gravity_board.measurements import pilot_accelerations
+from bayesfric.rigs.gravity_board.measurements import Columns, pilot_accelerations
 from bayesfric.rigs.gravity_board.paths import Paths, trial_paths
 from bayesfric.rigs.gravity_board.trial_motion import Events, pilot_coefficients, prepare_events
 
@@ -32,8 +32,8 @@ __all__ = ["TrialPlaces", "trial_condition"]
 Array = NDArray[np.float64]
 ON_CURRENT = Unsupported("It acts on the current of a motor, and this board has none.")
 NO_EVENTS = Unsupported("It acts on the times of single events, and no trial has any.")
-NO_PHASES = Unsupported(
-    "Nobody recorded its phases: it is a scatter of every trial, and moves none on average."
+SHAPED_PHASES = Unsupported(
+    "Nobody recorded its phases, and how it varies between them is not known either."
 )
 LEAST = 1e-3  # m/s², of a trial that is said to start from rest
 BENT_READING = Unsupported(
@@ -145,6 +145,25 @@ class TrialPlaces:
         force = active.effect.laws[active.law](values, state) / column.total_mass_kg
         return np.asarray(-np.broadcast_to(force, (*force.shape[:-2], *paths.speed_m_s.shape)))
 
+    def columns(self, added: Sequence[Array]) -> Columns:
+        """Return what accelerations along the paths do.
+
+        Parameters
+        ----------
+        added : sequence of K ndarrays, shape (N, P)
+            Along the paths, at unit amplitude [m/s²].
+        """
+        seen, events = self.with_events, self.events
+        travel = np.empty((0, 0))
+        if events is not None:
+            paths = self.paths.of(np.flatnonzero(seen))
+            travel = np.array([paths.response(events, one[seen]) for one in added])
+        return Columns(travel, np.stack([one.mean(axis=-1) for one in added]))
+
+    def read_columns(self, travel: Array) -> Columns:
+        """Return what errors of readings do, shape (K, E) [m]: an acceleration has none."""
+        return Columns(travel, np.zeros((len(travel), self.acceleration.size)))
+
     def misread(self, active: ActiveEffect, values: Mapping[str, Any]) -> Array:
         """Return the travel that an error of readings takes from each event, (…, E) [m]."""
         law = active.effect.laws[active.law]
@@ -156,8 +175,8 @@ class TrialPlaces:
             return ON_CURRENT
         if effect.acts_on == "reading" and self.events is None:
             return NO_EVENTS
-        if effect.components:
-            return NO_PHASES
+        if effect.components and effect.shape is not None:
+            return SHAPED_PHASES
         if effect.acts_on == "reading" and effect.shape is not None:
             return BENT_READING
         for law in effect.laws:
@@ -165,7 +184,7 @@ class TrialPlaces:
             values = small_values(effect)
             if effect.acts_on == "reading":
                 response = self.misread(active, values)
-            elif effect.along_path:
+            elif effect.along_path or effect.components:
                 response = self.slowing(active, values)
             else:
                 response = np.asarray(

@@ -21,7 +21,8 @@ from bayesfric.effects import ActsOn, Law, Reading, State
 from bayesfric.effects.candidates import Candidate, unit_values
 from bayesfric.inference.smooths import Smooth
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
-from bayesfric.physics.gravity import coulomb_acceleration, nominal_tension, tension_feedback
+from bayesfric.physics.gravity import nominal_tension, tension_feedback
+from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.acting import drive_end, trial_in_setup
 from bayesfric.rigs.base import Unsupported
@@ -93,14 +94,15 @@ class GravityRows:
         laws: Mapping[str, Coefficients],
         measured: MeasuredMotion,
         acting: Sequence[tuple[Candidate, float]] = (),
+        law: Baseline = BASELINES["paper"],
     ) -> None:
         self.table, self.constants = gravity.trials, rig
         self.condition = trial_condition(gravity.trials, rig)
         sizes = gravity.trials["pulley_size"]
         self.law = Coefficients(*(np.array(c) for c in zip(*(laws[s] for s in sizes), strict=True)))
-        predicted = coulomb_acceleration(self.law, self.condition)
         mass = self.condition.total_mass_kg
-        self.friction_n = self.condition.drive_force_n - mass * predicted
+        self.friction_n = law.gravity(self.law, self.condition)
+        predicted = (self.condition.drive_force_n - self.friction_n) / mass
         self.acceleration = np.maximum(predicted, 0.0)
         self.order = rank(gravity.trials)
         radii = pulley_radii(list(sizes.unique()), rig)

@@ -1,20 +1,22 @@
 """The gravity board, simulated: trials in their order, and their Hall events.
 
-A trial is released at rest; its friction is that of the law and of the effects on it,
-times 1 + η + ε, with η drawn once for each assembly and ε once for each trial. Magnets
+A trial is released at rest or with a push; its friction is that of the law and of the
+effects on it, times 1 + η + κ n c2 / fc + ε + ζ(x), with η and κ drawn once for each
+assembly, ε once for each trial and ζ as a process along its travel. Magnets
 pass a sensor each `hall_spacing_m` of travel, with a position error each and what effects
 on readings add, and the clock adds its own error before it rounds.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from bayesfric.inference.cosines import WHOLE, cosine_variances, cosines
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.gravity import Condition, trajectory
+from bayesfric.physics.gravity import Condition, board_friction, trajectory
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.acting import Acting, draw_phases, of_kind, surroundings
 from bayesfric.rigs.gravity_board.effects_on_trials import Motion, passing_times, trial_motion
@@ -68,8 +70,14 @@ def draw_events(
     assert rig.hall_spacing_m and rig.magnets_per_revolution and rig.timer_resolution_s
     spacing, tick = rig.hall_spacing_m, rig.timer_resolution_s
     setup_index = pd.factorize(trials["setup"])[0]
+    law, condition = laws_of(truth, trials["pulley_size"]), conditions_of(trials, rig)
     eta = truth.omega * scatter_rng.standard_normal(setup_index.max() + 1)
     factor = 1 + eta[setup_index] + truth.tau * scatter_rng.standard_normal(len(trials))
+    kappa = truth.omega_intercept * scatter_rng.standard_normal(setup_index.max() + 1)
+    intercept = np.asarray(condition.n_pulleys) * np.asarray(law.c2)
+    factor += kappa[setup_index] * intercept / board_friction(law, condition)
+    wander = _draw_wander(truth, len(trials), scatter_rng)
+    push = truth.push * np.abs(scatter_rng.standard_normal(len(trials)))
 
     # Column by column: trial × sensor × event, made rectangular and then masked.
     shape = (len(trials), len(SENSORS))
@@ -78,12 +86,10 @@ def draw_events(
     release = sensor_rng.uniform(0, RELEASE_WINDOW_S, len(trials))
     grid = np.arange(int(TRAVEL_M / spacing) + 1, dtype=np.float64) * spacing
     place = first[:, :, None] + grid
-    law = laws_of(truth, trials["pulley_size"])
-    condition = conditions_of(trials, rig)
     magnet = place + truth.sigma_x * noise_rng.standard_normal(place.shape)
     clock = truth.sigma_t * noise_rng.standard_normal(place.shape)
     acting = draw_phases(truth, len(trials), len(SENSORS), effects_rng)
-    motion = _motion(law, condition, factor, acting, surroundings(trials, rig))
+    motion = _motion(law, condition, factor, acting, surroundings(trials, rig), wander, push)
     per_turn = rig.magnets_per_revolution
     reached = passing_times(motion, magnet, grid, condition, per_turn, acting)
     passed = reached + release[:, None, None] + clock
@@ -114,16 +120,35 @@ def conditions_of(trials: pd.DataFrame, rig: RigConstants) -> Condition:
     )
 
 
+def _draw_wander(
+    truth: Truth, count: int, rng: np.random.Generator
+) -> Callable[[Array], Array] | None:
+    """Return ζ of each trial at its travel, shape (N,); None where friction does not wander."""
+    if not truth.wander:
+        return None
+    variance = cosine_variances(truth.wander_length / TRAVEL_M, WHOLE)
+    drawn = truth.wander * np.sqrt(variance)[:, None] * rng.standard_normal((WHOLE, count))
+    return lambda travel: np.asarray((drawn * cosines(travel / TRAVEL_M, WHOLE)).sum(axis=0))
+
+
 def _motion(
     law: Coefficients,
     condition: Condition,
     factor: Array,
     acting: Sequence[Acting],
     around: Mapping[str, Any],
+    wander: Callable[[Array], Array] | None,
+    push_m_s: Array,
 ) -> Motion:
-    """Return the motion of each trial from rest, shape (N, …)."""
-    if of_kind(acting, "friction") or of_kind(acting, "drive"):
-        return trial_motion(law, condition, factor, acting, around, TRAVEL_M + PAST_M)
+    """Return the motion of each trial from its release, shape (N, …)."""
+    if wander or of_kind(acting, "friction") or of_kind(acting, "drive"):
+        end = TRAVEL_M + PAST_M
+        return trial_motion(law, condition, factor, acting, around, end, wander, push_m_s)
     each = [np.reshape(np.asarray(part), (-1, 1, 1)) for part in condition]
     columns = Coefficients(*(np.asarray(column)[:, None, None] for column in law))
-    return trajectory(columns, Condition(*each), friction_factor=factor[:, None, None])
+    return trajectory(
+        columns,
+        Condition(*each),
+        start_speed_m_s=push_m_s[:, None, None],
+        friction_factor=factor[:, None, None],
+    )

@@ -107,12 +107,15 @@ class GravityTrials:
         How they were chosen.
     source : Gravity
         All trials and events as recorded.
+    law : Baseline
+        Around which a diagnosis makes them linear.
     """
 
     constants: RigConstants
     gravity: Gravity
     screened: Screened
     source: Gravity
+    law: Baseline = BASELINES["paper"]
     rig: GravityBoard = RIG
     loads: tuple[str, ...] = ("mass_drive_kg", "mass_load_kg")
 
@@ -153,11 +156,15 @@ class GravityTrials:
         """What events say of the motion, whatever the law is."""
         return measured_motion(self.gravity, self.constants)
 
+    def under(self, law: Baseline) -> "GravityTrials":
+        """Return the same trials, made linear around another law."""
+        return replace(self, law=law)
+
     def linear(
         self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
     ) -> GravityRows:
         """Return the events as rows of a linear model."""
-        return GravityRows(self.gravity, self.constants, laws, self.measured, acting)
+        return GravityRows(self.gravity, self.constants, laws, self.measured, acting, self.law)
 
     def entering(self) -> "GravityTrials":
         """Return the trials that enter a diagnosis.

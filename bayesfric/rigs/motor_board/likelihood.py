@@ -141,6 +141,12 @@ class MotorLikelihood:
                 Parameter(f"omega_motor{group}", "1", priors.omega_motor, "scatter")
                 for group in groups
             ),
+            *(
+                Parameter(
+                    f"omega_intercept_motor{group}", "1", priors.omega_intercept_motor, "scatter"
+                )
+                for group in groups
+            ),
             Parameter("torque_constant_factor", "1", priors.torque_constant_factor),
             Parameter("sigma_current", "A", priors.sigma_current, "noise"),
             Parameter("load_noise", "1", priors.load_noise, "noise"),
@@ -209,7 +215,7 @@ class MotorLikelihood:
     def draw_scatter(
         self, theta: Mapping[str, Array], rng: np.random.Generator, *, together: bool = False
     ) -> Array:
-        """Draw η + ε of a new run on a new assembly.
+        """Draw η + κ n c2 / fc + ε of a new run on a new assembly.
 
         Parameters
         ----------
@@ -226,13 +232,16 @@ class MotorLikelihood:
             Relative deviation of friction from the law, without the noise of the
             current.
         """
-        tau, omega = self._scatter(theta)
+        tau, omega, of_intercept = self._scatter(theta)
+        of_intercept = of_intercept * self._intercept(theta) / self.law(theta)
         shape = (len(tau), self._runs)
-        if not together:
-            return np.asarray(np.hypot(tau, omega) * rng.standard_normal(shape))
-        assembly = rng.standard_normal((len(tau), len(self.setups)))
-        of_run = self._groups.of_each[: self._runs]
-        return np.asarray(omega * assembly[:, of_run] + tau * rng.standard_normal(shape))
+        if together:
+            drawn = rng.standard_normal((2, len(tau), len(self.setups)))
+            slope, intercept = drawn[..., self._groups.of_each[: self._runs]]
+        else:
+            slope, intercept = rng.standard_normal((2, *shape))
+        own = tau * rng.standard_normal(shape)
+        return np.asarray(omega * slope + of_intercept * intercept + own)
 
     def draw_observed(
         self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator
@@ -332,10 +341,17 @@ class MotorLikelihood:
         """Return the torque constant k_t [N·m/A], shape (W, 1)."""
         return self._torque_constant * theta["torque_constant_factor"][:, None]
 
-    def _scatter(self, theta: Mapping[str, Array]) -> tuple[Array, Array]:
+    def _scatter(self, theta: Mapping[str, Array]) -> list[Array]:
+        """Return τ, ω and that of the intercept, broadcastable to (W, N)."""
+        names = ("tau_motor", "omega_motor", "omega_intercept_motor")
         if self._by_size:
-            return self._size.spread(theta, "tau_motor"), self._size.spread(theta, "omega_motor")
-        return theta["tau_motor"][:, None], theta["omega_motor"][:, None]
+            return [self._size.spread(theta, name) for name in names]
+        return [theta[name][:, None] for name in names]
+
+    def _intercept(self, theta: Mapping[str, Array]) -> Array:
+        """Return the part of friction that does not grow with tension, signed, (W, N) [N]."""
+        signed = np.sign(self.condition.velocity_m_s) * np.asarray(self.condition.n_pulleys)
+        return np.asarray(self._size.spread(theta, "c2") * signed)
 
     def _currents(self, theta: Mapping[str, Array]) -> GroupedNormal:
         (friction, held), torque = self._forces(theta), self._torque(theta)
@@ -343,13 +359,14 @@ class MotorLikelihood:
         law = self._size.coefficients(theta)
         state = self._places.state(law, friction + held, load)
         beyond = load + self._added("current", theta, state)
-        tau, omega = self._scatter(theta)
+        tau, omega, of_intercept = self._scatter(theta)
         per_scatter = friction * self._radius / torque  # current of a relative deviation of 1
         runs = slice(None, self._runs)
         variance = np.repeat(theta["sigma_current"][:, None] ** 2, self._groups.count, axis=1)
         variance[:, runs] += (theta["load_noise"][:, None] * load) ** 2 + (tau * per_scatter) ** 2
-        moved = np.zeros((1, *variance.shape))
+        moved = np.zeros((2, *variance.shape))
         moved[0, :, runs] = omega * per_scatter
+        moved[1, :, runs] = of_intercept * self._intercept(theta) * self._radius / torque
         residual = np.tile(self._current, (len(load), 1))
         residual[:, runs] -= beyond
         return GroupedNormal(self._groups, residual, variance, moved, self._columns)

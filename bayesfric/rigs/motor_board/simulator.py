@@ -68,6 +68,10 @@ def simulate_motor(
     eta = truth.omega_motor * rng.standard_normal(setup_index.max() + 1)
     factor = 1 + eta[setup_index] + truth.tau_motor * rng.standard_normal(len(runs))
     law = laws_of(truth, runs["pulley_size"])
+    if truth.omega_intercept_motor:
+        kappa = truth.omega_intercept_motor * rng.standard_normal(setup_index.max() + 1)
+        intercept = np.asarray(condition.n_pulleys) * np.asarray(law.c2)
+        factor += kappa[setup_index] * intercept / np.abs(motor_friction(law, condition))
     acting = draw_phases(truth, len(runs), 1, effects_rng)
     around = {**surroundings(runs, rig), "steady": True}
     unscattered, drag = _forces(law, condition, acting, around)

@@ -13,21 +13,21 @@ from bayesfric.analysis import Analysis
 from bayesfric.effects import Effect
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
-from bayesfric.physics.compliant import Cable
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Motor, Recording, RigConstants
 from bayesfric.rigs.base import Motion, Predictive, Simulated, Unsupported, Words
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.motor_board.likelihood import MotorLikelihood
-from bayesfric.rigs.motor_board.linear import MotorRows
+from bayesfric.rigs.motor_board.linear import motor_rows
 from bayesfric.rigs.motor_board.places import RunPlaces
 from bayesfric.rigs.motor_board.predictions import runs as runs_dataset
 from bayesfric.rigs.motor_board.simulator import simulate_motor
 from bayesfric.rigs.motor_board.strength import change_of_runs
+from bayesfric.rigs.plain import PlainTrials
+from bayesfric.rigs.points import PointRows
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.truth import Truth
-from bayesfric.schemas import PointEstimate
 
 __all__ = ["RIG", "MotorBoard", "MotorRuns"]
 
@@ -75,7 +75,7 @@ RIG = MotorBoard()
 
 
 @dataclass(frozen=True)
-class MotorRuns:
+class MotorRuns(PlainTrials):
     """Runs that enter.
 
     Parameters
@@ -86,11 +86,14 @@ class MotorRuns:
         Runs and idle measurements.
     recorded : DataFrame
         All runs as recorded; their id is ``trial``.
+    law : Baseline
+        Around which a diagnosis makes them linear.
     """
 
     constants: RigConstants
     motor: Motor
     recorded: pd.DataFrame
+    law: Baseline = BASELINES["paper"]
     rig: MotorBoard = RIG
     loads: tuple[str, ...] = ("hanging_mass_kg",)
 
@@ -118,21 +121,16 @@ class MotorRuns:
         """Return why an effect cannot enter the likelihood; None where it can."""
         return RunPlaces(self.motor.runs, self.constants).supports(effect)
 
+    def under(self, law: Baseline) -> "MotorRuns":
+        """Return the same trials, made linear around another law."""
+        return replace(self, law=law)
+
     def linear(
         self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
-    ) -> MotorRows:
+    ) -> PointRows:
         """Return the currents as rows of a linear model; nothing starts to move here."""
         del acting
-        return MotorRows(self.motor, self.constants, laws)
-
-    def entering(self) -> "MotorRuns":
-        """Return all runs."""
-        return self
-
-    def next_trials(self, laws: Mapping[str, Coefficients]) -> "MotorRuns | None":
-        """Return None: nobody has laid out further runs of this board."""
-        del laws
-        return None
+        return motor_rows(self.motor, self.constants, laws, self.law)
 
     def likelihood(
         self,
@@ -143,37 +141,14 @@ class MotorRuns:
         """Return the density of the currents."""
         return MotorLikelihood(self.motor, self.constants, analysis, law, effects)
 
-    def stretch_ratios(self, cable: Cable, theta: Mapping[str, Array]) -> Array | Unsupported:
-        """Decline: at constant speed the stretch of the cable is constant."""
-        del cable, theta
-        return Unsupported("At constant speed the stretch of the cable does not change.")
-
-    @property
-    def excluded(self) -> None:
-        """No rule keeps a run from entering."""
-        return None
-
     def quality(self) -> Mapping[str, Any]:
         """Return how many runs enter."""
         return {"motor_runs": len(self.motor.runs)}
-
-    def paper_estimates(self) -> Mapping[str, PointEstimate]:
-        """Return nothing: the paper takes its coefficients from the other board."""
-        return {}
 
     def predicted(self, view: Predictive) -> xr.Dataset:
         """Return friction observed, and predicted for a new run on a new assembly."""
         assert isinstance(view.likelihood, MotorLikelihood)
         return runs_dataset(view.likelihood, self.recorded, view)
-
-    def resting(self, conditions: pd.DataFrame) -> None:
-        """Return nothing: the motor moves the cable whatever friction is."""
-        del conditions
-
-    def figures(self, view: Predictive) -> Mapping[str, xr.Dataset]:
-        """Return nothing beyond the runs."""
-        del view
-        return {}
 
 
 def _by_trial(runs: pd.DataFrame) -> pd.DataFrame:

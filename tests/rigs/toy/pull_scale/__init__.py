@@ -1,10 +1,9 @@
 """A toy rig: a spring scale pulls the cable slowly over pulleys, under a known tension.
 
 It reads ``steady_friction.csv`` and shows what a new rig takes: one folder. A reading is the
-law's friction, times 1 + η + ε of its assembly and its own, with a stated standard error.
+law's friction, times 1 + η + ε of its assembly and its own, with a known standard error.
 """
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -12,20 +11,29 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from bayesfric.analysis import HalfNormal
 from bayesfric.effects import State
 from bayesfric.effects.terms import parameters_of, rough_values, total
 from bayesfric.inference.grouped_normal import GroupedNormal, Groups
 from bayesfric.inference.priors import Parameter
-from bayesfric.physics.friction import coulomb_friction
+from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.laws import BASELINES
 from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.base import Simulated, Unsupported, Words
 from bayesfric.rigs.coefficients import SizeIndex, coefficient_parameters
+from bayesfric.rigs.grouped import GroupedLikelihood
+from bayesfric.rigs.linear import noise_parameter, rank
+from bayesfric.rigs.plain import PlainTrials
+from bayesfric.rigs.points import PointRows
 from bayesfric.rigs.residuals import check_residuals, measuring_order
 from bayesfric.rigs.truth import laws_of
 
-SD_N = 0.01
-SCATTER = ("tau", "omega")
+CONDITION = ("n_pulleys", "wrap_angle_deg", "tension_n")
+SD_N, LOOKED = 0.01, (1e-4, 1.0)
+
+
+def steady(law, table):
+    return State.of(law, *(table[c].to_numpy(float) for c in CONDITION), 0.0, steady=True)
 
 
 @dataclass(frozen=True)
@@ -40,22 +48,22 @@ class PullScale:
         if recording.steady is None:
             return None
         table = recording.steady.rename(columns={"run": "trial"})
-        table = table.sort_values("setup", kind="stable").reset_index(drop=True)
-        return Readings(self, recording.rig, table, table)
+        return Readings(self, table.sort_values("setup", kind="stable", ignore_index=True), table)
 
     def change(self, effect, design, constants, truth):
         return None
 
     def simulate(self, design, constants, truth, seed):
         rng = np.random.default_rng([seed, 15])
-        cells = [(s, n, t) for s in ("small", "large") for n in (5, 9, 15) for t in (60.0, 120.0)]
+        cells = [(s, n, w) for s in ("small", "large") for n in (5, 9, 15) for w in (60.0, 120.0)]
         rows = [(*cell, tension) for cell in cells for tension in (6.0, 14.0, 22.0, 30.0)]
-        names = ["pulley_size", "n_pulleys", "wrap_angle_deg", "tension_n"]
-        table = pd.DataFrame(rows, columns=names)
+        table = pd.DataFrame(rows, columns=["pulley_size", *CONDITION])
         table["setup"] = [f"a{place // 4:02d}" for place in range(len(table))]
         table["run"] = [f"p{place:03d}" for place in range(len(table))]
         law = laws_of(truth, table["pulley_size"])
-        fc = coulomb_friction(law, *(table[name].to_numpy() for name in names[1:]))
+        fc = coulomb_friction(law, *(table[name].to_numpy() for name in CONDITION))
+        for applied in truth.effects:
+            fc = fc + applied(steady(law, table))
         eta = truth.omega * rng.standard_normal(len(cells)).repeat(4)
         factor = 1 + eta + truth.tau * rng.standard_normal(len(table))
         table["friction_n"] = (fc * factor + SD_N * rng.standard_normal(len(table))).round(5)
@@ -66,13 +74,11 @@ RIG = PullScale()
 
 
 @dataclass(frozen=True)
-class Readings:
+class Readings(PlainTrials):
     rig: PullScale
-    constants: Any
     table: pd.DataFrame
     recorded: pd.DataFrame
     loads: tuple[str, ...] = ("tension_n",)
-    excluded: None = None
     slowest_speed_m_s: float = float("inf")
 
     def levels(self, name):
@@ -90,92 +96,78 @@ class Readings:
     def likelihood(self, analysis, law=BASELINES["paper"], effects=()):
         return ReadingsLikelihood(self.table, analysis, law, effects)
 
-    def quality(self):
-        return {}
-
-    def paper_estimates(self):
-        return {}
-
-    def stretch_ratios(self, cable, theta):
-        return Unsupported("A cable that is pulled slowly does not ring.")
-
-    def resting(self, conditions):
-        return None
-
-    def figures(self, view):
-        return {}
-
     def predicted(self, view):
-        table, observed = self.table, self.table["friction_n"].to_numpy()
-        law = view.likelihood.law(view.named)
-        kept = ("pulley_size", "setup", "n_pulleys", "wrap_angle_deg", "tension_n", "friction_n")
-        return xr.Dataset(
-            {name: ("reading", table[name].to_numpy()) for name in kept}
-            | {
-                "law_n": (("reading", "quantile"), bands(law)),
-                "predicted_n": (("reading", "quantile"), bands(law * view.factor)),
-                "order": ("reading", measuring_order(self.recorded, table)),
-                **check_residuals("reading", view.remade, observed),
-            },
-            coords={"reading": table["trial"].to_numpy(), "quantile": list(QUANTILES)},
+        table, law = self.table, view.likelihood.law(view.named)
+        kept = ("pulley_size", "setup", *CONDITION, "friction_n")
+        columns: dict[str, Any] = {name: ("reading", table[name].to_numpy()) for name in kept}
+        columns["law_n"] = (("reading", "quantile"), bands(law))
+        columns["predicted_n"] = (("reading", "quantile"), bands(law * view.factor))
+        columns["order"] = ("reading", measuring_order(self.recorded, table))
+        columns |= check_residuals("reading", view.remade, table["friction_n"].to_numpy())
+        return xr.Dataset(columns, {"reading": table["trial"], "quantile": list(QUANTILES)})
+
+    def under(self, law):
+        return self
+
+    def linear(self, laws, acting=()):
+        rows = zip(*(laws[size] for size in self.table["pulley_size"]), strict=True)
+        law, one = Coefficients(*map(np.array, rows)), np.ones(len(self.table))
+        state = steady(law, self.table)._replace(order=rank(self.table))
+
+        def noise(priors):
+            of = {"tau_scale": priors.tau, "omega_pull": priors.omega, "omega_scale": priors.omega}
+            of["sigma_scale"] = HalfNormal(scale=SD_N)
+            return tuple(
+                noise_parameter(name, prior, 0.01, LOOKED, 0.01) for name, prior in of.items()
+            )
+
+        reading, none = self.table["friction_n"].to_numpy() - state.friction_n, np.zeros((0, 0))
+        about = ("scale", self.table, self.loads, state, state.friction_n, one)
+        return PointRows(
+            *about, reading, one, (one,), noise, one[:, None][:, :0], none, none.ravel()
         )
 
 
-class ReadingsLikelihood:
-    def __init__(self, table, analysis, law, effects: Sequence = ()) -> None:
+class ReadingsLikelihood(GroupedLikelihood):
+    def __init__(self, table, analysis, law, effects) -> None:
         self.trials, self._law, self._effects = table, law, tuple(effects)
         codes, setups = pd.factorize(table["setup"])
         self.setups = tuple(setups)
         self._groups = Groups(np.flatnonzero(np.diff(codes, prepend=-1)), codes.size)
         self._size = SizeIndex.of(table["pulley_size"])
-        self.sizes = self._size.sizes
-        names = ("n_pulleys", "wrap_angle_deg", "tension_n")
-        self._condition = [table[name].to_numpy(dtype=float) for name in names]
+        self.sizes, priors = self._size.sizes, analysis.priors
         self.parameters = (
             *coefficient_parameters(self.sizes, analysis),
-            *(Parameter(n, "1", getattr(analysis.priors, n), "scatter") for n in SCATTER),
+            Parameter("tau", "1", priors.tau, "scatter"),
+            Parameter("omega", "1", priors.omega, "scatter"),
             *(one for active in self._effects for one in parameters_of(active)),
         )
 
-    def law(self, theta: Mapping[str, Any]):
+    def law(self, theta):
         law = self._size.coefficients(theta)
-        friction = self._law.at_tension(law, *self._condition)
-        state = State.of(law, *self._condition, 0.0, steady=True)
+        state = steady(law, self.trials)
+        friction = self._law.at_tension(law, state.n_pulleys, state.wrap_angle_deg, state.tension_n)
         return friction + (total(self._effects, theta, state) if self._effects else 0.0)
 
-    def _normal(self, theta):
-        law, tau, omega = self.law(theta), *(theta[name][:, None] for name in SCATTER)
-        observed = self.trials["friction_n"].to_numpy()
-        variance = (tau * law) ** 2 + SD_N**2
-        return GroupedNormal(self._groups, observed - law, variance, (omega * law)[None])
+    def normal(self, theta):
+        law, tau, omega = self.law(theta), theta["tau"][:, None], theta["omega"][:, None]
+        residual = self.trials["friction_n"].to_numpy() - law
+        return GroupedNormal(
+            self._groups, residual, (tau * law) ** 2 + SD_N**2, (omega * law)[None]
+        )
 
     def draw_scatter(self, theta, rng, *, together=False):
-        tau, omega = (theta[name][:, None] for name in SCATTER)
-        shape = (len(tau), len(self.trials))
-        if not together:
-            return np.hypot(tau, omega) * rng.standard_normal(shape)
-        eta = omega * rng.standard_normal((len(tau), len(self.setups)))
-        return eta[:, self._groups.of_each] + tau * rng.standard_normal(shape)
+        eta = rng.standard_normal(
+            (len(theta["tau"]), len(self.setups if together else self.trials))
+        )
+        eta = eta[:, self._groups.of_each] if together else eta
+        own = theta["tau"][:, None] * rng.standard_normal((len(eta), len(self.trials)))
+        return theta["omega"][:, None] * eta + own
 
     def draw_observed(self, theta, deviation, rng):
         return self.law(theta) * (1 + deviation) + SD_N * rng.standard_normal(deviation.shape)
 
-    def log_likelihood(self, theta):
-        return self._normal(theta).log_density()
-
-    def setup_log_likelihood(self, theta):
-        return self._normal(theta).group_log_density()
-
-    def trial_log_likelihood(self, theta):
-        return self._normal(theta).single_log_density()
-
-    def trial_cdf(self, theta):
-        return self._normal(theta).single_cdf()
-
-    def draw_trial_cdf(self, theta, rng):
-        return self._normal(theta).drawn(rng).single_cdf()
-
     def start(self):
-        friction = self.trials["friction_n"].to_numpy()
-        rough = self._size.rough_coefficients(*self._condition, friction)
-        return rough | dict.fromkeys(SCATTER, 0.02) | rough_values(self._effects)
+        columns = (self.trials[name].to_numpy(float) for name in (*CONDITION, "friction_n"))
+        rough = self._size.rough_coefficients(*columns)
+        return rough | {"tau": 0.02, "omega": 0.02} | rough_values(self._effects)

@@ -1,0 +1,98 @@
+"""The data that claims are judged on, by name, and the law that they are about."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import permutations
+
+from bayesfric.errors import Fault, InputError
+from bayesfric.fitting.hypothesis import Hypothesis
+from bayesfric.physics.laws import BASELINES
+from bayesfric.recording.tables import Recording
+from bayesfric.rigs import all_rigs
+from bayesfric.rigs.base import Motion, RigTrials
+from bayesfric.rigs.data import Data
+from bayesfric.rigs.opening import chosen_rigs, open_rigs, rigs_with_trials
+
+__all__ = ["PAPER", "Entered"]
+
+PAPER = "paper"
+
+
+@dataclass(frozen=True)
+class Entered:
+    """The data of a recording that enter, whole and by pulley size, and the law.
+
+    Parameters
+    ----------
+    data : mapping of str to Data
+        By the name of a rig, in the order of :func:`bayesfric.rigs.all_rigs`; by that of
+        a rig and a size as in ``RIG/small``; and by those of two rigs as in ``RIG+OTHER``,
+        the second with the sizes that it shares with the first.
+    left_out : tuple of str
+        Rigs of the recording that were not asked for.
+    law : str
+        The friction law that claims are about, a name in
+        :data:`bayesfric.physics.laws.BASELINES`.
+    """
+
+    data: Mapping[str, Data]
+    left_out: tuple[str, ...] = ()
+    law: str = PAPER
+
+    @classmethod
+    def of(
+        cls, recording: Recording, rigs: Sequence[str] | None = None, law: str = PAPER
+    ) -> "Entered":
+        """Return the data of the rigs of a recording, or of those that are named.
+
+        Raises
+        ------
+        InputError
+            A rig or the law is unknown, or a rig that is named has no data.
+        """
+        if law not in BASELINES:
+            raise InputError([Fault("baseline", f"one of {', '.join(BASELINES)}", value=law)])
+        there = rigs_with_trials(recording)
+        chosen = tuple(there) if rigs is None else chosen_rigs(recording, rigs)
+        opened = zip(chosen, open_rigs(recording, chosen), strict=True)
+        data = {name: Data((one,)) for name, one in opened}
+        for name in list(data):
+            for size in data[name].sizes:
+                data[f"{name}/{size}"] = data[name].of_size(size)
+        for first, second in permutations(chosen, 2):
+            known = there[second].table["pulley_size"].isin(data[first].sizes)
+            if (shared := there[second].select(known)) is not None:
+                data[f"{first}+{second}"] = Data((there[first], shared))
+        return cls(data, tuple(name for name in there if name not in data), law)
+
+    @property
+    def baseline(self) -> Hypothesis:
+        """The law, and nothing beside it."""
+        return Hypothesis(self.law)
+
+    @property
+    def rigs(self) -> tuple[str, ...]:
+        """Names of the rigs."""
+        return tuple(name for name in self.data if "/" not in name and "+" not in name)
+
+    def whole(self) -> "Entered":
+        """Return the data of all sizes together, without those of each."""
+        return replace(self, data={name: self.data[name] for name in self.rigs})
+
+    def trials(self, name: str) -> RigTrials:
+        """Return the trials of a rig."""
+        (trials,) = self.data[name].rigs
+        return trials
+
+    def first(self, motion: Motion) -> str | None:
+        """Return the name of the first rig that moves so, if one has data."""
+        moving = (name for name in self.rigs if self.trials(name).rig.motion == motion)
+        return next(moving, None)
+
+    def lack(self, motion: Motion) -> str:
+        """Return why there is no rig that moves so, a sentence."""
+        kinds = [rig for rig in all_rigs().values() if rig.motion == motion]
+        without = [rig for rig in kinds if rig.name in self.left_out]
+        if without:
+            return f"The {' and the '.join(rig.words.rig for rig in without)} was left out."
+        return f"The recording has no {' or '.join(rig.words.rig for rig in kinds)}."

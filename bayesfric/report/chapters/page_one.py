@@ -1,0 +1,187 @@
+"""Page one: what friction to expect, where the simulation misses, and what to worry about."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import xarray as xr
+
+from bayesfric.plots.labels import ordered_sizes
+from bayesfric.plots.posterior import coefficients_relative_to_paper
+from bayesfric.plots.rig_tables import RigTable, rig_tables
+from bayesfric.plots.style import to_svg
+from bayesfric.report.chapters.blind import scorecard_line
+from bayesfric.report.chapters.claims import fallen
+from bayesfric.report.chapters.diagnosis import verdict_line
+from bayesfric.report.chapters.margins import gain_lines
+from bayesfric.report.content import (
+    Block,
+    BulletList,
+    Code,
+    Figure,
+    Inline,
+    Notice,
+    Paragraph,
+    Strong,
+    Table,
+)
+from bayesfric.report.quantities import format_count, interval_cells
+from bayesfric.report.stored import StoredFit, StoredResults
+from bayesfric.schemas import FitFile, RecordingId
+
+__all__ = ["coefficients_figure", "convergence", "page_one", "recorded", "worries"]
+
+CONDITION = ("pulley_size", "n_pulleys", "wrap_angle_deg")
+FEW = 3  # remarks that stand as boxes; more of them are a list
+
+
+def page_one(stored: StoredResults) -> Iterator[Block]:
+    """Yield what stands before the table of contents: the answer first, then the worries."""
+    for record in list(stored.records.values())[:1]:
+        yield recorded(record.recording, stored.fitted)
+    fitted = stored.fitted
+    if fitted is not None:
+        yield from convergence(fitted.fit)
+        yield from expected(fitted)
+        yield from coefficients_figure(fitted)
+    if stored.diagnosis is not None:
+        yield verdict_line(stored.diagnosis.found)
+    if stored.claims is not None:
+        yield fallen(stored.claims.found)
+    if stored.margins is not None:
+        yield from gain_lines(stored.margins)
+    if stored.scorecard is not None and fitted is None:
+        yield scorecard_line(stored.scorecard)
+    if fitted is not None:
+        yield from worries(fitted.fit)
+
+
+def recorded(recording: RecordingId, fitted: StoredFit | None) -> Paragraph:
+    """Return which recording it is, and what of it enters the fit."""
+    title = recording.title
+    return Paragraph(
+        [
+            "Recording ",
+            Code(recording.name),
+            f": {title}." if title else ".",
+            *([f" {_entered(fitted)}"] if fitted is not None else []),
+            *_synthetic(f"{title} {recording.name}"),
+        ]
+    )
+
+
+def _entered(stored: StoredFit) -> str:
+    said = [
+        f"{format_count(one.count)} {one.trials} of the {one.title}"
+        for one in rig_tables(stored.predictive)
+    ]
+    events = stored.fit.data_quality.events
+    if events:
+        said.append(f"{format_count(events)} Hall events")
+    return f"What enters: {'; '.join(said)}."
+
+
+def _synthetic(called: str) -> tuple[Inline, ...]:
+    """Return a warning where the recording calls itself simulated."""
+    if not any(word in called.casefold() for word in ("synthetic", "simulat")):
+        return ()
+    return (" ", Strong("Synthetic data:"), " simulated, not measured.")
+
+
+def convergence(fit: FitFile) -> Iterator[Notice]:
+    """Yield a warning before all numbers, where the draws cannot be used."""
+    if not fit.converged:
+        yield Notice(
+            "attention",
+            "The draws have not converged: no number below may be used before the sampler has "
+            "run longer.",
+            title="Unconverged",
+        )
+
+
+def expected(stored: StoredFit) -> Iterator[Block]:
+    """Yield friction of a run of the recording's own conditions, one a pulley size."""
+    rows = [row for one in rig_tables(stored.predictive)[:1] for row in _conditions(one)]
+    if rows:
+        yield Table(
+            "What friction to expect of a run, at the recording's own conditions.",
+            ["condition", "friction", "on a new assembly"],
+            rows,
+            label="expected",
+            note="The friction law at each size's most frequent condition and its middle tension, "
+            "± half of the 90 % interval. On a new assembly: nine runs in ten, scatter included.",
+        )
+
+
+def _conditions(one: RigTable) -> Iterator[list[Inline]]:
+    """Yield, of each size, the measured trial in the middle of its most frequent condition."""
+    if not {*CONDITION, "tension_n", "law_n", "predicted_n"} <= set(one.table.data_vars):
+        return
+    columns = [one.table[name].to_numpy() for name in CONDITION]
+    for size in ordered_sizes(one.sizes):
+        keys = [key for key in zip(*columns, strict=True) if key[0] == size]
+        usual = max(sorted(set(keys)), key=keys.count)
+        here = np.all([c == v for c, v in zip(columns, usual, strict=True)], axis=0)
+        tension = np.abs(one.table["tension_n"].to_numpy())
+        middle = np.quantile(tension[here], 0.5, method="nearest")
+        row = one.table.isel({one.id: int(np.flatnonzero(here & (tension == middle))[0])})
+        _, n, angle = usual
+        yield [
+            f"{format_count(int(n))} {size} pulleys, {angle:g}°, at {middle:.3g}\u202fN",
+            Strong(_plus_minus(row["law_n"])),
+            _range(row["predicted_n"]),
+        ]
+
+
+def _plus_minus(quantiles: xr.DataArray) -> str:
+    low, middle, high = sorted(abs(float(value)) for value in quantiles)
+    decimals = len(interval_cells(middle, low, high)[0].partition(".")[2])
+    half = max((high - low) / 2, 10.0**-decimals)
+    return f"{middle:.{decimals}f} ± {half:.{decimals}f}\u202fN"
+
+
+def _range(quantiles: xr.DataArray) -> str:
+    low, middle, high = sorted(abs(float(value)) for value in quantiles)
+    _, low_shown, high_shown = interval_cells(middle, low, high)
+    return f"{low_shown} to {high_shown}\u202fN"
+
+
+def coefficients_figure(stored: StoredFit) -> Iterator[Figure]:
+    """Yield the coefficients beside the paper's."""
+    if "ratio" not in stored.predictive["coefficients"].data_vars:
+        return
+    yield Figure(
+        to_svg(coefficients_relative_to_paper(stored.predictive, _uninformed(stored.fit))),
+        "Each coefficient over its value in Table I: median, 50 % and 90 % intervals. A bar that "
+        "misses the dashed line says that data and paper differ by more than the uncertainty.",
+        "Horizontal bars, one for each coefficient and pulley size, of the 50 and 90 percent "
+        "intervals relative to the paper's value, which is a dashed vertical line at one.",
+        label="relative",
+    )
+
+
+def _uninformed(fit: FitFile) -> tuple[str, ...]:
+    return tuple(
+        f"{name}[{size}]"
+        for size, coefficients in fit.pulleys.items()
+        for name, entry in coefficients.items()
+        if not entry.informed
+    )
+
+
+def worries(fit: FitFile) -> Iterator[Block]:
+    """Yield what must be kept in mind when the numbers are used."""
+    lines: Sequence[str] = fit.attention
+    if len(lines) > FEW:
+        yield Notice("attention", f"{len(lines)} remarks must be read before the numbers:")
+        yield BulletList(lines)
+        return
+    for line in lines:
+        yield Notice("attention", line)
+    if fit.converged and not lines:
+        yield Paragraph(
+            [
+                Strong("Nothing to worry about in the fit."),
+                " Every R-hat and every effective sample size is within its bound, and no check "
+                "asks for attention.",
+            ]
+        )

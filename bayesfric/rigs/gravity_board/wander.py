@@ -1,0 +1,94 @@
+"""Friction that wanders along the travel of a trial: the third level of scatter.
+
+Beside its assembly's and its own deviation, the friction of a trial deviates by ζ(x), a
+smooth process of zero mean along its travel that is drawn anew in each trial
+(:mod:`bayesfric.inference.cosines`). Each cosine adds a travel of its own, linear in its
+coefficient, and the coefficients are integrated out of the trial in closed form.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Analysis
+from bayesfric.inference.cosines import MODES, cosine_variances, cosines
+from bayesfric.inference.priors import Parameter
+from bayesfric.rigs.gravity_board.measurements import Columns
+from bayesfric.rigs.gravity_board.places import TrialPlaces
+
+__all__ = ["Wander"]
+
+Array = NDArray[np.float64]
+START_LENGTH_M = 0.1  # a place to climb from
+
+
+class Wander:
+    """The wander of N trials.
+
+    Parameters
+    ----------
+    places : TrialPlaces
+        Where the trials are.
+    analysis : Analysis
+        Priors, and whether each size wanders by an amount of its own.
+
+    Attributes
+    ----------
+    parameters : tuple of Parameter
+        Relative rms and correlation length; none where no trial has events, since an
+        acceleration alone cannot tell what is along a trial from what is between trials.
+    columns : Columns or None
+        What a newton of each cosine adds; None without parameters.
+    """
+
+    def __init__(self, places: TrialPlaces, analysis: Analysis) -> None:
+        self.parameters: tuple[Parameter, ...] = ()
+        self.columns: Columns | None = None
+        self._places = places
+        if not places.with_events.any():
+            return
+        self._by_size = analysis.scatter.by_size
+        groups = [f"[{size}]" for size in places.size.sizes] if self._by_size else [""]
+        priors = analysis.priors
+        self.parameters = (
+            # A rms far below its prior's scale is nearer to normal in its own unit.
+            *(
+                Parameter(f"wander{group}", "1", priors.wander, "scatter", linear=True)
+                for group in groups
+            ),
+            Parameter("wander_length", "m", priors.wander_length, "scatter"),
+        )
+        travel = places.paths.travel_m
+        self._extent_m = float(np.median(travel[places.with_events, -1]))
+        shape = cosines(travel / travel[:, -1:], MODES)
+        self.columns = places.columns(list(-shape / places.condition.total_mass_kg[:, None]))
+
+    def variances(self, theta: Mapping[str, Array], friction_n: Array) -> list[Array]:
+        """Return the variance of each cosine's force.
+
+        Parameters
+        ----------
+        theta : mapping of str to ndarray of shape (W,)
+            Parameters by name.
+        friction_n : ndarray, shape (W, N)
+            Of each trial, which ζ multiplies [N].
+
+        Returns
+        -------
+        list of ndarray, shape (W, N)
+            One a cosine [N²]; empty where nothing is known to wander.
+        """
+        if self.columns is None:
+            return []
+        if self._by_size:
+            rms = self._places.size.spread(theta, "wander")
+        else:
+            rms = theta["wander"][:, None]
+        square = np.asfortranarray((rms * friction_n) ** 2)  # as the forms lie in memory
+        shares = cosine_variances(theta["wander_length"] / self._extent_m, MODES)
+        return [share[:, None] * square for share in shares]
+
+    def start(self) -> dict[str, float]:
+        """Return a place to climb from, the rms left out."""
+        return {"wander_length": START_LENGTH_M} if self.parameters else {}

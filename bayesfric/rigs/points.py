@@ -1,0 +1,464 @@
+"""Rigs whose trials are one reading each, in the linear model.
+
+A reading is friction times a known factor, beside a curve that all readings share and that
+may be known from readings at rest. Friction scatters from trial to trial, from one load to
+the next on the same assembly, and from assembly to assembly; the latter two are integrated
+out group by group.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from copy import copy
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Priors
+from bayesfric.effects import ActsOn, State
+from bayesfric.effects.candidates import Candidate, unit_values
+from bayesfric.inference.information import Information
+from bayesfric.inference.smooths import Smooth
+from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
+from bayesfric.rigs.base import Unsupported
+from bayesfric.rigs.layout import COEFFICIENTS, Layout
+from bayesfric.rigs.linear import Evaluated, LinearRig, NoiseParameter, Run
+from bayesfric.rigs.windows import Windows
+
+__all__ = ["PointPart", "PointRows"]
+
+Array = NDArray[np.float64]
+LOG_2PI = float(np.log(2 * np.pi))
+NO_EVENTS = Unsupported("it acts on readings of events, and steady runs have none")
+NO_MOTOR = Unsupported("it acts on a motor's current, which nobody reads here")
+AVERAGES = Unsupported("it goes round with the pulleys, which averages out in a steady run")
+
+
+@dataclass(frozen=True)
+class PointRows:
+    """Trials of one reading each around a reference law.
+
+    Parameters
+    ----------
+    name : str
+        Of the rig.
+    table : DataFrame
+        N trials, with ``trial``, ``setup`` and ``pulley_size``.
+    loads : tuple of str
+        Columns that, with size, number and wrap angle, make a condition.
+    state : State
+        Where each trial is, steadily.
+    friction_n : ndarray, shape (N,)
+        By the reference law, against the motion [N].
+    feedback : ndarray, shape (N,)
+        By which a force is multiplied since it adds to the tension.
+    reading : ndarray, shape (N,)
+        Less that of the reference law, in any unit.
+    per_newton : ndarray, shape (N,)
+        What a newton against the motion adds to a reading.
+    errors : tuple of ndarray, shape (N,)
+        By what each error of the noise is multiplied in a reading.
+    noise : callable
+        Of the priors to the noise parameters: scatter of a trial, of a load and of an
+        assembly, then the errors.
+    curve : ndarray, shape (N, K)
+        What numbers that all readings share add to them.
+    still_curve, still : ndarray, shape (M, K) and (M,)
+        The same at rest, and what was read there; its error is the first.
+    curve_sd : callable
+        Of the priors to the prior standard deviations of these numbers.
+    direct : str or None
+        What an effect acts on that adds to the reading itself.
+    """
+
+    name: str
+    table: pd.DataFrame
+    loads: tuple[str, ...]
+    state: State
+    friction_n: Array
+    feedback: Array
+    reading: Array
+    per_newton: Array
+    errors: tuple[Array, ...]
+    noise: Callable[[Priors], tuple[NoiseParameter, ...]]
+    curve: Array
+    still_curve: Array
+    still: Array
+    curve_sd: Callable[[Priors], tuple[float, ...]] = lambda _: ()
+    direct: ActsOn | None = None
+    trial_axes: tuple[str, ...] = field(default=())
+
+    @property
+    def acceleration(self) -> Array:
+        """None, shape (N,)."""
+        return np.zeros(len(self.table))
+
+    def covariates(self) -> dict[str, Array]:
+        """Return where every trial is, arrays of shape (N,)."""
+        state, count = self.state, len(self.table)
+        values = {
+            "velocity": state.speed_m_s,
+            "tension": state.tension_n,
+            "n_pulleys": state.n_pulleys,
+            "wrap_angle": state.wrap_angle_deg,
+        }
+        return {
+            name: np.broadcast_to(np.asarray(value, dtype=np.float64), (count,))
+            for name, value in values.items()
+        }
+
+    def where(self, acts_on: ActsOn) -> Any:
+        """Return the places of a law, or Unsupported."""
+        return self._absent(acts_on) or self.state
+
+    def _absent(self, acts_on: ActsOn) -> Unsupported | None:
+        if acts_on == self.direct or acts_on in ("friction", "drive"):
+            return None
+        return NO_EVENTS if acts_on == "reading" else NO_MOTOR
+
+    def readings(self, force_n: Array) -> Array:
+        """Return what a force against the motion adds to each reading, (…, N)."""
+        return np.asarray(self.per_newton * self.feedback * force_n)
+
+    def coefficient_columns(self) -> Array:
+        """Return what c1, c2 and c3 add to each reading, shape (N, 3)."""
+        where = self.covariates()
+        n, tension = where["n_pulleys"], where["tension"]
+        turn = where["wrap_angle"] - REFERENCE_WRAP_ANGLE_DEG
+        return self.readings(np.stack([n * tension, n, n * tension * turn])).T
+
+    def scatter_column(self) -> Array:
+        """Return the reading of a relative deviation of friction of 1, (N,)."""
+        return np.asarray(self.per_newton * self.friction_n)
+
+    def candidate_column(self, candidate: Candidate) -> Array | Unsupported:
+        """Return what an effect of amplitude 1 adds to each reading, (N,)."""
+        effect = candidate.effect
+        if absent := self._absent(effect.acts_on):
+            return absent
+        if effect.components:
+            return AVERAGES
+        values, small = unit_values(candidate)
+        law = np.asarray(effect.laws[candidate.law](values, self.state)) / small
+        law = np.broadcast_to(law, (len(self.table),))
+        return law if effect.acts_on == self.direct else self.readings(law)
+
+    def relative_force(self, candidate: Candidate) -> Array | Unsupported:
+        """Return what amplitude 1 adds to friction as a share of it, (1, N, 1)."""
+        column = self.candidate_column(candidate)
+        if isinstance(column, Unsupported):
+            return column
+        return np.asarray(column / self.per_newton / self.friction_n)[None, :, None]
+
+    def size_of(self, candidate: Candidate) -> float:
+        """Return the rms of what amplitude 1 does, as a share of friction."""
+        force = self.relative_force(candidate)
+        return 0.0 if isinstance(force, Unsupported) else float(np.sqrt((force**2).mean()))
+
+    def strays(self) -> tuple[str, ...]:
+        """Return no trial: one is known by its own reading alone."""
+        return ()
+
+    def laid_out(self, layout: Layout, **given: Any) -> LinearRig:
+        """Return the rig with the columns of a model."""
+        return PointPart(self, layout, **given)
+
+    def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
+        """Return the prior standard deviations of the shared curve."""
+        return self.curve_sd(priors)
+
+
+class PointPart:
+    """Readings as information on the numbers of a hypothesis.
+
+    Parameters are those of the rigs' protocol; see
+    :class:`bayesfric.rigs.linear.LinearRig`.
+
+    Attributes
+    ----------
+    columns : ndarray, shape (N, q)
+        Of the local numbers, in the unit of the readings.
+    """
+
+    def __init__(
+        self,
+        rows: PointRows,
+        layout: Layout,
+        *,
+        place: int,
+        own: Sequence[Smooth],
+        candidates: Sequence[Candidate],
+        shared: Sequence[Smooth | Candidate],
+        scales: Array,
+        friction_scale: Mapping[str, float],
+        scattering: Sequence[tuple[Candidate, float]],
+        by_trial: bool,
+        priors: Priors,
+    ) -> None:
+        del by_trial  # trials are kept one by one
+        self.rows, self.layout = rows, layout
+        sizes = rows.table["pulley_size"]
+        self.size = np.array([layout.sizes.index(size) for size in sizes])
+        codes, setups = pd.factorize(rows.table["setup"])
+        self.setup, self.setups = codes, tuple(str(setup) for setup in setups)
+        loaded = rows.table.groupby(["setup", *rows.loads], sort=False).ngroup()
+        self._load = loaded.to_numpy()
+        first = [int(np.argmax(self._load == one)) for one in range(self._load.max() + 1)]
+        self._setup_of_load, self._size_of_load = codes[first], self.size[first]
+        self._size_of_setup = self.size[[int(np.argmax(codes == j)) for j in range(len(setups))]]
+        self._by_load = np.equal.outer(np.arange(len(first)), self._load).astype(np.float64)
+        self._by_setup = np.equal.outer(np.arange(len(setups)), self._setup_of_load).astype(
+            np.float64
+        )
+        force = np.array([friction_scale[size] for size in sizes])
+        columns = np.zeros((len(sizes), layout.local))
+        columns[:, :COEFFICIENTS] = rows.coefficient_columns()
+
+        def smooth_columns(smooth: Smooth) -> Array:
+            if smooth.rig not in (None, rows.name):
+                return np.zeros((len(sizes), smooth.count))
+            unit = rows.friction_n if smooth.relative else force
+            return rows.readings(unit * smooth.columns(rows.covariates())).T
+
+        def candidate_column(candidate: Candidate) -> Array:
+            found = rows.candidate_column(candidate)
+            return np.zeros(len(sizes)) if isinstance(found, Unsupported) else found
+
+        start = COEFFICIENTS
+        for smooth in own:
+            columns[:, start : start + smooth.count] = smooth_columns(smooth)
+            start += smooth.count
+        for candidate in candidates:
+            columns[:, start] = candidate_column(candidate)
+            start += 1
+        for one in shared:
+            if isinstance(one, Smooth):
+                columns[:, start : start + one.count] = smooth_columns(one)
+                start += one.count
+            else:
+                columns[:, start] = candidate_column(one)
+                start += 1
+        mine = layout.nuisance(place)
+        columns[:, mine] = rows.curve
+        self.columns = columns * scales
+        self._mine = slice(mine.start - layout.local, mine.stop - layout.local or None)
+        self._still = rows.still_curve * scales[mine]
+        self._moved = rows.scatter_column()
+        for candidate, amplitude in scattering:
+            self._moved = self._moved + amplitude * candidate_column(candidate)
+        self.noise = rows.noise(priors)
+        names = [one.name for one in self.noise]
+        self._own, self._by_loads, self._assembly, *self._errors = names
+
+    def evaluate(
+        self,
+        noise: Mapping[str, float],
+        mixing: Array,
+        phases: Sequence[tuple[int, float, str]] = (),
+        used: NDArray[np.bool_] | None = None,
+    ) -> Evaluated:
+        """Return what the readings say of the numbers of a hypothesis.
+
+        Parameters
+        ----------
+        noise : mapping of str to float
+            Of :attr:`noise`.
+        mixing : ndarray, shape (candidates, k)
+            Column of each effect that acts, as a mixture of candidates.
+        phases : sequence of (int, float, str)
+            Nothing that goes round shows here.
+        used : ndarray of bool, shape (N,), or None
+            Trials that enter; None is all. What was read at rest always does.
+        """
+        runs = np.ones(len(self.setup), dtype=bool) if used is None else used
+        start, end = self.layout.own, self.layout.own + self.layout.candidates
+        whole = self.columns[runs]
+        x = np.concatenate([whole[:, :start], whole[:, start:end] @ mixing, whole[:, end:]], axis=1)
+        k, size = x.shape[1], self.size[runs]
+        y, moved = self.rows.reading[runs], self._moved[runs]
+        variance = self._error2(noise)[runs] + (noise[self._own] * moved) ** 2
+        # Trials under one load share a deviation, and those of one assembly another one: what
+        # both are known by are sums over trials, and over loads.
+        pull = moved / variance
+        load = _Shared.of(
+            self._by_load[:, runs] @ (pull[:, None] * x),
+            self._by_load[:, runs] @ (pull * y),
+            self._by_load[:, runs] @ (pull * moved),
+            noise[self._by_loads],
+        )
+        setup = _Shared.of(
+            self._by_setup @ load.left(load.columns),
+            self._by_setup @ load.left(load.response),
+            self._by_setup @ load.left(load.stiffness),
+            noise[self._assembly],
+        )
+        total = self.layout.total(k)
+        precision, slope = np.zeros((total, total)), np.zeros(total)
+        weighted = x / variance[:, None]
+        for which in range(len(self.layout.sizes)):
+            mine = size == which
+            place = self.layout.spread(k, which)
+            part, own = weighted[mine].T @ x[mine], weighted[mine].T @ y[mine]
+            for shared, at in (
+                (load, self._size_of_load == which),
+                (setup, self._size_of_setup == which),
+            ):
+                taken = shared.taken[at, None] * shared.columns[at]
+                part -= taken.T @ shared.columns[at]
+                own -= taken.T @ shared.response[at]
+            precision[np.ix_(place, place)] += part
+            slope[place] += own
+        constant = -0.5 * (y.size * LOG_2PI + np.log(variance).sum() + (y**2 / variance).sum())
+        constant += load.constant + setup.constant
+        mine = slice(total + self._mine.start, total + (self._mine.stop or 0))
+        still, at_rest = self._still, self.rows.still
+        if at_rest.size:
+            sigma = noise[self._errors[0]]
+            precision[mine, mine] += still.T @ still / sigma**2
+            slope[mine] += still.T @ at_rest / sigma**2
+            constant -= 0.5 * (LOG_2PI + 2 * np.log(sigma) + (at_rest / sigma) ** 2).sum()
+        information = Information(precision, slope, float(constant))
+
+        def gradient(mean: Sequence[Array], covariance: Sequence[Array]) -> dict[str, float]:
+            """Return derivatives of the log evidence by the logarithms of the noise."""
+            which_load, of_load = self._load[runs], self._setup_of_load
+            # Of each load, then of each trial: what is left once those above are taken off.
+            along = load.left(load.stiffness)
+            columns = (
+                load.left(load.columns)
+                - along[:, None] * (setup.taken[:, None] * setup.columns)[of_load]
+            )
+            response = load.left(load.response) - along * (setup.taken * setup.response)[of_load]
+            own = along - along**2 * setup.taken[of_load]
+            found = {
+                self._by_loads: noise[self._by_loads] ** 2
+                * _second(columns, response, own, self._size_of_load, mean, covariance).sum()
+            }
+            columns, response = setup.left(setup.columns), setup.left(setup.response)
+            own = setup.left(setup.stiffness)
+            found[self._assembly] = (
+                noise[self._assembly] ** 2
+                * _second(columns, response, own, self._size_of_setup, mean, covariance).sum()
+            )
+            shares = (load.taken[:, None] * load.columns)[which_load]
+            pulls = (load.taken * load.response)[which_load]
+            free = load.left(np.ones_like(load.taken))[which_load]
+            above = setup.taken[self.setup[runs]]
+            shares = shares + (free * above)[:, None] * setup.columns[self.setup[runs]]
+            pulls = pulls + free * above * setup.response[self.setup[runs]]
+            columns = weighted - pull[:, None] * shares
+            response = y / variance - pull * pulls
+            own = 1 / variance - pull**2 * (load.taken[which_load] + free**2 * above)
+            each = _second(columns, response, own, size, mean, covariance)
+            found[self._own] = noise[self._own] ** 2 * (each @ moved**2)
+            for name, scale in zip(self._errors, self.rows.errors, strict=True):
+                found[name] = noise[name] ** 2 * (each @ scale[runs] ** 2)
+            if at_rest.size:
+                own_mean, own_cov = mean[0][self._mine], covariance[0][self._mine, self._mine]
+                off = at_rest - still @ own_mean
+                square = (off**2).sum() + ((still @ own_cov) * still).sum()
+                found[self._errors[0]] += square / sigma**2 - at_rest.size
+            return {name: float(value) for name, value in found.items()}
+
+        return Evaluated(information, gradient)
+
+    def _error2(self, noise: Mapping[str, float]) -> Array:
+        """Return the variance of each reading's own error, (N,)."""
+        found = np.zeros(len(self.setup))
+        for name, scale in zip(self._errors, self.rows.errors, strict=True):
+            found += (noise[name] * scale) ** 2
+        return found
+
+    def squeezed(self, squeeze: Array, layout: Layout) -> "PointPart":
+        """Return the rig with mixtures of its columns in their place."""
+        found = copy(self)
+        found.layout, found.columns = layout, self.columns @ squeeze
+        return found
+
+    def told(self, noise: Mapping[str, float]) -> Array:
+        """Return what each trial alone says of the local numbers, (N, q, q)."""
+        variance = self._error2(noise) + self.scatter(noise).sum(axis=1) * self._moved**2
+        outer = self.columns[:, :, None] * self.columns[:, None, :]
+        return np.asarray(outer / variance[:, None, None])
+
+    def phase_strength(self, place: int) -> float:
+        """Return 0: what goes round averages out."""
+        del place
+        return 0.0
+
+    def scatter(self, noise: Mapping[str, float]) -> Array:
+        """Return the relative variance of a trial's and of its assembly's friction, (N, 2)."""
+        apart = noise[self._own] ** 2
+        shared = noise[self._assembly] ** 2 + noise[self._by_loads] ** 2
+        return np.tile(np.array([apart, shared]), (len(self.setup), 1))
+
+    def windows(self, noise: Mapping[str, float]) -> Windows:
+        """Return one residual force a trial; its columns hold the shared curve too."""
+        newton, variance = 1 / self.rows.per_newton, self._error2(noise)
+        nowhere = np.full(len(self.setup), np.nan)
+        axes = ("displacement", "acceleration", "drive_end", "trial_in_setup")
+        return Windows(
+            row=np.arange(len(self.setup)),
+            residual_n=newton * self.rows.reading,
+            columns=newton[:, None] * self.columns,
+            covariance=tuple((newton**2 * variance)[:, None, None]),
+            wander=tuple(np.zeros((len(self.setup), 1, 1))),
+            covariates=self.rows.covariates()
+            | dict.fromkeys(axes, nowhere)
+            | {"order": np.asarray(self.rows.state.order)},
+        )
+
+    def runs(self, noise: Mapping[str, float], numbers: Array) -> dict[int, Run]:
+        """Return none: nothing runs freely."""
+        del noise, numbers
+        return {}
+
+
+@dataclass(frozen=True)
+class _Shared:
+    """A deviation that rows of a group share, integrated out.
+
+    Parameters
+    ----------
+    columns, response, stiffness : ndarray, shape (G, k), (G,) and (G,)
+        Sums over each group.
+    taken : ndarray, shape (G,)
+        So that the group's precision is less by it times the square of a sum.
+    constant : float
+        What the log density is more.
+    """
+
+    columns: Array
+    response: Array
+    stiffness: Array
+    taken: Array
+    constant: float
+
+    @classmethod
+    def of(cls, columns: Array, response: Array, stiffness: Array, sd: float) -> "_Shared":
+        taken = sd**2 / (1 + sd**2 * stiffness)
+        constant = 0.5 * float((taken * response**2 - np.log1p(sd**2 * stiffness)).sum())
+        return cls(columns, response, stiffness, taken, constant)
+
+    def left(self, sums: Array) -> Array:
+        """Return sums of groups without what their deviation takes up."""
+        share = 1 - self.taken * self.stiffness
+        return np.asarray(sums * (share[:, None] if sums.ndim > 1 else share))
+
+
+def _second(
+    columns: Array,
+    response: Array,
+    own: Array,
+    size: NDArray[np.intp],
+    mean: Sequence[Array],
+    covariance: Sequence[Array],
+) -> Array:
+    """Return what a variance more along each row or group adds to the log evidence, doubled."""
+    found = np.empty(own.size)
+    for which, (m, v) in enumerate(zip(mean, covariance, strict=True)):
+        mine = size == which
+        left = columns[mine]
+        found[mine] = (response[mine] - left @ m) ** 2 + ((left @ v) * left).sum(axis=1)
+    return found - own
