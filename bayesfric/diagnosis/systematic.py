@@ -97,7 +97,8 @@ def posterior_of(
         one = search.weighed[name if name != UNKNOWN else NONE]
         at = one.at
         if name == UNKNOWN and search.unknown is not None:
-            at, one = search.unknown.at, replace(one, acting=search.unknown.acting)
+            at = search.unknown.at
+            one = replace(one, acting=search.unknown.acting, at=at)
         own = model.full if name == UNKNOWN else model
         drawn = _numbers(own, one, at, int(count), rng)
         acting = one.acting
@@ -124,10 +125,10 @@ def posterior_of(
             scale = model.amplitude_scale(law)
             amplitudes.setdefault(law.effect, []).append(values * scale)
             shapes.setdefault(law.effect, []).append(
-                _shape_draws(model, one, column, int(count), rng)
+                _shape_draws(own, one, column, int(count), rng)
             )
         for place, law in enumerate(acting.phases):
-            spread = 1 / np.sqrt(max(_amplitude_curvature(model, one, place), 1e-2))
+            spread = 1 / np.sqrt(max(_amplitude_curvature(own, one, place), 1e-2))
             middle = at.psi[len(model.noise) + place]
             values = np.exp(middle + spread * rng.standard_normal(int(count)))
             amplitudes.setdefault(law.effect, []).append(values)
