@@ -235,7 +235,8 @@ def smooth_weights(log_weights: Array, r_eff: float = 1.0) -> tuple[Array, float
         Smoothed, on the scale of those given.
     pareto_k : float
         Shape of the tail: above 0.7 the weights are not to be relied on. 0 where the
-        largest weights are all the same, inf where fewer than 25 are not zero.
+        largest weights are all the same, inf where fewer than 25 are not zero or where a
+        quarter of the tail is one and the same draw.
 
     References
     ----------
@@ -249,6 +250,9 @@ def smooth_weights(log_weights: Array, r_eff: float = 1.0) -> tuple[Array, float
         return log_weights, float("inf")
     if ordered[-1] - ordered[-5] < 1e-12:
         return log_weights, 0.0  # no tail to fit
+    tail = int(np.ceil(min(ordered.size / 5, 3 * np.sqrt(ordered.size / r_eff))))
+    if ordered[tail // 4 - tail] == ordered[-tail]:
+        return log_weights, float("inf")  # a quarter of the tail is one draw
     normalised, k = array_stats.psislw(-weights, r_eff=r_eff)
     # The library normalises; the smallest weight is as it was but for that.
     smallest = np.argmin(weights)

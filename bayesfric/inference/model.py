@@ -124,7 +124,7 @@ class Model:
 
     def _linear(self) -> Iterator[tuple[int, Prior]]:
         for place, parameter in enumerate(self.parameters):
-            if parameter.kind == "coefficient":
+            if parameter.linear:
                 yield place, parameter.prior
 
     def by_name(self, theta: Array) -> dict[str, Array]:

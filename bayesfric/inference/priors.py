@@ -47,14 +47,18 @@ class Parameter:
     prior : Prior
         Normalised density in that unit.
     kind : {"coefficient", "scatter", "noise", "other"}
-        What it is in results. The data are linear in a coefficient: a direction that they
-        leave open is straight in its own unit, and bent in the sampling space.
+        What it is in results.
+    linear : bool
+        Whether a direction that the data leave open is straight in its own unit, as of what
+        the data are linear in, or of a scale far below that of its prior; else it is
+        straight in the sampling space.
     """
 
     name: str
     unit: str
     prior: Prior
     kind: Kind = "other"
+    linear: bool = False
 
 
 def log_density(prior: Prior, value: ArrayLike) -> NDArray[np.float64]:

@@ -3,9 +3,9 @@
 Nothing here knows of friction. Nine moves in ten are independence proposals, from a
 Student-t fitted to the density and with their Hastings ratio; the tenth is differential
 evolution, which explores where the Student-t does not fit.
-The proposal is fitted before the first draw that is kept, and then left alone.
-Draws that have not converged are taken as a better pilot: a proposal is fitted to them
-in the coordinates of a :class:`Chart`, and the ensembles are run on for new draws.
+The proposal is fitted to a pilot run, in the coordinates of a :class:`Chart`, before the
+first draw that is kept, and then left alone. Draws that have not converged are taken as a
+better pilot, and the ensembles are run on for new draws.
 
 References
 ----------
@@ -198,7 +198,7 @@ def sample(
         Whether draws, as :attr:`Draws.z`, are good enough; else the ensembles are run
         on for new ones. None takes them as they are.
     chart : Chart
-        In which the proposal of a run that is continued is fitted.
+        In which the proposals of the ensembles are fitted.
 
     Returns
     -------
@@ -229,7 +229,7 @@ def sample(
     pilot = runs.run("pilot", around_mode.propose, settings.burn, (around_mode, seeds[0]))
     student = _around(pilot["chain"][settings.burn // 2 :].reshape(-1, size))
 
-    propose: Propose = student.propose
+    propose = _charted(pilot["chain"][settings.burn // 2 :].reshape(-1, size), chart)
     steps, thin, extensions = settings.steps, settings.thin, 0
     while True:
         ensembles = [

@@ -10,9 +10,9 @@ from bayesfric.plots.style import MARKERS, figure, size_styles
 __all__ = ["friction_against_speed", "has_speeds"]
 
 VARIED = (
-    ("hanging_mass_kg", "{:g} kg", "weight (Figs 4, 5)"),
-    ("wrap_angle_deg", "{:g}°", "wrap angle (Fig. 6)"),
-    ("n_pulleys", "n = {:g}", "number of pulleys (Fig. 7)"),
+    ("hanging_mass_kg", "{:g} kg", "weight"),
+    ("wrap_angle_deg", "{:g}°", "wrap angle"),
+    ("n_pulleys", "n = {:g}", "pulleys"),
 )
 HEADROOM = 1.6  # above the data, for the legend
 
@@ -41,7 +41,7 @@ def friction_against_speed(one: RigTable) -> Figure:
     sizes = ordered_sizes(sorted(one.sizes))
     styles = size_styles(sizes)
     columns = {name: runs[name].to_numpy() for name, _, _ in VARIED}
-    with figure(height=52.0 * len(VARIED)) as fig:
+    with figure(height=38.0 * len(VARIED)) as fig:
         panels = fig.subplots(len(VARIED), len(sizes), squeeze=False)
         for column, size in enumerate(sizes):
             here = size_column == size

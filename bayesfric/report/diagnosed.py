@@ -1,12 +1,12 @@
 """What a diagnosis says, whichever version of ``diagnosis.json`` said it."""
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, TypeAlias
 
 from bayesfric.report.quantities import format_probability
 from bayesfric.schemas import DiagnosisFile, Interval
 
-__all__ = ["KINDS", "VERDICTS", "Acting", "acting", "also", "has_gap", "strength"]
+__all__ = ["VERDICTS", "Acting", "acting", "also", "box", "has_gap", "strength"]
 
 VERDICTS = {
     "no-gap": "No gap",
@@ -15,13 +15,7 @@ VERDICTS = {
     "unknown": "Unknown",
     "undecided": "Undecided",
 }
-KINDS: dict[str, Literal["attention", "good", "info"]] = {
-    "no-gap": "good",
-    "named": "info",
-    "unseparated": "attention",
-    "unknown": "attention",
-    "undecided": "attention",
-}
+Kind: TypeAlias = Literal["attention", "good", "info"]
 
 
 @dataclass(frozen=True)
@@ -59,6 +53,17 @@ def also(found: DiagnosisFile, what: Literal["possible", "present"]) -> tuple[st
         else str(one.effect)
         for one in entries
     )
+
+
+def box(found: DiagnosisFile) -> Kind:
+    """Return which box a verdict stands in: a green one only if nothing that it covers is open."""
+    if found.verdict == "named":
+        return "info"
+    if found.verdict != "no-gap":
+        return "attention"
+    practical = found.practical_share * found.gap.friction_rms
+    open_ = found.gap.systematic.q50 > practical or found.remainder.significant
+    return "info" if open_ else "good"
 
 
 def has_gap(found: DiagnosisFile) -> bool:

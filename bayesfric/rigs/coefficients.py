@@ -104,5 +104,5 @@ def coefficient_parameters(sizes: tuple[str, ...], analysis: Analysis) -> tuple[
         for size in sizes:
             override = getattr(priors.pulleys.get(size), name, None)
             prior = override or getattr(priors, name)
-            parameters.append(Parameter(f"{name}[{size}]", unit, prior, "coefficient"))
+            parameters.append(Parameter(f"{name}[{size}]", unit, prior, "coefficient", linear=True))
     return tuple(parameters)

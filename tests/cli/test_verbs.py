@@ -128,7 +128,7 @@ def test_fit_leaves_other_files_alone(board, ran):
 
 def test_unconverged_is_in_the_exit_status_and_still_written(board):
     (board / "few.toml").write_text(
-        "[sampler]\nburn = 10\nsteps = 50\nthin = 2\nwalkers = 28\nextensions = 0\n"
+        "[sampler]\nburn = 10\nsteps = 50\nthin = 2\nwalkers = 34\nextensions = 0\n"
     )
     arguments = ("fit", "board", "--config", "few.toml", "-o", "few", "--fail-on", "unconverged")
     done = bayesfric(*arguments, cwd=board)

@@ -168,7 +168,7 @@ def test_without_replicates_the_reader_is_told():
 
 
 def test_too_few_draws_are_called_unconverged(small_recording):
-    few = Sampler(walkers=28, burn=10, steps=50, thin=2, extensions=0)
+    few = Sampler(walkers=34, burn=10, steps=50, thin=2, extensions=0)
     summary = bf.fit(small_recording, Analysis(sampler=few)).summary
     assert not summary.converged
     assert any("has not converged" in line for line in summary.attention)

@@ -368,3 +368,20 @@ def test_margins_stand_beside_a_diagnosis_without_a_fit(tmp_path):
     assert "Controller margins" in html
     assert "The gap between simulation and board" in html
     assert "Which γ to set" in (tmp_path / "summary.md").read_text("utf-8")
+
+
+def test_a_box_is_green_only_where_nothing_it_covers_is_open():
+    found = without_gap().found
+    gap = found.gap
+    limit = found.practical_share * gap.friction_rms
+
+    def kind(systematic, significant=False):
+        changes = {
+            "gap": gap.model_copy(update={"systematic": interval(systematic)}),
+            "remainder": found.remainder.model_copy(update={"significant": significant}),
+        }
+        return verdict_line(found.model_copy(update=changes)).kind
+
+    assert kind(0.5 * limit) == "good"
+    assert kind(1.5 * limit) == "info"
+    assert kind(0.5 * limit, significant=True) == "info"

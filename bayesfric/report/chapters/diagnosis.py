@@ -31,7 +31,7 @@ from bayesfric.report.content import (
     Table,
     Text,
 )
-from bayesfric.report.diagnosed import KINDS, VERDICTS, acting, also, has_gap
+from bayesfric.report.diagnosed import VERDICTS, acting, also, box, has_gap
 from bayesfric.report.quantities import (
     format_interval,
     format_number,
@@ -49,7 +49,7 @@ FURTHER = 2  # axes after the first that the caption names
 def verdict_line(found: DiagnosisFile) -> Notice:
     """Return the verdict for the report's first page."""
     return Notice(
-        KINDS[found.verdict],
+        box(found),
         [
             Strong(f"{VERDICTS[found.verdict]}."),
             f" {found.sentence} See ",
@@ -66,7 +66,7 @@ def diagnosis(stored: StoredDiagnosis) -> Iterator[Block]:
     yield Heading(1, "The gap between simulation and board", label="diagnosis")
     probability = format_probability(found.verdict_probability)
     yield Notice(
-        KINDS[found.verdict],
+        box(found),
         found.sentence,
         title=f"{VERDICTS[found.verdict]} (probability {probability})",
     )

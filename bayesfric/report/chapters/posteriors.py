@@ -16,6 +16,18 @@ __all__ = ["posteriors"]
 def posteriors(stored: StoredFit) -> Iterator[Block]:
     """Yield prior beside posterior, and a corner figure a size."""
     yield Heading(1, "Posteriors")
+    yield Paragraph(
+        [
+            Reference("densities"),
+            " sets each posterior beside its prior. The coefficients of a size rest on the same "
+            "trials, so their draws belong together: propagate the draws, not the means and "
+            "standard deviations of ",
+            Reference("coefficients"),
+            ".",
+        ]
+    )
+    yield from prior_friction(stored)
+    yield Heading(2, "Each parameter")
     yield Figure(
         to_svg(prior_and_posterior(stored.predictive)),
         [
@@ -30,17 +42,6 @@ def posteriors(stored: StoredFit) -> Iterator[Block]:
         "and a dashed line of the prior.",
         label="densities",
     )
-    yield Paragraph(
-        [
-            Reference("densities"),
-            " sets each posterior beside its prior. The coefficients of a size rest on the same "
-            "trials, so their draws belong together: propagate the draws, not the means and "
-            "standard deviations of ",
-            Reference("coefficients"),
-            ".",
-        ]
-    )
-    yield from prior_friction(stored)
     yield Heading(2, "Joint posteriors")
     for size in stored.fit.pulleys:
         paper = None

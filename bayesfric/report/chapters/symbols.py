@@ -12,6 +12,8 @@ EXPONENTS = {
     "c3": -6,
     "tau": -2,
     "omega": -2,
+    "omega_intercept": -2,
+    "wander": -2,
     "sigma_x": -6,
     "sigma_t": -6,
     "sigma_current": -3,

@@ -52,7 +52,11 @@ class Wander:
         groups = [f"[{size}]" for size in places.size.sizes] if self._by_size else [""]
         priors = analysis.priors
         self.parameters = (
-            *(Parameter(f"wander{group}", "1", priors.wander, "scatter") for group in groups),
+            # A rms far below its prior's scale is nearer to normal in its own unit.
+            *(
+                Parameter(f"wander{group}", "1", priors.wander, "scatter", linear=True)
+                for group in groups
+            ),
             Parameter("wander_length", "m", priors.wander_length, "scatter"),
         )
         travel = places.paths.travel_m
