@@ -15,7 +15,7 @@ __all__ = ["remainder_of"]
 
 Array = NDArray[np.float64]
 LN10 = float(np.log(10))
-LEFT = 0.2  # of the squared gap, that the causes leave with probability 0.95
+LEFT = 0.025  # of the squared gap, that the causes leave with probability 0.95
 SIGNIFICANT = 1.0  # log10 Bayes factor
 DRAWS = 1000
 

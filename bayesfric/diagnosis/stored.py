@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from bayesfric.diagnosis.held_out import Arms, HeldOut, gap_row
 from bayesfric.diagnosis.residuals import Residuals
-from bayesfric.diagnosis.systematic import Posterior, interval, shrink_of
+from bayesfric.diagnosis.systematic import SMALLEST, Posterior, interval, shrink_of
 from bayesfric.schemas import Gap
 
 __all__ = ["curves_of", "gap_of"]
@@ -32,7 +32,8 @@ def gap_of(
 ) -> tuple[Gap, Array | None]:
     """Return how far simulation and reality are apart, and what part of it causes leave.
 
-    The part is of the squared gap, in draws; None where nothing can shrink.
+    The part is of the squared gap, in draws; None where nothing can shrink, or where what is
+    left is not surely of practical size.
 
     Parameters
     ----------
@@ -75,7 +76,9 @@ def gap_of(
             why = NO_GAP
         else:
             shrink = interval(np.maximum(draws, -1.0))
-            rest = np.clip(1 - draws, 0.0, 2.0)
+            left = np.clip(1 - draws, 0.0, 2.0)
+            felt = np.sqrt(left) * posterior.gap[posterior.gap > SMALLEST * friction] / friction
+            rest = left if np.quantile(felt, 0.05) >= practical else None
     first = rows[0]
     left = first.after.q50 if arms.causes.laws else first.before.q50
     agrees = bool(1 / AGREES < max(left, 1e-12) / max(first.floor.q50, 1e-12) < AGREES)

@@ -18,7 +18,7 @@ from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.effects.candidates import is_positive
 from bayesfric.schemas import Interval
 
-__all__ = ["Posterior", "interval", "posterior_of", "shrink_of"]
+__all__ = ["SMALLEST", "Posterior", "interval", "posterior_of", "shrink_of"]
 
 Array = NDArray[np.float64]
 DRAWS = 1000

@@ -19,6 +19,6 @@ def data_of(recording):
 
 def model_of(names=(), *, seed=5, protocol=SMALL, **options):
     """Return a model of a simulated recording, with some effects as candidates."""
-    data = data_of(simulate_recording(protocol, seed=seed))
+    data = data_of(simulate_recording(protocol, seed=seed, rigs=("gravity", "motor")))
     candidates = [one for name in names for one in candidates_of(all_effects()[name])]
     return LinearModel(data, table1_coefficients(), candidates, Analysis(), **options)
