@@ -76,9 +76,9 @@ def gap_of(
             why = NO_GAP
         else:
             shrink = interval(np.maximum(draws, -1.0))
-            left = np.clip(1 - draws, 0.0, 2.0)
-            felt = np.sqrt(left) * posterior.gap[posterior.gap > SMALLEST * friction] / friction
-            rest = left if np.quantile(felt, 0.05) >= practical else None
+            kept: Array = np.clip(1 - draws, 0.0, 2.0)
+            felt = np.sqrt(kept) * posterior.gap[posterior.gap > SMALLEST * friction] / friction
+            rest = kept if np.quantile(felt, 0.05) >= practical else None
     first = rows[0]
     left = first.after.q50 if arms.causes.laws else first.before.q50
     agrees = bool(1 / AGREES < max(left, 1e-12) / max(first.floor.q50, 1e-12) < AGREES)
