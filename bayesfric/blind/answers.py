@@ -19,6 +19,8 @@ AXES = (
     "displacement",
     "order",
     "acceleration",
+    "drive_end",
+    "trial_in_setup",
     "rig",
 )
 """Along which a remainder can be found."""

@@ -16,9 +16,10 @@ from bayesfric.blind import running
 from bayesfric.blind.answers import AXES, WithheldEffect, read_answer
 from bayesfric.blind.engines.reference import Made
 from bayesfric.campaign import run_campaign
-from bayesfric.diagnosis.discrepancy import SHARED_AXES, TRIAL_AXES
+from bayesfric.diagnosis.discrepancy import SHARED_AXES
 from bayesfric.errors import InputError
 from bayesfric.results import read_json
+from bayesfric.rigs.gravity_board.rows import GravityRows
 from bayesfric.schemas import ScorecardFile
 from bayesfric.simulate import simulate_recording
 
@@ -220,4 +221,4 @@ def test_the_documented_answer_is_one_and_its_table_has_all_keys(tmp_path):
 
 
 def test_an_answer_may_name_every_axis_of_a_remainder():
-    assert set(AXES) == {*SHARED_AXES, *TRIAL_AXES, "rig"}
+    assert set(AXES) == {*SHARED_AXES, *GravityRows.trial_axes, "rig"}

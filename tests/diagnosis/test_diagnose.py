@@ -72,7 +72,7 @@ def test_the_gap_shrinks_to_the_floor(named):
     assert 0.02 * gap.friction_rms < gap.systematic.q50 < 0.12 * gap.friction_rms
     assert gap.probability_above_practical > 0.95
     assert 0.9 < gap.shrink.q50 <= 1.0
-    assert gap.trajectory.after.q50 < 0.5 * gap.trajectory.before.q50
+    assert gap.trajectory.shrink.q50 > 0.6
     assert 0.01 < gap.floor.q50 / gap.friction_rms < 0.03
 
 
@@ -118,7 +118,7 @@ def test_bands_of_an_empty_board_hold_zero(empty):
             for low, high in zip(axis.shape.low_n, axis.shape.high_n, strict=True)
         )
     ]
-    assert len(found) <= 1
+    assert found == []
     assert {"drive_end", "trial_in_setup", "setup"} <= {axis.axis for axis in empty.where}
 
 
@@ -164,16 +164,15 @@ def test_an_unknown_coefficient_is_refused(nothing, name):
         diagnose(nothing, fixed=[name])
 
 
-def test_a_wider_prior_is_the_users(nothing):
+def test_a_wider_prior_is_the_users(nothing, empty):
     """A width a hundred times as large costs an effect that is not there two decades."""
     rules = Analysis().diagnosis.model_copy(update={"widths": {"wear-drift": 100.0}})
     wide = diagnose(nothing, Analysis().model_copy(update={"diagnosis": rules})).summary
-    plain = diagnose(nothing).summary
 
     def factor(summary):
         return next(o.log10_bayes_factor for o in summary.effects if o.effect == "wear-drift")
 
-    assert factor(plain) - factor(wide) == pytest.approx(2.0, abs=0.3)
+    assert factor(empty) - factor(wide) == pytest.approx(2.0, abs=0.3)
 
 
 def test_accelerations_alone_of_one_assembly_are_diagnosed():
