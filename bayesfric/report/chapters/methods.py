@@ -118,8 +118,8 @@ def _law() -> Iterator[Block]:
             Math("κ_i"),
             ", of standard deviation ",
             Math("ω_2"),
-            ", lets the constant part scatter by itself. A second trial on the same assembly thus says less about the law than a new "
-            "assembly does.",
+            ", lets the constant part scatter by itself. A second trial on the same assembly thus "
+            "says less about the law than a new assembly does.",
         ]
     )
 
