@@ -212,6 +212,7 @@ def extrapolated(residuals: Residuals) -> dict[str, NDArray[np.bool_]]:
         # Means over a window: as equal as rounding lets them be.
         found["largest number of pulleys"] = np.isclose(pulleys, pulleys.max())
         found["extreme wrap angle"] = np.isclose(wrap, wrap.max())
+    found["trials of the role test, from the others"] = residuals.shown
     if len(residuals.rig_names) > 1:
         for place, name in enumerate(residuals.rig_names):
             found[f"the {name} board, from the rest"] = residuals.rig == place

@@ -61,6 +61,8 @@ class Residuals:
         Of the trials.
     rig_names : tuple of str
         Of the rigs.
+    shown : ndarray of bool, shape (R,)
+        Of trials whose role is to show the gap alone.
     """
 
     residual_n: Array
@@ -77,6 +79,7 @@ class Residuals:
     covariates: dict[str, Array]
     names: tuple[str, ...]
     rig_names: tuple[str, ...]
+    shown: NDArray[np.bool_]
 
     @property
     def variance(self) -> Array:
@@ -167,6 +170,7 @@ def residuals_of(model: LinearModel, psi: Array) -> Residuals:
         {axis: covariates[axis] for axis in AXES},
         tuple(name for rig in model.rigs for name in rig.rows.table["trial"]),
         tuple(rig.rows.name for rig in model.rigs),
+        joined("shown").astype(np.bool_),
     )
 
 
@@ -176,6 +180,9 @@ def _of_rig(rig: LinearRig, noise: Mapping[str, float], place: int):  # type: ig
     keys = ["pulley_size", "n_pulleys", "wrap_angle_deg", *rig.rows.loads]
     condition = table.groupby(keys, sort=False).ngroup().to_numpy().astype(np.intp)
     nowhere = np.full(row.size, np.nan)
+    shown = np.zeros(len(table), dtype=np.bool_)
+    if "role" in table:
+        shown = (table["role"] == "test").to_numpy(dtype=np.bool_)
     found = {axis: windows.covariates.get(axis, nowhere) for axis in AXES}
     return found | {
         "residual_n": windows.residual_n,
@@ -190,6 +197,7 @@ def _of_rig(rig: LinearRig, noise: Mapping[str, float], place: int):  # type: ig
         "condition": condition[row],
         "pulley_size": rig.size[row].astype(np.float64),
         "rig": np.full(row.size, float(place)),
+        "shown": shown[row],
     }
 
 

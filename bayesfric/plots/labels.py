@@ -13,7 +13,7 @@ SYMBOLS = {
     "c3": "c_3",
     "tau": "τ",
     "omega": "ω",
-    "omega_intercept": "ω_\\text{intercept}",
+    "omega_intercept": "ω_2",
     "wander": "ζ",
     "wander_length": "ℓ",
     "sigma_x": "σ_x",

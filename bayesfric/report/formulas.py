@@ -45,10 +45,11 @@ def _side_by_side(letters: str) -> str:
     return marked[0] if len(marked) == 1 else f"<mrow>{''.join(marked)}</mrow>"
 
 
-_LETTERS = ("T", "i", "j", "k", "n", "r", "v", "mg", "θ", "κ", "λ", "τ", "ω")
+_LETTERS = ("T", "i", "j", "k", "n", "r", "v", "mg", "ζ", "θ", "κ", "λ", "τ", "ω", "ℓ")
 _WITH_FOOT = (
     ("I", "0"), ("I", "ij"), ("T", "k"), ("c", "1"), ("c", "2"), ("c", "3"), ("f", "c"),
-    ("f", "ij"), ("k", "t"), ("ε", "ij"), ("η", "i"), ("θ", "k"), ("σ", "I"), ("σ", "a"),
+    ("f", "ij"), ("k", "t"), ("ε", "ij"), ("ζ", "ij"), ("η", "i"), ("θ", "k"), ("κ", "i"),
+    ("ω", "2"), ("σ", "I"), ("σ", "a"),
     ("σ", "t"), ("σ", "x"), ("ΔT", "k"),
 )  # fmt: skip
 
@@ -88,8 +89,9 @@ LAW = _equation(
     "f c equals n times, in brackets, c 1 plus c 3 times theta minus 85, times T, plus c 2.",
 )
 SCATTER = _equation(
-    "f_{ij} = f_c ( 1 + η_i + ε_{ij} )",
-    "f i j equals f c times, in brackets, one plus eta i plus epsilon i j.",
+    "f_{ij} = f_c ( 1 + η_i + ε_{ij} + ζ_{ij} ) + n c_2 κ_i",
+    "f i j equals f c times, in brackets, one plus eta i plus epsilon i j plus zeta i j; "
+    "plus n times c 2 times kappa i.",
 )
 RECURSIVE = _equation(
     "ΔT_k = ( c_1 + c_3 ( θ_k − 85 ) ) T_k + c_2",

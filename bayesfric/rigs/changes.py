@@ -26,9 +26,9 @@ def law_column(law: Coefficients) -> Coefficients:
 
 
 def around_rows(table: pd.DataFrame, constants: RigConstants) -> dict[str, Any]:
-    """Return radius, order and gravity of rows as columns, fields of State."""
+    """Return what surrounds rows as columns, fields of State, to broadcast over times."""
     around = surroundings(table, constants)
-    return around | {name: around[name][:, None] for name in ("radius_m", "order")}
+    return {name: np.reshape(value, (-1, 1)) for name, value in around.items()}
 
 
 def at_times(change: Array, shape: tuple[int, int]) -> Array:

@@ -284,7 +284,7 @@ def test_every_effect_is_simulated(name):
     on_motor_alone = all_effects()[name].acts_on == "current"
     assert made.gravity.trials.equals(plain.gravity.trials)
     assert made.gravity.events.equals(plain.gravity.events) == on_motor_alone
-    passing = "cable-compliance cable-weight clock-scale hysteresis length-scale magnet-spacing"
-    passing += " mass-error presliding pulley-inertia runout slip"
+    passing = "bed-in cable-compliance cable-weight clock-scale end-asymmetry hysteresis"
+    passing += " length-scale magnet-spacing mass-error presliding pulley-inertia runout slip"
     assert made.motor.runs.equals(plain.motor.runs) == (name in passing.split())
     assert made.motor.idle.equals(plain.motor.idle)

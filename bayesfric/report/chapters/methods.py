@@ -108,8 +108,18 @@ def _law() -> Iterator[Block]:
             Math("ε_{ij}"),
             " of scale ",
             Math("τ"),
-            ". A second trial on the same assembly thus says less about the law than a new "
-            "assembly does.",
+            "; ",
+            Math("ζ_{ij}"),
+            " wanders along the travel of a trial around zero, drawn anew in each, with its rms ",
+            Math("ζ"),
+            " and correlation length ",
+            Math("ℓ"),
+            "; and ",
+            Math("κ_i"),
+            ", of standard deviation ",
+            Math("ω_2"),
+            ", lets the constant part scatter by itself. A second trial on the same assembly thus "
+            "says less about the law than a new assembly does.",
         ]
     )
 
@@ -143,8 +153,12 @@ def _events() -> Iterator[Block]:
             "spacing and the first speed half-normal; both are integrated out in closed form, and "
             "so are ",
             Math("η_i"),
-            " and ",
+            ", ",
+            Math("κ_i"),
+            ", ",
             Math("ε_{ij}"),
+            " and ",
+            Math("ζ_{ij}"),
             ".",
         ]
     )

@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bayesfric.analysis import HalfNormal, LogNormal, Prior, Priors
+from bayesfric.analysis import Prior, Priors
 from bayesfric.effects.candidates import Candidate
 from bayesfric.inference.information import Information
 from bayesfric.inference.priors import log_density
@@ -40,8 +40,6 @@ ALWAYS = 3 + WAVES  # columns that scatter in every hypothesis
 SLOPE_AND_INTERCEPT = np.array([[1.0, -1.0], [0.0, 1.0]])  # of the first two columns
 EVENT_SD_M = 30e-6  # of an event on a good board
 KAPPA_SD_LOG = 0.3  # of the events' variance over its first estimate
-ZETA: Prior = HalfNormal(scale=0.02)  # rms of the wander, argued: a fifth of what would be seen
-LENGTH: Prior = LogNormal(median=0.1, sd_log=0.5)  # m, of the wander
 LOG_2PI = float(np.log(2 * np.pi))
 
 
@@ -152,9 +150,11 @@ class GravityPart:
         self.noise = (
             _scatter("tau", priors.tau, 0.01),
             _scatter("omega", priors.omega, 0.015),
-            _scatter("omega_c2", priors.omega, 0.015),
-            _scatter("zeta", ZETA, 0.001, 0.003),
-            NoiseParameter("zeta_length", 0.1, (0.04, 0.5), partial(_log_prior, LENGTH), 0.1),
+            _scatter("omega_intercept", priors.omega_intercept, 0.015),
+            _scatter("wander", priors.wander, 0.001, 0.003),
+            NoiseParameter(
+                "wander_length", 0.1, (0.04, 0.5), partial(_log_prior, priors.wander_length), 0.1
+            ),
             NoiseParameter(
                 "kappa",
                 1.0,
@@ -304,10 +304,10 @@ class GravityPart:
         chosen = np.concatenate(
             [np.arange(ALWAYS), *(np.arange(b.start, b.stop) for b, _ in blocks)]
         )
-        variance, growth = wander_weights(noise["zeta_length"], self._travel)
+        variance, growth = wander_weights(noise["wander_length"], self._travel)
         sd = np.zeros(chosen.size)
         sd[TRIAL], sd[ELSEWHERE] = noise["tau"], 1.0
-        sd[WANDER] = noise["zeta"] * np.sqrt(variance)
+        sd[WANDER] = noise["wander"] * np.sqrt(variance)
         places, start = {}, ALWAYS
         for (block, value), (_, _, name) in zip(blocks, phases, strict=False):
             places[name] = slice(start, start + block.stop - block.start)
@@ -337,7 +337,7 @@ class GravityPart:
         pulled = member @ (right_left[:, :2] @ h[:2])
         stiff = np.einsum("ra,nrs,sb->nab", h[:2], inner_left[:, :2, :2], h[:2])
         stiff = (member @ stiff.reshape(len(stiff), 4)).reshape(-1, 2, 2)
-        omega = np.array([noise["omega"], noise["omega_c2"]])
+        omega = np.array([noise["omega"], noise["omega_intercept"]])
         shared = np.eye(2) + omega[:, None] * stiff * omega
         taken = omega[:, None] * np.linalg.inv(shared) * omega
         share, pull = taken @ summed, (taken @ pulled[:, :, None])[:, :, 0]
@@ -389,9 +389,9 @@ class GravityPart:
             found = {
                 "tau": felt[TRIAL],
                 "omega": shared_felt[0],
-                "omega_c2": shared_felt[1],
-                "zeta": felt[WANDER].sum(),
-                "zeta_length": 0.5 * (felt[WANDER] * growth).sum(),
+                "omega_intercept": shared_felt[1],
+                "wander": felt[WANDER].sum(),
+                "wander_length": 0.5 * (felt[WANDER] * growth).sum(),
                 "kappa": 0.5 * (scale - felt.sum() - shared_felt.sum()),
             }
             found |= {name: felt[block].sum() for name, block in places.items()}
@@ -415,7 +415,9 @@ class GravityPart:
         """
         sd = np.zeros(ALWAYS)
         scatter = self.scatter(noise).sum(axis=1)
-        sd[WANDER] = noise["zeta"] * np.sqrt(wander_weights(noise["zeta_length"], self._travel)[0])
+        sd[WANDER] = noise["wander"] * np.sqrt(
+            wander_weights(noise["wander_length"], self._travel)[0]
+        )
         found = np.empty((len(self.size), self.layout.local, self.layout.local))
         for trial, rows in enumerate(self.rows.rows_of_trials()):
             white, project = self._whitening(rows)
@@ -438,13 +440,13 @@ class GravityPart:
     def scatter(self, noise: Mapping[str, float]) -> Array:
         """Return the relative variance of trials' and assemblies' friction, (N, 2)."""
         part = np.asarray(self.rows.state.constant_friction_n)[:, 0] / self.rows.friction_n
-        assembly = (noise["omega"] * (1 - part)) ** 2 + (noise["omega_c2"] * part) ** 2
+        assembly = (noise["omega"] * (1 - part)) ** 2 + (noise["omega_intercept"] * part) ** 2
         return np.stack([np.full_like(part, noise["tau"] ** 2), assembly], axis=1)
 
     def windows(self, noise: Mapping[str, float]) -> Windows:
         """Return residual forces in windows of travel; fewer where events are few."""
         newton, places = self.rows.window_columns(WINDOWS)
-        variance, _ = wander_weights(noise["zeta_length"], self._travel)
+        variance, _ = wander_weights(noise["wander_length"], self._travel)
         found = []
         for trial, rows in enumerate(self.rows.rows_of_trials()):
             enough = max(1, (rows.stop - rows.start) // EVENTS_A_WINDOW)
@@ -459,7 +461,7 @@ class GravityPart:
             where = {name: values[trial] @ mean for name, values in places.items()}
             travel = np.atleast_1d(where["displacement"]) / self._travel
             waves = np.cos(np.pi * np.arange(1, WAVES + 1) * travel[:, None])
-            wander = (waves * variance) @ waves.T * noise["zeta"] ** 2
+            wander = (waves * variance) @ waves.T * noise["wander"] ** 2
             covariance = np.linalg.pinv(design.T @ design) * noise["kappa"]
             found.append((trial, solved, covariance, where, wander))
         return Windows(
@@ -483,7 +485,7 @@ class GravityPart:
         """
         found = {}
         spread2 = self.scatter(noise).sum(axis=1)
-        wander = noise["zeta"] ** 2 * wander_weights(noise["zeta_length"], self._travel)[0]
+        wander = noise["wander"] ** 2 * wander_weights(noise["wander_length"], self._travel)[0]
         for trial, rows in enumerate(self.rows.rows_of_trials()):
             nuisance = self.rows.events.regressors[:3, rows]
             first = np.zeros(nuisance.shape[1], dtype=bool)
