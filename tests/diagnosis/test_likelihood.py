@@ -18,9 +18,9 @@ from bayesfric.rigs.gravity_board.linear import (
 NOISE = {
     "tau": 0.02,
     "omega": 0.03,
-    "omega_c2": 0.05,
-    "zeta": 0.015,
-    "zeta_length": 0.12,
+    "omega_intercept": 0.05,
+    "wander": 0.015,
+    "wander_length": 0.12,
     "kappa": 1.3,
     "tau_motor": 0.02,
     "omega_motor": 0.03,
@@ -55,7 +55,7 @@ def test_the_board_of_weights_is_a_dense_normal(model):
     # Small numbers: the density is then a number of which a millionth can be seen.
     numbers = 1e-3 * np.random.default_rng(1).standard_normal(found.slope.size)
     value = found.constant + found.slope @ numbers - 0.5 * numbers @ found.precision @ numbers
-    weights, _ = wander_weights(NOISE["zeta_length"], part._travel)
+    weights, _ = wander_weights(NOISE["wander_length"], part._travel)
     columns = part.columns @ model.layout.mixed(mixing)
     total, rows_of = 0.0, list(part.rows.rows_of_trials())
     for setup in range(len(part.setups)):
@@ -72,7 +72,7 @@ def test_the_board_of_weights_is_a_dense_normal(model):
             own = NOISE["kappa"] * np.eye(off.shape[1])
             own += NOISE["tau"] ** 2 * np.outer(whole, whole)
             wander, wave = random[:, WANDER], random[:, part.blocks[place]]
-            own += NOISE["zeta"] ** 2 * (wander * weights) @ wander.T
+            own += NOISE["wander"] ** 2 * (wander * weights) @ wander.T
             own += amplitude**2 * wave @ wave.T
             blocks.append(own)
             slopes.append(whole - constant)
@@ -80,7 +80,7 @@ def test_the_board_of_weights_is_a_dense_normal(model):
             total -= np.log(sd).sum()
         joined, slope, constant = map(np.concatenate, (residual, slopes, intercepts))
         covariance = NOISE["omega"] ** 2 * np.outer(slope, slope)
-        covariance += NOISE["omega_c2"] ** 2 * np.outer(constant, constant)
+        covariance += NOISE["omega_intercept"] ** 2 * np.outer(constant, constant)
         start = 0
         for own in blocks:
             end = start + len(own)
@@ -97,15 +97,15 @@ def test_the_board_of_a_motor_is_a_dense_normal(model):
     numbers = np.random.default_rng(2).standard_normal(found.slope.size)
     value = found.constant + found.slope @ numbers - 0.5 * numbers @ found.precision @ numbers
     local = np.stack([numbers[model.layout.spread(columns.shape[1], s)] for s in part.size])
-    residual = part.rows.current - (columns * local).sum(axis=1)
-    moved, load = part._moved, part.rows.load
+    residual = part.rows.reading - (columns * local).sum(axis=1)
+    moved, load = part._moved, np.asarray(part.rows.state.load_current_a)
     plain = NOISE["sigma_current"] ** 2 + (NOISE["load_noise"] * load) ** 2
     outer = np.outer(moved, moved)
     covariance = np.diag(plain + (NOISE["tau_motor"] * moved) ** 2)
     covariance += NOISE["omega_motor"] ** 2 * outer * np.equal.outer(part.setup, part.setup)
-    covariance += NOISE["omega_hung"] ** 2 * outer * np.equal.outer(part._weight, part._weight)
+    covariance += NOISE["omega_hung"] ** 2 * outer * np.equal.outer(part._load, part._load)
     total = multivariate_normal.logpdf(residual, np.zeros(residual.size), covariance)
-    idle = part.rows.idle_current - part._idle @ numbers[part._mine]
+    idle = part.rows.still - part._still @ numbers[part._mine]
     sd = NOISE["sigma_current"]
     total += multivariate_normal.logpdf(idle / sd, np.zeros(idle.size)) - idle.size * np.log(sd)
     assert value == pytest.approx(total, abs=1e-6)
