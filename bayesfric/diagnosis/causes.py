@@ -10,7 +10,6 @@ from bayesfric.diagnosis.search import Search
 from bayesfric.diagnosis.systematic import Posterior, inclusion, interval
 from bayesfric.diagnosis.verdict import Known, measures
 from bayesfric.effects import EffectParameter
-from bayesfric.effects.candidates import goes_to_and_fro
 from bayesfric.inference.priors import describe
 from bayesfric.schemas import Cause, EffectNumber, Inclusion
 
@@ -53,7 +52,6 @@ def known_of(
                 above,
                 middle,
                 measures(effect),
-                goes_to_and_fro(effect) and bool(effect.components),
             )
         )
     return sorted(found, key=lambda one: (-one.probability, one.effect))

@@ -35,8 +35,6 @@ class Known:
         Its median, if it acts; rms of its force over rms friction.
     measuring : bool
         Whether it is an error of a sensor, a clock or a constant of the drive.
-    forceless : bool
-        Whether it has no equivalent force at all.
     """
 
     effect: str
@@ -44,7 +42,6 @@ class Known:
     above_practical: float
     strength: float
     measuring: bool = False
-    forceless: bool = False
 
 
 def sort_effects(known: Sequence[Known]) -> tuple[list[str], list[str], list[str]]:
@@ -59,7 +56,7 @@ def sort_effects(known: Sequence[Known]) -> tuple[list[str], list[str], list[str
     for one in known:
         matters = one.above_practical >= HALF
         if one.measuring:
-            matters = one.forceless or one.strength >= FELT
+            matters = one.strength >= FELT
         if one.probability >= SURE:
             (causes if matters else present).append(one.effect)
         elif one.probability >= POSSIBLE:

@@ -18,7 +18,6 @@ def known(effect="viscous", probability=0.99, above=1.0, **options):
         (known(probability=0.05), None),
         (known(above=0.0, measuring=True, strength=0.01), "cause"),
         (known(above=0.0, measuring=True, strength=0.001), "present"),
-        (known(above=0.0, measuring=True, strength=0.0, forceless=True), "cause"),
     ],
 )
 def test_an_effect_is_a_cause_or_present_or_possible(one, expected):
