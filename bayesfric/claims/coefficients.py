@@ -130,8 +130,8 @@ def _judge(claim: Claim, case: Case) -> Finding:
     rules = case.analysis.claims
     probability = float((off <= rules.table1_tolerance).mean())
     model = model_of(data, case.analysis, case.entered.baseline, all_effects())
-    centre = np.array([np.median(theta[parameter]) for parameter in model.names])
-    informed = dict(zip(model.names, informed_by_data(model, centre), strict=True))
+    whole = np.stack([theta[parameter] for parameter in model.names], axis=1)
+    informed = dict(zip(model.names, informed_by_data(model, whole), strict=True))
     uninformed = [p.name for p in parameters if not informed[p.name]]
     figures: dict[str, float | str] = {
         "joint_tail_probability": tail,

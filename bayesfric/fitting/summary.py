@@ -58,7 +58,7 @@ def summarise(
         The draws in the parameters' units.
     """
     convergence = dict(zip(model.names, diagnose_all(theta), strict=True))
-    informed = informed_by_data(model, np.median(theta.reshape(-1, theta.shape[-1]), axis=0))
+    informed = informed_by_data(model, theta.reshape(-1, theta.shape[-1]))
     entries = {
         parameter.name: _parameter(
             parameter, theta[..., place], convergence[parameter.name], bool(informed[place])

@@ -9,26 +9,31 @@ from bayesfric.inference.model import Model
 __all__ = ["informed_by_data"]
 
 Array = NDArray[np.float64]
+SOME = 500  # draws, of which the most probable is near the mode
 
 
-def informed_by_data(model: Model, centre: Array) -> NDArray[np.bool_]:
-    """Return whether the likelihood alone pins each parameter down better than its prior.
+def informed_by_data(model: Model, draws: Array) -> NDArray[np.bool_]:
+    """Return whether the data pin each parameter down better than its prior does.
 
-    From the curvature of the log likelihood, in units of the priors' widths: a direction
-    that the data leave open has a curvature below 1.
+    From the curvature of the log likelihood, in units of the priors' widths. Of the
+    coefficients the data alone are asked, all else at its prior: a direction of theirs that
+    the data leave open has a curvature below 1. Of any other parameter the data are asked
+    with all else at its prior, so that a scale that vanishes leaves the rest alone.
 
     Parameters
     ----------
     model : Model
         Of D parameters.
-    centre : ndarray, shape (D,)
-        Where the curvature is taken, in the parameters' units: a posterior median.
+    draws : ndarray, shape (S, D)
+        Of the posterior, in the parameters' units. The curvature is taken at the most
+        probable of some of them: where directions are open, their medians lie beside all.
 
     Returns
     -------
     ndarray of bool, shape (D,)
     """
-    z = model.sampling(centre)
+    some = model.sampling(draws[np.linspace(0, len(draws) - 1, SOME).astype(int)])
+    z = some[np.argmax(model.log_posterior(some))]
     unit = model.scale()
 
     def log_likelihood(points: Array) -> Array:
@@ -37,5 +42,15 @@ def informed_by_data(model: Model, centre: Array) -> NDArray[np.bool_]:
     step = curvature_steps(log_likelihood, z, 0.3 * unit)
     curvature = -finite_hessian(log_likelihood, z, step) * np.outer(unit, unit)
     values, vectors = np.linalg.eigh(curvature)
-    variance = (vectors**2 / np.maximum(values, 1e-12)).sum(axis=1)
-    return np.asarray(variance < 1)
+    # A likelihood is not curved upwards at its own top; away from it, and by rounding, it may be.
+    known = (vectors * np.maximum(values, 0.0)) @ vectors.T
+    posterior = np.linalg.inv(known + np.eye(z.size))
+    informed = 1 / np.diag(posterior) - 1 > 1
+    own = np.array([parameter.kind == "coefficient" for parameter in model.parameters])
+    if own.any():
+        rest = ~own
+        across = known[np.ix_(own, rest)]
+        taken = across @ np.linalg.solve(known[np.ix_(rest, rest)] + np.eye(rest.sum()), across.T)
+        values, vectors = np.linalg.eigh(known[np.ix_(own, own)] - taken)
+        informed[own] = (vectors**2 / np.maximum(values, 1e-12)).sum(axis=1) < 1
+    return np.asarray(informed)
