@@ -171,6 +171,13 @@ def test_axes_and_forms_that_others_ask_for():
     assert len(told) >= 7
 
 
+def test_ends_differ_by_what_is_withheld_and_by_nothing_beside(none):
+    withheld = Withheld("effect", (("end-asymmetry", 0.5),), "own")
+    truth = make(withheld, 3).truth
+    assert none.truth["nuisances"]["ends"] != 0.0
+    assert truth["nuisances"] == none.truth["nuisances"] | {"ends": 0.0}
+
+
 @pytest.mark.parametrize(
     ("withheld", "design", "fault"),
     [
