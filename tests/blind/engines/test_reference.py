@@ -161,7 +161,7 @@ def make_awkward(seed):
 
 
 def test_axes_and_forms_that_others_ask_for():
-    assert len(reference.effect_names()) == 22
+    assert len(reference.effect_names()) == 24
     assert [form.own for form in reference.forms("stribeck")] == [True, True, False, False]
     axes = {one.name: one.axes for one in OUTSIDERS}
     assert tuple(axes) == reference.outsider_names()
