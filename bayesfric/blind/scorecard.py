@@ -9,7 +9,7 @@ import numpy as np
 from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.blind.design import SCORING_FROM
 from bayesfric.blind.rates import estimate_of, rate_of, reliability_of, smallest_detected
-from bayesfric.blind.scoring import OTHERS
+from bayesfric.blind.scoring import NO_CLAIM, OTHERS
 from bayesfric.results import created_date, package_versions
 from bayesfric.schemas import (
     Confusion,
@@ -94,9 +94,9 @@ def scorecard_of(
             for form in ("own", "foreign")
         },
         reliability=tuple(
-            reliability_of([case.probability for case in cases], [_came_true(c) for c in cases])
+            reliability_of([case.probability for case in cases], [case.came_true for case in cases])
         ),
-        brier=estimate_of([(case.probability - _came_true(case)) ** 2 for case in cases]),
+        brier=estimate_of([(case.probability - case.came_true) ** 2 for case in cases]),
         log_score=estimate_of([_log_score(case) for case in cases]),
         smallest_detected=_smallest(cases),
         oracle=_oracle(cases),
@@ -119,7 +119,7 @@ def _rates(cases: Sequence[ScoredCase]) -> dict[str, Rate]:
 
     return {
         "false_naming_rate": over(lambda c: c.falsely_named, lambda c: c.counts_as_none),
-        "false_alarm_rate": over(lambda c: c.verdict != "no-gap", lambda c: c.kind == "none"),
+        "false_alarm_rate": over(lambda c: c.verdict not in NO_CLAIM, lambda c: c.kind == "none"),
         "unknown_detection_rate": over(
             lambda c: c.flagged, lambda c: c.kind == "outsider" and not c.counts_as_none
         ),
@@ -133,15 +133,6 @@ def _rates(cases: Sequence[ScoredCase]) -> dict[str, Rate]:
     }
 
 
-def _came_true(case: ScoredCase) -> bool:
-    """Return whether the statement is true whose probability the verdict gives.
-
-    That of an unseparated verdict is that known effects act, whichever they are: neither none
-    nor an unknown force. It is true where some act, though the verdict is not correct.
-    """
-    return case.kind in ("effect", "pair") if case.verdict == "unseparated" else case.correct
-
-
 def _named_rates(cases: Sequence[ScoredCase]) -> dict[str, Rate]:
     found: dict[tuple[float, str], list[bool]] = defaultdict(list)
     for case in _effects(cases):
@@ -152,7 +143,7 @@ def _named_rates(cases: Sequence[ScoredCase]) -> dict[str, Rate]:
 
 
 def _log_score(case: ScoredCase) -> float:
-    chance = case.probability if _came_true(case) else 1 - case.probability
+    chance = case.probability if case.came_true else 1 - case.probability
     return float(np.log(max(chance, LEAST_CHANCE)))
 
 

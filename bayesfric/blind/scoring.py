@@ -1,12 +1,16 @@
 """The score of a verdict, once the envelope is open."""
 
 from collections.abc import Collection, Mapping, Sequence
+from itertools import permutations
 from typing import Any
 
 from bayesfric.schemas import DiagnosisFile, ScoredCase
 
-__all__ = ["FLAG_SHARE", "OTHERS", "score"]
+__all__ = ["FLAG_SHARE", "NO_CLAIM", "OTHERS", "score"]
 
+NO_CLAIM = ("no-gap", "undecided")
+"""Verdicts that claim no gap."""
+HALF = 0.5  # probability of a practical gap from which on `undecided` bets on there being one
 FLAG_SHARE = 0.1  # of the gap: a remainder's 5 % quantile from which on it flags an outsider
 NO_TRUE_SHRINK = "no gap without noise that causes could take up, or none is known"
 NO_ORACLE = "nothing is withheld, or nobody made this recording without noise"
@@ -28,11 +32,12 @@ def score(
     """Compare a verdict with the truth.
 
     A case counts as ``none`` where nothing is withheld, or where what is withheld leaves
-    less than ``practical_share`` once the baseline is refitted; there ``no-gap`` is
-    correct, and so is naming what is there all the same. An effect is named where the
-    causes are exactly those withheld, or effects that the diagnosis itself calls
-    identical to them on this rig. An effect that the diagnosis does not know is flagged
-    by ``unknown``, or by a significant remainder on a true axis.
+    less than ``practical_share`` once the baseline is refitted; there ``no-gap`` and
+    ``undecided`` are correct where they list no cause that is absent, and so is naming
+    what is there all the same. An effect is named where the causes are exactly those
+    withheld, or effects that the diagnosis itself calls identical to them on this rig;
+    ``undecided`` names nothing, so that it is not correct. An effect that the diagnosis
+    does not know is flagged by ``unknown``, or by a significant remainder on a true axis.
 
     Parameters
     ----------
@@ -61,7 +66,7 @@ def score(
     flagged = found.verdict == "unknown" or _remainder_flags(withheld, found)
     correct = named or (kind == "outsider" and flagged)
     if as_none:
-        correct = correct or found.verdict == "no-gap"
+        correct = correct or (found.verdict in NO_CLAIM and _all_act(names, found))
     own = [bool(one.get("own", False)) for one in withheld]
     strengths = {str(one["name"]): float(one["strength"]) for one in withheld if "strength" in one}
     shrink = found.gap.shrink
@@ -89,6 +94,7 @@ def score(
         outcome=_outcome(names, kind, named, found),
         correct=correct,
         probability=found.verdict_probability,
+        came_true=_came_true(names, kind, as_none, found),
         truth_probability=_truth_probability(names, kind, as_none, found),
         falsely_named=found.verdict == "named" and not named,
         flagged=flagged,
@@ -120,13 +126,37 @@ def _stands_for(name: str, cause: str, twins: Sequence[set[str]]) -> bool:
     return name == cause or any({name, cause} <= alike for alike in twins)
 
 
-def _is_named(names: Sequence[str], found: DiagnosisFile) -> bool:
+def _all_act(names: Sequence[str], found: DiagnosisFile) -> bool:
+    """Return whether each cause is one of the effects withheld, no two of them the same one."""
     causes, twins = [cause.effect for cause in found.causes], _twins(found)
-    return (
-        len(causes) == len(names)
-        and all(any(_stands_for(name, cause, twins) for cause in causes) for name in names)
-        and all(any(_stands_for(name, cause, twins) for name in names) for cause in causes)
+    return any(
+        all(_stands_for(name, cause, twins) for name, cause in zip(chosen, causes, strict=True))
+        for chosen in permutations(names, len(causes))
     )
+
+
+def _is_named(names: Sequence[str], found: DiagnosisFile) -> bool:
+    return len(found.causes) == len(names) and _all_act(names, found)
+
+
+def _came_true(names: Sequence[str], kind: str, as_none: bool, found: DiagnosisFile) -> bool:
+    """Return whether the statement is true whose probability the verdict gives.
+
+    ``named`` states that all its causes act, whatever acts beside them; ``unseparated``, that
+    one of its sets does; ``unknown``, that a force does that no effect has; ``no-gap``, that
+    the gap is below the practical share; ``undecided``, that it is on the likelier side.
+    """
+    if found.verdict == "named":
+        return _all_act(names, found)
+    if found.verdict == "unknown":
+        return kind == "outsider"
+    if found.verdict == "no-gap":
+        return as_none
+    if found.verdict == "undecided":
+        return as_none is (found.gap.probability_above_practical < HALF)
+    twins = _twins(found)
+    sets = [one.effects for one in found.unseparated if one.reason == "these-data"]
+    return any(_stands_for(name, one, twins) for name in names for among in sets for one in among)
 
 
 def _remainder_flags(withheld: Sequence[Mapping[str, Any]], found: DiagnosisFile) -> bool:

@@ -129,6 +129,7 @@ class ScoredCase(Record):
     outcome: str = Field(description="Column of the confusion matrix.")
     correct: bool = Field(description="By the rules of scoring.")
     probability: Number = Field(description="The verdict's own.")
+    came_true: bool = Field(description="Whether what has that probability is true.")
     truth_probability: Number = Field(description="Of the hypothesis that is true.")
     falsely_named: bool = Field(description="Named, and not what is there.")
     flagged: bool = Field(description="Unknown, or a significant remainder on a true axis.")

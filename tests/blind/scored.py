@@ -4,7 +4,7 @@ from bayesfric.schemas import ScoredCase
 
 
 def scored(kind="none", **changes):
-    """A case of a kind, correct where nothing else is said."""
+    """A case of a kind, correct where nothing else is said; what is correct has come true."""
     effect = {"none": (), "effect": ("viscous",), "pair": ("viscous", "runout")}
     names = changes.pop("withheld", effect.get(kind, ("wave",)))
     fields = {
@@ -26,6 +26,7 @@ def scored(kind="none", **changes):
         "outcome": {"effect": names[:1], "pair": ["pair"]}.get(kind, ["none"])[0],
         "correct": True,
         "probability": 0.97,
+        "came_true": changes.get("correct", True),
         "truth_probability": 0.97,
         "falsely_named": False,
         "flagged": False,

@@ -8,7 +8,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from report.diagnosis_sample import cause, diagnosis
+from blind.verdicts import diagnosed
 
 from bayesfric.analysis import Analysis
 from bayesfric.blind import case as one_case
@@ -60,10 +60,10 @@ def engine(monkeypatch):
     def diagnose(recording, analysis):
         engine.diagnosed.append((recording, analysis.seed))
         names = ("viscous",) if analysis.seed % 2 else ()
-        found = diagnosis(
+        found = diagnosed(
+            "named" if names else "no-gap",
+            names,
             seed=analysis.seed,
-            verdict="named" if names else "no-gap",
-            causes=tuple(cause(name) for name in names),
             verdict_probability=0.9 + 0.0001 * (analysis.seed % 100),
         )
         return SimpleNamespace(summary=found)

@@ -76,15 +76,16 @@ def test_the_confusion_matrix_holds_every_case_once(card):
     table = card.confusion
     assert table.rows == ("none", BELOW, "runout", "viscous", "pair", "outsider")
     assert table.columns == (
-        *("none", "runout", "viscous", "pair", "other-combination", "unknown", "unseparated"),
+        *("none", "runout", "viscous", "pair", "other-combination"),
+        *("unknown", "unseparated", "undecided"),
     )
     assert table.counts == (
-        (3, 1, 0, 0, 0, 1, 0),
-        (1, 0, 0, 0, 0, 0, 0),
-        (0, 0, 0, 0, 0, 0, 0),
-        (1, 1, 3, 0, 0, 0, 0),
-        (0, 0, 0, 1, 1, 0, 0),
-        (1, 1, 0, 0, 0, 1, 0),
+        (3, 1, 0, 0, 0, 1, 0, 0),
+        (1, 0, 0, 0, 0, 0, 0, 0),
+        (0, 0, 0, 0, 0, 0, 0, 0),
+        (1, 1, 3, 0, 0, 0, 0, 0),
+        (0, 0, 0, 1, 1, 0, 0, 0),
+        (1, 1, 0, 0, 0, 1, 0, 0),
     )
 
 
@@ -111,17 +112,22 @@ def test_reliability_groups_by_probability(card):
     assert not last.inside
 
 
-@pytest.mark.parametrize(
-    ("kind", "true"), [("effect", 1), ("pair", 1), ("none", 0), ("outsider", 0)]
-)
-def test_an_unseparated_verdict_comes_true_where_known_effects_act(kind, true):
-    """Its probability is of them all; correct it is not, wherever."""
+@pytest.mark.parametrize("true", [True, False])
+def test_reliability_is_of_what_the_verdict_states(true):
+    """What an unseparated verdict states may come true; correct it is not, wherever."""
     open_ = {"verdict": "unseparated", "outcome": "unseparated", "correct": False}
-    card = card_of([scored(kind, **open_, probability=0.97)])
+    card = card_of([scored("effect", **open_, probability=0.97, came_true=true)])
     assert card.reliability[0].correct.hits == true
     assert card.brier.value == pytest.approx((0.97 - true) ** 2)
     assert card.log_score.value == pytest.approx(np.log(0.97 if true else 0.03))
     assert card.accuracy.hits == 0
+
+
+def test_a_verdict_that_claims_no_gap_is_no_false_alarm():
+    quiet = scored(verdict="undecided", outcome="undecided")
+    card = card_of([scored(), quiet, scored(**FALSE)])
+    assert counts(card.false_alarm_rate) == (1, 3)
+    assert card.confusion.counts[0][-1] == 1
 
 
 def test_a_band_is_that_of_the_binomial():

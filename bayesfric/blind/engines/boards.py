@@ -46,6 +46,8 @@ def _state(
         speed_m_s=column(speed),
         acceleration_m_s2=column(np.zeros(len(size))),
         order=column(order),
+        drive_end=column(np.zeros(len(size))),
+        trial_in_setup=column(np.zeros(len(size))),
         size=np.asarray(size)[:, None],
         n_pulleys=column(n),
         wrap_angle_deg=column(wrap),
@@ -63,8 +65,15 @@ def board_of(nature: Nature, trials: Trials, factor: Array | None = None) -> Boa
     """Return the gravity board; `factor`, of length trials, scatters friction."""
     tension = (trials.drive_kg + trials.load_kg) * GRAVITY / 2
     still = np.zeros(len(trials))
+    state = _state(
+        nature, trials.size, trials.n_pulleys, trials.wrap_angle_deg, tension, still, False
+    )
     return Board(
-        _state(nature, trials.size, trials.n_pulleys, trials.wrap_angle_deg, tension, still, False),
+        replace(
+            state,
+            drive_end=trials.drive_end[:, None],
+            trial_in_setup=trials.trial_in_setup[:, None],
+        ),
         trials.drive_kg[:, None],
         trials.load_kg[:, None],
         np.ones((len(trials), 1)) if factor is None else factor[:, None],

@@ -26,6 +26,8 @@ EFFECTS = {
         travel_forms.CABLE_WEIGHT,
         travel_forms.RUNOUT,
         condition_forms.WEAR_DRIFT,
+        condition_forms.END_ASYMMETRY,
+        condition_forms.BED_IN,
         *MEASURING_KINDS,
     )
 }

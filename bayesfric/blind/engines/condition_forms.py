@@ -14,6 +14,8 @@ from bayesfric.blind.engines.law import RADII_M
 from bayesfric.blind.engines.state import Array, Form, Kind, State
 
 __all__ = [
+    "BED_IN",
+    "END_ASYMMETRY",
     "FIXED_DRAG",
     "PULLEY_COUNT_CURVATURE",
     "PULLEY_INERTIA",
@@ -209,4 +211,40 @@ WEAR_DRIFT = Kind(
     ),
     ("order",),
     signed=True,
+)
+
+END_ASYMMETRY = Kind(
+    "end-asymmetry",
+    "difference",
+    "1",
+    (
+        Form("relative", True, share(lambda p, s: s.drive_end)),
+        # A guide that rubs alike at every tension.
+        Form(
+            "constant", False, lambda p, s, t: p["amplitude"] * s.drive_end * s.constant_n + 0 * t
+        ),
+    ),
+    ("drive_end",),
+    signed=True,
+    boards=("gravity",),
+)
+
+BED_IN = Kind(
+    "bed-in",
+    "excess",
+    "1",
+    (
+        Form(
+            "exponential",
+            True,
+            share(lambda p, s: np.exp(-s.trial_in_setup / p["trials"]) * (not s.steady)),
+            draw=uniform(trials=(1.0, 4.0)),
+        ),
+        Form(  # of two surfaces that wear where they touch
+            "reciprocal", False, share(lambda p, s: (not s.steady) / (1 + s.trial_in_setup))
+        ),
+    ),
+    ("trial_in_setup",),
+    signed=True,
+    boards=("gravity",),
 )

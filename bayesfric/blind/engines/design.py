@@ -66,6 +66,17 @@ class Trials:
     def __len__(self) -> int:
         return len(self.setup)
 
+    @property
+    def drive_end(self) -> Array:
+        """Which end carries the drive mass: −0.5 the left, 0.5 the right."""
+        return np.where(self.drive_left, -0.5, 0.5)
+
+    @property
+    def trial_in_setup(self) -> Array:
+        """How many trials of the same assembly went before."""
+        same = self.setup[:, None] == self.setup
+        return np.asarray(np.tril(same, -1).sum(axis=1), dtype=np.float64)
+
 
 @dataclass(frozen=True)
 class Bench:

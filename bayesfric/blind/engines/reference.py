@@ -187,6 +187,9 @@ def make(
     nuisances = Nuisances()
     if noise and background:
         nuisances = draw_nuisances(_stream(seed, NUISANCES))
+        if "end-asymmetry" in {kind.name for kind in kinds}:
+            # The ends then differ by what is withheld, and by nothing beside it.
+            nuisances = replace(nuisances, ends=0.0)
         board = disturbed(board, trials, nuisances, _stream(seed, NUISANCES, 1))
     clock_start = _stream(seed, PHASES, 2).uniform(0.0, 1.0, (len(trials), 1))
     motion = move(board, acting)

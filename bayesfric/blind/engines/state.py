@@ -24,6 +24,10 @@ class State:
         Of the cable since the release; travel and acceleration are 0 in a steady run.
     order : ndarray
         Place in the order of the board's rows, from 0 to 1.
+    drive_end : ndarray
+        Which end carries the drive mass: −0.5 the left, 0.5 the right, 0 on the motor board.
+    trial_in_setup : ndarray
+        Trials of the same assembly that went before; 0 on the motor board.
     size : ndarray of int
         Pulley size, as its place in :data:`~.law.SIZES`.
     n_pulleys, wrap_angle_deg, radius_m : ndarray
@@ -44,6 +48,8 @@ class State:
     speed_m_s: Array
     acceleration_m_s2: Array
     order: Array
+    drive_end: Array
+    trial_in_setup: Array
     size: Array
     n_pulleys: Array
     wrap_angle_deg: Array

@@ -47,6 +47,8 @@ OWN = [
     ("mass-error", "load-side", "load-side", 0.006, {}),
     ("wear-drift", "linear", "linear", 0.3, {}),
     ("wear-drift", "saturating", "saturating", 0.3, {}),
+    ("end-asymmetry", "relative", "relative", -0.2, {}),
+    ("bed-in", "exponential", "exponential", 0.3, {"trials": 2.0}),
     ("length-scale", "proportional", "proportional", 0.02, {}),
     ("clock-scale", "proportional", "proportional", 0.01, {}),
     ("slip", "proportional", "proportional", 0.03, {}),
@@ -252,6 +254,40 @@ def test_strength_follows_the_time_of_a_trial(clean):
     run = np.mean((state.n_pulleys * state.scale_n * state.speed_m_s / runs) ** 2)
     slope = amplitude_of(clean, "viscous", "constant", 0.5)
     assert slope * np.sqrt((trial + run) / 2) == pytest.approx(0.05, rel=0.05)
+
+
+def test_beds_in_by_the_trials_of_its_own_assembly(clean):
+    state = clean.board.state
+    place = state.trial_in_setup[:, 0]
+    assert place.tolist() == list(range(6)) * 30  # 30 assemblies of 6 trials
+    forms = {form.name: form for form in EFFECTS["bed-in"].forms}
+    for name, shape, left in (
+        ("exponential", {"trials": 2.0}, np.exp(-place / 2)),
+        ("reciprocal", {}, 1 / (1 + place)),
+    ):
+        effect = Acting(EFFECTS["bed-in"], forms[name], shape, 0.2)
+        entering = np.full_like(state.slope, 15.0)
+        excess = effect(state, entering) / state.friction(entering)
+        assert excess[:, 0] == pytest.approx(0.2 * left, rel=1e-12)
+
+
+def test_only_the_constant_part_differs_with_the_end(clean):
+    state = clean.board.state
+    forms = {form.name: form for form in EFFECTS["end-asymmetry"].forms}
+    effect = Acting(EFFECTS["end-asymmetry"], forms["constant"], {}, 0.2)
+    # The trials of an assembly swap ends in turn, the first with the drive mass on the right.
+    expected = 0.2 * np.tile([0.5, -0.5], 90)[:, None] * state.constant_n
+    for tension in (5.0, 30.0):
+        assert effect(state, np.full_like(state.slope, tension)) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("name", ["end-asymmetry", "bed-in"])
+def test_the_motor_board_has_neither_ends_nor_an_assemblys_trials(clean, name):
+    kind = EFFECTS[name]
+    for form in kind.forms:
+        shape = form.draw(np.random.default_rng(1), 1)
+        effect = Acting(kind, form, shape, 0.3)
+        assert not np.any(effect(clean.bench, clean.bench.tension_n))
 
 
 def test_every_amplitude_reaches_its_strength(clean):

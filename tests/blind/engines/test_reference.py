@@ -161,7 +161,7 @@ def make_awkward(seed):
 
 
 def test_axes_and_forms_that_others_ask_for():
-    assert len(reference.effect_names()) == 22
+    assert len(reference.effect_names()) == 24
     assert [form.own for form in reference.forms("stribeck")] == [True, True, False, False]
     axes = {one.name: one.axes for one in OUTSIDERS}
     assert tuple(axes) == reference.outsider_names()
@@ -169,6 +169,13 @@ def test_axes_and_forms_that_others_ask_for():
     told = {axis for of_one in axes.values() for axis in of_one}
     assert told <= AXES
     assert len(told) >= 7
+
+
+def test_ends_differ_by_what_is_withheld_and_by_nothing_beside(none):
+    withheld = Withheld("effect", (("end-asymmetry", 0.5),), "own")
+    truth = make(withheld, 3).truth
+    assert none.truth["nuisances"]["ends"] != 0.0
+    assert truth["nuisances"] == none.truth["nuisances"] | {"ends": 0.0}
 
 
 @pytest.mark.parametrize(
