@@ -121,7 +121,8 @@ def test_ensembles_run_on_until_the_draws_are_good(enough, extensions, steps):
 
 def test_draws_that_are_good_are_left_alone():
     draws = draw(5, settings=SHORT, converged=lambda z: True, chart=EXPONENTIAL)
-    assert (draws.z == draw(5, settings=SHORT).z).all()
+    assert draws.extensions == 0
+    assert (draws.z == draw(5, settings=SHORT, chart=EXPONENTIAL).z).all()
 
 
 def test_a_run_that_was_stopped_while_it_ran_on_goes_on_to_the_same_draws(tmp_path):
