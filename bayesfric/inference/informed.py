@@ -9,6 +9,7 @@ from bayesfric.inference.model import Model
 __all__ = ["informed_by_data"]
 
 Array = NDArray[np.float64]
+OPEN = 1e-3  # least curvature of a direction: flatter ones differ by finite differences only
 SOME = 500  # draws, of which the most probable is near the mode
 
 
@@ -52,5 +53,5 @@ def informed_by_data(model: Model, draws: Array) -> NDArray[np.bool_]:
         across = known[np.ix_(own, rest)]
         taken = across @ np.linalg.solve(known[np.ix_(rest, rest)] + np.eye(rest.sum()), across.T)
         values, vectors = np.linalg.eigh(known[np.ix_(own, own)] - taken)
-        informed[own] = (vectors**2 / np.maximum(values, 1e-12)).sum(axis=1) < 1
+        informed[own] = (vectors**2 / np.maximum(values, OPEN)).sum(axis=1) < 1
     return np.asarray(informed)

@@ -14,6 +14,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 from pydantic import BaseModel
+from scipy.special import ndtri
 
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.diagnostics import mean_ess
@@ -223,8 +224,9 @@ def _effective(table: xr.Dataset) -> float:
 def rig_discrepancy(folder: Path) -> RigDiscrepancy:
     """Return how far rigs differ, from ``claims.json`` where that lies beside the draws.
 
-    Half of the largest median difference between the boards' conditions counts as one
-    standard deviation, as the paper's "within 5 % mostly, 10 % at most".
+    The standard deviation is the rms of the difference between the boards' friction, over
+    pulley sizes and its posterior: boards that are alike by an uncertain calibration may
+    still differ.
 
     Parameters
     ----------
@@ -238,18 +240,26 @@ def rig_discrepancy(folder: Path) -> RigDiscrepancy:
     """
     if (folder / "claims.json").is_file():
         for claim in read_json(ClaimsFile, folder / "claims.json").claims:
-            largest = claim.figures.get("largest_median_difference")
-            if claim.id == "rigs-agree" and isinstance(largest, float | int):
+            if claim.id == "rigs-agree" and "difference" in claim.figures:
                 return RigDiscrepancy(
-                    float(largest) / 2,
-                    f"half of the largest difference between the boards, {largest:.3g}, "
-                    "by rigs-agree in claims.json",
+                    _rms_difference(claim.figures),
+                    "rms difference between the boards, by rigs-agree in claims.json",
                 )
     return RigDiscrepancy(
         DEFAULT_DISCREPANCY,
         "no comparison of two boards lies beside the draws; 5 % is assumed, as the paper's "
         "“within 5 % mostly, 10 % at most”",
     )
+
+
+def _rms_difference(figures: Mapping[str, object]) -> float:
+    """Return the rms of the boards' relative difference, by size given with its quantiles."""
+    low, middle, high = (
+        np.array(list(by_size.values()))
+        for name in ("difference_q05", "difference", "difference_q95")
+        if isinstance(by_size := figures[name], dict)
+    )
+    return float(np.sqrt(np.mean(middle**2 + ((high - low) / (2 * ndtri(0.95))) ** 2)))
 
 
 def _quantities(loop: Loop) -> dict[str, object]:

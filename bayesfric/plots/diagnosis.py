@@ -1,30 +1,25 @@
 """The diagnosis: where simulation misses the board, and which effect causes it."""
 
-from collections.abc import Mapping, Sequence
-from typing import Protocol
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from bayesfric.inference.priors import log_density
-from bayesfric.plots.labels import LONGEST, plain
+from bayesfric.plots.labels import plain
 from bayesfric.plots.style import COLORS, NEUTRAL, figure, halves
-from bayesfric.schemas import Interval
-from bayesfric.schemas.diagnosis import Axis, Cause, DiagnosisFile, EffectNumber
+from bayesfric.schemas.diagnosis import Axis, Inclusion
 
-__all__ = ["most_probable", "what_acts", "what_causes_it", "where_it_lies"]
+__all__ = ["RARE", "what_acts", "where_it_lies"]
 
 BARS = 10  # axes whose share is drawn; the table has all
 SHAPES = 4  # axes whose shape is drawn: those of the largest shares
-HYPOTHESES = 8  # most probable ones; the table has all
-AMPLITUDES = 3  # causes whose amplitude is drawn
-FEWEST = 7  # rows that a panel has room for at least
-FEWEST_ACTING, RARE = 4, 0.02  # so many effects are drawn, and those that are more probable
+EFFECTS = 8  # most probable ones; the table has all
+FEWEST = 4  # effects that are drawn at least
+RARE = 0.02  # further effects are drawn where they are more probable
 ROOM = 2.0  # a panel of a shape is this much taller than its band; dots beyond are cut
 CATEGORIES = ("pulley_size", "rig", "drive_end", "setup", "sensor")  # not numbers, but kinds
 UNITS = {"": "", "1": "", "-": "", "deg": "°", "1/deg": "deg⁻¹", "1/m": "m⁻¹", "m/s^2": "m/s²"}
@@ -131,82 +126,18 @@ def _shape(panel: Axes, axis: Axis, residuals: xr.Dataset | None) -> None:
     panel.set_xlabel(with_unit(axis_label(axis.axis), axis.unit), fontsize=7.5, labelpad=1.5)
 
 
-def most_probable(found: DiagnosisFile) -> list[tuple[str, float]]:
-    """Return the hypotheses that are drawn, with their probabilities."""
-    return sorted(found.probabilities.items(), key=lambda item: -item[1])[:HYPOTHESES]
-
-
-def what_causes_it(found: DiagnosisFile, amplitudes: xr.Dataset | None) -> Figure:
-    """Draw the most probable hypotheses, and each cause's amplitude against its prior.
-
-    Parameters
-    ----------
-    found : DiagnosisFile
-        ``diagnosis.json``.
-    amplitudes : Dataset or None
-        Group ``amplitudes`` of ``diagnosis.nc``; None where there is no cause.
-
-    Returns
-    -------
-    Figure
-        Left a bar a hypothesis, and a diamond at its prior where it has one of its own;
-        right a panel for each of up to three causes. Densities are scaled to their peaks.
-    """
-    causes = found.causes[:AMPLITUDES] if amplitudes is not None else ()
-    shown = most_probable(found)
-    with figure(height=15.0 + 3.5 * max(len(shown), FEWEST)) as fig:
-        left, right = halves(fig, 6, 4 + 2 * len(causes)) if causes else (fig, None)
-        _hypotheses(left.subplots(), shown, found.hypothesis_prior)
-        diamond = Line2D([], [], linestyle="", marker="D", markersize=4, label="prior")
-        diamond.set(markerfacecolor="white", markeredgecolor=COLORS["black"])
-        has_prior = any(name in found.hypothesis_prior for name, _ in shown)
-        keys = [Patch(color=COLORS["blue"], label="posterior"), *([diamond] * has_prior)]
-        left.legend(handles=keys, loc="outside upper left", ncols=2)
-        if right is not None and amplitudes is not None:
-            panels = np.reshape(right.subplots(1, len(causes)), -1)
-            for panel, cause in zip(panels, causes, strict=True):
-                draws = amplitudes["amplitude"].sel(cause=cause.effect).to_numpy()
-                _amplitude(panel, cause, draws[np.isfinite(draws)])
-            dashes = Line2D([], [], color=COLORS["black"], linestyle="--", label="prior")
-            has_prior = any(amplitude_of(cause)[1].prior_density is not None for cause in causes)
-            hatch = Patch(facecolor="#e6e6e6", hatch="////", edgecolor="white", label="plausible")
-            right.legend(
-                handles=[keys[0], *([dashes] * has_prior), hatch],
-                loc="outside upper left",
-                ncols=3,
-                columnspacing=1.0,
-            )
-        return fig
-
-
-class Acts(Protocol):
-    """An effect, how probable it is that it acts, and how strong it then is."""
-
-    @property
-    def effect(self) -> str:
-        """Its name."""
-
-    @property
-    def probability(self) -> float:
-        """Over all hypotheses."""
-
-    @property
-    def strength(self) -> Interval | None:
-        """Rms of its force over rms friction."""
-
-
-def what_acts(effects: Sequence[Acts], practical_share: float) -> Figure:
+def what_acts(effects: Sequence[Inclusion], practical_share: float) -> Figure:
     """Draw how probable each effect is, and how strong.
 
     Parameters
     ----------
-    effects : sequence of Acts
+    effects : sequence of Inclusion
         The most probable first; the first eight are drawn.
     practical_share : float
         Of rms friction: what is below matters to nobody.
     """
-    shown = [one for k, one in enumerate(effects) if k < FEWEST_ACTING or one.probability > RARE]
-    shown = shown[:HYPOTHESES]
+    shown = [one for k, one in enumerate(effects) if k < FEWEST or one.probability > RARE]
+    shown = shown[:EFFECTS]
     with figure(height=17.0 + 4.0 * max(len(shown), FEWEST)) as fig:
         left, right = fig.subplots(1, 2, sharey=True, width_ratios=(1, 1))
         for row, one in enumerate(shown):
@@ -235,64 +166,6 @@ def what_acts(effects: Sequence[Acts], practical_share: float) -> Figure:
         for panel in (left, right):
             panel.grid(visible=False, axis="y")
         return fig
-
-
-def _hypotheses(
-    panel: Axes, shown: Sequence[tuple[str, float]], prior: Mapping[str, float]
-) -> None:
-    for row, (name, probability) in enumerate(shown):
-        panel.barh(row, probability, height=0.66, color=COLORS["blue"])
-        shown_as = f"{probability:.3f}" if probability >= 0.0005 else "< 0.001"
-        end = max(probability + 0.03, prior.get(name, 0.0) + 0.07)  # clear of the diamond
-        panel.text(end, row, shown_as, va="center", fontsize=7)
-        if name in prior:
-            panel.plot(
-                prior[name], row, "D", color="white", markeredgecolor=COLORS["black"], markersize=4
-            )
-    labels = panel.set_yticks(range(len(shown)), [_hypothesis(name) for name, _ in shown])
-    for label in labels:
-        if len(label.label1.get_text()) > LONGEST:
-            label.label1.set_fontsize(6.5)
-    panel.set_ylim(len(shown) - 0.4, -0.6)
-    panel.set_xlim(0.0, 1.18)
-    panel.set_xticks([0.0, 0.5, 1.0])
-    panel.grid(visible=False, axis="y")
-    panel.set_xlabel("probability")
-
-
-def _hypothesis(name: str) -> str:
-    return "+".join(plain(effect) for effect in name.split("+"))
-
-
-def _amplitude(panel: Axes, cause: Cause, draws: np.ndarray) -> None:
-    name, number = amplitude_of(cause)
-    low, high = cause.plausible_range
-    first, last = min(low, *draws), max(high, *draws)
-    edge = 0.04 * (last - first)
-    panel.axvspan(low, high, facecolor="#e6e6e6", hatch="////", edgecolor="white", linewidth=0)
-    counts, bins = np.histogram(draws, bins=25)
-    panel.stairs(counts / counts.max(), bins, fill=True, color=COLORS["blue"])
-    if number.prior_density is not None:
-        grid = np.linspace(first - edge, last + edge, 400)
-        density = np.exp(log_density(number.prior_density, grid))
-        panel.plot(grid, density / density.max(), "--", color=COLORS["black"], linewidth=1.0)
-    # A posterior far narrower than the plausible range is a hair: its interval stands above.
-    panel.plot([number.q05, number.q95], [1.16, 1.16], color=COLORS["blue"], linewidth=1.6)
-    panel.plot(number.q50, 1.16, "o", color=COLORS["blue"], markersize=4)
-    panel.set_ylim(0.0, 1.32)
-    panel.set_xlim(first - edge, last + edge)
-    panel.set_yticks([])
-    panel.grid(visible=False)
-    verdict = "plausible" if cause.plausible else "not plausible"
-    panel.set_title(f"{plain(cause.effect)}:\n{verdict}", fontsize=7.5, loc="left")
-    panel.xaxis.set_major_locator(MaxNLocator(4))
-    panel.set_xlabel(with_unit(plain(name), number.unit), fontsize=7.5, labelpad=1.5)
-    panel.tick_params(labelsize=6.5)
-
-
-def amplitude_of(cause: Cause) -> tuple[str, EffectNumber]:
-    """Return name and numbers of a cause's amplitude: the first of its parameters."""
-    return next(iter(cause.parameters.items()))
 
 
 def axis_label(name: str) -> str:

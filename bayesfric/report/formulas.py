@@ -90,8 +90,8 @@ LAW = _equation(
 )
 SCATTER = _equation(
     "f_{ij} = f_c ( 1 + η_i + ε_{ij} + ζ_{ij} ) + n c_2 κ_i",
-    "f i j equals f c times, in brackets, one plus eta i plus epsilon i j plus zeta i j; "
-    "plus n times c 2 times kappa i.",
+    "f i j equals f c times, in brackets, one plus eta i plus epsilon i j plus zeta i j, end of "
+    "brackets, plus n times c 2 times kappa i.",
 )
 RECURSIVE = _equation(
     "ΔT_k = ( c_1 + c_3 ( θ_k − 85 ) ) T_k + c_2",

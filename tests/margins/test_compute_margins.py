@@ -111,10 +111,20 @@ def test_draws_are_those_of_a_new_assembly():
 
 def test_the_discrepancy_of_rigs_is_that_of_the_claims(tmp_path, root):
     assert rig_discrepancy(tmp_path).sd == 0.05
-    stored = root / "reports" / "reference"
-    claims = json.loads((stored / "claims.json").read_text(encoding="utf-8"))["claims"]
-    (rigs,) = [one["figures"] for one in claims if one["id"] == "rigs-agree"]
-    assert rig_discrepancy(stored).sd == pytest.approx(rigs["largest_median_difference"] / 2)
+    path = root / "reports" / "reference" / "claims.json"
+    stored = json.loads(path.read_text(encoding="utf-8"))
+    (rigs,) = [one for one in stored["claims"] if one["id"] == "rigs-agree"]
+    # rms of 3 % with an sd of 4 %, which is 5 %, and of a sure −5 %: neither calms the other
+    half = stats.norm.ppf(0.95) * 0.04
+    rigs["figures"] = {
+        "difference_q05": {"small": 0.03 - half, "large": -0.05},
+        "difference": {"small": 0.03, "large": -0.05},
+        "difference_q95": {"small": 0.03 + half, "large": -0.05},
+    }
+    (tmp_path / "claims.json").write_text(json.dumps(stored), encoding="utf-8")
+    found = rig_discrepancy(tmp_path)
+    assert found.sd == pytest.approx(0.05, rel=1e-9)
+    assert "rigs-agree" in found.source
 
 
 def test_a_probability_of_violation_in_closed_form(many_draws):

@@ -6,19 +6,17 @@ import numpy as np
 import pytest
 from matplotlib.collections import PolyCollection
 from report.diagnosis_sample import (
+    acts,
     axis,
-    cause,
-    curves,
     diagnosis,
     interval,
     stored_diagnosis,
     without_gap,
 )
 
-from bayesfric.plots.diagnosis import what_acts, what_causes_it, where_it_lies
+from bayesfric.plots.diagnosis import what_acts, where_it_lies
 from bayesfric.plots.gap import how_far
 from bayesfric.plots.style import to_svg
-from bayesfric.report.diagnosed import Acting
 
 
 def panel(fig, label):
@@ -69,39 +67,13 @@ def test_without_dots_or_shapes_the_rest_is_drawn():
     assert len(where_it_lies((axis("rig", "1", None),), None).axes) == 1
 
 
-def test_hypotheses_are_the_most_probable_with_their_priors():
-    stored = stored_diagnosis()
-    axes = panel(what_causes_it(stored.found, stored.group("amplitudes")), "probability")
-    assert widths(axes) == [0.971, 0.0123, 0.0091, 0.004, 0.002, 0.001, 0.0003, 0.0002]
-    assert tick_texts(axes)[0] == "viscous"
-    (diamond,) = axes.lines  # of the hypotheses shown, `unknown` alone has a prior of its own
-    assert (diamond.get_xdata()[0], diamond.get_ydata()[0]) == (0.1, 4)
-    assert len(what_causes_it(without_gap().found, None).axes) == 1
-
-
-def test_amplitude_stands_against_its_prior_and_the_plausible_range():
-    found = diagnosis(causes=(cause("viscous"), cause("stribeck", plausible_range=(0.0, 0.05))))
-    draws = curves(("viscous", "stribeck"))["amplitudes"].to_dataset()
-    fig = what_causes_it(found, draws)
-    first, second = fig.axes[1:]
-    assert [axes.get_title(loc="left") for axes in (first, second)] == [
-        "viscous:\nplausible",
-        "stribeck:\nplausible",
-    ]
-    span, histogram = second.patches
-    assert (span.get_x(), span.get_width()) == (0.0, 0.05)
-    values = draws["amplitude"].sel(cause="stribeck").to_numpy()
-    edges = histogram.get_data().edges
-    assert (edges[0], edges[-1]) == pytest.approx((values.min(), values.max()))
-    prior, interval, median = second.lines
-    x, y = prior.get_data()
-    inside = x >= 0
-    # A half-normal of scale 0.15, over its peak.
-    expected = np.exp(-0.5 * (x[inside] / 0.15) ** 2)
-    np.testing.assert_allclose(y[inside], expected / expected.max(), rtol=1e-12)
-    number = found.causes[1].parameters["slope"]
-    assert list(interval.get_xdata()) == [number.q05, number.q95]
-    assert median.get_xdata()[0] == number.q50
+def test_effects_are_the_most_probable_and_eight_at_most():
+    likely = [acts(f"effect-{k}", 0.5 - 0.02 * k) for k in range(12)]
+    left, _ = what_acts(likely, 0.02).axes
+    assert tick_texts(left) == [f"effect-{k}" for k in range(8)]
+    rare = [acts(f"effect-{k}", 0.03 - 0.005 * k) for k in range(6)]
+    left, _ = what_acts(rare, 0.02).axes  # four at least, though two are above 0.02 only
+    assert widths(left) == pytest.approx([0.03, 0.025, 0.02, 0.015])
 
 
 def test_bars_of_the_gap_are_the_stored_medians_in_newtons_and_millimetres():
@@ -155,7 +127,7 @@ def test_they_repeat_their_bytes():
     stored = stored_diagnosis()
     for draw in (
         lambda: where_it_lies(stored.found.where, stored.group("residuals")),
-        lambda: what_causes_it(stored.found, stored.group("amplitudes")),
+        lambda: what_acts(stored.found.inclusion, 0.02),
         lambda: how_far(stored.found.gap, 0.02, stored.group("trajectories"), named=True),
     ):
         svg = to_svg(draw())
@@ -186,8 +158,8 @@ def test_kinds_are_points_with_bars_and_no_line_between_them():
 
 
 def test_what_acts_shows_probability_and_strength():
-    strong = Acting("viscous", 0.97, interval(0.05))
-    left, right = what_acts([strong, Acting("slip", 0.3, None)], 0.02).axes
+    strong = acts("viscous", 0.97, interval(0.05))
+    left, right = what_acts([strong, acts("slip", 0.3)], 0.02).axes
     assert widths(left) == [0.97, 0.3]
     assert tick_texts(left) == ["viscous", "slip"]
     bar, middle, practical = right.lines

@@ -14,6 +14,7 @@ from bayesfric.schemas import (
     ExaminedEffect,
     Gap,
     GapRow,
+    Inclusion,
     Interval,
     NextExperiment,
     Remainder,
@@ -81,6 +82,17 @@ def cause(effect: str, **changes: object) -> Cause:
     return Cause(**(fields | changes))  # type: ignore[arg-type]
 
 
+def acts(effect: str, probability: float, strength: Interval | None = None) -> Inclusion:
+    return Inclusion(
+        effect=effect,
+        probability=probability,
+        strength=strength,
+        strength_why="it is too improbable to be drawn" if strength is None else None,
+        probability_above_practical=0.0 if strength is None else probability,
+        makes_a_gap=strength is not None,
+    )
+
+
 def row(name: str, scale: float = 1.0, shipped: bool = True) -> GapRow:
     return GapRow(
         name=name,
@@ -116,6 +128,10 @@ def diagnosis(**changes: object) -> DiagnosisFile:
             "0.9": {"viscous": 0.961, "none": 0.001},
         },
         "unvisited_probability": 0.0021,
+        "inclusion": (
+            acts("viscous", 0.987, interval(0.0789)), acts("air-drag", 0.0246, interval(0.011)),
+            acts("stribeck", 0.0131), acts("presliding", 0.001),
+        ),
         "causes": (cause("viscous"),),
         "unseparated": (
             Unseparated(effects=("viscous", "cable-weight"), reason="identical-on-this-rig"),
@@ -137,8 +153,10 @@ def diagnosis(**changes: object) -> DiagnosisFile:
             axis("pulley_size", "1", None), axis("wrap_angle", "deg", None),
         ),
         "gap": Gap(
-            **gap.model_dump(exclude={"name"}),
+            **gap.model_dump(exclude={"name", "below_floor"}),
             systematic=interval(0.0493),
+            probability_above_practical=1.0,
+            floor_agrees=True,
             friction_rms=0.731,
             held_out=(
                 row("folds over assemblies"), row("top tension", 1.3),
@@ -236,6 +254,7 @@ def without_gap() -> StoredDiagnosis:
         update=same
         | {
             "systematic": interval(0.0006),
+            "probability_above_practical": 0.0,
             "held_out": rows,
             "in_sample": record.gap.in_sample.model_copy(update=same),
             "trajectory": None,
@@ -246,7 +265,8 @@ def without_gap() -> StoredDiagnosis:
         verdict="no-gap",
         verdict_probability=0.934,
         sentence="No gap: the recalibrated baseline leaves no more than trial scatter.",
-        probabilities={"none": 0.934, "viscous": 0.041, "unknown": 0.025},
+        probabilities={"none": 0.934, "viscous": 0.018, "air-drag": 0.011, "unknown": 0.037},
+        inclusion=(acts("viscous", 0.018), acts("air-drag", 0.011)),
         causes=(),
         unseparated=(),
         absorbed=(),

@@ -2,12 +2,12 @@
 
 import dataclasses
 import io
-from types import SimpleNamespace
 
 import pytest
 from margins.loops import loop, write_draws
 from pypdf import PdfReader
 from report.diagnosis_sample import (
+    acts,
     axis,
     cause,
     curves,
@@ -130,26 +130,19 @@ def test_where_there_is_no_gap_no_axis_is_said_to_explain_it():
 
 
 def test_an_undecided_board_says_what_may_act():
-    one = SimpleNamespace(
-        effect="viscous", probability=0.62, strength=interval(0.03), makes_a_gap=True
+    stored = stored_diagnosis(
+        verdict="undecided",
+        causes=(),
+        inclusion=(acts("slip", 0.97, interval(0.01)), acts("viscous", 0.62, interval(0.03))),
+        possible=(cause("viscous", inclusion_probability=0.62),),
+        present=(cause("slip", inclusion_probability=0.97, makes_a_gap=False),),
     )
-    other = SimpleNamespace(effect="slip", probability=0.97, strength=None, makes_a_gap=False)
-    found = diagnosis().model_copy(
-        update={
-            "verdict": "undecided",
-            "causes": (),
-            "inclusion": (other, one),
-            "possible": (one,),
-            "present": (other,),
-        }
-    )
-    stored = StoredDiagnosis(found, curves())
     told = glance(stored)
     assert told["Which effect causes it?"] == "open: none is certain enough to be named"
     assert told["What may act?"] == "viscous (0.62)"
     assert told["What acts, but too weakly to matter?"] == "slip (0.970)"
-    assert verdict_line(found).kind == "attention"
-    assert figures(stored)["which"].alt.startswith("Left, a horizontal bar for each effect; the")
+    assert verdict_line(stored.found).kind == "attention"
+    assert "the longest is slip at 0.970" in figures(stored)["which"].alt
     assert render_pdf(build_document(StoredResults(diagnosis=stored))).startswith(b"%PDF")
 
 
@@ -258,13 +251,15 @@ def test_gap_table_is_in_thousandths_row_by_row():
 def test_tuning_and_effect_are_told_apart_in_the_caption():
     caption = words(figures(stored_diagnosis())["how-far"].caption)
     assert "Recalibration alone: 0.095 [0.087, 0.103]\u202fN to 0.0523 [0.0480, 0.0566]" in caption
-    assert "Adding what is named closes 98.1 [97.4, 98.8]\u202f%" in caption
+    assert "takes 98.1 [97.4, 98.8]\u202f% of the squared systematic gap away" in caption
 
 
 def test_no_gap_names_nothing_and_gives_its_reasons():
     stored = without_gap()
     assert "causes" not in tables(stored)
     assert "None is named" in paragraphs(stored)
+    assert "which" not in figures(stored)  # a picture of bars that are all next to nothing
+    assert "No effect acts with a probability above 0.020" in paragraphs(stored)
     assert "Nothing to propose: no two hypotheses" in paragraphs(stored)
     assert "does not ask for a further, smooth force" in paragraphs(stored)
     caption = words(figures(stored)["how-far"].caption)

@@ -6,7 +6,7 @@ that these rest on follow, each under its question. The long tables are in the a
 
 from collections.abc import Iterator
 
-from bayesfric.plots.diagnosis import most_probable, what_acts, what_causes_it, where_it_lies
+from bayesfric.plots.diagnosis import RARE, what_acts, where_it_lies
 from bayesfric.plots.gap import how_far
 from bayesfric.plots.style import to_svg
 from bayesfric.report.chapters.diagnosis_details import (
@@ -31,7 +31,7 @@ from bayesfric.report.content import (
     Table,
     Text,
 )
-from bayesfric.report.diagnosed import VERDICTS, acting, also, box, has_gap
+from bayesfric.report.diagnosed import VERDICTS, box, has_gap, listed
 from bayesfric.report.quantities import (
     format_interval,
     format_number,
@@ -76,7 +76,7 @@ def diagnosis(stored: StoredDiagnosis) -> Iterator[Block]:
     yield _how_far(stored)
     yield gap_table(found)
     yield Heading(2, "Which effect")
-    yield _which(stored)
+    yield _which(found)
     yield from causes(found.causes)
     yield from not_told_apart(found)
     yield Heading(2, "Where it lies")
@@ -97,11 +97,11 @@ def _at_a_glance(found: DiagnosisFile) -> Table:
         ["How large is the systematic gap?", large],
         ["Which effect causes it?", _caused(found)],
     ]
-    if possible := also(found, "possible"):
+    if found.possible:
         beside = " beside that" if found.causes else ""
-        rows.append([f"What may act{beside}?", ", ".join(possible)])
-    if present := also(found, "present"):
-        rows.append(["What acts, but too weakly to matter?", ", ".join(present)])
+        rows.append([f"What may act{beside}?", listed(found.possible)])
+    if found.present:
+        rows.append(["What acts, but too weakly to matter?", listed(found.present)])
     if gap.shrink is not None and found.causes:
         rows.append(["How far does it shrink with that?", f"by {_percent(gap.shrink)}"])
     if has_gap(found):
@@ -179,47 +179,31 @@ def _largest(known: list[Axis], blind: bool) -> list[Inline]:
     ]
 
 
-def _which(stored: StoredDiagnosis) -> Figure:
-    found = stored.found
-    included = acting(found)
-    best, probability = most_probable(found)[0]
-    amplitudes = stored.group("amplitudes") if found.causes else None
-    drawn = amplitudes is not None and not included
-    if included:
-        picture = what_acts(included, found.practical_share)
-        left = (
-            "Left: probability that an effect acts, over all hypotheses; dotted at 0.1 and 0.9. "
-            "Right: how strong it is then, with its 90 % interval; dashed is the practical share. "
-        )
-    else:
-        picture = what_causes_it(found, amplitudes)
-        left = "Diamonds: the prior of a hypothesis that has one of its own. "
-        if not any(name in found.hypothesis_prior for name, _ in most_probable(found)):
-            left = ""
+def _which(found: DiagnosisFile) -> Figure | Paragraph:
+    included = found.inclusion
+    best, probability = max(found.probabilities.items(), key=lambda item: item[1])
+    most: list[Inline] = [
+        "Most probable: ",
+        Code(best),
+        f" ({format_probability(probability)}). ",
+    ]
+    hypotheses: list[Inline] = ["All hypotheses: ", Reference("hypotheses"), "."]
+    if not any(one.probability > RARE for one in included):
+        none = f"No effect acts with a probability above {format_probability(RARE)}. "
+        return Paragraph([Strong("Which."), " ", *most, none, *hypotheses])
     return Figure(
-        to_svg(picture),
+        to_svg(what_acts(included, found.practical_share)),
         [
             Strong("Which."),
-            " Most probable: ",
-            Code(best),
-            f" ({format_probability(probability)}). ",
-            left,
-            "Right: each cause's amplitude, densities scaled to their peaks, the 90 % interval "
-            "above. "
-            if drawn
-            else "",
-            "All hypotheses: ",
-            Reference("hypotheses"),
-            ".",
+            " ",
+            *most,
+            "Left: probability that an effect acts, over all hypotheses; dotted at 0.1 and 0.9. "
+            "Right: how strong it is then, with its 90 % interval; dashed is the practical share. ",
+            *hypotheses,
         ],
-        (
-            "Left, a horizontal bar for each effect; the longest is "
-            f"{included[0].effect} at {format_probability(included[0].probability)}."
-            if included
-            else f"Left, a horizontal bar for each hypothesis; the longest is {best} at "
-            f"{format_probability(probability)}."
-        )
-        + (" Right, posterior and prior of the amplitude of each cause." if drawn else ""),
+        "Left, a horizontal bar for each effect; the longest is "
+        f"{included[0].effect} at {format_probability(included[0].probability)}; right, how strong "
+        "each is.",
         label="which",
     )
 
@@ -236,8 +220,8 @@ def _how_far(stored: StoredDiagnosis) -> Figure:
             " ",
             *_tuning(gap),
             *_shrink(gap, named),
-            "Bars are rms on conditions that the fit has not seen, lines their 90 % intervals; "
-            "dashed is what matters in practice."
+            "Bars are rms on conditions that the fit has not seen, but for the systematic gap, "
+            "which is the posterior's; lines are 90 % intervals; dashed is the practical share."
             + (" Right: three held-out trials." if trajectories is not None else "")
             + (
                 ""
@@ -270,10 +254,11 @@ def _shrink(gap: Gap, named: bool) -> list[str]:
         return ["No effect is added. "]
     if gap.shrink is None:
         return [f"Shrink by an effect: none ({gap.shrink_why}). "]
-    return [
-        f"Adding what is named closes {_percent(gap.shrink)} of what is between that and the "
-        "floor. "
-    ]
+    said = [f"Adding what is named takes {_percent(gap.shrink)} of the squared systematic gap away"]
+    seen = gap.held_out[0].shrink if gap.held_out else None
+    if seen is not None:
+        said.append(f", and {_percent(seen)} of what new assemblies show above the floor")
+    return [*said, ". "]
 
 
 def _arms(gap: Gap, named: bool) -> Iterator[tuple[str, Interval]]:

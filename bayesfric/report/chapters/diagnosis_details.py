@@ -14,7 +14,7 @@ from bayesfric.report.content import (
     Table,
     Text,
 )
-from bayesfric.report.diagnosed import has_gap, strength
+from bayesfric.report.diagnosed import has_gap
 from bayesfric.report.quantities import (
     MISSING,
     format_fixed,
@@ -124,7 +124,7 @@ def causes(found: Sequence[Cause]) -> Iterator[Block]:
                 "against the same without it: "
                 f"{format_fixed(cause.log10_bayes_factor, 1)} ± "
                 f"{format_fixed(cause.log10_bayes_factor_se, 3)}. Its force is "
-                f"{format_share(strength(cause))} of that of friction (rms)"
+                f"{format_share(cause.strength)} of that of friction (rms)"
                 + (", which is below the floor. " if cause.below_floor else ". "),
                 Strong("Plausible." if cause.plausible else "Not plausible."),
                 f" Source of the range: {cause.plausible_reference}.",
@@ -239,7 +239,7 @@ def gap_words(found: DiagnosisFile) -> Paragraph:
     gap = found.gap
     return Paragraph(
         [
-            "The systematic gap of the recalibrated baseline, √(before² − floor²), is ",
+            "The systematic gap, rms of the force that the recalibrated baseline leaves out, is ",
             f"{_thousandths(gap.systematic)} mN, where "
             f"friction is {format_number(gap.friction_rms, unit='N')} (rms); below "
             f"{format_share(found.practical_share)} of friction none would care. ",

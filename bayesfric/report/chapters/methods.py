@@ -61,8 +61,10 @@ def _diagnosis(found: DiagnosisFile) -> Iterator[Block]:
         "The gap is the rms of the residual friction force, resolved along the travel, on "
         "conditions that are held out of the fit, every parameter refitted before and after an "
         "effect is added. The floor is what a perfect law would leave there, from the scatter "
-        "between trials and assemblies. The systematic gap is √(before² − floor²), the shrink "
-        "(before² − after²) / (before² − floor²); intervals are by bootstrap over assemblies."
+        "between trials and assemblies. Shrink on held-out data is (before² − "
+        "after²) / (before² − floor²); these intervals are by bootstrap over assemblies. The "
+        "systematic gap, and the part of it that the causes take away, are posteriors of the force "
+        "that the recalibrated law leaves out, averaged over hypotheses."
     )
 
 
