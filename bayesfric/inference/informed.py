@@ -10,6 +10,7 @@ __all__ = ["informed_by_data"]
 
 Array = NDArray[np.float64]
 OPEN = 1e-3  # least curvature of a direction: flatter ones differ by finite differences only
+NEAR = 1e-5  # of a prior's width, over which a change of coordinates is linear
 SOME = 500  # draws, of which the most probable is near the mode
 
 
@@ -36,9 +37,14 @@ def informed_by_data(model: Model, draws: Array) -> NDArray[np.bool_]:
     some = model.sampling(draws[np.linspace(0, len(draws) - 1, SOME).astype(int)])
     z = some[np.argmax(model.log_posterior(some))]
     unit = model.scale()
+    own = np.array([parameter.kind == "coefficient" for parameter in model.parameters])
+    top, near = model.natural(np.array([z, z + NEAR * unit]))
+    slope = (near - top) / (NEAR * unit)
 
     def log_likelihood(points: Array) -> Array:
-        return model.log_likelihood(model.natural(points))
+        # Coefficients move on a straight line: along a curved one a slope passes for curvature.
+        theta = model.natural(points)
+        return model.log_likelihood(np.where(own, top + slope * (points - z), theta))
 
     step = curvature_steps(log_likelihood, z, 0.3 * unit)
     curvature = -finite_hessian(log_likelihood, z, step) * np.outer(unit, unit)
@@ -47,7 +53,6 @@ def informed_by_data(model: Model, draws: Array) -> NDArray[np.bool_]:
     known = (vectors * np.maximum(values, 0.0)) @ vectors.T
     posterior = np.linalg.inv(known + np.eye(z.size))
     informed = 1 / np.diag(posterior) - 1 > 1
-    own = np.array([parameter.kind == "coefficient" for parameter in model.parameters])
     if own.any():
         rest = ~own
         across = known[np.ix_(own, rest)]

@@ -149,10 +149,15 @@ def scatter_draws(fitted):
 
 def test_z_is_the_distance_in_units_of_both_scatters(wrap_fit):
     trials = wrap_fit.predictive["trials"].to_dataset()
-    deviation = np.hypot(*scatter_draws(wrap_fit))
-    deviation = deviation * np.random.default_rng(0).standard_normal(deviation.size)
-    low, high = np.quantile(deviation, (0.05, 0.95))
+    posterior = wrap_fit.draws["posterior"]
     law = trials["law_n"].to_numpy()
+    c2 = posterior["c2"].sel(pulley=trials["pulley_size"].to_numpy()).to_numpy()
+    share = trials["n_pulleys"].to_numpy() * c2.reshape(-1, len(law)) / law[:, 1]
+    intercept = posterior["omega_intercept"].to_numpy().reshape(-1, 1) * share
+    tau, omega = (values[:, None] for values in scatter_draws(wrap_fit))
+    deviation = np.sqrt(tau**2 + omega**2 + intercept**2)
+    deviation = deviation * np.random.default_rng(0).standard_normal(deviation.shape)
+    low, high = np.quantile(deviation, (0.05, 0.95), axis=0)
     sd = np.hypot((high - low) * law[:, 1], law[:, 2] - law[:, 0]) / TO_SD
     expected = (trials["friction_n"].to_numpy() - law[:, 1]) / sd
     assert trials["z"].to_numpy() == pytest.approx(expected, rel=0.12, abs=0.16)
