@@ -20,13 +20,13 @@ from bayesfric.physics.gravity import Condition, board_friction, trajectory
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.acting import Acting, draw_phases, of_kind, surroundings
 from bayesfric.rigs.gravity_board.effects_on_trials import Motion, passing_times, trial_motion
+from bayesfric.rigs.gravity_board.event_trains import SENSORS
 from bayesfric.rigs.protocols import TRAVEL_M, Assembly, Protocol
 from bayesfric.rigs.truth import Truth, laws_of
 
-__all__ = ["SENSORS", "conditions_of", "draw_events", "lay_trials"]
+__all__ = ["conditions_of", "draw_events", "lay_trials"]
 
 Array = NDArray[np.float64]
-SENSORS = ("drive", "load")
 LEAST_PATH_M = 0.001  # from release to the first event, so that the cable moves there
 RELEASE_WINDOW_S = 0.3  # the release comes this long, at most, after the clock starts
 LEAST_EVENTS = 5  # of a trial and sensor, by the recording format
