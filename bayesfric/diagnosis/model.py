@@ -4,14 +4,14 @@ The noise (scatter of friction, errors of events and currents) is not linear; ea
 climbs to its own mode of it, by derivatives that are closed forms too (Fisher's identity).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import make_interp_spline
+from scipy.interpolate import BSpline, make_interp_spline
 from scipy.linalg import block_diag
 
 from bayesfric.analysis import Analysis, Prior
@@ -29,7 +29,7 @@ from bayesfric.inference.smooths import Smooth
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.layout import COEFFICIENTS, Layout
-from bayesfric.rigs.linear import Evaluated, LinearRig, NoiseParameter
+from bayesfric.rigs.linear import Evaluated, LinearRig, LinearRows, NoiseParameter
 
 __all__ = ["Acting", "At", "Law", "LinearModel"]
 
@@ -72,7 +72,7 @@ class Law:
         return len(self.nodes) > 1
 
     @cached_property
-    def _spline(self):  # type: ignore[no-untyped-def]
+    def _spline(self) -> BSpline:
         return make_interp_spline(self.nodes, np.eye(len(self.nodes)), k=5)
 
     def weights(self, shape: Array) -> Array:
@@ -392,8 +392,8 @@ class LinearModel:
             value, gradient[place] = value + here, (there - here) / 1e-5
         return value, gradient
 
-    def _amplitude_density(self, law: Law):  # type: ignore[no-untyped-def]
-        prior = self.candidates[law.places[0]].effect.amplitude.prior
+    def _amplitude_density(self, law: Law) -> Callable[[float], float]:
+        prior = self.amplitude_prior(law)
         return lambda value: float(log_density(prior, value)) + float(np.log(value))
 
     def amplitude_prior(self, law: Law) -> Prior:
@@ -692,7 +692,7 @@ def _coefficient_prior(analysis: Analysis, name: str, size: str) -> Prior:
     return shared if chosen is None else chosen
 
 
-def _rms_friction(sizes: Sequence[str], rows) -> dict[str, float]:  # type: ignore[no-untyped-def]
+def _rms_friction(sizes: Sequence[str], rows: Sequence[LinearRows]) -> dict[str, float]:
     """Return the rms friction of each size by the reference law, on all rigs [N]."""
     scale = {}
     for size in sizes:

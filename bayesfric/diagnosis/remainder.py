@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.diagnosis.model import LinearModel
-from bayesfric.diagnosis.search import Search, unknown_force
+from bayesfric.diagnosis.search import Search, Unknown, unknown_force
 from bayesfric.diagnosis.systematic import interval
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.schemas import Remainder
@@ -67,12 +67,12 @@ def remainder_of(
             significant=True,
             log10_bayes_factor=float(gain),
             share_of_gap=interval(left),
-            axis=instead.best.axis or _widest(model, found, instead),
+            axis=instead.best.axis or _widest(instead),
         )
     if significant:
         axis = further.best.axis
         if axis is None:
-            axis = _widest(model, found, further)
+            axis = _widest(further)
         shares = np.array([wide.share for wide in further.nodes])
         weights = np.exp(further.log_weights)
         order = np.argsort(shares)
@@ -90,9 +90,8 @@ def remainder_of(
     )
 
 
-def _widest(model: LinearModel, found: Weighed, further) -> str:  # type: ignore[no-untyped-def]
+def _widest(further: Unknown) -> str:
     """Return the axis that gains most where it alone is wide."""
-    del model, found
     rated = [
         (float(weight), node.axis)
         for weight, node in zip(further.log_weights, further.nodes, strict=True)

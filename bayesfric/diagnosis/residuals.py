@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -174,7 +175,7 @@ def residuals_of(model: LinearModel, psi: Array) -> Residuals:
     )
 
 
-def _of_rig(rig: LinearRig, noise: Mapping[str, float], place: int):  # type: ignore[no-untyped-def]
+def _of_rig(rig: LinearRig, noise: Mapping[str, float], place: int) -> dict[str, Any]:
     windows, table = rig.windows(noise), rig.rows.table
     row = windows.row
     keys = ["pulley_size", "n_pulleys", "wrap_angle_deg", *rig.rows.loads]

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from bayesfric.diagnosis.model import Acting, At, LinearModel
+from bayesfric.diagnosis.model import Acting, At, Law, LinearModel
 from bayesfric.diagnosis.shapes import Choice, Quadratic, choose
 
 __all__ = ["FORM_SHARES", "Weighed", "label", "weigh"]
@@ -157,9 +157,14 @@ def _has_phases(model: LinearModel, name: str) -> bool:
     return bool(model.candidates[model.lawbook[name][0].places[0]].effect.components)
 
 
-def _chosen(  # type: ignore[no-untyped-def]
-    model: LinearModel, free: Sequence[str], phases, psi: Array, known, shares: Sequence[float]
-):
+def _chosen(
+    model: LinearModel,
+    free: Sequence[str],
+    phases: tuple[Law, ...],
+    psi: Array,
+    known: Mapping[str, float],
+    shares: Sequence[float],
+) -> list[tuple[Acting, tuple[float, list[Choice]]]]:
     """Return for each share of forms the best laws and shapes, and all their log evidence."""
     places = [place for name in free for law in model.lawbook[name] for place in law.places]
     information = model.said_of(psi, places, phases)

@@ -7,6 +7,7 @@ its scatter of trials and assemblies, refitted, and is adjusted by the largest
 statistic of all axes.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -219,7 +220,7 @@ def _redrawn(residuals: Residuals, rng: np.random.Generator) -> Array:
     return np.asarray(drawn + error / residuals.friction_n[:, None])
 
 
-def _refitting(residuals: Residuals, precision: Array):  # type: ignore[no-untyped-def]
+def _refitting(residuals: Residuals, precision: Array) -> Callable[[Array], Array]:
     """Return the projection on what the coefficients of each size can take up."""
     sizes = np.unique(residuals.size)
     columns = np.zeros((residuals.size.size, sizes.size * COEFFICIENTS))

@@ -7,7 +7,7 @@ that a trial had made before its first event. They are integrated out at the noi
 for; derivatives by the noise follow from Fisher's identity.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import partial
@@ -237,7 +237,9 @@ class GravityPart:
             self._freedom[trial] = white.size - nuisances
             self._constant[trial] = np.log(white).sum() - 0.5 * self._freedom[trial] * LOG_2PI
 
-    def _whitening(self, rows: slice, *, apart: bool = False):  # type: ignore[no-untyped-def]
+    def _whitening(
+        self, rows: slice, *, apart: bool = False
+    ) -> tuple[Array, Callable[[Array], Array]]:
         """Return 1/sd of rows, and the projection off their nuisances.
 
         With `apart`, what the two sensors differ by is one: a force is what both see.
@@ -251,7 +253,7 @@ class GravityPart:
             halves = 0.5 * (sensors[1].astype(np.float64) - sensors[0]) * white
             nuisance = np.vstack([nuisance, *(halves * travel**k for k in APART)])
         basis = np.linalg.qr(nuisance.T)[0]
-        return white, lambda values: values - basis @ (basis.T @ values)
+        return white, lambda values: np.asarray(values - basis @ (basis.T @ values))
 
     def _view(self, mixing: Array, trials: NDArray[np.bool_] | None) -> _View:
         key = mixing.tobytes() + str(mixing.shape).encode()
@@ -462,7 +464,7 @@ class GravityPart:
             travel = np.atleast_1d(where["displacement"]) / self._travel
             waves = np.cos(np.pi * np.arange(1, WAVES + 1) * travel[:, None])
             wander = (waves * variance) @ waves.T * noise["wander"] ** 2
-            covariance = np.linalg.pinv(design.T @ design) * noise["kappa"]
+            covariance = np.asarray(np.linalg.pinv(design.T @ design) * noise["kappa"], np.float64)
             found.append((trial, solved, covariance, where, wander))
         return Windows(
             row=np.concatenate([np.full(len(f[1]), f[0]) for f in found]),
