@@ -190,9 +190,10 @@ def sentence_of(
     alike = f" (on this rig the same as {', '.join(sorted(twins))})" if twins else ""
     shrunk = ""
     if gap.shrink is not None:
+        them = "it" if len(causes) == 1 else "them"
         shrunk = (
-            f" Adding it takes {gap.shrink.q50:.0%} [{gap.shrink.q05:.0%}, {gap.shrink.q95:.0%}] "
-            f"of the squared gap of {size} away."
+            f" The systematic gap is {size}; adding {them} takes {gap.shrink.q50:.1%} "
+            f"[{gap.shrink.q05:.1%}, {gap.shrink.q95:.1%}] of its square away."
         )
     acts = "acts" if len(causes) == 1 else "act"
     return f"{names}{alike} {acts} (probability {chance:.2f}).{shrunk}"
