@@ -119,8 +119,8 @@ def causes(found: Sequence[Cause]) -> Iterator[Block]:
         yield Paragraph(
             [
                 Code(cause.effect),
-                f": {cause.sentence}. Law: {cause.law}. It is in hypotheses that have "
-                f"{format_probability(cause.inclusion_probability)} together. Log₁₀ Bayes factor "
+                f": {cause.sentence}. Law: {cause.law}. Hypotheses that include it "
+                f"have probability {format_probability(cause.inclusion_probability)}. Log₁₀ Bayes factor "
                 "against the same without it: "
                 f"{format_fixed(cause.log10_bayes_factor, 1)} ± "
                 f"{format_fixed(cause.log10_bayes_factor_se, 3)}. Its force is "
