@@ -196,7 +196,7 @@ def test_a_cause_has_its_numbers():
     ]
     text = paragraphs(stored)
     for part in (
-        "have 0.987 together",
+        "have probability 0.987",
         "12.3 ± 0.056",
         "7.9\u202f% of that of friction (rms). Plausible.",
         "Harris and Kotzalas (2006)",

@@ -120,8 +120,8 @@ def causes(found: Sequence[Cause]) -> Iterator[Block]:
             [
                 Code(cause.effect),
                 f": {cause.sentence}. Law: {cause.law}. Hypotheses that include it "
-                f"have probability {format_probability(cause.inclusion_probability)}. Log₁₀ Bayes factor "
-                "against the same without it: "
+                f"have probability {format_probability(cause.inclusion_probability)}. "
+                "Log₁₀ Bayes factor against the same without it: "
                 f"{format_fixed(cause.log10_bayes_factor, 1)} ± "
                 f"{format_fixed(cause.log10_bayes_factor_se, 3)}. Its force is "
                 f"{format_share(cause.strength)} of that of friction (rms)"
