@@ -39,7 +39,7 @@ def test_it_writes_prints_and_fails_on_a_gap(board):
     assert done.stdout.startswith(f"named: {summary.sentence}")
     report = bayesfric("report", "out", cwd=board)
     assert report.returncode == 0, report.stderr
-    assert summary.sentence.split(" Adding")[0] in (board / "out" / "summary.md").read_text()
+    assert summary.sentence.split("; adding")[0] in (board / "out" / "summary.md").read_text()
 
 
 @pytest.mark.parametrize(
