@@ -22,6 +22,7 @@ from pydantic import BaseModel
 
 from bayesfric.errors import Fault, InputError
 from bayesfric.physics.friction import Coefficients
+from bayesfric.rigs.coefficients import NO_PULLEY, coefficient_name, law_of
 from bayesfric.schemas import FitFile, Provenance, RecordingId
 
 __all__ = [
@@ -233,8 +234,8 @@ def fitted_coefficients(folder: Path) -> dict[str, Coefficients]:
     InputError
         There is no fit.
     """
-    pulleys = read_json(FitFile, folder / "fit.json").pulleys
-    return {
-        size: Coefficients(*(entries[name].mean for name in Coefficients._fields))
-        for size, entries in pulleys.items()
-    }
+    fit = read_json(FitFile, folder / "fit.json")
+    means = {name: entry.mean for name, entry in fit.parameters.items()}
+    for size, entries in fit.pulleys.items():
+        means |= {coefficient_name(name, size): entry.mean for name, entry in entries.items()}
+    return {size: law_of(means, size) for size in fit.pulleys or (NO_PULLEY,)}

@@ -92,7 +92,7 @@ class TableFormat:
     columns : tuple of Column
         In the order in which they are written.
     keeps_covariates : bool
-        Whether further numeric columns are data (``axis_runs.csv``).
+        Whether further numeric columns are data, where something may depend on them.
     """
 
     file: str
@@ -223,6 +223,7 @@ STEADY_FRICTION = TableFormat(
         ),
         ROLE,
     ),
+    keeps_covariates=True,
 )
 AXIS_RUNS = TableFormat("axis_runs.csv", (RUN, ORDER, SETUP, ROLE), keeps_covariates=True)
 AXIS_SAMPLES = TableFormat(

@@ -15,6 +15,7 @@ from bayesfric.recording.digest import tables_sha256
 from bayesfric.recording.frames import no_events, sorted_events, typed, with_setup
 from bayesfric.recording.package import PACKAGE_FILE, Package, Resource, parse_package
 from bayesfric.recording.schemas import Table, check_cells
+from bayesfric.recording.steady_signs import notes_on_signs
 from bayesfric.recording.tables import Axis, Gravity, Motor, Recording
 from bayesfric.recording.tested_range import notes_on_range
 
@@ -106,6 +107,8 @@ def assemble(load: Load, in_folder: Collection[str] = ()) -> Recording:
         if faults:
             raise InputError(_in_file_order(faults, listed))
         recording = _recording(package, tables, tables_sha256(contents))
+        if recording.steady is not None:
+            notes += notes_on_signs(recording.steady)
         return replace(recording, notes=(*notes, *notes_on_range(recording)))
 
 

@@ -14,7 +14,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from bayesfric.analysis import Analysis
+from bayesfric.analysis import Analysis, PriorOverrides
 from bayesfric.effects import Effect
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.inference.model import RigLikelihood
@@ -202,6 +202,19 @@ class RigTrials(Protocol):
 
     def supports(self, effect: Effect) -> Unsupported | None:
         """Return why an effect cannot enter the likelihood; None where it can."""
+
+    @property
+    def has_pulleys(self) -> bool:
+        """Whether a cable runs over pulleys, which the paper and its claims are about."""
+
+    def refuses(self, law: Baseline) -> Unsupported | None:
+        """Return why a friction law makes no sense here; None where it does."""
+
+    def priors_of_sizes(self) -> Mapping[str, PriorOverrides]:
+        """Return priors of coefficients, by size, that the defaults are not argued for."""
+
+    def adapted(self, effect: Effect) -> Effect:
+        """Return an effect as it is meant on this rig: in its words, with priors of its size."""
 
     def under(self, law: Baseline) -> "RigTrials":
         """Return the same trials, which a diagnosis makes linear around another law."""
