@@ -156,7 +156,7 @@ def _diagnose(
             for size, row in table1().items()
         }
     held = _held(fixed, data, shipped)
-    examined = _as_meant_here(data) | {effect.name: effect for effect in effects}
+    examined, lacking = _examinable(data, {effect.name: effect for effect in effects})
     examined = with_priors(examined, analysis.priors.effects)
     examined = {name: _widened(one, analysis) for name, one in examined.items()}
     data, stray, laws, psi = _baseline(data, analysis, held, shipped, law)
@@ -233,7 +233,7 @@ def _diagnose(
         ),
         where=where,
         gap=gap,
-        effects=_examined(found, first_found, sorted(examined)),
+        effects=_examined(found, first_found, sorted({**examined, **lacking}), lacking),
         next_experiment=proposals,
         next_experiment_why=no_proposal,
     )
@@ -253,12 +253,23 @@ def _data(recording: Recording, baseline: str) -> tuple[Data, Baseline]:
     return data, law
 
 
-def _as_meant_here(data: Data) -> dict[str, Effect]:
-    """Return the effects; of one rig alone, in its words and in proportion to it."""
-    if len(data.rigs) > 1:
-        return all_effects()
-    (one,) = data.rigs
-    return {name: one.adapted(effect) for name, effect in all_effects().items()}
+def _examinable(data: Data, own: Mapping[str, Effect]) -> tuple[dict[str, Effect], dict[str, str]]:
+    """Return the effects that the rigs can have, in their measures, and why not the others.
+
+    An effect of the user's own is in the user's measures already; one that several rigs
+    share is in those that it was described in.
+    """
+    offered = frozenset().union(*(one.offers for one in data.rigs))
+    examined, lacking = {}, {}
+    for name, effect in sorted((all_effects() | own).items()):
+        if missing := effect.needs - offered:
+            needed = ", ".join(sorted(missing))
+            lacking[name] = f"absent from these data: it needs what no rig here has ({needed})"
+        elif name in own or len(data.rigs) > 1:
+            examined[name] = effect
+        else:
+            examined[name] = data.rigs[0].suited(effect)
+    return examined, lacking
 
 
 def _widened(effect: Effect, analysis: Analysis) -> Effect:
@@ -433,12 +444,15 @@ def _held(
     return frozenset(fixed)
 
 
-def _examined(found: Search, first: Search, names: list[str]) -> tuple[ExaminedEffect, ...]:
+def _examined(
+    found: Search, first: Search, names: list[str], lacking: Mapping[str, str]
+) -> tuple[ExaminedEffect, ...]:
     absorbed = {one.effect for one in found.classes.absorbed}
     stands = {name: members[0] for members in found.classes.members for name in members}
     listed = []
     for name in names:
-        value, why, bound = None, found.classes.left_out.get(name), False
+        value, bound = None, False
+        why = lacking.get(name) or found.classes.left_out.get(name)
         if name in absorbed:
             why = "it only moves a parameter of the baseline"
         elif name in stands:

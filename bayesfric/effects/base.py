@@ -216,8 +216,9 @@ class Effect:
         0; or how many components a law returns, stacked on a first axis, each to be
         multiplied by a number N(0, 1) drawn anew for every trial (of an effect on
         readings for each of its sensors): a phase that nobody recorded.
-    needs : tuple of str
-        Covariates without which it cannot be computed: names of columns of the recording.
+    needs : frozenset of str
+        What a rig must offer: ``pulleys``, or a covariate, which is a further column of the
+        recording by its name and stands in ``State.covariates``.
     """
 
     name: str
@@ -229,7 +230,7 @@ class Effect:
     edge: Mapping[str, float] = field(default_factory=dict)
     along_path: bool = False
     components: int = 0
-    needs: tuple[str, ...] = ()
+    needs: frozenset[str] = frozenset()
 
     @property
     def parameters(self) -> tuple[EffectParameter, ...]:

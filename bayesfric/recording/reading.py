@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from bayesfric.errors import Fault, InputError
-from bayesfric.recording.columns import RIG_KEYS_NEEDED, TABLES
+from bayesfric.recording.columns import BUILT_IN, RIG_KEYS_NEEDED, TABLES
 from bayesfric.recording.consistency import check_across
 from bayesfric.recording.csv_text import parse_csv
 from bayesfric.recording.digest import tables_sha256
@@ -186,6 +186,7 @@ def _recording(package: Package, tables: dict[str, Table], sha256: str) -> Recor
         motor=motor,
         steady=frames.get("steady_friction.csv"),
         axis=axis,
+        further={file: frames[file] for file in frames if file not in BUILT_IN},
         created=package.created,
         metadata=package.metadata,
         sha256=sha256,

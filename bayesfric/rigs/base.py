@@ -210,11 +210,16 @@ class RigTrials(Protocol):
     def refuses(self, law: Baseline) -> Unsupported | None:
         """Return why a friction law makes no sense here; None where it does."""
 
-    def priors_of_sizes(self) -> Mapping[str, PriorOverrides]:
-        """Return priors of coefficients, by size, that the defaults are not argued for."""
+    @property
+    def offers(self) -> frozenset[str]:
+        """What effects may need of it, see :class:`bayesfric.effects.Effect`."""
 
-    def adapted(self, effect: Effect) -> Effect:
-        """Return an effect as it is meant on this rig: in its words, with priors of its size."""
+    @property
+    def own_priors(self) -> Mapping[str, PriorOverrides]:
+        """Priors of its law in its own measures, by size; empty where those of all do."""
+
+    def suited(self, effect: Effect) -> Effect:
+        """Return an effect in the rig's words, with priors in its own measures."""
 
     def under(self, law: Baseline) -> "RigTrials":
         """Return the same trials, which a diagnosis makes linear around another law."""

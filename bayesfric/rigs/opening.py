@@ -144,7 +144,7 @@ def with_own_priors(analysis: Analysis, rigs: Sequence[RigTrials]) -> Analysis:
     priors, written = analysis.priors, analysis.priors.model_fields_set
     pulleys = dict(priors.pulleys)
     for one in rigs:
-        for size, own in one.priors_of_sizes().items():
+        for size, own in one.own_priors.items():
             given = pulleys.get(size, PriorOverrides())
             free = own.model_copy(update=dict.fromkeys(COEFFICIENTS & written))
             chosen = given.model_dump(exclude_none=True)

@@ -8,41 +8,17 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from bayesfric.analysis import PriorOverrides
-from bayesfric.effects import Effect
 from bayesfric.physics.compliant import Cable
-from bayesfric.physics.laws import Baseline
 from bayesfric.rigs.base import Predictive, Resting, Unsupported
+from bayesfric.rigs.pulleys import PulleyTrials
 from bayesfric.schemas import PointEstimate
 
-__all__ = ["OverPulleys", "PlainTrials"]
+__all__ = ["PlainTrials"]
 
 Array = NDArray[np.float64]
 
 
-class OverPulleys:
-    """Trials of a cable over pulleys, for which laws, priors and effects were argued."""
-
-    @property
-    def has_pulleys(self) -> bool:
-        """True."""
-        return True
-
-    def refuses(self, law: Baseline) -> Unsupported | None:
-        """Return None: every law makes sense over pulleys."""
-        del law
-        return None
-
-    def priors_of_sizes(self) -> Mapping[str, PriorOverrides]:
-        """Return nothing: the defaults are argued for cables over pulleys."""
-        return {}
-
-    def adapted(self, effect: Effect) -> Effect:
-        """Return the effect as it is: it was described for cables over pulleys."""
-        return effect
-
-
-class PlainTrials(OverPulleys):
+class PlainTrials(PulleyTrials):
     """Steady trials all of which enter; see :class:`bayesfric.rigs.base.RigTrials`."""
 
     @property

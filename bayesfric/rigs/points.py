@@ -147,8 +147,6 @@ class PointRows:
         effect = candidate.effect
         if absent := self._absent(effect.acts_on):
             return absent
-        if lacking := [name for name in effect.needs if name not in self.state.covariates]:
-            return Unsupported(f"it needs {' and '.join(lacking)}, which was not recorded")
         if effect.components:
             return AVERAGES
         values, small = unit_values(candidate)

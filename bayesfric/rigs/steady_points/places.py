@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from bayesfric.effects import Effect, State
+from bayesfric.effects import PULLEYS, Effect, State
 from bayesfric.effects.terms import small_values
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients, coulomb_friction
 from bayesfric.rigs.base import Unsupported, why_inert
@@ -54,7 +54,7 @@ def supported(bench: Bench, effect: Effect, law: Coefficients) -> Unsupported | 
     if effect.components:
         return NO_PATH
     state = state_of(bench, law)
-    if lacking := [name for name in effect.needs if name not in state.covariates]:
+    if lacking := sorted(effect.needs - PULLEYS - set(state.covariates)):
         return Unsupported(f"It needs {' and '.join(lacking)}, which these data do not have.")
     for one in effect.laws.values():
         response = np.asarray(one(small_values(effect), state))

@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis, PriorOverrides
-from bayesfric.effects import Effect
+from bayesfric.effects import PULLEYS, Effect
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.physics.friction import Coefficients
@@ -25,7 +25,7 @@ from bayesfric.rigs.steady_points.bench import Bench, bench_of
 from bayesfric.rigs.steady_points.errors import NAME
 from bayesfric.rigs.steady_points.likelihood import PointsLikelihood
 from bayesfric.rigs.steady_points.linear import points_rows
-from bayesfric.rigs.steady_points.places import supported
+from bayesfric.rigs.steady_points.places import covariates_of, supported
 from bayesfric.rigs.steady_points.predictions import points_dataset
 from bayesfric.rigs.truth import Truth
 
@@ -132,11 +132,17 @@ class SteadyTrials(PlainTrials):
         lacks_slope = "tension_n" not in self.bench.given
         return NO_TENSION if lacks_slope and "c2" in law.without else None
 
-    def priors_of_sizes(self) -> Mapping[str, PriorOverrides]:
+    @property
+    def offers(self) -> frozenset[str]:
+        """Loads as pulleys have them, and the covariates that were recorded."""
+        return PULLEYS | frozenset(covariates_of(self.bench))
+
+    @property
+    def own_priors(self) -> Mapping[str, PriorOverrides]:
         """Return priors that are as wide as the readings are large, of unknown sizes."""
         return self.bench.priors()
 
-    def adapted(self, effect: Effect) -> Effect:
+    def suited(self, effect: Effect) -> Effect:
         """Return an effect in proportion to the machine, unless it has the paper's pulleys."""
         bench = self.bench
         if bench.is_of_paper or effect.acts_on not in ("friction", "drive"):
