@@ -5,7 +5,7 @@ from typing import get_args
 import pytest
 
 from bayesfric.cli.exits import FAILURES, failures_of
-from bayesfric.schemas.diagnosis import Verdict
+from bayesfric.diagnosis.verdict import Verdict
 
 
 @pytest.mark.parametrize(

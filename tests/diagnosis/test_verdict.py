@@ -1,9 +1,9 @@
 """The verdict by the rules of the contract."""
 
 import pytest
+from report.diagnosis_sample import cause, diagnosis
 
 from bayesfric.diagnosis.verdict import Known, decide, sentence_of, sets_of_one, sort_effects
-from report.diagnosis_sample import cause, diagnosis
 
 
 def known(effect="viscous", probability=0.99, above=1.0, **options):
