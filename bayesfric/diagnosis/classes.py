@@ -85,7 +85,7 @@ def classes_of(model: LinearModel, psi: Array) -> Classes:
     # There is no discrepancy either: what is identical is so whatever it takes up.
     free = sd.copy()
     first = slice(places[0] if places.size else None)
-    free[first] = np.where(_is_coefficient(model) & (sd[first] > 0), 1e3, 0.0)
+    free[first] = np.where(_is_coefficient(model) & (sd[first] > 0), 1e3 * sd[first], 0.0)
     after = model.layout.own * len(model.layout.sizes) + len(columns)
     free[after : after + model.layout.shared] = 0.0
     reduced = information.reduced(mean, free, places)

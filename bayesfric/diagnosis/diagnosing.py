@@ -261,7 +261,7 @@ def _examinable(data: Data, own: Mapping[str, Effect]) -> tuple[dict[str, Effect
     """
     offered = frozenset().union(*(one.offers for one in data.rigs))
     examined, lacking = {}, {}
-    for name, effect in sorted((all_effects() | own).items()):
+    for name, effect in sorted({**all_effects(), **own}.items()):
         if missing := effect.needs - offered:
             needed = ", ".join(sorted(missing))
             lacking[name] = f"absent from these data: it needs what no rig here has ({needed})"

@@ -31,20 +31,24 @@ def against_motion(table: pd.DataFrame) -> Array:
         In the unit of the table; negative where a point pushes.
     """
     friction = table["friction_n"].to_numpy(dtype=np.float64)
+    # Without a speed, a sign that changes only says which way it went.
+    size = np.abs(friction)
     conventions: tuple[Array, ...] = (friction, -friction)
+    if (friction < 0).mean() > MANY and (friction > 0).mean() > MANY:
+        conventions = (size,)
     if "velocity_m_s" in table:
-        way, size = np.sign(table["velocity_m_s"].to_numpy(dtype=np.float64)), np.abs(friction)
+        way = np.sign(table["velocity_m_s"].to_numpy(dtype=np.float64))
         signed = way * friction
         conventions = (friction, *(np.where(way == 0, size, one) for one in (signed, -signed)))
-    return min(conventions, key=lambda one: -np.minimum(one, 0.0).sum())
+    return min(conventions, key=lambda one: -np.minimum(one, 0.0).sum()).copy()
 
 
 def pushing(table: pd.DataFrame) -> NDArray[np.bool_]:
     """Return which points push, by more than their standard error allows, shape (N,)."""
-    error = 0.0
+    against = against_motion(table)
     if "friction_sd_n" in table:
-        error = NOISE * table["friction_sd_n"].fillna(0.0).to_numpy(dtype=np.float64)
-    return np.asarray(against_motion(table) < -error)
+        against += NOISE * table["friction_sd_n"].fillna(0.0).to_numpy(dtype=np.float64)
+    return np.asarray(against < 0)
 
 
 def notes_on_signs(table: pd.DataFrame) -> list[str]:

@@ -39,7 +39,8 @@ def notes_on_range(recording: Recording) -> tuple[str, ...]:
         runs = recording.motor.runs
         notes += _notes(runs.assign(tension_n=runs["hanging_mass_kg"] * g), "run")
     steady = recording.steady
-    if steady is not None and any(column in steady for column in PULLEYS_ARE):
+    over_pulleys = steady is not None and any(column in steady for column in PULLEYS_ARE)
+    if steady is not None and over_pulleys and not recording.rig.rotary:
         notes += _notes(steady, "run")
     return tuple(notes)
 

@@ -110,18 +110,25 @@ def bench_of(points: pd.DataFrame, *, rotary: bool) -> Bench:
     """
     given = frozenset(str(name) for name in points)
     table = points.rename(columns={"run": "trial"}).assign(friction_n=against_motion(points))
-    absent = {"n_pulleys": 1, "wrap_angle_deg": REFERENCE_WRAP_ANGLE_DEG, "tension_n": 0.0}
     size = "pulley" if given & set(PULLEYS) else NO_PULLEY
-    for name, value in {"pulley_size": size, **absent}.items():
-        if name not in table:
-            table[name] = value
+    absent = pd.DataFrame(
+        {
+            "pulley_size": size,
+            "n_pulleys": 1,
+            "wrap_angle_deg": REFERENCE_WRAP_ANGLE_DEG,
+            "tension_n": 0.0,
+        },
+        index=table.index,
+    )
+    table = table.join(absent[[name for name in absent if name not in given]])
     shared = "setup" in given
     if not shared:
         cell = table.groupby(list(PULLEYS), sort=False).ngroup()
         shared = given >= set(PULLEYS) and cell.nunique() >= FEWEST_SETUPS
         table["setup"] = [f"a{one + 1}" for one in cell] if shared else table["trial"]
     table = table.sort_values("setup", kind="stable", ignore_index=True)
-    covariates = tuple(n for n in table if n not in (*KNOWN, *PULLEYS, "tension_n"))
+    known = (*KNOWN, *PULLEYS, "tension_n")
+    covariates = tuple(str(name) for name in table if name not in known)
     return Bench(table, given, covariates, shared, _scale(table, given), rotary)
 
 

@@ -129,8 +129,9 @@ class PointsLikelihood(GroupedLikelihood):
 
     def start(self) -> dict[str, float]:
         """Return rough estimates by least squares, a place to climb from."""
-        columns = (self.trials[name].to_numpy(dtype=np.float64) for name in CONDITION)
-        rough = self._size.rough_coefficients(*columns, self._reading, self._without)
+        n, wrap, tension = (self.trials[name].to_numpy(dtype=np.float64) for name in CONDITION)
+        reading, without = self._reading, self._without
+        rough = self._size.rough_coefficients(n, wrap, tension, reading, without)
         rms = float(np.sqrt((self._reading**2).mean()))
         noise = {TAU: 0.02, OMEGA: 0.02, SIGMA: 0.01 * rms}
         return rough | noise | rough_values(self._effects)

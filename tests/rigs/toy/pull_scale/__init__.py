@@ -1,7 +1,8 @@
 """A toy rig: a spring scale pulls the cable slowly over pulleys, under a known tension.
 
-It brings a table of its own, ``pull_scale.csv``, and shows what a new rig takes: one folder. A reading is the
-law's friction, times 1 + η + ε of its assembly and its own, with a known standard error.
+It brings a table of its own, ``pull_scale.csv``, and shows what a new rig takes: one folder.
+A reading is the law's friction, times 1 + η + ε of its assembly and its own, with a known
+standard error.
 """
 
 from dataclasses import dataclass, field, replace
