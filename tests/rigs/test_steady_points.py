@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from friction_points import joint, recorded, slide
+from rigs.friction_points import joint, recorded, slide
 
 import bayesfric as bf
 from bayesfric import rigs
