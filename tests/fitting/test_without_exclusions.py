@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from altered import of_size, with_trials
+from altered import of_size, one_size, with_trials
 
 import bayesfric as bf
 from bayesfric.analysis import Analysis, Sampler
@@ -117,6 +117,6 @@ def test_a_trial_that_cannot_be_computed_enters_neither(medium):
 
 
 def test_the_motor_board_has_no_rules(small_recording):
-    summary = bf.fit(small_recording, SHORT, rigs=("motor",)).summary
+    summary = bf.fit(one_size(small_recording, "medium"), SHORT, rigs=("motor",)).summary
     assert summary.without_exclusions is None
     assert "no rule" in summary.without_exclusions_why
