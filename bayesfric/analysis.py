@@ -5,6 +5,7 @@ The models validate and document; they compute nothing. Unknown keys are refused
 
 import hashlib
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -27,6 +28,7 @@ __all__ = [
     "Scatter",
     "Uniform",
     "analysis_sha256",
+    "checked_analysis",
     "read_analysis",
 ]
 
@@ -380,6 +382,24 @@ def read_analysis(path: Path | None, *, seed: int | None = None) -> Analysis:
             raise InputError([Fault(name, f"TOML that parses ({error})")]) from error
     if seed is not None:
         values = {**values, "seed": seed}
+    return checked_analysis(values, name)
+
+
+def checked_analysis(values: Mapping[str, Any], name: str) -> Analysis:
+    """Validate settings.
+
+    Parameters
+    ----------
+    values : mapping
+        Keys of an ``analysis.toml``; what is absent has its default.
+    name : str
+        Of the file that they are from.
+
+    Raises
+    ------
+    InputError
+        With every fault: where, what was found, what was expected.
+    """
     try:
         return Analysis.model_validate(values)
     except ValidationError as error:

@@ -4,6 +4,7 @@ Files appear whole or not at all: a verb prepares all of its outputs in a folder
 beside the target and then renames them into place.
 """
 
+import hashlib
 import os
 import platform
 import shutil
@@ -14,12 +15,13 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import arviz_base
-import h5netcdf  # noqa: F401  (the engine; imported so that its absence shows at once)
+import h5netcdf
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 from pydantic import BaseModel
 
+from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.errors import Fault, InputError
 from bayesfric.physics.friction import Coefficients
 from bayesfric.schemas import FitFile, Provenance, RecordingId
@@ -28,45 +30,53 @@ __all__ = [
     "created_date",
     "draws_tree",
     "fitted_coefficients",
+    "identified",
     "json_bytes",
     "package_versions",
     "provenance",
+    "read_beside",
     "read_json",
     "read_tree",
+    "refuse_mixed",
     "replace_outputs",
     "write_netcdf",
 ]
 
 Array = NDArray[np.float64]
 Record = TypeVar("Record", bound=BaseModel)
+File = TypeVar("File", bound=Provenance)
+ARRAYS = {
+    "fit.json": ("draws.nc", "predictive.nc"),
+    "claims.json": ("claims.nc",),
+    "diagnosis.json": ("diagnosis.nc",),
+}
+"""What each JSON file is written with."""
 PACKAGES = ("bayesfric", "arviz-base", "arviz-stats", "emcee", "numpy", "scipy", "xarray")
 
 
 def provenance(
     *,
-    seed: int,
     recording: RecordingId,
-    analysis_sha256: str,
+    analysis: Analysis,
     created: str | None,
 ) -> Provenance:
     """Return what every file carries.
 
     Parameters
     ----------
-    seed : int
-        Of the analysis.
     recording : RecordingId
         Name, title and hash of the recording.
-    analysis_sha256 : str
-        Hash of the settings.
+    analysis : Analysis
+        The settings, and the seed.
     created : str or None
         The recording's own date; ``SOURCE_DATE_EPOCH`` overrides it.
     """
     return Provenance(
-        seed=seed,
+        seed=analysis.seed,
         versions=package_versions(),
         recording=recording,
-        analysis_sha256=analysis_sha256,
+        analysis_sha256=analysis_sha256(analysis),
+        analysis=analysis.model_dump(mode="json"),
         created=created_date(created),
     )
 
@@ -139,8 +149,20 @@ def draws_tree(
     return tree
 
 
-def write_netcdf(tree: xr.DataTree, path: Path) -> None:
-    """Write a tree as netCDF-4, compressed, without creation times."""
+def identified(record: File) -> File:
+    """Return a record with its run id, a hash of all else that it says.
+
+    The same seed, recording and settings give the same id; files of two runs that differ
+    in anything never share one.
+    """
+    data = record.model_copy(update={"run_id": ""}).model_dump_json(by_alias=True)
+    return record.model_copy(update={"run_id": hashlib.sha256(data.encode()).hexdigest()[:16]})
+
+
+def write_netcdf(tree: xr.DataTree, path: Path, run_id: str = "") -> None:
+    """Write a tree as netCDF-4, compressed, without creation times, with its run id."""
+    tree = tree.copy()
+    tree.attrs = tree.attrs | {"run_id": run_id}
     encoding = {
         f"/{node.path.strip('/')}": {
             str(name): {"zlib": True, "complevel": 4, "shuffle": True}
@@ -160,6 +182,10 @@ def json_bytes(record: BaseModel) -> bytes:
 def replace_outputs(folder: Path, writers: Mapping[str, Callable[[Path], object]]) -> None:
     """Write several files, all of them or none.
 
+    They are prepared beside the target and renamed in the given order. Renaming cannot be
+    done at once: a kill between two names leaves a set of two runs, which every reader
+    refuses by its run ids (:func:`read_beside`).
+
     Parameters
     ----------
     folder : Path
@@ -174,6 +200,8 @@ def replace_outputs(folder: Path, writers: Mapping[str, Callable[[Path], object]
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        if folders := [name for name in writers if (folder / name).is_dir()]:
+            raise InputError([Fault(str(folder / name), "no folder here") for name in folders])
         scratch = folder / ".writing"
         shutil.rmtree(scratch, ignore_errors=True)  # of a run that was killed here
         scratch.mkdir()
@@ -220,6 +248,62 @@ def read_json(model: type[Record], path: Path) -> Record:
         raise InputError([fault]) from error
 
 
+def read_beside(record: Provenance, path: Path) -> xr.DataTree:
+    """Read the arrays that were written with a record.
+
+    Parameters
+    ----------
+    record : Provenance
+        Of the JSON file beside it.
+    path : Path
+        The netCDF file.
+
+    Raises
+    ------
+    InputError
+        It is missing, is not netCDF, or is of another run.
+    """
+    tree = read_tree(path)
+    if tree.attrs.get("run_id", "") != record.run_id:
+        expected = "a file of the same run as the JSON beside it: run the verb again"
+        raise InputError([Fault(str(path), expected)])
+    return tree
+
+
+def refuse_mixed(record: Provenance, path: Path) -> None:
+    """Refuse a JSON file whose arrays, where they are beside it, are of another run.
+
+    Parameters
+    ----------
+    record : Provenance
+        As read.
+    path : Path
+        Where it was read.
+
+    Raises
+    ------
+    InputError
+        The files are of two runs, or arrays are damaged.
+    """
+    for name in ARRAYS.get(path.name, ()):
+        beside = path.with_name(name)
+        if beside.is_file() and _attributes(beside).get("run_id", "") != record.run_id:
+            expected = f"a file of the same run as {path.name}: run the verb again"
+            raise InputError([Fault(str(beside), expected)])
+
+
+def _attributes(path: Path) -> Mapping[str, Any]:
+    try:
+        with h5netcdf.File(path, "r") as file:
+            return dict(file.attrs)
+    except (OSError, ValueError, KeyError) as error:
+        raise InputError([_not_netcdf(path)]) from error
+
+
+def _not_netcdf(path: Path) -> Fault:
+    return Fault(str(path), "a netCDF file that bayesfric wrote, whole")
+
+
 def fitted_coefficients(folder: Path) -> dict[str, Coefficients]:
     """Return the posterior means of a stored fit, by pulley size.
 
@@ -231,10 +315,11 @@ def fitted_coefficients(folder: Path) -> dict[str, Coefficients]:
     Raises
     ------
     InputError
-        There is no fit.
+        There is no fit, or its files are of two runs.
     """
-    pulleys = read_json(FitFile, folder / "fit.json").pulleys
+    fit = read_json(FitFile, folder / "fit.json")
+    refuse_mixed(fit, folder / "fit.json")
     return {
         size: Coefficients(*(entries[name].mean for name in Coefficients._fields))
-        for size, entries in pulleys.items()
+        for size, entries in fit.pulleys.items()
     }

@@ -10,11 +10,13 @@ import typer
 
 from bayesfric.cli.blind import blind
 from bayesfric.cli.claims import claims
+from bayesfric.cli.compare import compare
 from bayesfric.cli.diagnose import diagnose
 from bayesfric.cli.fit import fit
 from bayesfric.cli.info import info
 from bayesfric.cli.margins import margins
 from bayesfric.cli.report import report
+from bayesfric.cli.rerun import rerun
 from bayesfric.cli.run import run
 from bayesfric.cli.simulate import simulate
 from bayesfric.cli.validate import validate
@@ -29,7 +31,20 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for verb in (run, validate, simulate, fit, claims, diagnose, blind, margins, report, info):
+for verb in (
+    run,
+    validate,
+    simulate,
+    fit,
+    claims,
+    diagnose,
+    blind,
+    margins,
+    report,
+    compare,
+    rerun,
+    info,
+):
     app.command()(verb)
 
 

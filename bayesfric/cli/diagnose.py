@@ -1,12 +1,15 @@
 """``bayesfric diagnose``: where the simulation misses, why, and how far that shrinks."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from bayesfric.cli.exits import exit_status, fail_on
 from bayesfric.cli.options import Baseline, Config, FailOn, Folder, Quiet, Seed
+
+if TYPE_CHECKING:
+    from bayesfric.analysis import Analysis
 
 __all__ = ["diagnose"]
 
@@ -37,17 +40,18 @@ def diagnose(
 
     Example: bayesfric diagnose my-board -o my-results --fail-on gap
     """
+    from bayesfric.analysis import read_analysis
+
+    fail_on(fail_on_list, set())  # an unknown name is told before the work
     happened = diagnose_into(
         recording,
         output,
+        read_analysis(config, seed=seed),
         baseline=baseline,
         shipped=shipped,
         fixed=fixed,
-        effect_modules=effect_module or [],
-        seed=seed,
-        config=config,
+        effect_modules=effect_module,
         quiet=quiet,
-        failures=fail_on_list,
     )
     fail_on(fail_on_list, happened)
 
@@ -55,27 +59,22 @@ def diagnose(
 def diagnose_into(
     recording: Path,
     output: Path,
+    analysis: "Analysis",
     *,
     baseline: str = "paper",
     shipped: Path | None = None,
     fixed: str = "",
-    effect_modules: list[Path],
-    seed: int | None,
-    config: Path | None,
+    effect_modules: list[Path] | None = None,
     quiet: bool,
-    failures: str,
 ) -> set[str]:
     """Diagnose, write and print; return what happened that ``--fail-on`` can name."""
-    from bayesfric.analysis import read_analysis
     from bayesfric.diagnosis import diagnose as diagnose_recording
     from bayesfric.effects import effect_of_file
     from bayesfric.recording import read_recording
     from bayesfric.results import fitted_coefficients
     from bayesfric.testing import checked
 
-    fail_on(failures, set())  # an unknown name is told before the work
-    analysis = read_analysis(config, seed=seed)
-    effects = [checked(effect_of_file(path), path) for path in effect_modules]
+    effects = [checked(effect_of_file(path), path) for path in effect_modules or []]
     found = read_recording(recording)
     if not quiet:
         typer.echo("weighing the effects that the baseline leaves out", err=True)

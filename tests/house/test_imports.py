@@ -30,6 +30,7 @@ ROWS = (
     ("claims",),
     ("diagnosis",),
     ("margins",),
+    ("comparing",),
     ("export", "blind/engines"),
     ("blind",),
     ("plots",),
