@@ -15,14 +15,16 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import arviz_base
-import h5netcdf
+import h5netcdf  # noqa: F401  (the engine; imported so that its absence shows at once)
+import h5py
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from pydantic import BaseModel
+from pydantic import BaseModel, ValidationError
 
 from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.errors import Fault, InputError
+from bayesfric.files import file_bytes
 from bayesfric.physics.friction import Coefficients
 from bayesfric.schemas import FitFile, Provenance, RecordingId
 
@@ -51,6 +53,7 @@ ARRAYS = {
     "diagnosis.json": ("diagnosis.nc",),
 }
 """What each JSON file is written with."""
+LARGEST_ARRAY = 1024**3  # bytes; draws.nc has 20 MB
 PACKAGES = ("bayesfric", "arviz-base", "arviz-stats", "emcee", "numpy", "scipy", "xarray")
 
 
@@ -162,10 +165,11 @@ def identified(record: File) -> File:
 def write_netcdf(tree: xr.DataTree, path: Path, run_id: str = "") -> None:
     """Write a tree as netCDF-4, compressed, without creation times, with its run id."""
     tree = tree.copy()
-    tree.attrs = tree.attrs | {"run_id": run_id}
+    tree.attrs = tree.attrs | {"run_id": run_id, "layout": _layout(tree)}
     encoding = {
         f"/{node.path.strip('/')}": {
-            str(name): {"zlib": True, "complevel": 4, "shuffle": True}
+            # The checksum lets damage be told when the file is read.
+            str(name): {"zlib": True, "complevel": 4, "shuffle": True, "fletcher32": True}
             for name, variable in node.data_vars.items()
             if variable.dtype.kind == "f" and variable.size > 1
         }
@@ -223,14 +227,49 @@ def read_tree(path: Path) -> xr.DataTree:
     Raises
     ------
     InputError
-        The file is missing or is not netCDF.
+        The file is missing, is not netCDF, is damaged, or lacks a part that it was
+        written with.
     """
     try:
+        if not path.is_file():
+            raise InputError([_not_netcdf(path, "there is no such file")])
+        _read_through(path)
         with xr.open_datatree(path, engine="h5netcdf") as tree:
-            return tree.load()
-    except (OSError, ValueError) as error:
-        fault = Fault(path.name, "a netCDF file that bayesfric wrote")
-        raise InputError([fault]) from error
+            found = tree.load()
+    except InputError:
+        raise
+    except Exception as error:  # whatever the libraries make of bytes that are damaged
+        raise InputError([_not_netcdf(path, type(error).__name__)]) from error
+    if found.attrs.get("layout", _layout(found)) != _layout(found):
+        raise InputError([_not_netcdf(path, "a part of it is not there")])
+    return found
+
+
+def _read_through(path: Path) -> None:
+    """Read every array once with checksums, before h5netcdf trips over what is damaged."""
+
+    def read(name: str, item: h5py.HLObject) -> None:
+        if isinstance(item, h5py.Dataset) and item.shape is not None:
+            if item.nbytes > LARGEST_ARRAY:
+                raise ValueError(f"{name} has {item.nbytes:,} bytes")
+            item[()]
+
+    with h5py.File(path, "r") as file:
+        file.visititems(read)
+
+
+def _layout(tree: xr.DataTree) -> str:
+    """Return a hash of the groups, variables, dimensions and shapes of a tree."""
+    parts = [
+        f"{node.path} {name} {variable.dims} {variable.shape}"
+        for node in tree.subtree
+        for name, variable in node.to_dataset(inherit=False).variables.items()
+    ]
+    return hashlib.sha256("\n".join(sorted(parts)).encode()).hexdigest()[:16]
+
+
+def _not_netcdf(path: Path, why: str) -> Fault:
+    return Fault(str(path), f"a netCDF file that bayesfric wrote, whole ({why})")
 
 
 def read_json(model: type[Record], path: Path) -> Record:
@@ -239,13 +278,21 @@ def read_json(model: type[Record], path: Path) -> Record:
     Raises
     ------
     InputError
-        The file is missing or does not follow its schema.
+        The file is missing or does not follow its schema: at which keys.
     """
     try:
-        return model.model_validate_json(path.read_bytes())
-    except (OSError, ValueError) as error:
-        fault = Fault(path.name, f"a file of the schema that bayesfric writes ({error})")
-        raise InputError([fault]) from error
+        return model.model_validate_json(file_bytes(path))
+    except ValidationError as error:
+        raise InputError(
+            [
+                Fault(
+                    str(path),
+                    f"a file of the schema that bayesfric writes ({detail['msg']})",
+                    column=".".join(str(part) for part in detail["loc"]) or None,
+                )
+                for detail in error.errors(include_url=False, include_input=False)
+            ]
+        ) from error
 
 
 def read_beside(record: Provenance, path: Path) -> xr.DataTree:
@@ -294,14 +341,10 @@ def refuse_mixed(record: Provenance, path: Path) -> None:
 
 def _attributes(path: Path) -> Mapping[str, Any]:
     try:
-        with h5netcdf.File(path, "r") as file:
-            return dict(file.attrs)
-    except (OSError, ValueError, KeyError) as error:
-        raise InputError([_not_netcdf(path)]) from error
-
-
-def _not_netcdf(path: Path) -> Fault:
-    return Fault(str(path), "a netCDF file that bayesfric wrote, whole")
+        with h5py.File(path, "r") as file:
+            return {name: file.attrs[name] for name in ("run_id",) if name in file.attrs}
+    except Exception as error:  # as in read_tree
+        raise InputError([_not_netcdf(path, type(error).__name__)]) from error
 
 
 def fitted_coefficients(folder: Path) -> dict[str, Coefficients]:

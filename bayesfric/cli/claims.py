@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from bayesfric.cli.exits import exit_status, fail_on
+from bayesfric.cli.locks import hold
 from bayesfric.cli.options import (
     Baseline,
     Config,
@@ -17,6 +18,7 @@ from bayesfric.cli.options import (
     Workers,
     named_rigs,
 )
+from bayesfric.cli.printing import say
 
 if TYPE_CHECKING:
     from bayesfric.analysis import Analysis
@@ -46,16 +48,17 @@ def claims(
     from bayesfric.analysis import read_analysis
 
     fail_on(fail_on_list, set())  # an unknown name is told before the work
-    happened = claims_into(
-        recording,
-        output,
-        read_analysis(config, seed=seed),
-        junit=junit,
-        rigs=named_rigs(rigs),
-        baseline=baseline,
-        workers=workers,
-        quiet=quiet,
-    )
+    with hold(output, "claims"):
+        happened = claims_into(
+            recording,
+            output,
+            read_analysis(config, seed=seed),
+            junit=junit,
+            rigs=named_rigs(rigs),
+            baseline=baseline,
+            workers=workers,
+            quiet=quiet,
+        )
     fail_on(fail_on_list, happened)
 
 
@@ -78,7 +81,7 @@ def claims_into(
 
     found = read_recording(recording)
     if not quiet:
-        typer.echo("comparing the claims with their rivals", err=True)
+        say("comparing the claims with their rivals", err=True)
     with processes(workers) as executor:
         checked = check_claims(
             found,
@@ -90,5 +93,5 @@ def claims_into(
         )
     checked.write(output, junit=junit)
     for one in checked.summary.claims:
-        typer.echo(f"{one.id:<24} {one.verdict:<13} {one.reason}")
+        say(f"{one.id:<24} {one.verdict:<13} {one.reason}")
     return {"refuted"} if checked.refuted else set()

@@ -7,6 +7,7 @@ import typer
 
 from bayesfric.cli.exits import exit_status, fail_on
 from bayesfric.cli.options import FailOn
+from bayesfric.cli.printing import say
 
 __all__ = ["compare"]
 
@@ -32,5 +33,5 @@ def compare(
     if output is not None:
         write_comparison(found, output)
     for line in comparison_text(found):
-        typer.echo(line)
+        say(line)
     fail_on(fail_on_list, set() if found.same else {"changed"})

@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from bayesfric.cli.exits import exit_status, fail_on
+from bayesfric.cli.locks import hold
 from bayesfric.cli.options import Baseline, Config, FailOn, Folder, Quiet, Seed
+from bayesfric.cli.printing import say
 
 if TYPE_CHECKING:
     from bayesfric.analysis import Analysis
@@ -43,16 +45,17 @@ def diagnose(
     from bayesfric.analysis import read_analysis
 
     fail_on(fail_on_list, set())  # an unknown name is told before the work
-    happened = diagnose_into(
-        recording,
-        output,
-        read_analysis(config, seed=seed),
-        baseline=baseline,
-        shipped=shipped,
-        fixed=fixed,
-        effect_modules=effect_module,
-        quiet=quiet,
-    )
+    with hold(output, "diagnose"):
+        happened = diagnose_into(
+            recording,
+            output,
+            read_analysis(config, seed=seed),
+            baseline=baseline,
+            shipped=shipped,
+            fixed=fixed,
+            effect_modules=effect_module,
+            quiet=quiet,
+        )
     fail_on(fail_on_list, happened)
 
 
@@ -77,7 +80,7 @@ def diagnose_into(
     effects = [checked(effect_of_file(path), path) for path in effect_modules or []]
     found = read_recording(recording)
     if not quiet:
-        typer.echo("weighing the effects that the baseline leaves out", err=True)
+        say("weighing the effects that the baseline leaves out", err=True)
     diagnosed = diagnose_recording(
         found,
         analysis,
@@ -88,9 +91,9 @@ def diagnose_into(
     )
     diagnosed.write(output)
     summary = diagnosed.summary
-    typer.echo(f"{summary.verdict}: {summary.sentence}")
+    say(f"{summary.verdict}: {summary.sentence}")
     for name, chance in list(summary.probabilities.items())[:5]:
-        typer.echo(f"  {name:<28} {chance:.3f}")
+        say(f"  {name:<28} {chance:.3f}")
     if summary.verdict == "undecided":
         return {"undecided"}
     return set() if summary.verdict == "no-gap" else {"gap"}

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from bayesfric.cli.exits import exit_status, fail_on
+from bayesfric.cli.locks import hold
 from bayesfric.cli.options import Baseline, Config, FailOn, Folder, Quiet, Rigs, Seed, named_rigs
+from bayesfric.cli.printing import say
 from bayesfric.cli.progress import progress_bar
 
 if TYPE_CHECKING:
@@ -37,9 +39,11 @@ def fit(
 
     fail_on(fail_on_list, set())  # an unknown name is told before the work
     analysis = read_analysis(config, seed=seed)
-    happened = fit_into(
-        recording, output, analysis, rigs=named_rigs(rigs), baseline=baseline, csv=csv, quiet=quiet
-    )
+    chosen = named_rigs(rigs)
+    with hold(output, "fit"):
+        happened = fit_into(
+            recording, output, analysis, rigs=chosen, baseline=baseline, csv=csv, quiet=quiet
+        )
     fail_on(fail_on_list, happened)
 
 
@@ -80,12 +84,12 @@ def fit_into(
     for size, coefficients in result.summary.pulleys.items():
         for name, entry in coefficients.items():
             unit = "" if entry.unit == "1" else f" {entry.unit}"
-            typer.echo(
+            say(
                 f"{size:<8} {name}  {entry.mean:.4g} ± {entry.sd:.2g}{unit}"
                 f"  (90 %: {entry.q05:.4g} to {entry.q95:.4g})"
                 + ("" if entry.informed or not converged else "  driven by the prior")
             )
     if not quiet:
         for line in result.summary.attention:
-            typer.echo(f"attention: {line}", err=True)
+            say(f"attention: {line}", err=True)
     return set() if converged else {"unconverged"}

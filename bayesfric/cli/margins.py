@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from bayesfric.cli.exits import exit_status, fail_on
+from bayesfric.cli.locks import hold
 from bayesfric.cli.options import Config, FailOn, Folder, Quiet, Seed
+from bayesfric.cli.printing import say
 from bayesfric.cli.progress import progress_bar
 
 if TYPE_CHECKING:
@@ -41,7 +43,10 @@ def margins(
 
     fail_on(fail_on_list, set())  # an unknown name is told before the work
     analysis = read_analysis(config, seed=seed)
-    margins_into(loops, draws, output, analysis, diagnosis=diagnosis, verify=verify, quiet=quiet)
+    with hold(output, "margins"):
+        margins_into(
+            loops, draws, output, analysis, diagnosis=diagnosis, verify=verify, quiet=quiet
+        )
 
 
 def margins_into(
@@ -63,19 +68,19 @@ def margins_into(
         )
     found.write(output)
     for loop in found.summary.loops:
-        typer.echo(f"{loop.name}: {loop.answer}")
+        say(f"{loop.name}: {loop.answer}")
         if loop.with_effects is not None:
             effects = ", ".join(loop.with_effects.effects)
-            typer.echo(f"{loop.name} with {effects}: {loop.with_effects.answer}")
+            say(f"{loop.name} with {effects}: {loop.with_effects.answer}")
         for metric in loop.metrics:
             p = metric.probability_of_violation
             if p is not None and metric.interval is not None:
                 name = f"{metric.name} {metric.direction or ''}"
-                typer.echo(
+                say(
                     f"  {name:<28} {metric.interval.q50:.3g} [{metric.interval.q05:.3g}, "
                     f"{metric.interval.q95:.3g}] {metric.unit if metric.unit != '1' else ''}"
                     f"  P(violates {metric.spec:.3g}) = {p:.3f}"
                 )
         if not quiet:
             for warning in loop.warnings:
-                typer.echo(f"warning: {loop.name}: {warning}", err=True)
+                say(f"warning: {loop.name}: {warning}", err=True)

@@ -10,8 +10,10 @@ from bayesfric.cli.claims import claims_into
 from bayesfric.cli.diagnose import diagnose_into
 from bayesfric.cli.exits import exit_status, fail_on
 from bayesfric.cli.fit import fit_into
+from bayesfric.cli.locks import hold
 from bayesfric.cli.margins import margins_into
 from bayesfric.cli.options import FailOn, Quiet, Workers
+from bayesfric.cli.printing import say
 
 if TYPE_CHECKING:
     from bayesfric.analysis import Analysis
@@ -44,13 +46,14 @@ def rerun(
     fail_on(fail_on_list, set())  # an unknown name is told before the work
     with TemporaryDirectory(prefix="bayesfric-") as scratch:
         again = Path(scratch) if output is None else output
-        _repeat(folder, again, recording, workers, quiet)
+        with hold(again, "rerun"):
+            _repeat(folder, again, recording, workers, quiet)
         found = compare(folder, again)
         for line in comparison_text(found):
-            typer.echo(line)
+            say(line)
         for path in sorted(again.glob("*.nc")):
             same = path.read_bytes() == (folder / path.name).read_bytes()
-            typer.echo(f"{path.name}: {'the same bytes' if same else 'other bytes'}")
+            say(f"{path.name}: {'the same bytes' if same else 'other bytes'}")
     fail_on(fail_on_list, set() if found.same else {"changed"})
 
 
@@ -110,7 +113,7 @@ def _repeat(folder: Path, again: Path, recording: Path | None, workers: int, qui
             analysis = _settings(fitted, "fit.json")
             margins_into(loops, again / "draws.nc", again, analysis, quiet=quiet)
         else:
-            typer.echo("margins.json is not repeated: its loop files are not known", err=True)
+            say("margins.json is not repeated: its loop files are not known", err=True)
 
 
 def _has(folder: Path, name: str) -> bool:

@@ -9,6 +9,7 @@ from bayesfric.cli.claims import claims_into
 from bayesfric.cli.diagnose import diagnose_into
 from bayesfric.cli.exits import exit_status, fail_on
 from bayesfric.cli.fit import fit_into
+from bayesfric.cli.locks import hold
 from bayesfric.cli.margins import margins_into
 from bayesfric.cli.options import (
     Baseline,
@@ -21,6 +22,7 @@ from bayesfric.cli.options import (
     Workers,
     named_rigs,
 )
+from bayesfric.cli.printing import say
 
 if TYPE_CHECKING:
     from bayesfric.analysis import Analysis
@@ -56,18 +58,19 @@ def run(
     fail_on(fail_on_list, set())  # an unknown name is told before the work
     for path in loop or []:  # a fault in one, likewise
         read_loop(path)
-    happened = run_into(
-        recording if recording is not None else bundled_recording(),
-        output,
-        read_analysis(config, seed=seed),
-        loops=loop or [],
-        rigs=named_rigs(rigs),
-        baseline=baseline,
-        workers=workers,
-        quiet=quiet,
-    )
+    with hold(output, "run"):
+        happened = run_into(
+            recording if recording is not None else bundled_recording(),
+            output,
+            read_analysis(config, seed=seed),
+            loops=loop or [],
+            rigs=named_rigs(rigs),
+            baseline=baseline,
+            workers=workers,
+            quiet=quiet,
+        )
     if not quiet:
-        typer.echo(f"{output / 'report.pdf'}", err=True)
+        say(f"{output / 'report.pdf'}", err=True)
     fail_on(fail_on_list, happened)  # what was asked about has its report by now
 
 
