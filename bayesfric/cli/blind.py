@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from bayesfric.cli.exits import exit_status, fail_on
+from bayesfric.cli.exits import exit_status, fail_on, failures_of
 from bayesfric.cli.locks import hold
 from bayesfric.cli.options import Config, FailOn, Folder, Quiet, Workers
 from bayesfric.cli.printing import say
@@ -84,7 +84,7 @@ def blind(
         right = "correct" if case.correct else "not correct"
         said = ", ".join(case.causes) or "no cause"
         say(f"{case.verdict} ({said}): {right}")
-        fail_on(fail_on_list, set() if case.verdict == "no-gap" else {"gap"})
+        fail_on(fail_on_list, failures_of(case.verdict))
         return
     # A campaign that is running may be scored so far.
     held = nullcontext() if so_far else hold(output, "blind")

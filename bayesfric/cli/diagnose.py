@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from bayesfric.cli.exits import exit_status, fail_on
+from bayesfric.cli.exits import exit_status, fail_on, failures_of
 from bayesfric.cli.locks import hold
 from bayesfric.cli.options import Baseline, Config, FailOn, Folder, Quiet, Seed
 from bayesfric.cli.printing import say
@@ -94,6 +94,4 @@ def diagnose_into(
     say(f"{summary.verdict}: {summary.sentence}")
     for name, chance in list(summary.probabilities.items())[:5]:
         say(f"  {name:<28} {chance:.3f}")
-    if summary.verdict == "undecided":
-        return {"undecided"}
-    return set() if summary.verdict == "no-gap" else {"gap"}
+    return failures_of(summary.verdict)

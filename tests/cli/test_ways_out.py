@@ -57,9 +57,9 @@ def test_a_lock_of_a_process_that_is_gone_is_taken_over(tmp_path):
     )
     subprocess.run([sys.executable, "-c", code, str(tmp_path / "out")], check=False)
     assert (tmp_path / "out" / LOCK).is_file()  # it was killed with the lock in its hands
-    with hold(tmp_path / "out", "fit"), pytest.raises(InputError):
-        with hold(tmp_path / "out", "report"):
-            pytest.fail("two hold it")
+    out = tmp_path / "out"
+    with hold(out, "fit"), pytest.raises(InputError, match="bayesfric fit"), hold(out, "report"):
+        pytest.fail("two hold it")
     assert not (tmp_path / "out" / LOCK).exists()
 
 
