@@ -112,7 +112,7 @@ class GravityLikelihood:
             joined(self._wander.columns, self._along.scattered),
         )
         self.parameters = (
-            *coefficient_parameters(self.sizes, analysis),
+            *coefficient_parameters(self.sizes, analysis, baseline.without),
             *scatter_parameters(self.sizes, analysis),
             *self._wander.parameters,
             *self._measurements.parameters,
@@ -273,9 +273,8 @@ class GravityLikelihood:
 
     def _intercept(self, theta: Mapping[str, Array]) -> Array:
         """Return the part of each trial's friction that does not grow with tension, (W, N) [N]."""
-        return self._size.spread(theta, "c2") * np.asarray(
-            self.condition.n_pulleys, dtype=np.float64
-        )
+        pulleys = np.asarray(self.condition.n_pulleys, dtype=np.float64)
+        return np.asarray(self._size.coefficients(theta).c2) * pulleys
 
     def draw_scatter(
         self, theta: Mapping[str, Array], rng: np.random.Generator, *, together: bool = False

@@ -135,7 +135,7 @@ class MotorLikelihood:
         self._by_size = analysis.scatter.by_size
         groups = [f"[{size}]" for size in self.sizes] if self._by_size else [""]
         self.parameters = (
-            *coefficient_parameters(self.sizes, analysis),
+            *coefficient_parameters(self.sizes, analysis, baseline.without),
             # τ and λ share the spread of runs: an arc in their own units, a hook in quantiles.
             *(
                 Parameter(f"tau_motor{group}", "1", priors.tau_motor, "scatter", linear=True)
@@ -355,7 +355,7 @@ class MotorLikelihood:
     def _intercept(self, theta: Mapping[str, Array]) -> Array:
         """Return the part of friction that does not grow with tension, signed, (W, N) [N]."""
         signed = np.sign(self.condition.velocity_m_s) * np.asarray(self.condition.n_pulleys)
-        return np.asarray(self._size.spread(theta, "c2") * signed)
+        return np.asarray(self._size.coefficients(theta).c2 * signed)
 
     def _currents(self, theta: Mapping[str, Array]) -> GroupedNormal:
         (friction, held), torque = self._forces(theta), self._torque(theta)
