@@ -44,6 +44,7 @@ from bayesfric.schemas.fit import (
 )
 from bayesfric.schemas.margins import (
     GammaProbability,
+    HuntingMap,
     LoopMargins,
     MarginsFile,
     Metric,
@@ -84,6 +85,7 @@ __all__ = [
     "GammaProbability",
     "Gap",
     "GapRow",
+    "HuntingMap",
     "Inclusion",
     "Interval",
     "LoopMargins",
