@@ -171,7 +171,9 @@ class _Run:
         ]
         self.substeps = substeps
         # what acts before the first command: none
-        self.commands = [np.zeros(loop.draws) for _ in range(int(self.whole.max()) + 2)]
+        self.commands: list[Floats] = [
+            np.zeros(loop.draws) for _ in range(int(self.whole.max()) + 2)
+        ]
         self.k = np.zeros(loop.draws, dtype=np.intp)
         self.quiet = np.zeros(loop.draws, dtype=np.intp)  # samples without a reading of motion
         samples = np.ceil(duration / period - 1e-9).astype(np.intp)
@@ -221,8 +223,8 @@ class _Run:
         """Return the command that acts, of an age in samples a draw."""
         age = self.whole + older
         if (age == age[0]).all():
-            return self.commands[age[0]]
-        return np.asarray(np.choose(age, self.commands))
+            return self.commands[int(age[0])]
+        return np.stack(self.commands)[age, np.arange(age.size)]
 
     def stand_still(self) -> None:
         """Take each shaft that stands to just before its torque reaches breakaway."""

@@ -63,3 +63,23 @@ def test_the_derivative_lags_by_its_low_pass():
     share = 1 - np.exp(-0.2)
     late = 0.5e-3 + (1 - share) / share * 1e-3  # of the difference, and of the low-pass
     assert torque / -1e-6 == pytest.approx(0.199 - late, rel=1e-4)
+
+
+def test_a_shaft_judged_early_is_judged_alike():
+    # sliding, slipping in few counts and in many, swinging: by reference speed and gain
+    speed, gain = (one.ravel() for one in np.meshgrid([0.3, 1.0, 8.0], [0.0, 0.3, 1.0, 3.0]))
+    loop = a_loop(
+        kd=9e-4,
+        viscous=1e-5,
+        counts_per_revolution=4000,
+        compensation_signal="measured",
+        compensation_gain=gain,
+        compensation_estimate=0.005,
+    )
+    arguments = {"kick": 0.4, "duration": 8.0, "reference_speed": speed}
+    early, late = (simulate(loop, settling=one, **arguments) for one in (1.0, np.inf))
+    assert early.hunts.tolist() == late.hunts.tolist()
+    assert 0 < late.hunts.sum() < late.hunts.size
+    swings = late.hunts
+    assert early.amplitude[swings] == pytest.approx(late.amplitude[swings], rel=0.1)
+    assert early.frequency[swings] == pytest.approx(late.frequency[swings], rel=0.1)
