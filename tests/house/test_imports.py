@@ -156,7 +156,7 @@ def test_the_package_keeps_the_rules():
             "from bayesfric.physics.friction import Law",
             "inference imports physics",
         ),
-        ("export/x.py", "import matplotlib", "export imports matplotlib"),
+        ("export/x.py", "import pandas", "export imports pandas"),
         ("blind/engines/x.py", "from bayesfric.physics import a", "engines imports physics"),
         ("blind/engines/x.py", "import pandas", "engines imports pandas"),
         ("fitting/x.py", "import emcee", "fitting imports emcee"),
