@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
@@ -16,19 +15,18 @@ from threadpoolctl import threadpool_limits
 from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.checkpoint import Checkpoint
 from bayesfric.errors import Fault, InputError
+from bayesfric.fitting.inference_data import Stored, draws_of_fit, write_csv
 from bayesfric.fitting.predictive import predict
-from bayesfric.fitting.predictive.left_out import LeftOut, leave_out
+from bayesfric.fitting.predictive.left_out import leave_out
 from bayesfric.fitting.predictive.reported import predictions, uniformities
 from bayesfric.fitting.summary import summarise, summarise_without_exclusions
 from bayesfric.inference.diagnostics import diagnose_all
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import Model
-from bayesfric.inference.priors import log_density
 from bayesfric.inference.sampling import Chart, Draws, Progress, sample
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Recording
 from bayesfric.results import (
-    draws_tree,
     json_bytes,
     provenance,
     replace_outputs,
@@ -41,7 +39,6 @@ from bayesfric.schemas import FitFile, RecordingId, TimingsFile
 __all__ = ["Fit", "fit"]
 
 Array = NDArray[np.float64]
-POINTWISE_DRAWS = 2000  # draws of which the log likelihood by trial is stored
 
 
 @dataclass(frozen=True)
@@ -53,7 +50,7 @@ class Fit:
     summary : FitFile
         What ``fit.json`` says.
     draws : DataTree
-        What ``draws.nc`` holds: ``posterior``, ``log_likelihood``, ``log_prior``.
+        What ``draws.nc`` holds, see :mod:`bayesfric.fitting.inference_data`.
     predictive : DataTree
         What ``predictive.nc`` holds, see :mod:`bayesfric.fitting.predictive`.
     seconds : dict of str to float
@@ -88,7 +85,7 @@ class Fit:
             "timings.json": lambda path: path.write_bytes(json_bytes(timings)),
         }
         if csv:
-            writers["draws.csv"] = lambda path: _write_csv(self.draws, path)
+            writers["draws.csv"] = lambda path: write_csv(self.draws, path)
         replace_outputs(Path(folder), writers)
 
 
@@ -162,11 +159,10 @@ def fit(
                 )
         theta = model.natural(draws.z)
         with _timed(seconds, "leave_out"):
-            some = _pointwise_draws(draws.z)
+            stored = Stored.of(draws.z, theta, draws.log_density)
             start = draws.z.reshape(-1, draws.z.shape[-1])[np.argmax(draws.log_density)]
-            flat = some.reshape(-1, some.shape[-1])
             left_out = {
-                name: leave_out(model, rig, flat, start, analysis.seed)
+                name: leave_out(model, rig, stored.flat, start, analysis.seed)
                 for name, rig in zip(chosen, model.likelihoods, strict=True)
             }
         with _timed(seconds, "summary"):
@@ -181,9 +177,15 @@ def fit(
             summary = summarise(
                 attributes.model_dump() | fields, recording, data, model, draws, theta
             )
-            tree = _draws_tree(model, chosen, theta, left_out, attributes.model_dump(mode="json"))
         with _timed(seconds, "predictive"):
             predictive = predict(data, model, theta, left_out, analysis, law)
+        with _timed(seconds, "inference_data"):
+            observed = {
+                one.rig.name: predictive[one.rig.words.trials]["friction_n"].to_numpy()
+                for one in data.rigs
+            }
+            origin = attributes.model_dump(mode="json")
+            tree = draws_of_fit(model, observed, stored, left_out, analysis.seed, origin)
     return Fit(summary, tree, predictive, seconds)
 
 
@@ -237,113 +239,3 @@ def _timed(seconds: dict[str, float], stage: str) -> Any:
     start = time.perf_counter()
     yield
     seconds[stage] = time.perf_counter() - start
-
-
-def _pointwise_stride(chains: int, kept: int) -> int:
-    return max(1, -(-chains * kept // POINTWISE_DRAWS))
-
-
-def _pointwise_draws(z: Array) -> Array:
-    """Return the draws of which the log likelihood by trial is stored, (chain, draw, D)."""
-    ensembles, kept, walkers, size = z.shape
-    chains = z.transpose(0, 2, 1, 3).reshape(ensembles * walkers, kept, size)
-    return chains[:, :: _pointwise_stride(len(chains), kept)]
-
-
-def _draws_tree(
-    model: Model,
-    rigs: Sequence[str],
-    theta: Array,
-    left_out: Mapping[str, LeftOut],
-    attributes: dict[str, Any],
-) -> xr.DataTree:
-    ensembles, kept, walkers, size = theta.shape
-    chains = theta.transpose(0, 2, 1, 3).reshape(ensembles * walkers, kept, size)
-    posterior = _variables(model, chains)
-    prior_terms = np.stack(
-        [log_density(p.prior, chains[..., place]) for place, p in enumerate(model.parameters)],
-        axis=-1,
-    )
-    stride = _pointwise_stride(ensembles * walkers, kept)
-    shape = (ensembles * walkers, -1)
-    setups = np.concatenate([left.setup_log_likelihood for left in left_out.values()], axis=-1)
-    trials = np.concatenate([left.trial_log_likelihood for left in left_out.values()], axis=-1)
-    # Two rigs may use the same ids: then the rig's name goes before them.
-    before = [f"{name}/" if len(rigs) > 1 else "" for name in rigs]
-    named = list(zip(before, model.likelihoods, strict=True))
-    tree = draws_tree(
-        {
-            "posterior": posterior,
-            "log_prior": _variables(model, prior_terms),
-        },
-        dims={name: ["pulley"] for name, values in posterior.items() if values.ndim == 3},
-        coords={"pulley": _sizes(model)},
-        ensemble=np.repeat(np.arange(ensembles), walkers),
-        attributes=_flat(attributes),
-    )
-    pointwise = draws_tree(
-        {
-            "log_likelihood": {
-                "setup": setups.reshape(*shape, setups.shape[-1]),
-                "trial": trials.reshape(*shape, trials.shape[-1]),
-            }
-        },
-        dims={"setup": ["setup_id"], "trial": ["trial_id"]},
-        coords={
-            "setup_id": [prefix + setup for prefix, rig in named for setup in rig.setups],
-            "trial_id": [prefix + trial for prefix, rig in named for trial in rig.trials["trial"]],
-            "draw": np.arange(kept)[::stride],
-        },
-        ensemble=np.repeat(np.arange(ensembles), walkers),
-        attributes={},
-    )
-    tree["log_likelihood"] = pointwise["log_likelihood"]
-    return tree
-
-
-def _variables(model: Model, values: Array) -> dict[str, Array]:
-    """Gather ``c1[small]``, ``c1[medium]``, … of the last axis into ``c1`` over pulleys."""
-    columns = dict(zip(model.names, np.moveaxis(values, -1, 0), strict=True))
-    sizes = _sizes(model)
-    variables: dict[str, Array] = {}
-    for name, column in columns.items():
-        stem = name.partition("[")[0]
-        everywhere = [f"{stem}[{size}]" for size in sizes]
-        if set(everywhere) <= set(columns):
-            variables[stem] = np.stack([columns[of_size] for of_size in everywhere], axis=-1)
-        else:
-            variables[name] = column
-    return variables
-
-
-def _sizes(model: Model) -> list[str]:
-    """Return the pulley sizes of all rigs."""
-    return [name[3:-1] for name in model.names if name.startswith("c1[")]
-
-
-def _flat(attributes: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Flatten provenance for netCDF attributes, which hold no mappings."""
-    flat: dict[str, Any] = {}
-    for key, value in attributes.items():
-        if isinstance(value, Mapping):
-            flat |= _flat(value, f"{prefix}{key}.")
-        else:
-            flat[f"{prefix}{key}"] = "" if value is None else value
-    return flat
-
-
-def _write_csv(tree: xr.DataTree, path: Path) -> None:
-    """Write the posterior as a table, one row a draw."""
-    posterior = tree["posterior"].to_dataset()
-    posterior = posterior.stack(sample=("chain", "draw"))  # noqa: PD013 (not of pandas)
-    columns = {}
-    for name, variable in posterior.data_vars.items():
-        if "pulley" in variable.dims:
-            for size in posterior["pulley"].to_numpy():
-                columns[f"{name}[{size}]"] = variable.sel(pulley=size).to_numpy()
-        else:
-            columns[str(name)] = variable.to_numpy()
-    index = pd.MultiIndex.from_arrays(
-        [posterior["chain"].to_numpy(), posterior["draw"].to_numpy()], names=["chain", "draw"]
-    )
-    pd.DataFrame(columns, index=index).to_csv(path, lineterminator="\n")

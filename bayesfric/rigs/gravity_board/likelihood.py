@@ -211,6 +211,13 @@ class GravityLikelihood:
         scattered, constant = self._scattered(theta)
         return scattered.single_log_density() + constant
 
+    def draw_again(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
+        """Return how much more friction each trial would show, made again, (W, N) [N].
+
+        Given the rest of its assembly, with new scatter of its own and new noise.
+        """
+        return self._scattered(theta)[0].draw_again(rng)
+
     def trial_cdf(self, theta: Mapping[str, Array]) -> Array:
         """Return the probability of less friction of each trial given the rest, shape (W, N)."""
         return self._scattered(theta)[0].single_cdf()
