@@ -27,7 +27,10 @@ from bayesfric.results import draws_tree
 __all__ = ["Stored", "draws_of_fit", "write_csv"]
 
 Array = NDArray[np.float64]
-MOST_DRAWS = 4000  # of all groups; 18 MB for the paper's 594 trials
+MOST_DRAWS = 4000
+MOST_NUMBERS = 2_400_000  # draws times trials: a file of 15 to 20 MB
+STEP = 2.0**-14  # of a trial's log density [nat]; what is left of its digits compresses
+LEAST_OF_CHAIN = 4  # for ArviZ to compute anything
 PRIOR_DRAWS = 1000
 CONDITION = ("setup_of_trial", *CELL)
 
@@ -52,8 +55,8 @@ class Stored:
     ensemble: NDArray[np.int_]
 
     @classmethod
-    def of(cls, z: Array, theta: Array, log_density: Array) -> "Stored":
-        """Return at most 4,000 draws, evenly spaced.
+    def of(cls, z: Array, theta: Array, log_density: Array, trials: int) -> "Stored":
+        """Return at most 4,000 draws, evenly spaced; fewer of very many trials.
 
         Parameters
         ----------
@@ -61,10 +64,13 @@ class Stored:
             All draws.
         log_density : ndarray, shape (ensembles, draws, walkers)
             Of `z`.
+        trials : int
+            Of the recording.
         """
         ensembles, kept, walkers = log_density.shape
         chains = ensembles * walkers
-        stride = -(-kept // max(1, MOST_DRAWS // chains))
+        most = min(MOST_DRAWS, MOST_NUMBERS // trials) // chains
+        stride = -(-kept // max(LEAST_OF_CHAIN, most))
 
         def by_chain(values: Array) -> Array:
             values = values[:, ::stride].swapaxes(1, 2)
@@ -133,6 +139,8 @@ def draws_of_fit(
     setups = np.concatenate([left.setup_log_likelihood for left in left_out.values()], axis=-1)
     # In the sampling space, where the draws have their density, every prior is N(0, 1).
     whole = stored.log_density + 0.5 * (LOG_2PI + stored.z**2).sum(axis=-1)
+    trials = STEP * np.rint(trials.reshape(*shape, -1) / STEP)
+    setups = setups.reshape(*shape, -1)
     parts = trials.sum(axis=-1) + setups.sum(axis=-1)
     priors = np.stack(
         [log_density(p.prior, stored.theta[..., k]) for k, p in enumerate(model.parameters)],
@@ -160,9 +168,9 @@ def draws_of_fit(
             "constant_data": {name: table[name].to_numpy() for name in CONDITION},
             "sample_stats": {"lp": whole + priors.sum(axis=-1)},
             "log_likelihood": {
-                "friction": trials.reshape(*shape, -1),
-                "assembly": setups.reshape(*shape, -1),
-                "overlap": whole - parts.reshape(shape),
+                "friction": trials,
+                "assembly": setups,
+                "overlap": whole - parts,
             },
             "log_prior": _variables(model, priors),
         },

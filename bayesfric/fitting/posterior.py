@@ -159,7 +159,8 @@ def fit(
                 )
         theta = model.natural(draws.z)
         with _timed(seconds, "leave_out"):
-            stored = Stored.of(draws.z, theta, draws.log_density)
+            trials = sum(len(rig.trials) for rig in model.likelihoods)
+            stored = Stored.of(draws.z, theta, draws.log_density, trials)
             start = draws.z.reshape(-1, draws.z.shape[-1])[np.argmax(draws.log_density)]
             left_out = {
                 name: leave_out(model, rig, stored.flat, start, analysis.seed)
