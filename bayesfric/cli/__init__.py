@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from bayesfric.cli.blind import blind
+from bayesfric.cli.calibrate import calibrate
 from bayesfric.cli.claims import claims
 from bayesfric.cli.diagnose import diagnose
 from bayesfric.cli.fit import fit
@@ -29,7 +30,19 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for verb in (run, validate, simulate, fit, claims, diagnose, blind, margins, report, info):
+for verb in (
+    run,
+    validate,
+    simulate,
+    fit,
+    claims,
+    diagnose,
+    blind,
+    calibrate,
+    margins,
+    report,
+    info,
+):
     app.command()(verb)
 
 

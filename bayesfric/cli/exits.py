@@ -17,7 +17,7 @@ __all__ = ["FAILURES", "exit_status", "fail_on", "failures_of"]
 
 P = ParamSpec("P")
 SHOWN_FAULTS = 50
-FAILURES = ("refuted", "unconverged", "gap", "undecided")
+FAILURES = ("refuted", "unconverged", "gap", "undecided", "uncalibrated")
 """What ``--fail-on`` can name."""
 VERDICT_FAILURES = {
     "named": {"gap"},

@@ -34,6 +34,7 @@ FailOn = Annotated[
     str,
     typer.Option(
         "--fail-on",
-        help="Exit with 1 if one of these happened: refuted, unconverged, gap, undecided.",
+        help="Exit with 1 if one of these happened: refuted, unconverged, gap, undecided, "
+        "uncalibrated.",
     ),
 ]

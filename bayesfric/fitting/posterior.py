@@ -15,15 +15,14 @@ from threadpoolctl import threadpool_limits
 from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.checkpoint import Checkpoint
 from bayesfric.errors import Fault, InputError
+from bayesfric.fitting.drawing import draw_posterior
 from bayesfric.fitting.inference_data import Stored, draws_of_fit, write_csv
 from bayesfric.fitting.predictive import predict
 from bayesfric.fitting.predictive.left_out import leave_out
 from bayesfric.fitting.predictive.reported import predictions, uniformities
 from bayesfric.fitting.summary import summarise, summarise_without_exclusions
-from bayesfric.inference.diagnostics import diagnose_all
-from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import Model
-from bayesfric.inference.sampling import Chart, Draws, Progress, sample
+from bayesfric.inference.sampling import Progress
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Recording
 from bayesfric.results import (
@@ -145,7 +144,8 @@ def fit(
             data = Data(open_rigs(recording, chosen))
             model = _model(data, analysis, law)
         key = ",".join([*chosen, baseline]) + attributes.model_dump_json()
-        draws = _draw(model, analysis, Checkpoint(checkpoint, key), progress, seconds)
+        with _timed(seconds, "draws"):
+            draws = draw_posterior(model, analysis, progress, Checkpoint(checkpoint, key))
         with _timed(seconds, "without_exclusions"):
             whole, why = _all_that_can_enter(recording, data)
             without = None
@@ -155,7 +155,7 @@ def fit(
                 without = summarise_without_exclusions(
                     _under_rules(whole),
                     again,
-                    _draw(again, analysis, Checkpoint(folder, key), progress, {}),
+                    draw_posterior(again, analysis, progress, Checkpoint(folder, key)),
                 )
         theta = model.natural(draws.z)
         with _timed(seconds, "leave_out"):
@@ -192,29 +192,6 @@ def fit(
 
 def _model(data: Data, analysis: Analysis, law: Baseline) -> Model:
     return Model([trials.likelihood(analysis, law) for trials in data.rigs])
-
-
-def _draw(
-    model: Model,
-    analysis: Analysis,
-    checkpoint: Checkpoint,
-    progress: Progress | None,
-    seconds: dict[str, float],
-) -> Draws:
-    """Draw from the posterior of a model."""
-    with _timed(seconds, "laplace"):
-        laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
-    with _timed(seconds, "draws"):
-        return sample(
-            model.log_posterior,
-            laplace,
-            analysis.sampler,
-            analysis.seed,
-            progress,
-            checkpoint,
-            converged=lambda z: all(f.converged for f in diagnose_all(model.natural(z))),
-            chart=Chart(model.linear, model.from_linear, model.linear_log_slope),
-        )
 
 
 def _all_that_can_enter(recording: Recording, data: Data) -> tuple[Data | None, str | None]:

@@ -7,6 +7,11 @@
 from pydantic import BaseModel
 
 from bayesfric.schemas.base import Interval, Provenance, RecordingId
+from bayesfric.schemas.calibration import (
+    CalibratedQuantity,
+    CalibrationCase,
+    CalibrationFile,
+)
 from bayesfric.schemas.claims import (
     ClaimResult,
     ClaimsFile,
@@ -69,6 +74,9 @@ __all__ = [
     "Absorbed",
     "Agreement",
     "Axis",
+    "CalibratedQuantity",
+    "CalibrationCase",
+    "CalibrationFile",
     "Cause",
     "ClaimResult",
     "ClaimsFile",
@@ -123,6 +131,7 @@ SCHEMAS: dict[str, type[BaseModel]] = {
     "diagnosis": DiagnosisFile,
     "scorecard": ScorecardFile,
     "margins": MarginsFile,
+    "calibration": CalibrationFile,
     "timings": TimingsFile,
 }
 """The models by the name of the file that they describe."""
