@@ -1,8 +1,8 @@
 """Bayes factors against the truth: recordings drawn from the prior with which they are fitted.
 
-The generating prior is that of simulation-based calibration. The law and the law with an effect are equally likely;
-the effect's amplitude has a prior about twice as wide as the data's error of it, so that
-most recordings leave both hypotheses possible.
+The generating prior is that of simulation-based calibration. The law and the law with an
+effect are equally likely; the effect's amplitude has a prior about twice as wide as the
+data's error of it, so that most recordings leave both hypotheses possible.
 """
 
 from dataclasses import replace
