@@ -52,6 +52,8 @@ class Band:
     low, high : ndarray, shape (L,)
         Of the difference between that share and the expected one: uniform ranks stay between
         them everywhere with the level's probability.
+    tails : ndarray, shape (N + 1, L)
+        Two-sided tail probability of so many ranks below each place.
     extremes : ndarray, shape (S,)
         The least two-sided tail probability of each of S simulated sets.
     """
@@ -61,6 +63,7 @@ class Band:
     probability: Array
     low: Array
     high: Array
+    tails: Array
     extremes: Array
 
     def difference(self, ranks: Ints) -> Array:
@@ -75,7 +78,7 @@ class Band:
         ranks : ndarray of int, shape (N,)
             From 0 to L.
         """
-        own = _extremes(self._below(ranks)[None], _tails(self.count, self.probability))[0]
+        own = _extremes(self._below(ranks)[None], self.tails)[0]
         return float((1 + (self.extremes <= own * (1 + 1e-12)).sum()) / (1 + self.extremes.size))
 
     def _below(self, ranks: Ints) -> Ints:
@@ -101,7 +104,7 @@ def band_of(count: int, places: int, level: float) -> Band:
     extremes = _extremes(drawn.cumsum(axis=1)[:, :-1], tails)
     tail = float(np.quantile(extremes, 1 - level)) / 2
     low, high = (binom.ppf(one, count, probability) / count for one in (tail, 1 - tail))
-    return Band(count, places, probability, low - probability, high - probability, extremes)
+    return Band(count, places, probability, low - probability, high - probability, tails, extremes)
 
 
 def _tails(count: int, probability: Array) -> Array:

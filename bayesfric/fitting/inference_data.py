@@ -23,6 +23,7 @@ from bayesfric.fitting.predictive.left_out import LeftOut, by_blocks
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import LOG_2PI, log_density
 from bayesfric.results import draws_tree
+from bayesfric.rigs.coefficients import sizes_of
 
 __all__ = ["Stored", "draws_of_fit", "write_csv"]
 
@@ -146,7 +147,7 @@ def draws_of_fit(
         [log_density(p.prior, stored.theta[..., k]) for k, p in enumerate(model.parameters)],
         axis=-1,
     )
-    posterior = _variables(model, stored.theta)
+    posterior, sizes = _variables(model, stored.theta), sizes_of(model.names)
     prefixes = [f"{name}/" if len(rigs) > 1 else "" for name in rigs]  # ids may be the same
     table = pd.concat(
         one.trials.assign(
@@ -165,7 +166,7 @@ def draws_of_fit(
                 "friction": _single(np.concatenate(anew, axis=-1), (1, PRIOR_DRAWS))
             },
             "observed_data": {"friction": observed},
-            "constant_data": {name: table[name].to_numpy() for name in CONDITION},
+            "constant_data": {name: table[name].to_numpy() for name in CONDITION if name in table},
             "sample_stats": {"lp": whole + priors.sum(axis=-1)},
             "log_likelihood": {
                 "friction": trials,
@@ -176,9 +177,9 @@ def draws_of_fit(
         },
         dims={name: ["pulley"] for name, values in posterior.items() if values.ndim == 3}
         | {"friction": ["trial"], "assembly": ["setup"]}
-        | {name: ["trial"] for name in CONDITION},
-        coords={
-            "pulley": _sizes(model),
+        | {name: ["trial"] for name in CONDITION if name in table},
+        coords=({"pulley": list(sizes)} if sizes else {})
+        | {
             "trial": table["trial"].to_numpy(),
             "setup": list(dict.fromkeys(table["setup_of_trial"])),
         },
@@ -196,21 +197,16 @@ def _single(values: Array, shape: tuple[int, ...]) -> NDArray[np.float32]:
 def _variables(model: Model, values: Array) -> dict[str, Array]:
     """Gather ``c1[small]``, ``c1[medium]``, … of the last axis into ``c1`` over pulleys."""
     columns = dict(zip(model.names, np.moveaxis(values, -1, 0), strict=True))
-    sizes = _sizes(model)
+    sizes = sizes_of(model.names)
     variables: dict[str, Array] = {}
     for name, column in columns.items():
         stem = name.partition("[")[0]
         everywhere = [f"{stem}[{size}]" for size in sizes]
-        if set(everywhere) <= set(columns):
+        if sizes and set(everywhere) <= set(columns):
             variables[stem] = np.stack([columns[of_size] for of_size in everywhere], axis=-1)
         else:
             variables[name] = column
     return variables
-
-
-def _sizes(model: Model) -> list[str]:
-    """Return the pulley sizes of all rigs."""
-    return [name[3:-1] for name in model.names if name.startswith("c1[")]
 
 
 def _flat(attributes: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:

@@ -12,9 +12,8 @@ import xarray as xr
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.analysis import Analysis
 from bayesfric.checkpoint import Checkpoint
-from bayesfric.errors import Fault, InputError
 from bayesfric.fitting.drawing import draw_posterior
 from bayesfric.fitting.inference_data import Stored, draws_of_fit, write_csv
 from bayesfric.fitting.predictive import predict
@@ -23,16 +22,17 @@ from bayesfric.fitting.predictive.reported import predictions, uniformities
 from bayesfric.fitting.summary import summarise, summarise_without_exclusions
 from bayesfric.inference.model import Model
 from bayesfric.inference.sampling import Progress
-from bayesfric.physics.laws import BASELINES, Baseline
+from bayesfric.physics.laws import Baseline
 from bayesfric.recording.tables import Recording
 from bayesfric.results import (
+    identified,
     json_bytes,
     provenance,
     replace_outputs,
     write_netcdf,
 )
 from bayesfric.rigs.data import Data
-from bayesfric.rigs.opening import chosen_rigs, open_rigs
+from bayesfric.rigs.opening import baseline_of, chosen_rigs, open_rigs, with_own_priors
 from bayesfric.schemas import FitFile, RecordingId, TimingsFile
 
 __all__ = ["Fit", "fit"]
@@ -61,7 +61,13 @@ class Fit:
     predictive: xr.DataTree
     seconds: Mapping[str, float]
 
-    def write(self, folder: Path | str, *, csv: bool = False) -> None:
+    def write(
+        self,
+        folder: Path | str,
+        *,
+        csv: bool = False,
+        inputs: Mapping[str, Sequence[str]] | None = None,
+    ) -> None:
         """Write ``fit.json``, ``draws.nc``, ``predictive.nc`` and ``timings.json``.
 
         Parameters
@@ -70,21 +76,24 @@ class Fit:
             Created if it is not there; other files in it are left alone.
         csv : bool
             Also write the posterior as ``draws.csv``.
+        inputs : mapping of str to sequence of str, or None
+            Paths of what the run was made from, for ``timings.json``.
 
         Raises
         ------
         InputError
             The folder cannot be written.
         """
-        timings = TimingsFile(seconds=dict(self.seconds))
+        run_id = self.summary.run_id
+        timings = TimingsFile(seconds=dict(self.seconds), run_id=run_id, inputs=dict(inputs or {}))
         writers: dict[str, Callable[[Path], object]] = {
-            "fit.json": lambda path: path.write_bytes(json_bytes(self.summary)),
-            "draws.nc": lambda path: write_netcdf(self.draws, path),
-            "predictive.nc": lambda path: write_netcdf(self.predictive, path),
+            "draws.nc": lambda path: write_netcdf(self.draws, path, run_id),
+            "predictive.nc": lambda path: write_netcdf(self.predictive, path, run_id),
             "timings.json": lambda path: path.write_bytes(json_bytes(timings)),
         }
         if csv:
             writers["draws.csv"] = lambda path: write_csv(self.draws, path)
+        writers["fit.json"] = lambda path: path.write_bytes(json_bytes(self.summary))
         replace_outputs(Path(folder), writers)
 
 
@@ -129,19 +138,16 @@ def fit(
     """
     analysis = Analysis() if analysis is None else analysis
     chosen = chosen_rigs(recording, rigs)
-    if baseline not in BASELINES:
-        raise InputError([Fault("baseline", f"one of {', '.join(BASELINES)}", value=baseline)])
-    law = BASELINES[baseline]
     attributes = provenance(
-        seed=analysis.seed,
         recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
-        analysis_sha256=analysis_sha256(analysis),
+        analysis=analysis,
         created=recording.created,
     )
     seconds: dict[str, float] = {}
     with threadpool_limits(limits=1):  # one BLAS thread: the same bytes, and faster
         with _timed(seconds, "reduce"):
             data = Data(open_rigs(recording, chosen))
+            law, analysis = baseline_of(baseline, data.rigs), with_own_priors(analysis, data.rigs)
             model = _model(data, analysis, law)
         key = ",".join([*chosen, baseline]) + attributes.model_dump_json()
         with _timed(seconds, "draws"):
@@ -185,9 +191,9 @@ def fit(
                 one.rig.name: predictive[one.rig.words.trials]["friction_n"].to_numpy()
                 for one in data.rigs
             }
-            origin = attributes.model_dump(mode="json")
+            origin = attributes.model_dump(mode="json", exclude={"analysis", "run_id"})
             tree = draws_of_fit(model, observed, stored, left_out, analysis.seed, origin)
-    return Fit(summary, tree, predictive, seconds)
+    return Fit(identified(summary), tree, predictive, seconds)
 
 
 def _model(data: Data, analysis: Analysis, law: Baseline) -> Model:

@@ -6,8 +6,9 @@ from pathlib import Path
 import xarray as xr
 
 from bayesfric.errors import Fault, InputError
-from bayesfric.results import read_json, read_tree
+from bayesfric.results import read_beside, read_json
 from bayesfric.schemas import (
+    CalibrationFile,
     ClaimsFile,
     DiagnosisFile,
     FitFile,
@@ -88,6 +89,8 @@ class StoredResults:
         How well the diagnosis does where it is not told; of other recordings.
     margins : MarginsFile or None
         Of the loops that were given.
+    calibration : CalibrationFile or None
+        Whether posteriors of simulated recordings hold their truths.
     """
 
     fitted: StoredFit | None = None
@@ -95,6 +98,7 @@ class StoredResults:
     diagnosis: StoredDiagnosis | None = None
     scorecard: ScorecardFile | None = None
     margins: MarginsFile | None = None
+    calibration: CalibrationFile | None = None
 
     @property
     def records(self) -> dict[str, Provenance]:
@@ -140,9 +144,12 @@ def read_stored(folder: Path) -> StoredResults:
         _diagnosis(folder) if there("diagnosis.json") else None,
         read_json(ScorecardFile, folder / "scorecard.json") if there("scorecard.json") else None,
         read_json(MarginsFile, folder / "margins.json") if there("margins.json") else None,
+        read_json(CalibrationFile, folder / "calibration.json")
+        if there("calibration.json")
+        else None,
     )
     records = stored.records
-    if not records and stored.scorecard is None:
+    if not records and stored.scorecard is None and stored.calibration is None:
         expected = f"it in {folder}, or another result: run `bayesfric fit RECORDING -o {folder}`"
         raise InputError([Fault("fit.json", expected)])
     first = next(iter(records), "")
@@ -159,13 +166,13 @@ def read_stored(folder: Path) -> StoredResults:
 def _fit(folder: Path) -> StoredFit:
     _beside("fit", folder, "fit", "draws.nc", "predictive.nc")
     fit = read_json(FitFile, folder / "fit.json")
-    draws = read_tree(folder / "draws.nc")
+    draws = read_beside(fit, folder / "draws.nc")
     if (draws.attrs.get("recording.sha256"), draws.attrs.get("analysis_sha256")) != (
         fit.recording.sha256,
         fit.analysis_sha256,
     ):
         raise InputError([Fault("draws.nc", "the draws of the fit in fit.json")])
-    predictive = read_tree(folder / "predictive.nc")
+    predictive = read_beside(fit, folder / "predictive.nc")
     named = any("rig" in predictive[name].attrs for name in predictive.children)
     if not named or not {"coefficients", "densities", "ranks"} <= set(predictive.children):
         expected = f"what this version predicts: run `bayesfric fit RECORDING -o {folder}` again"
@@ -176,13 +183,13 @@ def _fit(folder: Path) -> StoredFit:
 def _diagnosis(folder: Path) -> StoredDiagnosis:
     _beside("diagnosis", folder, "diagnose", "diagnosis.nc")
     found = read_json(DiagnosisFile, folder / "diagnosis.json")
-    return StoredDiagnosis(found, read_tree(folder / "diagnosis.nc"))
+    return StoredDiagnosis(found, read_beside(found, folder / "diagnosis.nc"))
 
 
 def _claims(folder: Path) -> StoredClaims:
     _beside("claims", folder, "claims", "claims.nc")
     found = read_json(ClaimsFile, folder / "claims.json")
-    return StoredClaims(found, read_tree(folder / "claims.nc"))
+    return StoredClaims(found, read_beside(found, folder / "claims.nc"))
 
 
 def _beside(name: str, folder: Path, verb: str, *others: str) -> None:

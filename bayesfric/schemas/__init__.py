@@ -18,6 +18,7 @@ from bayesfric.schemas.claims import (
     PulleyEvidence,
     SelfContradiction,
 )
+from bayesfric.schemas.comparison import ComparisonFile, Flip, Setting, Shift
 from bayesfric.schemas.diagnosis import (
     Absorbed,
     Axis,
@@ -80,6 +81,7 @@ __all__ = [
     "Cause",
     "ClaimResult",
     "ClaimsFile",
+    "ComparisonFile",
     "Confusion",
     "DataQuality",
     "Detected",
@@ -89,6 +91,7 @@ __all__ = [
     "ExaminedEffect",
     "Excluded",
     "FitFile",
+    "Flip",
     "GammaProbability",
     "Gap",
     "GapRow",
@@ -114,7 +117,9 @@ __all__ = [
     "ScorecardFile",
     "ScoredCase",
     "SelfContradiction",
+    "Setting",
     "Shape",
+    "Shift",
     "Target",
     "TimingsFile",
     "Uniformity",
@@ -133,5 +138,6 @@ SCHEMAS: dict[str, type[BaseModel]] = {
     "margins": MarginsFile,
     "calibration": CalibrationFile,
     "timings": TimingsFile,
+    "comparison": ComparisonFile,
 }
 """The models by the name of the file that they describe."""

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import ConfigDict, Field
 
-from bayesfric.schemas.base import Number, Record, Why
+from bayesfric.schemas.base import Number, Record, RecordingId, Why
 
 __all__ = ["CalibratedQuantity", "CalibrationCase", "CalibrationFile"]
 
@@ -35,7 +35,7 @@ class CalibrationFile(Record):
     schema_: Literal["bayesfric.calibration/1"] = Field("bayesfric.calibration/1", alias="schema")
     seed: int = Field(description="Of the campaign.")
     versions: dict[str, str] = Field(description="Python and packages.")
-    recording: None = Field(None, description="Recordings are simulated.")
+    recording: RecordingId | None = Field(None, description="None: recordings are simulated.")
     recording_why: Why = "recordings are simulated, one a case"
     analysis_sha256: str = Field(description="Over the analysis, defaults filled in.")
     created: str | None = Field(description="SOURCE_DATE_EPOCH, else null.")

@@ -116,6 +116,7 @@ class DataQuality(Record):
     trials_used: int = Field(description="Trials that enter.")
     setups: int = Field(description="Assemblies that enter.")
     events: int = Field(description="Hall events that enter.")
+    points: int = Field(0, description="Steady friction points that enter.")
     motor_runs: int = Field(0, description="Motor runs that enter.")
     replicated_cells: int = Field(
         description="(size, n, angle) cells assembled more than once; without any, setup "
@@ -214,9 +215,14 @@ class FitFile(Provenance):
 
 
 class TimingsFile(Record):
-    """``timings.json``: wall time, kept out of the results."""
+    """``timings.json``: what may differ between two runs of the same result."""
 
     schema_: Literal["bayesfric.timings/1"] = Field("bayesfric.timings/1", alias="schema")
     seconds: dict[str, Number] = Field(description="Wall seconds by stage.")
+    run_id: str = Field("", description="Of the fit; empty in files of earlier versions.")
+    inputs: dict[str, tuple[str, ...]] = Field(
+        default_factory=dict,
+        description="Paths of the recording and the loop files, as `bayesfric rerun` finds them.",
+    )
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)

@@ -18,18 +18,18 @@ from bayesfric.simulate import table1_coefficients
 def test_truths_are_drawn_from_the_stated_prior():
     generating = generating_analysis(Analysis(calibration=CalibrationRules(spread=0.2)))
     rng = np.random.default_rng(1)
-    truths = [draw_truth(generating, rng) for _ in range(200)]
+    truths = [draw_truth(generating, rng) for _ in range(80)]
     for name in SCATTER_AND_NOISE:
         values = np.array([getattr(one, name) for one in truths])
         middle = getattr(Analysis().calibration, name)
-        assert 0.8 * middle <= values.min() < 0.83 * middle
-        assert 1.17 * middle < values.max() <= 1.2 * middle
+        assert 0.8 * middle <= values.min() < 0.84 * middle
+        assert 1.16 * middle < values.max() <= 1.2 * middle
         assert np.isfinite(log_density(getattr(generating.priors, name), values)).all()
     for size, law in table1_coefficients().items():
         for place, value in enumerate(law):
             ratio = np.array([one.coefficients[size][place] for one in truths]) / value
             assert np.abs(ratio - 1).max() <= 0.2 + 1e-12
-            assert ratio.std() == pytest.approx(0.2 / np.sqrt(3), rel=0.15)
+            assert ratio.std() == pytest.approx(0.2 / np.sqrt(3), rel=0.25)
 
 
 def test_scatter_that_is_not_simulated_is_refused():

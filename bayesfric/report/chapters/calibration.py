@@ -16,6 +16,7 @@ from bayesfric.report.content import (
     Table,
 )
 from bayesfric.report.quantities import (
+    MISSING,
     format_count,
     format_fixed,
     format_probability,
@@ -23,7 +24,7 @@ from bayesfric.report.quantities import (
 )
 from bayesfric.schemas import CalibrationFile
 
-__all__ = ["calibration", "calibration_line"]
+__all__ = ["calibrated_from", "calibration", "calibration_line"]
 
 
 def calibration_line(found: CalibrationFile) -> Notice:
@@ -85,7 +86,7 @@ def calibration(found: CalibrationFile) -> Iterator[Block]:
                 one.name,
                 format_probability(one.p_value),
                 "uniform" if one.inside else "not uniform",
-                found.priors.get(one.name, "—"),
+                found.priors.get(one.name, MISSING),
             ]
             for one in found.quantities
         ],
@@ -93,4 +94,19 @@ def calibration(found: CalibrationFile) -> Iterator[Block]:
         note="p is of as large a departure anywhere by chance, of this quantity alone; a "
         f"quantity is outside its band below {format_probability(1 - found.level)}. T is "
         f"{format_fixed(found.tension_n, 0)} N.",
+    )
+
+
+def calibrated_from(found: CalibrationFile) -> Table:
+    """Return the table of seed, hash and versions."""
+    return Table(
+        "What makes the same result again.",
+        ["", "value"],
+        [
+            ["seed", Code(str(found.seed))],
+            ["analysis, SHA-256", Code(found.analysis_sha256)],
+            ["date", found.created or MISSING],
+            ["versions", ", ".join(f"{name} {text}" for name, text in found.versions.items())],
+        ],
+        label="calibrated-from",
     )
