@@ -13,6 +13,7 @@ from bayesfric.cli.calibrate import calibrate
 from bayesfric.cli.claims import claims
 from bayesfric.cli.compare import compare
 from bayesfric.cli.diagnose import diagnose
+from bayesfric.cli.effects import effects
 from bayesfric.cli.fit import fit
 from bayesfric.cli.info import info
 from bayesfric.cli.margins import margins
@@ -45,6 +46,7 @@ for verb in (
     report,
     compare,
     rerun,
+    effects,
     info,
 ):
     app.command()(verb)

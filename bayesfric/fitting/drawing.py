@@ -2,10 +2,11 @@
 
 from bayesfric.analysis import Analysis
 from bayesfric.checkpoint import Checkpoint
+from bayesfric.fitting.hypothesis import chart_of
 from bayesfric.inference.diagnostics import diagnose_all
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import Model
-from bayesfric.inference.sampling import Chart, Draws, Progress, sample
+from bayesfric.inference.sampling import Draws, Progress, sample
 
 __all__ = ["draw_posterior"]
 
@@ -38,5 +39,5 @@ def draw_posterior(
         progress,
         checkpoint,
         converged=lambda z: all(one.converged for one in diagnose_all(model.natural(z))),
-        chart=Chart(model.linear, model.from_linear, model.linear_log_slope),
+        chart=chart_of(model),
     )

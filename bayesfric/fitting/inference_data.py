@@ -181,7 +181,11 @@ def draws_of_fit(
         coords=({"pulley": list(sizes)} if sizes else {})
         | {
             "trial": table["trial"].to_numpy(),
-            "setup": list(dict.fromkeys(table["setup_of_trial"])),
+            "setup": [
+                prefix + setup
+                for prefix, one in zip(prefixes, model.likelihoods, strict=True)
+                for setup in one.setups
+            ],
         },
         ensemble=stored.ensemble,
         attributes=_flat(attributes),

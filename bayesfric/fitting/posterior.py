@@ -163,6 +163,17 @@ def fit(
                     again,
                     draw_posterior(again, analysis, progress, Checkpoint(folder, key)),
                 )
+        with _timed(seconds, "without_stalls"):
+            moved, why_moved = _all_that_moved(data)
+            without_stalls = None
+            if moved is not None:
+                again = _model(moved, analysis, law)
+                folder = None if checkpoint is None else checkpoint / "without-stalls"
+                without_stalls = summarise_without_exclusions(
+                    _under_rules(moved),
+                    again,
+                    draw_posterior(again, analysis, progress, Checkpoint(folder, key)),
+                )
         theta = model.natural(draws.z)
         with _timed(seconds, "leave_out"):
             trials = sum(len(rig.trials) for rig in model.likelihoods)
@@ -178,6 +189,8 @@ def fit(
                 "baseline": baseline,
                 "without_exclusions": without,
                 "without_exclusions_why": why,
+                "without_stalls": without_stalls,
+                "without_stalls_why": why_moved,
                 "prediction": predictions(left_out),
                 "uniformity": uniformities(left_out),
             }
@@ -211,6 +224,15 @@ def _all_that_can_enter(recording: Recording, data: Data) -> tuple[Data | None, 
     if _under_rules(whole) == _under_rules(data):
         return None, "no trial that was left out has a motion that can be computed"
     return whole, None
+
+
+def _all_that_moved(data: Data) -> tuple[Data | None, str | None]:
+    """Return the trials that moved all the way, or why there are no others."""
+    moved = [trials.moved() for trials in data.rigs]
+    if not any(moved):
+        return None, "all trials that enter moved all the way, or none did"
+    kept = zip(moved, data.rigs, strict=True)
+    return Data(tuple(one if one is not None else whole for one, whole in kept)), None
 
 
 def _under_rules(data: Data) -> int:

@@ -50,6 +50,7 @@ from bayesfric.schemas.fit import (
 )
 from bayesfric.schemas.margins import (
     GammaProbability,
+    HuntingMap,
     LoopMargins,
     MarginsFile,
     Metric,
@@ -95,6 +96,7 @@ __all__ = [
     "GammaProbability",
     "Gap",
     "GapRow",
+    "HuntingMap",
     "Inclusion",
     "Interval",
     "LoopMargins",
