@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from bayesfric.cli.exits import exit_status, fail_on
+from bayesfric.cli.exits import exit_status, fail_on, failures_of
 from bayesfric.cli.options import Config, FailOn, Folder, Quiet, Workers
 
 __all__ = ["blind"]
@@ -81,7 +81,7 @@ def blind(
         right = "correct" if case.correct else "not correct"
         said = ", ".join(case.causes) or "no cause"
         typer.echo(f"{case.verdict} ({said}): {right}")
-        fail_on(fail_on_list, set() if case.verdict == "no-gap" else {"gap"})
+        fail_on(fail_on_list, failures_of(case.verdict))
         return
     with progress_bar("blind", quiet=quiet) as progress:
         scorecard = run_blind(

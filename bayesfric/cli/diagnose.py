@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from bayesfric.cli.exits import exit_status, fail_on
+from bayesfric.cli.exits import exit_status, fail_on, failures_of
 from bayesfric.cli.options import Baseline, Config, FailOn, Folder, Quiet, Seed
 
 __all__ = ["diagnose"]
@@ -92,6 +92,4 @@ def diagnose_into(
     typer.echo(f"{summary.verdict}: {summary.sentence}")
     for name, chance in list(summary.probabilities.items())[:5]:
         typer.echo(f"  {name:<28} {chance:.3f}")
-    if summary.verdict == "undecided":
-        return {"undecided"}
-    return set() if summary.verdict == "no-gap" else {"gap"}
+    return failures_of(summary.verdict)

@@ -13,12 +13,19 @@ import typer
 
 from bayesfric.errors import Fault, InputError
 
-__all__ = ["FAILURES", "exit_status", "fail_on"]
+__all__ = ["FAILURES", "exit_status", "fail_on", "failures_of"]
 
 P = ParamSpec("P")
 SHOWN_FAULTS = 50
 FAILURES = ("refuted", "unconverged", "gap", "undecided")
 """What ``--fail-on`` can name."""
+VERDICT_FAILURES = {
+    "named": {"gap"},
+    "unseparated": {"gap"},
+    "unknown": {"gap"},
+    "undecided": {"undecided"},
+    "no-gap": set[str](),
+}
 
 
 def exit_status(verb: Callable[P, None]) -> Callable[P, None]:
@@ -69,3 +76,8 @@ def fail_on(names: str, happened: set[str]) -> None:
     for name in sorted(wanted & happened):
         typer.echo(f"failed: {name}", err=True)
         raise typer.Exit(1)
+
+
+def failures_of(verdict: str) -> set[str]:
+    """Return which of :data:`FAILURES` a verdict of a diagnosis is."""
+    return VERDICT_FAILURES[verdict]

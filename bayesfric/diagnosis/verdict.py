@@ -155,15 +155,23 @@ def sentence_of(
     """
     friction = gap.friction_rms
     size = f"{gap.systematic.q50:.3g} N rms, {gap.systematic.q50 / friction:.1%} of friction"
+    acting = _acting(causes, unseparated)
     if verdict == "no-gap":
+        absorbed = f" {acting}, and the recalibrated law absorbs most of it." if causes else ""
         return (
             f"Once recalibrated, the simulation is systematically off by less than {share:.1%} of "
-            f"friction (probability {chance:.2f}); the median is {size}."
+            f"friction (probability {chance:.2f}); the median is {size}.{absorbed}"
         )
     if verdict == "undecided":
+        left = (
+            f"{acting}; whether more than {share:.1%} of friction is left once the law is "
+            "recalibrated stays open."
+            if causes
+            else "no cause is sure, and neither is that there is none."
+        )
         return (
             f"These data leave a gap of up to {gap.systematic.q95 / friction:.1%} of friction "
-            f"open: no cause is sure, and neither is that there is none."
+            f"open: {left}"
         )
     if verdict == "unknown":
         axis = next((one.axis for one in where if not one.blind), None)
@@ -179,15 +187,6 @@ def sentence_of(
             f"A gap of {size} is there, and one of {rivals} causes it; these data cannot tell "
             f"which (probability {chance:.2f})."
         )
-    names = " and ".join(cause.effect for cause in causes)
-    twins = {
-        twin
-        for one in unseparated
-        if one.reason == "identical-on-this-rig"
-        for twin in one.effects
-        if {cause.effect for cause in causes} & set(one.effects)
-    } - {cause.effect for cause in causes}
-    alike = f" (on this rig the same as {', '.join(sorted(twins))})" if twins else ""
     shrunk = ""
     if gap.shrink is not None:
         them = "it" if len(causes) == 1 else "them"
@@ -195,5 +194,19 @@ def sentence_of(
             f" The systematic gap is {size}; adding {them} takes {gap.shrink.q50:.1%} "
             f"[{gap.shrink.q05:.1%}, {gap.shrink.q95:.1%}] of its square away."
         )
+    return f"{acting} (probability {chance:.2f}).{shrunk}"
+
+
+def _acting(causes: Sequence[Cause], unseparated: Sequence[Unseparated]) -> str:
+    """Return that these causes act, with what this rig cannot tell from them."""
+    names = {cause.effect for cause in causes}
+    twins = {
+        twin
+        for one in unseparated
+        if one.reason == "identical-on-this-rig"
+        for twin in one.effects
+        if names & set(one.effects)
+    } - names
+    alike = f" (on this rig the same as {', '.join(sorted(twins))})" if twins else ""
     acts = "acts" if len(causes) == 1 else "act"
-    return f"{names}{alike} {acts} (probability {chance:.2f}).{shrunk}"
+    return f"{' and '.join(cause.effect for cause in causes)}{alike} {acts}"

@@ -31,7 +31,9 @@ def box(found: DiagnosisFile) -> Kind:
     if found.verdict != "no-gap":
         return "attention"
     practical = found.practical_share * found.gap.friction_rms
-    open_ = found.gap.systematic.q50 > practical or found.remainder.significant
+    open_ = (
+        found.gap.systematic.q50 > practical or found.remainder.significant or bool(found.causes)
+    )
     return "info" if open_ else "good"
 
 

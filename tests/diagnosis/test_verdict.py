@@ -1,8 +1,9 @@
 """The verdict by the rules of the contract."""
 
 import pytest
+from report.diagnosis_sample import cause, diagnosis
 
-from bayesfric.diagnosis.verdict import Known, decide, sets_of_one, sort_effects
+from bayesfric.diagnosis.verdict import Known, decide, sentence_of, sets_of_one, sort_effects
 
 
 def known(effect="viscous", probability=0.99, above=1.0, **options):
@@ -49,3 +50,17 @@ def test_effects_of_which_one_acts():
     rivals = [known("a", 0.5), known("b", 0.43), known("c", 0.0)]
     assert sets_of_one(chances, rivals, []) == (("a", "b"),)
     assert sets_of_one({"a": 0.5, "none": 0.5}, rivals[:1], []) == ()
+
+
+@pytest.mark.parametrize("verdict", ["no-gap", "undecided"])
+def test_a_cause_without_a_sure_gap_is_in_the_sentence(verdict):
+    """An effect of a practical size acts, and the refitted law absorbs most of its force."""
+    gap = diagnosis().gap
+
+    def sentence(causes):
+        return sentence_of(verdict, 0.97, causes, gap, (), (), 0.02)
+
+    assert "viscous acts" in sentence([cause("viscous")])
+    assert "acts" not in sentence([])
+    assert ("no cause is sure" in sentence([])) == (verdict == "undecided")
+    assert "no cause is sure" not in sentence([cause("viscous")])

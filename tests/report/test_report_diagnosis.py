@@ -370,8 +370,9 @@ def test_a_box_is_green_only_where_nothing_it_covers_is_open():
     gap = found.gap
     limit = found.practical_share * gap.friction_rms
 
-    def kind(systematic, significant=False):
+    def kind(systematic, significant=False, causes=()):
         changes = {
+            "causes": causes,
             "gap": gap.model_copy(update={"systematic": interval(systematic)}),
             "remainder": found.remainder.model_copy(update={"significant": significant}),
         }
@@ -380,3 +381,4 @@ def test_a_box_is_green_only_where_nothing_it_covers_is_open():
     assert kind(0.5 * limit) == "good"
     assert kind(1.5 * limit) == "info"
     assert kind(0.5 * limit, significant=True) == "info"
+    assert kind(0.5 * limit, causes=diagnosis().causes) == "info", "a cause that the law absorbs"
