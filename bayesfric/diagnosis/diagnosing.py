@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.analysis import Analysis, PriorOverrides, analysis_sha256
 from bayesfric.diagnosis.causes import causes_of, inclusion_of, known_of
 from bayesfric.diagnosis.classes import classes_of
 from bayesfric.diagnosis.forms import other_forms
@@ -153,7 +153,9 @@ def _diagnose(
             for size, row in table1().items()
         }
     held = _held(fixed, data, shipped)
-    examined = all_effects() | {effect.name: effect for effect in effects}
+    own_priors = {size: one for rig in data.rigs for size, one in rig.own_priors.items()}
+    settings, analysis = analysis, _with_own_priors(analysis, own_priors)
+    examined, lacking = _examinable(data, {effect.name: effect for effect in effects})
     examined = with_priors(examined, analysis.priors.effects)
     examined = {name: _widened(one, analysis) for name, one in examined.items()}
     data, stray, laws, psi = _baseline(data, analysis, held, shipped)
@@ -194,7 +196,7 @@ def _diagnose(
     attributes = provenance(
         seed=analysis.seed,
         recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
-        analysis_sha256=analysis_sha256(analysis),
+        analysis_sha256=analysis_sha256(settings),
         created=recording.created,
     )
     prior = analysis.diagnosis.hypotheses
@@ -230,7 +232,7 @@ def _diagnose(
         ),
         where=where,
         gap=gap,
-        effects=_examined(found, first_found, sorted(examined)),
+        effects=_examined(found, first_found, sorted({**examined, **lacking}), lacking),
         next_experiment=proposals,
         next_experiment_why=no_proposal,
     )
@@ -248,6 +250,32 @@ def _data(recording: Recording, baseline: str) -> Data:
         names = " or ".join(rig.words.trial for rig in all_rigs().values())
         raise InputError([Fault(recording.name, f"a {names} to diagnose")])
     return data
+
+
+def _examinable(
+    data: Data, own: Mapping[str, Effect]
+) -> tuple[dict[str, Effect], dict[str, tuple[str, ...]]]:
+    """Return the effects that the rigs can have, in their measures, and what others lack."""
+    offered: frozenset[str] = frozenset().union(*(one.offers for one in data.rigs))
+    examined: dict[str, Effect] = {}
+    lacking: dict[str, tuple[str, ...]] = {}
+    for name, effect in sorted({**all_effects(None), **own}.items()):
+        if missing := effect.needs - offered:
+            lacking[name] = tuple(sorted(missing))
+            continue
+        for one in data.rigs:
+            effect = one.suited(effect)
+        examined[name] = effect
+    return examined, lacking
+
+
+def _with_own_priors(analysis: Analysis, own: Mapping[str, PriorOverrides]) -> Analysis:
+    """Return an analysis with a rig's own priors of its law, where the user has none."""
+    if not own:
+        return analysis
+    pulleys = {**own, **analysis.priors.pulleys}
+    priors = analysis.priors.model_copy(update={"pulleys": pulleys})
+    return analysis.model_copy(update={"priors": priors})
 
 
 def _widened(effect: Effect, analysis: Analysis) -> Effect:
@@ -416,12 +444,17 @@ def _held(
     return frozenset(fixed)
 
 
-def _examined(found: Search, first: Search, names: list[str]) -> tuple[ExaminedEffect, ...]:
+def _examined(
+    found: Search, first: Search, names: list[str], lacking: Mapping[str, tuple[str, ...]]
+) -> tuple[ExaminedEffect, ...]:
     absorbed = {one.effect for one in found.classes.absorbed}
     stands = {name: members[0] for members in found.classes.members for name in members}
     listed = []
     for name in names:
-        value, why, bound = None, found.classes.left_out.get(name), False
+        value, bound = None, False
+        why, needs = found.classes.left_out.get(name), lacking.get(name, ())
+        if needs:
+            why = f"absent from these data: it needs what no rig here has ({', '.join(needs)})"
         if name in absorbed:
             why = "it only moves a parameter of the baseline"
         elif name in stands:
@@ -431,7 +464,11 @@ def _examined(found: Search, first: Search, names: list[str]) -> tuple[ExaminedE
             bound = source.weighed[own].bound
         listed.append(
             ExaminedEffect(
-                effect=name, log10_bayes_factor=value, log10_bayes_factor_why=why, bound=bound
+                effect=name,
+                log10_bayes_factor=value,
+                log10_bayes_factor_why=why,
+                bound=bound,
+                needs=needs,
             )
         )
     return tuple(listed)

@@ -57,8 +57,11 @@ def where_it_lies(
     rng : Generator
         For the bootstrap.
     """
-    designs = {name: design for name in AXES if (design := _design(name, residuals)) is not None}
-    blind = [name for name in AXES if name not in designs]
+    axes_here = residuals.axes
+    designs = {
+        name: design for name in axes_here if (design := _design(name, residuals)) is not None
+    }
+    blind = [name for name in axes_here if name not in designs]
     relative = before / residuals.friction_n
     noise = residuals.variance / residuals.friction_n**2
     spread2 = residuals.spread2

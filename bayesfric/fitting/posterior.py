@@ -309,7 +309,7 @@ def _variables(model: Model, values: Array) -> dict[str, Array]:
     for name, column in columns.items():
         stem = name.partition("[")[0]
         everywhere = [f"{stem}[{size}]" for size in sizes]
-        if set(everywhere) <= set(columns):
+        if sizes and set(everywhere) <= set(columns):
             variables[stem] = np.stack([columns[of_size] for of_size in everywhere], axis=-1)
         else:
             variables[name] = column

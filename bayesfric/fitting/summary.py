@@ -81,7 +81,7 @@ def summarise(
         pulleys={size: {c: entries[f"{c}[{size}]"] for c in COEFFICIENTS} for size in sizes},
         scatter=_of_kind(model, entries, "scatter"),
         noise=_of_kind(model, entries, "noise"),
-        parameters=_of_kind(model, entries, "other"),
+        parameters=_plain_coefficients(model, entries) | _of_kind(model, entries, "other"),
         paper_estimator={
             size: found for one in data.rigs for size, found in one.paper_estimates().items()
         },
@@ -133,6 +133,14 @@ def _of_kind(
     return {p.name: entries[p.name] for p in model.parameters if p.kind == kind}
 
 
+def _plain_coefficients(
+    model: Model, entries: Mapping[str, ParameterSummary]
+) -> dict[str, ParameterSummary]:
+    """Return the coefficients of a law that knows no pulleys."""
+    found = _of_kind(model, entries, "coefficient")
+    return {name: entry for name, entry in found.items() if "[" not in name}
+
+
 def _parameter(
     parameter: Parameter, draws: Array, figures: Convergence, informed: bool
 ) -> ParameterSummary:
@@ -167,7 +175,7 @@ def _sensitivity(model: Model, draws: Draws, theta: Array) -> dict[str, dict[str
     prior = model.log_prior(theta.reshape(-1, theta.shape[-1])).reshape(by_walker)
     # In the sampling space, where the draws have their density, every prior is N(0, 1).
     likelihood = draws.log_density + 0.5 * (LOG_2PI + draws.z**2).sum(axis=-1)
-    places = {n: i for i, n in enumerate(model.names) if n.partition("[")[0] in COEFFICIENTS}
+    places = {p.name: i for i, p in enumerate(model.parameters) if p.kind == "coefficient"}
     values = theta[..., list(places.values())].reshape(len(theta), -1, len(places))
     moved = {}
     for key, component in (("prior", prior), ("likelihood", likelihood)):

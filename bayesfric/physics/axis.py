@@ -9,7 +9,7 @@ Where the axis turns, radians, N·m and kg·m² take the places of m, N and kg.
 
 from typing import NamedTuple
 
-from numpy.typing import ArrayLike
+import numpy as np
 
 from bayesfric.physics.friction import Coefficients
 
@@ -21,24 +21,19 @@ class AxisLaw(NamedTuple):
 
     Parameters
     ----------
-    mass : array_like
+    mass : float
         That moves [kg, or kg·m²].
-    coulomb : array_like
+    coulomb : float
         Friction whatever the speed [N, or N·m].
-    viscous : array_like
+    viscous : float
         Friction per speed [N s/m, or N·m s/rad]; 0 where it is not asked for.
     """
 
-    mass: ArrayLike
-    coulomb: ArrayLike
-    viscous: ArrayLike = 0.0
+    mass: float
+    coulomb: float
+    viscous: float = 0.0
 
     @classmethod
     def of(cls, law: Coefficients) -> "AxisLaw":
-        """Return the law whose numbers stand in the places of c1, c2 and c3."""
-        return cls(*law)
-
-    @property
-    def in_places(self) -> Coefficients:
-        """The numbers in the places of c1, c2 and c3, where a diagnosis keeps any law's."""
-        return Coefficients(*self)
+        """Return the law whose numbers stand where a diagnosis has c1, c2 and c3."""
+        return cls(*(float(np.asarray(one)) for one in law))

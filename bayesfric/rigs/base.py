@@ -14,7 +14,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from bayesfric.analysis import Analysis
+from bayesfric.analysis import Analysis, PriorOverrides
 from bayesfric.effects import Effect
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.inference.model import RigLikelihood
@@ -84,11 +84,14 @@ class Words:
         As in ``gravity board``.
     trial, trials : str
         One of its measurements, and several.
+    law : str
+        What its law and its likelihood are, in sentences; nothing where they are the paper's.
     """
 
     rig: str
     trial: str
     trials: str
+    law: str = ""
 
 
 class Rig(Protocol):
@@ -185,6 +188,17 @@ class RigTrials(Protocol):
     @property
     def slowest_speed_m_s(self) -> float:
         """The least speed at which anything was measured [m/s]."""
+
+    @property
+    def offers(self) -> frozenset[str]:
+        """What effects may need of it, see :class:`bayesfric.effects.Effect`."""
+
+    @property
+    def own_priors(self) -> Mapping[str, PriorOverrides]:
+        """Priors of its law in its own measures, by size; empty where those of all do."""
+
+    def suited(self, effect: Effect) -> Effect:
+        """Return an effect with priors in the rig's own measures."""
 
     def levels(self, name: str) -> int:
         """Return how many values a column takes; ``tension`` is how the cable is loaded."""

@@ -32,9 +32,7 @@ class SharedDeviation:
     constant: float
 
     @classmethod
-    def of(
-        cls, columns: Array, response: Array, stiffness: Array, sd: float
-    ) -> "SharedDeviation":
+    def of(cls, columns: Array, response: Array, stiffness: Array, sd: float) -> "SharedDeviation":
         """Integrate deviations of a standard deviation out."""
         taken = sd**2 / (1 + sd**2 * stiffness)
         constant = 0.5 * float((taken * response**2 - np.log1p(sd**2 * stiffness)).sum())

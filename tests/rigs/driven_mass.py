@@ -99,8 +99,8 @@ def simulate(machine, *, runs=6, seconds=12.0, log_hz=None, seed=0):
     turned, way = q.copy(), np.sign(v)  # where the motion last turned, and which way it goes
     load_q, load_v = q.copy(), v.copy()
     lagged = np.zeros(runs)
-    ago = int(round(machine.loop_delay_s / control))
-    late = int(round(machine.delay_s / step))
+    ago = round(machine.loop_delay_s / control)
+    late = round(machine.delay_s / step)
     seen = deque([q.copy()] * (ago + 2), maxlen=ago + 2)
     sent = deque([np.zeros(runs)] * (late + 1), maxlen=late + 1)
     logged_q, logged_f = np.empty((count, runs)), np.empty((count, runs))
@@ -171,7 +171,7 @@ def simulate(machine, *, runs=6, seconds=12.0, log_hz=None, seed=0):
             turns = (np.sign(v) != way) & (v != 0)
             turned = np.where(turns, q, turned)
             way = np.where(turns, np.sign(v), way)
-    every = 1 if log_hz is None else int(round(machine.control_hz / log_hz))
+    every = 1 if log_hz is None else round(machine.control_hz / log_hz)
     names = [f"r{run:02d}" for run in range(runs)]
     samples = pd.DataFrame(
         {
@@ -183,9 +183,7 @@ def simulate(machine, *, runs=6, seconds=12.0, log_hz=None, seed=0):
     )
     table = pd.DataFrame({"run": names, "order": np.arange(1, runs + 1)})
     if machine.test_runs:
-        table["role"] = [
-            "test" if run in machine.test_runs else "calibrate" for run in range(runs)
-        ]
+        table["role"] = ["test" if run in machine.test_runs else "calibrate" for run in range(runs)]
     return table, samples
 
 

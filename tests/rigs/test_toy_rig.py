@@ -43,7 +43,7 @@ def fitted(recording):
 
 
 def test_it_is_found_by_being_there(scale):
-    assert list(rigs.all_rigs()) == ["gravity", "motor", "scale"]
+    assert list(rigs.all_rigs()) == ["gravity", "motor", "scale", "single-axis"]
     assert "scale" not in rigs.paper_rigs()
 
 

@@ -106,7 +106,7 @@ class Pieces:
         whole = parts[0] + parts[1] + parts[2]
         diagonal = np.einsum("cmm->cm", whole)
         diagonal += np.where(self.rows < self.count, LEAST * diagonal.max(), 1.0)
-        return Solved(self, np.linalg.inv(whole), whole, parts, length)
+        return Solved(self, np.asarray(np.linalg.inv(whole), dtype=np.float64), whole, parts, length)
 
     def grouped(self, size: int) -> tuple[csr_array, NDArray[np.intp]]:
         """Return what makes means over neighbouring rows of a piece, and the first row of each."""
@@ -126,7 +126,7 @@ class Pieces:
         force: float,
         wander: float,
         length: float,
-    ) -> csr_array:
+    ) -> Array:
         """Return the covariance of means of rows at a noise, shape (G, G)."""
         whole = sum(self._parts(position, force, wander, length))
         there = self.rows < self.count
@@ -134,7 +134,7 @@ class Pieces:
         row = np.broadcast_to(self.rows[:, :, None], both.shape)[both]
         column = np.broadcast_to(self.rows[:, None, :], both.shape)[both]
         matrix = csr_array((np.asarray(whole)[both], (row, column)), (self.count, self.count))
-        return mean @ matrix @ mean.T
+        return np.asarray((mean @ matrix @ mean.T).toarray())
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 from scipy.optimize import minimize
 
-from bayesfric.analysis import HalfNormal, LogNormal, Normal
+from bayesfric.analysis import HalfNormal, LogNormal, Normal, Prior
 from bayesfric.inference.grouped_normal import LOG_2PI, GroupedNormal, Groups
 from bayesfric.inference.priors import Parameter
 from bayesfric.rigs.grouped import GroupedLikelihood
@@ -30,7 +30,7 @@ from bayesfric.rigs.single_axis.measures import Measures
 __all__ = ["AxisLikelihood"]
 
 Array = NDArray[np.float64]
-RATIOS = np.linspace(np.log(1e-3), np.log(1e2), 36)  # logarithms of wander over error
+RATIOS = np.linspace(np.log(3e-3), np.log(3e2), 41)  # logarithms of wander over error
 FORCE, MASS, COULOMB, VISCOUS, LATENCY = range(5)
 
 
@@ -75,8 +75,8 @@ class AxisLikelihood(GroupedLikelihood):
         priors, unit = measures.priors, measures.unit
         assert priors.c1 and priors.c2 and priors.c3
 
-        def coefficient(name: str, of: str, prior: object) -> Parameter:
-            return Parameter(name, unit(of), prior, "coefficient", linear=True)  # type: ignore[arg-type]
+        def coefficient(name: str, of: str, prior: Prior) -> Parameter:
+            return Parameter(name, unit(of), prior, "coefficient", linear=True)
 
         self.parameters = (
             coefficient("mass", "kg", priors.c1),
@@ -101,7 +101,7 @@ class AxisLikelihood(GroupedLikelihood):
             ],
             axis=1,
         )
-        pieces = Pieces.of(readings, float(rows.law.mass), np.ones(readings.count))
+        pieces = Pieces.of(readings, rows.law.mass, np.ones(readings.count))
         first = np.array([row[0] for row in pieces.rows])
         owner = readings.trial[first]
         position, force, _, length = self.noise
@@ -116,12 +116,12 @@ class AxisLikelihood(GroupedLikelihood):
             )
             determinants = np.bincount(owner, np.linalg.slogdet(solved.whole)[1], len(self.trials))
             table.append(np.concatenate([forms, determinants[:, None]], axis=1))
-        self._table = make_interp_spline(RATIOS, np.stack(table), k=3)
+        self._table = make_interp_spline(RATIOS, np.stack(table), k=5)
 
     @property
     def _typical(self) -> float:
         """A row's error: the unit in which the wander is counted [N]."""
-        return float(self._rough.coulomb) * 0.01
+        return self._rough.coulomb * 0.01
 
     def law(self, theta: Mapping[str, Array]) -> Array:
         """Return friction of each trial at its mean speed by the law, (W, N) [N]."""
@@ -207,9 +207,9 @@ class AxisLikelihood(GroupedLikelihood):
         """Return rough estimates; also by the names that a diagnosis has for any law."""
         rough, size = self._rough, self.sizes[0]
         found = {
-            "mass": float(rough.mass),
-            "coulomb": float(rough.coulomb),
-            "viscous": max(float(rough.viscous), 1e-3 * float(rough.coulomb)),
+            "mass": rough.mass,
+            "coulomb": rough.coulomb,
+            "viscous": max(rough.viscous, 1e-3 * rough.coulomb),
             "tau": 0.02,
             "omega": 0.02,
             "wander": min(max(self.noise[2], 0.002), 0.2),
@@ -223,8 +223,8 @@ class AxisLikelihood(GroupedLikelihood):
 def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float]:
     """Return the noise at its mode, the law at its least squares: errors, wander, length."""
     readings = rows.readings
-    friction = float(rows.law.coulomb)
-    pieces = Pieces.of(readings, float(rows.law.mass), np.full(readings.count, friction))
+    friction = rows.law.coulomb
+    pieces = Pieces.of(readings, rows.law.mass, np.full(readings.count, friction))
     columns = np.column_stack([rows.coefficient_columns(), readings.force_rate])
     columns = columns / np.sqrt((columns**2).mean(axis=0)).clip(1e-12)
     start = np.log([readings.position_sd, 0.01 * friction, 0.01, 0.1 * rows.stroke])

@@ -62,6 +62,8 @@ class AxisRows:
     latency_s : float
         Prior standard deviation of the time by which the clocks of force and position may be
         off.
+    viscous : bool
+        Whether the law has viscous friction.
     """
 
     name: str
@@ -71,6 +73,7 @@ class AxisRows:
     state: State
     stroke: float
     latency_s: float
+    viscous: bool = False
     loads: tuple[str, ...] = ()
     trial_axes: tuple[str, ...] = ("displacement", "acceleration")
 
@@ -118,7 +121,7 @@ class AxisRows:
         """Return what mass, Coulomb and viscous friction add to each row, (W, 3)."""
         rows = self.readings
         return np.stack(
-            [rows.acceleration, np.ones(rows.count), self.mean(rows.speed)], axis=1
+            [rows.acceleration, np.ones(rows.count), self.viscous * self.mean(rows.speed)], axis=1
         )
 
     def residual(self) -> Array:
@@ -225,7 +228,7 @@ class AxisPart:
         for candidate, amplitude in scattering:
             moved = moved + amplitude * candidate_column(candidate)
         self._moved = moved
-        self._pieces = Pieces.of(readings, float(rows.law.mass), moved)
+        self._pieces = Pieces.of(readings, rows.law.mass, moved)
         self.noise = _noise(readings, rows.stroke, force)
 
     def evaluate(
@@ -298,8 +301,9 @@ class AxisPart:
             m, v = mean[self._which], covariance[self._which]
             along = own.left(own.stiffness)
             rest = np.zeros(trials, dtype=np.intp)
-            columns = own.left(own.columns) - along[:, None] * (
-                (setup.taken[:, None] * setup.columns)[self.setup]
+            columns = (
+                own.left(own.columns)
+                - along[:, None] * ((setup.taken[:, None] * setup.columns)[self.setup])
             )
             response = own.left(own.response) - along * (setup.taken * setup.response)[self.setup]
             stiff = along - along**2 * setup.taken[self.setup]
@@ -371,13 +375,12 @@ class AxisPart:
         covariance, varying = [], []
         for trial in range(len(self.size)):
             mine = np.flatnonzero(row == trial)
-            covariance.append(error[np.ix_(mine, mine)].toarray())
+            covariance.append(error[np.ix_(mine, mine)])
             unit = np.outer(share[mine], share[mine])
-            varying.append(moved[np.ix_(mine, mine)].toarray() / unit)
+            varying.append(moved[np.ix_(mine, mine)] / unit)
         where = {name: mean @ at for name, at in self.rows.covariates().items()}
-        nowhere = np.full(row.size, np.nan)
         for axis in ("tension", "n_pulleys", "wrap_angle"):
-            where[axis] = nowhere
+            del where[axis]  # no cable
         order = mean @ np.broadcast_to(self.rows.state.order, (readings.count, 1))[:, 0]
         return Windows(
             row=row,

@@ -75,12 +75,12 @@ def position_noise(motion: Motion, resolution: float | None) -> float:
     smooth = savgol_filter(motion.position, 7, 2)
     left = np.abs(motion.position - smooth)[3:-3]
     # A parabola through seven samples takes up a third of the variance at its middle.
-    found = NORMAL * float(np.median(left)) / np.sqrt(1 - 1 / 3)
+    found = NORMAL * float(np.median(left)) / (1 - 1 / 3) ** 0.5
     if resolution is None:
         steps = np.abs(np.diff(motion.position))
         steps = steps[steps > 0]
         resolution = float(np.quantile(steps, 0.01)) if steps.size else 0.0
-    return max(found, resolution / np.sqrt(12))
+    return max(found, resolution / 12**0.5)
 
 
 def smooth_motion(motion: Motion, half: int, noise: float) -> tuple[Array, Array, Array]:

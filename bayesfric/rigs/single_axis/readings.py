@@ -2,9 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import savgol_filter
 
 from bayesfric.rigs.single_axis.motion import Motion, position_noise, smooth_motion
 from bayesfric.rigs.single_axis.weak_form import TestFunction, node_weights, test_function
@@ -12,7 +15,7 @@ from bayesfric.rigs.single_axis.weak_form import TestFunction, node_weights, tes
 __all__ = ["PIECE", "Readings", "readings_of", "rough_law"]
 
 Array = NDArray[np.float64]
-QUIET = 0.01  # of the rms drive force, that a row's error from the position may be
+QUIET = 0.003  # of the rms drive force, that a row's error from the position may be
 NARROWEST = 4  # samples on either side of a window's middle
 PASSES = 4  # windows side by side that a pass should have room for
 MOST = 3000  # rows of a recording
@@ -125,11 +128,11 @@ def readings_of(
     for part in parts:
         for name in ("position_lag", "force_lag"):
             short = widest - part[name].shape[1]
-            part[name] = np.pad(part[name], ((0, 0), (0, short)))
+            part[name] = np.asarray(np.pad(part[name], ((0, 0), (0, short))), dtype=np.float64)
     joined = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     if not joined["way"].size:
         return None
-    whole = {name: joined.pop(name).astype(np.intp) for name in ("trial", "piece")}
+    whole: dict[str, Any] = {name: joined.pop(name).astype(np.intp) for name in ("trial", "piece")}
     return Readings(**whole, **joined, position_sd=noise, half_s=half_s)
 
 
@@ -211,7 +214,7 @@ def _of_run(
     travel = _since_reversal(position, way, FAR * stroke)
 
     def inside(values: Array) -> Array:
-        return np.interp(at, motion.time_s, values)
+        return np.asarray(np.interp(at, motion.time_s, values))
 
     force = motion.force - motion.further.get("sim_force", 0.0)
     lags = range(0, 2 * half // step + 1)
@@ -227,7 +230,7 @@ def _of_run(
         "speed": np.abs(inside(velocity)),
         "travel": inside(travel),
         "position": inside(position),
-        "drive": inside(motion.force),
+        "drive": inside(savgol_filter(motion.force, 2 * half + 1, 2)),
         "position_lag": np.tile(_lagged(test.curvature, step, lags), (centres.size, 1)),
         "force_lag": np.tile(_lagged(test.value, step, lags), (centres.size, 1)),
     }
@@ -247,7 +250,7 @@ def _since_reversal(position: Array, way: Array, unseen: float) -> Array:
     # It turned at the last extreme, somewhere between two samples whose way is known.
     extremes = [
         _extreme(position, before, after)
-        for before, after in zip(moving[:-1], moving[1:], strict=True)
+        for before, after in pairwise(moving)
         if way[before] != way[after]
     ]
     travel = np.full(position.size, unseen)

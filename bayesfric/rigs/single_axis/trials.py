@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis, PriorOverrides
-from bayesfric.effects import Effect, State
+from bayesfric.effects import Effect, Law, State
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect, small_values
 from bayesfric.physics.axis import AxisLaw
@@ -35,7 +35,20 @@ from bayesfric.rigs.truth import Truth
 __all__ = ["RIG", "AxisRuns", "SingleAxis"]
 
 Array = NDArray[np.float64]
-WORDS = Words("driven axis", "run", "runs")
+WORDS = Words(
+    "driven axis",
+    "run",
+    "runs",
+    "The law is that of a mass with Coulomb friction: mass times acceleration is the drive force "
+    "less friction, which opposes the motion (and grows with speed where viscous friction is "
+    "asked for). Acceleration is never measured, and no difference of positions is taken: force "
+    "and position are multiplied by a smooth test function over short windows in which the axis "
+    "runs one way, and integrated by parts, so that each window tells a mean force. Windows hang "
+    "together by the errors of positions and forces, and by friction that wanders along the path; "
+    "friction scatters from run to run (τ) and from assembly to assembly (ω). The clocks of force "
+    "and position may be off by a little (latency), which no friction is blamed for.",
+)
+VISCOUS = "viscous"  # of the laws, that with viscous friction
 SIZE = "axis"  # in the place of a pulley size
 ENOUGH = 6  # trials, so that something can be held out; few runs are cut in parts
 SETUPS = 3  # assemblies from which on they are taken for what differs; fewer say nothing
@@ -48,7 +61,7 @@ NOTHING = 1e-12
 class SingleAxis:
     """A mass, or a joint, that one drive moves along or about one axis."""
 
-    name: str = "axis"
+    name: str = "single-axis"
     motion: Motion = "accelerated"
     words: Words = WORDS
     tables: tuple[str, ...] = ("axis_runs.csv", "axis_samples.csv")
@@ -130,11 +143,6 @@ class AxisRuns(PlainTrials):
         return frozenset(found)
 
     @property
-    def held(self) -> frozenset[str]:
-        """Coefficients that the law does not have: viscous friction, unless asked for."""
-        return frozenset() if self.law.name == "viscous" else frozenset({f"c3[{SIZE}]"})
-
-    @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
         """Priors of the law, in the machine's measures."""
         return {SIZE: self.measures.priors}
@@ -145,7 +153,8 @@ class AxisRuns(PlainTrials):
         if found.acts_on not in ("friction", "drive") or found.components:
             return found
         values, state = small_values(found), self._rows(self._rough).state
-        laws, seen = {}, []
+        laws: dict[str, Law] = {}
+        seen: list[Array] = []
         for name, law in found.laws.items():
             response = np.broadcast_to(law(values, state), self.readings.speed.shape).ravel()
             size = float(np.linalg.norm(response))
@@ -204,7 +213,7 @@ class AxisRuns(PlainTrials):
             self.table,
             self._rows(self._rough),
             self.measures,
-            viscous=law.name == "viscous",
+            viscous=law.name == VISCOUS,
         )
 
     def quality(self) -> Mapping[str, Any]:
@@ -219,11 +228,9 @@ class AxisRuns(PlainTrials):
     @cached_property
     def _rough(self) -> AxisLaw:
         rows = self.readings
-        mass, coulomb, viscous = rough_law(
-            rows.force, rows.acceleration, rows.speed @ rows.weights
-        )
+        mass, coulomb, viscous = rough_law(rows.force, rows.acceleration, rows.speed @ rows.weights)
         measures = self.measures
-        if self.law.name != "viscous":
+        if self.law.name != VISCOUS:
             viscous = 0.0
             mass, coulomb, _ = rough_law(rows.force, rows.acceleration, np.zeros(rows.count))
         return AxisLaw(
@@ -234,16 +241,15 @@ class AxisRuns(PlainTrials):
         rows, one = self.readings, np.ones((self.readings.count, 1))
         tested = np.zeros(len(self.table))
         if "role" in self.table:
-            tested = (self.table["role"] == "test").to_numpy(dtype=np.float64)
-        coulomb = float(law.coulomb)
+            tested = np.asarray(self.table["role"] == "test", dtype=np.float64)
         state = State(
             n_pulleys=1.0,
             wrap_angle_deg=85.0,
             tension_n=15.0,
             speed_m_s=rows.speed,
             tension_friction_n=0.0,
-            constant_friction_n=coulomb + float(law.viscous) * rows.speed,
-            pulley_friction_n=coulomb,
+            constant_friction_n=law.coulomb + law.viscous * rows.speed,
+            pulley_friction_n=law.coulomb,
             travel_m=rows.travel,
             acceleration_m_s2=rows.acceleration[:, None],
             order=rank(self.table)[rows.trial][:, None],
@@ -263,6 +269,7 @@ class AxisRuns(PlainTrials):
             state,
             self.measures.stroke,
             float(np.hypot(MARGIN_S, 0.5 * self.interval_s)),
+            viscous=self.law.name == VISCOUS,
         )
 
 
@@ -291,7 +298,7 @@ def _opened(rig: SingleAxis, axis: Axis, constants: RigConstants) -> AxisRuns | 
     moving = np.unique(readings.trial)
     order = np.argsort(pd.factorize(table["setup"])[0][moving], kind="stable")
     chosen = moving[order]
-    still += [str(run) for run in table.drop(index=moving)["trial"]]
+    still += [str(run) for run in table["trial"][~table.index.isin(moving)]]
     table = table.iloc[chosen].reset_index(drop=True)
     readings = readings.of(chosen)
     return AxisRuns(
