@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.analysis import Analysis
 from bayesfric.claims.base import Case, Claim, Finding
 from bayesfric.claims.comparison import bayes_factor, log_evidence
 from bayesfric.claims.contradictions import contradictions
@@ -22,7 +22,7 @@ from bayesfric.claims.entered import PAPER, Entered
 from bayesfric.claims.studies import Studied, Task, study_all
 from bayesfric.effects import all_effects, with_priors
 from bayesfric.recording.tables import Recording
-from bayesfric.results import json_bytes, provenance, replace_outputs, write_netcdf
+from bayesfric.results import identified, json_bytes, provenance, replace_outputs, write_netcdf
 from bayesfric.schemas import (
     ClaimResult,
     ClaimsFile,
@@ -87,8 +87,8 @@ class Checked:
             The folder cannot be written.
         """
         writers: dict[str, Callable[[Path], object]] = {
+            "claims.nc": lambda path: write_netcdf(self.curves, path, self.summary.run_id),
             "claims.json": lambda path: path.write_bytes(json_bytes(self.summary)),
-            "claims.nc": lambda path: write_netcdf(self.curves, path),
         }
         replace_outputs(Path(folder), writers)
         if junit is not None:
@@ -164,9 +164,8 @@ def check_claims(
     case = Case(recording, analysis, entered, studied, posterior or {})
     findings = [(claim, claim.judge(claim, case)) for claim in claims]
     attributes = provenance(
-        seed=analysis.seed,
         recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
-        analysis_sha256=analysis_sha256(analysis),
+        analysis=analysis,
         created=recording.created,
     )
     summary = ClaimsFile(
@@ -179,7 +178,7 @@ def check_claims(
             SelfContradiction.model_validate(one._asdict()) for one in contradictions()
         ),
     )
-    return Checked(summary, _curves(findings), time.perf_counter() - began)
+    return Checked(identified(summary), _curves(findings), time.perf_counter() - began)
 
 
 def _studied(

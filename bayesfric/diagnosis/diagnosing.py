@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from bayesfric.analysis import Analysis, PriorOverrides, analysis_sha256
+from bayesfric.analysis import Analysis, PriorOverrides
 from bayesfric.diagnosis.causes import causes_of, inclusion_of, known_of
 from bayesfric.diagnosis.classes import classes_of
 from bayesfric.diagnosis.forms import other_forms
@@ -38,7 +38,7 @@ from bayesfric.paper import table1
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES
 from bayesfric.recording.tables import Recording
-from bayesfric.results import json_bytes, provenance, replace_outputs, write_netcdf
+from bayesfric.results import identified, json_bytes, provenance, replace_outputs, write_netcdf
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.data import Data
 from bayesfric.schemas import Absorbed, Cause, DiagnosisFile, ExaminedEffect, RecordingId
@@ -86,8 +86,8 @@ class Diagnosed:
             The folder cannot be written.
         """
         writers: dict[str, Callable[[Path], object]] = {
+            "diagnosis.nc": lambda path: write_netcdf(self.curves, path, self.summary.run_id),
             "diagnosis.json": lambda path: path.write_bytes(json_bytes(self.summary)),
-            "diagnosis.nc": lambda path: write_netcdf(self.curves, path),
         }
         replace_outputs(Path(folder), writers)
 
@@ -134,7 +134,7 @@ def diagnose(
     analysis = Analysis() if analysis is None else analysis
     with threadpool_limits(limits=1):
         summary, curves = _diagnose(recording, analysis, fixed, effects, shipped, baseline)
-    return Diagnosed(summary, curves, time.perf_counter() - began)
+    return Diagnosed(identified(summary), curves, time.perf_counter() - began)
 
 
 def _diagnose(
@@ -194,9 +194,8 @@ def _diagnose(
     unseparated = unseparated_of(found.classes, together if verdict == "unseparated" else ())
     proposals, no_proposal = next_experiment(model, found, chances)
     attributes = provenance(
-        seed=analysis.seed,
         recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
-        analysis_sha256=analysis_sha256(settings),
+        analysis=settings,
         created=recording.created,
     )
     prior = analysis.diagnosis.hypotheses

@@ -13,7 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.analysis import Analysis
 from bayesfric.checkpoint import Checkpoint
 from bayesfric.errors import Fault, InputError
 from bayesfric.fitting.predictive import predict
@@ -29,6 +29,7 @@ from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Recording
 from bayesfric.results import (
     draws_tree,
+    identified,
     json_bytes,
     provenance,
     replace_outputs,
@@ -65,7 +66,13 @@ class Fit:
     predictive: xr.DataTree
     seconds: Mapping[str, float]
 
-    def write(self, folder: Path | str, *, csv: bool = False) -> None:
+    def write(
+        self,
+        folder: Path | str,
+        *,
+        csv: bool = False,
+        inputs: Mapping[str, Sequence[str]] | None = None,
+    ) -> None:
         """Write ``fit.json``, ``draws.nc``, ``predictive.nc`` and ``timings.json``.
 
         Parameters
@@ -74,21 +81,24 @@ class Fit:
             Created if it is not there; other files in it are left alone.
         csv : bool
             Also write the posterior as ``draws.csv``.
+        inputs : mapping of str to sequence of str, or None
+            Paths of what the run was made from, for ``timings.json``.
 
         Raises
         ------
         InputError
             The folder cannot be written.
         """
-        timings = TimingsFile(seconds=dict(self.seconds))
+        run_id = self.summary.run_id
+        timings = TimingsFile(seconds=dict(self.seconds), run_id=run_id, inputs=dict(inputs or {}))
         writers: dict[str, Callable[[Path], object]] = {
-            "fit.json": lambda path: path.write_bytes(json_bytes(self.summary)),
-            "draws.nc": lambda path: write_netcdf(self.draws, path),
-            "predictive.nc": lambda path: write_netcdf(self.predictive, path),
+            "draws.nc": lambda path: write_netcdf(self.draws, path, run_id),
+            "predictive.nc": lambda path: write_netcdf(self.predictive, path, run_id),
             "timings.json": lambda path: path.write_bytes(json_bytes(timings)),
         }
         if csv:
             writers["draws.csv"] = lambda path: _write_csv(self.draws, path)
+        writers["fit.json"] = lambda path: path.write_bytes(json_bytes(self.summary))
         replace_outputs(Path(folder), writers)
 
 
@@ -137,9 +147,8 @@ def fit(
         raise InputError([Fault("baseline", f"one of {', '.join(BASELINES)}", value=baseline)])
     law = BASELINES[baseline]
     attributes = provenance(
-        seed=analysis.seed,
         recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
-        analysis_sha256=analysis_sha256(analysis),
+        analysis=analysis,
         created=recording.created,
     )
     seconds: dict[str, float] = {}
@@ -181,10 +190,11 @@ def fit(
             summary = summarise(
                 attributes.model_dump() | fields, recording, data, model, draws, theta
             )
-            tree = _draws_tree(model, chosen, theta, left_out, attributes.model_dump(mode="json"))
+            named = attributes.model_dump(mode="json", exclude={"analysis", "run_id"})
+            tree = _draws_tree(model, chosen, theta, left_out, named)
         with _timed(seconds, "predictive"):
             predictive = predict(data, model, theta, left_out, analysis, law)
-    return Fit(summary, tree, predictive, seconds)
+    return Fit(identified(summary), tree, predictive, seconds)
 
 
 def _model(data: Data, analysis: Analysis, law: Baseline) -> Model:

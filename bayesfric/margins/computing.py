@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.analysis import Analysis
 from bayesfric.errors import Fault, InputError
 from bayesfric.margins.answer import largest_safe_gain, limit_cycle_curve, which_gain
 from bayesfric.margins.assembly import (
@@ -28,7 +28,7 @@ from bayesfric.margins.thresholds import find_hunting
 from bayesfric.margins.variance import variance_shares
 from bayesfric.margins.verification import verify as verify_draws
 from bayesfric.margins.warnings import loop_warnings
-from bayesfric.results import json_bytes, provenance, read_json, replace_outputs
+from bayesfric.results import identified, json_bytes, provenance, read_json, replace_outputs
 from bayesfric.schemas import DiagnosisFile, LoopMargins, MarginsFile, WithEffects
 
 __all__ = ["Margins", "compute_margins"]
@@ -129,22 +129,20 @@ def compute_margins(
         )
     progress(len(read), len(read))
     common = provenance(
-        seed=analysis.seed,
         recording=posterior.recording,
-        analysis_sha256=analysis_sha256(analysis),
+        analysis=analysis,
         created=posterior.created,
     )
-    return Margins(
-        MarginsFile(
-            **common.model_dump(),
-            draws=posterior.count,
-            effective_draws=posterior.effective_draws,
-            draws_analysis_sha256=posterior.analysis_sha256,
-            rig_discrepancy=discrepancy.sd,
-            rig_discrepancy_source=discrepancy.source,
-            loops=tuple(found),
-        )
+    summary = MarginsFile(
+        **common.model_dump(),
+        draws=posterior.count,
+        effective_draws=posterior.effective_draws,
+        draws_analysis_sha256=posterior.analysis_sha256,
+        rig_discrepancy=discrepancy.sd,
+        rig_discrepancy_source=discrepancy.source,
+        loops=tuple(found),
     )
+    return Margins(identified(summary))
 
 
 def _read_all(loops: Sequence[Path | str | Loop]) -> list[Loop]:

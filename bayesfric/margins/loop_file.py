@@ -5,13 +5,13 @@ motor's shaft, before the gearbox. Unknown keys are refused.
 """
 
 import hashlib
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from bayesfric.errors import Fault, InputError
+from bayesfric.files import read_toml
 from bayesfric.margins.quantities import FAMILIES, NonNegative, Positive, Quantity
 
 __all__ = [
@@ -297,14 +297,7 @@ def read_loop(path: Path) -> Loop:
     InputError
         With every fault of the file: where, what was found, what was expected.
     """
-    try:
-        values = tomllib.loads(path.read_text("utf-8"))
-    except OSError as error:
-        raise InputError([Fault(path.name, f"a readable file ({error.strerror})")]) from error
-    except UnicodeDecodeError as error:
-        raise InputError([Fault(path.name, "a file in UTF-8")]) from error
-    except tomllib.TOMLDecodeError as error:
-        raise InputError([Fault(path.name, f"TOML that parses ({error})")]) from error
+    values = read_toml(path)
     try:
         return Loop.model_validate(values)
     except ValidationError as error:

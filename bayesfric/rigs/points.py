@@ -340,7 +340,9 @@ class PointPart:
             own = setup.left(setup.stiffness)
             found[self._assembly] = (
                 noise[self._assembly] ** 2
-                * second_moments(columns, response, own, self._size_of_setup, mean, covariance).sum()
+                * second_moments(
+                    columns, response, own, self._size_of_setup, mean, covariance
+                ).sum()
             )
             shares = (load.taken[:, None] * load.columns)[which_load]
             pulls = (load.taken * load.response)[which_load]

@@ -13,6 +13,7 @@ from bayesfric.schemas.claims import (
     PulleyEvidence,
     SelfContradiction,
 )
+from bayesfric.schemas.comparison import ComparisonFile, Flip, Setting, Shift
 from bayesfric.schemas.diagnosis import (
     Absorbed,
     Axis,
@@ -72,6 +73,7 @@ __all__ = [
     "Cause",
     "ClaimResult",
     "ClaimsFile",
+    "ComparisonFile",
     "Confusion",
     "DataQuality",
     "Detected",
@@ -81,6 +83,7 @@ __all__ = [
     "ExaminedEffect",
     "Excluded",
     "FitFile",
+    "Flip",
     "GammaProbability",
     "Gap",
     "GapRow",
@@ -106,7 +109,9 @@ __all__ = [
     "ScorecardFile",
     "ScoredCase",
     "SelfContradiction",
+    "Setting",
     "Shape",
+    "Shift",
     "Target",
     "TimingsFile",
     "Uniformity",
@@ -124,5 +129,6 @@ SCHEMAS: dict[str, type[BaseModel]] = {
     "scorecard": ScorecardFile,
     "margins": MarginsFile,
     "timings": TimingsFile,
+    "comparison": ComparisonFile,
 }
 """The models by the name of the file that they describe."""

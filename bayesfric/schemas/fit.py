@@ -214,9 +214,14 @@ class FitFile(Provenance):
 
 
 class TimingsFile(Record):
-    """``timings.json``: wall time, kept out of the results."""
+    """``timings.json``: what may differ between two runs of the same result."""
 
     schema_: Literal["bayesfric.timings/1"] = Field("bayesfric.timings/1", alias="schema")
     seconds: dict[str, Number] = Field(description="Wall seconds by stage.")
+    run_id: str = Field("", description="Of the fit; empty in files of earlier versions.")
+    inputs: dict[str, tuple[str, ...]] = Field(
+        default_factory=dict,
+        description="Paths of the recording and the loop files, as `bayesfric rerun` finds them.",
+    )
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)

@@ -106,7 +106,9 @@ class Pieces:
         whole = parts[0] + parts[1] + parts[2]
         diagonal = np.einsum("cmm->cm", whole)
         diagonal += np.where(self.rows < self.count, LEAST * diagonal.max(), 1.0)
-        return Solved(self, np.asarray(np.linalg.inv(whole), dtype=np.float64), whole, parts, length)
+        return Solved(
+            self, np.asarray(np.linalg.inv(whole), dtype=np.float64), whole, parts, length
+        )
 
     def grouped(self, size: int) -> tuple[csr_array, NDArray[np.intp]]:
         """Return what makes means over neighbouring rows of a piece, and the first row of each."""
