@@ -57,11 +57,9 @@ def where_it_lies(
     rng : Generator
         For the bootstrap.
     """
-    axes_here = residuals.axes
-    designs = {
-        name: design for name in axes_here if (design := _design(name, residuals)) is not None
-    }
-    blind = [name for name in axes_here if name not in designs]
+    every = residuals.axes
+    designs = {name: design for name in every if (design := _design(name, residuals)) is not None}
+    blind = [name for name in every if name not in designs]
     relative = before / residuals.friction_n
     noise = residuals.variance / residuals.friction_n**2
     spread2 = residuals.spread2
@@ -77,7 +75,7 @@ def where_it_lies(
         axes.append(
             Axis(
                 axis=name,
-                unit=AXES[name],
+                unit=AXES.get(name, ""),
                 blind=False,
                 share=share.get(name),
                 share_why=None if name in share else "there is no gap above the floor",
@@ -101,7 +99,7 @@ def _blind(name: str) -> Axis:
     why = "it did not vary in these data"
     return Axis(
         axis=name,
-        unit=AXES[name],
+        unit=AXES.get(name, ""),
         blind=True,
         share=None,
         share_why=why,

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -70,6 +71,8 @@ class State(NamedTuple):
     steady : bool
         Whether the cable has run at this speed for long: what passes, as the first
         stretch of travel does, is over, and what goes round averages out.
+    covariates : mapping of str to array_like
+        What else the recording has in a column of its own, by the column's name.
     """
 
     n_pulleys: ArrayLike
@@ -94,6 +97,7 @@ class State(NamedTuple):
     force_curvature_n_s2: ArrayLike = 0.0
     tested: ArrayLike = 0.0
     steady: bool = False
+    covariates: Mapping[str, ArrayLike] = MappingProxyType({})
 
     @classmethod
     def of(
@@ -231,6 +235,9 @@ class Effect:
         0; or how many components a law returns, stacked on a first axis, each to be
         multiplied by a number N(0, 1) drawn anew for every trial (of an effect on
         readings for each of its sensors): a phase that nobody recorded.
+    needs : frozenset of str
+        What a rig must offer: ``pulleys``, or a covariate, which is a further column of the
+        recording by its name and stands in ``State.covariates``.
     """
 
     name: str

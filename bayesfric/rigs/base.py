@@ -189,17 +189,6 @@ class RigTrials(Protocol):
     def slowest_speed_m_s(self) -> float:
         """The least speed at which anything was measured [m/s]."""
 
-    @property
-    def offers(self) -> frozenset[str]:
-        """What effects may need of it, see :class:`bayesfric.effects.Effect`."""
-
-    @property
-    def own_priors(self) -> Mapping[str, PriorOverrides]:
-        """Priors of its law in its own measures, by size; empty where those of all do."""
-
-    def suited(self, effect: Effect) -> Effect:
-        """Return an effect with priors in the rig's own measures."""
-
     def levels(self, name: str) -> int:
         """Return how many values a column takes; ``tension`` is how the cable is loaded."""
 
@@ -216,6 +205,24 @@ class RigTrials(Protocol):
 
     def supports(self, effect: Effect) -> Unsupported | None:
         """Return why an effect cannot enter the likelihood; None where it can."""
+
+    @property
+    def has_pulleys(self) -> bool:
+        """Whether a cable runs over pulleys, which the paper and its claims are about."""
+
+    def refuses(self, law: Baseline) -> Unsupported | None:
+        """Return why a friction law makes no sense here; None where it does."""
+
+    @property
+    def offers(self) -> frozenset[str]:
+        """What effects may need of it, see :class:`bayesfric.effects.Effect`."""
+
+    @property
+    def own_priors(self) -> Mapping[str, PriorOverrides]:
+        """Priors of its law in its own measures, by size; empty where those of all do."""
+
+    def suited(self, effect: Effect) -> Effect:
+        """Return an effect in the rig's words, with priors in its own measures."""
 
     def under(self, law: Baseline) -> "RigTrials":
         """Return the same trials, which a diagnosis makes linear around another law."""

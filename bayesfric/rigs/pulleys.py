@@ -1,26 +1,39 @@
-"""What trials of a cable over pulleys offer to effects, for which all priors are argued."""
+"""What is true of every rig whose cable runs over pulleys: it is what all was argued for."""
 
 from collections.abc import Mapping
 
 from bayesfric.analysis import PriorOverrides
 from bayesfric.effects import PULLEYS, Effect
+from bayesfric.physics.laws import VISCOUS, Baseline
+from bayesfric.rigs.base import Unsupported
 
 __all__ = ["PulleyTrials"]
 
 
 class PulleyTrials:
-    """Trials of a cable over pulleys; see :class:`bayesfric.rigs.base.RigTrials`."""
+    """Trials of a cable over pulleys, for which laws, priors and effects were argued."""
 
     @property
     def offers(self) -> frozenset[str]:
-        """Pulleys."""
+        """Pulleys, which most effects were described for."""
         return PULLEYS
 
     @property
+    def has_pulleys(self) -> bool:
+        """True."""
+        return True
+
+    def refuses(self, law: Baseline) -> Unsupported | None:
+        """Return why not, of the one law that is an axis' own."""
+        if law.name == VISCOUS:
+            return Unsupported("Over pulleys viscous friction is an effect, which is diagnosed.")
+        return None
+
+    @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
-        """None: those of the analysis are argued for it."""
+        """Return nothing: the defaults are argued for cables over pulleys."""
         return {}
 
     def suited(self, effect: Effect) -> Effect:
-        """Return the effect as it is."""
+        """Return the effect as it is: it was described for cables over pulleys."""
         return effect

@@ -43,8 +43,9 @@ def _fit(fit: FitFile) -> Iterator[Block]:
             "Priors are proper and listed in ",
             Reference("diagnostics"),
             "; the default ones do not rest on the paper's Table I. Draws come from emcee: moves "
-            "that propose from a Student-t fitted around the posterior, independent of the walker's place, "
-            "mixed with differential evolution. A parameter counts as informed where the curvature "
+            "that propose from a Student-t fitted around the posterior, independent of the "
+            "walker's place, mixed with differential evolution. A parameter counts as informed "
+            "where the curvature "
             "of the likelihood alone pins it down better than its prior does.",
         ]
     )

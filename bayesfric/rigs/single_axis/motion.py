@@ -80,7 +80,7 @@ def position_noise(motion: Motion, resolution: float | None) -> float:
         steps = np.abs(np.diff(motion.position))
         steps = steps[steps > 0]
         resolution = float(np.quantile(steps, 0.01)) if steps.size else 0.0
-    return max(found, resolution / 12**0.5)
+    return float(max(found, resolution / 12**0.5))
 
 
 def smooth_motion(motion: Motion, half: int, noise: float) -> tuple[Array, Array, Array]:

@@ -111,7 +111,7 @@ def readings_of(
     """
     noise = float(np.median([position_noise(one, resolution) for one in motions]))
     half_s, hop = _width(motions, noise)
-    parts: list[dict[str, Array]] = []
+    parts: list[dict[str, Any]] = []
     trials = pieces = 0
     stroke = max(float(np.ptp(one.position)) for one in motions)
     for motion, begin in zip(motions, starts, strict=True):
@@ -128,7 +128,8 @@ def readings_of(
     for part in parts:
         for name in ("position_lag", "force_lag"):
             short = widest - part[name].shape[1]
-            part[name] = np.asarray(np.pad(part[name], ((0, 0), (0, short))), dtype=np.float64)
+            nothing = np.zeros((len(part[name]), short))
+            part[name] = np.concatenate([part[name], nothing], axis=1)
     joined = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     if not joined["way"].size:
         return None
@@ -249,7 +250,7 @@ def _since_reversal(position: Array, way: Array, unseen: float) -> Array:
     last = np.searchsorted(turns, np.arange(position.size), side="right") - 1
     # It turned at the last extreme, somewhere between two samples whose way is known.
     extremes = [
-        _extreme(position, before, after)
+        _extreme(position, int(before), int(after))
         for before, after in pairwise(moving)
         if way[before] != way[after]
     ]

@@ -16,7 +16,7 @@ from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect, small_values
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import BASELINES, Baseline
+from bayesfric.physics.laws import BASELINES, VISCOUS, Baseline
 from bayesfric.recording.tables import Axis, Recording, RigConstants
 from bayesfric.rigs.base import Motion, Predictive, Simulated, Unsupported, Words, why_inert
 from bayesfric.rigs.changes import Change
@@ -48,7 +48,6 @@ WORDS = Words(
     "friction scatters from run to run (τ) and from assembly to assembly (ω). The clocks of force "
     "and position may be off by a little (latency), which no friction is blamed for.",
 )
-VISCOUS = "viscous"  # of the laws, that with viscous friction
 SIZE = "axis"  # in the place of a pulley size
 ENOUGH = 6  # trials, so that something can be held out; few runs are cut in parts
 SETUPS = 3  # assemblies from which on they are taken for what differs; fewer say nothing
@@ -146,6 +145,19 @@ class AxisRuns(PlainTrials):
     def own_priors(self) -> Mapping[str, PriorOverrides]:
         """Priors of the law, in the machine's measures."""
         return {SIZE: self.measures.priors}
+
+    @property
+    def has_pulleys(self) -> bool:
+        """False."""
+        return False
+
+    def refuses(self, law: Baseline) -> Unsupported | None:
+        """Return why a law of cables makes no sense here."""
+        if law.name in ("paper", VISCOUS):
+            return None
+        return Unsupported(
+            "Without a word it has mass and Coulomb friction; 'viscous' has viscous friction too."
+        )
 
     def suited(self, effect: Effect) -> Effect:
         """Return an effect with priors in the machine's measures, and no law twice."""
