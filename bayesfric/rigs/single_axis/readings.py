@@ -119,7 +119,8 @@ def readings_of(
         step = max(1, round(hop * half))
         test = test_function(half, motion.interval_s)
         part = _of_run(motion, test, step, noise, stroke)
-        part["trial"] = trials + np.searchsorted(begin, part.pop("centre"), side="right") - 1.0
+        place = np.searchsorted(begin, part.pop("centre"), side="right")
+        part["trial"] = np.asarray(trials + place - 1, dtype=np.float64)
         part["piece"] = pieces + _pieces(part.pop("neighbour"), part["trial"])
         trials += begin.size
         pieces = int(part["piece"].max()) + 1 if part["piece"].size else pieces
