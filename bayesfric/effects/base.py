@@ -68,6 +68,9 @@ class State(NamedTuple):
         First and second derivative of the drive force along the motion [N/s], [N/s²].
     tested : array_like
         1 in a run of role ``test``, in which something may differ from calibration; else 0.
+    wrap_spread_deg : array_like
+        Standard deviation of the pulleys' individual wrap angles [deg]; nan where nobody
+        wrote them down.
     steady : bool
         Whether the cable has run at this speed for long: what passes, as the first
         stretch of travel does, is over, and what goes round averages out.
@@ -96,6 +99,7 @@ class State(NamedTuple):
     force_rate_n_s: ArrayLike = 0.0
     force_curvature_n_s2: ArrayLike = 0.0
     tested: ArrayLike = 0.0
+    wrap_spread_deg: ArrayLike = np.nan
     steady: bool = False
     covariates: Mapping[str, ArrayLike] = MappingProxyType({})
 
