@@ -164,3 +164,19 @@ def test_what_is_wrong_throughout_is_told_in_few_lines(tmp_path: Path) -> None:
     assert len(caught.value.faults) == 20
     assert str(caught.value.faults[-1]).endswith("; and 4,980 like it")
     assert caught.value.faults[-1].row == 21
+
+
+def test_sixty_thousand_keys_and_columns_are_told_in_few_lines(tmp_path: Path) -> None:
+    mini = Mini().keep(STEADY)
+    files = mini.contents()
+    keys = ",".join(f'"k{i}":1' for i in range(60_000)).encode()
+    write_files(tmp_path / "keys", files | {"datapackage.json": b"{%b,%b}" % (keys, keys)})
+    with pytest.raises(InputError) as caught:
+        read_recording(tmp_path / "keys")
+    repeated = [fault for fault in caught.value.faults if "once only" in fault.expected]
+    assert len(repeated) == 20
+    assert repeated[-1].like == 59_980
+    names = ",".join(f"c{i}" for i in range(60_000)).encode()
+    write_files(tmp_path / "columns", files | {STEADY: names + b"\n" + names + b"\n"})
+    with pytest.raises(InputError, match="at most 1,000 columns"):
+        read_recording(tmp_path / "columns")
