@@ -157,6 +157,11 @@ class Priors(_Section):
     load_noise: Prior = Field(
         HalfNormal(scale=0.02), description="Noise of a current per load current [-]."
     )
+    sigma_friction: Prior | None = Field(
+        None,
+        description="Error of a friction reading that comes without its standard error [N]. "
+        "Absent: half-normal with a twentieth of the machine's rms friction.",
+    )
     idle_current_sd: Positive = Field(
         1.0,
         description="Of the normal priors, mean 0, of the idle curve's level [A], slope [A s/m] "

@@ -26,6 +26,7 @@ from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.errors import Fault, InputError
 from bayesfric.files import file_bytes
 from bayesfric.physics.friction import Coefficients
+from bayesfric.rigs.coefficients import NO_PULLEY, coefficient_name, law_of
 from bayesfric.schemas import FitFile, Provenance, RecordingId
 
 __all__ = [
@@ -362,7 +363,7 @@ def fitted_coefficients(folder: Path) -> dict[str, Coefficients]:
     """
     fit = read_json(FitFile, folder / "fit.json")
     refuse_mixed(fit, folder / "fit.json")
-    return {
-        size: Coefficients(*(entries[name].mean for name in Coefficients._fields))
-        for size, entries in fit.pulleys.items()
-    }
+    means = {name: entry.mean for name, entry in fit.parameters.items()}
+    for size, entries in fit.pulleys.items():
+        means |= {coefficient_name(name, size): entry.mean for name, entry in entries.items()}
+    return {size: law_of(means, size) for size in fit.pulleys or (NO_PULLEY,)}

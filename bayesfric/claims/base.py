@@ -121,6 +121,8 @@ class Claim:
 
     def untestable(self, entered: Entered) -> str:
         """Return what the data lack to compare the claim with its rivals, or nothing."""
+        if not entered.has_pulleys:
+            return "It is about cables over pulleys, and these data have none."
         for motion in (self.motion, self.beside):
             if motion is not None and entered.first(motion) is None:
                 return entered.lack(motion)

@@ -8,8 +8,10 @@ from bayesfric.recording.tables import STANDARD_GRAVITY
 from bayesfric.simulate import table1_coefficients
 
 
-def _judge(_: Claim, case: Case) -> Finding:
+def _judge(claim: Claim, case: Case) -> Finding:
     """Arithmetic: no data, no probability."""
+    if lack := claim.untestable(case.entered):
+        return Finding("not-testable", lack)
     quoted = paper()["nominal_tension"]
     tolerance = case.analysis.claims.tension_tolerance_n
     condition = MotorCondition(

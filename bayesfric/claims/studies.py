@@ -28,7 +28,7 @@ from bayesfric.inference.laplace import Laplace, laplace_approximation
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import log_density
 from bayesfric.inference.sampling import sample
-from bayesfric.physics.friction import Coefficients
+from bayesfric.rigs.coefficients import law_of
 from bayesfric.rigs.data import Data
 
 __all__ = ["WIDTHS", "Studied", "Task", "prior_ratios", "slowest_speed", "study_all"]
@@ -314,8 +314,7 @@ def _size_at_edge(
     place["speed_m_s"] = max(place["speed_m_s"], slowest_speed(data))
     shares = []
     for size in data.sizes:
-        law_of_size = Coefficients(*(theta[f"{c}[{size}]"] for c in Coefficients._fields))
-        state = State.of(law_of_size, **place)
+        state = State.of(law_of(theta, size), **place)
         shares.append(np.abs(effect.laws[law](values, state) / state.friction_n))
     return np.asarray(np.max(shares, axis=0))
 

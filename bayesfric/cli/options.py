@@ -34,7 +34,12 @@ Rigs = Annotated[
     ),
 ]
 Baseline = Annotated[
-    str, typer.Option("--baseline", help="Friction law: paper, or recursive (pulley by pulley).")
+    str,
+    typer.Option(
+        "--baseline",
+        help="Friction law: paper (c1 T + c2), recursive (pulley by pulley), proportional (no "
+        "constant) or constant (nothing else).",
+    ),
 ]
 Workers = Annotated[
     int, typer.Option("--workers", min=1, help="Processes; any number gives the same result.")

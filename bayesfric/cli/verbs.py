@@ -12,6 +12,7 @@ from bayesfric.cli.blind import blind
 from bayesfric.cli.claims import claims
 from bayesfric.cli.compare import compare
 from bayesfric.cli.diagnose import diagnose
+from bayesfric.cli.effects import effects
 from bayesfric.cli.fit import fit
 from bayesfric.cli.info import info
 from bayesfric.cli.margins import margins
@@ -43,6 +44,7 @@ for verb in (
     report,
     compare,
     rerun,
+    effects,
     info,
 ):
     app.command()(verb)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -61,6 +62,8 @@ class State(NamedTuple):
     steady : bool
         Whether the cable has run at this speed for long: what passes, as the first
         stretch of travel does, is over, and what goes round averages out.
+    covariates : mapping of str to array_like
+        What else the recording has in a column of its own, by the column's name.
     """
 
     n_pulleys: ArrayLike
@@ -79,6 +82,7 @@ class State(NamedTuple):
     drive_end: ArrayLike = 0.0
     trial_in_setup: ArrayLike = 0.0
     steady: bool = False
+    covariates: Mapping[str, ArrayLike] = MappingProxyType({})
 
     @classmethod
     def of(
@@ -212,6 +216,9 @@ class Effect:
         0; or how many components a law returns, stacked on a first axis, each to be
         multiplied by a number N(0, 1) drawn anew for every trial (of an effect on
         readings for each of its sensors): a phase that nobody recorded.
+    needs : frozenset of str
+        What a rig must offer: ``pulleys``, or a covariate, which is a further column of the
+        recording by its name and stands in ``State.covariates``.
     """
 
     name: str
@@ -223,6 +230,7 @@ class Effect:
     edge: Mapping[str, float] = field(default_factory=dict)
     along_path: bool = False
     components: int = 0
+    needs: frozenset[str] = frozenset()
 
     @property
     def parameters(self) -> tuple[EffectParameter, ...]:

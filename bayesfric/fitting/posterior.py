@@ -15,7 +15,6 @@ from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis
 from bayesfric.checkpoint import Checkpoint
-from bayesfric.errors import Fault, InputError
 from bayesfric.fitting.predictive import predict
 from bayesfric.fitting.predictive.left_out import LeftOut, leave_out
 from bayesfric.fitting.predictive.reported import predictions, uniformities
@@ -25,7 +24,7 @@ from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import log_density
 from bayesfric.inference.sampling import Chart, Draws, Progress, sample
-from bayesfric.physics.laws import BASELINES, Baseline
+from bayesfric.physics.laws import Baseline
 from bayesfric.recording.tables import Recording
 from bayesfric.results import (
     draws_tree,
@@ -35,8 +34,9 @@ from bayesfric.results import (
     replace_outputs,
     write_netcdf,
 )
+from bayesfric.rigs.coefficients import sizes_of
 from bayesfric.rigs.data import Data
-from bayesfric.rigs.opening import chosen_rigs, open_rigs
+from bayesfric.rigs.opening import baseline_of, chosen_rigs, open_rigs, with_own_priors
 from bayesfric.schemas import FitFile, RecordingId, TimingsFile
 
 __all__ = ["Fit", "fit"]
@@ -143,9 +143,6 @@ def fit(
     """
     analysis = Analysis() if analysis is None else analysis
     chosen = chosen_rigs(recording, rigs)
-    if baseline not in BASELINES:
-        raise InputError([Fault("baseline", f"one of {', '.join(BASELINES)}", value=baseline)])
-    law = BASELINES[baseline]
     attributes = provenance(
         recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
         analysis=analysis,
@@ -155,6 +152,7 @@ def fit(
     with threadpool_limits(limits=1):  # one BLAS thread: the same bytes, and faster
         with _timed(seconds, "reduce"):
             data = Data(open_rigs(recording, chosen))
+            law, analysis = baseline_of(baseline, data.rigs), with_own_priors(analysis, data.rigs)
             model = _model(data, analysis, law)
         key = ",".join([*chosen, baseline]) + attributes.model_dump_json()
         draws = _draw(model, analysis, Checkpoint(checkpoint, key), progress, seconds)
@@ -287,7 +285,7 @@ def _draws_tree(
             "log_prior": _variables(model, prior_terms),
         },
         dims={name: ["pulley"] for name, values in posterior.items() if values.ndim == 3},
-        coords={"pulley": _sizes(model)},
+        coords={"pulley": _sizes(model)} if _sizes(model) else {},
         ensemble=np.repeat(np.arange(ensembles), walkers),
         attributes=_flat(attributes),
     )
@@ -319,7 +317,7 @@ def _variables(model: Model, values: Array) -> dict[str, Array]:
     for name, column in columns.items():
         stem = name.partition("[")[0]
         everywhere = [f"{stem}[{size}]" for size in sizes]
-        if set(everywhere) <= set(columns):
+        if sizes and set(everywhere) <= set(columns):
             variables[stem] = np.stack([columns[of_size] for of_size in everywhere], axis=-1)
         else:
             variables[name] = column
@@ -328,7 +326,7 @@ def _variables(model: Model, values: Array) -> dict[str, Array]:
 
 def _sizes(model: Model) -> list[str]:
     """Return the pulley sizes of all rigs."""
-    return [name[3:-1] for name in model.names if name.startswith("c1[")]
+    return list(sizes_of(model.names))
 
 
 def _flat(attributes: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:

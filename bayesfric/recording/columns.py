@@ -7,7 +7,7 @@ from it, and ``docs/recording.md`` says the same in prose.
 from dataclasses import dataclass
 from typing import Literal
 
-__all__ = ["RIG_KEYS_NEEDED", "TABLES", "Column", "TableFormat"]
+__all__ = ["BUILT_IN", "RIG_KEYS_NEEDED", "TABLES", "Column", "TableFormat"]
 
 MOST_PULLEYS = 1000  # the paper has 19
 LARGEST_INTEGER = 1_000_000_000  # far beyond any count or order, well inside int64
@@ -98,7 +98,7 @@ class TableFormat:
     columns : tuple of Column
         In the order in which they are written.
     keeps_covariates : bool
-        Whether further numeric columns are data (``axis_runs.csv``).
+        Whether further numeric columns are data, where something may depend on them.
     """
 
     file: str
@@ -229,6 +229,7 @@ STEADY_FRICTION = TableFormat(
         ),
         ROLE,
     ),
+    keeps_covariates=True,
 )
 AXIS_RUNS = TableFormat("axis_runs.csv", (RUN, ORDER, SETUP, ROLE), keeps_covariates=True)
 AXIS_SAMPLES = TableFormat(
@@ -255,6 +256,9 @@ TABLES = {
         AXIS_SAMPLES,
     )
 }
+
+BUILT_IN = frozenset(TABLES)
+"""Tables with a field of their own in a recording; a rig that is added may bring others."""
 
 RIG_KEYS_NEEDED = {
     "gravity_events.csv": ("hall_spacing_m", "magnets_per_revolution", "timer_resolution_s"),

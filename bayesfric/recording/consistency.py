@@ -9,11 +9,13 @@ from bayesfric.errors import Fault
 from bayesfric.recording.csv_text import LISTED, with_rest
 from bayesfric.recording.schemas import Table
 from bayesfric.recording.spacing import printed_tolerance, spacing_counts
+from bayesfric.recording.steady_signs import MANY, pushing
 from bayesfric.recording.tables import RigConstants
 
 __all__ = ["MINIMUM_EVENTS", "check_across"]
 
 MINIMUM_EVENTS = 5  # of a trial and sensor
+SIGNED = ["friction_n", "velocity_m_s"]
 CONDITION = ["pulley_size", "n_pulleys", "wrap_angle_deg"]
 
 
@@ -44,6 +46,8 @@ def check_across(
         faults += _unknown(events, trials, "trial")
     if runs := tables.get("motor_runs.csv"):
         faults += _setups(runs)
+    if points := tables.get("steady_friction.csv"):
+        faults += _conventions(points)
     runs, samples = tables.get("axis_runs.csv"), tables.get("axis_samples.csv")
     if samples:
         faults += _not_increasing(samples, ["run"], "time_s")
@@ -116,6 +120,22 @@ def _events(events: Table, rig: RigConstants) -> list[Fault]:
         faults += events.text.faults_at([position], "trial", expected)
     faults = with_rest(faults, len(positions) - len(faults))
     return faults + _not_increasing(events, keys, "time_s") + _displacements(events, rig)
+
+
+def _conventions(points: Table) -> list[Fault]:
+    """Faults of points that contradict every convention for the sign of friction."""
+    complete = points.frame.dropna(subset=[c for c in SIGNED if c in points.frame])
+    if not points.has("friction_n") or complete.empty:
+        return []
+    push = pushing(complete)
+    if push.mean() <= MANY:
+        return []
+    expected = (
+        "friction as its size, with the sign of velocity_m_s, or against it, in all rows alike: "
+        f"{push.sum()} of {len(complete)} rows push; a weight or a bias is to be taken off first"
+    )
+    mask = pd.Series(push, index=complete.index).reindex(points.frame.index, fill_value=False)
+    return points.faults_where(mask, "friction_n", expected)
 
 
 def _not_increasing(table: Table, keys: list[str], column: str) -> list[Fault]:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from bayesfric.errors import Fault, InputError
-from bayesfric.recording.columns import RIG_KEYS_NEEDED, TABLES
+from bayesfric.recording.columns import BUILT_IN, RIG_KEYS_NEEDED, TABLES
 from bayesfric.recording.consistency import check_across
 from bayesfric.recording.csv_text import parse_csv
 from bayesfric.recording.digest import tables_sha256
@@ -16,6 +16,7 @@ from bayesfric.recording.frames import no_events, sorted_events, typed, with_set
 from bayesfric.recording.package import PACKAGE_FILE, Package, Resource, parse_package
 from bayesfric.recording.plausibility import implausible
 from bayesfric.recording.schemas import Table, check_cells
+from bayesfric.recording.steady_signs import notes_on_signs
 from bayesfric.recording.tables import Axis, Gravity, Motor, Recording
 from bayesfric.recording.tested_range import notes_on_range
 
@@ -110,6 +111,8 @@ def assemble(load: Load, in_folder: Collection[str] = ()) -> Recording:
         if faults:
             raise InputError(_in_file_order(faults, listed))
         recording = _recording(package, tables, tables_sha256(contents))
+        if recording.steady is not None:
+            notes += notes_on_signs(recording.steady)
         return replace(recording, notes=(*notes, *notes_on_range(recording)))
 
 
@@ -190,6 +193,7 @@ def _recording(package: Package, tables: dict[str, Table], sha256: str) -> Recor
         motor=motor,
         steady=frames.get("steady_friction.csv"),
         axis=axis,
+        further={file: frames[file] for file in frames if file not in BUILT_IN},
         created=package.created,
         metadata=package.metadata,
         sha256=sha256,

@@ -14,7 +14,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from bayesfric.analysis import Analysis
+from bayesfric.analysis import Analysis, PriorOverrides
 from bayesfric.effects import Effect
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.inference.model import RigLikelihood
@@ -202,6 +202,24 @@ class RigTrials(Protocol):
 
     def supports(self, effect: Effect) -> Unsupported | None:
         """Return why an effect cannot enter the likelihood; None where it can."""
+
+    @property
+    def has_pulleys(self) -> bool:
+        """Whether a cable runs over pulleys, which the paper and its claims are about."""
+
+    def refuses(self, law: Baseline) -> Unsupported | None:
+        """Return why a friction law makes no sense here; None where it does."""
+
+    @property
+    def offers(self) -> frozenset[str]:
+        """What effects may need of it, see :class:`bayesfric.effects.Effect`."""
+
+    @property
+    def own_priors(self) -> Mapping[str, PriorOverrides]:
+        """Priors of its law in its own measures, by size; empty where those of all do."""
+
+    def suited(self, effect: Effect) -> Effect:
+        """Return an effect in the rig's words, with priors in its own measures."""
 
     def under(self, law: Baseline) -> "RigTrials":
         """Return the same trials, which a diagnosis makes linear around another law."""

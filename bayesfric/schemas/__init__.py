@@ -45,6 +45,7 @@ from bayesfric.schemas.fit import (
 )
 from bayesfric.schemas.margins import (
     GammaProbability,
+    HuntingMap,
     LoopMargins,
     MarginsFile,
     Metric,
@@ -87,6 +88,7 @@ __all__ = [
     "GammaProbability",
     "Gap",
     "GapRow",
+    "HuntingMap",
     "Inclusion",
     "Interval",
     "LoopMargins",

@@ -116,6 +116,7 @@ class DataQuality(Record):
     trials_used: int = Field(description="Trials that enter.")
     setups: int = Field(description="Assemblies that enter.")
     events: int = Field(description="Hall events that enter.")
+    points: int = Field(0, description="Steady friction points that enter.")
     motor_runs: int = Field(0, description="Motor runs that enter.")
     replicated_cells: int = Field(
         description="(size, n, angle) cells assembled more than once; without any, setup "

@@ -112,7 +112,7 @@ class GravityLikelihood:
         priors = analysis.priors
         groups = [f"[{size}]" for size in self.sizes] if self._by_size else [""]
         self.parameters = (
-            *coefficient_parameters(self.sizes, analysis),
+            *coefficient_parameters(self.sizes, analysis, baseline.without),
             *(Parameter(f"tau{group}", "1", priors.tau, "scatter") for group in groups),
             *(Parameter(f"omega{group}", "1", priors.omega, "scatter") for group in groups),
             *(
@@ -285,9 +285,8 @@ class GravityLikelihood:
 
     def _intercept(self, theta: Mapping[str, Array]) -> Array:
         """Return the part of each trial's friction that does not grow with tension, (W, N) [N]."""
-        return self._size.spread(theta, "c2") * np.asarray(
-            self.condition.n_pulleys, dtype=np.float64
-        )
+        pulleys = np.asarray(self.condition.n_pulleys, dtype=np.float64)
+        return np.asarray(self._size.coefficients(theta).c2) * pulleys
 
     def draw_scatter(
         self, theta: Mapping[str, Array], rng: np.random.Generator, *, together: bool = False

@@ -38,6 +38,7 @@ from bayesfric.rigs.gravity_board.stretch import friction_ratios
 from bayesfric.rigs.gravity_board.trajectories import trajectories
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 from bayesfric.rigs.protocols import Protocol
+from bayesfric.rigs.pulleys import PulleyTrials
 from bayesfric.rigs.truth import Truth
 from bayesfric.schemas import Agreement, Excluded, PointEstimate, Repaired
 
@@ -94,7 +95,7 @@ RIG = GravityBoard()
 
 
 @dataclass(frozen=True)
-class GravityTrials:
+class GravityTrials(PulleyTrials):
     """Trials that enter, those of an assembly adjacent.
 
     Parameters

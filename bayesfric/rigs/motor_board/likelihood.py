@@ -135,7 +135,7 @@ class MotorLikelihood:
         self._by_size = analysis.scatter.by_size
         groups = [f"[{size}]" for size in self.sizes] if self._by_size else [""]
         self.parameters = (
-            *coefficient_parameters(self.sizes, analysis),
+            *coefficient_parameters(self.sizes, analysis, baseline.without),
             *(Parameter(f"tau_motor{group}", "1", priors.tau_motor, "scatter") for group in groups),
             *(
                 Parameter(f"omega_motor{group}", "1", priors.omega_motor, "scatter")
@@ -351,7 +351,7 @@ class MotorLikelihood:
     def _intercept(self, theta: Mapping[str, Array]) -> Array:
         """Return the part of friction that does not grow with tension, signed, (W, N) [N]."""
         signed = np.sign(self.condition.velocity_m_s) * np.asarray(self.condition.n_pulleys)
-        return np.asarray(self._size.spread(theta, "c2") * signed)
+        return np.asarray(self._size.coefficients(theta).c2 * signed)
 
     def _currents(self, theta: Mapping[str, Array]) -> GroupedNormal:
         (friction, held), torque = self._forces(theta), self._torque(theta)
