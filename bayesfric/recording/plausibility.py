@@ -55,7 +55,9 @@ def implausible(
         faults += _too_fast(runs)
     points = tables.get("steady_friction.csv")
     if points and not rig.rotary:
-        if points.has("tension_n"):
+        # Without pulleys it may be a slide or a belt, which bears what its limits say.
+        on_pulleys = points.has("n_pulleys") or points.has("pulley_size")
+        if points.has("tension_n") and (on_pulleys or "tension_n" in rig.limits):
             tension = points.frame["tension_n"]
             faults += _overloaded(points, "tension_n", tension, rig, "millinewtons or grams")
         faults += _too_fast(points)
