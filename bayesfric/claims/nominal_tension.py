@@ -38,7 +38,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
 
 CLAIM = Claim(
     name="nominal-tension",
-    place=10,
+    place=13,
     statement="Table I and a weight of 1.5 kg give the nominal tensions that are quoted.",
     paper="15.8, 15.1 and 15.0 N for small, medium and large pulleys, n = 9, 85° (Fig. 5).",
     judge=_judge,

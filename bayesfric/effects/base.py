@@ -59,6 +59,9 @@ class State(NamedTuple):
         Which physical end carried the drive mass: −0.5 left, 0.5 right, 0 where nobody says.
     trial_in_setup : array_like
         How many trials of the same assembly went before; 0 of the first.
+    wrap_spread_deg : array_like
+        Standard deviation of the pulleys' individual wrap angles [deg]; nan where nobody
+        wrote them down.
     steady : bool
         Whether the cable has run at this speed for long: what passes, as the first
         stretch of travel does, is over, and what goes round averages out.
@@ -81,6 +84,7 @@ class State(NamedTuple):
     gravity_m_s2: ArrayLike = STANDARD_GRAVITY_M_S2
     drive_end: ArrayLike = 0.0
     trial_in_setup: ArrayLike = 0.0
+    wrap_spread_deg: ArrayLike = np.nan
     steady: bool = False
     covariates: Mapping[str, ArrayLike] = MappingProxyType({})
 

@@ -15,6 +15,7 @@ from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis
 from bayesfric.checkpoint import Checkpoint
+from bayesfric.fitting.hypothesis import chart_of
 from bayesfric.fitting.predictive import predict
 from bayesfric.fitting.predictive.left_out import LeftOut, leave_out
 from bayesfric.fitting.predictive.reported import predictions, uniformities
@@ -23,7 +24,7 @@ from bayesfric.inference.diagnostics import diagnose_all
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import log_density
-from bayesfric.inference.sampling import Chart, Draws, Progress, sample
+from bayesfric.inference.sampling import Draws, Progress, sample
 from bayesfric.physics.laws import Baseline
 from bayesfric.recording.tables import Recording
 from bayesfric.results import (
@@ -167,6 +168,17 @@ def fit(
                     again,
                     _draw(again, analysis, Checkpoint(folder, key), progress, {}),
                 )
+        with _timed(seconds, "without_stalls"):
+            moved, why_moved = _all_that_moved(data)
+            without_stalls = None
+            if moved is not None:
+                again = _model(moved, analysis, law)
+                folder = None if checkpoint is None else checkpoint / "without-stalls"
+                without_stalls = summarise_without_exclusions(
+                    _under_rules(moved),
+                    again,
+                    _draw(again, analysis, Checkpoint(folder, key), progress, {}),
+                )
         theta = model.natural(draws.z)
         with _timed(seconds, "leave_out"):
             some = _pointwise_draws(draws.z)
@@ -182,6 +194,8 @@ def fit(
                 "baseline": baseline,
                 "without_exclusions": without,
                 "without_exclusions_why": why,
+                "without_stalls": without_stalls,
+                "without_stalls_why": why_moved,
                 "prediction": predictions(left_out),
                 "uniformity": uniformities(left_out),
             }
@@ -218,7 +232,7 @@ def _draw(
             progress,
             checkpoint,
             converged=lambda z: all(f.converged for f in diagnose_all(model.natural(z))),
-            chart=Chart(model.linear, model.from_linear, model.linear_log_slope),
+            chart=chart_of(model),
         )
 
 
@@ -233,6 +247,15 @@ def _all_that_can_enter(recording: Recording, data: Data) -> tuple[Data | None, 
     if _under_rules(whole) == _under_rules(data):
         return None, "no trial that was left out has a motion that can be computed"
     return whole, None
+
+
+def _all_that_moved(data: Data) -> tuple[Data | None, str | None]:
+    """Return the trials that moved all the way, or why there are no others."""
+    moved = [trials.moved() for trials in data.rigs]
+    if not any(moved):
+        return None, "all trials that enter moved all the way, or none did"
+    kept = zip(moved, data.rigs, strict=True)
+    return Data(tuple(one if one is not None else whole for one, whole in kept)), None
 
 
 def _under_rules(data: Data) -> int:

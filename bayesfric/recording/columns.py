@@ -167,6 +167,21 @@ GRAVITY_TRIALS = TableFormat(
         ),
         ROLE,
         Column(
+            "did_not_move",
+            "choice",
+            "true: the heavier side stayed where it was, and there are no events",
+            required=False,
+            may_be_empty=True,
+            choices=("true", "false"),
+        ),
+        Column(
+            "wrap_angles_deg",
+            "text",
+            "individual wrap angles [deg], separated by blanks",
+            required=False,
+            may_be_empty=True,
+        ),
+        Column(
             "acceleration_m_s2",
             "number",
             "measured acceleration, for a trial with no events",

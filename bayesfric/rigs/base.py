@@ -66,8 +66,8 @@ def why_inert(response: NDArray[np.float64]) -> Unsupported | None:
     """Return why an effect with this response would not move a likelihood; None where it does."""
     if not np.isfinite(response).all():
         return Unsupported(
-            "It depends on what nobody wrote down here: the order of the trials, or the radius "
-            "of the pulleys."
+            "It depends on what nobody wrote down here: the order of the trials, the radius of "
+            "the pulleys, or their individual wrap angles."
         )
     if not response.any():
         return Unsupported("It changes nothing that was measured here.")
@@ -200,6 +200,9 @@ class RigTrials(Protocol):
     def excluded(self) -> Mapping[str, str] | None:
         """Trials that a rule keeps from entering, with its name; None where there is no rule."""
 
+    def moved(self) -> "RigTrials | None":
+        """Return the trials that moved all the way; None where all did, or none."""
+
     def supports(self, effect: Effect) -> Unsupported | None:
         """Return why an effect cannot enter the likelihood; None where it can."""
 
@@ -213,6 +216,10 @@ class RigTrials(Protocol):
     @property
     def offers(self) -> frozenset[str]:
         """What effects may need of it, see :class:`bayesfric.effects.Effect`."""
+
+    @property
+    def unit(self) -> str:
+        """Of its forces: N, or N m where it turns."""
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:

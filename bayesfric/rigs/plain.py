@@ -26,6 +26,9 @@ class PlainTrials(PulleyTrials):
         """None: no rule keeps a trial from entering."""
         return None
 
+    def moved(self) -> None:
+        """Return None: all trials move, since the rig moves them."""
+
     def entering(self) -> Self:
         """Return all trials."""
         return self

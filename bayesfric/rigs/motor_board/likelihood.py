@@ -136,7 +136,11 @@ class MotorLikelihood:
         groups = [f"[{size}]" for size in self.sizes] if self._by_size else [""]
         self.parameters = (
             *coefficient_parameters(self.sizes, analysis, baseline.without),
-            *(Parameter(f"tau_motor{group}", "1", priors.tau_motor, "scatter") for group in groups),
+            # τ and λ share the spread of runs: an arc in their own units, a hook in quantiles.
+            *(
+                Parameter(f"tau_motor{group}", "1", priors.tau_motor, "scatter", linear=True)
+                for group in groups
+            ),
             *(
                 Parameter(f"omega_motor{group}", "1", priors.omega_motor, "scatter")
                 for group in groups
@@ -149,7 +153,7 @@ class MotorLikelihood:
             ),
             Parameter("torque_constant_factor", "1", priors.torque_constant_factor),
             Parameter("sigma_current", "A", priors.sigma_current, "noise"),
-            Parameter("load_noise", "1", priors.load_noise, "noise"),
+            Parameter("load_noise", "1", priors.load_noise, "noise", linear=True),
             *(parameter for active in self._effects for parameter in parameters_of(active)),
         )
 
