@@ -128,7 +128,8 @@ def _checked(
 ) -> tuple[pd.DataFrame, list[Fault]]:
     """Blank the cells that break their column's rule, and say which they were."""
     faults: list[Fault] = []
-    written = list(text.cells.columns)
+    names = {column.name for column in table.columns}
+    written = [str(name) for name in text.cells.columns if name not in names]
     for column in table.columns:
         name = column.name
         if name not in frame:
