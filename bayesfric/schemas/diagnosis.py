@@ -165,7 +165,11 @@ class Gap(Record):
         description="That the systematic gap is the practical share of friction or more."
     )
     floor_agrees: bool = Field(
-        description="Whether the floor agrees with what held-out data leave once the causes act."
+        description="Whether what held-out data leave once the causes act is what scatter (the "
+        "floor) and the systematic gap that is left would make, by chance too."
+    )
+    floor_why: str | None = Field(
+        None, description="How held-out data and the model contradict each other; null if not."
     )
     shrink: Interval | None = Field(
         description="Part of the squared systematic gap that the causes take away: its "

@@ -246,10 +246,7 @@ def gap_words(found: DiagnosisFile) -> Paragraph:
             Reference("gap"),
             " has every figure on data that the fit has not seen; every parameter is refitted "
             "both before and after.",
-            ""
-            if gap.floor_agrees
-            else " On these data the floor does not agree with what is left once the causes act: "
-            "scatter, or a force that is not found, makes up the rest.",
+            "" if gap.floor_why is None else f" The two do not agree: {gap.floor_why}.",
         ]
     )
 

@@ -511,11 +511,13 @@ class GravityPart:
             measured = self.rows.events.displacement[rows]
             start = left[:, first] @ (design @ np.linalg.pinv(design[first])).T
             tau = self.rows.events.tau[rows][shown]
+            later = self.columns[rows][~first] - carry @ self.columns[rows][first]
             found[trial] = Run(
                 trial,
                 off,
                 float(error.mean()),
                 float(floor),
+                later.T @ later / len(later),
                 tau - tau[0],
                 measured[shown],
                 (measured - (left - start))[:, shown],
