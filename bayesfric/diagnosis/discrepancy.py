@@ -59,7 +59,8 @@ def smooth_forces(rows: Sequence[LinearRows]) -> tuple[list[Smooth], list[Smooth
     shared = [
         smooth_along({axis: span[axis]}, relative=True, length=NARROW) for axis in SHARED_AXES
     ]
-    shared.append(smooth_along({axis: span[axis] for axis in ("velocity", "tension")}))
+    both = {axis: span[axis] for axis in ("velocity", "tension")}
+    shared.append(smooth_along(both, relative=True, length=NARROW))
     for one, here in zip(rows, where, strict=True):
         for axis in one.trial_axes:
             along = {axis: Span.of(here[axis])}
