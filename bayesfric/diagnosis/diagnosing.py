@@ -12,6 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.diagnosis.causes import causes_of, inclusion_of, known_of
+from bayesfric.diagnosis.checked import Checked, noise_checked
 from bayesfric.diagnosis.classes import classes_of
 from bayesfric.diagnosis.forms import other_forms
 from bayesfric.diagnosis.held_out import Arms, measure_gap
@@ -19,7 +20,7 @@ from bayesfric.diagnosis.model import Acting, Law, LinearModel
 from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.remainder import remainder_of
 from bayesfric.diagnosis.residuals import residuals_of
-from bayesfric.diagnosis.search import NONE, UNKNOWN, Search, compare, search
+from bayesfric.diagnosis.search import NONE, UNKNOWN, Search, Unknown, compare, search
 from bayesfric.diagnosis.stored import curves_of, gap_of
 from bayesfric.diagnosis.systematic import posterior_of
 from bayesfric.diagnosis.verdict import (
@@ -163,8 +164,8 @@ def _diagnose(
     first_found = _first_look(first, psi)
     model, found = _finals(first, first_found)
     chances = found.probabilities()
-    fold_rng, gap_rng, where_rng, draw_rng = (
-        np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(4)
+    fold_rng, gap_rng, where_rng, draw_rng, check_rng = (
+        np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(5)
     )
     best = found.best()
     unknown = chances.get(UNKNOWN, 0.0) >= MOSTLY and found.unknown is not None
@@ -185,8 +186,16 @@ def _diagnose(
     where = where_it_lies(plain, held_out.before, held_out.fold, where_rng)
     floor = gap.floor.q50 / gap.friction_rms
 
+    checks: dict[str, Checked] = {}
+
+    def check(one: Weighed | Unknown) -> Checked:
+        label = UNKNOWN if isinstance(one, Unknown) else one.label
+        if label not in checks:
+            checks[label] = noise_checked(model, found, one, check_rng)
+        return checks[label]
+
     def told(names: list[str]) -> tuple[Cause, ...]:
-        return causes_of(names, model, found, posterior, practical, floor)
+        return causes_of(names, model, found, posterior, practical, floor, check)
 
     causes = told(named)
     unseparated = unseparated_of(found.classes, together if verdict == "unseparated" else ())

@@ -122,6 +122,8 @@ class At:
         On the numbers.
     mean, covariance : ndarray
         Of the numbers, given the data.
+    at_mode : bool
+        Whether a climb has found no more to gain.
     """
 
     psi: Array
@@ -130,6 +132,7 @@ class At:
     information: Information
     mean: Array
     covariance: Array
+    at_mode: bool = False
 
 
 class LinearModel:
@@ -253,7 +256,7 @@ class LinearModel:
             by_trial=by_trial,
         )
 
-    def squeezed(self, psi: Array) -> "LinearModel":
+    def squeezed(self, psi: Array, wide: Wide | None = None) -> "LinearModel":
         """Return the model with fewer numbers for what every hypothesis leaves open.
 
         Mixtures of smooth forces and small amounts that these data can tell nothing of, even
@@ -264,10 +267,12 @@ class LinearModel:
         ----------
         psi : ndarray
             Logarithms of the noise.
+        wide : Wide or None
+            Smooth forces that are wider than the discrepancy; they are so in what is returned.
         """
         layout, sizes = self.layout, len(self.layout.sizes)
         information = self.said_of(self.quiet(psi[: len(self.noise)]), ())
-        _, sd = self.prior(())
+        _, sd = self.prior((), wide)
         whole = sd[:, None] * information.precision * sd
         forms = len(self._forms)
         smooths = np.arange(COEFFICIENTS, layout.own)
@@ -548,7 +553,7 @@ class LinearModel:
                 guess = np.diag(np.full(psi.size, 0.1))
                 step = guess @ slope
             if step @ slope / 2 < ENOUGH:
-                break
+                return replace(at, at_mode=True)
             step *= min(1.0, LONGEST / np.abs(step).max())
             for _ in range(8):
                 there = self.evaluate(
@@ -569,6 +574,11 @@ class LinearModel:
         pairs += [(1e-7, 10.0)] * (count - len(pairs))
         low, high = np.log(np.array(pairs)).T
         return low, high
+
+    def at_bounds(self, psi: Array) -> NDArray[np.bool_]:
+        """Return which logarithms of the noise a climb has left at the end of their range."""
+        low, high = self._bounds(psi.size)
+        return np.asarray((psi <= low) | (psi >= high))
 
     def curvature(self, at: At, acting: Acting, form: Mapping[str, float] | None = None) -> Array:
         """Return the negative Hessian of the log density by the noise, no direction flat."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -82,24 +83,24 @@ class Residuals:
     rig_names: tuple[str, ...]
     shown: NDArray[np.bool_]
 
-    @property
+    @cached_property
     def variance(self) -> Array:
         """Of each window's measurement error, shape (R,) [N²]."""
         return np.concatenate([np.diag(part) for part in self.covariance])
 
-    @property
+    @cached_property
     def spread2(self) -> Array:
         """Relative variance of friction that no law predicts, (R,)."""
         return np.asarray(
             self.scatter.sum(axis=1) + np.concatenate([np.diag(part) for part in self.wander])
         )
 
-    @property
+    @cached_property
     def chance2(self) -> Array:
         """Mean square that measurement and scatter leave of a perfect law, (R,) [N²]."""
         return np.asarray(self.variance + self.friction_n**2 * self.spread2)
 
-    @property
+    @cached_property
     def weight(self) -> Array:
         """Equal weight a condition, and a trial in it, adding up to 1; shape (R,)."""
         windows = np.bincount(self.trial)[self.trial]
@@ -107,7 +108,7 @@ class Residuals:
         trials = np.bincount(pairs[0])[self.condition]
         return np.asarray(1 / (windows * trials * np.unique(self.condition).size))
 
-    @property
+    @cached_property
     def friction_rms(self) -> float:
         """Of the reference law, by the weights [N]."""
         return float(np.sqrt((self.weight * self.friction_n**2).sum()))

@@ -19,7 +19,7 @@ from bayesfric.diagnosis.classes import Classes
 from bayesfric.diagnosis.discrepancy import Wide, relative_rms
 from bayesfric.diagnosis.model import Acting, At, LinearModel
 from bayesfric.diagnosis.shapes import Quadratic
-from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed, label, weigh
+from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed, label, log_volume, weigh
 
 __all__ = [
     "NONE",
@@ -33,6 +33,7 @@ __all__ = [
 
 Array = NDArray[np.float64]
 NONE, UNKNOWN = "none", "unknown"
+LIKELY = 50.0  # nat from the best, of an unknown force that is looked at again
 QUANTILES = (0.1, 0.3, 0.5, 0.7, 0.9)  # of the rms of an unknown force
 MOST = 4  # effects at a time
 BEAM = 3  # hypotheses of each number that are gone on from
@@ -245,8 +246,7 @@ def compare(model: LinearModel, first: Search) -> Search:
     )
     curvature = model.curvature(none.at, Acting())
     inverse = np.asarray(np.linalg.inv(curvature), dtype=np.float64)
-    values = np.linalg.eigvalsh(curvature)
-    volume = float(0.5 * (values.size * np.log(2 * np.pi) - np.log(values).sum()))
+    volume = log_volume(curvature)
     none = replace(none, log_evidence=none.log_evidence + volume, volume=volume)
     found: dict[str, Weighed] = {NONE: none}
     noise = leader.at.psi[: len(model.noise)]
@@ -368,30 +368,34 @@ def unknown_force(
     nodes = tuple(Wide(share, axis) for axis in (None, *axes) for share in shares)
     form = without.forms
 
-    def values(psi: Array) -> Array:
+    def values(psi: Array, of: NDArray[np.intp]) -> Array:
         information = model.evaluate(psi, acting, nodes[0], form).information
         priors = [model.amplitude_prior(law) for law in acting.laws]
         nothing = np.array([], dtype=np.intp)
         log_prior, _ = model.log_prior(psi, acting)
         return log_prior + np.array(
             [
-                information.reduced(*model.prior(priors, one, form), nothing).log_evidence
-                for one in nodes
+                information.reduced(*model.prior(priors, nodes[n], form), nothing).log_evidence
+                for n in of
             ]
         )
 
     psi = without.at.psi
     tried = [psi, model.quiet(psi), *(s for s in starts if s.size == psi.size)]
-    rated = [values(one) for one in tried]
-    best = int(np.argmax([one.max() for one in rated]))
-    psi, found = tried[best], rated[best]
+    middling = np.arange(len(QUANTILES) // 2, len(nodes), len(QUANTILES))
+    psi = tried[int(np.argmax([values(one, middling).max() for one in tried]))]
+    found = values(psi, np.arange(len(nodes)))
     for _ in range(2):
-        at = model.climb(psi, acting, nodes[int(np.argmax(found))], form, inverse)
-        settled = bool(np.abs(at.psi - psi).max() < 0.05)
-        psi = at.psi
-        found = values(psi)
+        best = nodes[int(np.argmax(found))]
+        # The climb needs few of the numbers; the evidence has all of them.
+        moved = model.squeezed(psi, best).climb(psi, acting, None, form, inverse).psi
+        settled = bool(np.abs(moved - psi).max() < 0.05)
+        psi = moved
+        likely = np.flatnonzero(found > found.max() - LIKELY)
+        found[likely] = values(psi, likely)
         if settled:
             break
+    at = model.evaluate(psi, acting, nodes[int(np.argmax(found))], form)
     total = float(logsumexp(found) - np.log(len(nodes))) + volume
     # Along all axes is as likely as along any one.
     return Unknown(nodes, found - logsumexp(found), total, at, acting)

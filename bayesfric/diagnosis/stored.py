@@ -82,7 +82,8 @@ def gap_of(
             felt = np.sqrt(kept) * posterior.gap[posterior.gap > SMALLEST * friction] / friction
             rest = kept if np.quantile(felt, 0.05) >= practical else None
     first = rows[0]
-    open2 = posterior.gap**2 if open2 is None else open2
+    # Windows average over what goes round with the pulleys.
+    open2 = (posterior.gap**2 if open2 is None else open2) - posterior.hidden2
     disagrees = floor_disagrees(held_out.rows[0][1], open2, rng)
     gap = Gap(
         **first.model_dump(exclude={"name", "shrink", "shrink_why", "below_floor"}),

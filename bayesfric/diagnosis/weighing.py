@@ -10,7 +10,7 @@ from scipy.special import logsumexp
 from bayesfric.diagnosis.model import Acting, At, Law, LinearModel
 from bayesfric.diagnosis.shapes import Choice, Quadratic, choose
 
-__all__ = ["FORM_SHARES", "Weighed", "label", "weigh"]
+__all__ = ["FORM_SHARES", "Weighed", "label", "log_volume", "weigh"]
 
 Array = NDArray[np.float64]
 NONE = "none"
@@ -137,7 +137,7 @@ def weigh(
     if own_volume:
         curvature = model.curvature(at, acting, share)
         known_noise = len(model.noise)
-        volume = _log_volume(curvature[:known_noise, :known_noise])
+        volume = log_volume(curvature[:known_noise, :known_noise])
     if phases:
         total += _over_amplitudes(model, at, acting, share)
     shares = np.exp(weights - logsumexp(weights))
@@ -150,6 +150,7 @@ def weigh(
         tuple(choices),
         form,
         tuple(float(one) for one in shares),
+        bound=not at.at_mode,
     )
 
 
@@ -186,7 +187,8 @@ def _same(one: Acting, other: Acting) -> bool:
     return bool(apart.max() < SETTLED) if apart.size else True
 
 
-def _log_volume(curvature: Array) -> float:
+def log_volume(curvature: Array) -> float:
+    """Return the log integral of a normal density's shape, by its negative Hessian."""
     values = np.linalg.eigvalsh(curvature)
     return float(0.5 * (values.size * np.log(2 * np.pi) - np.log(values).sum()))
 

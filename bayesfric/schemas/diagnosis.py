@@ -43,7 +43,11 @@ class Cause(Record):
     log10_bayes_factor: Number = Field(
         description="The hypothesis against the same without this effect."
     )
-    log10_bayes_factor_se: Number = Field(description="Its error, by quadrature over the noise.")
+    log10_bayes_factor_se: Number | None = Field(
+        description="Its standard error: how far importance draws of the noise of both "
+        "hypotheses are from the closed form, and how sure they are of it."
+    )
+    log10_bayes_factor_se_why: str | None = Field(None, description="Why there is none.")
     law: str = Field(description="Most probable variant.")
     parameters: dict[str, EffectNumber] = Field(description="Amplitude, and shape if any.")
     plausible: bool = Field(description="Whether the amplitude's median is physically plausible.")
