@@ -3,10 +3,11 @@
 VENV ?= .venv
 python = "$(VENV)/bin/python"
 
-.PHONY: help setup report test quality test-nightly test-long bench clean
+.PHONY: help setup report docs test quality test-nightly test-long bench clean
 
 help:
 	@echo 'make report        the bundled recording to posteriors and a PDF, in reports/latest/'
+	@echo 'make docs          the documentation as HTML, in docs/_build/'
 	@echo 'make test          what CI runs: quality, then the tests; minutes'
 	@echo 'make quality       lint, formatting, types, and how old the evidence is'
 	@echo 'make test-nightly  cases of the campaigns again, compared with reports/evidence/; an hour'
@@ -22,6 +23,9 @@ setup:
 
 report: setup
 	@"$(VENV)/bin/bayesfric" run -o reports/latest
+
+docs: setup
+	$(python) -m sphinx -W --keep-going -q docs docs/_build
 
 test: quality
 	$(python) -m pytest -n 2 --dist loadfile --no-loadscope-reorder
@@ -44,5 +48,5 @@ bench: setup
 	$(python) -m pytest -m bench
 
 clean:
-	rm -rf build dist reports/latest .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	rm -rf build dist docs/_build reports/latest .mypy_cache .pytest_cache .ruff_cache .hypothesis
 	find bayesfric tests -name __pycache__ -prune -exec rm -rf {} +

@@ -4,13 +4,14 @@ The models validate and document; they compute nothing. Unknown keys are refused
 """
 
 import hashlib
-import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from bayesfric.errors import Fault, InputError
+from bayesfric.files import read_toml
 
 __all__ = [
     "Analysis",
@@ -27,6 +28,7 @@ __all__ = [
     "Scatter",
     "Uniform",
     "analysis_sha256",
+    "checked_analysis",
     "read_analysis",
 ]
 
@@ -154,6 +156,11 @@ class Priors(_Section):
     )
     load_noise: Prior = Field(
         HalfNormal(scale=0.02), description="Noise of a current per load current [-]."
+    )
+    sigma_friction: Prior | None = Field(
+        None,
+        description="Error of a friction reading that comes without its standard error [N]. "
+        "Absent: half-normal with a twentieth of the machine's rms friction.",
     )
     idle_current_sd: Positive = Field(
         1.0,
@@ -367,19 +374,28 @@ def read_analysis(path: Path | None, *, seed: int | None = None) -> Analysis:
     InputError
         With every fault of the file: where, what was found, what was expected.
     """
-    values: dict[str, Any] = {}
     name = "analysis.toml" if path is None else path.name
-    if path is not None:
-        try:
-            values = tomllib.loads(path.read_text("utf-8"))
-        except OSError as error:
-            raise InputError([Fault(name, f"a readable file ({error.strerror})")]) from error
-        except UnicodeDecodeError as error:
-            raise InputError([Fault(name, "a file in UTF-8")]) from error
-        except tomllib.TOMLDecodeError as error:
-            raise InputError([Fault(name, f"TOML that parses ({error})")]) from error
+    values = {} if path is None else read_toml(path)
     if seed is not None:
         values = {**values, "seed": seed}
+    return checked_analysis(values, name)
+
+
+def checked_analysis(values: Mapping[str, Any], name: str) -> Analysis:
+    """Validate settings.
+
+    Parameters
+    ----------
+    values : mapping
+        Keys of an ``analysis.toml``; what is absent has its default.
+    name : str
+        Of the file that they are from.
+
+    Raises
+    ------
+    InputError
+        With every fault: where, what was found, what was expected.
+    """
     try:
         return Analysis.model_validate(values)
     except ValidationError as error:

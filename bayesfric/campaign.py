@@ -7,6 +7,7 @@ once more. The module knows nothing of friction, and works on any
 
 import json
 import os
+import signal
 import socket
 import sys
 import threading
@@ -21,7 +22,7 @@ from concurrent.futures import (
     wait,
 )
 from contextlib import contextmanager
-from multiprocessing import get_context, parent_process
+from multiprocessing import active_children, get_context, parent_process
 from pathlib import Path
 from typing import Any, TypeVar
 from urllib.parse import urlsplit
@@ -50,15 +51,35 @@ class WorkerDiedError(RuntimeError):
         super().__init__(f"case {name}: its worker died {TRIES} times; what is done is kept")
 
 
-def processes(workers: int) -> ProcessPoolExecutor:
-    """Return an executor over `workers` processes of this machine.
+@contextmanager
+def processes(workers: int) -> Iterator[Executor]:
+    """Lend an executor over `workers` processes of this machine.
 
     Each starts a fresh interpreter: a copy of a process that has threads can wait for
-    ever on a lock that one of them held.
+    ever on a lock that one of them held. Interrupts are for the parent alone, which then
+    ends the workers instead of waiting for what they do.
     """
-    return ProcessPoolExecutor(
-        workers, mp_context=get_context("spawn"), initializer=_end_with_parent
-    )
+    executor = _Processes(workers, mp_context=get_context("spawn"), initializer=_end_with_parent)
+    try:
+        yield executor
+    except BaseException as error:
+        executor.shutdown(wait=False, cancel_futures=True)
+        if not isinstance(error, Exception):
+            for process in active_children():
+                process.terminate()
+        raise
+    executor.shutdown()
+
+
+class _Processes(ProcessPoolExecutor):
+    """Starts its workers with SIGINT blocked, which they inherit from their first moment."""
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Any:
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            return super().submit(fn, *args, **kwargs)
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _end_with_parent() -> None:
@@ -148,7 +169,8 @@ def run_campaign(
     cases : mapping of str to case
         Name to argument. A name is also a file name.
     folder : Path
-        Where ``NAME.json`` of each case is kept; created if it is not there.
+        Where ``NAME.json`` of each case is kept; created if it is not there. One that does
+        not read is run again.
     executor : Executor
         Where the cases run, in any order.
     progress : callable or None
@@ -178,7 +200,7 @@ def _run(
 ) -> dict[str, Result]:
     """Run the missing cases, `at_once` at a time; count the tries that dead workers cost."""
     folder.mkdir(parents=True, exist_ok=True)
-    missing = [name for name in cases if not (folder / f"{name}.json").exists()]
+    missing = [name for name in cases if _kept(folder / f"{name}.json") is None]
     done = len(cases) - len(missing)
     missing.reverse()
     running: dict[Future[Result], str] = {}
@@ -207,9 +229,16 @@ def _run(
         for name in running.values():
             _count(tries, name, fault)
         raise
-    return {
-        name: json.loads((folder / f"{name}.json").read_text(encoding="utf-8")) for name in cases
-    }
+    return {name: _kept(folder / f"{name}.json") or {} for name in cases}
+
+
+def _kept(path: Path) -> Result | None:
+    """Return a result that is done, None where there is none or it is damaged."""
+    try:
+        found = json.loads(path.read_bytes())
+    except (OSError, ValueError, RecursionError):
+        return None
+    return found if isinstance(found, dict) else None
 
 
 def _count(tries: Counter[str], name: str, fault: BaseException) -> None:

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 __all__ = ["Fault", "InputError"]
 
+SHOWN = 120  # characters of a value
+
 
 @dataclass(frozen=True)
 class Fault:
@@ -39,8 +41,12 @@ class Fault:
             place += f", row {self.row}"
         if self.column is not None:
             place += f", {self.column}"
-        found = "" if self.value is None else f" found {self.value!r},"
+        found = "" if self.value is None else f" found {_short(self.value)!r},"
         return f"{place}:{found} expected {self.expected}"
+
+
+def _short(value: str) -> str:
+    return value if len(value) <= SHOWN else value[:SHOWN] + "…"
 
 
 class InputError(ValueError):

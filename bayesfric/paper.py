@@ -4,11 +4,11 @@ Source: Miyasaka, Matheson, Lewis and Hannaford, IROS 2015 ("the paper"). This
 module only reads; nothing here is used as a prior (see :mod:`bayesfric.inference.priors`).
 """
 
-import tomllib
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+from bayesfric.files import read_toml
 from bayesfric.resources import data_folder
 
 __all__ = ["PaperCoefficient", "PaperPulley", "paper", "table1"]
@@ -55,7 +55,7 @@ class PaperPulley:
 @cache
 def paper() -> dict[str, Any]:
     """Return the whole of ``paper.toml`` (treat it as read-only)."""
-    return tomllib.loads((data_folder() / "paper" / "paper.toml").read_text("utf-8"))
+    return read_toml(data_folder() / "paper" / "paper.toml")
 
 
 @cache

@@ -4,6 +4,7 @@ Files appear whole or not at all: a verb prepares all of its outputs in a folder
 beside the target and then renames them into place.
 """
 
+import hashlib
 import os
 import platform
 import shutil
@@ -15,58 +16,71 @@ from typing import Any, TypeVar
 
 import arviz_base
 import h5netcdf  # noqa: F401  (the engine; imported so that its absence shows at once)
+import h5py
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from pydantic import BaseModel
+from pydantic import BaseModel, ValidationError
 
+from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.errors import Fault, InputError
+from bayesfric.files import file_bytes
 from bayesfric.physics.friction import Coefficients
+from bayesfric.rigs.coefficients import NO_PULLEY, coefficient_name, law_of
 from bayesfric.schemas import FitFile, Provenance, RecordingId
 
 __all__ = [
     "created_date",
     "draws_tree",
     "fitted_coefficients",
+    "identified",
     "json_bytes",
     "package_versions",
     "provenance",
+    "read_beside",
     "read_json",
     "read_tree",
+    "refuse_mixed",
     "replace_outputs",
     "write_netcdf",
 ]
 
 Array = NDArray[np.float64]
 Record = TypeVar("Record", bound=BaseModel)
+File = TypeVar("File", bound=Provenance)
+ARRAYS = {
+    "fit.json": ("draws.nc", "predictive.nc"),
+    "claims.json": ("claims.nc",),
+    "diagnosis.json": ("diagnosis.nc",),
+}
+"""What each JSON file is written with."""
+LARGEST_ARRAY = 1024**3  # bytes; draws.nc has 20 MB
 PACKAGES = ("bayesfric", "arviz-base", "arviz-stats", "emcee", "numpy", "scipy", "xarray")
 
 
 def provenance(
     *,
-    seed: int,
     recording: RecordingId,
-    analysis_sha256: str,
+    analysis: Analysis,
     created: str | None,
 ) -> Provenance:
     """Return what every file carries.
 
     Parameters
     ----------
-    seed : int
-        Of the analysis.
     recording : RecordingId
         Name, title and hash of the recording.
-    analysis_sha256 : str
-        Hash of the settings.
+    analysis : Analysis
+        The settings, and the seed.
     created : str or None
         The recording's own date; ``SOURCE_DATE_EPOCH`` overrides it.
     """
     return Provenance(
-        seed=seed,
+        seed=analysis.seed,
         versions=package_versions(),
         recording=recording,
-        analysis_sha256=analysis_sha256,
+        analysis_sha256=analysis_sha256(analysis),
+        analysis=analysis.model_dump(mode="json"),
         created=created_date(created),
     )
 
@@ -139,11 +153,24 @@ def draws_tree(
     return tree
 
 
-def write_netcdf(tree: xr.DataTree, path: Path) -> None:
-    """Write a tree as netCDF-4, compressed, without creation times."""
+def identified(record: File) -> File:
+    """Return a record with its run id, a hash of all else that it says.
+
+    The same seed, recording and settings give the same id; files of two runs that differ
+    in anything never share one.
+    """
+    data = record.model_copy(update={"run_id": ""}).model_dump_json(by_alias=True)
+    return record.model_copy(update={"run_id": hashlib.sha256(data.encode()).hexdigest()[:16]})
+
+
+def write_netcdf(tree: xr.DataTree, path: Path, run_id: str = "") -> None:
+    """Write a tree as netCDF-4, compressed, without creation times, with its run id."""
+    tree = tree.copy()
+    tree.attrs = tree.attrs | {"run_id": run_id, "layout": _layout(tree)}
     encoding = {
         f"/{node.path.strip('/')}": {
-            str(name): {"zlib": True, "complevel": 4, "shuffle": True}
+            # The checksum lets damage be told when the file is read.
+            str(name): {"zlib": True, "complevel": 4, "shuffle": True, "fletcher32": True}
             for name, variable in node.data_vars.items()
             if variable.dtype.kind == "f" and variable.size > 1
         }
@@ -160,6 +187,10 @@ def json_bytes(record: BaseModel) -> bytes:
 def replace_outputs(folder: Path, writers: Mapping[str, Callable[[Path], object]]) -> None:
     """Write several files, all of them or none.
 
+    They are prepared beside the target and renamed in the given order. Renaming cannot be
+    done at once: a kill between two names leaves a set of two runs, which every reader
+    refuses by its run ids (:func:`read_beside`).
+
     Parameters
     ----------
     folder : Path
@@ -174,6 +205,8 @@ def replace_outputs(folder: Path, writers: Mapping[str, Callable[[Path], object]
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        if folders := [name for name in writers if (folder / name).is_dir()]:
+            raise InputError([Fault(str(folder / name), "no folder here") for name in folders])
         scratch = folder / ".writing"
         shutil.rmtree(scratch, ignore_errors=True)  # of a run that was killed here
         scratch.mkdir()
@@ -195,14 +228,49 @@ def read_tree(path: Path) -> xr.DataTree:
     Raises
     ------
     InputError
-        The file is missing or is not netCDF.
+        The file is missing, is not netCDF, is damaged, or lacks a part that it was
+        written with.
     """
     try:
+        if not path.is_file():
+            raise InputError([_not_netcdf(path, "there is no such file")])
+        _read_through(path)
         with xr.open_datatree(path, engine="h5netcdf") as tree:
-            return tree.load()
-    except (OSError, ValueError) as error:
-        fault = Fault(path.name, "a netCDF file that bayesfric wrote")
-        raise InputError([fault]) from error
+            found = tree.load()
+    except InputError:
+        raise
+    except Exception as error:  # whatever the libraries make of bytes that are damaged
+        raise InputError([_not_netcdf(path, type(error).__name__)]) from error
+    if found.attrs.get("layout", _layout(found)) != _layout(found):
+        raise InputError([_not_netcdf(path, "a part of it is not there")])
+    return found
+
+
+def _read_through(path: Path) -> None:
+    """Read every array once with checksums, before h5netcdf trips over what is damaged."""
+
+    def read(name: str, item: h5py.HLObject) -> None:
+        if isinstance(item, h5py.Dataset) and item.shape is not None:
+            if item.nbytes > LARGEST_ARRAY:
+                raise ValueError(f"{name} has {item.nbytes:,} bytes")
+            item[()]
+
+    with h5py.File(path, "r") as file:
+        file.visititems(read)
+
+
+def _layout(tree: xr.DataTree) -> str:
+    """Return a hash of the groups, variables, dimensions and shapes of a tree."""
+    parts = [
+        f"{node.path} {name} {variable.dims} {variable.shape}"
+        for node in tree.subtree
+        for name, variable in node.to_dataset(inherit=False).variables.items()
+    ]
+    return hashlib.sha256("\n".join(sorted(parts)).encode()).hexdigest()[:16]
+
+
+def _not_netcdf(path: Path, why: str) -> Fault:
+    return Fault(str(path), f"a netCDF file that bayesfric wrote, whole ({why})")
 
 
 def read_json(model: type[Record], path: Path) -> Record:
@@ -211,13 +279,73 @@ def read_json(model: type[Record], path: Path) -> Record:
     Raises
     ------
     InputError
-        The file is missing or does not follow its schema.
+        The file is missing or does not follow its schema: at which keys.
     """
     try:
-        return model.model_validate_json(path.read_bytes())
-    except (OSError, ValueError) as error:
-        fault = Fault(path.name, f"a file of the schema that bayesfric writes ({error})")
-        raise InputError([fault]) from error
+        return model.model_validate_json(file_bytes(path))
+    except ValidationError as error:
+        raise InputError(
+            [
+                Fault(
+                    str(path),
+                    f"a file of the schema that bayesfric writes ({detail['msg']})",
+                    column=".".join(str(part) for part in detail["loc"]) or None,
+                )
+                for detail in error.errors(include_url=False, include_input=False)
+            ]
+        ) from error
+
+
+def read_beside(record: Provenance, path: Path) -> xr.DataTree:
+    """Read the arrays that were written with a record.
+
+    Parameters
+    ----------
+    record : Provenance
+        Of the JSON file beside it.
+    path : Path
+        The netCDF file.
+
+    Raises
+    ------
+    InputError
+        It is missing, is not netCDF, or is of another run.
+    """
+    tree = read_tree(path)
+    if tree.attrs.get("run_id", "") != record.run_id:
+        expected = "a file of the same run as the JSON beside it: run the verb again"
+        raise InputError([Fault(str(path), expected)])
+    return tree
+
+
+def refuse_mixed(record: Provenance, path: Path) -> None:
+    """Refuse a JSON file whose arrays, where they are beside it, are of another run.
+
+    Parameters
+    ----------
+    record : Provenance
+        As read.
+    path : Path
+        Where it was read.
+
+    Raises
+    ------
+    InputError
+        The files are of two runs, or arrays are damaged.
+    """
+    for name in ARRAYS.get(path.name, ()):
+        beside = path.with_name(name)
+        if beside.is_file() and _attributes(beside).get("run_id", "") != record.run_id:
+            expected = f"a file of the same run as {path.name}: run the verb again"
+            raise InputError([Fault(str(beside), expected)])
+
+
+def _attributes(path: Path) -> Mapping[str, Any]:
+    try:
+        with h5py.File(path, "r") as file:
+            return {name: file.attrs[name] for name in ("run_id",) if name in file.attrs}
+    except Exception as error:  # as in read_tree
+        raise InputError([_not_netcdf(path, type(error).__name__)]) from error
 
 
 def fitted_coefficients(folder: Path) -> dict[str, Coefficients]:
@@ -231,10 +359,11 @@ def fitted_coefficients(folder: Path) -> dict[str, Coefficients]:
     Raises
     ------
     InputError
-        There is no fit.
+        There is no fit, or its files are of two runs.
     """
-    pulleys = read_json(FitFile, folder / "fit.json").pulleys
-    return {
-        size: Coefficients(*(entries[name].mean for name in Coefficients._fields))
-        for size, entries in pulleys.items()
-    }
+    fit = read_json(FitFile, folder / "fit.json")
+    refuse_mixed(fit, folder / "fit.json")
+    means = {name: entry.mean for name, entry in fit.parameters.items()}
+    for size, entries in fit.pulleys.items():
+        means |= {coefficient_name(name, size): entry.mean for name, entry in entries.items()}
+    return {size: law_of(means, size) for size in fit.pulleys or (NO_PULLEY,)}

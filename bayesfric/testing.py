@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import integrate
 
-from bayesfric.effects import Effect, Reading, State
+from bayesfric.effects import PULLEYS, Effect, Reading, State
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.priors import from_normal, log_density
 from bayesfric.physics.friction import Coefficients
@@ -104,7 +104,13 @@ def check_effect(effect: Effect) -> None:
     if not effect.laws:
         raise EffectError(f"{effect.name}: there is no law")
     for name in effect.laws:
-        _check_law(effect, name, READING if effect.acts_on == "reading" else STATE)
+        _check_law(effect, name, READING if effect.acts_on == "reading" else _state(effect))
+
+
+def _state(effect: Effect) -> State:
+    """Return the state, with each covariate that an effect needs at some value."""
+    covariates = dict.fromkeys(sorted(effect.needs - PULLEYS), 1.5)
+    return STATE._replace(covariates=covariates)
 
 
 def _check_law(effect: Effect, name: str, where_at: State | Reading) -> None:

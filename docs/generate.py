@@ -1,7 +1,6 @@
-"""Write the pages that come from the models: ``docs/schemas/``, ``analysis.md`` and ``loop.md``.
+"""Write the pages that come from the code: schemas, settings, loop files, effects, claims, verbs.
 
-Run ``python docs/generate.py`` after a change of :mod:`bayesfric.schemas`,
-:mod:`bayesfric.analysis` or :mod:`bayesfric.margins.loop_file`; a test compares the files
+Run ``python docs/generate.py`` after a change of one of these; a test compares the files
 with what this would write.
 """
 
@@ -9,9 +8,14 @@ import json
 from pathlib import Path
 from typing import get_args
 
+import typer
 from pydantic import BaseModel
 
 from bayesfric.analysis import Analysis, Prior, PriorOverrides
+from bayesfric.claims import registered
+from bayesfric.cli import app
+from bayesfric.effects import all_effects
+from bayesfric.inference.priors import describe
 from bayesfric.margins import loop_file
 from bayesfric.schemas import SCHEMAS
 
@@ -25,7 +29,14 @@ def pages() -> dict[str, str]:
         + "\n"
         for name, model in SCHEMAS.items()
     }
-    return {**schemas, "analysis.md": _analysis(), "loop.md": _loop()}
+    return {
+        **schemas,
+        "analysis.md": _analysis(),
+        "loop.md": _loop(),
+        "effects.md": _effects(),
+        "claims.md": _claims(),
+        "cli.md": _cli(),
+    }
 
 
 def _analysis() -> str:
@@ -109,6 +120,80 @@ def _loop() -> str:
     for name, model in sections.items():
         lines += ["", f"## {name}", "", _paragraph(model), "", *_table(model)]
     return "\n".join(lines).rstrip() + "\n"
+
+
+ACTS_ON = {
+    "friction": "friction: a force against the motion that scatters like all friction",
+    "drive": "the drive: a force against the motion that does not scatter",
+    "reading": "the readings of events",
+    "current": "the motor's current",
+}
+
+
+def _effects() -> str:
+    lines = [
+        "# Effects",
+        "",
+        "What the diagnosis examines beside the friction law, and",
+        "`bayesfric simulate --effect NAME` adds. Strength 1 changes friction, or its equivalent,",
+        "by 10 % rms over the design. The variants of an effect are averaged with equal weight. A",
+        "prior says what would be noticed; the plausible range says what would be believed.",
+        "[How to write one](howto/effect.md).",
+    ]
+    for name, effect in sorted(all_effects().items()):
+        lines += [
+            "",
+            f"## {name}",
+            "",
+            f"On a rig with it, {effect.sentence}.",
+            "",
+            f"- Acts on {ACTS_ON[effect.acts_on]}.",
+            f"- Variants: {', '.join(effect.laws)}.",
+            "",
+            "| parameter | unit | meaning | prior | plausible | reference |",
+            "|---|---|---|---|---|---|",
+        ]
+        lines += [
+            f"| `{one.name}` | {one.unit} | {one.meaning} | {describe(one.prior)} "
+            f"| {one.plausible[0]:g} to {one.plausible[1]:g} | {one.reference} |"
+            for one in effect.parameters
+        ]
+    return "\n".join(lines) + "\n"
+
+
+def _claims() -> str:
+    lines = [
+        "# Claims",
+        "",
+        "What `bayesfric claims` judges, each against the best of its rivals. A rival written",
+        "`effect/variant` is the claimed law beside [that effect](effects.md); other rivals are",
+        "laws of their own. The rules of a verdict stand in [`[claims]`](analysis.md#claims).",
+    ]
+    for claim in registered():
+        lines += [
+            "",
+            f"## {claim.name}",
+            "",
+            f"{claim.statement} The paper: {claim.paper}",
+            "",
+            f"- Rivals: {', '.join(f'`{one.label}`' for one in claim.rivals) or 'none'}.",
+        ]
+        if not claim.about_these_data:
+            lines.append(
+                "- Rests on the paper's numbers or on priors, and says nothing of a recording."
+            )
+    return "\n".join(lines) + "\n"
+
+
+def _cli() -> str:
+    lines = ["# Commands", "", "What `--help` prints of each."]
+    group = typer.main.get_command(app)
+    with group.make_context("bayesfric", [], resilient_parsing=True) as parent:
+        for name in group.list_commands(parent):
+            command = group.get_command(parent, name)
+            context = type(parent)(command, parent=parent, info_name=name, terminal_width=96)
+            lines += ["", f"## {name}", "", "```text", context.get_help().rstrip(), "```"]
+    return "\n".join(line.rstrip() for line in "\n".join(lines).split("\n")) + "\n"
 
 
 def _paragraph(model: type[BaseModel]) -> str:

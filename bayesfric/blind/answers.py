@@ -7,6 +7,7 @@ from pydantic import ConfigDict, Field, ValidationError
 
 from bayesfric.effects import all_effects
 from bayesfric.errors import Fault, InputError
+from bayesfric.files import file_bytes
 from bayesfric.schemas.base import Number, Record
 
 __all__ = ["AXES", "Answer", "WithheldEffect", "read_answer"]
@@ -67,10 +68,7 @@ def read_answer(path: Path) -> dict[str, Any]:
         With every fault of the file.
     """
     try:
-        answer = Answer.model_validate_json(path.read_bytes())
-    except OSError as error:
-        expected = f"an answer that can be read ({error.strerror or error})"
-        raise InputError([Fault(str(path), expected)]) from error
+        answer = Answer.model_validate_json(file_bytes(path))
     except ValidationError as error:
         raise InputError(
             [

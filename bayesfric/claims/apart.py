@@ -53,6 +53,7 @@ class ApartModel(Model):
             f"{name}[{size}]": (1 + share) * named[f"{name}[{size}]"]
             for size, share in differences(named, self._second.sizes).items()
             for name in Coefficients._fields
+            if f"{name}[{size}]" in named
         }
         return self._first.log_likelihood(named) + self._second.log_likelihood(named | own)
 

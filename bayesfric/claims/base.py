@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from bayesfric.analysis import Analysis
 from bayesfric.claims.entered import PAPER, Entered
 from bayesfric.claims.studies import Studied, Task
-from bayesfric.effects import all_effects
+from bayesfric.effects import Effect, all_effects
 from bayesfric.fitting.hypothesis import Hypothesis
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs.base import Motion
@@ -84,6 +84,9 @@ class Claim:
         None where it needs no data.
     beside : {"accelerated", "steady"} or None
         How the trials of a second rig move, with which the first is studied together.
+    effects : tuple of Effect
+        Of the rivals, where they are none of :func:`bayesfric.effects.all_effects`: other forms
+        of the law, which a diagnosis does not look for.
     rivals : tuple of Hypothesis
         What it is compared with; of the paper's law where it is named, else as it is.
     levels : mapping of str to int
@@ -103,6 +106,7 @@ class Claim:
     judge: Callable[["Claim", "Case"], Finding]
     motion: Motion | None = None
     beside: Motion | None = None
+    effects: tuple[Effect, ...] = ()
     rivals: tuple[Hypothesis, ...] = ()
     levels: Mapping[str, int] = field(default_factory=dict)
     by_size: bool = True
@@ -121,6 +125,8 @@ class Claim:
 
     def untestable(self, entered: Entered) -> str:
         """Return what the data lack to compare the claim with its rivals, or nothing."""
+        if not entered.has_pulleys:
+            return "It is about cables over pulleys, and these data have none."
         for motion in (self.motion, self.beside):
             if motion is not None and entered.first(motion) is None:
                 return entered.lack(motion)
@@ -133,8 +139,9 @@ class Claim:
         for name, least in self.levels.items():
             if (found := trials.levels(name)) < least:
                 return f"The {WORDS[name]} takes {found} of at least {least} values."
+        known = all_effects() | {effect.name: effect for effect in self.effects}
         for effect in dict.fromkeys(name for one in self.rivals for name, _ in one.effects):
-            if (missing := trials.supports(all_effects()[effect])) is not None:
+            if (missing := trials.supports(known[effect])) is not None:
                 return missing.reason
         return ""
 
@@ -165,6 +172,8 @@ class Case:
         The data.
     studied : mapping of Task to Studied
         Of every task of every claim.
+    effects : mapping of str to Effect
+        Of all rivals by name, with the priors of the analysis.
     posterior : mapping of str to mapping of str to ndarray
         Draws of the law by rig and parameter, where a fit of that rig alone has them
         already.
@@ -174,6 +183,7 @@ class Case:
     analysis: Analysis
     entered: Entered
     studied: Mapping[Task, Studied]
+    effects: Mapping[str, Effect] = field(default_factory=dict)
     posterior: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)
 
     def baseline(self, rig: str) -> Mapping[str, Array]:

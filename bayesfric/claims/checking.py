@@ -14,15 +14,15 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.analysis import Analysis
 from bayesfric.claims.base import Case, Claim, Finding
 from bayesfric.claims.comparison import bayes_factor, log_evidence
 from bayesfric.claims.contradictions import contradictions
 from bayesfric.claims.entered import PAPER, Entered
 from bayesfric.claims.studies import Studied, Task, study_all
-from bayesfric.effects import all_effects, with_priors
+from bayesfric.effects import Effect, all_effects, with_priors
 from bayesfric.recording.tables import Recording
-from bayesfric.results import json_bytes, provenance, replace_outputs, write_netcdf
+from bayesfric.results import identified, json_bytes, provenance, replace_outputs, write_netcdf
 from bayesfric.schemas import (
     ClaimResult,
     ClaimsFile,
@@ -31,7 +31,7 @@ from bayesfric.schemas import (
     SelfContradiction,
 )
 
-__all__ = ["Checked", "check_claims", "registered", "screen_claims"]
+__all__ = ["Checked", "check_claims", "registered", "rival_effects", "screen_claims"]
 
 Array = NDArray[np.float64]
 
@@ -44,6 +44,12 @@ def registered() -> tuple[Claim, ...]:
     modules = [import_module(f"{package}.{found.name}") for found in iter_modules(folder)]
     claims = [module.CLAIM for module in modules if hasattr(module, "CLAIM")]
     return tuple(sorted(claims, key=lambda claim: claim.place))
+
+
+def rival_effects(analysis: Analysis) -> dict[str, Effect]:
+    """Return the effects of all rivals by name, with the priors of an analysis."""
+    own = {effect.name: effect for claim in registered() for effect in claim.effects}
+    return with_priors(all_effects() | own, analysis.priors.effects)
 
 
 @dataclass(frozen=True)
@@ -87,8 +93,8 @@ class Checked:
             The folder cannot be written.
         """
         writers: dict[str, Callable[[Path], object]] = {
+            "claims.nc": lambda path: write_netcdf(self.curves, path, self.summary.run_id),
             "claims.json": lambda path: path.write_bytes(json_bytes(self.summary)),
-            "claims.nc": lambda path: write_netcdf(self.curves, path),
         }
         replace_outputs(Path(folder), writers)
         if junit is not None:
@@ -160,13 +166,13 @@ def check_claims(
     analysis = Analysis() if analysis is None else analysis
     claims = [claim for claim in registered() if only is None or claim.name in only]
     entered = Entered.of(recording, rigs, baseline)
-    studied = _studied(claims, entered, analysis, executor)
-    case = Case(recording, analysis, entered, studied, posterior or {})
+    effects = rival_effects(analysis)
+    studied = _studied(claims, entered, analysis, effects, executor)
+    case = Case(recording, analysis, entered, studied, effects, posterior or {})
     findings = [(claim, claim.judge(claim, case)) for claim in claims]
     attributes = provenance(
-        seed=analysis.seed,
         recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
-        analysis_sha256=analysis_sha256(analysis),
+        analysis=analysis,
         created=recording.created,
     )
     summary = ClaimsFile(
@@ -179,17 +185,17 @@ def check_claims(
             SelfContradiction.model_validate(one._asdict()) for one in contradictions()
         ),
     )
-    return Checked(summary, _curves(findings), time.perf_counter() - began)
+    return Checked(identified(summary), _curves(findings), time.perf_counter() - began)
 
 
 def _studied(
     claims: Sequence[Claim],
     entered: Entered,
     analysis: Analysis,
+    effects: dict[str, Effect],
     executor: Executor | None,
 ) -> dict[Task, Studied]:
     """Study all hypotheses: the law and each claim's best rival with draws, the rest screened."""
-    effects = with_priors(all_effects(), analysis.priors.effects)
     by_claim = [claim.tasks(entered) for claim in claims]
     tasks = list(dict.fromkeys(task for some in by_claim for task in some))
     own = {task for task in tasks if task.hypothesis == entered.baseline}
@@ -240,7 +246,7 @@ def screen_claims(
     compared = [claim for claim in registered() if claim.by_size and claim.rivals]
     claims = [claim for claim in compared if not claim.untestable(entered)]
     tasks = list(dict.fromkeys(task for claim in claims for task in claim.tasks(entered)))
-    effects = with_priors(all_effects(), analysis.priors.effects)
+    effects = rival_effects(analysis)
     studied = study_all(tasks, entered.data, analysis, effects, executor, sampled=())
     found = {}
     for claim in claims:

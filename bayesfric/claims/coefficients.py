@@ -15,6 +15,7 @@ from bayesfric.fitting.hypothesis import model_of
 from bayesfric.inference.informed import informed_by_data
 from bayesfric.paper import paper, table1
 from bayesfric.physics.friction import Coefficients, coulomb_friction
+from bayesfric.physics.laws import BASELINES
 from bayesfric.rigs.coefficients import coefficient_parameters
 
 Array = NDArray[np.float64]
@@ -112,6 +113,8 @@ def _judge(claim: Claim, case: Case) -> Finding:
     """Ask whether Table I fits, whether the data inform it, and how narrowly."""
     if lack := claim.untestable(case.entered):
         return Finding("not-testable", lack)
+    if BASELINES[case.entered.law].without:
+        return Finding("not-testable", "The law that was chosen lacks coefficients of Table I.")
     name = claim.subject(case.entered)
     data = case.entered.data[name]
     sizes = [size for size in data.sizes if size in table1()]
@@ -149,7 +152,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
 
 CLAIM = Claim(
     name="coefficients",
-    place=8,
+    place=10,
     statement="The coefficients are those of Table I.",
     paper="Table I, as printed.",
     judge=_judge,

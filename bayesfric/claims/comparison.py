@@ -10,7 +10,6 @@ from scipy.special import logsumexp
 from bayesfric.analysis import ClaimRules
 from bayesfric.claims.base import Case, Claim, Finding, Verdict
 from bayesfric.claims.studies import WIDTHS, Studied, Task, prior_ratios
-from bayesfric.effects import all_effects, with_priors
 from bayesfric.fitting.hypothesis import Hypothesis
 from bayesfric.inference.evidence import difference
 
@@ -139,9 +138,8 @@ def verdicts_over_widths(
         As for :func:`decide`.
     """
     rules = case.analysis.claims
-    effects = with_priors(all_effects(), case.analysis.priors.effects)
     sized = {one: found for one, found in rivals.items() if found.size.size}
-    ratios = {one: prior_ratios(found.theta, one, effects) for one, found in sized.items()}
+    ratios = {one: prior_ratios(found.theta, one, case.effects) for one, found in sized.items()}
     verdicts = []
     for place in range(len(WIDTHS)):
         weights = {one: np.exp(r[place] - logsumexp(r[place])) for one, r in ratios.items()}

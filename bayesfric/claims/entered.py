@@ -4,14 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations
 
-from bayesfric.errors import Fault, InputError
 from bayesfric.fitting.hypothesis import Hypothesis
-from bayesfric.physics.laws import BASELINES
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.base import Motion, RigTrials
 from bayesfric.rigs.data import Data
-from bayesfric.rigs.opening import chosen_rigs, open_rigs, rigs_with_trials
+from bayesfric.rigs.opening import baseline_of, chosen_rigs, open_rigs, rigs_with_trials
 
 __all__ = ["PAPER", "Entered"]
 
@@ -50,9 +48,8 @@ class Entered:
         InputError
             A rig or the law is unknown, or a rig that is named has no data.
         """
-        if law not in BASELINES:
-            raise InputError([Fault("baseline", f"one of {', '.join(BASELINES)}", value=law)])
         there = rigs_with_trials(recording)
+        baseline_of(law, tuple(there.values()))
         chosen = tuple(there) if rigs is None else chosen_rigs(recording, rigs)
         opened = zip(chosen, open_rigs(recording, chosen), strict=True)
         data = {name: Data((one,)) for name, one in opened}
@@ -86,8 +83,17 @@ class Entered:
 
     def first(self, motion: Motion) -> str | None:
         """Return the name of the first rig that moves so, if one has data."""
-        moving = (name for name in self.rigs if self.trials(name).rig.motion == motion)
+        moving = (
+            name
+            for name in self.rigs
+            if self.trials(name).rig.motion == motion and self.trials(name).has_pulleys
+        )
         return next(moving, None)
+
+    @property
+    def has_pulleys(self) -> bool:
+        """Whether any data are of a cable over pulleys, which claims are about."""
+        return any(self.trials(name).has_pulleys for name in self.rigs)
 
     def lack(self, motion: Motion) -> str:
         """Return why there is no rig that moves so, a sentence."""

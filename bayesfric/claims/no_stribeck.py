@@ -24,7 +24,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
 
 CLAIM = Claim(
     name="no-stribeck",
-    place=7,
+    place=9,
     statement="Friction does not rise towards standstill.",
     paper="With rolling bearings neither stiction nor a Stribeck term is needed (Sec. II).",
     judge=_judge,

@@ -8,8 +8,10 @@ from bayesfric.recording.tables import STANDARD_GRAVITY
 from bayesfric.simulate import table1_coefficients
 
 
-def _judge(_: Claim, case: Case) -> Finding:
+def _judge(claim: Claim, case: Case) -> Finding:
     """Arithmetic: no data, no probability."""
+    if lack := claim.untestable(case.entered):
+        return Finding("not-testable", lack)
     quoted = paper()["nominal_tension"]
     tolerance = case.analysis.claims.tension_tolerance_n
     condition = MotorCondition(
@@ -36,7 +38,7 @@ def _judge(_: Claim, case: Case) -> Finding:
 
 CLAIM = Claim(
     name="nominal-tension",
-    place=10,
+    place=13,
     statement="Table I and a weight of 1.5 kg give the nominal tensions that are quoted.",
     paper="15.8, 15.1 and 15.0 N for small, medium and large pulleys, n = 9, 85° (Fig. 5).",
     judge=_judge,

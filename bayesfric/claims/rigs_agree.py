@@ -1,12 +1,14 @@
 """The two rigs agree."""
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from bayesfric.analysis import ClaimRules
 from bayesfric.claims.apart import differences
 from bayesfric.claims.base import Case, Claim, Finding, Verdict
 from bayesfric.claims.comparison import share
+from bayesfric.claims.studies import Task
 
 Array = NDArray[np.float64]
 
@@ -25,24 +27,58 @@ def agree(rules: ClaimRules, off: Array) -> Array:
     -------
     ndarray of bool, shape (S,)
     """
-    size = np.abs(off)
-    most = (size <= rules.rig_usual_tolerance).mean(axis=0) > 0.5
-    return np.asarray(most & (size <= rules.rig_tolerance).all(axis=0))
+    all_within = (np.abs(off) <= rules.rig_tolerance).all(axis=0)
+    return np.asarray(np.logical_and(most_within(rules, off), all_within))
+
+
+def most_within(rules: ClaimRules, off: Array) -> Array:
+    """Return whether most conditions lie within the tolerance of most, shape (S,)."""
+    return np.asarray((np.abs(off) <= rules.rig_usual_tolerance).mean(axis=0) > 0.5)
+
+
+def difference_of_conditions(claim: Claim, case: Case) -> Array | Finding:
+    """Return the relative difference of each condition and draw, or why there is none.
+
+    Parameters
+    ----------
+    claim : Claim
+        About two rigs.
+    case : Case
+        Of a recording.
+
+    Returns
+    -------
+    ndarray, shape (C, S), or Finding
+    """
+    if lack := claim.untestable(case.entered):
+        return Finding("not-testable", lack)
+    (task,) = claim.tasks(case.entered)
+    studied = case.studied[task]
+    if not studied.theta:
+        return Finding("undecided", f"The posterior could not be drawn: {studied.why}.")
+    sizes = _conditions(case, task)
+    by_size = differences(studied.theta, tuple(sizes.unique()))
+    return np.array([by_size[size] for size in sizes])
+
+
+def _conditions(case: Case, task: Task) -> "pd.Series[str]":
+    """Return the pulley size of each condition of the second rig."""
+    _, second = case.entered.data[task.data].rigs
+    condition = ["pulley_size", "n_pulleys", "wrap_angle_deg", *second.loads]
+    return second.table.drop_duplicates(condition)["pulley_size"]
 
 
 def _judge(claim: Claim, case: Case) -> Finding:
     """Ask how far the second rig's friction is from the first's, in both their data."""
-    if lack := claim.untestable(case.entered):
-        return Finding("not-testable", lack)
+    off = difference_of_conditions(claim, case)
+    if isinstance(off, Finding):
+        return off
     (task,) = claim.tasks(case.entered)
     studied, rules = case.studied[task], case.analysis.claims
-    if not studied.theta:
-        return Finding("undecided", f"The posterior could not be drawn: {studied.why}.")
     first, second = case.entered.data[task.data].rigs
-    condition = ["pulley_size", "n_pulleys", "wrap_angle_deg", *second.loads]
-    sizes = second.table.drop_duplicates(condition)["pulley_size"]
+    sizes = _conditions(case, task)
     by_size = differences(studied.theta, tuple(sizes.unique()))
-    probability = float(agree(rules, np.array([by_size[size] for size in sizes])).mean())
+    probability = float(agree(rules, off).mean())
     verdict: Verdict = "undecided"
     if probability >= rules.support_probability:
         verdict = "supported"
@@ -76,7 +112,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
 
 CLAIM = Claim(
     name="rigs-agree",
-    place=9,
+    place=12,
     statement="The motor board's friction is what the law of the gravity board gives.",
     paper="Means of the motor board lie within 5 % of eq. (16) mostly, within 10 % at most.",
     judge=_judge,

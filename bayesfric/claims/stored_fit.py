@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.claims.entered import PAPER
 from bayesfric.recording.tables import Recording
-from bayesfric.results import read_json, read_tree
+from bayesfric.results import read_beside, read_json
 from bayesfric.schemas import FitFile
 
 __all__ = ["current_posterior"]
@@ -50,7 +50,7 @@ def current_posterior(
     )
     if not current:
         return {}
-    posterior = read_tree(folder / "draws.nc")["posterior"].to_dataset()
+    posterior = read_beside(summary, folder / "draws.nc")["posterior"].to_dataset()
     draws: dict[str, Array] = {}
     for name, variable in posterior.data_vars.items():
         if "pulley" in variable.dims:

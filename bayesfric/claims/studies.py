@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 from bayesfric.analysis import Analysis, Sampler
 from bayesfric.claims.apart import ApartModel
 from bayesfric.effects import Effect, State
-from bayesfric.fitting.hypothesis import Hypothesis, model_of
+from bayesfric.fitting.hypothesis import Hypothesis, chart_of, model_of
 from bayesfric.fitting.predictive.left_out import leave_setups_out
 from bayesfric.inference.evidence import (
     ELPD,
@@ -28,13 +28,13 @@ from bayesfric.inference.laplace import Laplace, laplace_approximation
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import log_density
 from bayesfric.inference.sampling import sample
-from bayesfric.physics.friction import Coefficients
+from bayesfric.rigs.coefficients import law_of
 from bayesfric.rigs.data import Data
 
 __all__ = ["WIDTHS", "Studied", "Task", "prior_ratios", "slowest_speed", "study_all"]
 
 Array = NDArray[np.float64]
-SHORT_RUN = Sampler(burn=20, steps=60, thin=3)  # run on where that is not enough
+SHORT_RUN = Sampler(burn=20, steps=60, thin=3, extensions=5)  # run on where it is not enough
 WALKERS = 60  # at least: many walkers and few steps are quicker than the other way round
 POINTWISE_DRAWS = 1000
 MIDDLE = {"n_pulleys": 9.0, "wrap_angle_deg": 85.0, "tension_n": 15.0, "speed_m_s": 0.65}
@@ -194,7 +194,14 @@ def _study(
                 size = _size_at_edge(data, drawn, task.hypothesis, effects)
                 return Studied(rough, "", drawn, widths=widths, size=size, laplace=laplace)
         run = _run(laplace)
-        draws = sample(model.log_posterior, laplace, run, int(seed), converged=in_one_place)
+        draws = sample(
+            model.log_posterior,
+            laplace,
+            run,
+            int(seed),
+            converged=in_one_place,
+            chart=chart_of(model),
+        )
         try:
             evidence = bridge_evidence(model.log_posterior, draws.z, int(proposals))
         except SeparatedModes as found:
@@ -227,7 +234,14 @@ def _apart(model: Model, seed: int, proposals: int) -> Studied:
     laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
     rough, z = laplace_draws(model.log_posterior, laplace, proposals)
     if not rough.reliable:
-        draws = sample(model.log_posterior, laplace, _run(laplace), seed, converged=in_one_place)
+        draws = sample(
+            model.log_posterior,
+            laplace,
+            _run(laplace),
+            seed,
+            converged=in_one_place,
+            chart=chart_of(model),
+        )
         if not in_one_place(draws.z):
             return Studied(None, "the draws sit in different places")
         z = draws.z.reshape(-1, draws.z.shape[-1])
@@ -314,8 +328,7 @@ def _size_at_edge(
     place["speed_m_s"] = max(place["speed_m_s"], slowest_speed(data))
     shares = []
     for size in data.sizes:
-        law_of_size = Coefficients(*(theta[f"{c}[{size}]"] for c in Coefficients._fields))
-        state = State.of(law_of_size, **place)
+        state = State.of(law_of(theta, size), **place)
         shares.append(np.abs(effect.laws[law](values, state) / state.friction_n))
     return np.asarray(np.max(shares, axis=0))
 

@@ -1,56 +1,41 @@
 """The command ``bayesfric``: one thin verb a file over the public functions.
 
-Heavy imports stand inside the verbs, so that ``--help`` answers at once.
+Until a verb begins there is nothing to clean up: an interrupt ends the process at once.
 """
 
-from importlib import metadata
-from typing import Annotated
+import os
+import signal
+from types import FrameType
+from typing import TYPE_CHECKING, Any
 
-import typer
-
-from bayesfric.cli.blind import blind
-from bayesfric.cli.claims import claims
-from bayesfric.cli.diagnose import diagnose
-from bayesfric.cli.fit import fit
-from bayesfric.cli.info import info
-from bayesfric.cli.margins import margins
-from bayesfric.cli.report import report
-from bayesfric.cli.run import run
-from bayesfric.cli.simulate import simulate
-from bayesfric.cli.validate import validate
+if TYPE_CHECKING:
+    from bayesfric.cli.verbs import app as app  # for mypy; else by __getattr__
 
 __all__ = ["app", "main"]
 
-app = typer.Typer(
-    name="bayesfric",
-    help="Bayesian uncertainty analysis of cable-pulley friction.",
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    rich_markup_mode=None,
-)
-for verb in (run, validate, simulate, fit, claims, diagnose, blind, margins, report, info):
-    app.command()(verb)
-
-
-def _print_version(wanted: bool) -> None:
-    if wanted:
-        typer.echo(metadata.version("bayesfric"))
-        raise typer.Exit
-
-
-@app.callback()
-def _options(
-    version: Annotated[
-        bool,
-        typer.Option(
-            "--version", callback=_print_version, is_eager=True, help="Print the version."
-        ),
-    ] = False,
-) -> None:
-    pass
+INTERRUPTED = 3
 
 
 def main() -> None:
     """Run the command line; see :mod:`bayesfric.cli.exits` for the exit status."""
-    app()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        if signal.getsignal(number) is not signal.SIG_IGN:  # as for a job in the background
+            signal.signal(number, _end)
+    from bayesfric.cli.exits import unprinted
+    from bayesfric.cli.verbs import app
+
+    with unprinted():
+        app()
+
+
+def _end(number: int, frame: FrameType | None) -> None:
+    os.write(2, b"interrupted\n")
+    os._exit(INTERRUPTED)
+
+
+def __getattr__(name: str) -> Any:
+    if name != "app":
+        raise AttributeError(f"module 'bayesfric.cli' has no attribute {name!r}")
+    from bayesfric.cli.verbs import app
+
+    return app

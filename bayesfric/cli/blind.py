@@ -1,12 +1,15 @@
 """``bayesfric blind``: the diagnosis on recordings whose effect is withheld."""
 
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from bayesfric.cli.exits import exit_status, fail_on, failures_of
+from bayesfric.cli.locks import hold
 from bayesfric.cli.options import Config, FailOn, Folder, Quiet, Workers
+from bayesfric.cli.printing import say
 
 __all__ = ["blind"]
 
@@ -74,16 +77,18 @@ def blind(
         expected = "--from RECORDING and --answer FILE together"
         raise InputError([Fault("command line", expected, column=missing)])
     if recording is not None and answer is not None:
-        scorecard = score_recording(
-            output, read_recording(recording), answer, read_analysis(config, seed=seed)
-        )
+        found, analysis = read_recording(recording), read_analysis(config, seed=seed)
+        with hold(output, "blind"):
+            scorecard = score_recording(output, found, answer, analysis)
         (case,) = scorecard.cases
         right = "correct" if case.correct else "not correct"
         said = ", ".join(case.causes) or "no cause"
-        typer.echo(f"{case.verdict} ({said}): {right}")
+        say(f"{case.verdict} ({said}): {right}")
         fail_on(fail_on_list, failures_of(case.verdict))
         return
-    with progress_bar("blind", quiet=quiet) as progress:
+    # A campaign that is running may be scored so far.
+    held = nullcontext() if so_far else hold(output, "blind")
+    with held, progress_bar("blind", quiet=quiet) as progress:
         scorecard = run_blind(
             output,
             engine=engine,
@@ -96,11 +101,11 @@ def blind(
             so_far=so_far,
             progress=progress,
         )
-    typer.echo(f"{scorecard.accuracy.hits} of {scorecard.accuracy.cases} verdicts are correct")
+    say(f"{scorecard.accuracy.hits} of {scorecard.accuracy.cases} verdicts are correct")
     for target in scorecard.targets:
         if target.rate.rate is not None:
             met = "met" if target.met else "missed"
-            typer.echo(
+            say(
                 f"  {target.name:<42} {target.rate.rate:6.1%} "
                 f"[{target.rate.low:.1%}, {target.rate.high:.1%}] {met}"
             )

@@ -1,12 +1,27 @@
 """``bayesfric claims``: the paper's claims, judged by model comparison."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from bayesfric.cli.exits import exit_status, fail_on
-from bayesfric.cli.options import Baseline, Config, FailOn, Folder, Quiet, Rigs, Seed, Workers
+from bayesfric.cli.locks import hold
+from bayesfric.cli.options import (
+    Baseline,
+    Config,
+    FailOn,
+    Folder,
+    Quiet,
+    Rigs,
+    Seed,
+    Workers,
+    named_rigs,
+)
+from bayesfric.cli.printing import say
+
+if TYPE_CHECKING:
+    from bayesfric.analysis import Analysis
 
 __all__ = ["claims", "claims_into"]
 
@@ -30,56 +45,53 @@ def claims(
 
     Example: bayesfric claims my-board -o my-results --junit claims.xml
     """
-    happened = claims_into(
-        recording,
-        output,
-        junit=junit,
-        rigs=rigs,
-        baseline=baseline,
-        workers=workers,
-        seed=seed,
-        config=config,
-        quiet=quiet,
-        failures=fail_on_list,
-    )
+    from bayesfric.analysis import read_analysis
+
+    fail_on(fail_on_list, set())  # an unknown name is told before the work
+    with hold(output, "claims"):
+        happened = claims_into(
+            recording,
+            output,
+            read_analysis(config, seed=seed),
+            junit=junit,
+            rigs=named_rigs(rigs),
+            baseline=baseline,
+            workers=workers,
+            quiet=quiet,
+        )
     fail_on(fail_on_list, happened)
 
 
 def claims_into(
     recording: Path,
     output: Path,
+    analysis: "Analysis",
     *,
-    junit: Path | None,
-    rigs: str | None,
+    junit: Path | None = None,
+    rigs: list[str] | None,
     baseline: str,
     workers: int,
-    seed: int | None,
-    config: Path | None,
     quiet: bool,
-    failures: str,
 ) -> set[str]:
     """Judge, write and print; return what happened that ``--fail-on`` can name."""
-    from bayesfric.analysis import read_analysis
     from bayesfric.campaign import processes
     from bayesfric.claims import check_claims
     from bayesfric.claims.stored_fit import current_posterior
     from bayesfric.recording import read_recording
 
-    fail_on(failures, set())  # an unknown name is told before the work
-    analysis = read_analysis(config, seed=seed)
     found = read_recording(recording)
     if not quiet:
-        typer.echo("comparing the claims with their rivals", err=True)
+        say("comparing the claims with their rivals", err=True)
     with processes(workers) as executor:
         checked = check_claims(
             found,
             analysis,
             posterior=current_posterior(output, found, analysis, baseline),
             executor=executor,
-            rigs=None if rigs is None else [rig.strip() for rig in rigs.split(",")],
+            rigs=rigs,
             baseline=baseline,
         )
     checked.write(output, junit=junit)
     for one in checked.summary.claims:
-        typer.echo(f"{one.id:<24} {one.verdict:<13} {one.reason}")
+        say(f"{one.id:<24} {one.verdict:<13} {one.reason}")
     return {"refuted"} if checked.refuted else set()

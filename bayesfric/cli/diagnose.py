@@ -1,12 +1,17 @@
 """``bayesfric diagnose``: where the simulation misses, why, and how far that shrinks."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from bayesfric.cli.exits import exit_status, fail_on, failures_of
+from bayesfric.cli.locks import hold
 from bayesfric.cli.options import Baseline, Config, FailOn, Folder, Quiet, Seed
+from bayesfric.cli.printing import say
+
+if TYPE_CHECKING:
+    from bayesfric.analysis import Analysis
 
 __all__ = ["diagnose"]
 
@@ -37,48 +42,45 @@ def diagnose(
 
     Example: bayesfric diagnose my-board -o my-results --fail-on gap
     """
-    happened = diagnose_into(
-        recording,
-        output,
-        baseline=baseline,
-        shipped=shipped,
-        fixed=fixed,
-        effect_modules=effect_module or [],
-        seed=seed,
-        config=config,
-        quiet=quiet,
-        failures=fail_on_list,
-    )
+    from bayesfric.analysis import read_analysis
+
+    fail_on(fail_on_list, set())  # an unknown name is told before the work
+    with hold(output, "diagnose"):
+        happened = diagnose_into(
+            recording,
+            output,
+            read_analysis(config, seed=seed),
+            baseline=baseline,
+            shipped=shipped,
+            fixed=fixed,
+            effect_modules=effect_module,
+            quiet=quiet,
+        )
     fail_on(fail_on_list, happened)
 
 
 def diagnose_into(
     recording: Path,
     output: Path,
+    analysis: "Analysis",
     *,
     baseline: str = "paper",
     shipped: Path | None = None,
     fixed: str = "",
-    effect_modules: list[Path],
-    seed: int | None,
-    config: Path | None,
+    effect_modules: list[Path] | None = None,
     quiet: bool,
-    failures: str,
 ) -> set[str]:
     """Diagnose, write and print; return what happened that ``--fail-on`` can name."""
-    from bayesfric.analysis import read_analysis
     from bayesfric.diagnosis import diagnose as diagnose_recording
     from bayesfric.effects import effect_of_file
     from bayesfric.recording import read_recording
     from bayesfric.results import fitted_coefficients
     from bayesfric.testing import checked
 
-    fail_on(failures, set())  # an unknown name is told before the work
-    analysis = read_analysis(config, seed=seed)
-    effects = [checked(effect_of_file(path), path) for path in effect_modules]
+    effects = [checked(effect_of_file(path), path) for path in effect_modules or []]
     found = read_recording(recording)
     if not quiet:
-        typer.echo("weighing the effects that the baseline leaves out", err=True)
+        say("weighing the effects that the baseline leaves out", err=True)
     diagnosed = diagnose_recording(
         found,
         analysis,
@@ -89,7 +91,7 @@ def diagnose_into(
     )
     diagnosed.write(output)
     summary = diagnosed.summary
-    typer.echo(f"{summary.verdict}: {summary.sentence}")
+    say(f"{summary.verdict}: {summary.sentence}")
     for name, chance in list(summary.probabilities.items())[:5]:
-        typer.echo(f"  {name:<28} {chance:.3f}")
+        say(f"  {name:<28} {chance:.3f}")
     return failures_of(summary.verdict)

@@ -1,23 +1,30 @@
 """Exit statuses, the same for every verb, and what is said on the way out.
 
-0 done; 1 done, and something named in ``--fail-on`` happened; 2 bad input or usage;
-3 interrupted; 70 a fault of our own.
+0 done; 1 done, and something named in ``--fail-on`` happened; 2 bad input or usage, or a
+place that cannot be read or written; 3 interrupted; 70 a fault of our own.
 """
 
+import os
+import signal
+import sys
+import threading
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from functools import wraps
+from types import FrameType
 from typing import ParamSpec
 
 import typer
 
+from bayesfric.cli.printing import say
 from bayesfric.errors import Fault, InputError
 
-__all__ = ["FAILURES", "exit_status", "fail_on", "failures_of"]
+__all__ = ["FAILURES", "exit_status", "fail_on", "failures_of", "unprinted"]
 
 P = ParamSpec("P")
 SHOWN_FAULTS = 50
-FAILURES = ("refuted", "unconverged", "gap", "undecided")
+FAILURES = ("refuted", "unconverged", "gap", "undecided", "changed")
 """What ``--fail-on`` can name."""
 VERDICT_FAILURES = {
     "named": {"gap"},
@@ -34,24 +41,81 @@ def exit_status(verb: Callable[P, None]) -> Callable[P, None]:
     @wraps(verb)
     def guarded(*args: P.args, **kwargs: P.kwargs) -> None:
         try:
-            verb(*args, **kwargs)
+            with _signals_raise():
+                verb(*args, **kwargs)
         except InputError as error:
             for fault in error.faults[:SHOWN_FAULTS]:
-                typer.echo(f"error: {fault}", err=True)
+                say(f"error: {fault}", err=True)
             if len(error.faults) > SHOWN_FAULTS:
-                typer.echo(f"error: and {len(error.faults) - SHOWN_FAULTS} faults more", err=True)
+                say(f"error: and {len(error.faults) - SHOWN_FAULTS:,} faults more", err=True)
             raise typer.Exit(2) from error
         except KeyboardInterrupt as error:
-            typer.echo("interrupted", err=True)
+            say("interrupted", err=True)
             raise typer.Exit(3) from error
         except (typer.Exit, typer.Abort, typer.BadParameter, BrokenPipeError):
             raise
+        except OSError as error:
+            _cannot(error)
+            raise typer.Exit(2) from error
         except Exception as error:
             traceback.print_exc()
-            typer.echo("error: this is a fault of bayesfric itself; please report it", err=True)
+            say("error: this is a fault of bayesfric itself; please report it", err=True)
             raise typer.Exit(70) from error
 
     return guarded
+
+
+@contextmanager
+def unprinted() -> Iterator[None]:
+    """End with status 2 where what is to be printed cannot be, as on a full disk."""
+    try:
+        yield
+    except OSError as error:
+        _cannot(error)
+        sys.exit(2)
+    finally:
+        try:
+            sys.stdout.flush()
+        except OSError:
+            _forget_what_is_unprinted()
+
+
+def _cannot(error: OSError) -> None:
+    place = error.filename if isinstance(error.filename, str) else "standard output"
+    expected = f"a place that can be read and written ({error.strerror or error})"
+    say(f"error: {Fault(place, expected)}", err=True)
+    with suppress(OSError):
+        sys.stdout.flush()
+        return
+    _forget_what_is_unprinted()
+
+
+def _forget_what_is_unprinted() -> None:
+    """Send what is left in the buffer nowhere, or Python would complain on its way out."""
+    standard = sys.__stdout__
+    if standard is not None and sys.stdout is standard:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), standard.fileno())
+
+
+@contextmanager
+def _signals_raise() -> Iterator[None]:
+    """Let both SIGINT and SIGTERM raise KeyboardInterrupt, so that a verb cleans up."""
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    if threading.current_thread() is not threading.main_thread():
+        yield  # only the main thread handles signals
+        return
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    for number, handler in before.items():
+        if handler is not signal.SIG_IGN:
+            signal.signal(number, interrupt)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def fail_on(names: str, happened: set[str]) -> None:
@@ -74,7 +138,7 @@ def fail_on(names: str, happened: set[str]) -> None:
         expected = f"one of {', '.join(FAILURES)}"
         raise InputError([Fault("command line", expected, column="--fail-on", value=name)])
     for name in sorted(wanted & happened):
-        typer.echo(f"failed: {name}", err=True)
+        say(f"failed: {name}", err=True)
         raise typer.Exit(1)
 
 

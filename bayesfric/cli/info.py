@@ -1,8 +1,7 @@
 """``bayesfric info``: versions, linear algebra and threads."""
 
-import typer
-
 from bayesfric.cli.exits import exit_status
+from bayesfric.cli.printing import say
 
 __all__ = ["info"]
 
@@ -19,12 +18,12 @@ def info() -> None:
     from bayesfric.results import package_versions
     from bayesfric.rigs import all_rigs
 
-    typer.echo(f"{'rigs':<14} {', '.join(all_rigs())}")
+    say(f"{'rigs':<14} {', '.join(all_rigs())}")
     for name, version in package_versions().items():
-        typer.echo(f"{name:<14} {version}")
+        say(f"{name:<14} {version}")
     for pool in threadpool_info():
         version = pool.get("version") or "unknown version"
-        typer.echo(
+        say(
             f"{pool['user_api']:<14} {pool['internal_api']} {version}, "
             f"{pool['num_threads']} threads (one while fitting)"
         )

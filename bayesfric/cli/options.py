@@ -5,7 +5,17 @@ from typing import Annotated
 
 import typer
 
-__all__ = ["Baseline", "Config", "FailOn", "Folder", "Quiet", "Rigs", "Seed", "Workers"]
+__all__ = [
+    "Baseline",
+    "Config",
+    "FailOn",
+    "Folder",
+    "Quiet",
+    "Rigs",
+    "Seed",
+    "Workers",
+    "named_rigs",
+]
 
 Folder = Annotated[Path, typer.Option("-o", "--output", help="Folder for the results.")]
 Seed = Annotated[
@@ -24,7 +34,12 @@ Rigs = Annotated[
     ),
 ]
 Baseline = Annotated[
-    str, typer.Option("--baseline", help="Friction law: paper, or recursive (pulley by pulley).")
+    str,
+    typer.Option(
+        "--baseline",
+        help="Friction law: paper (c1 T + c2), recursive (pulley by pulley), proportional (no "
+        "constant) or constant (nothing else).",
+    ),
 ]
 Workers = Annotated[
     int, typer.Option("--workers", min=1, help="Processes; any number gives the same result.")
@@ -34,6 +49,11 @@ FailOn = Annotated[
     str,
     typer.Option(
         "--fail-on",
-        help="Exit with 1 if one of these happened: refuted, unconverged, gap, undecided.",
+        help="Exit with 1 if one of these happened: refuted, unconverged, gap, undecided, changed.",
     ),
 ]
+
+
+def named_rigs(text: str | None) -> list[str] | None:
+    """Return the names in the value of ``--rigs``."""
+    return None if text is None else [name.strip() for name in text.split(",")]

@@ -6,7 +6,9 @@ from typing import Annotated
 import typer
 
 from bayesfric.cli.exits import exit_status
+from bayesfric.cli.locks import hold
 from bayesfric.cli.options import Quiet
+from bayesfric.cli.printing import say
 
 __all__ = ["report"]
 
@@ -20,8 +22,12 @@ def report(
 
     Example: bayesfric report my-results
     """
+    from bayesfric.errors import Fault, InputError
     from bayesfric.report.writing import write_report
 
-    write_report(folder)
+    if not folder.is_dir():
+        raise InputError([Fault(str(folder), "a folder with results of the verbs")])
+    with hold(folder, "report"):
+        write_report(folder)
     if not quiet:
-        typer.echo(f"{folder / 'report.pdf'}", err=True)
+        say(f"{folder / 'report.pdf'}", err=True)

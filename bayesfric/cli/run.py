@@ -1,7 +1,7 @@
 """``bayesfric run``: everything, from a recording to the report."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -9,8 +9,23 @@ from bayesfric.cli.claims import claims_into
 from bayesfric.cli.diagnose import diagnose_into
 from bayesfric.cli.exits import exit_status, fail_on
 from bayesfric.cli.fit import fit_into
+from bayesfric.cli.locks import hold
 from bayesfric.cli.margins import margins_into
-from bayesfric.cli.options import Baseline, Config, FailOn, Folder, Quiet, Rigs, Seed, Workers
+from bayesfric.cli.options import (
+    Baseline,
+    Config,
+    FailOn,
+    Folder,
+    Quiet,
+    Rigs,
+    Seed,
+    Workers,
+    named_rigs,
+)
+from bayesfric.cli.printing import say
+
+if TYPE_CHECKING:
+    from bayesfric.analysis import Analysis
 
 __all__ = ["run"]
 
@@ -36,57 +51,48 @@ def run(
 
     Example: bayesfric run my-board -o my-results --loop elbow.toml
     """
+    from bayesfric.analysis import read_analysis
     from bayesfric.margins import read_loop
-    from bayesfric.report.writing import write_report
     from bayesfric.resources import bundled_recording
 
-    for path in loop or []:  # a fault in one is told before the work
+    fail_on(fail_on_list, set())  # an unknown name is told before the work
+    for path in loop or []:  # a fault in one, likewise
         read_loop(path)
-    source = recording if recording is not None else bundled_recording()
-    happened = fit_into(
-        source,
-        output,
-        rigs=rigs,
-        baseline=baseline,
-        csv=False,
-        seed=seed,
-        config=config,
-        quiet=quiet,
-        failures=fail_on_list,
-    )
-    happened |= claims_into(
-        source,
-        output,
-        junit=None,
-        rigs=rigs,
-        baseline=baseline,
-        workers=workers,
-        seed=seed,
-        config=config,
-        quiet=quiet,
-        failures=fail_on_list,
-    )
-    happened |= diagnose_into(
-        source,
-        output,
-        baseline=baseline,
-        effect_modules=[],
-        seed=seed,
-        config=config,
-        quiet=quiet,
-        failures=fail_on_list,
-    )
-    if loop:
-        margins_into(
-            loop,
-            output / "draws.nc",
+    with hold(output, "run"):
+        happened = run_into(
+            recording if recording is not None else bundled_recording(),
             output,
-            seed=seed,
-            config=config,
+            read_analysis(config, seed=seed),
+            loops=loop or [],
+            rigs=named_rigs(rigs),
+            baseline=baseline,
+            workers=workers,
             quiet=quiet,
-            failures=fail_on_list,
         )
-    write_report(output)
     if not quiet:
-        typer.echo(f"{output / 'report.pdf'}", err=True)
+        say(f"{output / 'report.pdf'}", err=True)
     fail_on(fail_on_list, happened)  # what was asked about has its report by now
+
+
+def run_into(
+    recording: Path,
+    output: Path,
+    analysis: "Analysis",
+    *,
+    loops: list[Path],
+    rigs: list[str] | None,
+    baseline: str,
+    workers: int,
+    quiet: bool,
+) -> set[str]:
+    """Run all verbs and the report; return what happened that ``--fail-on`` can name."""
+    from bayesfric.report.writing import write_report
+
+    common: dict[str, Any] = {"baseline": baseline, "quiet": quiet}
+    happened = fit_into(recording, output, analysis, rigs=rigs, loops=loops, **common)
+    happened |= claims_into(recording, output, analysis, rigs=rigs, workers=workers, **common)
+    happened |= diagnose_into(recording, output, analysis, **common)
+    if loops:
+        margins_into(loops, output / "draws.nc", output, analysis, quiet=quiet)
+    write_report(output)
+    return happened

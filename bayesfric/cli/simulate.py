@@ -9,6 +9,7 @@ import typer
 
 from bayesfric.cli.exits import exit_status, fail_on
 from bayesfric.cli.options import Config, FailOn, Quiet, Seed
+from bayesfric.cli.printing import say
 
 __all__ = ["simulate"]
 
@@ -60,10 +61,10 @@ def simulate(
     write_recording(recording, folder)
     if not quiet:
         for label, text in describe_recording(recording):
-            typer.echo(f"{label}: {text}", err=True)
-        typer.echo(f"written to {folder}", err=True)
+            say(f"{label}: {text}", err=True)
+        say(f"written to {folder}", err=True)
         if stalled := recording.metadata["simulation"]["stalled"]:
-            typer.echo(f"stalled and left out: {', '.join(stalled)}", err=True)
+            say(f"stalled and left out: {', '.join(stalled)}", err=True)
 
 
 def _strengths(given: list[str]) -> dict[str, float]:

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from bayesfric.cli.exits import exit_status
+from bayesfric.cli.printing import say
 
 __all__ = ["validate"]
 
@@ -22,6 +23,6 @@ def validate(
 
     found = read_recording(recording)
     for label, text in describe_recording(found):
-        typer.echo(f"{label:<16} {text}")
+        say(f"{label:<16} {text}")
     for note in found.notes:
-        typer.echo(f"note: {note}", err=True)
+        say(f"note: {note}", err=True)

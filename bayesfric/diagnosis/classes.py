@@ -12,6 +12,7 @@ from bayesfric.effects.candidates import SHAPE_NODES, prior_moments
 from bayesfric.inference.information import Information
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.base import Unsupported
+from bayesfric.rigs.coefficients import coefficient_name
 from bayesfric.rigs.layout import COEFFICIENTS
 
 __all__ = ["AbsorbedEffect", "Classes", "classes_of"]
@@ -83,7 +84,8 @@ def classes_of(model: LinearModel, psi: Array) -> Classes:
     # The coefficients are left free here: what they can take is not the effect's to show.
     # There is no discrepancy either: what is identical is so whatever it takes up.
     free = sd.copy()
-    free[: places[0] if places.size else None] = np.where(_is_coefficient(model), 1e3, 0.0)
+    first = slice(places[0] if places.size else None)
+    free[first] = np.where(_is_coefficient(model) & (sd[first] > 0), 1e3 * sd[first], 0.0)
     after = model.layout.own * len(model.layout.sizes) + len(columns)
     free[after : after + model.layout.shared] = 0.0
     reduced = information.reduced(mean, free, places)
@@ -153,7 +155,7 @@ def _absorbed(
     column = most % model.layout.own
     bias = float(moved[most] * model.scales[column])
     unit = ("1", "N", "1/deg")[column]
-    return AbsorbedEffect(name, f"{Coefficients._fields[column]}[{size}]", bias, unit)
+    return AbsorbedEffect(name, coefficient_name(Coefficients._fields[column], size), bias, unit)
 
 
 def _alias(

@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.analysis import Analysis
 from bayesfric.diagnosis.causes import causes_of, inclusion_of, known_of
 from bayesfric.diagnosis.checked import Checked, noise_checked
 from bayesfric.diagnosis.classes import classes_of
@@ -37,11 +37,13 @@ from bayesfric.effects.candidates import Candidate, candidates_of
 from bayesfric.errors import Fault, InputError
 from bayesfric.paper import table1
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import BASELINES
+from bayesfric.physics.laws import Baseline
 from bayesfric.recording.tables import Recording
-from bayesfric.results import json_bytes, provenance, replace_outputs, write_netcdf
+from bayesfric.results import identified, json_bytes, provenance, replace_outputs, write_netcdf
 from bayesfric.rigs import all_rigs
+from bayesfric.rigs.coefficients import coefficient_name, law_of
 from bayesfric.rigs.data import Data
+from bayesfric.rigs.opening import baseline_of, with_own_priors
 from bayesfric.schemas import Absorbed, Cause, DiagnosisFile, ExaminedEffect, RecordingId
 
 __all__ = ["Diagnosed", "diagnose"]
@@ -87,8 +89,8 @@ class Diagnosed:
             The folder cannot be written.
         """
         writers: dict[str, Callable[[Path], object]] = {
+            "diagnosis.nc": lambda path: write_netcdf(self.curves, path, self.summary.run_id),
             "diagnosis.json": lambda path: path.write_bytes(json_bytes(self.summary)),
-            "diagnosis.nc": lambda path: write_netcdf(self.curves, path),
         }
         replace_outputs(Path(folder), writers)
 
@@ -135,7 +137,7 @@ def diagnose(
     analysis = Analysis() if analysis is None else analysis
     with threadpool_limits(limits=1):
         summary, curves = _diagnose(recording, analysis, fixed, effects, shipped, baseline)
-    return Diagnosed(summary, curves, time.perf_counter() - began)
+    return Diagnosed(identified(summary), curves, time.perf_counter() - began)
 
 
 def _diagnose(
@@ -146,7 +148,8 @@ def _diagnose(
     shipped: Mapping[str, Coefficients] | None,
     baseline: str,
 ) -> tuple[DiagnosisFile, xr.DataTree]:
-    data = _data(recording, baseline)
+    data, law = _data(recording, baseline)
+    asked, analysis = analysis, with_own_priors(analysis, data.rigs)
     practical = analysis.diagnosis.practical_share
     if shipped is None:
         shipped = {
@@ -154,12 +157,12 @@ def _diagnose(
             for size, row in table1().items()
         }
     held = _held(fixed, data, shipped)
-    examined = all_effects() | {effect.name: effect for effect in effects}
+    examined, lacking = _examinable(data, {effect.name: effect for effect in effects})
     examined = with_priors(examined, analysis.priors.effects)
     examined = {name: _widened(one, analysis) for name, one in examined.items()}
-    data, stray, laws, psi = _baseline(data, analysis, held, shipped)
+    data, stray, laws, psi = _baseline(data, analysis, held, shipped, law)
     candidates = [one for effect in examined.values() for one in candidates_of(effect)]
-    first = LinearModel(data, laws, candidates, analysis, held)
+    first = LinearModel(data, laws, candidates, analysis, held | frozenset(law.without))
     first = first.squeezed(psi)
     first_found = _first_look(first, psi)
     model, found = _finals(first, first_found)
@@ -201,9 +204,8 @@ def _diagnose(
     unseparated = unseparated_of(found.classes, together if verdict == "unseparated" else ())
     proposals, no_proposal = next_experiment(model, found, chances)
     attributes = provenance(
-        seed=analysis.seed,
         recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
-        analysis_sha256=analysis_sha256(analysis),
+        analysis=asked,
         created=recording.created,
     )
     prior = analysis.diagnosis.hypotheses
@@ -239,7 +241,7 @@ def _diagnose(
         ),
         where=where,
         gap=gap,
-        effects=_examined(found, first_found, sorted(examined)),
+        effects=_examined(found, first_found, sorted({**examined, **lacking}), lacking),
         next_experiment=proposals,
         next_experiment_why=no_proposal,
     )
@@ -247,16 +249,35 @@ def _diagnose(
     return summary, curves_of(held_out, amplitudes)
 
 
-def _data(recording: Recording, baseline: str) -> Data:
-    if baseline not in BASELINES:
-        raise InputError([Fault("baseline", f"one of {', '.join(BASELINES)}", value=baseline)])
+def _data(recording: Recording, baseline: str) -> tuple[Data, Baseline]:
     opened = [rig.trials(recording) for rig in all_rigs().values()]
-    rigs = tuple(one.under(BASELINES[baseline]).entering() for one in opened if one is not None)
+    there = [one for one in opened if one is not None]
+    law = baseline_of(baseline, there)
+    rigs = tuple(one.under(law).entering() for one in there)
     data = Data(tuple(one for one in rigs if not one.table.empty))
     if not data.rigs:
         names = " or ".join(rig.words.trial for rig in all_rigs().values())
         raise InputError([Fault(recording.name, f"a {names} to diagnose")])
-    return data
+    return data, law
+
+
+def _examinable(data: Data, own: Mapping[str, Effect]) -> tuple[dict[str, Effect], dict[str, str]]:
+    """Return the effects that the rigs can have, in their measures, and why not the others.
+
+    An effect of the user's own is in the user's measures already; one that several rigs
+    share is in those that it was described in.
+    """
+    offered = frozenset().union(*(one.offers for one in data.rigs))
+    examined, lacking = {}, {}
+    for name, effect in sorted({**all_effects(), **own}.items()):
+        if missing := effect.needs - offered:
+            needed = ", ".join(sorted(missing))
+            lacking[name] = f"absent from these data: it needs what no rig here has ({needed})"
+        elif name in own or len(data.rigs) > 1:
+            examined[name] = effect
+        else:
+            examined[name] = data.rigs[0].suited(effect)
+    return examined, lacking
 
 
 def _widened(effect: Effect, analysis: Analysis) -> Effect:
@@ -275,7 +296,11 @@ def _widened(effect: Effect, analysis: Analysis) -> Effect:
 
 
 def _baseline(
-    data: Data, analysis: Analysis, held: frozenset[str], shipped: Mapping[str, Coefficients]
+    data: Data,
+    analysis: Analysis,
+    fixed: frozenset[str],
+    shipped: Mapping[str, Coefficients],
+    law: Baseline,
 ) -> tuple[Data, tuple[str, ...], dict[str, Coefficients], Array]:
     """Fit the law, leave out trials that stray, and fit again.
 
@@ -290,36 +315,38 @@ def _baseline(
     psi : ndarray
         Logarithms of the noise.
     """
-    laws = _rough_laws(data, analysis)
-    for size, law in shipped.items():
+    laws = _rough_laws(data, analysis, law)
+    for size, own in shipped.items():
         if size in laws:
-            fixed = [f in held or f"{f}[{size}]" in held for f in Coefficients._fields]
+            names = set(Coefficients._fields) - set(law.without)
+            kept = [
+                f in names and bool({f, coefficient_name(f, size)} & fixed)
+                for f in Coefficients._fields
+            ]
             laws[size] = Coefficients(
-                *(s if h else r for s, r, h in zip(law, laws[size], fixed, strict=True))
+                *(s if k else r for s, r, k in zip(own, laws[size], kept, strict=True))
             )
     stray: tuple[str, ...] = ()
     psi: Array | None = None
     for last in (False, True):
-        model = LinearModel(data, laws, (), analysis, held)
+        model = LinearModel(data, laws, (), analysis, fixed | frozenset(law.without))
         at = model.climb(model.start if psi is None else psi, Acting())
         psi, laws = at.psi, model.fitted_laws(at)
         if not last:
             stray = tuple(name for one in data.rigs for name in one.linear(laws).strays())
-            kept = (one.select(~one.table["trial"].isin(stray)) for one in data.rigs)
-            data = Data(tuple(one for one in kept if one is not None)) if stray else data
+            left = (one.select(~one.table["trial"].isin(stray)) for one in data.rigs)
+            data = Data(tuple(one for one in left if one is not None)) if stray else data
     assert psi is not None
     return data, stray, laws, psi
 
 
-def _rough_laws(data: Data, analysis: Analysis) -> dict[str, Coefficients]:
-    """Return laws by plain least squares."""
+def _rough_laws(data: Data, analysis: Analysis, law: Baseline) -> dict[str, Coefficients]:
+    """Return laws by plain least squares, without what the law lacks."""
     start: dict[str, float] = {}
     for one in reversed(data.rigs):
-        start |= one.likelihood(analysis).start()
-    return {
-        size: Coefficients(*(start[f"{name}[{size}]"] for name in Coefficients._fields))
-        for size in data.sizes
-    }
+        start |= one.likelihood(analysis, law).start()
+    none = dict.fromkeys(law.without, 0.0)
+    return {size: law_of(start, size)._replace(**none) for size in data.sizes}
 
 
 def _first_look(model: LinearModel, psi: Array) -> Search:
@@ -406,7 +433,7 @@ def _held(
     fixed: Collection[str], data: Data, shipped: Mapping[str, Coefficients]
 ) -> frozenset[str]:
     known = set(Coefficients._fields) | {
-        f"{f}[{size}]" for f in Coefficients._fields for size in data.sizes
+        coefficient_name(f, size) for f in Coefficients._fields for size in data.sizes
     }
     faults = [
         Fault("command line", f"one of {', '.join(sorted(known))}", column="--fixed", value=name)
@@ -425,12 +452,15 @@ def _held(
     return frozenset(fixed)
 
 
-def _examined(found: Search, first: Search, names: list[str]) -> tuple[ExaminedEffect, ...]:
+def _examined(
+    found: Search, first: Search, names: list[str], lacking: Mapping[str, str]
+) -> tuple[ExaminedEffect, ...]:
     absorbed = {one.effect for one in found.classes.absorbed}
     stands = {name: members[0] for members in found.classes.members for name in members}
     listed = []
     for name in names:
-        value, why, bound = None, found.classes.left_out.get(name), False
+        value, bound = None, False
+        why = lacking.get(name) or found.classes.left_out.get(name)
         if name in absorbed:
             why = "it only moves a parameter of the baseline"
         elif name in stands:

@@ -604,7 +604,7 @@ class LinearModel:
             for column, name in enumerate(Coefficients._fields):
                 origin = float(np.asarray(self.laws[size][column]))
                 moved = origin + float(at.mean[start + column]) * self.scales[column]
-                values.append(max(moved, LEAST[name]))
+                values.append(max(moved, LEAST[name]) if self.free[place, column] else origin)
             laws[size] = Coefficients(*values)
         return laws
 
@@ -623,6 +623,11 @@ class LinearModel:
             (self.candidate(law, shape), float(value) * self.amplitude_scale(law))
             for law, shape, value in zip(acting.laws, acting.shapes, values, strict=True)
         ]
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """Which coefficients of each size are not held, (sizes, 3)."""
+        return self._coefficients[1] > 0
 
     @cached_property
     def _coefficients(self) -> tuple[Array, Array]:

@@ -1,6 +1,6 @@
 """Residual forces of all rigs in one table, and what a fit makes of them."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -58,7 +58,7 @@ class Residuals:
     trial, setup, condition, rig : ndarray of int, shape (R,)
         Numbers over all rigs.
     covariates : dict of str to ndarray, shape (R,)
-        Of :data:`AXES`; nan where there is none.
+        Of :data:`AXES` and of the rigs' own; nan where there is none.
     names : tuple of str
         Of the trials.
     rig_names : tuple of str
@@ -164,7 +164,9 @@ def residuals_of(model: LinearModel, psi: Array) -> Residuals:
         Logarithms of the noise.
     """
     noise = model.named(psi)
-    parts = [_of_rig(rig, noise, place) for place, rig in enumerate(model.rigs)]
+    further = dict.fromkeys(axis for rig in model.rigs for axis in rig.rows.trial_axes)
+    axes = AXES | {axis: "" for axis in further if axis not in AXES}
+    parts = [_of_rig(rig, noise, place, axes) for place, rig in enumerate(model.rigs)]
 
     def joined(name: str) -> Array:
         return np.concatenate([part[name] for part in parts])
@@ -177,12 +179,15 @@ def residuals_of(model: LinearModel, psi: Array) -> Residuals:
         return np.concatenate(found)
 
     setup = numbered("setup")
-    covariates = {axis: joined(axis) for axis in AXES if axis != "setup"}
+    covariates = {axis: joined(axis) for axis in axes if axis != "setup"}
     covariates["setup"] = setup.astype(np.float64)
+    # What is held is no part of what a law can take up.
+    columns, size = joined("columns"), joined("size").astype(np.intp)
+    columns[:, :COEFFICIENTS] *= model.free[size]
     return Residuals(
         joined("residual_n"),
-        joined("columns"),
-        joined("size").astype(np.intp),
+        columns,
+        size,
         joined("friction_n"),
         tuple(one for part in parts for one in part["covariance"]),
         tuple(one for part in parts for one in part["wander"]),
@@ -191,14 +196,16 @@ def residuals_of(model: LinearModel, psi: Array) -> Residuals:
         setup,
         numbered("condition"),
         joined("rig").astype(np.intp),
-        {axis: covariates[axis] for axis in AXES},
+        {axis: covariates[axis] for axis in axes},
         tuple(name for rig in model.rigs for name in rig.rows.table["trial"]),
         tuple(rig.rows.name for rig in model.rigs),
         joined("shown").astype(np.bool_),
     )
 
 
-def _of_rig(rig: LinearRig, noise: Mapping[str, float], place: int) -> dict[str, Any]:
+def _of_rig(
+    rig: LinearRig, noise: Mapping[str, float], place: int, axes: Iterable[str]
+) -> dict[str, Any]:
     windows, table = rig.windows(noise), rig.rows.table
     row = windows.row
     keys = ["pulley_size", "n_pulleys", "wrap_angle_deg", *rig.rows.loads]
@@ -207,7 +214,7 @@ def _of_rig(rig: LinearRig, noise: Mapping[str, float], place: int) -> dict[str,
     shown = np.zeros(len(table), dtype=np.bool_)
     if "role" in table:
         shown = (table["role"] == "test").to_numpy(dtype=np.bool_)
-    found = {axis: windows.covariates.get(axis, nowhere) for axis in AXES}
+    found = {axis: windows.covariates.get(axis, nowhere) for axis in axes}
     return found | {
         "residual_n": windows.residual_n,
         "columns": windows.columns,

@@ -7,7 +7,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bayesfric.diagnosis.held_out import Arms, HeldOut, Squares, floor_draws, gap_row
-from bayesfric.diagnosis.residuals import Residuals
+from bayesfric.diagnosis.residuals import AXES, Residuals
 from bayesfric.diagnosis.systematic import SMALLEST, Posterior, interval, left_of, shrink_of
 from bayesfric.schemas import Gap
 
@@ -138,7 +138,11 @@ def curves_of(held_out: HeldOut, amplitudes: Mapping[str, Array]) -> xr.DataTree
                 "residual_n": ("row", held_out.before),
                 "residual_after_n": ("row", held_out.after),
                 "noise_sd_n": ("row", np.sqrt(residuals.variance)),
-                **{name: ("row", residuals.covariates[name]) for name in PLACES},
+                **{
+                    name: ("row", values)
+                    for name, values in residuals.covariates.items()
+                    if name in PLACES or name not in AXES
+                },
             }
         )
     }

@@ -57,8 +57,9 @@ def where_it_lies(
     rng : Generator
         For the bootstrap.
     """
-    designs = {name: design for name in AXES if (design := _design(name, residuals)) is not None}
-    blind = [name for name in AXES if name not in designs]
+    every = tuple(residuals.covariates)
+    designs = {name: design for name in every if (design := _design(name, residuals)) is not None}
+    blind = [name for name in every if name not in designs]
     relative = before / residuals.friction_n
     noise = residuals.variance / residuals.friction_n**2
     spread2 = residuals.spread2
@@ -74,7 +75,7 @@ def where_it_lies(
         axes.append(
             Axis(
                 axis=name,
-                unit=AXES[name],
+                unit=AXES.get(name, ""),
                 blind=False,
                 share=share.get(name),
                 share_why=None if name in share else "there is no gap above the floor",
@@ -98,7 +99,7 @@ def _blind(name: str) -> Axis:
     why = "it did not vary in these data"
     return Axis(
         axis=name,
-        unit=AXES[name],
+        unit=AXES.get(name, ""),
         blind=True,
         share=None,
         share_why=why,

@@ -19,6 +19,7 @@ from bayesfric.effects.base import ActsOn, Effect, EffectParameter, Law, Reading
 from bayesfric.errors import Fault, InputError
 
 __all__ = [
+    "PULLEYS",
     "ActsOn",
     "Effect",
     "EffectParameter",
@@ -29,6 +30,9 @@ __all__ = [
     "effect_of_file",
     "with_priors",
 ]
+
+
+PULLEYS = frozenset({"pulleys"})
 
 
 @cache

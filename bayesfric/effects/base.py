@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -58,9 +59,14 @@ class State(NamedTuple):
         Which physical end carried the drive mass: −0.5 left, 0.5 right, 0 where nobody says.
     trial_in_setup : array_like
         How many trials of the same assembly went before; 0 of the first.
+    wrap_spread_deg : array_like
+        Standard deviation of the pulleys' individual wrap angles [deg]; nan where nobody
+        wrote them down.
     steady : bool
         Whether the cable has run at this speed for long: what passes, as the first
         stretch of travel does, is over, and what goes round averages out.
+    covariates : mapping of str to array_like
+        What else the recording has in a column of its own, by the column's name.
     """
 
     n_pulleys: ArrayLike
@@ -78,7 +84,9 @@ class State(NamedTuple):
     gravity_m_s2: ArrayLike = STANDARD_GRAVITY_M_S2
     drive_end: ArrayLike = 0.0
     trial_in_setup: ArrayLike = 0.0
+    wrap_spread_deg: ArrayLike = np.nan
     steady: bool = False
+    covariates: Mapping[str, ArrayLike] = MappingProxyType({})
 
     @classmethod
     def of(
@@ -212,6 +220,9 @@ class Effect:
         0; or how many components a law returns, stacked on a first axis, each to be
         multiplied by a number N(0, 1) drawn anew for every trial (of an effect on
         readings for each of its sensors): a phase that nobody recorded.
+    needs : frozenset of str
+        What a rig must offer: ``pulleys``, or a covariate, which is a further column of the
+        recording by its name and stands in ``State.covariates``.
     """
 
     name: str
@@ -223,6 +234,7 @@ class Effect:
     edge: Mapping[str, float] = field(default_factory=dict)
     along_path: bool = False
     components: int = 0
+    needs: frozenset[str] = frozenset()
 
     @property
     def parameters(self) -> tuple[EffectParameter, ...]:

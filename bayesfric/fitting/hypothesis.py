@@ -6,10 +6,11 @@ from bayesfric.analysis import Analysis
 from bayesfric.effects import Effect
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.inference.model import Model
+from bayesfric.inference.sampling import Chart
 from bayesfric.physics.laws import BASELINES, RIVAL_LAWS
 from bayesfric.rigs.data import Data
 
-__all__ = ["Hypothesis", "model_of"]
+__all__ = ["Hypothesis", "chart_of", "model_of"]
 
 LAWS = BASELINES | RIVAL_LAWS
 
@@ -60,3 +61,8 @@ def model_of(
     law = LAWS[hypothesis.law]
     active = [ActiveEffect(effects[name], variant) for name, variant in hypothesis.effects]
     return Model([one.likelihood(analysis, law, active) for one in data.rigs])
+
+
+def chart_of(model: Model) -> Chart:
+    """Return the coordinates in which proposals for a model's posterior are fitted."""
+    return Chart(model.linear, model.from_linear, model.linear_log_slope)

@@ -13,9 +13,9 @@ import xarray as xr
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.analysis import Analysis
 from bayesfric.checkpoint import Checkpoint
-from bayesfric.errors import Fault, InputError
+from bayesfric.fitting.hypothesis import chart_of
 from bayesfric.fitting.predictive import predict
 from bayesfric.fitting.predictive.left_out import LeftOut, leave_out
 from bayesfric.fitting.predictive.reported import predictions, uniformities
@@ -24,18 +24,20 @@ from bayesfric.inference.diagnostics import diagnose_all
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import log_density
-from bayesfric.inference.sampling import Chart, Draws, Progress, sample
-from bayesfric.physics.laws import BASELINES, Baseline
+from bayesfric.inference.sampling import Draws, Progress, sample
+from bayesfric.physics.laws import Baseline
 from bayesfric.recording.tables import Recording
 from bayesfric.results import (
     draws_tree,
+    identified,
     json_bytes,
     provenance,
     replace_outputs,
     write_netcdf,
 )
+from bayesfric.rigs.coefficients import sizes_of
 from bayesfric.rigs.data import Data
-from bayesfric.rigs.opening import chosen_rigs, open_rigs
+from bayesfric.rigs.opening import baseline_of, chosen_rigs, open_rigs, with_own_priors
 from bayesfric.schemas import FitFile, RecordingId, TimingsFile
 
 __all__ = ["Fit", "fit"]
@@ -65,7 +67,13 @@ class Fit:
     predictive: xr.DataTree
     seconds: Mapping[str, float]
 
-    def write(self, folder: Path | str, *, csv: bool = False) -> None:
+    def write(
+        self,
+        folder: Path | str,
+        *,
+        csv: bool = False,
+        inputs: Mapping[str, Sequence[str]] | None = None,
+    ) -> None:
         """Write ``fit.json``, ``draws.nc``, ``predictive.nc`` and ``timings.json``.
 
         Parameters
@@ -74,21 +82,24 @@ class Fit:
             Created if it is not there; other files in it are left alone.
         csv : bool
             Also write the posterior as ``draws.csv``.
+        inputs : mapping of str to sequence of str, or None
+            Paths of what the run was made from, for ``timings.json``.
 
         Raises
         ------
         InputError
             The folder cannot be written.
         """
-        timings = TimingsFile(seconds=dict(self.seconds))
+        run_id = self.summary.run_id
+        timings = TimingsFile(seconds=dict(self.seconds), run_id=run_id, inputs=dict(inputs or {}))
         writers: dict[str, Callable[[Path], object]] = {
-            "fit.json": lambda path: path.write_bytes(json_bytes(self.summary)),
-            "draws.nc": lambda path: write_netcdf(self.draws, path),
-            "predictive.nc": lambda path: write_netcdf(self.predictive, path),
+            "draws.nc": lambda path: write_netcdf(self.draws, path, run_id),
+            "predictive.nc": lambda path: write_netcdf(self.predictive, path, run_id),
             "timings.json": lambda path: path.write_bytes(json_bytes(timings)),
         }
         if csv:
             writers["draws.csv"] = lambda path: _write_csv(self.draws, path)
+        writers["fit.json"] = lambda path: path.write_bytes(json_bytes(self.summary))
         replace_outputs(Path(folder), writers)
 
 
@@ -133,19 +144,16 @@ def fit(
     """
     analysis = Analysis() if analysis is None else analysis
     chosen = chosen_rigs(recording, rigs)
-    if baseline not in BASELINES:
-        raise InputError([Fault("baseline", f"one of {', '.join(BASELINES)}", value=baseline)])
-    law = BASELINES[baseline]
     attributes = provenance(
-        seed=analysis.seed,
         recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
-        analysis_sha256=analysis_sha256(analysis),
+        analysis=analysis,
         created=recording.created,
     )
     seconds: dict[str, float] = {}
     with threadpool_limits(limits=1):  # one BLAS thread: the same bytes, and faster
         with _timed(seconds, "reduce"):
             data = Data(open_rigs(recording, chosen))
+            law, analysis = baseline_of(baseline, data.rigs), with_own_priors(analysis, data.rigs)
             model = _model(data, analysis, law)
         key = ",".join([*chosen, baseline]) + attributes.model_dump_json()
         draws = _draw(model, analysis, Checkpoint(checkpoint, key), progress, seconds)
@@ -157,6 +165,17 @@ def fit(
                 folder = None if checkpoint is None else checkpoint / "without-exclusions"
                 without = summarise_without_exclusions(
                     _under_rules(whole),
+                    again,
+                    _draw(again, analysis, Checkpoint(folder, key), progress, {}),
+                )
+        with _timed(seconds, "without_stalls"):
+            moved, why_moved = _all_that_moved(data)
+            without_stalls = None
+            if moved is not None:
+                again = _model(moved, analysis, law)
+                folder = None if checkpoint is None else checkpoint / "without-stalls"
+                without_stalls = summarise_without_exclusions(
+                    _under_rules(moved),
                     again,
                     _draw(again, analysis, Checkpoint(folder, key), progress, {}),
                 )
@@ -175,16 +194,19 @@ def fit(
                 "baseline": baseline,
                 "without_exclusions": without,
                 "without_exclusions_why": why,
+                "without_stalls": without_stalls,
+                "without_stalls_why": why_moved,
                 "prediction": predictions(left_out),
                 "uniformity": uniformities(left_out),
             }
             summary = summarise(
                 attributes.model_dump() | fields, recording, data, model, draws, theta
             )
-            tree = _draws_tree(model, chosen, theta, left_out, attributes.model_dump(mode="json"))
+            named = attributes.model_dump(mode="json", exclude={"analysis", "run_id"})
+            tree = _draws_tree(model, chosen, theta, left_out, named)
         with _timed(seconds, "predictive"):
             predictive = predict(data, model, theta, left_out, analysis, law)
-    return Fit(summary, tree, predictive, seconds)
+    return Fit(identified(summary), tree, predictive, seconds)
 
 
 def _model(data: Data, analysis: Analysis, law: Baseline) -> Model:
@@ -210,7 +232,7 @@ def _draw(
             progress,
             checkpoint,
             converged=lambda z: all(f.converged for f in diagnose_all(model.natural(z))),
-            chart=Chart(model.linear, model.from_linear, model.linear_log_slope),
+            chart=chart_of(model),
         )
 
 
@@ -225,6 +247,15 @@ def _all_that_can_enter(recording: Recording, data: Data) -> tuple[Data | None, 
     if _under_rules(whole) == _under_rules(data):
         return None, "no trial that was left out has a motion that can be computed"
     return whole, None
+
+
+def _all_that_moved(data: Data) -> tuple[Data | None, str | None]:
+    """Return the trials that moved all the way, or why there are no others."""
+    moved = [trials.moved() for trials in data.rigs]
+    if not any(moved):
+        return None, "all trials that enter moved all the way, or none did"
+    kept = zip(moved, data.rigs, strict=True)
+    return Data(tuple(one if one is not None else whole for one, whole in kept)), None
 
 
 def _under_rules(data: Data) -> int:
@@ -277,7 +308,7 @@ def _draws_tree(
             "log_prior": _variables(model, prior_terms),
         },
         dims={name: ["pulley"] for name, values in posterior.items() if values.ndim == 3},
-        coords={"pulley": _sizes(model)},
+        coords={"pulley": _sizes(model)} if _sizes(model) else {},
         ensemble=np.repeat(np.arange(ensembles), walkers),
         attributes=_flat(attributes),
     )
@@ -309,7 +340,7 @@ def _variables(model: Model, values: Array) -> dict[str, Array]:
     for name, column in columns.items():
         stem = name.partition("[")[0]
         everywhere = [f"{stem}[{size}]" for size in sizes]
-        if set(everywhere) <= set(columns):
+        if sizes and set(everywhere) <= set(columns):
             variables[stem] = np.stack([columns[of_size] for of_size in everywhere], axis=-1)
         else:
             variables[name] = column
@@ -318,7 +349,7 @@ def _variables(model: Model, values: Array) -> dict[str, Array]:
 
 def _sizes(model: Model) -> list[str]:
     """Return the pulley sizes of all rigs."""
-    return [name[3:-1] for name in model.names if name.startswith("c1[")]
+    return list(sizes_of(model.names))
 
 
 def _flat(attributes: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:

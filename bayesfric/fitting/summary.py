@@ -1,7 +1,7 @@
 """Draws become the numbers of ``fit.json``: intervals, diagnostics, data quality."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from bayesfric.inference.priors import LOG_2PI, Kind, Parameter, describe, prior
 from bayesfric.inference.sampling import Draws
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs import all_rigs
+from bayesfric.rigs.coefficients import sizes_of
 from bayesfric.rigs.data import Data
 from bayesfric.schemas import (
     DataQuality,
@@ -28,6 +29,7 @@ __all__ = ["summarise", "summarise_without_exclusions"]
 
 Array = NDArray[np.float64]
 COEFFICIENTS = ("c1", "c2", "c3")
+Summary = TypeVar("Summary", bound=Interval)
 NOT_UNIFORM = 0.01  # p below which a reader must know; one sound recording in a hundred has it
 
 
@@ -67,7 +69,6 @@ def summarise(
     }
     for name, moved in _sensitivity(model, draws, theta).items():
         entries[name] = entries[name].model_copy(update=moved)
-    sizes = [name[3:-1] for name in entries if name.startswith("c1[")]
     ensembles, kept, walkers, _ = theta.shape
     quality = _quality(recording, data)
     converged = all(figures.converged for figures in convergence.values())
@@ -78,10 +79,15 @@ def summarise(
             *_attention(convergence, entries, quality),
             *_not_uniform(attributes["uniformity"]),
         ),
-        pulleys={size: {c: entries[f"{c}[{size}]"] for c in COEFFICIENTS} for size in sizes},
+        pulleys=_by_pulley(entries),
         scatter=_of_kind(model, entries, "scatter"),
         noise=_of_kind(model, entries, "noise"),
-        parameters=_of_kind(model, entries, "other"),
+        parameters={
+            name: entry
+            for name, entry in _of_kind(model, entries, "coefficient").items()
+            if "[" not in name
+        }
+        | _of_kind(model, entries, "other"),
         paper_estimator={
             size: found for one in data.rigs for size, found in one.paper_estimates().items()
         },
@@ -116,15 +122,25 @@ def summarise_without_exclusions(trials: int, model: Model, draws: Draws) -> Wit
     """
     theta = model.natural(draws.z)
     places = {name: place for place, name in enumerate(model.names)}
-    sizes = [name[3:-1] for name in places if name.startswith("c1[")]
     return WithoutExclusions(
         trials_used=trials,
         converged=all(figures.converged for figures in diagnose_all(theta)),
-        pulleys={
-            size: {c: _interval(theta[..., places[f"{c}[{size}]"]]) for c in COEFFICIENTS}
-            for size in sizes
-        },
+        pulleys=_by_pulley(
+            {
+                name: _interval(theta[..., place])
+                for name, place in places.items()
+                if name.partition("[")[0] in COEFFICIENTS
+            }
+        ),
     )
+
+
+def _by_pulley(entries: Mapping[str, Summary]) -> dict[str, dict[str, Summary]]:
+    """Return what is known of the coefficients that the law has, by pulley size."""
+    return {
+        size: {c: entries[f"{c}[{size}]"] for c in COEFFICIENTS if f"{c}[{size}]" in entries}
+        for size in sizes_of(entries)
+    }
 
 
 def _of_kind(

@@ -149,6 +149,32 @@ class GroupedNormal:
         score, precision = self._given_the_rest()
         return np.asarray(ndtr(sign * (score / np.sqrt(precision))))
 
+    def numbers(self) -> tuple[Array, Array]:
+        """Return what the measurements say of each group's own numbers, without a shared curve.
+
+        Returns
+        -------
+        mean, covariance : ndarray, shape (W, G, R) and (W, G, R, R)
+            Of numbers that are N(0, 1) beforehand.
+        """
+        return self._numbers(self.groups.total(self._shown()))
+
+    def numbers_without_each(self) -> tuple[Array, Array]:
+        """Do as :meth:`numbers` of each measurement's group without it, (W, M, …)."""
+        own = self._shown()
+        return self._numbers(self.groups.total(own)[..., self.groups.of_each] - own)
+
+    def _shown(self) -> Array:
+        """Return each measurement's quadratic form in its group's numbers and the residual."""
+        return gram([*self.moved, self.residual], 1 / self.variance, np.asarray)
+
+    def _numbers(self, form: Array) -> tuple[Array, Array]:
+        rank = len(self.moved)
+        whole = matrices(form)
+        covariance = np.linalg.inv(np.eye(rank) + whole[..., :rank, :rank])
+        mean = (covariance @ whole[..., :rank, rank:])[..., 0]
+        return np.asarray(mean), np.asarray(covariance)
+
     def drawn(self, rng: np.random.Generator) -> "GroupedNormal":
         """Return the same normal with residuals drawn from it.
 

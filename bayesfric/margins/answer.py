@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 from bayesfric.margins.describing import necessary_gain
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.metrics import standard_error
+from bayesfric.margins.scanning import REST, Condition
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
 from bayesfric.schemas import GammaProbability
 
-__all__ = ["SafeGain", "largest_safe_gain", "limit_cycle_curve", "which_gain"]
+__all__ = ["SafeGain", "largest_safe_gain", "limit_cycle_curve", "share_of", "which_gain"]
 
 Array = NDArray[np.float64]
 
@@ -32,17 +33,18 @@ class SafeGain:
         Its Monte Carlo standard error.
     why : str or None
         Why there is none.
+    condition : Condition or None
+        In which the draws hunt that decide; None where none does.
     """
 
     gamma: float | None
     se: float | None
     why: str | None
+    condition: Condition | None = None
 
 
 def limit_cycle_curve(hunting: Hunting, effective_draws: float) -> tuple[GammaProbability, ...]:
-    """Return P(limit cycle) over γ from 0 to :data:`GAMMA_MAX`; empty where none can be."""
-    if hunting.method == "none":
-        return ()
+    """Return P(limit cycle) over γ from 0 to :data:`GAMMA_MAX`."""
     draws = min(effective_draws, float(hunting.threshold.size))
     curve = []
     for gamma in np.arange(0.0, GAMMA_MAX + STEP / 2, STEP):
@@ -64,8 +66,6 @@ def largest_safe_gain(hunting: Hunting, allowed: float, effective_draws: float) 
     effective_draws : float
         Independent draws behind them.
     """
-    if hunting.method == "none":
-        return SafeGain(None, None, hunting.note)
     ordered = np.sort(hunting.threshold)
     resolution = TOLERANCE if hunting.method == "simulation" else 1e-9
     count = ordered.size
@@ -76,41 +76,100 @@ def largest_safe_gain(hunting: Hunting, allowed: float, effective_draws: float) 
         most = float(ordered[place]) if place < count else np.inf
         return min(most - resolution, GAMMA_MAX)
 
+    first = hunting.condition[np.argsort(hunting.threshold, kind="stable")]
+    deciding = first[: int(allowed * count) + 1]
+    deciding = deciding[deciding >= 0]
+    condition = None
+    if deciding.size:
+        condition = hunting.conditions[int(np.bincount(deciding).argmax())]
     if at(allowed) <= 0.0:
         share = float((ordered <= 0).mean())
-        return SafeGain(
-            None, None, f"{share:.1%} of the draws hunt without any compensation, after the kick"
-        )
+        why = f"{share:.1%} of the draws hunt without any compensation, after the kick"
+        return SafeGain(None, None, why, condition)
     error = standard_error(allowed, min(effective_draws, float(count)))
     low, high = at(max(allowed - error, 0.0)), at(min(allowed + error, 1.0))
-    return SafeGain(at(allowed), (high - low) / 2, None)
+    return SafeGain(at(allowed), (high - low) / 2, None, condition)
 
 
 def which_gain(shaft: LoopAtShaft, hunting: Hunting, safe: SafeGain, allowed: float) -> str:
-    """Return which compensation gain to set, in a sentence."""
+    """Return which compensation gain to set, in sentences."""
     needed = necessary_gain(shaft)
-    middle = float(np.median(needed))
     signal = shaft.loop.compensation.signal
-    if signal == "none":
-        return "There is no gain to set: the loop has no friction compensation."
-    if signal == "reference":
-        low = float(np.quantile(needed, allowed))
-        return (
-            f"No γ makes this loop hunt, since its compensator follows the reference; above "
-            f"γ = {low:.2f} it over-compensates with a probability of more than {allowed:.0%}, "
-            "which biases and no more."
-        )
-    if safe.gamma is None:
-        return f"No γ is safe: {safe.why}."
     how = {"formula": "by formula", "simulation": "simulated"}[hunting.method]
+    where = _range(hunting, shaft)
+    decided = "" if safe.condition is None else f"; {_worded(safe.condition, shaft)} decides"
+    missing = f" Not examined: {'; '.join(hunting.not_examined)}."
+    if signal == "none":
+        now = f"It hunts in {share_of(hunting.now)} of the draws, {where} ({how})"
+        none = "There is no gain to set: the loop has no friction compensation."
+        return f"{none} {now}{decided}.{missing}"
+    if safe.gamma is None:
+        return f"No γ is safe: {safe.why}, {where} ({how}){decided}.{missing}"
     if safe.gamma >= GAMMA_MAX:
+        if signal == "reference":
+            over = float(np.quantile(needed, allowed))
+            beyond = (f"above γ = {over:.2f} it over-compensates with a probability of more than "
+                      f"{allowed:.0%}, which biases")  # fmt: skip
+        else:
+            beyond = f"above γ = {float(np.median(needed)):.2f} (median) it over-compensates"
+        hunting_share = share_of(hunting.threshold <= GAMMA_MAX)
         return (
-            f"No γ up to {GAMMA_MAX:g} makes this loop hunt with a probability of more than "
-            f"{allowed:.0%} ({how}); above γ = {middle:.2f} (median) it over-compensates."
+            f"Up to γ = {GAMMA_MAX:g} the loop hunts in {hunting_share} of the draws, {where} "
+            f"({how}); {beyond}.{missing}"
         )
-    now = float((hunting.threshold <= shaft.gamma[hunting.rows]).mean())
     return (
-        f"Set γ to {np.floor(100 * safe.gamma) / 100:.2f} at most: up to there the loop hunts with "
-        f"a probability of {allowed:.0%} or less ({how}); at the γ = {np.median(shaft.gamma):.3g} "
-        f"of the file that probability is {now:.2g}."
+        f"Set γ to {np.floor(100 * safe.gamma) / 100:.2f} at most (Monte Carlo error "
+        f"{safe.se:.2f}): up to there the loop hunts with a probability of {allowed:.0%} or less, "
+        f"{where} ({how}){decided}. {_now(shaft, hunting)}{missing}"
     )
+
+
+def _now(shaft: LoopAtShaft, hunting: Hunting) -> str:
+    """Return how probable hunting is at the γ of the file, and where most."""
+    gamma = f"{np.median(shaft.gamma):.3g}"
+    if not hunting.now.any():
+        return f"At the γ = {gamma} of the file it hunts in {share_of(hunting.now)} of the draws."
+    by_speed = hunting.hunts.mean(axis=1)
+    worst = hunting.speeds[int(by_speed.argmax())]
+    return (
+        f"At the γ = {gamma} of the file it hunts in {share_of(hunting.now)} of the draws at some "
+        f"speed, in {share_of(hunting.hunts[int(by_speed.argmax())])} with "
+        f"{_worded(worst, shaft)}."
+    )
+
+
+def share_of(happened: NDArray[np.bool_]) -> str:
+    """Return a share of draws in words: none of them is a bound at 95 %, as all of them is."""
+    count, hits = happened.size, int(happened.sum())
+    bound = 100 * (1 - 0.05 ** (1 / count))
+    if hits == 0:
+        return f"0 of {count} (< {bound:.2g} % at 95 %)"
+    if hits == count:
+        return f"{count} of {count} (> {100 - bound:.3g} % at 95 %)"
+    error = standard_error(hits / count, count)
+    return f"{100 * hits / count:.3g} % (± {100 * error:.1g} %)"
+
+
+def _range(hunting: Hunting, shaft: LoopAtShaft) -> str:
+    if hunting.speeds == (REST,):
+        return "with the reference at rest"
+    fastest = hunting.speeds[-1].speed_of(shaft)
+    slowest = hunting.speeds[1].speed_of(shaft)
+    return (
+        f"with references at rest and from {np.median(slowest):.2g} to {np.median(fastest):.3g} "
+        f"rad/s of the motor ({_at_tip(slowest, shaft)} to {_at_tip(fastest, shaft)} at the tip)"
+    )
+
+
+def _worded(condition: Condition, shaft: LoopAtShaft) -> str:
+    """Return a condition in words."""
+    speed, kick = condition.speed_of(shaft), condition.kick_of(shaft)
+    at = "a reference at rest"
+    if speed.any():
+        at = f"a reference of {np.median(speed):.2g} rad/s ({_at_tip(speed, shaft)} at the tip)"
+    after = f"after a kick of {np.median(kick):.2g} rad" if kick.any() else "without a kick"
+    return f"{at} {after}"
+
+
+def _at_tip(speed: Array, shaft: LoopAtShaft) -> str:
+    return f"{1e3 * float(np.median(speed * shaft.tip_per_rad)):.2g} mm/s"

@@ -22,8 +22,8 @@ from bayesfric.inference.priors import from_normal
 from bayesfric.margins.loop_file import Loop
 from bayesfric.margins.quantities import central, is_uncertain
 from bayesfric.physics.friction import Coefficients
-from bayesfric.results import read_json, read_tree
-from bayesfric.schemas import ClaimsFile, RecordingId
+from bayesfric.results import read_json, read_tree, refuse_mixed
+from bayesfric.schemas import ClaimsFile, FitFile, RecordingId
 
 __all__ = [
     "Assembly",
@@ -161,6 +161,9 @@ def read_posterior(path: Path) -> Posterior:
         The file is missing, is not netCDF, or has no draws of c1, c2 and c3.
     """
     tree = read_tree(path)
+    fit = path.with_name("fit.json")
+    if fit.is_file():
+        refuse_mixed(read_json(FitFile, fit), fit)
     fault = Fault(path.name, "draws of a fit: c1, c2, c3 over chain, draw and pulley, and omega")
     if "posterior" not in tree.children:
         raise InputError([fault])

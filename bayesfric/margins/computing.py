@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.analysis import Analysis
 from bayesfric.errors import Fault, InputError
 from bayesfric.margins.answer import largest_safe_gain, limit_cycle_curve, which_gain
 from bayesfric.margins.assembly import (
@@ -24,12 +24,12 @@ from bayesfric.margins.loop_at_shaft import LoopAtShaft, at_shaft
 from bayesfric.margins.loop_file import Loop, loop_sha256, read_loop
 from bayesfric.margins.metrics import Key, closed_forms, linear_of, metric_rows
 from bayesfric.margins.nyquist import nyquist_fans
-from bayesfric.margins.thresholds import find_hunting
+from bayesfric.margins.thresholds import Hunting, find_hunting
 from bayesfric.margins.variance import variance_shares
 from bayesfric.margins.verification import verify as verify_draws
 from bayesfric.margins.warnings import loop_warnings
-from bayesfric.results import json_bytes, provenance, read_json, replace_outputs
-from bayesfric.schemas import DiagnosisFile, LoopMargins, MarginsFile, WithEffects
+from bayesfric.results import identified, json_bytes, provenance, read_json, replace_outputs
+from bayesfric.schemas import DiagnosisFile, HuntingMap, LoopMargins, MarginsFile, WithEffects
 
 __all__ = ["Margins", "compute_margins"]
 
@@ -129,22 +129,20 @@ def compute_margins(
         )
     progress(len(read), len(read))
     common = provenance(
-        seed=analysis.seed,
         recording=posterior.recording,
-        analysis_sha256=analysis_sha256(analysis),
+        analysis=analysis,
         created=posterior.created,
     )
-    return Margins(
-        MarginsFile(
-            **common.model_dump(),
-            draws=posterior.count,
-            effective_draws=posterior.effective_draws,
-            draws_analysis_sha256=posterior.analysis_sha256,
-            rig_discrepancy=discrepancy.sd,
-            rig_discrepancy_source=discrepancy.source,
-            loops=tuple(found),
-        )
+    summary = MarginsFile(
+        **common.model_dump(),
+        draws=posterior.count,
+        effective_draws=posterior.effective_draws,
+        draws_analysis_sha256=posterior.analysis_sha256,
+        rig_discrepancy=discrepancy.sd,
+        rig_discrepancy_source=discrepancy.source,
+        loops=tuple(found),
     )
+    return Margins(identified(summary))
 
 
 def _read_all(loops: Sequence[Path | str | Loop]) -> list[Loop]:
@@ -199,7 +197,8 @@ def _one_loop(
     shaft = at_shaft(loop, given)
     linear = linear_of(shaft)
     values = closed_forms(shaft, linear)
-    hunting = find_hunting(shaft, simulated)
+    allowed = loop.spec.limit_cycle_probability_max
+    hunting = find_hunting(shaft, simulated, allowed)
     estimate = float(shaft.estimate.mean())
     some = np.arange(min(SHARED, given.draws))
     other = draw_assembly(loop, posterior, discrepancy, seed, stream=1)
@@ -208,7 +207,6 @@ def _one_loop(
         one = at_shaft(loop, assembly, estimate=estimate)
         return closed_forms(one, linear_of(one))
 
-    allowed = loop.spec.limit_cycle_probability_max
     draws = posterior.effective_draws
     safe = largest_safe_gain(hunting, allowed, draws)
     return LoopMargins(
@@ -220,12 +218,17 @@ def _one_loop(
         compensation_gain=float(np.median(shaft.gamma)),
         metrics=metric_rows(shaft, values, linear, hunting, draws),
         limit_cycle_probability=limit_cycle_curve(hunting, draws),
-        limit_cycle_probability_why=hunting.note if hunting.method == "none" else None,
+        limit_cycle_probability_why=None,
         limit_cycle_probability_max=allowed,
         limit_cycle_method=hunting.method,
         largest_safe_compensation_gain=safe.gamma,
         largest_safe_compensation_gain_why=safe.why,
         largest_safe_compensation_gain_se=safe.se,
+        hunting_map=_map(hunting, shaft),
+        hunting_map_why="the file's reference rests, and a formula holds"
+        if not hunting.map
+        else None,
+        not_examined=hunting.not_examined,
         variance_share=variance_shares(evaluate, given.taken(some), other.taken(some)),
         verification=verify_draws(shaft, verify) if verify else None,
         verification_why=None if verify else "it was not asked for (--verify N)",
@@ -236,6 +239,26 @@ def _one_loop(
         nyquist=nyquist_fans(shaft),
         warnings=loop_warnings(shaft, given, linear, discrepancy),
     )
+
+
+def _map(hunting: Hunting, shaft: LoopAtShaft) -> HuntingMap | None:
+    chart = hunting.map
+    if chart is None:
+        return None
+    speeds = [one.speed_of(shaft) for one in chart.speeds]
+    tip = float(np.median(shaft.tip_per_rad))
+    return HuntingMap(
+        draws=chart.hunts.shape[2],
+        gamma=chart.gammas,
+        speed_rad_s=tuple(float(np.median(one)) for one in speeds),
+        speed_tip_m_s=tuple(float(np.median(one * shaft.tip_per_rad)) for one in speeds),
+        probability=_rows(chart.hunts.mean(axis=2)),
+        rms_error_m=_rows(tip * np.median(chart.rms_error, axis=2)),
+    )
+
+
+def _rows(table: Array) -> tuple[tuple[float, ...], ...]:
+    return tuple(tuple(float(value) for value in row) for row in table)
 
 
 def _why_without(carried: Carried | None) -> str | None:
@@ -257,8 +280,8 @@ def _with_effects(
 ) -> WithEffects:
     after = with_effects(shaft, given, carried.causes, seed)
     linear = linear_of(after)
-    hunting = find_hunting(after, simulated)
     allowed = shaft.loop.spec.limit_cycle_probability_max
+    hunting = find_hunting(after, simulated, allowed)
     safe = largest_safe_gain(hunting, allowed, effective_draws)
     return WithEffects(
         effects=tuple(cause.effect for cause in carried.causes),

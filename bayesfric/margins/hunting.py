@@ -14,28 +14,68 @@ moves so slowly that most samples read no motion, shafts slip and stick at γ be
 Only the simulation knows these.
 """
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bayesfric.margins.sampled_loop import SampledLoop, simulate
+from bayesfric.margins.sampled_loop import SampledLoop
+from bayesfric.margins.simulating import simulate
 
-__all__ = ["hunting_threshold", "settling_duration"]
+__all__ = [
+    "EVERY_TENTH",
+    "LONGEST_S",
+    "RunLength",
+    "Thresholds",
+    "hunting_threshold",
+    "run_length",
+]
 
 Floats = NDArray[np.float64]
 
-SHORTEST_S, LONGEST_S = 0.5, 5.0
-TRIED_AT_ONCE = 8
+SHORTEST_S, LONGEST_S = 0.5, 60.0
+TRIED_AT_ONCE = 4
+EVERY_TENTH = tuple(round(0.1 * step, 1) for step in range(31))
+"""From 0 to 3."""
+MOST_SETTLING_S = 5.0
+"""A linear loop that takes longer to settle than this is judged by whether its swing shrinks."""
+SLIPS = 12.0
+"""Stuck bands that a reference passes in a run: six slips of the longest kind."""
+CYCLES = 6.0
+"""Slow cycles of integral action in a run."""
+LEAST_EXCESS = 0.02
+"""Breakaway over moving friction, as a share of it, below which a slow cycle is not waited for."""
 
 
-def settling_duration(loop: SampledLoop, reference_speed: ArrayLike = 0.0) -> float:
-    """Return a length of run after which a loop has settled or hunts.
+class RunLength(NamedTuple):
+    """How long draws are to run, each of shape (draws,) [s].
 
-    Whichever is longest for the slowest draw: eight time constants 2J/|b_eff| of the linear
-    loop, with b_eff = kd + b − kp (delay + T/2); ten of its periods; five times that the
-    reference takes for 2F/kp, in which it drags a shaft off that sticks. Between 0.5 and 5 s.
-    The slow hunting of integral action may take longer.
+    Parameters
+    ----------
+    duration : ndarray
+        Of the run, 60 s at most.
+    settling : ndarray
+        After which a shaft that moves all the time has settled, or swings.
+    wanted : ndarray
+        What the run should last; where it is longer, a slow cycle may be missed.
+    """
+
+    duration: Floats
+    settling: Floats
+    wanted: Floats
+
+
+def run_length(loop: SampledLoop, reference_speed: ArrayLike = 0.0) -> RunLength:
+    """Return how long each draw is to run until it has settled or hunts.
+
+    Whichever is longest: eight time constants 2J/|b_eff| of the linear loop, with
+    b_eff = kd + b − kp (delay + T/2); ten of its periods; twelve times that the reference takes
+    for F/kp, in which it drags a shaft off that sticks; with integral action eight times kp/ki
+    and six slow cycles. In such a cycle the shaft stands off by what breakaway has over moving
+    friction, δ/kp, and waits until the integral has gone from one side to the other, so that
+    it lasts 4 (kp/ki) Fs/δ.
 
     Parameters
     ----------
@@ -46,21 +86,53 @@ def settling_duration(loop: SampledLoop, reference_speed: ArrayLike = 0.0) -> fl
 
     Returns
     -------
-    float
-        Duration [s].
+    RunLength
+        Durations from 0.5 s on.
     """
     tiny = np.finfo(np.float64).tiny
     inertia, kp = loop.array("inertia"), np.maximum(np.abs(loop.array("kp")), tiny)
     speed = np.abs(loop.per_draw("reference_speed", reference_speed))
+    friction, ki = loop.array("friction"), np.abs(loop.array("ki"))
     lag = loop.array("delay") + loop.array("sample_time") / 2.0
     damping = np.abs(loop.array("kd") + loop.array("viscous") - kp * lag)
+    breakaway = friction * loop.array("stiction_ratio")
+    excess = breakaway - friction
+    if loop.compensation_signal == "measured" and loop.at_rest == "off":
+        # a compensator that is off at rest leaves more friction there
+        excess = excess + loop.array("compensation_gain") * loop.array("compensation_estimate")
+    sticks = excess > LEAST_EXCESS * friction
     with np.errstate(over="ignore"):  # what takes for ever is cut to the longest
         settled = 16.0 * inertia / np.maximum(damping, tiny)
         periods = 20.0 * np.pi * np.sqrt(inertia / kp)
-        dragged = 10.0 * loop.array("friction") / kp / np.maximum(speed, tiny)
-    dragged = np.where(speed > 0.0, dragged, 0.0)
-    longest = np.max([settled, periods, dragged])
-    return float(np.clip(longest, SHORTEST_S, LONGEST_S))
+        dragged = np.where(speed > 0.0, SLIPS * friction / kp / np.maximum(speed, tiny), 0.0)
+        reset = kp / np.maximum(ki, tiny)
+        slow = (
+            CYCLES
+            * 4.0
+            * reset
+            * np.divide(breakaway, excess, out=np.zeros_like(excess), where=sticks)
+        )
+        slow = np.where(ki > 0.0, np.maximum(8.0 * reset, slow), 0.0)
+        linear = np.minimum(np.maximum(settled, periods), MOST_SETTLING_S)
+    wanted = np.maximum(np.max([linear, dragged, slow], axis=0), SHORTEST_S)
+    return RunLength(np.minimum(wanted, LONGEST_S), np.maximum(linear, SHORTEST_S) / 2.0, wanted)
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Where each draw begins to hunt.
+
+    Parameters
+    ----------
+    gamma : ndarray, shape (draws,)
+        The smallest γ found to hunt; 0 where the loop hunts without compensation, infinite
+        where it does not hunt up to the maximum.
+    condition : ndarray of int, shape (draws,)
+        Which of the conditions hunts there; −1 where none does.
+    """
+
+    gamma: Floats
+    condition: NDArray[np.intp]
 
 
 def hunting_threshold(
@@ -69,14 +141,13 @@ def hunting_threshold(
     kick: ArrayLike,
     reference_speed: ArrayLike = 0.0,
     duration: float | None = None,
-    maximum_gamma: float = 3.0,
-    step: float = 0.1,
+    gammas: Sequence[float] = EVERY_TENTH,
     tolerance: float = 0.01,
-) -> Floats:
-    """Return the smallest compensation gain γ at which each draw hunts.
+) -> Thresholds:
+    """Return the smallest compensation gain γ at which each draw hunts in any condition.
 
-    All draws are run at γ = 0, step, 2 step, … up to the maximum; the first that hunts
-    is then approached by bisection. A band of γ that hunts and is narrower than the step
+    All draws are run at one γ after another; the first that hunts is then approached by
+    bisection from the one before. A band of γ that hunts and is narrower than their distance
     may be missed; encoder steps make such bands just below the threshold.
 
     Parameters
@@ -84,60 +155,75 @@ def hunting_threshold(
     loop : SampledLoop
         The loop; its own compensation gain is not used.
     kick : array_like
-        Position ahead of the reference at the beginning [rad], a scalar or (draws,).
+        Position ahead of the reference at the beginning [rad], a scalar, (draws,), or
+        (conditions, draws).
     reference_speed : array_like
-        Speed of the reference [rad/s], a scalar or (draws,).
+        Speed of the reference [rad/s], likewise.
     duration : float or None
-        Length of each run [s]; None takes :func:`settling_duration`.
-    maximum_gamma : float
-        The largest γ that is tried.
-    step : float
-        Distance of the first search.
+        Length of each run [s]; None takes :func:`run_length`.
+    gammas : sequence of float
+        The γ that are tried first, increasing from 0.
     tolerance : float
         Width to which the bisection goes.
 
     Returns
     -------
-    ndarray, shape (draws,)
-        The smallest γ found to hunt; 0 where the loop hunts without compensation, infinite
-        where it does not hunt up to the maximum.
+    Thresholds
+        Of each draw.
 
     Raises
     ------
     ValueError
         Where an argument cannot be used.
     """
-    for name, value in (("maximum_gamma", maximum_gamma), ("step", step), ("tolerance", tolerance)):
-        if not (np.isfinite(value) and value > 0.0):
-            raise ValueError(f"{name}: expected a positive number, got {value}")
-    kicks = loop.per_draw("kick", kick)
-    speeds = loop.per_draw("reference_speed", reference_speed)
-    length = settling_duration(loop, speeds) if duration is None else duration
+    if not (np.isfinite(tolerance) and tolerance > 0.0):
+        raise ValueError(f"tolerance: expected a positive number, got {tolerance}")
+    grid = np.asarray(gammas, dtype=np.float64)
+    if not (grid.size and grid[0] == 0.0 and (np.diff(grid) > 0.0).all()):
+        raise ValueError(f"gammas: expected numbers that increase from 0, got {gammas}")
+    kicks, speeds = (
+        np.atleast_2d(np.asarray(one, dtype=np.float64)) for one in (kick, reference_speed)
+    )
+    shape = np.broadcast_shapes(kicks.shape, speeds.shape, (1, loop.draws))
+    kicks, speeds = np.broadcast_to(kicks, shape), np.broadcast_to(speeds, shape)
 
     def hunts(index: NDArray[np.intp], gamma: Floats) -> NDArray[np.bool_]:
-        tried = replace(loop.taken(index), compensation_gain=gamma)
-        return simulate(
-            tried, kick=kicks[index], duration=length, reference_speed=speeds[index]
+        """Return which conditions hunt, of shape (conditions, m)."""
+        rows = np.tile(index, shape[0])
+        tried = replace(loop.taken(rows), compensation_gain=np.tile(gamma, shape[0]))
+        speed = speeds[:, index].ravel()
+        length = run_length(tried, speed)
+        found = simulate(
+            tried,
+            kick=kicks[:, index].ravel(),
+            duration=length.duration if duration is None else duration,
+            settling=length.settling,
+            reference_speed=speed,
         ).hunts
+        return found.reshape(shape[0], index.size)
 
-    gammas = np.append(np.arange(0.0, maximum_gamma - 1e-9, step), maximum_gamma)
     threshold, below = np.full(loop.draws, np.inf), np.zeros(loop.draws)
-    for begin in range(0, gammas.size, TRIED_AT_ONCE):
-        some = gammas[begin : begin + TRIED_AT_ONCE]
+    condition = np.full(loop.draws, -1, dtype=np.intp)
+    for begin in range(0, grid.size, TRIED_AT_ONCE):
+        some = grid[begin : begin + TRIED_AT_ONCE]
         left = np.flatnonzero(np.isinf(threshold))
         if not left.size:
             break
         table = hunts(np.tile(left, some.size), np.repeat(some, left.size))
-        table = table.reshape(some.size, left.size)
-        found, first = table.any(axis=0), begin + table.argmax(axis=0)
-        threshold[left[found]] = gammas[first[found]]
-        below[left[found]] = gammas[np.maximum(first[found] - 1, 0)]
+        table = table.reshape(shape[0], some.size, left.size)
+        any_hunts = table.any(axis=0)
+        found, at = any_hunts.any(axis=0), any_hunts.argmax(axis=0)
+        rows, first = left[found], begin + at[found]
+        threshold[rows], below[rows] = grid[first], grid[np.maximum(first - 1, 0)]
+        condition[rows] = table[:, at[found], np.flatnonzero(found)].argmax(axis=0)
     while True:
         wide = np.isfinite(threshold) & (threshold - below > tolerance)
         if not wide.any():
-            return threshold
+            return Thresholds(threshold, condition)
         index = np.flatnonzero(wide)
         middle = (threshold[index] + below[index]) / 2.0
-        does = hunts(index, middle)
+        table = hunts(index, middle)
+        does = table.any(axis=0)
         threshold[index] = np.where(does, middle, threshold[index])
         below[index] = np.where(does, below[index], middle)
+        condition[index] = np.where(does, table.argmax(axis=0), condition[index])

@@ -231,7 +231,7 @@ def _row(
     effective_draws: float,
 ) -> Metric:
     spec = getattr(shaft.loop.spec, rule.spec) if rule.spec else None
-    if rule.name == "gamma_hunting" and hunting.method != "none":
+    if rule.name == "gamma_hunting" and shaft.loop.compensation.signal != "none":
         spec = float(np.median(shaft.gamma))
     fields = {
         "name": rule.name,
@@ -255,7 +255,7 @@ def _row(
     draws = min(effective_draws, float(found.size))
     probability = None
     if spec is not None:
-        below = found <= shaft.gamma[hunting.rows] if rule.name == "gamma_hunting" else found < spec
+        below = hunting.now if rule.name == "gamma_hunting" else found < spec
         violated = below if rule.sense == "at least" else found > spec
         probability = float(violated.mean())
     finite = found[np.isfinite(found)]
@@ -295,11 +295,12 @@ def _missing(name: str, found: Array | None, shaft: LoopAtShaft, hunting: Huntin
     if name == "headroom_continuous":
         return "drive.continuous_current_a is not given"
     if name in HUNTING:
-        if hunting.method == "none":
-            return hunting.note
+        looked = f"{hunting.rows.size} draws hunts, at {len(hunting.speeds)} reference speeds"
+        if shaft.loop.compensation.signal == "none":
+            return f"there is no compensation, and none of {looked}"
         if name == "gamma_hunting":
-            return f"no draw hunts up to γ = {GAMMA_MAX:g}"
-        return f"no draw hunts at γ = {np.median(shaft.gamma):.3g}"
+            return f"none of {looked}, up to γ = {GAMMA_MAX:g}"
+        return f"none of {looked}, at γ = {np.median(shaft.gamma):.3g}"
     if name == "amplitude_margin":
         return "kd + b − kp τ is positive in every draw: the loop is damped without friction"
     share = 0.0 if found is None else float(np.mean(~np.isfinite(found)))

@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 __all__ = ["LEAST_REVERSALS", "STEADY_SHARE", "Swing"]
 
 Floats = NDArray[np.float64]
+Whole = NDArray[np.intp]
 
 STEADY_SHARE = 0.9
 """A swing whose amplitude falls below this share from one quarter of a run to the next dies
@@ -28,43 +29,111 @@ class Swing:
         Amplitude up to which nothing swings, say one encoder count [rad].
     """
 
-    def __init__(self, samples: NDArray[np.intp], period: Floats, least: Floats) -> None:
+    def __init__(self, samples: Whole, period: Floats, least: Floats) -> None:
         self._period, self._least = period, least
-        begin, middle = (samples + 1) // 2, (3 * samples + 3) // 4
-        self._quarters = ((begin, middle), (middle, samples + 1))
-        self._starts = int(begin.min())
-        self._low = np.full((2, samples.size), np.inf)
-        self._high = np.full((2, samples.size), -np.inf)
-        self._reversals = np.zeros((2, samples.size), dtype=np.intp)
-        self._first, self._last = np.zeros(samples.size), np.zeros(samples.size)
-        self._side = np.zeros(samples.size)
+        self.begin, self.middle, self.end = (samples + 1) // 2, (3 * samples + 3) // 4, samples
+        count = samples.size
+        self._low, self._high = np.full(count, np.inf), np.full(count, -np.inf)
+        self._before = np.zeros(count)
+        self._reversals, self._early_reversals = np.zeros((2, count), dtype=np.intp)
+        self._first, self._last = np.zeros(count), np.zeros(count)
+        self._side, self._squares = np.zeros(count), np.zeros(count)
 
-    def see(self, k: int, error: Floats, speed: Floats) -> None:
-        """Take note of the k-th sample.
+    def keep(self, rows: Whole) -> None:
+        """Go on with some of the draws alone."""
+        for name, value in vars(self).items():
+            setattr(self, name, value[rows])
+
+    def judge_from(self, rows: Whole, begin: Whole, half: Whole) -> None:
+        """Judge some draws by other stretches than the third and fourth quarter of their run.
 
         Parameters
         ----------
-        k : int
-            From 1 to the longest run.
+        rows : ndarray of int, shape (m,)
+            The draws.
+        begin : ndarray of int, shape (m,)
+            The first sample of the first stretch, none that was seen yet.
+        half : ndarray of int, shape (m,)
+            Length of each of the two stretches; with the second the run ends.
+        """
+        self.begin[rows], self.middle[rows] = begin, begin + half
+        self.end[rows] = begin + 2 * half
+        self._low[rows], self._high[rows] = np.inf, -np.inf
+        self._reversals[rows] = self._early_reversals[rows] = 0
+        self._squares[rows] = 0.0
+
+    def next_look(self, k: Whole) -> Whole:
+        """Return the last sample up to which nothing has to be looked at one by one."""
+        return np.select(
+            [k < self.begin, k < self.middle], [self.begin - 1, self.middle - 1], self.end
+        )
+
+    def see(self, k: Whole, error: Floats, speed: Floats, running: NDArray[np.bool_]) -> None:
+        """Take note of the samples k.
+
+        Parameters
+        ----------
+        k : ndarray of int, shape (draws,)
+            From 1 to the end of each run.
         error, speed : ndarray, shape (draws,)
             Position error [rad], and speed against the reference [rad/s].
+        running : ndarray of bool, shape (draws,)
+            Which draws have come to a new sample.
         """
-        if k < self._starts:
-            return
         side = np.sign(speed)
         turned = side * self._side < 0.0
-        self._side = np.where(side == 0.0, self._side, side)
-        for quarter, (begin, end) in enumerate(self._quarters):
-            now = (k >= begin) & (k < end)
-            np.minimum(self._low[quarter], error, out=self._low[quarter], where=now)
-            np.maximum(self._high[quarter], error, out=self._high[quarter], where=now)
-            reversal = now & turned
-            fresh = reversal & (self._reversals.sum(axis=0) == 0)
-            np.copyto(self._first, k * self._period, where=fresh)
-            np.copyto(self._last, k * self._period, where=reversal)
-            self._reversals[quarter] += reversal
+        np.copyto(self._side, side, where=side != 0.0)
+        looked = running & (k >= self.begin)
+        if not looked.any():
+            return
+        half = np.flatnonzero(running & (k == self.middle))
+        if half.size:
+            self._before[half] = (self._high[half] - self._low[half]) / 2.0
+            self._low[half], self._high[half] = np.inf, -np.inf
+            self._early_reversals[half] = self._reversals[half]
+            self._reversals[half] = 0
+        np.add(self._squares, error * error, out=self._squares, where=looked)
+        np.minimum(self._low, error, out=self._low, where=looked)
+        np.maximum(self._high, error, out=self._high, where=looked)
+        rows = np.flatnonzero(turned & looked)
+        if rows.size:
+            fresh = rows[self._reversals[rows] + self._early_reversals[rows] == 0]
+            self._first[fresh] = k[fresh] * self._period[fresh]
+            self._last[rows] = k[rows] * self._period[rows]
+            self._reversals[rows] += 1
 
-    def judged(self) -> tuple[NDArray[np.bool_], Floats, Floats]:
+    def pass_over(
+        self, rows: Whole, samples: Whole, k: Whole, before: Floats, after: Floats
+    ) -> None:
+        """Take note of shafts that stood still while the error went from one value to another.
+
+        Parameters
+        ----------
+        rows : ndarray of int, shape (m,)
+            The draws that stood.
+        samples : ndarray of int, shape (m,)
+            For how long.
+        k : ndarray of int, shape (draws,)
+            The sample at which each draw is now.
+        before, after : ndarray, shape (m,)
+            Position error at either end [rad].
+        """
+        # a shaft that stands falls behind a reference that moves on
+        self._side[rows] = np.where(after != before, np.sign(before - after), self._side[rows])
+        seen = k[rows] >= self.begin[rows]
+        rows, samples = rows[seen], samples[seen]
+        before, after = before[seen], after[seen]
+        self._low[rows] = np.minimum(self._low[rows], after)
+        self._high[rows] = np.maximum(self._high[rows], after)
+        # the sum over samples of the square of what goes evenly from `before` to `after`
+        step = (after - before) / samples
+        self._squares[rows] += (
+            samples * before**2
+            + before * step * samples * (samples + 1)
+            + step**2 * samples * (samples + 1) * (2 * samples + 1) / 6.0
+        )
+
+    def judged(self) -> tuple[NDArray[np.bool_], Floats, Floats, Floats]:
         """Return what was seen.
 
         Returns
@@ -75,11 +144,14 @@ class Swing:
             Half of the range of the error in the last quarter [rad].
         frequency : ndarray, shape (draws,)
             Of the reversals in the last half [Hz]; 0 where there are fewer than three.
+        rms : ndarray, shape (draws,)
+            Of the error in the last half [rad].
         """
-        before, after = np.maximum(self._high - self._low, 0.0) / 2.0
-        lasts = self._reversals[1] >= LEAST_REVERSALS
-        hunts = lasts & (after > self._least) & (after >= STEADY_SHARE * before)
-        turns = self._reversals.sum(axis=0)
+        after = np.maximum(self._high - self._low, 0.0) / 2.0
+        lasts = self._reversals >= LEAST_REVERSALS
+        hunts = lasts & (after > self._least) & (after >= STEADY_SHARE * self._before)
+        turns = self._reversals + self._early_reversals
         span = np.where(turns >= 3, self._last - self._first, 1.0)
         frequency = np.where(turns >= 3, (turns - 1) / (2.0 * span), 0.0)
-        return hunts, after, frequency
+        rms = np.sqrt(self._squares / np.maximum(self.end - self.begin + 1, 1))
+        return hunts, after, frequency, rms

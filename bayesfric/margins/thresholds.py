@@ -1,10 +1,12 @@
-"""The compensation gain at which each draw hunts: by formula inside its conditions, else simulated.
+"""The compensation gain at which each draw hunts, over the ways in which the joint is used.
 
-A compensator of the reference's velocity cannot make the loop hunt, since what it feeds
-forward does not depend on the motion.
+A loop that is only held at rest has a closed form inside its conditions. Everything else is
+simulated: also loops without compensation or with one of the reference's velocity, which
+integral action, stiction or a loop that friction alone holds still can make hunt.
 """
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,16 +17,30 @@ from bayesfric.margins.describing import (
     natural_frequency,
     swing_amplitude,
 )
-from bayesfric.margins.hunting import hunting_threshold, settling_duration
+from bayesfric.margins.hunting import LONGEST_S, Thresholds, hunting_threshold, run_length
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
-from bayesfric.margins.sampled_loop import simulate
+from bayesfric.margins.scanning import (
+    GAMMAS,
+    REST,
+    Condition,
+    HuntingMap,
+    hunting_map,
+    run,
+    speeds_of,
+)
 
 __all__ = ["GAMMA_MAX", "Hunting", "find_hunting"]
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
-GAMMA_MAX = 3.0
+GAMMA_MAX = GAMMAS[-1]
 """The largest compensation gain that is looked at."""
+MAPPED = 30
+"""Draws of the map of speed and γ."""
+OTHER_KICKS = (0.0, 2.0)
+"""Kicks, over the file's, that must not hunt either at the gain that is called safe."""
+ROUNDS = 3
 
 
 @dataclass(frozen=True)
@@ -33,27 +49,51 @@ class Hunting:
 
     Parameters
     ----------
-    method : {"formula", "simulation", "none"}
-        How that was found; "none": this compensator cannot make the loop hunt.
+    method : {"formula", "simulation"}
+        How that was found.
     rows : ndarray of int, shape (m,)
         Draws that were looked at.
     threshold : ndarray, shape (m,)
-        The smallest γ that hunts; inf where none up to :data:`GAMMA_MAX` does.
+        The smallest γ that hunts in any condition; inf where none up to :data:`GAMMA_MAX`
+        does.
+    conditions : tuple of Condition
+        Those in which thresholds were looked for.
+    condition : ndarray of int, shape (m,)
+        Which of them hunts first; −1 where none does.
+    hunts : ndarray of bool, shape (speeds, m)
+        Whether a draw hunts at the loop's own γ, by reference speed.
     amplitude, frequency : ndarray, shape (m,)
-        At the motor and at the loop's own γ [rad, Hz]; NaN where it does not hunt.
+        Of the widest such swing, at the motor [rad, Hz]; NaN where it does not hunt.
+    speeds : tuple of Condition
+        The reference speeds.
+    map : HuntingMap or None
+        Of some draws over speeds and γ; None where a formula was used.
+    not_examined : tuple of str
+        What could hunt and was not looked at.
     note : str
         What the reader must know of it.
     """
 
-    method: str
+    method: Literal["formula", "simulation"]
     rows: NDArray[np.intp]
     threshold: Array
+    conditions: tuple[Condition, ...]
+    condition: NDArray[np.intp]
+    hunts: Flags
     amplitude: Array
     frequency: Array
+    speeds: tuple[Condition, ...]
+    map: HuntingMap | None
+    not_examined: tuple[str, ...]
     note: str
 
+    @property
+    def now(self) -> Flags:
+        """Which draws hunt at the loop's own γ, shape (m,)."""
+        return np.asarray(self.hunts.any(axis=0))
 
-def find_hunting(shaft: LoopAtShaft, most: int) -> Hunting:
+
+def find_hunting(shaft: LoopAtShaft, most: int, allowed: float) -> Hunting:
     """Return from which compensation gain on each draw hunts.
 
     Parameters
@@ -62,52 +102,134 @@ def find_hunting(shaft: LoopAtShaft, most: int) -> Hunting:
         The loop, all draws.
     most : int
         Draws that are simulated at most, taken evenly.
+    allowed : float
+        Share of the draws that may hunt at a gain that is called safe.
 
     Returns
     -------
     Hunting
         Of all draws by formula, or of some by simulation.
     """
-    compensation = shaft.loop.compensation
-    empty = np.empty(0)
-    if compensation.signal in ("none", "reference"):
-        why = {
-            "none": "there is no compensation, so friction is all there",
-            "reference": "the sign of the reference's velocity is feed-forward: it cannot "
-            "limit-cycle, too much of it only biases",
-        }[compensation.signal]
-        return Hunting("none", np.empty(0, dtype=np.intp), empty, empty, empty, why)
+    speeds = speeds_of(shaft)
     inside, broken = formula_conditions(shaft)
-    if inside.all():
-        threshold = formula_threshold(shaft)
-        hunts = threshold <= shaft.gamma
-        return Hunting(
-            "formula",
-            np.arange(inside.size),
-            np.where(threshold <= GAMMA_MAX, threshold, np.inf),
-            np.where(hunts, swing_amplitude(shaft), np.nan),
-            np.where(hunts, natural_frequency(shaft) / (2 * np.pi), np.nan),
-            "by γ* = (F/F̂)(1 + π ζ/2), inside its conditions in every draw",
-        )
+    if speeds == (REST,) and inside.all():
+        return _by_formula(shaft)
     rows = np.unique(np.linspace(0, inside.size - 1, most).astype(np.intp))
     some = shaft.taken(rows)
-    sampled = some.sampled()
-    threshold = hunting_threshold(
-        sampled, kick=some.kick, reference_speed=some.reference_speed, maximum_gamma=GAMMA_MAX
-    )
-    motion = simulate(
-        sampled,
-        kick=some.kick,
-        duration=settling_duration(sampled),
-        reference_speed=some.reference_speed,
-    )
+    few = np.unique(np.linspace(0, rows.size - 1, MAPPED).astype(np.intp))
+    gammas = GAMMAS if shaft.loop.compensation.signal != "none" else GAMMAS[:1]
+    chart = hunting_map(some.taken(few), speeds, gammas)
+    motion = run(some, speeds, some.gamma)
+    shape = (len(speeds), rows.size)
+    hunts = motion.hunts.reshape(shape)
+    wide = np.where(hunts, motion.amplitude.reshape(shape), -1.0)
+    widest = wide.argmax(axis=0), np.arange(rows.size)
+    now = hunts.any(axis=0)
+    conditions, found = _thresholds(some, few, chart, hunts, allowed)
     return Hunting(
         "simulation",
         rows,
-        threshold,
-        np.where(motion.hunts, motion.amplitude, np.nan),
-        np.where(motion.hunts, motion.frequency, np.nan),
-        f"simulated in {rows.size} draws, with a kick of {np.median(some.kick):.3g} rad at the "
-        f"motor (median) and a reference of {np.median(some.reference_speed):.3g} rad/s; γ* does "
-        f"not hold, as it needs that {'; '.join(broken)}",
+        found.gamma,
+        conditions,
+        found.condition,
+        hunts,
+        np.where(now, wide[widest], np.nan),
+        np.where(now, motion.frequency.reshape(shape)[widest], np.nan),
+        speeds,
+        chart,
+        _not_examined(some, speeds),
+        f"simulated in {rows.size} draws, at {len(speeds)} reference speeds, after a kick of "
+        f"{np.median(some.kick):.3g} rad at the motor (median)"
+        + (f"; γ* does not hold, as it needs that {'; '.join(broken)}" if broken else ""),
     )
+
+
+def _by_formula(shaft: LoopAtShaft) -> Hunting:
+    threshold = formula_threshold(shaft)
+    hunts = threshold <= shaft.gamma
+    return Hunting(
+        "formula",
+        np.arange(hunts.size),
+        np.where(threshold <= GAMMA_MAX, threshold, np.inf),
+        (REST,),
+        np.where(threshold <= GAMMA_MAX, 0, -1),
+        hunts[None, :],
+        np.where(hunts, swing_amplitude(shaft), np.nan),
+        np.where(hunts, natural_frequency(shaft) / (2 * np.pi), np.nan),
+        (REST,),
+        None,
+        ("references that move, as the file's reference_range_rad_s has it",),
+        "by γ* = (F/F̂)(1 + π ζ/2), inside its conditions in every draw; at rest alone",
+    )
+
+
+def _thresholds(
+    some: LoopAtShaft, few: NDArray[np.intp], chart: HuntingMap, hunts: Flags, allowed: float
+) -> tuple[tuple[Condition, ...], Thresholds]:
+    """Return thresholds over the conditions that hunt first, and these conditions.
+
+    They are found where the map begins to hunt. Whatever hunts below a threshold, in the map,
+    at the loop's own γ, or after another kick at the gain that would be called safe, is one
+    more condition.
+    """
+    draws = some.friction.size
+    conditions = _earliest(chart)
+    seen = set(conditions)
+    checked = tuple(
+        Condition(one.counts, one.speed, kick) for one in chart.speeds for kick in OTHER_KICKS
+    )
+    grid = np.asarray(chart.gammas)
+    for _ in range(ROUNDS):
+        found = Thresholds(np.full(draws, np.inf), np.full(draws, -1, dtype=np.intp))
+        if conditions:
+            found = hunting_threshold(
+                some.sampled(),
+                kick=np.array([one.kick_of(some) for one in conditions]),
+                reference_speed=np.array([one.speed_of(some) for one in conditions]),
+                gammas=chart.gammas,
+            )
+        earlier = chart.hunts & (grid[:, None, None] < found.gamma[few])
+        own = hunts & (some.gamma < found.gamma)
+        missed = np.asarray(earlier.any(axis=(0, 2)) | own.any(axis=1))
+        fresh = {one for one, does in zip(chart.speeds, missed, strict=True) if does}
+        if not fresh - seen:
+            safe = np.sort(found.gamma)[int(allowed * draws)]
+            tried = some.taken(few)
+            gamma = np.full(few.size, min(max(safe - 0.01, 0.0), GAMMA_MAX))
+            after = run(tried, checked, gamma).hunts.reshape(len(checked), -1).mean(axis=1)
+            most = allowed + 2 * np.sqrt(allowed * (1 - allowed) / few.size)
+            fresh = {one for one, share in zip(checked, after, strict=True) if share > most}
+        if not fresh - seen:
+            break
+        conditions = (*conditions, *sorted(fresh - seen, key=repr))
+        seen |= fresh
+    return conditions, found
+
+
+def _earliest(chart: HuntingMap) -> tuple[Condition, ...]:
+    """Return the two speeds at which the map begins to hunt first, of equals where more do."""
+    share = chart.hunts.mean(axis=2)  # (gammas, speeds)
+    hunting = np.flatnonzero((share > 0).any(axis=0))
+    first = (share > 0).argmax(axis=0)
+    order = sorted(hunting, key=lambda place: (first[place], -share[first[place], place]))
+    return tuple(chart.speeds[place] for place in order[:2])
+
+
+def _not_examined(shaft: LoopAtShaft, speeds: tuple[Condition, ...]) -> tuple[str, ...]:
+    """Return what could hunt and was not looked at."""
+    missing = []
+    wanted = np.max(
+        [run_length(shaft.sampled(), one.speed_of(shaft)).wanted for one in speeds], axis=0
+    )
+    slow = float((wanted > LONGEST_S).mean())
+    if slow > 0:
+        missing.append(f"cycles so slow that a run of {LONGEST_S:.0f} s does not hold six of them, "
+                       f"in {slow:.0%} of the draws")  # fmt: skip
+    fastest = float(np.median(speeds[-1].speed_of(shaft)))
+    peak = float(np.median(shaft.peak_velocity))
+    if peak > 1.01 * fastest:
+        missing.append(f"references faster than {fastest:.3g} rad/s at the motor; the joint's peak "
+                       f"is {peak:.3g} rad/s")  # fmt: skip
+    missing.append("backlash, friction behind the cable, and swings of the cable itself: in the "
+                   "simulator the cable is stiff")  # fmt: skip
+    return tuple(missing)

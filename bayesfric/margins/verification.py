@@ -4,10 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.margins.describing import formula_conditions, formula_threshold, steady_error
-from bayesfric.margins.hunting import hunting_threshold, settling_duration
+from bayesfric.margins.hunting import hunting_threshold, run_length
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.metrics import interval_of
-from bayesfric.margins.sampled_loop import simulate
+from bayesfric.margins.simulating import simulate
 from bayesfric.margins.thresholds import GAMMA_MAX
 from bayesfric.schemas import Verification, VerifiedDraw
 
@@ -40,9 +40,7 @@ def verify(shaft: LoopAtShaft, count: int) -> Verification:
     rows = np.unique(np.linspace(0, shaft.friction.size - 1, count).astype(np.intp))
     some = shaft.taken(rows)
     sampled = some.sampled()
-    found = hunting_threshold(
-        sampled, kick=some.kick, reference_speed=some.reference_speed, maximum_gamma=GAMMA_MAX
-    )
+    found = hunting_threshold(sampled, kick=some.kick, reference_speed=some.reference_speed).gamma
     if shaft.loop.compensation.signal in ("none", "reference"):
         inside = np.ones(rows.size, dtype=bool)
         predicted = np.full(rows.size, np.inf)
@@ -52,7 +50,7 @@ def verify(shaft: LoopAtShaft, count: int) -> Verification:
         predicted = np.where(predicted <= GAMMA_MAX, predicted, np.inf)
     agrees = _agree(predicted, found)
     free = some.sampled(gamma=np.zeros(rows.size))
-    motion = simulate(free, kick=some.kick, duration=2 * settling_duration(free))
+    motion = simulate(free, kick=some.kick, duration=2 * run_length(free).duration)
     band = np.where(some.ki > 0, np.inf, steady_error(some)) + 2 * np.pi / some.counts
     within = np.abs(motion.final_error) <= band
     return Verification(

@@ -1,7 +1,8 @@
 """The simulator as it stands: which friction law it has on each board.
 
 ``paper`` is the law of eq. (15) at the nominal tension; ``recursive`` takes the
-tension down pulley by pulley. Both have the same coefficients, and so have two laws
+tension down pulley by pulley. ``proportional`` is eq. (15) without its constant part, and
+``constant`` with nothing else. All have the same coefficients, and so have two laws
 that only serve as rivals of a claim: no dependence on the wrap angle, and friction in
 proportion to the load on the bearings, 2 T sin(θ/2).
 """
@@ -41,12 +42,15 @@ class Baseline:
         (coefficients, condition) to the signed friction of a motor run [N].
     at_tension : callable
         (coefficients, n, θ in degrees, nominal tension in N) to friction [N].
+    without : tuple of str
+        Coefficients that the law lacks: they are 0, and no parameters.
     """
 
     name: str
     gravity: Callable[[Coefficients, Condition], Array]
     motor: Callable[[Coefficients, MotorCondition], Array]
     at_tension: Callable[[Coefficients, ArrayLike, ArrayLike, ArrayLike], Array]
+    without: tuple[str, ...] = ()
 
 
 def _recursive_at_tension(
@@ -63,6 +67,12 @@ BASELINES = {
     "paper": Baseline("paper", board_friction, motor_friction, coulomb_friction),
     "recursive": Baseline(
         "recursive", recursive_board_friction, recursive_motor_friction, _recursive_at_tension
+    ),
+    "proportional": Baseline(
+        "proportional", board_friction, motor_friction, coulomb_friction, ("c2",)
+    ),
+    "constant": Baseline(
+        "constant", board_friction, motor_friction, coulomb_friction, ("c1", "c3")
     ),
 }
 """The laws by name."""

@@ -9,11 +9,12 @@ from matplotlib.ticker import FuncFormatter
 
 from bayesfric.plots.labels import plain
 from bayesfric.plots.style import COLORS, LINES, MARKERS, NEUTRAL, figure
-from bayesfric.schemas import LoopMargins, Metric, NyquistFan
+from bayesfric.schemas import HuntingMap, LoopMargins, Metric, NyquistFan
 
 __all__ = [
     "error_and_headroom",
     "has_error_or_headroom",
+    "hunting_over_speed",
     "limit_cycle_against_gain",
     "nyquist_fan",
 ]
@@ -69,6 +70,35 @@ def limit_cycle_against_gain(loops: Sequence[LoopMargins]) -> Figure:
         axes.set_ylim(-0.02, 1.02)
         axes.set_xlim(left=0)
         fig.legend(loc="outside lower center", ncols=3)
+    return fig
+
+
+def hunting_over_speed(chart: HuntingMap) -> Figure:
+    """Draw P(limit cycle) and the error at the tip over reference speed and gain.
+
+    Parameters
+    ----------
+    chart : HuntingMap
+        Cells in the order of the file, evenly spaced: neither axis is a scale.
+    """
+    speeds = [f"{1e3 * one:.2g}" for one in chart.speed_tip_m_s]
+    gammas = [f"{one:g}" for one in chart.gamma]
+    panels = (
+        (np.array(chart.probability), "P(limit cycle)", 0.0, 1.0),
+        (1e3 * np.array(chart.rms_error_m), "rms error at the tip [mm]", 0.0, None),
+    )
+    with figure(height=80.0) as fig:
+        for axes, (values, title, low, high) in zip(fig.subplots(1, 2), panels, strict=True):
+            top = float(values.max()) if high is None else high
+            axes.imshow(values, origin="lower", aspect="auto", cmap="Greys", vmin=low, vmax=top)
+            for (row, column), value in np.ndenumerate(values):
+                axes.text(column, row, f"{value:.2g}", fontsize=5.0, ha="center", va="center",
+                          color="white" if value > 0.55 * top else "black")  # fmt: skip
+            axes.set_xticks(range(len(speeds)), speeds)
+            axes.set_yticks(range(len(gammas)), gammas)
+            axes.set_xlabel("reference speed at the tip [mm/s]")
+            axes.set_title(title)
+        fig.axes[0].set_ylabel("compensation gain γ")
     return fig
 
 

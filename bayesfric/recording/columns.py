@@ -7,7 +7,7 @@ from it, and ``docs/recording.md`` says the same in prose.
 from dataclasses import dataclass
 from typing import Literal
 
-__all__ = ["RIG_KEYS_NEEDED", "TABLES", "Column", "TableFormat"]
+__all__ = ["BUILT_IN", "RIG_KEYS_NEEDED", "TABLES", "Column", "TableFormat"]
 
 LARGEST_INTEGER = 1_000_000_000  # far beyond any count or order, well inside int64
 
@@ -92,7 +92,7 @@ class TableFormat:
     columns : tuple of Column
         In the order in which they are written.
     keeps_covariates : bool
-        Whether further numeric columns are data (``axis_runs.csv``).
+        Whether further numeric columns are data, where something may depend on them.
     """
 
     file: str
@@ -161,6 +161,21 @@ GRAVITY_TRIALS = TableFormat(
         ),
         ROLE,
         Column(
+            "did_not_move",
+            "choice",
+            "true: the heavier side stayed where it was, and there are no events",
+            required=False,
+            may_be_empty=True,
+            choices=("true", "false"),
+        ),
+        Column(
+            "wrap_angles_deg",
+            "text",
+            "individual wrap angles [deg], separated by blanks",
+            required=False,
+            may_be_empty=True,
+        ),
+        Column(
             "acceleration_m_s2",
             "number",
             "measured acceleration, for a trial with no events",
@@ -223,6 +238,7 @@ STEADY_FRICTION = TableFormat(
         ),
         ROLE,
     ),
+    keeps_covariates=True,
 )
 AXIS_RUNS = TableFormat("axis_runs.csv", (RUN, ORDER, SETUP, ROLE), keeps_covariates=True)
 AXIS_SAMPLES = TableFormat(
@@ -249,6 +265,9 @@ TABLES = {
         AXIS_SAMPLES,
     )
 }
+
+BUILT_IN = frozenset(TABLES)
+"""Tables with a field of their own in a recording; a rig that is added may bring others."""
 
 RIG_KEYS_NEEDED = {
     "gravity_events.csv": ("hall_spacing_m", "magnets_per_revolution", "timer_resolution_s"),

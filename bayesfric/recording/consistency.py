@@ -6,13 +6,19 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.errors import Fault
+from bayesfric.recording.frames import did_not_move, individual_angles
 from bayesfric.recording.schemas import Table
 from bayesfric.recording.spacing import printed_tolerance, spacing_counts
+from bayesfric.recording.steady_signs import MANY, pushing
 from bayesfric.recording.tables import RigConstants
 
 __all__ = ["MINIMUM_EVENTS", "check_across"]
 
+MEAN_TOLERANCE_DEG = 0.5  # of individual wrap angles: they may be printed in whole degrees
+LARGEST_WRAP_DEG = 180.0
+
 MINIMUM_EVENTS = 5  # of a trial and sensor
+SIGNED = ["friction_n", "velocity_m_s"]
 CONDITION = ["pulley_size", "n_pulleys", "wrap_angle_deg"]
 
 
@@ -34,15 +40,17 @@ def check_across(
     faults: list[Fault] = []
     trials, events = tables.get("gravity_trials.csv"), tables.get("gravity_events.csv")
     if trials:
-        faults += _masses(trials) + _setups(trials)
+        faults += _masses(trials) + _setups(trials) + _angles(trials)
         if "gravity_events.csv" not in unreadable:
-            faults += _unmeasured(trials, events)
+            faults += _unmeasured(trials, events) + _moved_after_all(trials, events)
     if events:
         faults += _events(events, rig)
     if trials and events:
         faults += _unknown(events, trials, "trial")
     if runs := tables.get("motor_runs.csv"):
         faults += _setups(runs)
+    if points := tables.get("steady_friction.csv"):
+        faults += _conventions(points)
     runs, samples = tables.get("axis_runs.csv"), tables.get("axis_samples.csv")
     if samples:
         faults += _not_increasing(samples, ["run"], "time_s")
@@ -79,9 +87,48 @@ def _unmeasured(trials: Table, events: Table | None) -> list[Fault]:
         missing &= text["acceleration_m_s2"] == ""
     if events:
         missing &= ~trial.isin(events.frame["trial"])
+    expected = "events of this trial in gravity_events.csv, or its acceleration_m_s2"
     return trials.faults_where(
-        missing, "trial", "events of this trial in gravity_events.csv, or its acceleration_m_s2"
+        missing & ~did_not_move(trials.frame), "trial", f"{expected}, or did_not_move true"
     )
+
+
+def _moved_after_all(trials: Table, events: Table | None) -> list[Fault]:
+    if not trials.has("trial", "did_not_move"):
+        return []
+    moved = pd.Series(False, index=trials.frame.index)
+    if events and events.has("trial"):
+        moved |= trials.frame["trial"].isin(events.frame["trial"])
+    if trials.has("acceleration_m_s2"):
+        moved |= trials.frame["acceleration_m_s2"].notna()
+    expected = "nothing, or false: the trial has events or an acceleration"
+    return trials.faults_where(did_not_move(trials.frame) & moved, "did_not_move", expected)
+
+
+def _angles(trials: Table) -> list[Fault]:
+    """Faults of individual wrap angles, which must be as many as pulleys and have their mean."""
+    column = "wrap_angles_deg"
+    if not trials.has(column, "n_pulleys", "wrap_angle_deg"):
+        return []
+    frame = trials.frame
+    faults = []
+    for row in np.flatnonzero(frame[column].notna()).tolist():
+        count, mean = frame.loc[row, ["n_pulleys", "wrap_angle_deg"]]
+        try:
+            angles = individual_angles(str(frame.loc[row, column]))
+        except ValueError:
+            angles = np.array([np.nan])
+        inside = bool(((angles >= 0) & (angles <= LARGEST_WRAP_DEG)).all())
+        if not inside:
+            expected = f"numbers from 0 to {LARGEST_WRAP_DEG:g}, separated by blanks"
+        elif angles.size != count:
+            expected = f"as many angles as pulleys, {count:g}"
+        elif not abs(angles.mean() - mean) <= MEAN_TOLERANCE_DEG:
+            expected = f"a mean within {MEAN_TOLERANCE_DEG:g}° of wrap_angle_deg, {mean:g}"
+        else:
+            continue
+        faults += trials.text.faults_at([row], column, expected)
+    return faults
 
 
 def _unknown(child: Table, parent: Table, key: str) -> list[Fault]:
@@ -113,6 +160,22 @@ def _events(events: Table, rig: RigConstants) -> list[Fault]:
         expected += f", there are {count[position]:.0f}"
         faults += events.text.faults_at([position], "trial", expected)
     return faults + _not_increasing(events, keys, "time_s") + _displacements(events, rig)
+
+
+def _conventions(points: Table) -> list[Fault]:
+    """Faults of points that contradict every convention for the sign of friction."""
+    complete = points.frame.dropna(subset=[c for c in SIGNED if c in points.frame])
+    if not points.has("friction_n") or complete.empty:
+        return []
+    push = pushing(complete)
+    if push.mean() <= MANY:
+        return []
+    expected = (
+        "friction as its size, with the sign of velocity_m_s, or against it, in all rows alike: "
+        f"{push.sum()} of {len(complete)} rows push; a weight or a bias is to be taken off first"
+    )
+    mask = pd.Series(push, index=complete.index).reindex(points.frame.index, fill_value=False)
+    return points.faults_where(mask, "friction_n", expected)
 
 
 def _not_increasing(table: Table, keys: list[str], column: str) -> list[Fault]:

@@ -2,6 +2,7 @@
 
 import pandas as pd
 
+from bayesfric.recording.frames import did_not_move
 from bayesfric.recording.tables import Gravity, Motor, Recording
 
 __all__ = ["describe_recording"]
@@ -46,7 +47,10 @@ def describe_recording(recording: Recording) -> tuple[tuple[str, str], ...]:
 def _gravity(gravity: Gravity, g: float) -> list[tuple[str, str]]:
     trials, events = gravity.trials, gravity.events
     text = f"{_count(len(trials), 'trial')}, {_count(len(events), 'event')}"
-    without = int((~trials["trial"].isin(events["trial"])).sum())
+    still = did_not_move(trials)
+    without = int((~trials["trial"].isin(events["trial"]) & ~still).sum())
+    if still.any():
+        text += f", {still.sum()} that did not move"
     if without:
         text += f", {without} with an acceleration only"
     lines = [("gravity board", text)]

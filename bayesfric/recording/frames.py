@@ -1,13 +1,21 @@
 """Checked cells → the frames of a recording: final types, defaults and order."""
 
 import numpy as np
+import numpy.typing as npt
 import pandas as pd
 
 from bayesfric.recording.columns import GRAVITY_EVENTS
 from bayesfric.recording.schemas import Table
 from bayesfric.recording.spacing import spacing_counts
 
-__all__ = ["no_events", "sorted_events", "typed", "with_setup"]
+__all__ = [
+    "did_not_move",
+    "individual_angles",
+    "no_events",
+    "sorted_events",
+    "typed",
+    "with_setup",
+]
 
 SENSOR_ORDER = {"drive": 0, "load": 1}
 
@@ -36,6 +44,24 @@ def with_setup(runs: pd.DataFrame) -> pd.DataFrame:
     filled = runs.copy()
     filled.insert(place, "setup", pd.Series(setup, index=runs.index, dtype="str"))
     return filled
+
+
+def did_not_move(trials: pd.DataFrame) -> "pd.Series[bool]":
+    """Return of which trials it is said that the heavier side stayed where it was."""
+    if "did_not_move" not in trials:
+        return pd.Series(False, index=trials.index)
+    return trials["did_not_move"] == "true"
+
+
+def individual_angles(cell: str) -> npt.NDArray[np.float64]:
+    """Return the wrap angles of a trial's pulleys from their cell [deg].
+
+    Raises
+    ------
+    ValueError
+        A part between blanks is no number.
+    """
+    return np.array([float(part) for part in cell.split()])
 
 
 def no_events() -> pd.DataFrame:

@@ -8,19 +8,23 @@ from pathlib import Path
 import numpy as np
 
 from bayesfric.errors import Fault, InputError
-from bayesfric.recording.columns import RIG_KEYS_NEEDED, TABLES
+from bayesfric.files import file_bytes
+from bayesfric.recording.columns import BUILT_IN, RIG_KEYS_NEEDED, TABLES
 from bayesfric.recording.consistency import check_across
 from bayesfric.recording.csv_text import parse_csv
 from bayesfric.recording.digest import tables_sha256
 from bayesfric.recording.frames import no_events, sorted_events, typed, with_setup
 from bayesfric.recording.package import PACKAGE_FILE, Package, Resource, parse_package
 from bayesfric.recording.schemas import Table, check_cells
+from bayesfric.recording.steady_signs import notes_on_signs
 from bayesfric.recording.tables import Axis, Gravity, Motor, Recording
 from bayesfric.recording.tested_range import notes_on_range
 
 __all__ = ["read_recording"]
 
 Load = Callable[[str], bytes]  # a file of the recording, by its path in the folder
+
+LARGEST_FILE = 512 * 1024**2  # bytes; ten times a table of a million rows
 
 # A table and the one that it cannot do without.
 NEEDS = {
@@ -106,21 +110,25 @@ def assemble(load: Load, in_folder: Collection[str] = ()) -> Recording:
         if faults:
             raise InputError(_in_file_order(faults, listed))
         recording = _recording(package, tables, tables_sha256(contents))
+        if recording.steady is not None:
+            notes += notes_on_signs(recording.steady)
         return replace(recording, notes=(*notes, *notes_on_range(recording)))
 
 
 def _read_inside(folder: Path, name: str) -> bytes:
     try:
         file = (folder / name).resolve()
-        if not file.is_relative_to(folder.resolve()):
-            raise InputError([Fault(name, "a file inside the recording's folder", value=name)])
-        if not file.is_file():
-            found = "a folder" if file.is_dir() else None
-            raise InputError([Fault(name, "a file of this name in the folder", value=found)])
-        return file.read_bytes()
-    except (OSError, RuntimeError) as error:  # RuntimeError: a loop of symbolic links
+        inside = file.is_relative_to(folder.resolve())
+        there = file.exists()
+    except (OSError, RuntimeError, ValueError) as error:  # RuntimeError: a loop of symbolic links
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError([Fault(name, "a file that can be read", value=reason)]) from None
+    if not inside:
+        raise InputError([Fault(name, "a file inside the recording's folder", value=name)])
+    if not there or file.is_dir():
+        found = "a folder" if there else None
+        raise InputError([Fault(name, "a file of this name in the folder", value=found)])
+    return file_bytes(file, name, LARGEST_FILE)
 
 
 def _known_tables(package: Package, faults: list[Fault], notes: list[str]) -> dict[str, Resource]:
@@ -183,6 +191,7 @@ def _recording(package: Package, tables: dict[str, Table], sha256: str) -> Recor
         motor=motor,
         steady=frames.get("steady_friction.csv"),
         axis=axis,
+        further={file: frames[file] for file in frames if file not in BUILT_IN},
         created=package.created,
         metadata=package.metadata,
         sha256=sha256,

@@ -137,6 +137,8 @@ class Recording:
         The board's constants.
     gravity, motor, steady, axis : tables or None
         The four kinds; at least one is there.
+    further : mapping of str to DataFrame
+        Tables that a rig brought into :data:`bayesfric.recording.columns.TABLES`, by file.
     created : str or None
         As written in ``datapackage.json``.
     metadata : mapping
@@ -156,6 +158,7 @@ class Recording:
     motor: Motor | None = None
     steady: pd.DataFrame | None = None
     axis: Axis | None = None
+    further: Mapping[str, pd.DataFrame] = field(default_factory=dict)
     created: str | None = None
     metadata: Mapping[str, Any] = field(default_factory=dict)
     sha256: str = ""

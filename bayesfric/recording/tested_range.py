@@ -21,6 +21,7 @@ TENSION_N = 33.0
 PULLEYS = 19
 INDIVIDUAL_WRAP_DEG = (15.0, 180.0)
 AVERAGE_WRAP_DEG = (45.0, 150.0)
+PULLEYS_ARE = ("pulley_size", "n_pulleys", "wrap_angle_deg")  # else Table II says nothing
 WINDOW = 4  # intervals over which a speed is taken, so that one odd interval does not count
 
 
@@ -37,8 +38,10 @@ def notes_on_range(recording: Recording) -> tuple[str, ...]:
     if recording.motor is not None:
         runs = recording.motor.runs
         notes += _notes(runs.assign(tension_n=runs["hanging_mass_kg"] * g), "run")
-    if recording.steady is not None and not recording.rig.rotary:
-        notes += _notes(recording.steady, "run")
+    steady = recording.steady
+    over_pulleys = steady is not None and any(column in steady for column in PULLEYS_ARE)
+    if steady is not None and over_pulleys and not recording.rig.rotary:
+        notes += _notes(steady, "run")
     return tuple(notes)
 
 

@@ -86,6 +86,7 @@ def _contents(recording: Recording) -> dict[str, bytes]:
     if recording.axis is not None:
         frames["axis_runs.csv"] = recording.axis.runs
         frames["axis_samples.csv"] = recording.axis.samples
+    frames |= recording.further
     ordered = {file: _in_order(frame, TABLES[file]) for file, frame in frames.items()}
     package = _package(recording, ordered)
     text = json.dumps(package, indent=2, ensure_ascii=False, allow_nan=False) + "\n"

@@ -6,7 +6,7 @@ from pathlib import Path
 import xarray as xr
 
 from bayesfric.errors import Fault, InputError
-from bayesfric.results import read_json, read_tree
+from bayesfric.results import read_beside, read_json
 from bayesfric.schemas import (
     ClaimsFile,
     DiagnosisFile,
@@ -159,13 +159,13 @@ def read_stored(folder: Path) -> StoredResults:
 def _fit(folder: Path) -> StoredFit:
     _beside("fit", folder, "fit", "draws.nc", "predictive.nc")
     fit = read_json(FitFile, folder / "fit.json")
-    draws = read_tree(folder / "draws.nc")
+    draws = read_beside(fit, folder / "draws.nc")
     if (draws.attrs.get("recording.sha256"), draws.attrs.get("analysis_sha256")) != (
         fit.recording.sha256,
         fit.analysis_sha256,
     ):
         raise InputError([Fault("draws.nc", "the draws of the fit in fit.json")])
-    predictive = read_tree(folder / "predictive.nc")
+    predictive = read_beside(fit, folder / "predictive.nc")
     named = any("rig" in predictive[name].attrs for name in predictive.children)
     if not named or not {"coefficients", "densities", "ranks"} <= set(predictive.children):
         expected = f"what this version predicts: run `bayesfric fit RECORDING -o {folder}` again"
@@ -176,13 +176,13 @@ def _fit(folder: Path) -> StoredFit:
 def _diagnosis(folder: Path) -> StoredDiagnosis:
     _beside("diagnosis", folder, "diagnose", "diagnosis.nc")
     found = read_json(DiagnosisFile, folder / "diagnosis.json")
-    return StoredDiagnosis(found, read_tree(folder / "diagnosis.nc"))
+    return StoredDiagnosis(found, read_beside(found, folder / "diagnosis.nc"))
 
 
 def _claims(folder: Path) -> StoredClaims:
     _beside("claims", folder, "claims", "claims.nc")
     found = read_json(ClaimsFile, folder / "claims.json")
-    return StoredClaims(found, read_tree(folder / "claims.nc"))
+    return StoredClaims(found, read_beside(found, folder / "claims.nc"))
 
 
 def _beside(name: str, folder: Path, verb: str, *others: str) -> None:

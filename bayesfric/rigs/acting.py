@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from bayesfric.effects import ActsOn
 from bayesfric.paper import table1
+from bayesfric.recording.frames import individual_angles
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.truth import AppliedEffect, Truth
 
@@ -21,6 +22,7 @@ __all__ = [
     "surroundings",
     "total",
     "trial_in_setup",
+    "wrap_spread",
 ]
 
 Array = NDArray[np.float64]
@@ -86,9 +88,9 @@ def total(acting: Sequence[Acting], where: Any) -> Any:
 
 
 def surroundings(table: pd.DataFrame, rig: RigConstants) -> dict[str, Any]:
-    """Return radius, place in the order and gravity of trials or runs, fields of State.
+    """Return radius, place in the order, gravity and the like of trials or runs, fields of State.
 
-    Radius and order are nan where nobody wrote them down.
+    Radius, order and individual wrap angles are nan where nobody wrote them down.
     """
     radius = {size: row.radius_m for size, row in table1().items()}
     radius |= {size: own.radius_m for size, own in rig.pulleys.items() if own.radius_m}
@@ -98,6 +100,7 @@ def surroundings(table: pd.DataFrame, rig: RigConstants) -> dict[str, Any]:
     return {
         "drive_end": drive_end(table),
         "trial_in_setup": trial_in_setup(table),
+        "wrap_spread_deg": wrap_spread(table),
         "radius_m": table["pulley_size"].map(radius).to_numpy(dtype=np.float64),
         "order": (order - order.min()) / max(np.ptp(order), 1.0),
         "gravity_m_s2": rig.gravity_m_s2,
@@ -116,3 +119,11 @@ def trial_in_setup(table: pd.DataFrame) -> Array:
     if "order" not in table or "setup" not in table or table["order"].isna().any():
         return np.zeros(len(table))
     return np.asarray(table.groupby("setup")["order"].rank(), dtype=np.float64) - 1
+
+
+def wrap_spread(table: pd.DataFrame) -> Array:
+    """Return the standard deviation of the individual wrap angles of each row [deg]."""
+    if "wrap_angles_deg" not in table:
+        return np.full(len(table), np.nan)
+    cells = table["wrap_angles_deg"]
+    return np.array([individual_angles(c).std() if isinstance(c, str) else np.nan for c in cells])

@@ -14,7 +14,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from bayesfric.analysis import Analysis
+from bayesfric.analysis import Analysis, PriorOverrides
 from bayesfric.effects import Effect
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.inference.model import RigLikelihood
@@ -66,8 +66,8 @@ def why_inert(response: NDArray[np.float64]) -> Unsupported | None:
     """Return why an effect with this response would not move a likelihood; None where it does."""
     if not np.isfinite(response).all():
         return Unsupported(
-            "It depends on what nobody wrote down here: the order of the trials, or the radius "
-            "of the pulleys."
+            "It depends on what nobody wrote down here: the order of the trials, the radius of "
+            "the pulleys, or their individual wrap angles."
         )
     if not response.any():
         return Unsupported("It changes nothing that was measured here.")
@@ -200,8 +200,29 @@ class RigTrials(Protocol):
     def excluded(self) -> Mapping[str, str] | None:
         """Trials that a rule keeps from entering, with its name; None where there is no rule."""
 
+    def moved(self) -> "RigTrials | None":
+        """Return the trials that moved all the way; None where all did, or none."""
+
     def supports(self, effect: Effect) -> Unsupported | None:
         """Return why an effect cannot enter the likelihood; None where it can."""
+
+    @property
+    def has_pulleys(self) -> bool:
+        """Whether a cable runs over pulleys, which the paper and its claims are about."""
+
+    def refuses(self, law: Baseline) -> Unsupported | None:
+        """Return why a friction law makes no sense here; None where it does."""
+
+    @property
+    def offers(self) -> frozenset[str]:
+        """What effects may need of it, see :class:`bayesfric.effects.Effect`."""
+
+    @property
+    def own_priors(self) -> Mapping[str, PriorOverrides]:
+        """Priors of its law in its own measures, by size; empty where those of all do."""
+
+    def suited(self, effect: Effect) -> Effect:
+        """Return an effect in the rig's words, with priors in its own measures."""
 
     def under(self, law: Baseline) -> "RigTrials":
         """Return the same trials, which a diagnosis makes linear around another law."""

@@ -1,6 +1,6 @@
 """c1, c2, c3 of each pulley size as parameters, shared by the likelihoods of the rigs."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,13 +11,41 @@ from bayesfric.analysis import Analysis
 from bayesfric.inference.priors import Parameter
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 
-__all__ = ["SizeIndex", "coefficient_parameters"]
+__all__ = [
+    "NO_PULLEY",
+    "SizeIndex",
+    "coefficient_name",
+    "coefficient_parameters",
+    "law_of",
+    "sizes_of",
+]
 
 Array = NDArray[np.float64]
 UNITS = {"c1": "1", "c2": "N", "c3": "1/deg"}
 PAPER_SIZES = ("small", "medium", "large")
 LEAST_C1 = 1e-4  # a start above zero, where least squares does not give one
 LEAST_C2_N = 1e-3
+NO_PULLEY = ""
+"""The pulley size of a machine that has no pulleys."""
+
+
+def coefficient_name(name: str, size: str) -> str:
+    """Return what a coefficient is called: ``c1[small]``, or ``c1`` where there is no pulley."""
+    return f"{name}[{size}]" if size != NO_PULLEY else name
+
+
+def sizes_of(names: Iterable[str]) -> tuple[str, ...]:
+    """Return the pulley sizes whose coefficients are among the names of parameters."""
+    parts = (name.partition("[") for name in names)
+    of = (rest.removesuffix("]") for stem, _, rest in parts if stem in UNITS and rest)
+    return tuple(dict.fromkeys(of))
+
+
+def law_of(theta: Mapping[str, Array | float], size: str) -> Coefficients:
+    """Return the law of a size; a coefficient that is no parameter is 0, of no influence."""
+    nothing = np.zeros_like(next(iter(theta.values())))
+    names = (coefficient_name(name, size) for name in Coefficients._fields)
+    return Coefficients(*(theta.get(name, nothing) for name in names))
 
 
 @dataclass(frozen=True)
@@ -49,7 +77,10 @@ class SizeIndex:
 
     def coefficients(self, theta: Mapping[str, Array]) -> Coefficients:
         """Return the law of each trial, arrays of shape (W, N)."""
-        return Coefficients(*(self.spread(theta, name) for name in Coefficients._fields))
+        by_size = [law_of(theta, size) for size in self.sizes]
+        return Coefficients(
+            *(np.stack(one, axis=-1)[:, self.of_trial] for one in zip(*by_size, strict=True))
+        )
 
     def rough_coefficients(
         self,
@@ -57,6 +88,7 @@ class SizeIndex:
         wrap_angle_deg: ArrayLike,
         tension_n: ArrayLike,
         friction_n: ArrayLike,
+        without: Collection[str] = (),
     ) -> dict[str, float]:
         """Return c1, c2, c3 of each size by least squares, a place to climb from.
 
@@ -65,15 +97,19 @@ class SizeIndex:
         n_pulleys, wrap_angle_deg, tension_n, friction_n : array_like, shape (N,)
             Number of pulleys, wrap angle [deg], nominal tension [N] and observed
             size of friction [N] of each trial.
+        without : collection of str
+            Coefficients that the law lacks.
 
         Returns
         -------
         dict of str to float
-            Least-norm where the trials leave a coefficient open; c1 and c2 above 0.
+            Least-norm where the trials leave a coefficient open; c1 and c2 above 0, but for
+            what the law lacks, which is 0.
         """
         n, tension = np.asarray(n_pulleys), np.asarray(tension_n)
         wrap = np.asarray(wrap_angle_deg) - REFERENCE_WRAP_ANGLE_DEG
         columns = np.stack([n * tension, n, n * tension * wrap], axis=1)
+        columns[:, [name in without for name in Coefficients._fields]] = 0.0
         rough = {}
         for place, size in enumerate(self.sizes):
             rows = self.of_trial == place
@@ -82,13 +118,15 @@ class SizeIndex:
             friction = np.asarray(friction_n)[rows]
             scaled = np.linalg.lstsq(columns[rows] / width, friction, rcond=1e-3)[0]
             c1, c2, c3 = (float(value) for value in scaled / width)
-            rough[f"c1[{size}]"] = max(c1, LEAST_C1)
-            rough[f"c2[{size}]"] = max(c2, LEAST_C2_N)
-            rough[f"c3[{size}]"] = c3
+            found = Coefficients(max(c1, LEAST_C1), max(c2, LEAST_C2_N), c3)
+            for name, value in found._asdict().items():
+                rough[coefficient_name(name, size)] = 0.0 if name in without else value
         return rough
 
 
-def coefficient_parameters(sizes: tuple[str, ...], analysis: Analysis) -> tuple[Parameter, ...]:
+def coefficient_parameters(
+    sizes: tuple[str, ...], analysis: Analysis, without: Collection[str] = ()
+) -> tuple[Parameter, ...]:
     """Return c1, c2, c3 of each size, with the priors of the analysis.
 
     Parameters
@@ -97,12 +135,17 @@ def coefficient_parameters(sizes: tuple[str, ...], analysis: Analysis) -> tuple[
         Pulley sizes.
     analysis : Analysis
         Its priors, and those of single sizes.
+    without : collection of str
+        Coefficients that the law lacks.
     """
     priors = analysis.priors
     parameters = []
     for name, unit in UNITS.items():
+        if name in without:
+            continue
         for size in sizes:
             override = getattr(priors.pulleys.get(size), name, None)
             prior = override or getattr(priors, name)
-            parameters.append(Parameter(f"{name}[{size}]", unit, prior, "coefficient", linear=True))
+            called = coefficient_name(name, size)
+            parameters.append(Parameter(called, unit, prior, "coefficient", linear=True))
     return tuple(parameters)

@@ -158,7 +158,7 @@ class LinearRows(Protocol):
 
     @property
     def trial_axes(self) -> tuple[str, ...]:
-        """Covariates that only trials that gather speed have."""
+        """Covariates that only this rig has, along which there are smooth forces."""
 
     def covariates(self) -> Mapping[str, Array]:
         """Return covariates by name, arrays that broadcast to (N,) or (N, P)."""

@@ -2,12 +2,24 @@
 
 from collections.abc import Sequence
 
+from bayesfric.analysis import Analysis, PriorOverrides
 from bayesfric.errors import Fault, InputError
+from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.base import RigTrials
 
-__all__ = ["calibrating", "chosen_rigs", "open_rigs", "rigs_with_trials"]
+__all__ = [
+    "baseline_of",
+    "calibrating",
+    "chosen_rigs",
+    "open_rigs",
+    "rigs_with_trials",
+    "with_own_priors",
+]
+
+COEFFICIENTS = set(Coefficients._fields)
 
 
 def chosen_rigs(recording: Recording, rigs: Sequence[str] | None) -> tuple[str, ...]:
@@ -87,6 +99,61 @@ def rigs_with_trials(recording: Recording) -> dict[str, RigTrials]:
         if entering is not None:
             found[name] = entering
     return found
+
+
+def baseline_of(name: str, rigs: Sequence[RigTrials]) -> Baseline:
+    """Return a friction law by its name.
+
+    Parameters
+    ----------
+    name : str
+        As in :data:`bayesfric.physics.laws.BASELINES`.
+    rigs : sequence of RigTrials
+        On which it must make sense.
+
+    Raises
+    ------
+    InputError
+        The law is unknown, or makes no sense on a rig.
+    """
+    if name not in BASELINES:
+        raise InputError([Fault("baseline", f"one of {', '.join(BASELINES)}", value=name)])
+    law = BASELINES[name]
+    faults = [
+        Fault("baseline", f"a law that the {one.rig.words.rig} can have. {why.reason}", value=name)
+        for one in rigs
+        if (why := one.refuses(law)) is not None
+    ]
+    if faults:
+        raise InputError(faults)
+    return law
+
+
+def with_own_priors(analysis: Analysis, rigs: Sequence[RigTrials]) -> Analysis:
+    """Return an analysis with the priors that rigs have of their own sizes.
+
+    What the user wrote, of all sizes or of one, stands.
+
+    Parameters
+    ----------
+    analysis : Analysis
+        As read.
+    rigs : sequence of RigTrials
+        Whose sizes enter.
+    """
+    priors, written = analysis.priors, analysis.priors.model_fields_set
+    pulleys = dict(priors.pulleys)
+    for one in rigs:
+        for size, own in one.own_priors.items():
+            given = pulleys.get(size, PriorOverrides())
+            free = own.model_copy(update=dict.fromkeys(COEFFICIENTS & written))
+            chosen = given.model_dump(exclude_none=True)
+            pulleys[size] = PriorOverrides.model_validate(
+                free.model_dump(exclude_none=True) | chosen
+            )
+    if pulleys == priors.pulleys:
+        return analysis
+    return analysis.model_copy(update={"priors": priors.model_copy(update={"pulleys": pulleys})})
 
 
 def calibrating(trials: RigTrials) -> RigTrials | None:

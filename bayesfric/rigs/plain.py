@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from bayesfric.physics.compliant import Cable
 from bayesfric.rigs.base import Predictive, Resting, Unsupported
+from bayesfric.rigs.pulleys import PulleyTrials
 from bayesfric.schemas import PointEstimate
 
 __all__ = ["PlainTrials"]
@@ -17,13 +18,16 @@ __all__ = ["PlainTrials"]
 Array = NDArray[np.float64]
 
 
-class PlainTrials:
+class PlainTrials(PulleyTrials):
     """Steady trials all of which enter; see :class:`bayesfric.rigs.base.RigTrials`."""
 
     @property
     def excluded(self) -> Mapping[str, str] | None:
         """None: no rule keeps a trial from entering."""
         return None
+
+    def moved(self) -> None:
+        """Return None: all trials move, since the rig moves them."""
 
     def entering(self) -> Self:
         """Return all trials."""

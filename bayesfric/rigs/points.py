@@ -70,6 +70,10 @@ class PointRows:
         Of the priors to the prior standard deviations of these numbers.
     direct : str or None
         What an effect acts on that adds to the reading itself.
+    known_error : ndarray, shape (N,), or float
+        Standard error of each reading that is stated, beside those of the noise.
+    further : mapping of str to ndarray, shape (N,)
+        Covariates of the recording's own, by name.
     """
 
     name: str
@@ -87,7 +91,13 @@ class PointRows:
     still: Array
     curve_sd: Callable[[Priors], tuple[float, ...]] = lambda _: ()
     direct: ActsOn | None = None
-    trial_axes: tuple[str, ...] = field(default=())
+    known_error: Array | float = 0.0
+    further: Mapping[str, Array] = field(default_factory=dict)
+
+    @property
+    def trial_axes(self) -> tuple[str, ...]:
+        """Covariates that only this rig has."""
+        return tuple(self.further)
 
     @property
     def acceleration(self) -> Array:
@@ -105,7 +115,7 @@ class PointRows:
         }
         return {
             name: np.broadcast_to(np.asarray(value, dtype=np.float64), (count,))
-            for name, value in values.items()
+            for name, value in (values | dict(self.further)).items()
         }
 
     def where(self, acts_on: ActsOn) -> Any:
@@ -365,7 +375,7 @@ class PointPart:
 
     def _error2(self, noise: Mapping[str, float]) -> Array:
         """Return the variance of each reading's own error, (N,)."""
-        found = np.zeros(len(self.setup))
+        found = np.zeros(len(self.setup)) + np.square(self.rows.known_error)
         for name, scale in zip(self._errors, self.rows.errors, strict=True):
             found += (noise[name] * scale) ** 2
         return found

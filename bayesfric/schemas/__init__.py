@@ -13,6 +13,7 @@ from bayesfric.schemas.claims import (
     PulleyEvidence,
     SelfContradiction,
 )
+from bayesfric.schemas.comparison import ComparisonFile, Flip, Setting, Shift
 from bayesfric.schemas.diagnosis import (
     Absorbed,
     Axis,
@@ -44,6 +45,7 @@ from bayesfric.schemas.fit import (
 )
 from bayesfric.schemas.margins import (
     GammaProbability,
+    HuntingMap,
     LoopMargins,
     MarginsFile,
     Metric,
@@ -72,6 +74,7 @@ __all__ = [
     "Cause",
     "ClaimResult",
     "ClaimsFile",
+    "ComparisonFile",
     "Confusion",
     "DataQuality",
     "Detected",
@@ -81,9 +84,11 @@ __all__ = [
     "ExaminedEffect",
     "Excluded",
     "FitFile",
+    "Flip",
     "GammaProbability",
     "Gap",
     "GapRow",
+    "HuntingMap",
     "Inclusion",
     "Interval",
     "LoopMargins",
@@ -106,7 +111,9 @@ __all__ = [
     "ScorecardFile",
     "ScoredCase",
     "SelfContradiction",
+    "Setting",
     "Shape",
+    "Shift",
     "Target",
     "TimingsFile",
     "Uniformity",
@@ -124,5 +131,6 @@ SCHEMAS: dict[str, type[BaseModel]] = {
     "scorecard": ScorecardFile,
     "margins": MarginsFile,
     "timings": TimingsFile,
+    "comparison": ComparisonFile,
 }
 """The models by the name of the file that they describe."""

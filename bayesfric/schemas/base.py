@@ -1,6 +1,6 @@
 """What every JSON file has, and the pieces that several share."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -42,6 +42,14 @@ class Provenance(Record):
     versions: dict[str, str] = Field(description="Python and packages.")
     recording: RecordingId = Field(description="The data.")
     analysis_sha256: str = Field(description="Over the analysis, defaults filled in.")
+    analysis: dict[str, Any] | None = Field(
+        None, description="Every setting; null in files of earlier versions."
+    )
     created: str | None = Field(
         description="SOURCE_DATE_EPOCH, else the recording's own date, else null."
+    )
+    run_id: str = Field(
+        "",
+        description="Hash of all else in this file, carried by the files written with it; empty "
+        "in files of earlier versions.",
     )

@@ -78,6 +78,7 @@ class Excluded(Record):
     trial: str = Field(description="Its id.")
     rule: str = Field(description="Name of the rule.")
     reason: str = Field(description="The rule in words.")
+    selects_on: str = Field("", description="What the rule selects on, and how that may bias.")
 
 
 class Repaired(Record):
@@ -116,6 +117,7 @@ class DataQuality(Record):
     trials_used: int = Field(description="Trials that enter.")
     setups: int = Field(description="Assemblies that enter.")
     events: int = Field(description="Hall events that enter.")
+    points: int = Field(0, description="Steady friction points that enter.")
     motor_runs: int = Field(0, description="Motor runs that enter.")
     replicated_cells: int = Field(
         description="(size, n, angle) cells assembled more than once; without any, setup "
@@ -127,7 +129,12 @@ class DataQuality(Record):
     agreement: Agreement | None = Field(
         None, description="Of the sensors; null where no gravity trial was recorded."
     )
-    stalled: tuple[str, ...] = Field((), description="Trials that stall, left out or not.")
+    stalled: tuple[str, ...] = Field(
+        (), description="Trials that stop on their way, left out or not."
+    )
+    did_not_move: tuple[str, ...] = Field(
+        (), description="Trials that stayed at rest, and enter as a bound on friction."
+    )
 
 
 class Prediction(Record):
@@ -168,9 +175,9 @@ class Uniformity(Record):
 
 
 class WithoutExclusions(Record):
-    """What the trials that the rules left out would change."""
+    """What a second fit, to other trials, makes of the coefficients."""
 
-    trials_used: int = Field(description="Gravity trials that enter, all that can be computed.")
+    trials_used: int = Field(description="Gravity trials that enter it.")
     converged: bool = Field(description="Whether every diagnostic is within its bound.")
     pulleys: dict[str, dict[str, Interval]] = Field(
         description="c1, c2, c3 of each pulley size, in the units of the fit."
@@ -201,6 +208,10 @@ class FitFile(Provenance):
         None, description="A second fit, with the same seed, that no rule kept a trial from."
     )
     without_exclusions_why: str | None = Field(None, description="Why there is no second fit.")
+    without_stalls: WithoutExclusions | None = Field(
+        None, description="A second fit, with the same seed, to trials that moved all the way."
+    )
+    without_stalls_why: str | None = Field(None, description="Why there is no such fit.")
     prediction: tuple[Prediction, ...] = Field(
         (), description="Of what is left out; empty in files of earlier versions."
     )
@@ -214,9 +225,14 @@ class FitFile(Provenance):
 
 
 class TimingsFile(Record):
-    """``timings.json``: wall time, kept out of the results."""
+    """``timings.json``: what may differ between two runs of the same result."""
 
     schema_: Literal["bayesfric.timings/1"] = Field("bayesfric.timings/1", alias="schema")
     seconds: dict[str, Number] = Field(description="Wall seconds by stage.")
+    run_id: str = Field("", description="Of the fit; empty in files of earlier versions.")
+    inputs: dict[str, tuple[str, ...]] = Field(
+        default_factory=dict,
+        description="Paths of the recording and the loop files, as `bayesfric rerun` finds them.",
+    )
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)

@@ -8,6 +8,7 @@ from bayesfric.schemas.base import Interval, Number, Provenance, Record, Why
 
 __all__ = [
     "GammaProbability",
+    "HuntingMap",
     "LoopMargins",
     "MarginsFile",
     "Metric",
@@ -49,6 +50,23 @@ class GammaProbability(Record):
     gamma: Number = Field(description="γ, share of the friction estimate that is fed forward.")
     p: Number = Field(description="P(limit cycle).")
     mcse: Number = Field(description="Its Monte Carlo standard error.")
+
+
+class HuntingMap(Record):
+    """Where on reference speed and γ the loop hunts, over some of the draws."""
+
+    draws: int = Field(description="Draws behind each cell.")
+    gamma: tuple[Number, ...] = Field(description="γ, a row each.")
+    speed_rad_s: tuple[Number, ...] = Field(
+        description="Reference speed at the motor, a column each; the first is rest."
+    )
+    speed_tip_m_s: tuple[Number, ...] = Field(description="The same at the tool tip.")
+    probability: tuple[tuple[Number, ...], ...] = Field(
+        description="P(limit cycle) after the file's kick."
+    )
+    rms_error_m: tuple[tuple[Number, ...], ...] = Field(
+        description="Root mean square error at the tool tip in the last half, median of the draws."
+    )
 
 
 class VerifiedDraw(Record):
@@ -123,7 +141,7 @@ class LoopMargins(Record):
     limit_cycle_probability_why: Why = None
     limit_cycle_probability_max: Number = Field(description="The spec.")
     limit_cycle_method: Literal["formula", "simulation", "none"] = Field(
-        description="How thresholds were found."
+        description="How thresholds were found; `none` is of earlier versions."
     )
     largest_safe_compensation_gain: Number | None = Field(
         description="The largest γ with P(limit cycle) within the spec."
@@ -131,6 +149,11 @@ class LoopMargins(Record):
     largest_safe_compensation_gain_why: Why = None
     largest_safe_compensation_gain_se: Number | None = Field(
         None, description="Its Monte Carlo standard error."
+    )
+    hunting_map: HuntingMap | None = Field(None, description="Over speed and γ.")
+    hunting_map_why: Why = None
+    not_examined: tuple[str, ...] = Field(
+        (), description="What could make the loop hunt and was not looked at."
     )
     variance_share: dict[str, dict[str, Number]] = Field(
         description="Metric to share of its variance by group, first order; c1, c2 and c3 are "

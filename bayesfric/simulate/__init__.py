@@ -57,9 +57,10 @@ def simulate_recording(
     Returns
     -------
     Recording
-        Trials in `order`, those of an assembly together. A trial that stalls
-        before the fifth event of a sensor cannot be written in the recording
-        format; it is left out and named in ``metadata["simulation"]["stalled"]``.
+        Trials in `order`, those of an assembly together. One that stays where it is
+        has ``did_not_move``. One that stalls before the fifth event of a sensor cannot
+        be written in the recording format; it is left out and named in
+        ``metadata["simulation"]["stalled"]``.
 
     Raises
     ------

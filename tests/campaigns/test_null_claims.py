@@ -47,6 +47,7 @@ def test_each_agrees_with_the_evidence(repeated):
             assert abs(now - before) < 4 * np.hypot(error, its_error), (case["seed"], name)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("effect", "fallen"),
     [

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from altered import by_acceleration
 
 from bayesfric.analysis import Analysis, ClaimRules
 from bayesfric.claims import check_claims
@@ -90,7 +91,9 @@ def test_an_informed_recording_supports_table_1_and_refutes_another():
     }
     other = simulate_recording("quick", seed=6, rigs=("gravity",), truth=Truth(coefficients=laws))
     verdicts = [
-        check_claims(one, Analysis(seed=1), only=["coefficients"]).summary.claims[0]
+        check_claims(by_acceleration(one), Analysis(seed=1), only=["coefficients"]).summary.claims[
+            0
+        ]
         for one in (known, other)
     ]
     assert [one.verdict for one in verdicts] == ["supported", "refuted"]

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from altered import by_acceleration
 
 from bayesfric.analysis import Analysis, ClaimRules
 from bayesfric.claims import check_claims
@@ -15,7 +16,7 @@ from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 
 def two_rigs(factor, torque_constant=1.0, seed=101):
     """Boards of which the motor board's coefficients are a factor times the other's."""
-    both = simulate_recording("quick", seed=seed)
+    both = by_acceleration(simulate_recording("quick", seed=seed))
     laws = {
         size: law._replace(c1=factor * law.c1, c2=factor * law.c2, c3=factor * law.c3)
         for size, law in table1_coefficients().items()

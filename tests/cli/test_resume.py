@@ -10,11 +10,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from altered import by_acceleration
+from typer.testing import CliRunner
 
 from bayesfric.checkpoint import Checkpoint
+from bayesfric.cli import app
 from bayesfric.recording import write_recording
 
 KILLS = 4
+# Steps enough that a fit does not end before the signal on a busy machine.
 SETTINGS = "seed = 5\n[sampler]\nburn = 60\nsteps = 200\nthin = 2\nextensions = 0\n"
 FILES = ("fit.json", "draws.nc", "predictive.nc")
 
@@ -22,16 +26,16 @@ FILES = ("fit.json", "draws.nc", "predictive.nc")
 @pytest.fixture(scope="module")
 def board(small_recording, tmp_path_factory):
     folder = tmp_path_factory.mktemp("resume")
-    write_recording(small_recording, folder / "board")
+    write_recording(by_acceleration(small_recording), folder / "board")
     (folder / "analysis.toml").write_text(SETTINGS)
     return folder
 
 
-def start(board, output, config="analysis.toml"):
+def start(board, output):
     command = [Path(sys.executable).with_name("bayesfric"), "fit", "board"]
     environment = {k: v for k, v in os.environ.items() if k != "SOURCE_DATE_EPOCH"}
     return subprocess.Popen(
-        [*command, "--config", config, "-o", output, "--quiet"],
+        [*command, "--config", "analysis.toml", "-o", output, "--quiet"],
         cwd=board,
         env=environment,
         stdout=subprocess.DEVNULL,
@@ -41,6 +45,35 @@ def start(board, output, config="analysis.toml"):
     )
 
 
+def run(arguments):
+    done = CliRunner().invoke(app, ["fit", "board", "--config", "analysis.toml", *arguments])
+    assert done.exit_code == 0, done.stderr
+
+
+def test_what_was_finished_is_kept_and_leads_to_the_same_bytes(board, monkeypatch):
+    """An interrupt, which exits with 3, then SIGKILL, then the rest."""
+    checkpoint = board / "stopped" / ".checkpoint"
+    kept = 0
+    for sent, status in ((signal.SIGINT, 3), (signal.SIGKILL, -signal.SIGKILL)):
+        process = start(board, "stopped")
+        while len(list(checkpoint.glob("*.npz"))) <= kept:
+            assert process.poll() is None
+            time.sleep(0.01)
+        process.send_signal(sent)
+        assert process.wait() == status
+        kept = len(list(checkpoint.glob("*.npz")))
+        assert not (board / "stopped" / "fit.json").exists()
+    monkeypatch.chdir(board)
+    run(["-o", "stopped", "--quiet"])
+    run(["-o", "at-one-go", "--quiet"])
+    for name in FILES:
+        at_one_go = (board / "at-one-go" / name).read_bytes()
+        assert (board / "stopped" / name).read_bytes() == at_one_go
+    names = {path.name for path in (board / "stopped").iterdir()}
+    assert names == {*FILES, "timings.json"}
+
+
+@pytest.mark.nightly
 def test_kills_change_nothing(board):
     """SIGKILL at random moments, each followed by a new start of what is left."""
     began = time.monotonic()
@@ -59,20 +92,6 @@ def test_kills_change_nothing(board):
         assert (board / "broken" / name).read_bytes() == (board / "unbroken" / name).read_bytes()
     names = {path.name for path in (board / "broken").iterdir()}
     assert names == {*FILES, "timings.json"}
-
-
-def test_interrupt_keeps_what_was_finished_and_exits_3(board):
-    # Many steps an ensemble, so that the fit cannot end before the signal on a busy machine.
-    (board / "long.toml").write_text("[sampler]\nsteps = 20000\n")
-    process = start(board, "interrupted", "long.toml")
-    checkpoint = board / "interrupted" / ".checkpoint"
-    while not list(checkpoint.glob("*.npz")):
-        assert process.poll() is None
-        time.sleep(0.01)
-    process.send_signal(signal.SIGINT)
-    assert process.wait() == 3
-    assert list(checkpoint.glob("*.npz"))
-    assert not (board / "interrupted" / "fit.json").exists()
 
 
 def test_pieces_are_computed_once_and_exactly_kept(tmp_path):

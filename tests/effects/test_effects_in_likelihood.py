@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from altered import one_size
 from scipy import stats
 
 from bayesfric.analysis import Analysis
@@ -209,6 +210,7 @@ def test_a_simulated_effect_is_found_at_its_amplitude(name, law):
         name, STRENGTHS.get(name, STRENGTH), PROTOCOLS["quick"], base.rig, Truth(), law
     )
     recording = simulate_recording("quick", seed=17, truth=Truth(effects=(applied,)))
+    recording = one_size(recording, "medium")
     model = Model(likelihoods(recording, [ActiveEffect(effect, law)]))
     found = laplace_approximation(model.log_posterior, model.start(), model.scale())
     truth = dict(applied.values)

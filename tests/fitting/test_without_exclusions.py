@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from altered import of_size, one_size, with_trials
 
 import bayesfric as bf
 from bayesfric.analysis import Analysis, Sampler
@@ -12,7 +13,6 @@ from bayesfric.rigs.gravity_board import trials
 from bayesfric.rigs.gravity_board.screening import screen_trials
 
 SHORT = Analysis(seed=5, sampler=Sampler(burn=60, steps=80, thin=2, extensions=0))
-TRIAL = "g0007"
 
 
 def with_fast_clock(recording, trials, factor):
@@ -26,14 +26,23 @@ def with_fast_clock(recording, trials, factor):
 
 
 @pytest.fixture(scope="module")
-def odd(small_recording):
-    trials = small_recording.gravity.trials
-    return trials["trial"][trials["pulley_size"] == "medium"][::2]
+def two_sizes(small_recording):
+    return with_trials(small_recording, ~of_size(small_recording, "large"))
 
 
 @pytest.fixture(scope="module")
-def spoilt(small_recording, odd):
-    return with_fast_clock(small_recording, odd, 1.03)
+def medium(small_recording):
+    return with_trials(small_recording, of_size(small_recording, "medium"))
+
+
+@pytest.fixture(scope="module")
+def odd(medium):
+    return medium.gravity.trials["trial"][::2]
+
+
+@pytest.fixture(scope="module")
+def spoilt(two_sizes, odd):
+    return with_fast_clock(two_sizes, odd, 1.03)
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +55,7 @@ def test_trials_that_disagree_lower_the_friction_of_their_size(found, spoilt, od
     assert {entry.trial for entry in found.data_quality.excluded} == set(odd)
     without = found.without_exclusions
     assert found.without_exclusions_why is None
-    assert (found.data_quality.trials_used, without.trials_used) == (40, 48)
+    assert (found.data_quality.trials_used, without.trials_used) == (24, 32)
     assert list(without.pulleys) == list(found.pulleys)
     agreement = screen_trials(spoilt.gravity, spoilt.rig).agreement.trials.set_index("trial")
     share = agreement.loc[odd, "friction_share"].astype(float)
@@ -60,10 +69,11 @@ def test_trials_that_disagree_lower_the_friction_of_their_size(found, spoilt, od
     assert all(abs(shift) < share.min() / 4 for shift in moved.values())
 
 
-def test_a_gross_fault_is_noise_that_no_prior_expected(small_recording):
+def test_a_gross_fault_is_noise_that_no_prior_expected(medium):
     """Event errors of centimetres, hundreds of prior scales, can still be computed."""
-    summary = bf.fit(with_fast_clock(small_recording, [TRIAL], 1.2), SHORT).summary
-    assert [entry.trial for entry in summary.data_quality.excluded] == [TRIAL]
+    trial = medium.gravity.trials["trial"][2]
+    summary = bf.fit(with_fast_clock(medium, [trial], 1.2), SHORT).summary
+    assert [entry.trial for entry in summary.data_quality.excluded] == [trial]
     for size, laws in summary.without_exclusions.pulleys.items():
         assert laws["c1"].sd > 1.2 * summary.pulleys[size]["c1"].sd
 
@@ -93,13 +103,13 @@ def test_the_trials_change_nothing_in_the_fit_without_them(found, spoilt, odd):
     assert clean.without_exclusions_why == "no trial was left out"
 
 
-def test_a_trial_that_cannot_be_computed_enters_neither(small_recording):
-    gravity = small_recording.gravity
+def test_a_trial_that_cannot_be_computed_enters_neither(medium):
+    gravity = medium.gravity
     events = gravity.events.copy()
-    rows = (events["trial"] == TRIAL).to_numpy()
+    rows = (events["trial"] == gravity.trials["trial"][2]).to_numpy()
     events.loc[rows, "time_s"] = np.sort(np.random.default_rng(2).uniform(0.5, 2.0, rows.sum()))
     summary = bf.fit(
-        dataclasses.replace(small_recording, gravity=Gravity(gravity.trials, events)), SHORT
+        dataclasses.replace(medium, gravity=Gravity(gravity.trials, events)), SHORT
     ).summary
     assert [entry.rule for entry in summary.data_quality.excluded] == ["unrepairable-events"]
     assert summary.without_exclusions is None
@@ -107,6 +117,6 @@ def test_a_trial_that_cannot_be_computed_enters_neither(small_recording):
 
 
 def test_the_motor_board_has_no_rules(small_recording):
-    summary = bf.fit(small_recording, SHORT, rigs=("motor",)).summary
+    summary = bf.fit(one_size(small_recording, "medium"), SHORT, rigs=("motor",)).summary
     assert summary.without_exclusions is None
     assert "no rule" in summary.without_exclusions_why

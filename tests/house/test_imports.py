@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[2]
 
 # From the base up. Rooms of one row may import each other, in one direction.
 ROWS = (
-    ("errors", "resources"),
+    ("errors", "files", "resources"),
     ("recording",),
     ("paper", "analysis", "schemas"),
     ("physics",),
@@ -30,6 +30,7 @@ ROWS = (
     ("claims",),
     ("diagnosis",),
     ("margins",),
+    ("comparing",),
     ("export", "blind/engines"),
     ("blind",),
     ("plots",),
@@ -43,6 +44,7 @@ BASE = set(ROWS[0])
 # Rooms that may import fewer of ours than their place allows (the base always).
 ONLY = {
     "errors": set(),
+    "files": set(),
     "resources": set(),
     "campaign": set(),  # maps any function over any cases
     "checkpoint": set(),  # any computation

@@ -49,6 +49,7 @@ BASE = {
         "encoder_counts_per_revolution": 4000,
     },
     "compensation": {"signal": "measured", "estimate_n_m": 0.003},
+    "kick": {"reference_range_rad_s": [0.0, 0.0]},  # held at rest: where the formula holds
     "tool": {"lever_m": 0.5},
 }
 

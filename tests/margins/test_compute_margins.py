@@ -17,6 +17,7 @@ from bayesfric.margins.assembly import (
     rig_discrepancy,
 )
 from bayesfric.margins.loop_at_shaft import at_shaft
+from bayesfric.margins.scanning import REST
 from bayesfric.margins.thresholds import Hunting
 from bayesfric.results import json_bytes
 from bayesfric.schemas import MarginsFile
@@ -174,18 +175,25 @@ def test_hunting_by_formula_has_the_quantile_of_the_threshold(draws):
     assert f"{np.floor(100 * one.largest_safe_compensation_gain) / 100:.2f}" in one.answer
 
 
-def test_a_compensator_of_the_reference_cannot_hunt(draws):
+def test_a_compensator_of_the_reference_is_simulated_and_does_not_hunt(draws):
     one = computed(draws, {"compensation.signal": "reference"}).loops[0]
-    assert one.limit_cycle_probability == ()
-    assert one.largest_safe_compensation_gain is None
-    assert "cannot limit-cycle" in one.largest_safe_compensation_gain_why
-    assert "follows the reference" in one.answer
+    assert one.limit_cycle_method == "simulation"
+    assert all(point.p == 0 for point in one.limit_cycle_probability)
+    assert one.largest_safe_compensation_gain == 3.0
+    assert "0 of 8 (< 31 % at 95 %)" in one.answer  # 1 − 0.05^(1/8)
+    assert "which biases" in one.answer
+
+
+def made_up(thresholds):
+    draws, empty = thresholds.size, np.empty(0)
+    first = np.where(np.isfinite(thresholds), 0, -1)
+    return Hunting("formula", np.arange(draws), thresholds, (REST,), first,
+                   np.zeros((1, draws), bool), empty, empty, (REST,), None, (), "")  # fmt: skip
 
 
 def test_the_largest_safe_gain_by_hand():
     thresholds = np.append(np.linspace(1.0, 1.99, 100), [np.inf] * 100)
-    empty = np.empty(0)
-    hunting = Hunting("formula", np.arange(200), thresholds, empty, empty, "")
+    hunting = made_up(thresholds)
     safe = largest_safe_gain(hunting, 0.05, 200.0)
     assert safe.gamma == pytest.approx(1.10, abs=1e-6)
     assert (thresholds <= safe.gamma).mean() == 0.05
@@ -193,9 +201,9 @@ def test_the_largest_safe_gain_by_hand():
     curve = {point.gamma: point for point in limit_cycle_curve(hunting, 50.0)}
     assert curve[1.5].p == pytest.approx(51 / 200)
     assert curve[1.5].mcse == pytest.approx(np.sqrt(0.255 * 0.745 / 50))
-    never = Hunting("formula", np.arange(2), np.full(2, np.inf), empty, empty, "")
+    never = made_up(np.full(2, np.inf))
     assert largest_safe_gain(never, 0.05, 2.0).gamma == 3.0
-    always = Hunting("simulation", np.arange(2), np.zeros(2), empty, empty, "")
+    always = made_up(np.zeros(2))
     assert largest_safe_gain(always, 0.05, 2.0).gamma is None
 
 

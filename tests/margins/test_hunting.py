@@ -12,8 +12,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bayesfric.margins.hunting import hunting_threshold, settling_duration
-from bayesfric.margins.sampled_loop import SampledLoop, simulate
+from bayesfric.margins.hunting import hunting_threshold, run_length
+from bayesfric.margins.sampled_loop import SampledLoop
+from bayesfric.margins.simulating import simulate
 
 COUNT = 2 * np.pi / 4000
 
@@ -38,7 +39,7 @@ def arm_loop(zeta, counts, **changes):
 
 def test_threshold_against_damping():
     loop = arm_loop(np.array([0.11, 0.42, 0.84]), 130)
-    threshold = hunting_threshold(loop, kick=2 * 130 * COUNT)
+    threshold = hunting_threshold(loop, kick=2 * 130 * COUNT).gamma
     assert threshold == pytest.approx([1.20, 1.65, 2.20], rel=0.05)
 
 
@@ -46,16 +47,16 @@ def test_threshold_is_within_its_tolerance_of_where_hunting_begins():
     # Without steps of the encoder, which would leave narrow bands of γ that hunt below it.
     loop = arm_loop(np.array([0.2, 0.5]), 130, counts_per_revolution=0)
     kick = 2 * 130 * COUNT
-    threshold = hunting_threshold(loop, kick=kick, tolerance=0.004)
+    threshold = hunting_threshold(loop, kick=kick, tolerance=0.004).gamma
     for below, expected in ((0.0, True), (0.005, False)):
         tried = replace(loop, compensation_gain=threshold - below)
-        hunts = simulate(tried, kick=kick, duration=settling_duration(loop)).hunts
+        hunts = simulate(tried, kick=kick, duration=run_length(loop).duration).hunts
         assert hunts.tolist() == [expected, expected]
 
 
 def test_threshold_against_friction_in_counts():
     counts = np.array([130, 39, 18, 10, 5])
-    threshold = hunting_threshold(arm_loop(0.42, counts), kick=2 * counts * COUNT)
+    threshold = hunting_threshold(arm_loop(0.42, counts), kick=2 * counts * COUNT).gamma
     assert threshold[:3] == pytest.approx([1.65, 1.90, 2.60], rel=0.05)
     assert np.isinf(threshold[3:]).all()
 
@@ -63,7 +64,7 @@ def test_threshold_against_friction_in_counts():
 def test_threshold_does_not_depend_on_the_kick_above_breakaway_and_needs_one():
     friction = 130 * COUNT
     kick = np.array([0.95, 1.2, 3.0]) * friction
-    threshold = hunting_threshold(arm_loop(0.42, np.full(3, 130)), kick=kick)
+    threshold = hunting_threshold(arm_loop(0.42, np.full(3, 130)), kick=kick).gamma
     assert np.isinf(threshold[0])
     assert threshold[1] == pytest.approx(threshold[2], rel=0.02)
 
@@ -170,18 +171,42 @@ def test_compensation_by_the_reference_never_hunts_and_by_the_measurement_does(r
 
 def test_loop_that_is_unstable_by_itself_needs_no_compensation_to_hunt():
     loop = arm_loop(0.42, np.array([130, 130]), kd=np.array([0.0, 5e-4]))
-    threshold = hunting_threshold(loop, kick=60.0, duration=1.0)
+    threshold = hunting_threshold(loop, kick=60.0, duration=1.0).gamma
     assert threshold[0] == 0.0
     assert threshold[1] > 1.0
 
 
-def test_settling_duration_is_that_of_the_slowest_draw():
+def test_a_run_is_as_long_as_each_draw_needs():
     loop = arm_loop(np.array([0.2, 0.8]), 130)
-    # 2J/b = 1/(ζ ω_n); a reference at 0.5 rad/s takes 0.82 s for 2F/kp.
-    assert settling_duration(loop) == pytest.approx(10 * 2 * np.pi / 34.99, rel=1e-3)
-    assert settling_duration(arm_loop(0.1, 130)) == pytest.approx(8 / (0.1 * 34.99), rel=1e-3)
-    assert settling_duration(loop, 0.5) == pytest.approx(10 * 130 * COUNT / 0.5, rel=1e-3)
-    assert settling_duration(arm_loop(0.1, 130, kp=0.0, kd=0.0)) == 5.0
+    # 8 · 2J/b = 8/(ζ ω_n), or ten periods of 2π/35 s
+    lengths = run_length(loop)
+    assert lengths.duration == pytest.approx(10 * 2 * np.pi / 34.99, rel=1e-3)
+    assert lengths.settling == pytest.approx(lengths.duration / 2)
+    assert run_length(arm_loop(0.1, 130)).duration == pytest.approx(8 / (0.1 * 34.99), rel=1e-3)
+    # a reference at 0.2 rad/s takes 1.02 s for F/kp
+    assert run_length(loop, 0.2).duration == pytest.approx(12 * 130 * COUNT / 0.2, rel=1e-3)
+    assert run_length(arm_loop(0.1, 130, kp=0.0, kd=0.0)).duration == 5.0
+
+
+def test_a_run_holds_slow_cycles_of_integral_action_or_says_that_it_does_not():
+    ki = np.array([0.5, 0.5, 0.01])
+    loop = arm_loop(0.42, np.full(3, 130), ki=ki, stiction_ratio=np.array([1.0, 1.3, 1.3]),
+                    compensation_signal="none")  # fmt: skip
+    reset = 0.3 / 12.25 / ki
+    lengths = run_length(loop)
+    assert lengths.wanted[0] == pytest.approx(10 * 2 * np.pi / 34.99, rel=1e-3)  # no stiction
+    assert lengths.wanted[1:] == pytest.approx(6 * 4 * reset[1:] * 1.3 / 0.3)
+    assert lengths.duration == pytest.approx(np.minimum(lengths.wanted, 60.0))
+    assert lengths.duration[2] < lengths.wanted[2]
+
+
+def test_of_several_conditions_the_first_to_hunt_counts():
+    loop = arm_loop(0.42, np.array([130, 130]))
+    below, above = np.full(2, 0.95 * 130 * COUNT), np.array([2.0, 0.9]) * 130 * COUNT
+    found = hunting_threshold(loop, kick=np.array([below, above]))
+    assert found.gamma[0] == pytest.approx(1.65, rel=0.05)
+    assert np.isinf(found.gamma[1])
+    assert found.condition.tolist() == [1, -1]
 
 
 @pytest.mark.bench

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bayesfric.margins.sampled_loop import SampledLoop, simulate
+from bayesfric.margins.sampled_loop import SampledLoop
+from bayesfric.margins.simulating import simulate
 
 INERTIA, KP = 2e-5, 0.3 / 12.25  # ω_n = 35 rad/s
 

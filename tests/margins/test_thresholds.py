@@ -23,13 +23,12 @@ def drawn(changes):
 
 def test_outside_the_formula_each_draw_has_its_own_simulated_threshold():
     shaft = drawn({"stiction_ratio": 1.1, "compensation.gain": 2.9})
-    found = find_hunting(shaft, 3)
+    found = find_hunting(shaft, 3, 0.05)
     assert found.method == "simulation"
     assert found.rows.tolist() == [0, 19, 39]
     alone = shaft.sampled().taken(found.rows)
-    assert (
-        found.threshold.tolist() == hunting_threshold(alone, kick=shaft.kick[found.rows]).tolist()
-    )
+    expected = hunting_threshold(alone, kick=shaft.kick[found.rows])
+    assert found.threshold == pytest.approx(expected.gamma, abs=0.01)
     assert len(set(found.threshold)) == 3
     # friction decides: more of it, later hunting
     assert (found.threshold.argsort() == shaft.friction[found.rows].argsort()).all()
@@ -39,7 +38,7 @@ def test_outside_the_formula_each_draw_has_its_own_simulated_threshold():
 
 def test_inside_the_formula_it_is_the_formula():
     shaft = drawn({"kick.over_stuck_band": 1.2})
-    found = find_hunting(shaft, 3)
+    found = find_hunting(shaft, 3, 0.05)
     assert found.method == "formula"
     assert found.threshold == pytest.approx(formula_threshold(shaft))
     assert np.isnan(found.amplitude).all()  # at γ = 1 none hunts

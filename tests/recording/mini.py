@@ -35,10 +35,10 @@ PACKAGE: dict[str, Any] = {
 
 TABLES = {
     "gravity_trials.csv": """\
-trial,order,setup,pulley_size,n_pulleys,wrap_angle_deg,mass_drive_kg,mass_load_kg,drive_end,role,acceleration_m_s2,acceleration_sd_m_s2
-g1,1,a,medium,9,85,1.60,1.30,left,calibrate,,
-g2,2,a,medium,9,85,2.10,1.80,right,test,,
-g3,3,b,small,5,110,0.90,0.60,,,0.52,0.01
+trial,order,setup,pulley_size,n_pulleys,wrap_angle_deg,mass_drive_kg,mass_load_kg,drive_end,role,did_not_move,wrap_angles_deg,acceleration_m_s2,acceleration_sd_m_s2
+g1,1,a,medium,9,85,1.60,1.30,left,calibrate,,,,
+g2,2,a,medium,9,85,2.10,1.80,right,test,,,,
+g3,3,b,small,5,110,0.90,0.60,,,false,,0.52,0.01
 """,
     "gravity_events.csv": """\
 trial,sensor,displacement_m,time_s

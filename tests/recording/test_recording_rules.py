@@ -53,6 +53,30 @@ RULES: list[tuple[str, Callable[[Mini], Mini], list[Place], str]] = [
         "more than mass_load_kg",
     ),
     (
+        "moved and did not",
+        cell(TRIALS, 2, "did_not_move", "true"),
+        [(TRIALS, 2, "did_not_move", "true")],
+        "the trial has events or an acceleration",
+    ),
+    (
+        "fewer angles than pulleys",
+        cell(TRIALS, 4, "wrap_angles_deg", "110 110 110 110"),
+        [(TRIALS, 4, "wrap_angles_deg", "110 110 110 110")],
+        "as many angles as pulleys, 5",
+    ),
+    (
+        "an angle in words",
+        cell(TRIALS, 4, "wrap_angles_deg", "110 110 110 110 wide"),
+        [(TRIALS, 4, "wrap_angles_deg", "110 110 110 110 wide")],
+        "numbers from 0 to 180",
+    ),
+    (
+        "angles of another mean",
+        cell(TRIALS, 4, "wrap_angles_deg", "110 110 110 110 120"),
+        [(TRIALS, 4, "wrap_angles_deg", "110 110 110 110 120")],
+        "within 0.5° of wrap_angle_deg, 110",
+    ),
+    (
         "m1 < m2",
         cell(TRIALS, 4, "mass_load_kg", "0.95"),
         [(TRIALS, 4, "mass_drive_kg", "0.90")],

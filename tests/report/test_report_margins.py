@@ -7,7 +7,7 @@ from margins.loops import loop, write_draws
 
 from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins
-from bayesfric.plots.margins import limit_cycle_against_gain, nyquist_fan
+from bayesfric.plots.margins import hunting_over_speed, limit_cycle_against_gain, nyquist_fan
 from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters.margins import margins
 from bayesfric.report.content import Heading, Paragraph, Strong, Table
@@ -77,6 +77,10 @@ def test_the_figures_draw_what_is_stored(computed):
     axes = limit_cycle_against_gain([one]).axes[0]
     curve = axes.lines[0].get_xydata()
     assert curve.tolist() == [[p.gamma, p.p] for p in one.limit_cycle_probability]
+    chart = computed.summary.loops[1].hunting_map
+    drawn, errors = (panel.images[0].get_array() for panel in hunting_over_speed(chart).axes)
+    assert drawn.tolist() == [list(row) for row in chart.probability]
+    assert errors[1, 0] == pytest.approx(1e3 * chart.rms_error_m[1][0])
     left, right = nyquist_fan(one.nyquist).axes
     loops = [fan for fan in one.nyquist if fan.what == "loop"]
     assert left.lines[0].get_xdata().tolist() == list(loops[0].real[0])

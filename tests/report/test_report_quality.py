@@ -8,9 +8,9 @@ import xarray as xr
 
 from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters import checks, data_quality, predictions, summary
-from bayesfric.report.content import Figure, Paragraph, Table, inlines
+from bayesfric.report.content import BulletList, Figure, Paragraph, Table, inlines
 from bayesfric.report.stored import StoredFit, StoredResults
-from bayesfric.schemas import Agreement, Interval, Repaired, WithoutExclusions
+from bayesfric.schemas import Agreement, Excluded, Interval, Repaired, WithoutExclusions
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +41,7 @@ def test_a_clean_recording_is_called_clean(stored):
     text = paragraphs(blocks)
     assert "No trial was left out." in text
     assert "No Hall event was found missed or doubled." in text
-    assert "No trial stalls." in text
+    assert "No trial stops on its way." in text
     assert set(tables(blocks)) == {"agreement"}
 
 
@@ -81,8 +81,31 @@ def test_repairs_are_listed_up_to_a_page(stored):
 
 def test_stalls_are_named(stored):
     text = paragraphs(data_quality.data_quality(with_quality(stored, stalled=("g0001", "g0009"))))
-    assert "Trials that stall: g0001, g0009." in text
-    assert "No trial stalls" not in text
+    assert "Trials that stop on their way: g0001, g0009." in text
+    assert "No trial stops" not in text
+    still = with_quality(stored, did_not_move=("g0003",))
+    assert "Trials that did not move: g0003. Each says" in paragraphs(
+        data_quality.data_quality(still)
+    )
+
+
+def test_what_the_rules_select_on_and_what_stalls_change_are_said(stored):
+    one = Excluded(trial="g0002", rule="stalled", reason="it stopped", selects_on="friction: much")
+    rules = with_quality(stored, excluded=(one,))
+    found = list(data_quality.data_quality(rules))
+    (points,) = [block for block in found if isinstance(block, BulletList)]
+    assert [words(point) for point in points.items] == ["stalled: friction: much."]
+    pulleys = {
+        size: {name: Interval(mean=m, sd=0.1, q05=m, q50=m, q95=m) for name, m in own.items()}
+        for size, own in {"small": {"c1": 0.012, "c2": 0.03, "c3": 2e-5}}.items()
+    }
+    without = WithoutExclusions(trials_used=77, converged=True, pulleys=pulleys)
+    fit = stored.fit.model_copy(update={"without_stalls": without})
+    table = tables(data_quality.data_quality(dataclasses.replace(stored, fit=fit)))[
+        "without-stalls"
+    ]
+    assert "77 trials" in words(table.caption)
+    assert [row[4] for row in table.rows] == ["12.0", "30.0", "20.0"]
 
 
 def test_why_the_papers_estimator_has_no_value(stored):

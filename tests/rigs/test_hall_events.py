@@ -16,6 +16,7 @@ from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
 from bayesfric.rigs.gravity_board.places import TrialPlaces
 from bayesfric.rigs.gravity_board.screening import screen_trials
 from bayesfric.rigs.gravity_board.wander import Wander
+from bayesfric.rigs.opening import open_rigs
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import Truth, simulate_recording
 
@@ -334,7 +335,7 @@ def test_table_agrees_with_a_direct_solution(ratio):
     assert found.variance[0, 0] == pytest.approx(np.linalg.inv(information)[3, 3], rel=1e-6)
 
 
-def test_stalled_trial_leaves_by_the_stated_rule():
+def test_stalled_trial_enters_and_leaves_what_moved_all_the_way():
     recording = few_trials(3, 30)
     events = recording.gravity.events.copy()
     stalled = recording.gravity.trials["trial"][1]
@@ -348,9 +349,12 @@ def test_stalled_trial_leaves_by_the_stated_rule():
     events.loc[rows, "time_s"] = 1.0 + (0.339 - np.sqrt(0.339**2 - 0.4 * travel)) / 0.2
     slower = Gravity(recording.gravity.trials, events)
     screened = screen_trials(slower, recording.rig)
-    assert screened.excluded == {stalled: "stalled"}
-    assert stalled not in set(screened.gravity.trials["trial"])
-    assert stalled not in set(screened.gravity.events["trial"])
+    assert screened.excluded == {}
+    assert screened.stalled == (stalled,)
+    (entering,) = open_rigs(dataclasses.replace(recording, gravity=slower), ["gravity"])
+    assert stalled in set(entering.table["trial"])
+    assert set(entering.table["trial"]) - set(entering.moved().table["trial"]) == {stalled}
+    assert stalled not in set(entering.entering().table["trial"])
 
 
 def test_model_puts_prior_jacobian_and_likelihood_together():

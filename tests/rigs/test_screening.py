@@ -9,7 +9,7 @@ import pytest
 from scipy import stats
 
 from bayesfric.recording.tables import Gravity
-from bayesfric.rigs.gravity_board.screening import RULES, screen_trials
+from bayesfric.rigs.gravity_board.screening import RULES, SELECTS_ON, screen_trials
 from bayesfric.rigs.gravity_board.sensor_agreement import sensor_agreement
 from bayesfric.simulate import Truth, simulate_recording
 
@@ -110,7 +110,7 @@ def test_a_trial_without_a_sensor_left_leaves_in_any_case(recording, exclude):
     assert trial not in set(found.gravity.events["trial"])
 
 
-def test_stalling_is_judged_after_repair_and_kept_on_demand(recording):
+def test_stalling_is_judged_after_repair_and_excludes_nothing(recording):
     trial = recording.gravity.trials["trial"][3]
     events = recording.gravity.events
     events = events[~rows_of(events, trial, "load")].copy()
@@ -126,16 +126,13 @@ def test_stalling_is_judged_after_repair_and_kept_on_demand(recording):
     assert screened(recording, pd.concat([others, slowing(0.35)])).stalled == ()
     stalling = slowing(0.339)  # stops after 0.2873 m; the 31st event is at 0.294 m
     found = screened(recording, pd.concat([others, stalling]))
-    assert found.excluded == {trial: "stalled"}
+    assert found.excluded == {}
     assert found.stalled == (trial,)
-    kept = screened(recording, pd.concat([others, stalling]), exclude=False)
-    assert kept.excluded == {}
-    assert kept.stalled == (trial,)
     # With an event missed on the way the counted motion would go on to the next.
     recounted = stalling.drop(index=stalling.index[10])
     recounted["displacement_m"] = np.arange(29) * SPACING
     found = screened(recording, pd.concat([others, recounted]))
-    assert found.excluded == {trial: "stalled"}
+    assert found.stalled == (trial,)
     assert found.repaired["missed"].tolist() == [1]
 
 
@@ -264,7 +261,8 @@ def test_no_events_in_the_whole_recording(recording):
 
 
 def test_each_rule_has_a_sentence():
-    assert set(RULES) == {"unrepairable-events", "stalled", "sensors-disagree"}
+    assert set(RULES) == set(SELECTS_ON)
+    assert set(RULES) == {"unrepairable-events", "stalled", "size-at-rest", "sensors-disagree"}
     assert all(sentence[0].islower() and sentence[-1] != "." for sentence in RULES.values())
 
 

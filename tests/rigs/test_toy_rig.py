@@ -9,6 +9,7 @@ import bayesfric as bf
 from bayesfric import rigs
 from bayesfric.analysis import Analysis, Sampler
 from bayesfric.effects import all_effects
+from bayesfric.recording.columns import TABLES
 from bayesfric.recording.tables import Recording, RigConstants
 from bayesfric.recording.writing import write_recording
 from bayesfric.report.writing import write_report
@@ -25,6 +26,7 @@ def scale():
     rigs.all_rigs.cache_clear()
     yield rigs.all_rigs()["scale"]
     rigs.__path__.remove(TOYS)
+    TABLES.pop("pull_scale.csv")
     rigs.all_rigs.cache_clear()
 
 
@@ -43,7 +45,7 @@ def fitted(recording):
 
 
 def test_it_is_found_by_being_there(scale):
-    assert list(rigs.all_rigs()) == ["gravity", "motor", "scale"]
+    assert list(rigs.all_rigs()) == ["gravity", "motor", "scale", "steady-points"]
     assert "scale" not in rigs.paper_rigs()
 
 

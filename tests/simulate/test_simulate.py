@@ -108,9 +108,10 @@ def test_streams_are_apart():
     assert 1e-5 < shift.abs().median() < 1e-3
 
 
-def test_stalled_trials_are_named_and_left_out():
+def test_trials_that_stop_too_early_are_named_and_left_out():
     heavy = {size: Coefficients(0.03, 0.03, 0.0) for size in table1_coefficients()}
-    recording = simulate_recording("quick", seed=0, truth=Truth(coefficients=heavy))
+    pushed = Truth(coefficients=heavy, push=0.1)
+    recording = simulate_recording("quick", seed=0, truth=pushed)
     stalled = recording.metadata["simulation"]["stalled"]
     assert len(stalled) + len(recording.gravity.trials) == 180
     assert len(stalled) > 0

@@ -21,15 +21,15 @@ LEFT_OUT = 5e-4  # of the draws at either end of a density, too few for a height
 def coefficients(model: Model, flat: Array) -> xr.Dataset:
     """Return quantiles of the coefficients, and their ratio to Table I for its sizes."""
     draws = model.by_name(flat)
-    sizes = [size for size in table1() if f"c1[{size}]" in draws]
-    names = Coefficients._fields
+    names = [c for c in Coefficients._fields if any(f"{c}[{size}]" in draws for size in table1())]
+    sizes = [size for size in table1() if all(f"{c}[{size}]" in draws for c in names)]
+    if not names or not sizes:
+        return xr.Dataset()
     levels = (0.05, 0.25, 0.5, 0.75, 0.95)
     paper = np.array([[getattr(table1()[size], name).value for name in names] for size in sizes])
     quantiles = np.array(
         [[np.quantile(draws[f"{name}[{size}]"], levels) for name in names] for size in sizes]
     )
-    if not sizes:
-        return xr.Dataset()
     dims = ("pulley", "coefficient")
     return xr.Dataset(
         {
@@ -37,7 +37,7 @@ def coefficients(model: Model, flat: Array) -> xr.Dataset:
             "value": ((*dims, "level"), quantiles),
             "ratio": ((*dims, "level"), quantiles / paper[..., None]),
         },
-        coords={"pulley": sizes, "coefficient": list(names), "level": list(levels)},
+        coords={"pulley": sizes, "coefficient": names, "level": list(levels)},
     )
 
 

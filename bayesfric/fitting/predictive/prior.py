@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import Baseline
 from bayesfric.rigs.base import Resting
+from bayesfric.rigs.coefficients import law_of
 
 __all__ = ["PRIOR_DRAWS", "PRIOR_QUANTILES", "friction_of_prior"]
 
@@ -73,7 +74,7 @@ def friction_of_prior(
         )
         extremes[place] = measured.min(), measured.max()
         for name, draws in (("prior", prior), ("posterior", posterior)):
-            law = Coefficients(*(draws[f"{c}[{size}]"][:, None] for c in Coefficients._fields))
+            law = Coefficients(*(np.asarray(c)[:, None] for c in law_of(draws, size)))
             friction = baseline.at_tension(law, n, wrap, tension)
             by_condition[name][here] = np.quantile(friction, PRIOR_QUANTILES, axis=0).T
             pooled[name][place] = np.quantile(friction, PRIOR_QUANTILES)

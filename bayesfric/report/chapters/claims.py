@@ -36,9 +36,11 @@ FAMILIES = {
         "linear-in-tension",
         "proportional-to-pulleys",
         "linear-in-wrap",
+        "wrap-slope-proportional",
+        "average-wrap",
     ),
     "Cable": ("stiffness-negligible",),
-    "Numbers": ("coefficients", "rigs-agree", "nominal-tension"),
+    "Numbers": ("coefficients", "rigs-mostly-agree", "rigs-agree", "nominal-tension"),
 }
 
 

@@ -4,10 +4,19 @@ from collections.abc import Iterator
 
 from bayesfric.plots.rig_tables import rig_tables
 from bayesfric.report.chapters.symbols import EXPONENTS, symbol, unit_head
-from bayesfric.report.content import Block, Code, Column, Heading, Inline, Paragraph, Table
+from bayesfric.report.content import (
+    Block,
+    BulletList,
+    Code,
+    Column,
+    Heading,
+    Inline,
+    Paragraph,
+    Table,
+)
 from bayesfric.report.quantities import MISSING, format_count, format_number, format_share
 from bayesfric.report.stored import StoredFit
-from bayesfric.schemas import DataQuality, FitFile
+from bayesfric.schemas import DataQuality, FitFile, WithoutExclusions
 
 __all__ = ["data_quality"]
 
@@ -26,7 +35,7 @@ def data_quality(stored: StoredFit) -> Iterator[Block]:
     if quality.trials:
         yield Paragraph(" ".join(_clean(quality)))
         yield from _left_out(quality)
-        yield from _with_all(stored.fit)
+        yield from _other_fits(stored.fit)
         yield from _repairs(quality)
         yield from _agreement(quality)
     for note in quality.notes:
@@ -42,9 +51,15 @@ def _clean(quality: DataQuality) -> Iterator[str]:
     if quality.agreement is None or not quality.agreement.trials:
         yield "No trial has two sensors to compare."
     if quality.stalled:
-        yield f"Trials that stall: {', '.join(quality.stalled)}."
+        yield f"Trials that stop on their way: {', '.join(quality.stalled)}."
     else:
-        yield "No trial stalls."
+        yield "No trial stops on its way."
+    if quality.did_not_move:
+        yield (
+            f"Trials that did not move: {', '.join(quality.did_not_move)}. Each says that friction "
+            "at rest was at least the drive, and enters the fit and the claims as that; a "
+            "diagnosis of forces along the travel takes neither these nor those that stop."
+        )
 
 
 def _left_out(quality: DataQuality) -> Iterator[Block]:
@@ -55,15 +70,41 @@ def _left_out(quality: DataQuality) -> Iterator[Block]:
             [[entry.trial, entry.rule, entry.reason] for entry in quality.excluded],
             label="excluded",
         )
+        selects = {entry.rule: entry.selects_on for entry in quality.excluded if entry.selects_on}
+        if selects:
+            yield Paragraph("What the rules select on.")
+            yield BulletList([[Code(rule), f": {what}."] for rule, what in selects.items()])
 
 
-def _with_all(fit: FitFile) -> Iterator[Block]:
-    """Yield the coefficients with and without the trials that were left out."""
-    whole = fit.without_exclusions
-    if whole is None:
-        return
+def _other_fits(fit: FitFile) -> Iterator[Block]:
+    """Yield the coefficients beside those of fits to more and to fewer trials."""
+    if fit.without_exclusions is not None:
+        yield _beside(
+            fit,
+            fit.without_exclusions,
+            "Coefficients with the rules, and with all "
+            f"{format_count(fit.without_exclusions.trials_used)} trials that can be computed.",
+            ("with the rules", "all trials"),
+            "all-trials",
+        )
+    if fit.without_stalls is not None:
+        yield _beside(
+            fit,
+            fit.without_stalls,
+            "Coefficients of all trials that enter, and without those that did not move or stopped "
+            f"on their way: {format_count(fit.without_stalls.trials_used)} trials, which were "
+            "selected for little friction.",
+            ("with stalls", "without"),
+            "without-stalls",
+        )
+
+
+def _beside(
+    fit: FitFile, other: WithoutExclusions, caption: str, heads: tuple[str, str], label: str
+) -> Table:
+    """Return the coefficients of two fits."""
     rows = []
-    for size, coefficients in whole.pulleys.items():
+    for size, coefficients in other.pulleys.items():
         for name, interval in coefficients.items():
             entry = fit.pulleys[size][name]
             power = EXPONENTS[name]
@@ -78,20 +119,20 @@ def _with_all(fit: FitFile) -> Iterator[Block]:
                     ),
                 ]
             )
-    yield Table(
-        f"Coefficients with the rules, and with all {format_count(whole.trials_used)} trials that "
-        "can be computed.",
+    first, second = heads
+    return Table(
+        caption,
         [
             "pulley",
             "coefficient",
-            Column("with the rules", align="decimal"),
+            Column(first, align="decimal"),
             Column("sd", align="decimal"),
-            Column("all trials", align="decimal"),
+            Column(second, align="decimal"),
             Column("sd", align="decimal"),
         ],
         rows,
-        label="all-trials",
-        note="" if whole.converged else "The fit of all trials has not converged.",
+        label=label,
+        note="" if other.converged else "The second fit has not converged.",
     )
 
 

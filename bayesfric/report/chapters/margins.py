@@ -7,6 +7,7 @@ from typing import Literal
 from bayesfric.plots.margins import (
     error_and_headroom,
     has_error_or_headroom,
+    hunting_over_speed,
     limit_cycle_against_gain,
     nyquist_fan,
 )
@@ -111,14 +112,16 @@ def margins(found: MarginsFile) -> Iterator[Block]:
 
 
 def _kind(loop: LoopMargins) -> Literal["attention", "good", "info"]:
-    if loop.compensation_signal in ("none", "reference"):
-        return "info"
     hunts = [one for one in loop.metrics if one.name == "gamma_hunting"]
     p = hunts[0].probability_of_violation if hunts else None
-    if p is None or p > loop.limit_cycle_probability_max:
+    missed = any(
+        (one.probability_of_violation or 0.0) > loop.limit_cycle_probability_max
+        for one in loop.metrics
+    )
+    if missed or (p is None and loop.largest_safe_compensation_gain is None):
         return "attention"
     # Green would cover what the loop's remarks say of its assumptions.
-    return "info" if loop.warnings else "good"
+    return "info" if loop.warnings or loop.not_examined else "good"
 
 
 def _hunting(loops: Sequence[LoopMargins]) -> Iterator[Block]:
@@ -166,6 +169,7 @@ def _loop(loop: LoopMargins) -> Iterator[Block]:
         "no spec is set.",
     )
     yield BulletList(list(_remarks(loop)))
+    yield from _over_speed(loop)
     yield from _shares(loop)
     yield from _verification(loop)
     yield from _before_and_after(loop)
@@ -181,6 +185,25 @@ def _loop(loop: LoopMargins) -> Iterator[Block]:
         ],
         "Two panels of thin curves in the complex plane, a curve for each draw.",
         label=f"nyquist-{loop.name}",
+    )
+
+
+def _over_speed(loop: LoopMargins) -> Iterator[Block]:
+    """Yield the map of hunting over reference speed and gain."""
+    if loop.hunting_map is None:
+        yield Paragraph(f"Hunting over reference speeds: {loop.hunting_map_why}.")
+        return
+    yield Figure(
+        to_svg(hunting_over_speed(loop.hunting_map)),
+        [
+            f"Over {format_count(loop.hunting_map.draws)} draws, how probably the loop hunts after "
+            "its kick, and the median error at the tip, by reference speed (the first column is "
+            "rest) and compensation gain. Steps are those that were simulated, not a scale. From ",
+            Code("margins.json"),
+            ".",
+        ],
+        "Two tables of grey cells, reference speed to the right and compensation gain upwards.",
+        label=f"hunting-map-{loop.name}",
     )
 
 

@@ -15,42 +15,34 @@ Without effects along the trial that is the density of its friction,
 """
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
-from bayesfric.effects.terms import ActiveEffect, parameters_of, rough_values, total
+from bayesfric.effects.terms import ActiveEffect, parameters_of, rough_values
+from bayesfric.errors import Fault, InputError
 from bayesfric.inference.grouped_normal import LOG_2PI, GroupedNormal, Groups
-from bayesfric.inference.priors import Parameter
 from bayesfric.inference.quadratic import bilinear
 from bayesfric.inference.student import GroupedStudent
-from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.gravity import tension_feedback
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.coefficients import coefficient_parameters
 from bayesfric.rigs.gravity_board.along import EffectsAlong
+from bayesfric.rigs.gravity_board.at_rest import TrialsAtRest
+from bayesfric.rigs.gravity_board.forces import Forces, SteadyForces
 from bayesfric.rigs.gravity_board.hall_events import TrialForm
 from bayesfric.rigs.gravity_board.measurements import TrialMeasurements, joined
 from bayesfric.rigs.gravity_board.places import TrialPlaces, trial_condition
+from bayesfric.rigs.gravity_board.scatter import scatter_parameters, scatter_values
 from bayesfric.rigs.gravity_board.wander import Wander
 
 __all__ = ["GravityLikelihood", "trial_condition"]
 
 Array = NDArray[np.float64]
 START_SCATTER = 0.02  # of friction, a place to climb from
-TENSION_ITERATIONS = 2  # each takes the error of an effect's tension down by some 100
-
-
-class _Forces(NamedTuple):
-    """What pulls at N trials, arrays that broadcast to (W, N)."""
-
-    friction: Array  # scatter multiplies it [N]
-    drive: Array  # at standstill, scatter leaves it alone [N]
-    mass: Array  # that is accelerated [kg]
+ONLY_NORMAL = "normal, since for Student-t scatter trials that did not move have no likelihood"
 
 
 class GravityLikelihood:
@@ -69,15 +61,23 @@ class GravityLikelihood:
         The friction law.
     effects : sequence of ActiveEffect
         What acts beside the law; what :meth:`TrialPlaces.supports` refuses is left out.
+    at_rest : DataFrame or None
+        Trials that did not move, see :mod:`bayesfric.rigs.gravity_board.at_rest`; None
+        without any.
 
     Attributes
     ----------
     parameters : tuple of Parameter
         What the likelihood depends on.
     trials : DataFrame
-        The N trials in the order of every result.
+        The N trials in the order of every result, all of which moved.
     setups : tuple of str
-        The J assemblies in the order of every result.
+        The J assemblies in the order of every result, those on which no trial moved last.
+
+    Raises
+    ------
+    InputError
+        Trials did not move, and scatter is Student-t.
     """
 
     def __init__(
@@ -87,18 +87,21 @@ class GravityLikelihood:
         analysis: Analysis,
         baseline: Baseline = BASELINES["paper"],
         effects: Sequence[ActiveEffect] = (),
+        at_rest: pd.DataFrame | None = None,
     ) -> None:
-        self._friction = baseline.gravity
         self._places = TrialPlaces(gravity, rig)
         here = [one for one in effects if self._places.supports(one.effect) is None]
+        self._effects = here
         along = [one for one in here if one.effect.along_path or one.effect.components]
-        self._steady = [one for one in here if one not in along]
+        steady = [one for one in here if one not in along]
         self.trials, self.condition = gravity.trials, self._places.condition
         codes, setups = pd.factorize(gravity.trials["setup"])
-        self.setups = tuple(str(setup) for setup in setups)
         self._groups = Groups(np.flatnonzero(np.diff(codes, prepend=-1)), codes.size)
         self._size = self._places.size
         self.sizes = self._size.sizes
+        self._forces = SteadyForces(
+            baseline, self.condition, self._size, steady, self._places.state
+        )
         self._along = EffectsAlong(self._places, along)
         self._wander = Wander(self._places, analysis)
         self._measurements = TrialMeasurements(
@@ -108,23 +111,27 @@ class GravityLikelihood:
             self._along.columns,
             joined(self._wander.columns, self._along.scattered),
         )
-        self._by_size = analysis.scatter.by_size
-        priors = analysis.priors
-        groups = [f"[{size}]" for size in self.sizes] if self._by_size else [""]
         self.parameters = (
-            *coefficient_parameters(self.sizes, analysis),
-            *(Parameter(f"tau{group}", "1", priors.tau, "scatter") for group in groups),
-            *(Parameter(f"omega{group}", "1", priors.omega, "scatter") for group in groups),
-            *(
-                Parameter(f"omega_intercept{group}", "1", priors.omega_intercept, "scatter")
-                for group in groups
-            ),
+            *coefficient_parameters(self.sizes, analysis, baseline.without),
+            *scatter_parameters(self.sizes, analysis),
             *self._wander.parameters,
             *self._measurements.parameters,
             *(parameter for active in here for parameter in parameters_of(active)),
         )
         scatter = analysis.scatter
         self._freedom = scatter.degrees_of_freedom if scatter.trial == "student-t" else None
+        self._at_rest: TrialsAtRest | None = None
+        self.setups = tuple(str(setup) for setup in setups)
+        if at_rest is not None and len(at_rest):
+            if self._freedom is not None:
+                fault = Fault(
+                    "analysis.toml", ONLY_NORMAL, column="scatter.trial", value="student-t"
+                )
+                raise InputError([fault])
+            self._at_rest = TrialsAtRest(
+                at_rest, gravity.trials, rig, self.sizes, baseline, here, self._wander
+            )
+            self.setups += self._at_rest.setups
 
     def law(self, theta: Mapping[str, Array]) -> Array:
         """Return the friction of each trial by the law and the steady effects [N].
@@ -140,38 +147,7 @@ class GravityLikelihood:
             fc of eq. (15) at the nominal tension of the moving board, and what effects
             add that do not change along a trial.
         """
-        return self._forces(theta).friction
-
-    def _forces(self, theta: Mapping[str, Array]) -> "_Forces":
-        """Return the friction that scatters, and drive and mass as effects on them leave them."""
-        law, condition = self._size.coefficients(theta), self.condition
-        friction = self._friction(law, condition)
-        drive, mass = condition.drive_force_n, condition.total_mass_kg
-        if not self._steady:
-            return _Forces(friction, drive, mass)
-        feedback = tension_feedback(law, condition)
-        drag = held = slope = np.zeros_like(friction)
-        for _ in range(TENSION_ITERATIONS):  # the drag changes the tension on which it depends
-            acceleration = (drive - friction - feedback * (drag + held)) / mass
-            drag = self._steady_force("friction", theta, law, acceleration)
-            held = self._steady_force("drive", theta, law, acceleration)
-            slope = self._steady_force("drive", theta, law, acceleration + 1) - held
-        return _Forces(
-            friction + feedback * drag + (feedback - 1) * held,
-            drive - held + slope * acceleration,
-            mass + slope,
-        )
-
-    def _steady_force(
-        self, kind: str, theta: Mapping[str, Array], law: Coefficients, acceleration: Array
-    ) -> Array:
-        """Return the force of effects that a trial does not change, shape (W, N) [N]."""
-        here = [one for one in self._steady if one.effect.acts_on == kind]
-        if not here:
-            return np.zeros_like(acceleration)
-        return np.broadcast_to(
-            total(here, theta, self._places.state(law, acceleration)), acceleration.shape
-        )
+        return self._forces.at(theta).friction
 
     def observed(self, theta: Mapping[str, Array]) -> tuple[Array, Array, Array]:
         """Return what was measured of each trial's friction, where none changes along it.
@@ -187,9 +163,9 @@ class GravityLikelihood:
             Friction [N], its error variance [N²], and the log density of the
             raw data less that of the friction.
         """
-        return self._shown(theta, self._forces(theta))
+        return self._shown(theta, self._forces.at(theta))
 
-    def _shown(self, theta: Mapping[str, Array], forces: "_Forces") -> tuple[Array, Array, Array]:
+    def _shown(self, theta: Mapping[str, Array], forces: Forces) -> tuple[Array, Array, Array]:
         acceleration = self._form(theta, forces.friction).acceleration()
         return (
             forces.drive - forces.mass * acceleration.mean,
@@ -204,16 +180,28 @@ class GravityLikelihood:
     def setup_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
         """Return the log density of each assembly's data, shape (W, J)."""
         scattered, constant = self._scattered(theta)
-        return scattered.group_log_density() + self._groups.total(constant)
+        moved = scattered.group_log_density() + self._groups.total(constant)
+        if self._at_rest is None:
+            return moved
+        found = self._at_rest.setup_log_probability(theta, _normal(scattered))
+        found[:, : moved.shape[1]] += moved
+        return found
 
     def trial_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
         """Return each trial's log density given the rest of its assembly, shape (W, N)."""
         scattered, constant = self._scattered(theta)
-        return scattered.single_log_density() + constant
+        found = scattered.single_log_density() + constant
+        if self._at_rest is None:
+            return found
+        return found + self._at_rest.trial_log_density(theta, _normal(scattered))
 
     def trial_cdf(self, theta: Mapping[str, Array]) -> Array:
         """Return the probability of less friction of each trial given the rest, shape (W, N)."""
-        return self._scattered(theta)[0].single_cdf()
+        scattered, _ = self._scattered(theta)
+        found = scattered.single_cdf()
+        if self._at_rest is None:
+            return found
+        return self._at_rest.trial_cdf(theta, _normal(scattered), found)
 
     def draw_trial_cdf(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
         """Return :meth:`trial_cdf` of recordings made again with these parameters.
@@ -246,7 +234,7 @@ class GravityLikelihood:
         self, theta: Mapping[str, Array], observed: Array, variance: Array, law: Array
     ) -> GroupedNormal | GroupedStudent:
         """Return the density of frictions, all of shape (W, N), that scatter around the law."""
-        tau, omega, of_intercept = self._scatter(theta)
+        tau, omega, of_intercept = scatter_values(theta, self._size)
         own = (law * tau) ** 2 + variance
         residual = observed - law
         moved = np.stack([law * omega, self._intercept(theta) * of_intercept])
@@ -260,7 +248,7 @@ class GravityLikelihood:
         All of shape (W, N). With effects along the trial, "observed" is the law's friction
         times 1 + ŝ: the density of the trial is one of its scatter, in newtons.
         """
-        law, drive, mass = forces = self._forces(theta)
+        law, drive, mass = forces = self._forces.at(theta)
         if self._along.columns is None:
             friction, variance, constant = self._shown(theta, forces)
             return friction, variance, law, constant
@@ -285,9 +273,8 @@ class GravityLikelihood:
 
     def _intercept(self, theta: Mapping[str, Array]) -> Array:
         """Return the part of each trial's friction that does not grow with tension, (W, N) [N]."""
-        return self._size.spread(theta, "c2") * np.asarray(
-            self.condition.n_pulleys, dtype=np.float64
-        )
+        pulleys = np.asarray(self.condition.n_pulleys, dtype=np.float64)
+        return np.asarray(self._size.coefficients(theta).c2) * pulleys
 
     def draw_scatter(
         self, theta: Mapping[str, Array], rng: np.random.Generator, *, together: bool = False
@@ -309,7 +296,7 @@ class GravityLikelihood:
         ndarray, shape (W, N)
             Relative deviation of friction from the law.
         """
-        tau, omega, of_intercept = self._scatter(theta)
+        tau, omega, of_intercept = scatter_values(theta, self._size)
         of_intercept = of_intercept * self._intercept(theta) / self.law(theta)
         shape = (len(tau), len(self.trials))
         if self._freedom is None:
@@ -353,12 +340,10 @@ class GravityLikelihood:
             if parameter.name.startswith(("tau", "omega", "wander"))
         }
         scatter |= self._wander.start()
-        effects = rough_values([*self._steady, *self._along.active])
+        effects = rough_values(self._effects)
         return self._measurements.start() | scatter | effects | self._places.rough
 
-    def _scatter(self, theta: Mapping[str, Array]) -> list[Array]:
-        """Return τ, ω and that of the intercept, broadcastable to (W, N)."""
-        names = ("tau", "omega", "omega_intercept")
-        if self._by_size:
-            return [self._size.spread(theta, name) for name in names]
-        return [theta[name][:, None] for name in names]
+
+def _normal(scattered: GroupedNormal | GroupedStudent) -> GroupedNormal:
+    assert isinstance(scattered, GroupedNormal)  # else trials at rest are refused
+    return scattered

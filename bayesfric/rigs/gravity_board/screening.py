@@ -2,7 +2,9 @@
 
 Events are repaired first (:mod:`bayesfric.rigs.gravity_board.event_repair`). Then the
 rules of :data:`RULES` apply in their order; a trial leaves by the first that it
-breaks. A trial that has an acceleration and no events breaks none of them.
+breaks. A trial that has an acceleration and no events breaks none of them. One that did not
+move enters as a bound, and one that stops on its way by its events up to there: rules that
+leave out what has much friction would make all friction low.
 """
 
 from dataclasses import dataclass
@@ -11,6 +13,7 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.recording.consistency import MINIMUM_EVENTS
+from bayesfric.recording.frames import did_not_move
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.event_repair import LARGEST_SHARE, repair_events
 from bayesfric.rigs.gravity_board.sensor_agreement import (
@@ -21,20 +24,30 @@ from bayesfric.rigs.gravity_board.sensor_agreement import (
 )
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 
-__all__ = ["RULES", "Screened", "screen_trials"]
+__all__ = ["RULES", "SELECTS_ON", "Screened", "screen_trials"]
 
 RULES = {
     "unrepairable-events": (
         f"no sensor is left: of each, more than {LARGEST_SHARE:.0%} of the events were missed, "
         f"doubled or stray, fewer than {MINIMUM_EVENTS} remain, or no smooth motion fits them"
     ),
-    "stalled": "the cable stops before the next event would have been reached",
+    "stalled": "a smooth motion through its events comes to a stop before the last of them",
+    "size-at-rest": "it did not move, and neither did any other trial of its pulley size",
     "sensors-disagree": (
         "the two sensors' accelerations differ by more than noise explains in "
         f"{1 - TAIL:.2%} of trials, and their frictions by more than {MATERIAL_SHARE:.0%}"
     ),
 }
 """Why a trial leaves the fit, rule to sentence."""
+
+SELECTS_ON = {
+    "unrepairable-events": "the sensors, whatever the friction was",
+    "stalled": "friction: of trials that are close to a stop, those with much friction leave, and "
+    "the friction that is found is too low",
+    "size-at-rest": "friction: nothing but a lower bound is known of this size",
+    "sensors-disagree": "the sensors, and a cable that slips or stretches on one side",
+}
+"""What a rule selects on, and so which way the rest may be biased."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +68,10 @@ class Screened:
     agreement : SensorAgreement
         Of the trials with two sensors, those excluded by it too.
     stalled : tuple of str
-        Trials that stall, whether excluded or not.
+        Trials that stop on their way, whether excluded or not.
+    at_rest : DataFrame
+        Trials that did not move and bound the friction of a size of which others did,
+        those of role ``test`` left out.
     """
 
     gravity: Gravity
@@ -63,6 +79,7 @@ class Screened:
     repaired: pd.DataFrame
     agreement: SensorAgreement
     stalled: tuple[str, ...]
+    at_rest: pd.DataFrame
 
 
 def screen_trials(gravity: Gravity, rig: RigConstants, *, exclude: bool = True) -> Screened:
@@ -84,7 +101,9 @@ def screen_trials(gravity: Gravity, rig: RigConstants, *, exclude: bool = True) 
     Screened
         What enters, and what does not.
     """
-    trials, events = gravity.trials, gravity.events
+    resting = did_not_move(gravity.trials)
+    still, trials = gravity.trials[resting], gravity.trials[~resting]
+    events = gravity.events
     recorded = trials["trial"].isin(events["trial"])
     repaired = pd.DataFrame(columns=["trial", "sensor", "missed", "doubled", "removed", "used"])
     if recorded.any():
@@ -94,13 +113,18 @@ def screen_trials(gravity: Gravity, rig: RigConstants, *, exclude: bool = True) 
     left = trials["trial"].isin(events["trial"])
     excluded = dict.fromkeys(trials["trial"][recorded & ~left], "unrepairable-events")
     stalled, stopped = _stalled(events, trials["trial"][left], rig)
-    excluded |= dict.fromkeys(stalled if exclude else stopped, "stalled")
+    excluded |= dict.fromkeys(stopped, "stalled")
     agreement = sensor_agreement(events, trials[left], rig)
     if exclude:
         disagreeing = agreement.trials["trial"][agreement.trials["disagrees"].astype(bool)]
         excluded = dict.fromkeys(disagreeing, "sensors-disagree") | excluded
-    in_order = {trial: excluded[trial] for trial in trials["trial"] if trial in excluded}
     kept = trials[~trials["trial"].isin(excluded)]
+    bounding = still["pulley_size"].isin(kept["pulley_size"])
+    excluded |= dict.fromkeys(still["trial"][~bounding], "size-at-rest")
+    if "role" in still:
+        bounding &= still["role"] != "test"
+    recorded_ids = gravity.trials["trial"]
+    in_order = {trial: excluded[trial] for trial in recorded_ids if trial in excluded}
     by_trial = kept.iloc[pd.factorize(kept["setup"])[0].argsort(kind="stable")]
     return Screened(
         Gravity(by_trial.reset_index(drop=True), events[events["trial"].isin(kept["trial"])]),
@@ -108,6 +132,7 @@ def screen_trials(gravity: Gravity, rig: RigConstants, *, exclude: bool = True) 
         repaired,
         agreement,
         tuple(stalled),
+        still[bounding].reset_index(drop=True),
     )
 
 

@@ -28,6 +28,7 @@ __all__ = ["conditions_of", "draw_events", "lay_trials"]
 
 Array = NDArray[np.float64]
 LEAST_PATH_M = 0.001  # from release to the first event, so that the cable moves there
+LEAST_MOTION_M = 1e-6  # below it a trial did not move
 RELEASE_WINDOW_S = 0.3  # the release comes this long, at most, after the clock starts
 LEAST_EVENTS = 5  # of a trial and sensor, by the recording format
 PAST_M = 0.05  # beyond it: as far as any magnet of an event may be off its place
@@ -65,8 +66,8 @@ def draw_events(
     sensor_rng: np.random.Generator,
     noise_rng: np.random.Generator,
     effects_rng: np.random.Generator,
-) -> tuple[pd.DataFrame, NDArray[np.bool_]]:
-    """Return the events, and which trials gave enough of them."""
+) -> tuple[pd.DataFrame, NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return the events, which trials gave enough of them, and which did not move."""
     assert rig.hall_spacing_m and rig.magnets_per_revolution and rig.timer_resolution_s
     spacing, tick = rig.hall_spacing_m, rig.timer_resolution_s
     setup_index = pd.factorize(trials["setup"])[0]
@@ -106,7 +107,8 @@ def draw_events(
             "time_s": np.round(passed[seen] / tick) * tick,
         }
     )
-    return events, moved
+    start = motion.time_at(np.full((len(trials), 1, 1), LEAST_MOTION_M))
+    return events, moved, ~np.isfinite(start[:, 0, 0])
 
 
 def conditions_of(trials: pd.DataFrame, rig: RigConstants) -> Condition:

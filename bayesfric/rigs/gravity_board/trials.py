@@ -29,7 +29,7 @@ from bayesfric.rigs.gravity_board.places import TrialPlaces
 from bayesfric.rigs.gravity_board.predictions import curves
 from bayesfric.rigs.gravity_board.predictions import trials as trials_dataset
 from bayesfric.rigs.gravity_board.rows import GravityRows
-from bayesfric.rigs.gravity_board.screening import RULES, Screened, screen_trials
+from bayesfric.rigs.gravity_board.screening import RULES, SELECTS_ON, Screened, screen_trials
 from bayesfric.rigs.gravity_board.sensor_agreement import MATERIAL_SHARE, SensorAgreement
 from bayesfric.rigs.gravity_board.simulator import draw_events, lay_trials
 from bayesfric.rigs.gravity_board.slopes import paper_slopes
@@ -38,6 +38,7 @@ from bayesfric.rigs.gravity_board.stretch import friction_ratios
 from bayesfric.rigs.gravity_board.trajectories import trajectories
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 from bayesfric.rigs.protocols import Protocol
+from bayesfric.rigs.pulleys import PulleyTrials
 from bayesfric.rigs.truth import Truth
 from bayesfric.schemas import Agreement, Excluded, PointEstimate, Repaired
 
@@ -65,7 +66,9 @@ class GravityBoard:
         if recording.gravity is None:
             return None
         screened = screen_trials(recording.gravity, recording.rig, exclude=exclude)
-        return GravityTrials(recording.rig, screened.gravity, screened, recording.gravity)
+        return GravityTrials(
+            recording.rig, screened.gravity, screened, recording.gravity, screened.at_rest
+        )
 
     def change(
         self, effect: Effect, design: Protocol, constants: RigConstants, truth: Truth
@@ -84,9 +87,11 @@ class GravityBoard:
         streams = [np.random.default_rng(one) for one in np.random.SeedSequence(seed).spawn(7)]
         order, *rngs = (streams[place] for place in STREAMS)
         trials = lay_trials(design, order)
-        events, moved = draw_events(trials, constants, truth, *rngs)
-        kept = trials[moved].reset_index(drop=True)
-        stalled = tuple(trials.loc[~moved, "trial"])
+        events, moved, stayed = draw_events(trials, constants, truth, *rngs)
+        if stayed.any():
+            trials["did_not_move"] = np.where(stayed, "true", "false")
+        kept = trials[moved | stayed].reset_index(drop=True)
+        stalled = tuple(trials.loc[~(moved | stayed), "trial"])
         return Simulated({"gravity": Gravity(kept, events)}, len(kept), stalled)
 
 
@@ -94,7 +99,7 @@ RIG = GravityBoard()
 
 
 @dataclass(frozen=True)
-class GravityTrials:
+class GravityTrials(PulleyTrials):
     """Trials that enter, those of an assembly adjacent.
 
     Parameters
@@ -107,6 +112,8 @@ class GravityTrials:
         How they were chosen.
     source : Gravity
         All trials and events as recorded.
+    at_rest : DataFrame
+        Trials that did not move, of which the likelihood knows.
     law : Baseline
         Around which a diagnosis makes them linear.
     """
@@ -115,6 +122,7 @@ class GravityTrials:
     gravity: Gravity
     screened: Screened
     source: Gravity
+    at_rest: pd.DataFrame
     law: Baseline = BASELINES["paper"]
     rig: GravityBoard = RIG
     loads: tuple[str, ...] = ("mass_drive_kg", "mass_load_kg")
@@ -141,11 +149,22 @@ class GravityTrials:
         return int(trials[name].nunique())
 
     def select(self, keep: "pd.Series[bool]") -> "GravityTrials | None":
-        """Return the trials of a mask over the table; None without any."""
+        """Return the trials of a mask over the table, and those at rest of their sizes."""
         trials = self.gravity.trials[keep].reset_index(drop=True)
         events = self.gravity.events
         events = events[events["trial"].isin(trials["trial"])].reset_index(drop=True)
-        return replace(self, gravity=Gravity(trials, events)) if len(trials) else None
+        if trials.empty:
+            return None
+        still = self.at_rest[self.at_rest["pulley_size"].isin(trials["pulley_size"])]
+        return replace(self, gravity=Gravity(trials, events), at_rest=still.reset_index(drop=True))
+
+    def moved(self) -> "GravityTrials | None":
+        """Return the trials that moved all the way; None where all did, or none."""
+        stalled = self.table["trial"].isin(self.screened.stalled)
+        if self.at_rest.empty and not stalled.any():
+            return None
+        rest = self.select(~stalled)
+        return None if rest is None else replace(rest, at_rest=self.at_rest.iloc[:0])
 
     def supports(self, effect: Effect) -> Unsupported | None:
         """Return why an effect cannot enter the likelihood; None where it can."""
@@ -169,23 +188,25 @@ class GravityTrials:
     def entering(self) -> "GravityTrials":
         """Return the trials that enter a diagnosis.
 
-        Where the sensors of many trials disagree, it is no fault of a trial, but of the rig,
-        and what the diagnosis is to find: these trials stay.
+        Those that did not move, or stopped, do not: a force along the travel is not known of
+        them. Where the sensors of many trials disagree, it is no fault of a trial, but of the
+        rig, and what the diagnosis is to find: these trials stay.
         """
         excluded = self.screened.excluded
         disagreeing = [trial for trial, rule in excluded.items() if rule == "sensors-disagree"]
         if len(disagreeing) <= MANY * len(self.recorded):
-            return self
+            return self.moved() or self
         screened = screen_trials(self.source, self.constants, exclude=False)
         whole = replace(self, gravity=screened.gravity, screened=screened)
         kept = whole.select(~whole.table["trial"].isin(set(excluded) - set(disagreeing)))
         assert kept is not None
-        return kept
+        return kept.moved() or kept
 
     def next_trials(self, laws: Mapping[str, Coefficients]) -> "GravityTrials | None":
         """Return a trial at every feasible condition; see :mod:`.next_trials`."""
         laid = lay_out(self.gravity.trials, self.constants, laws)
-        return None if laid is None else replace(self, gravity=laid)
+        none = self.at_rest.iloc[:0]
+        return None if laid is None else replace(self, gravity=laid, at_rest=none)
 
     def likelihood(
         self,
@@ -194,7 +215,7 @@ class GravityTrials:
         effects: Sequence[ActiveEffect] = (),
     ) -> GravityLikelihood:
         """Return the density of the event times."""
-        return GravityLikelihood(self.gravity, self.constants, analysis, law, effects)
+        return GravityLikelihood(self.gravity, self.constants, analysis, law, effects, self.at_rest)
 
     def stretch_ratios(self, cable: Cable, theta: Mapping[str, Array]) -> Array | Unsupported:
         """Return friction of model (3) over that of model (4), where a trial has events."""
@@ -222,12 +243,12 @@ class GravityTrials:
         cells = trials.groupby(["pulley_size", "n_pulleys", "wrap_angle_deg"])["setup"].nunique()
         return {
             "trials": len(self.recorded),
-            "trials_used": len(trials),
+            "trials_used": len(trials) + len(self.at_rest),
             "setups": trials["setup"].nunique(),
             "events": len(self.gravity.events),
             "replicated_cells": int((cells > 1).sum()),
             "excluded": tuple(
-                Excluded(trial=trial, rule=rule, reason=RULES[rule])
+                Excluded(trial=trial, rule=rule, reason=RULES[rule], selects_on=SELECTS_ON[rule])
                 for trial, rule in screened.excluded.items()
             ),
             "repaired": tuple(
@@ -235,6 +256,7 @@ class GravityTrials:
             ),
             "agreement": _agreement(screened.agreement),
             "stalled": screened.stalled,
+            "did_not_move": tuple(self.at_rest["trial"]),
         }
 
     def paper_estimates(self) -> Mapping[str, PointEstimate]:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from bayesfric.analysis import Analysis
 from bayesfric.inference.cosines import MODES, cosine_variances, cosines
 from bayesfric.inference.priors import Parameter
+from bayesfric.rigs.coefficients import SizeIndex
 from bayesfric.rigs.gravity_board.measurements import Columns
 from bayesfric.rigs.gravity_board.places import TrialPlaces
 
@@ -64,6 +65,26 @@ class Wander:
         shape = cosines(travel / travel[:, -1:], MODES)
         self.columns = places.columns(list(-shape / places.condition.total_mass_kg[:, None]))
 
+    def at_release(
+        self, theta: Mapping[str, Array], size: SizeIndex, friction_n: Array
+    ) -> Array | float:
+        """Return the variance of friction where a trial is released [N²].
+
+        All cosines crest there: its mean square is twice that along the travel.
+
+        Parameters
+        ----------
+        theta : mapping of str to ndarray of shape (W,)
+            Parameters by name.
+        size : SizeIndex
+            Pulley size of each of M trials, which may be others than those that moved.
+        friction_n : ndarray, shape (W, M)
+            Of each trial, which ζ multiplies [N].
+        """
+        if self.columns is None:
+            return 0.0
+        return np.asarray(2 * (self._rms(theta, size) * friction_n) ** 2)
+
     def variances(self, theta: Mapping[str, Array], friction_n: Array) -> list[Array]:
         """Return the variance of each cosine's force.
 
@@ -81,13 +102,13 @@ class Wander:
         """
         if self.columns is None:
             return []
-        if self._by_size:
-            rms = self._places.size.spread(theta, "wander")
-        else:
-            rms = theta["wander"][:, None]
+        rms = self._rms(theta, self._places.size)
         square = np.asfortranarray((rms * friction_n) ** 2)  # as the forms lie in memory
         shares = cosine_variances(theta["wander_length"] / self._extent_m, MODES)
         return [share[:, None] * square for share in shares]
+
+    def _rms(self, theta: Mapping[str, Array], size: SizeIndex) -> Array:
+        return size.spread(theta, "wander") if self._by_size else theta["wander"][:, None]
 
     def start(self) -> dict[str, float]:
         """Return a place to climb from, the rms left out."""

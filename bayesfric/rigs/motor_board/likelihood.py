@@ -135,8 +135,12 @@ class MotorLikelihood:
         self._by_size = analysis.scatter.by_size
         groups = [f"[{size}]" for size in self.sizes] if self._by_size else [""]
         self.parameters = (
-            *coefficient_parameters(self.sizes, analysis),
-            *(Parameter(f"tau_motor{group}", "1", priors.tau_motor, "scatter") for group in groups),
+            *coefficient_parameters(self.sizes, analysis, baseline.without),
+            # τ and λ share the spread of runs: an arc in their own units, a hook in quantiles.
+            *(
+                Parameter(f"tau_motor{group}", "1", priors.tau_motor, "scatter", linear=True)
+                for group in groups
+            ),
             *(
                 Parameter(f"omega_motor{group}", "1", priors.omega_motor, "scatter")
                 for group in groups
@@ -149,7 +153,7 @@ class MotorLikelihood:
             ),
             Parameter("torque_constant_factor", "1", priors.torque_constant_factor),
             Parameter("sigma_current", "A", priors.sigma_current, "noise"),
-            Parameter("load_noise", "1", priors.load_noise, "noise"),
+            Parameter("load_noise", "1", priors.load_noise, "noise", linear=True),
             *(parameter for active in self._effects for parameter in parameters_of(active)),
         )
 
@@ -351,7 +355,7 @@ class MotorLikelihood:
     def _intercept(self, theta: Mapping[str, Array]) -> Array:
         """Return the part of friction that does not grow with tension, signed, (W, N) [N]."""
         signed = np.sign(self.condition.velocity_m_s) * np.asarray(self.condition.n_pulleys)
-        return np.asarray(self._size.spread(theta, "c2") * signed)
+        return np.asarray(self._size.coefficients(theta).c2 * signed)
 
     def _currents(self, theta: Mapping[str, Array]) -> GroupedNormal:
         (friction, held), torque = self._forces(theta), self._torque(theta)

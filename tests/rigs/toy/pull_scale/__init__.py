@@ -1,7 +1,8 @@
 """A toy rig: a spring scale pulls the cable slowly over pulleys, under a known tension.
 
-It reads ``steady_friction.csv`` and shows what a new rig takes: one folder. A reading is the
-law's friction, times 1 + η + ε of its assembly and its own, with a known standard error.
+It brings a table of its own, ``pull_scale.csv``, and shows what a new rig takes: one folder.
+A reading is the law's friction, times 1 + η + ε of its assembly and its own, with a known
+standard error.
 """
 
 from dataclasses import dataclass, field, replace
@@ -18,6 +19,7 @@ from bayesfric.inference.grouped_normal import GroupedNormal, Groups
 from bayesfric.inference.priors import Parameter
 from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.laws import BASELINES
+from bayesfric.recording.columns import COUNT, RUN, SETUP, SIZE, TABLES, WRAP, Column, TableFormat
 from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.base import Simulated, Unsupported, Words
 from bayesfric.rigs.coefficients import SizeIndex, coefficient_parameters
@@ -28,7 +30,10 @@ from bayesfric.rigs.points import PointRows
 from bayesfric.rigs.residuals import check_residuals, measuring_order
 from bayesfric.rigs.truth import laws_of
 
+OWN = tuple(Column(name, "number", name, "N") for name in ("tension_n", "friction_n"))
 CONDITION = ("n_pulleys", "wrap_angle_deg", "tension_n")
+FILE = "pull_scale.csv"
+TABLES[FILE] = TableFormat(FILE, (RUN, SETUP, SIZE, COUNT, WRAP, *OWN))
 SD_N, LOOKED = 0.01, (1e-4, 1.0)
 
 
@@ -41,13 +46,13 @@ class PullScale:
     name: str = "scale"
     motion: str = "steady"
     words: Words = field(default=Words("pull scale", "reading", "readings"))
-    tables: tuple[str, ...] = ("steady_friction.csv",)
+    tables: tuple[str, ...] = (FILE,)
     paper: bool = False
 
     def trials(self, recording, *, exclude=True):
-        if recording.steady is None:
+        if FILE not in recording.further:
             return None
-        table = recording.steady.rename(columns={"run": "trial"})
+        table = recording.further[FILE].rename(columns={"run": "trial"})
         return Readings(self, table.sort_values("setup", kind="stable", ignore_index=True), table)
 
     def change(self, effect, design, constants, truth):
@@ -67,7 +72,7 @@ class PullScale:
         eta = truth.omega * rng.standard_normal(len(cells)).repeat(4)
         factor = 1 + eta + truth.tau * rng.standard_normal(len(table))
         table["friction_n"] = (fc * factor + SD_N * rng.standard_normal(len(table))).round(5)
-        return Simulated({"steady": table}, len(table))
+        return Simulated({"further": {FILE: table}}, len(table))
 
 
 RIG = PullScale()

@@ -1,0 +1,44 @@
+"""The two rigs mostly agree within 5 %."""
+
+from bayesfric.claims.base import Case, Claim, Finding, Verdict
+from bayesfric.claims.comparison import share
+from bayesfric.claims.rigs_agree import difference_of_conditions, most_within
+
+
+def _judge(claim: Claim, case: Case) -> Finding:
+    """Ask the model in which the rigs may differ how many conditions are close."""
+    off = difference_of_conditions(claim, case)
+    if isinstance(off, Finding):
+        return off
+    rules = case.analysis.claims
+    within = most_within(rules, off)
+    probability = float(within.mean())
+    verdict: Verdict = "undecided"
+    if probability >= rules.support_probability:
+        verdict = "supported"
+    elif probability <= rules.refute_probability:
+        verdict = "refuted"
+    close = (abs(off) <= rules.rig_usual_tolerance).mean(axis=0)
+    return Finding(
+        verdict,
+        f"With probability {probability:.2f} most of {len(off)} conditions agree within "
+        f"{share(rules.rig_usual_tolerance)}.",
+        {
+            "probability": probability,
+            "conditions": len(off),
+            "share_of_conditions_within": float(close.mean()),
+        },
+        why="the claim rests on a probability",
+    )
+
+
+CLAIM = Claim(
+    name="rigs-mostly-agree",
+    place=11,
+    statement="Most of the motor board's frictions are within 5 % of the gravity board's law.",
+    paper="Means of the motor board lie within 5 % of eq. (16) mostly.",
+    judge=_judge,
+    motion="accelerated",
+    beside="steady",
+    by_size=False,
+)

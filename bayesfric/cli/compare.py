@@ -1,0 +1,37 @@
+"""``bayesfric compare``: what changed between two runs."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from bayesfric.cli.exits import exit_status, fail_on
+from bayesfric.cli.options import FailOn
+from bayesfric.cli.printing import say
+
+__all__ = ["compare"]
+
+
+@exit_status
+def compare(
+    first: Annotated[Path, typer.Argument(metavar="A", help="Folder with results.")],
+    second: Annotated[Path, typer.Argument(metavar="B", help="Folder with results.")],
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Folder for comparison.json.")
+    ] = None,
+    fail_on_list: FailOn = "",
+) -> None:
+    """Say what changed from A to B: verdicts, numbers in their sd, and settings.
+
+    Example: bayesfric compare last-night my-results --fail-on changed
+    """
+    from bayesfric.comparing import compare as compare_folders
+    from bayesfric.comparing import comparison_text, write_comparison
+
+    fail_on(fail_on_list, set())  # an unknown name is told before the work
+    found = compare_folders(first, second)
+    if output is not None:
+        write_comparison(found, output)
+    for line in comparison_text(found):
+        say(line)
+    fail_on(fail_on_list, set() if found.same else {"changed"})

@@ -1,0 +1,70 @@
+"""``bayesfric effects``: what a diagnosis examines, and a file for one of your own."""
+
+import re
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from bayesfric.cli.exits import exit_status
+from bayesfric.cli.printing import say
+
+__all__ = ["effects"]
+
+NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
+
+
+@exit_status
+def effects(
+    what: Annotated[
+        str | None, typer.Argument(help="Absent: list all effects. new: write a file.")
+    ] = None,
+    name: Annotated[str | None, typer.Argument(help="Of the new effect, as oil-warmth.")] = None,
+) -> None:
+    """List the effects with what they act on, need and expect; or write a template of one.
+
+    Example: bayesfric effects new oil-warmth
+    """
+    from bayesfric.errors import Fault, InputError
+
+    if what is None:
+        _list()
+        return
+    if what != "new":
+        raise InputError([Fault("command line", "new NAME, or nothing", value=what)])
+    if name is None or not NAME.fullmatch(name):
+        expected = "a name of lower case letters, digits and hyphens, such as oil-warmth"
+        raise InputError([Fault("command line", expected, value=name)])
+    _write(name)
+
+
+def _list() -> None:
+    from bayesfric.effects import all_effects
+    from bayesfric.inference.priors import describe
+
+    for effect in all_effects().values():
+        needs = f", needs {', '.join(sorted(effect.needs))}" if effect.needs else ""
+        say(f"{effect.name}  (on {effect.acts_on}{needs}): {effect.sentence}")
+        for one in effect.parameters:
+            unit = "" if one.unit == "1" else f" {one.unit}"
+            say(f"    {one.name}{unit}: {one.meaning}; prior {describe(one.prior)}")
+
+
+def _write(name: str) -> None:
+    from bayesfric.effects import all_effects
+    from bayesfric.effects.template import template
+    from bayesfric.errors import Fault, InputError
+
+    path = Path(f"{name.replace('-', '_')}.py")
+    if name in all_effects():
+        expected = "a name that no effect has yet"
+        raise InputError([Fault("command line", expected, value=name)])
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(template(name))
+    except FileExistsError:
+        raise InputError([Fault(str(path), "no file of this name; nothing is written")]) from None
+    except OSError as error:
+        expected = f"a folder that can be written ({error.strerror})"
+        raise InputError([Fault(str(path), expected)]) from None
+    say(f"{path}: change it, then bayesfric diagnose RECORDING --effect-module {path}")

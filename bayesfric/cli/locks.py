@@ -1,0 +1,76 @@
+"""A lock on the folder that a verb writes into, so that two runs never mix their files."""
+
+import fcntl
+import os
+import socket
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from bayesfric.errors import Fault, InputError
+
+__all__ = ["LOCK", "hold"]
+
+LOCK = ".lock"
+
+
+@contextmanager
+def hold(folder: Path, verb: str) -> Iterator[None]:
+    """Keep other runs out of a folder.
+
+    The operating system lets go of the lock of a process that ends, however it ends, so that
+    a stale one holds nobody up. The file says whose the lock is, and is removed at the end.
+
+    Parameters
+    ----------
+    folder : Path
+        Created if it is not there, and removed again if nothing was written.
+    verb : str
+        Who holds it.
+
+    Raises
+    ------
+    InputError
+        Another run holds it, or the folder cannot be made or written.
+    """
+    made = [parent for parent in (folder, *folder.parents) if not parent.exists()]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        descriptor = _lock(folder / LOCK)
+    except FileExistsError as error:
+        raise InputError([Fault(str(folder), "a folder, not a file, to write into")]) from error
+    except OSError as error:
+        expected = f"a folder that can be written ({error.strerror or error})"
+        raise InputError([Fault(str(folder), expected)]) from error
+    try:
+        owner = f"process {os.getpid()} on {socket.gethostname()}, bayesfric {verb}"
+        os.truncate(descriptor, 0)
+        os.write(descriptor, owner.encode())
+        yield
+    finally:
+        with suppress(OSError):
+            (folder / LOCK).unlink()
+        os.close(descriptor)
+        with suppress(OSError):
+            for parent in made:
+                parent.rmdir()
+
+
+def _lock(path: Path) -> int:
+    """Return the descriptor of a locked file that is still in its place."""
+    while True:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            owner = os.read(descriptor, 300).decode(errors="replace") or "another process"
+            os.close(descriptor)
+            expected = f"a folder into which no other run writes, and {owner} does"
+            raise InputError([Fault(str(path.parent), expected)]) from error
+        except BaseException:
+            os.close(descriptor)
+            raise
+        # Whoever had it may have removed the file in between: then it locks nothing.
+        if path.exists() and os.path.samestat(os.fstat(descriptor), path.stat()):
+            return descriptor
+        os.close(descriptor)

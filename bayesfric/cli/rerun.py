@@ -1,0 +1,152 @@
+"""``bayesfric rerun``: a stored run once more, and what differs."""
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from bayesfric.cli.claims import claims_into
+from bayesfric.cli.diagnose import diagnose_into
+from bayesfric.cli.exits import exit_status, fail_on
+from bayesfric.cli.fit import fit_into
+from bayesfric.cli.locks import hold
+from bayesfric.cli.margins import margins_into
+from bayesfric.cli.options import FailOn, Quiet, Workers
+from bayesfric.cli.printing import say
+
+if TYPE_CHECKING:
+    from bayesfric.analysis import Analysis
+    from bayesfric.schemas import Provenance
+
+__all__ = ["rerun"]
+
+
+@exit_status
+def rerun(
+    folder: Annotated[Path, typer.Argument(help="Folder with the results of a run.")],
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="Keep the new results here; else they are not kept."),
+    ] = None,
+    recording: Annotated[
+        Path | None,
+        typer.Option("--recording", help="Folder of the recording; else where the run had it."),
+    ] = None,
+    workers: Workers = 2,
+    quiet: Quiet = False,
+    fail_on_list: FailOn = "",
+) -> None:
+    """Repeat what was run into a folder, with its settings and seed, and say what differs.
+
+    Example: bayesfric rerun my-results --fail-on changed
+    """
+    from bayesfric.comparing import compare, comparison_text
+
+    fail_on(fail_on_list, set())  # an unknown name is told before the work
+    with TemporaryDirectory(prefix="bayesfric-") as scratch:
+        again = Path(scratch) if output is None else output
+        with hold(again, "rerun"):
+            _repeat(folder, again, recording, workers, quiet)
+        found = compare(folder, again)
+        for line in comparison_text(found):
+            say(line)
+        for path in sorted(again.glob("*.nc")):
+            same = path.read_bytes() == (folder / path.name).read_bytes()
+            say(f"{path.name}: {'the same bytes' if same else 'other bytes'}")
+    fail_on(fail_on_list, set() if found.same else {"changed"})
+
+
+def _repeat(folder: Path, again: Path, recording: Path | None, workers: int, quiet: bool) -> None:
+    """Run the verbs whose results are in a folder, into another one."""
+    from bayesfric.errors import Fault, InputError
+    from bayesfric.results import read_json
+    from bayesfric.schemas import ClaimsFile, DiagnosisFile, FitFile, TimingsFile
+
+    if again.resolve() == folder.resolve():
+        expected = "a folder other than that of the run"
+        raise InputError([Fault("command line", expected, column="--output")])
+    inputs: dict[str, tuple[str, ...]] = {}
+    if (folder / "timings.json").is_file():
+        inputs = read_json(TimingsFile, folder / "timings.json").inputs
+    fitted = read_json(FitFile, folder / "fit.json") if _has(folder, "fit") else None
+    claims = read_json(ClaimsFile, folder / "claims.json") if _has(folder, "claims") else None
+    diagnosis = (
+        read_json(DiagnosisFile, folder / "diagnosis.json") if _has(folder, "diagnosis") else None
+    )
+    records = [one for one in (fitted, claims, diagnosis) if one is not None]
+    if not records:
+        expected = "a folder with fit.json, claims.json or diagnosis.json"
+        raise InputError([Fault(str(folder), expected)])
+    source = _recording(folder, recording, inputs, records[0])
+    if fitted is not None:
+        fit_into(
+            source,
+            again,
+            _settings(fitted, "fit.json"),
+            rigs=list(fitted.rigs),
+            baseline=fitted.baseline,
+            quiet=quiet,
+        )
+    if claims is not None:
+        claims_into(
+            source,
+            again,
+            _settings(claims, "claims.json"),
+            rigs=list(claims.rigs) or None,
+            baseline=claims.baseline,
+            workers=workers,
+            quiet=quiet,
+        )
+    if diagnosis is not None:
+        diagnose_into(
+            source,
+            again,
+            _settings(diagnosis, "diagnosis.json"),
+            baseline=diagnosis.baseline,
+            fixed=",".join(diagnosis.fixed),
+            quiet=quiet,
+        )
+    if _has(folder, "margins") and fitted is not None:
+        loops = [folder / path for path in inputs.get("loops", ())]
+        if loops:
+            analysis = _settings(fitted, "fit.json")
+            margins_into(loops, again / "draws.nc", again, analysis, quiet=quiet)
+        else:
+            say("margins.json is not repeated: its loop files are not known", err=True)
+
+
+def _has(folder: Path, name: str) -> bool:
+    return (folder / f"{name}.json").is_file()
+
+
+def _settings(record: "Provenance", name: str) -> "Analysis":
+    from bayesfric.analysis import checked_analysis
+    from bayesfric.errors import Fault, InputError
+
+    if record.analysis is None:
+        expected = "every setting of the analysis; this file is of an earlier version"
+        raise InputError([Fault(name, expected, column="analysis")])
+    return checked_analysis(record.analysis, name)
+
+
+def _recording(
+    folder: Path,
+    given: Path | None,
+    inputs: dict[str, tuple[str, ...]],
+    record: "Provenance",
+) -> Path:
+    """Return where the recording of a run is."""
+    from bayesfric.errors import Fault, InputError
+    from bayesfric.recording import read_recording
+    from bayesfric.resources import bundled_recording
+
+    if given is not None:
+        return given
+    for path in inputs.get("recording", ()):
+        if (folder / path).is_dir():
+            return folder / path
+    if read_recording(bundled_recording()).sha256 == record.recording.sha256:
+        return bundled_recording()
+    expected = f"the folder of the recording {record.recording.name}: --recording FOLDER"
+    raise InputError([Fault("command line", expected, column="--recording")])

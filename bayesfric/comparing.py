@@ -1,0 +1,230 @@
+"""What changed between two runs, from the files that they left."""
+
+from collections.abc import Iterator, Mapping
+from os import PathLike
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from bayesfric.errors import Fault, InputError
+from bayesfric.results import json_bytes, read_json, refuse_mixed, replace_outputs
+from bayesfric.schemas import (
+    ClaimsFile,
+    ComparisonFile,
+    DiagnosisFile,
+    FitFile,
+    Flip,
+    Interval,
+    MarginsFile,
+    Provenance,
+    Setting,
+    Shift,
+)
+
+__all__ = ["compare", "comparison_text", "write_comparison"]
+
+MODELS: dict[str, type[Provenance]] = {
+    "fit.json": FitFile,
+    "claims.json": ClaimsFile,
+    "diagnosis.json": DiagnosisFile,
+    "margins.json": MarginsFile,
+}
+WENT_IN = ("recording", "seed", "rigs", "baseline", "fixed", "analysis", "versions")
+SHOWN = 12  # shifts in the text
+
+
+class Quantity(NamedTuple):
+    """A number with its uncertainty."""
+
+    centre: float
+    sd: float
+    unit: str
+
+
+def compare(a: str | PathLike[str], b: str | PathLike[str]) -> ComparisonFile:
+    """Compare two folders of results.
+
+    Parameters
+    ----------
+    a, b : str or path-like
+        Folders that the verbs wrote into.
+
+    Returns
+    -------
+    ComparisonFile
+        Settings that differ, verdicts that flipped, and how far numbers moved in their
+        standard deviations.
+
+    Raises
+    ------
+    InputError
+        A result is damaged, or the folders have no result in common.
+    """
+    first, second = _results(Path(a)), _results(Path(b))
+    common = [name for name in first if name in second]
+    if not common:
+        expected = f"a result that {a} has as well, one of {', '.join(MODELS)}"
+        raise InputError([Fault(str(b), expected)])
+    pairs = [(name, first[name], second[name]) for name in common]
+    return ComparisonFile(
+        run_ids={name: (one.run_id, other.run_id) for name, one, other in pairs},
+        only_in_a=tuple(name for name in first if name not in second),
+        only_in_b=tuple(name for name in second if name not in first),
+        same=all(one == other for _, one, other in pairs),
+        settings=tuple(found for pair in pairs for found in _settings(*pair)),
+        flips=tuple(found for pair in pairs for found in _flips(*pair)),
+        shifts=tuple(
+            sorted(
+                (found for pair in pairs for found in _shifts(*pair)),
+                key=lambda one: -abs(one.shift or 0.0),
+            )
+        ),
+    )
+
+
+def write_comparison(found: ComparisonFile, folder: Path) -> None:
+    """Write ``comparison.json``.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be written.
+    """
+    data = json_bytes(found)
+    replace_outputs(folder, {"comparison.json": lambda path: path.write_bytes(data)})
+
+
+def comparison_text(found: ComparisonFile) -> list[str]:
+    """Return a comparison in lines of text, what matters most first."""
+    if found.same and not found.only_in_a and not found.only_in_b:
+        return ["no difference: " + ", ".join(found.run_ids)]
+    lines = []
+    for flip in found.flips:
+        lines.append(f"{flip.file}  {flip.name}: {flip.a} -> {flip.b}")
+    if not found.flips:
+        lines.append("no verdict differs")
+    moved = [one for one in found.shifts if one.a != one.b or one.sd_a != one.sd_b]
+    if moved:
+        lines.append(f"{len(moved)} of {len(found.shifts)} numbers moved, the furthest first:")
+    for one in moved[:SHOWN]:
+        unit = "" if one.unit == "1" else f" {one.unit}"
+        far = "" if one.shift is None else f"  ({one.shift:+.2f} sd)"
+        lines.append(
+            f"  {one.file}  {one.name}: {one.a:.4g} ± {one.sd_a:.2g} -> "
+            f"{one.b:.4g} ± {one.sd_b:.2g}{unit}{far}"
+        )
+    if not moved:
+        lines.append(f"none of {len(found.shifts)} numbers moved")
+    for setting in found.settings:
+        lines.append(
+            f"{setting.file}  {setting.key}: {_or_none(setting.a)} -> {_or_none(setting.b)}"
+        )
+    if not found.settings:
+        lines.append("no setting differs")
+    lines += [f"{name} is in the first folder alone" for name in found.only_in_a]
+    lines += [f"{name} is in the second folder alone" for name in found.only_in_b]
+    return lines
+
+
+def _or_none(text: str | None) -> str:
+    return "none" if text is None else text
+
+
+def _results(folder: Path) -> dict[str, Provenance]:
+    found: dict[str, Provenance] = {}
+    for name, model in MODELS.items():
+        if (folder / name).is_file():
+            found[name] = read_json(model, folder / name)
+            refuse_mixed(found[name], folder / name)
+    if not found:
+        raise InputError([Fault(str(folder), f"a folder with one of {', '.join(MODELS)}")])
+    return found
+
+
+def _settings(name: str, a: Provenance, b: Provenance) -> Iterator[Setting]:
+    """Yield what went in and is not the same."""
+    one, other = (_flat(record.model_dump(mode="json", include=set(WENT_IN))) for record in (a, b))
+    for key in dict.fromkeys([*one, *other]):
+        if one.get(key) != other.get(key):
+            yield Setting(file=name, key=key, a=one.get(key), b=other.get(key))
+
+
+def _flat(value: Any, place: str = "") -> dict[str, str]:
+    if isinstance(value, Mapping):
+        before = f"{place}." if place else ""
+        parts = [_flat(item, before + name) for name, item in value.items()]
+        return {key: text for part in parts for key, text in part.items()}
+    return {} if value is None else {place: str(value)}
+
+
+def _flips(name: str, a: Provenance, b: Provenance) -> Iterator[Flip]:
+    one, other = _verdicts(a), _verdicts(b)
+    for key in one:
+        if key in other and one[key] != other[key]:
+            yield Flip(file=name, name=key, a=one[key], b=other[key])
+
+
+def _verdicts(record: Provenance) -> dict[str, str]:
+    if isinstance(record, FitFile):
+        return {"converged": "yes" if record.converged else "no"}
+    if isinstance(record, ClaimsFile):
+        return {one.id: one.verdict for one in record.claims}
+    if isinstance(record, DiagnosisFile):
+        causes = ", ".join(sorted(one.effect for one in record.causes)) or "none"
+        return {"verdict": record.verdict, "causes": causes}
+    return {}
+
+
+def _shifts(name: str, a: Provenance, b: Provenance) -> Iterator[Shift]:
+    one, other = _quantities(a), _quantities(b)
+    for key in one:
+        if key not in other:
+            continue
+        (left, sd_left, unit), (right, sd_right, _) = one[key], other[key]
+        sd = float(np.sqrt((sd_left**2 + sd_right**2) / 2))
+        yield Shift(
+            file=name,
+            name=key,
+            unit=unit,
+            a=left,
+            b=right,
+            sd_a=sd_left,
+            sd_b=sd_right,
+            shift=(right - left) / sd if sd > 0 else None,
+            shift_why=None if sd > 0 else "it has no uncertainty in either run",
+        )
+
+
+def _quantities(record: Provenance) -> dict[str, Quantity]:
+    """Return every number with an uncertainty that both runs of a verb may have."""
+    found: dict[str, Quantity] = {}
+
+    def add(key: str, interval: Interval | None, unit: str) -> None:
+        if interval is not None:
+            found[key] = Quantity(interval.mean, interval.sd, unit)
+
+    if isinstance(record, FitFile):
+        for size, entries in record.pulleys.items():
+            for name, entry in entries.items():
+                add(f"pulleys.{size}.{name}", entry, entry.unit)
+        for group in ("scatter", "noise", "parameters"):
+            for name, entry in getattr(record, group).items():
+                add(f"{group}.{name}", entry, entry.unit)
+    elif isinstance(record, ClaimsFile):
+        for claim in record.claims:
+            if claim.log10_bayes_factor is not None:
+                error = claim.log10_bayes_factor_se or 0.0
+                found[f"{claim.id}.log10_bayes_factor"] = Quantity(
+                    claim.log10_bayes_factor, error, "1"
+                )
+    elif isinstance(record, DiagnosisFile):
+        for one in record.inclusion:
+            add(f"inclusion.{one.effect}.strength", one.strength, "1")
+        add("gap.systematic", record.gap.systematic, record.gap.unit)
+    elif isinstance(record, MarginsFile):
+        for loop in record.loops:
+            for metric in loop.metrics:
+                way = f".{metric.direction}" if metric.direction else ""
+                add(f"{loop.name}.{metric.name}{way}", metric.interval, metric.unit)
+    return found

@@ -1,0 +1,148 @@
+"""What turns encoder readings into torque commands, sample by sample, over all draws."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.margins.sampled_loop import SampledLoop
+
+__all__ = ["Controller"]
+
+Floats = NDArray[np.float64]
+
+SILENT = 1e-9
+"""Share of breakaway below which what is left of the filtered speed counts as none."""
+
+
+class Controller:
+    """The controller of each draw, with what it remembers.
+
+    The torque commanded is kp e + kd (ω_ref − ω) + ki ∫e dt plus the friction compensation
+    γ F̂ s, with e the measured position error and s the sign of the compensator's signal, or
+    that signal over its boundary where it is inside. The sum is clipped, and the integral
+    waits while it is. ω is the first difference of the readings, through the low-pass where
+    there is one; the compensator follows the raw difference.
+
+    Parameters
+    ----------
+    loop : SampledLoop
+        Its numbers.
+    position, reference : ndarray, shape (draws,)
+        Of the shaft at the first sample [rad], and the speed of the reference, with which
+        the shaft is found moving [rad/s].
+    """
+
+    def __init__(self, loop: SampledLoop, position: Floats, reference: Floats) -> None:
+        self.signal, self.at_rest = loop.compensation_signal, loop.at_rest
+        self.reference = reference
+        self.kp, self.kd, self.ki = (loop.array(name) for name in ("kp", "kd", "ki"))
+        self.period = loop.array("sample_time")
+        self.limit = loop.array("torque_limit")
+        self.load = loop.array("load_torque")
+        self.breakaway = loop.array("friction") * loop.array("stiction_ratio")
+        self.feed = loop.array("compensation_gain") * loop.array("compensation_estimate")
+        self.boundary = loop.array("boundary")
+        cutoff = loop.array("velocity_cutoff")
+        self.fresh = -np.expm1(-cutoff * self.period)  # share of a new reading in the low-pass
+        counts = loop.array("counts_per_revolution")
+        self.stepped = counts > 0.0
+        self.step = 2.0 * np.pi / np.where(self.stepped, counts, 1.0)
+        self.integrates = bool((self.ki != 0.0).any())
+        self.filters = bool((self.fresh < 1.0).any())
+        self.reading = self._read(position - reference * self.period)
+        self.filtered = reference.copy()
+        self.integral = np.zeros(loop.draws)
+        self.last_share = np.zeros(loop.draws)
+
+    def keep(self, rows: NDArray[np.intp]) -> None:
+        """Go on with some of the draws alone."""
+        for name, value in vars(self).items():
+            if isinstance(value, np.ndarray):
+                setattr(self, name, value[rows])
+
+    def _read(self, position: Floats) -> Floats:
+        return np.where(self.stepped, np.rint(position / self.step) * self.step, position)
+
+    def command(self, k: NDArray[np.intp], position: Floats) -> tuple[Floats, Floats]:
+        """Return the torque commanded at samples k, and the raw speed reading.
+
+        Parameters
+        ----------
+        k : ndarray of int, shape (draws,)
+            Number of the sample.
+        position : ndarray, shape (draws,)
+            Of the shaft [rad].
+        """
+        reading = self._read(position)
+        speed = (reading - self.reading) / self.period
+        self.reading = reading
+        error = self.reference * (k * self.period) - reading
+        if self.filters:
+            self.filtered += self.fresh * (speed - self.filtered)
+        used = self.filtered if self.filters else speed
+        wanted = self.kp * error + self.kd * (self.reference - used)
+        if self.integrates:
+            integral = self.integral + error * self.period
+            wanted += self.ki * integral
+        if self.signal != "none":
+            wanted += self.feed * self._share(error, speed)
+        torque = np.minimum(np.maximum(wanted, -self.limit), self.limit)
+        if self.integrates:  # wind-up: no further integration into a limit
+            waits = (torque != wanted) & (wanted * error > 0)
+            self.integral = np.where(waits, self.integral, integral)
+        return torque, speed
+
+    def _share(self, error: Floats, speed: Floats) -> Floats:
+        """Return the compensation as a share of its full size, −1 to 1."""
+        signals = {"reference": self.reference, "measured": speed, "error": error}
+        signal = signals[self.signal]
+        inside = np.abs(signal) < self.boundary
+        share = np.divide(signal, self.boundary, out=np.sign(signal), where=inside)
+        if self.at_rest == "hold" and self.signal != "error":
+            share = np.where(share == 0.0, self.last_share, share)
+            self.last_share = share
+        return share
+
+    def at_standstill(self, k: NDArray[np.intp]) -> tuple[Floats, Floats, Floats]:
+        """Return the coming commands of a shaft that stays where it is.
+
+        That at sample k + j is ``constant`` + ``linear`` j + ``square`` j² [N·m], while the
+        readings stay and nothing is clipped; NaN where it is no such thing.
+
+        Parameters
+        ----------
+        k : ndarray of int, shape (draws,)
+            The next sample, whose command is not given yet.
+        """
+        error = self.reference * (k * self.period) - self.reading
+        ramp = self.reference * self.period
+        by_integral = self.ki * self.period
+        square = by_integral * ramp / 2.0
+        linear = self.kp * ramp + by_integral * error + square
+        constant = self.kp * error + self.kd * self.reference
+        constant += self.ki * self.integral + by_integral * error
+        if self.filters:
+            left = self.kd * self.filtered
+            constant = np.where(np.abs(left) > SILENT * self.breakaway, np.nan, constant)
+        match self.signal:
+            case "reference" | "measured":
+                moves = self.reference if self.signal == "reference" else np.zeros_like(error)
+                inside = np.abs(moves) < self.boundary
+                share = np.divide(moves, self.boundary, out=np.sign(moves), where=inside)
+                if self.at_rest == "hold":
+                    share = np.where(share == 0.0, self.last_share, share)
+                constant += self.feed * share
+            case "error":
+                changing = (linear != 0.0) | (square != 0.0)
+                constant += self.feed * np.clip(error / self.boundary, -1.0, 1.0)
+                constant = np.where(changing, np.nan, constant)
+        room = self.limit < self.breakaway + np.abs(self.load)
+        return np.where(room, np.nan, constant), linear, square
+
+    def wait(self, k: NDArray[np.intp], rows: NDArray[np.intp], samples: NDArray[np.intp]) -> None:
+        """Let some draws stand still for a number of samples from k on."""
+        if not self.integrates:
+            return
+        error = self.reference * (k * self.period) - self.reading
+        ramp = self.reference * self.period
+        total = samples * error[rows] + ramp[rows] * samples * (samples - 1) / 2.0
+        self.integral[rows] += self.period[rows] * total

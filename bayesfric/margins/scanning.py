@@ -1,0 +1,148 @@
+"""How a joint is used: the reference speeds and kicks over which hunting is looked for.
+
+A compensator of the measured speed is off for most of the time where the reference moves
+less than a count a sample, so that shafts slip and stick at gains far below those that make
+them hunt at rest. So a gain is safe only if it is safe at rest and at every speed.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.margins.hunting import run_length
+from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.simulating import Motion, simulate
+
+__all__ = ["GAMMAS", "REST", "Condition", "HuntingMap", "hunting_map", "run", "speeds_of"]
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+COUNTS_A_SAMPLE = (0.1, 0.2, 0.5, 1.0, 1.5, 2.5, 5.0, 10.0)
+"""Reference speeds, besides rest, where the file has no range of its own."""
+GAMMAS = (0.0, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
+OF_A_RANGE = 6
+
+
+@dataclass(frozen=True)
+class Condition:
+    """What the loop is tried with.
+
+    Parameters
+    ----------
+    counts : float or None
+        Reference speed in encoder counts a sample.
+    speed : float or None
+        The same in rad/s at the motor; of both one is None, or both, which is the speed
+        of the file.
+    kick : float
+        Over the file's kick.
+    """
+
+    counts: float | None = None
+    speed: float | None = None
+    kick: float = 1.0
+
+    def speed_of(self, shaft: LoopAtShaft) -> Array:
+        """Return the reference speed of each draw, at the motor [rad/s]."""
+        if self.counts is not None:
+            return self.counts * 2 * np.pi / shaft.counts / shaft.sample_time
+        if self.speed is not None:
+            return np.full(shaft.friction.shape, self.speed)
+        return shaft.reference_speed
+
+    def kick_of(self, shaft: LoopAtShaft) -> Array:
+        """Return the kick of each draw, at the motor [rad]."""
+        return self.kick * shaft.kick
+
+
+REST = Condition(speed=0.0)
+
+
+def speeds_of(shaft: LoopAtShaft) -> tuple[Condition, ...]:
+    """Return rest and the reference speeds at which a loop is looked at.
+
+    Those of the file where it has a range; else 0.1 to 10 encoder counts a sample, as far as
+    the joint's peak speed goes. A speed that the file's kick has comes besides.
+    """
+    given = shaft.loop.kick.reference_range_rad_s
+    own = () if (shaft.reference_speed == 0.0).all() else (Condition(),)
+    if given is not None:
+        low, high = given
+        if high == 0.0:
+            return (REST, *own)
+        steps = np.geomspace(low or high / 100, high, OF_A_RANGE if high > low else 1)
+        return (REST, *(Condition(speed=float(one)) for one in steps), *own)
+    peak = float(np.median(shaft.peak_velocity)) or np.inf
+    count = float(np.median(2 * np.pi / shaft.counts / shaft.sample_time))
+    return (REST, *(Condition(counts=one) for one in COUNTS_A_SAMPLE if one * count <= peak), *own)
+
+
+@dataclass(frozen=True)
+class HuntingMap:
+    """Where on speed and γ some draws hunt.
+
+    Parameters
+    ----------
+    speeds : tuple of Condition
+        S reference speeds.
+    gammas : tuple of float
+        G gains.
+    hunts : ndarray of bool, shape (G, S, draws)
+        Whether they do.
+    rms_error : ndarray, shape (G, S, draws)
+        Of the last half of each run, at the motor [rad].
+    """
+
+    speeds: tuple[Condition, ...]
+    gammas: tuple[float, ...]
+    hunts: Flags
+    rms_error: Array
+
+
+def run(shaft: LoopAtShaft, conditions: tuple[Condition, ...], gamma: Array) -> Motion:
+    """Simulate every draw in every condition.
+
+    Parameters
+    ----------
+    shaft : LoopAtShaft
+        The draws.
+    conditions : tuple of Condition
+        C of them.
+    gamma : ndarray, shape (draws,)
+        The gain.
+
+    Returns
+    -------
+    Motion
+        Its arrays of shape (C · draws,), draws beside each other.
+    """
+    loop = shaft.sampled(gamma)
+    loop = loop.taken(np.tile(np.arange(loop.draws), len(conditions)))
+    speed = np.concatenate([one.speed_of(shaft) for one in conditions])
+    kick = np.concatenate([one.kick_of(shaft) for one in conditions])
+    length = run_length(loop, speed)
+    return simulate(
+        loop,
+        kick=kick,
+        duration=length.duration,
+        settling=length.settling,
+        reference_speed=speed,
+    )
+
+
+def hunting_map(
+    shaft: LoopAtShaft, speeds: tuple[Condition, ...], gammas: tuple[float, ...] = GAMMAS
+) -> HuntingMap:
+    """Simulate every draw at every speed and gain, after the file's kick."""
+    n = shaft.friction.size
+    rows = np.tile(np.arange(n), len(gammas))
+    motion = run(shaft.taken(rows), speeds, np.repeat(gammas, n))
+    shape = (len(speeds), len(gammas), n)
+    return HuntingMap(
+        speeds,
+        gammas,
+        motion.hunts.reshape(shape).swapaxes(0, 1),
+        motion.rms_error.reshape(shape).swapaxes(0, 1),
+    )

@@ -1,0 +1,304 @@
+"""The sampled position loop of a motor shaft with friction, in time, over all draws at once.
+
+At each sample time t_k = k T the controller reads the encoder and commands a torque, which
+acts from t_k + delay until the next command does. Between two changes of torque the motion
+is a closed form (:mod:`bayesfric.margins.shaft`), so a run has no step size: any delay is
+met exactly, whatever its ratio to the sample time. A shaft that stands still is taken at
+once to the sample before its torque reaches breakaway, which is a closed form too: slow
+hunting, in which the shaft mostly stands, costs little. A shaft that has moved, or stood only
+briefly, for as long as its linear loop takes to settle is judged by what follows at once.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bayesfric.margins.sampled_controller import Controller
+from bayesfric.margins.sampled_loop import SampledLoop
+from bayesfric.margins.shaft import Interval, Shaft, turn
+from bayesfric.margins.swing import Swing
+from bayesfric.margins.traces import Record, Traces
+
+__all__ = ["Motion", "simulate"]
+
+Floats = NDArray[np.float64]
+Whole = NDArray[np.intp]
+
+EARLY_TWICE = 2
+"""Times that a shaft which stands again after all may be judged early: slow cycles end, too."""
+BRIEFLY = 4
+"""Stands in a settling time: who stands for less at a time counts as moving."""
+LOOKED_AT_EVERY = 8
+"""Samples between looks at which shafts stand still and which runs are over."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """How the loop answered, a number a draw.
+
+    Parameters
+    ----------
+    hunts : ndarray of bool, shape (draws,)
+        Whether the shaft still swings around the reference in the last quarter of the run: at
+        least two reversals against the reference there, an amplitude above one encoder count,
+        and not below 0.9 of the quarter before.
+    amplitude : ndarray, shape (draws,)
+        Half of the range of the error in the last quarter [rad].
+    frequency : ndarray, shape (draws,)
+        Of the reversals in the last half [Hz]; 0 where there are fewer than three.
+    final_error : ndarray, shape (draws,)
+        Reference minus true position at the end [rad].
+    rms_error : ndarray, shape (draws,)
+        Of the last half [rad].
+    traces : Traces or None
+        The motion itself, where it was asked for.
+    """
+
+    hunts: NDArray[np.bool_]
+    amplitude: Floats
+    frequency: Floats
+    final_error: Floats
+    rms_error: Floats
+    traces: Traces | None = None
+
+
+def simulate(
+    loop: SampledLoop,
+    *,
+    kick: ArrayLike,
+    duration: ArrayLike,
+    reference_speed: ArrayLike = 0.0,
+    settling: ArrayLike = np.inf,
+    substeps: int = 1,
+    traces: bool = False,
+) -> Motion:
+    """Run the loop for some time after a kick.
+
+    The reference moves at constant speed from 0. The shaft begins with the reference's
+    speed, ahead of it by the kick; no torque but the load's acts before the first command
+    arrives.
+
+    Parameters
+    ----------
+    loop : SampledLoop
+        The loop.
+    kick : array_like
+        Position ahead of the reference at the beginning [rad], a scalar or (draws,).
+    duration : array_like
+        Length of the run [s], rounded up to whole samples, a scalar or (draws,). Whether a
+        loop hunts is judged from its last half: let that hold several periods, and the time
+        constant 2J/b be short beside it.
+    reference_speed : array_like
+        Speed of the reference [rad/s], a scalar or (draws,).
+    settling : array_like
+        Time after which a shaft that has stood for no more than a quarter of it at once has
+        settled or swings [s], a scalar or (draws,): it is judged by a stretch of the same length
+        that follows, and its run ends there, if that is so in it too.
+    substeps : int
+        Parts into which every interval of constant torque is cut. The motion is exact
+        with 1; more serve for finer traces.
+    traces : bool
+        Whether to keep the motion itself.
+
+    Returns
+    -------
+    Motion
+        A number a draw.
+
+    Raises
+    ------
+    ValueError
+        Where kick, duration, speed or substeps cannot be used.
+    """
+    begin = loop.per_draw("kick", kick)
+    reference = loop.per_draw("reference_speed", reference_speed)
+    length = loop.per_draw("duration", duration)
+    if not (np.isfinite(begin).all() and np.isfinite(reference).all()):
+        raise ValueError("kick, reference_speed: expected finite numbers")
+    if not (np.isfinite(length).all() and (length > 0.0).all()):
+        raise ValueError(f"duration: expected a positive time, got {length.min()}")
+    if substeps < 1:
+        raise ValueError(f"substeps: expected at least 1, got {substeps}")
+    settled = loop.per_draw("settling", settling)
+    if not (settled > 0.0).all():
+        raise ValueError(f"settling: expected a positive time, got {settled.min()}")
+    run = _Run(loop, begin, reference, length, settled, substeps)
+    record = Record(begin, reference) if traces else None
+    looks = 0
+    while run.rows.size:
+        run.advance(record)
+        looks += 1
+        if record is not None:
+            if (run.k >= run.swing.end).all():
+                run.retire(np.ones(run.rows.size, dtype=bool))
+        elif looks % LOOKED_AT_EVERY == 0:
+            run.stand_still()
+            run.judge_early()
+            over = run.k >= run.swing.end
+            if over.sum() > 0.1 * over.size or over.all():
+                run.retire(over)
+    return Motion(**run.found, traces=None if record is None else record.traces())
+
+
+class _Run:
+    """Draws on their way, each at a sample of its own."""
+
+    def __init__(
+        self,
+        loop: SampledLoop,
+        begin: Floats,
+        reference: Floats,
+        duration: Floats,
+        settling: Floats,
+        substeps: int,
+    ) -> None:
+        self.controller = Controller(loop, begin, reference)
+        period = self.controller.period
+        friction = loop.array("friction")
+        self.shaft = Shaft(
+            loop.array("inertia"), loop.array("viscous"), friction, self.controller.breakaway
+        )
+        # Command k − whole − 1 acts until `late` after t_k, that of k − whole from there.
+        samples_late = loop.array("delay") / period
+        self.whole = np.floor(samples_late + 1e-9).astype(np.intp)
+        late = np.maximum(samples_late - self.whole, 0.0) * period
+        self.intervals = [
+            (older, Interval.of(length / substeps, self.shaft))
+            for older, length in ((1, late), (0, period - late))
+            if length.any()
+        ]
+        self.substeps = substeps
+        # what acts before the first command: none
+        self.commands: list[Floats] = [
+            np.zeros(loop.draws) for _ in range(int(self.whole.max()) + 2)
+        ]
+        self.k = np.zeros(loop.draws, dtype=np.intp)
+        self.quiet = np.zeros(loop.draws, dtype=np.intp)  # samples without a reading of motion
+        samples = np.ceil(duration / period - 1e-9).astype(np.intp)
+        self.swing = Swing(samples, period, self.controller.step * self.controller.stepped)
+        self.stretch = np.maximum(samples // 4, 1)  # of those by which the whole run is judged
+        settling = np.minimum(settling, duration)
+        self.settling = np.ceil(settling / period - 1e-9).astype(np.intp)
+        self.early = np.zeros(loop.draws, dtype=bool)
+        self.times = np.zeros(loop.draws, dtype=np.intp)  # that this was so
+        self.moving = np.zeros(loop.draws, dtype=np.intp)  # samples since the shaft stood for long
+        self.position, self.speed = begin.copy(), reference.copy()
+        self.rows = np.arange(loop.draws)
+        names = ("amplitude", "frequency", "final_error", "rms_error")
+        self.found: dict[str, NDArray[Any]] = {name: np.zeros(loop.draws) for name in names}
+        self.found["hunts"] = np.zeros(loop.draws, dtype=bool)
+
+    def advance(self, record: Record | None) -> None:
+        """Go from one sample to the next."""
+        running = self.k < self.swing.end
+        torque, reading = self.controller.command(self.k, self.position)
+        self.commands = [torque, *self.commands[:-1]]
+        still = (reading == 0.0) & (self.speed == 0.0)
+        self.quiet = np.where(still, self.quiet + 1, 0)
+        all_run = bool(running.all())
+        for older, interval in self.intervals:
+            acting = self._acting(older) - self.controller.load
+            for _ in range(self.substeps):
+                position, speed = turn(self.shaft, acting, self.position, self.speed, interval)
+                if all_run:
+                    self.position, self.speed = position, speed
+                else:
+                    self.position = np.where(running, position, self.position)
+                    self.speed = np.where(running, speed, self.speed)
+                if record is not None:
+                    passed = np.where(running, interval.length, 0.0)
+                    record.add(passed, self.position, self.speed, acting + self.controller.load)
+        self.k = self.k + running
+        self.moving = np.where(BRIEFLY * self.quiet > self.settling, 0, self.moving + 1)
+        error = self._error()
+        self.swing.see(self.k, error, self.speed - self.controller.reference, running)
+
+    def _error(self) -> Floats:
+        controller = self.controller
+        return controller.reference * (self.k * controller.period) - self.position
+
+    def _acting(self, older: int) -> Floats:
+        """Return the command that acts, of an age in samples a draw."""
+        age = self.whole + older
+        if (age == age[0]).all():
+            return self.commands[int(age[0])]
+        return np.stack(self.commands)[age, np.arange(age.size)]
+
+    def stand_still(self) -> None:
+        """Take each shaft that stands to just before its torque reaches breakaway."""
+        depth = len(self.commands)
+        ready = np.flatnonzero((self.quiet > depth) & (self.k < self.swing.end))
+        if not ready.size:
+            return
+        constant, linear, square = (part[ready] for part in self.controller.at_standstill(self.k))
+        load = self.controller.load[ready]
+        most = self.controller.breakaway[ready]
+        until = np.minimum(
+            *(_reached(sign * (constant - load) - most, sign * linear, sign * square)
+              for sign in (1.0, -1.0))
+        )  # fmt: skip
+        left = self.swing.next_look(self.k)[ready] - self.k[ready]
+        samples = np.minimum(np.nan_to_num(until, nan=0.0, posinf=np.inf) - 2.0, left)
+        some = samples > depth + 1
+        if not some.any():
+            return
+        rows, samples = ready[some], samples[some].astype(np.intp)
+        constant, linear, square = constant[some], linear[some], square[some]
+        before = self._error()[rows]
+        self.controller.wait(self.k, rows, samples)
+        for age, command in enumerate(self.commands):
+            j = samples - 1 - age
+            command = command.copy()
+            command[rows] = constant + linear * j + square * j**2
+            self.commands[age] = command
+        self.k[rows] += samples
+        self.quiet[rows] += samples
+        self.swing.pass_over(rows, samples, self.k, before, self._error()[rows])
+
+    def judge_early(self) -> None:
+        """Judge shafts that have moved for long, and no longer those that stand again."""
+        swing = self.swing
+        stands = np.flatnonzero(self.early & (self.moving < self.settling))
+        if stands.size:
+            self.early[stands] = False
+            swing.judge_from(stands, self.k[stands] + 1, self.stretch[stands])
+        left = swing.end - self.k
+        steady = (self.moving >= self.settling) & (left > self.settling)
+        ready = np.flatnonzero(~self.early & steady & (self.times < EARLY_TWICE))
+        if ready.size:
+            self.early[ready] = True
+            self.times[ready] += 1
+            half = np.maximum(self.settling[ready] // 2, 1)
+            swing.judge_from(ready, self.k[ready] + 1, half)
+
+    def retire(self, over: NDArray[np.bool_]) -> None:
+        """Note what was found of some draws, and go on with the others."""
+        hunts, amplitude, frequency, rms = self.swing.judged()
+        final = self._error()
+        values = {"hunts": hunts, "amplitude": amplitude, "frequency": frequency,
+                  "final_error": final, "rms_error": rms}  # fmt: skip
+        for name, value in values.items():
+            self.found[name][self.rows[over]] = value[over]
+        kept = np.flatnonzero(~over)
+        self.controller.keep(kept)
+        self.swing.keep(kept)
+        self.shaft = Shaft(*(part[kept] for part in self.shaft))
+        self.intervals = [
+            (older, Interval(*(part[kept] for part in one))) for older, one in self.intervals
+        ]
+        self.commands = [command[kept] for command in self.commands]
+        for name, value in vars(self).items():
+            if isinstance(value, np.ndarray):
+                setattr(self, name, value[kept])
+
+
+def _reached(constant: Floats, linear: Floats, square: Floats) -> Floats:
+    """Return where constant + linear j + square j², not above 0 at j = 0, first is; else inf."""
+    root = np.sqrt(np.maximum(linear**2 - 4.0 * square * constant, 0.0))
+    real = linear**2 >= 4.0 * square * constant
+    below = linear + root
+    rises = real & (below > 0.0)
+    first = np.divide(-2.0 * constant, below, out=np.full_like(root, np.inf), where=rises)
+    return np.where(np.isnan(constant) | (constant > 0.0), np.nan, first)

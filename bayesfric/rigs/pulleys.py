@@ -1,0 +1,38 @@
+"""What is true of every rig whose cable runs over pulleys: it is what all was argued for."""
+
+from collections.abc import Mapping
+
+from bayesfric.analysis import PriorOverrides
+from bayesfric.effects import PULLEYS, Effect
+from bayesfric.physics.laws import Baseline
+from bayesfric.rigs.base import Unsupported
+
+__all__ = ["PulleyTrials"]
+
+
+class PulleyTrials:
+    """Trials of a cable over pulleys, for which laws, priors and effects were argued."""
+
+    @property
+    def offers(self) -> frozenset[str]:
+        """Pulleys, which most effects were described for."""
+        return PULLEYS
+
+    @property
+    def has_pulleys(self) -> bool:
+        """True."""
+        return True
+
+    def refuses(self, law: Baseline) -> Unsupported | None:
+        """Return None: every law makes sense over pulleys."""
+        del law
+        return None
+
+    @property
+    def own_priors(self) -> Mapping[str, PriorOverrides]:
+        """Return nothing: the defaults are argued for cables over pulleys."""
+        return {}
+
+    def suited(self, effect: Effect) -> Effect:
+        """Return the effect as it is: it was described for cables over pulleys."""
+        return effect

@@ -1,0 +1,5 @@
+"""Friction measured at steady motion, by whatever means: one reading a point."""
+
+from bayesfric.rigs.steady_points.trials import RIG
+
+__all__ = ["RIG"]

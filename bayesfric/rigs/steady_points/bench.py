@@ -1,0 +1,147 @@
+"""Points as recorded, with what a column that is absent means: that it did not vary."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bayesfric.analysis import HalfNormal, Normal, PriorOverrides
+from bayesfric.paper import table1
+from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
+from bayesfric.recording.steady_signs import against_motion
+from bayesfric.rigs.coefficients import NO_PULLEY
+from bayesfric.rigs.steady_points.scale import Scale
+
+__all__ = ["Bench", "bench_of"]
+
+Array = NDArray[np.float64]
+PULLEYS = ("pulley_size", "n_pulleys", "wrap_angle_deg")
+KNOWN = ("trial", "order", "setup", "role", "friction_n", "friction_sd_n", "velocity_m_s")
+FEWEST_SETUPS = 5  # below which points are held out one by one
+WIDE = 2.0  # widths of the priors, over what would make all of friction
+
+
+@dataclass(frozen=True)
+class Bench:
+    """What a recording has of such points.
+
+    Parameters
+    ----------
+    table : DataFrame
+        A row a point, those of an assembly adjacent: ``trial``, ``setup``, ``pulley_size``,
+        ``n_pulleys``, ``wrap_angle_deg``, ``tension_n``, ``friction_n`` against the motion,
+        and the other columns as recorded.
+    given : frozenset of str
+        Columns that were recorded; of others the table has a value that stands for none.
+    covariates : tuple of str
+        Columns of the user's own.
+    shared : bool
+        Whether points share assemblies; else each counts by itself.
+    scale : Scale
+        How large forces, tensions and speeds are, over those of a paper's pulley.
+    rotary : bool
+        Whether forces are torques.
+    """
+
+    table: pd.DataFrame
+    given: frozenset[str]
+    covariates: tuple[str, ...]
+    shared: bool
+    scale: Scale
+    rotary: bool
+
+    @property
+    def has_pulleys(self) -> bool:
+        """Whether anything is said of pulleys."""
+        return any(name in self.given for name in PULLEYS)
+
+    @property
+    def is_of_paper(self) -> bool:
+        """Whether all pulleys are of the paper's sizes, which priors were argued for."""
+        return bool(self.table["pulley_size"].isin(list(table1())).all())
+
+    @property
+    def both_ways(self) -> bool:
+        """Whether the motion went both ways."""
+        if "velocity_m_s" not in self.given:
+            return False
+        speed = self.table["velocity_m_s"]
+        return bool((speed > 0).any() and (speed < 0).any())
+
+    @property
+    def speed(self) -> Array:
+        """Size of the speed, 0 where nobody says, shape (N,) [m/s]."""
+        if "velocity_m_s" not in self.given:
+            return np.zeros(len(self.table))
+        return np.asarray(self.table["velocity_m_s"].abs(), dtype=np.float64)
+
+    def priors(self) -> dict[str, PriorOverrides]:
+        """Return priors of the coefficients of sizes that are not the paper's.
+
+        Nobody knows beforehand how much a machine rubs; each coefficient may make all of the
+        friction there is, twice over.
+        """
+        slope = self.scale.force / self.scale.tension * Scale.paper_force_n / Scale.paper_tension_n
+        own = PriorOverrides(
+            c1=HalfNormal(scale=WIDE * slope),
+            c2=HalfNormal(scale=WIDE * self.scale.force * Scale.paper_force_n),
+            c3=Normal(mean=0.0, sd=WIDE * slope / REFERENCE_WRAP_ANGLE_DEG),
+        )
+        sizes = set(self.table["pulley_size"]) - set(table1())
+        return dict.fromkeys(sorted(sizes), own)
+
+    def coefficients_without(self) -> frozenset[str]:
+        """Return the coefficients of which nothing could show, where there is no pulley."""
+        if self.has_pulleys:
+            return frozenset()
+        return frozenset({"c3"} if "tension_n" in self.given else {"c1", "c3"})
+
+
+def bench_of(points: pd.DataFrame, *, rotary: bool) -> Bench:
+    """Return the points of a recording, completed.
+
+    Parameters
+    ----------
+    points : DataFrame
+        The table ``steady_friction.csv``.
+    rotary : bool
+        Whether its forces are torques.
+    """
+    given = frozenset(str(name) for name in points)
+    table = points.rename(columns={"run": "trial"}).assign(friction_n=against_motion(points))
+    size = "pulley" if given & set(PULLEYS) else NO_PULLEY
+    absent = pd.DataFrame(
+        {
+            "pulley_size": size,
+            "n_pulleys": 1,
+            "wrap_angle_deg": REFERENCE_WRAP_ANGLE_DEG,
+            "tension_n": 0.0,
+        },
+        index=table.index,
+    )
+    table = table.join(absent[[name for name in absent if name not in given]])
+    shared = "setup" in given
+    if not shared:
+        cell = table.groupby(list(PULLEYS), sort=False).ngroup()
+        shared = given >= set(PULLEYS) and cell.nunique() >= FEWEST_SETUPS
+        table["setup"] = [f"a{one + 1}" for one in cell] if shared else table["trial"]
+    table = table.sort_values("setup", kind="stable", ignore_index=True)
+    known = (*KNOWN, *PULLEYS, "tension_n")
+    covariates = tuple(str(name) for name in table if name not in known)
+    return Bench(table, given, covariates, shared, _scale(table, given), rotary)
+
+
+def _scale(table: pd.DataFrame, given: frozenset[str]) -> Scale:
+    pulleys = table["n_pulleys"].to_numpy(dtype=np.float64)
+    friction = float(np.sqrt(((table["friction_n"] / pulleys) ** 2).mean()))
+    tension, speed = 0.0, 0.0
+    if "tension_n" in given:
+        tension = float(table["tension_n"].max())
+    if "velocity_m_s" in given:
+        speed = float(table["velocity_m_s"].abs().max())
+    return Scale(
+        friction / Scale.paper_force_n or 1.0,
+        tension / Scale.paper_tension_n or 1.0,
+        speed / Scale.paper_speed_m_s or 1.0,
+    )

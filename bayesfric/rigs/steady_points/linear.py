@@ -1,0 +1,81 @@
+"""Steady points in the linear model: one reading a point."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import HalfNormal, Priors
+from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.laws import Baseline
+from bayesfric.rigs.linear import NoiseParameter, noise_parameter
+from bayesfric.rigs.points import PointRows
+from bayesfric.rigs.steady_points.bench import Bench
+from bayesfric.rigs.steady_points.errors import (
+    NAME,
+    OMEGA,
+    SIGMA,
+    TAU,
+    error_prior,
+    known_errors,
+    rough_error,
+)
+from bayesfric.rigs.steady_points.places import CONDITION, covariates_of, state_of
+
+__all__ = ["points_rows"]
+
+Array = NDArray[np.float64]
+SCATTER = (1e-4, 1.0)  # looked at
+NEVER = HalfNormal(scale=2e-4)  # of what points would share, where none share anything
+
+
+def points_rows(
+    bench: Bench, loads: tuple[str, ...], law: Baseline, laws: Mapping[str, Coefficients]
+) -> PointRows:
+    """Return the points around a reference law.
+
+    Parameters
+    ----------
+    bench : Bench
+        N points.
+    loads : tuple of str
+        Columns that make a condition, with size, number and wrap angle.
+    law : Baseline
+        The friction law.
+    laws : mapping of str to Coefficients
+        Coefficients of each pulley size.
+    """
+    table = bench.table
+    each = zip(*(laws[size] for size in table["pulley_size"]), strict=True)
+    coefficients = Coefficients(*(np.array(one) for one in each))
+    state = state_of(bench, coefficients)
+    friction = law.at_tension(coefficients, *(table[name].to_numpy(float) for name in CONDITION))
+    known, one = known_errors(bench), np.ones(len(table))
+    unit = rough_error(bench)
+
+    def noise(priors: Priors) -> tuple[NoiseParameter, ...]:
+        shared = priors.omega if bench.shared else NEVER
+        own = noise_parameter(TAU, priors.tau, 0.012, SCATTER, 0.01, scatters=True)
+        load = noise_parameter(f"load_{NAME}", shared, 0.001, SCATTER, 0.001, scatters=True)
+        setup = noise_parameter(OMEGA, shared, 0.001, SCATTER, 0.001, scatters=True)
+        bounds = (1e-3 * unit, 1e3 * unit)
+        error = noise_parameter(SIGMA, error_prior(bench, priors), unit, bounds, unit)
+        return own, load, setup, error
+
+    return PointRows(
+        name=NAME,
+        table=table,
+        loads=loads,
+        state=state,
+        friction_n=friction,
+        feedback=one,
+        reading=table["friction_n"].to_numpy(dtype=np.float64) - friction,
+        per_newton=one,
+        errors=(np.where(np.isnan(known), 1.0, 0.0),),
+        noise=noise,
+        curve=np.zeros((len(table), 0)),
+        still_curve=np.zeros((0, 0)),
+        still=np.zeros(0),
+        known_error=np.nan_to_num(known),
+        further=covariates_of(bench),
+    )

@@ -1,0 +1,63 @@
+"""Where points are when an effect acts, and which effects a point can show."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.effects import PULLEYS, Effect, State
+from bayesfric.effects.terms import small_values
+from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients, coulomb_friction
+from bayesfric.rigs.base import Unsupported, why_inert
+from bayesfric.rigs.linear import rank
+from bayesfric.rigs.steady_points.bench import Bench
+
+__all__ = ["CONDITION", "covariates_of", "state_of", "supported"]
+
+Array = NDArray[np.float64]
+CONDITION = ("n_pulleys", "wrap_angle_deg", "tension_n")
+LEAST_TENSION = 1e-6  # of the middle: some laws divide by it
+DIRECTION = "direction"
+NO_PATH = Unsupported(
+    "It changes along a path or round a pulley, and a point is a mean over steady motion."
+)
+NO_SENSOR = Unsupported("It acts on a sensor of another rig, and this one reads friction itself.")
+
+
+def state_of(bench: Bench, law: Coefficients) -> State:
+    """Return where points are, by a law: arrays that broadcast to (N,) or (W, N)."""
+    n, wrap, tension = (bench.table[name].to_numpy(dtype=np.float64) for name in CONDITION)
+    state = State.of(law, n, wrap, tension, bench.speed, order=rank(bench.table), steady=True)
+    middle = bench.scale.tension * bench.scale.reference_tension_n
+    least = LEAST_TENSION * middle if "tension_n" in bench.given else middle
+    return state._replace(
+        tension_n=np.maximum(tension, least),
+        pulley_friction_n=coulomb_friction(law, 1.0, REFERENCE_WRAP_ANGLE_DEG, middle),
+        covariates=covariates_of(bench),
+    )
+
+
+def covariates_of(bench: Bench) -> dict[str, Array]:
+    """Return what else varied, by the column's name; ``direction`` where it went both ways."""
+    found = {
+        name: bench.table[name].to_numpy(dtype=np.float64)
+        for name in bench.covariates
+        if bench.table[name].nunique() > 1
+    }
+    if bench.both_ways:
+        found[DIRECTION] = np.sign(bench.table["velocity_m_s"].to_numpy(dtype=np.float64))
+    return found
+
+
+def supported(bench: Bench, effect: Effect, law: Coefficients) -> Unsupported | None:
+    """Return why an effect cannot enter the likelihood; None where it can."""
+    if effect.acts_on not in ("friction", "drive"):
+        return NO_SENSOR
+    if effect.components:
+        return NO_PATH
+    state = state_of(bench, law)
+    if lacking := sorted(effect.needs - PULLEYS - set(state.covariates)):
+        return Unsupported(f"It needs {' and '.join(lacking)}, which these data do not have.")
+    for one in effect.laws.values():
+        response = np.asarray(one(small_values(effect), state))
+        if reason := why_inert(response):
+            return reason
+    return None

@@ -1,0 +1,37 @@
+"""What a fit predicts of steady points."""
+
+from typing import Any
+
+import pandas as pd
+import xarray as xr
+
+from bayesfric.rigs.bands import QUANTILES, bands
+from bayesfric.rigs.base import Predictive
+from bayesfric.rigs.residuals import check_residuals, measuring_order
+from bayesfric.rigs.steady_points.bench import Bench
+from bayesfric.rigs.steady_points.places import CONDITION
+
+__all__ = ["points_dataset"]
+
+
+def points_dataset(bench: Bench, recorded: pd.DataFrame, view: Predictive) -> xr.Dataset:
+    """Return friction against the motion as measured, and as predicted for a new point.
+
+    Parameters
+    ----------
+    bench : Bench
+        The points of the fit.
+    recorded : DataFrame
+        All points as recorded, for their order.
+    view : Predictive
+        The fit.
+    """
+    table, law = bench.table, view.likelihood.law(view.named)  # type: ignore[attr-defined]
+    kept = ["pulley_size", "setup", *CONDITION, "friction_n"]
+    kept += [name for name in ("velocity_m_s", *bench.covariates) if name in table]
+    columns: dict[str, Any] = {name: ("point", table[name].to_numpy()) for name in kept}
+    columns["law_n"] = (("point", "quantile"), bands(law))
+    columns["predicted_n"] = (("point", "quantile"), bands(law * view.factor))
+    columns["order"] = ("point", measuring_order(recorded, table))
+    columns |= check_residuals("point", view.remade, table["friction_n"].to_numpy())
+    return xr.Dataset(columns, {"point": table["trial"].to_numpy(), "quantile": list(QUANTILES)})

@@ -1,0 +1,179 @@
+"""Points that enter, and what kind of rig they are of."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Analysis, PriorOverrides
+from bayesfric.effects import PULLEYS, Effect
+from bayesfric.effects.candidates import Candidate
+from bayesfric.effects.terms import ActiveEffect
+from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.laws import BASELINES, Baseline
+from bayesfric.recording.tables import Recording, RigConstants
+from bayesfric.rigs.base import Motion, Predictive, Simulated, Unsupported, Words
+from bayesfric.rigs.changes import Change
+from bayesfric.rigs.plain import PlainTrials
+from bayesfric.rigs.points import PointRows
+from bayesfric.rigs.protocols import Protocol
+from bayesfric.rigs.steady_points.bench import Bench, bench_of
+from bayesfric.rigs.steady_points.errors import NAME
+from bayesfric.rigs.steady_points.likelihood import PointsLikelihood
+from bayesfric.rigs.steady_points.linear import points_rows
+from bayesfric.rigs.steady_points.places import covariates_of, supported
+from bayesfric.rigs.steady_points.predictions import points_dataset
+from bayesfric.rigs.truth import Truth
+
+__all__ = ["RIG", "SteadyPoints", "SteadyTrials"]
+
+Array = NDArray[np.float64]
+NOT_PULLEY_BY_PULLEY = Unsupported("Without pulleys, nothing goes pulley by pulley.")
+NO_TENSION = Unsupported("No tension_n was recorded to which friction could be proportional.")
+
+
+@dataclass(frozen=True)
+class SteadyPoints:
+    """Anybody's bench, joint or slide on which friction was measured at steady motion."""
+
+    name: str = NAME
+    motion: Motion = "steady"
+    words: Words = Words("friction bench", "point", "points")  # noqa: RUF009 (frozen)
+    tables: tuple[str, ...] = ("steady_friction.csv",)
+    paper: bool = False
+
+    def trials(self, recording: Recording, *, exclude: bool = True) -> "SteadyTrials | None":
+        """Return all points: no rule keeps one out."""
+        del exclude
+        if recording.steady is None:
+            return None
+        bench = bench_of(recording.steady, rotary=recording.rig.rotary)
+        return SteadyTrials(bench, recording.steady.rename(columns={"run": "trial"}))
+
+    def change(
+        self, effect: Effect, design: Protocol, constants: RigConstants, truth: Truth
+    ) -> Change | None:
+        """Return None: the paper's protocols lay out no such points."""
+        del effect, design, constants, truth
+        return None
+
+    def simulate(
+        self, design: Protocol, constants: RigConstants, truth: Truth, seed: int
+    ) -> Simulated:
+        """Record nothing: the paper's protocols lay out no such points."""
+        del design, constants, truth, seed
+        return Simulated({}, 0)
+
+
+RIG = SteadyPoints()
+
+
+@dataclass(frozen=True)
+class SteadyTrials(PlainTrials):
+    """Points that enter.
+
+    Parameters
+    ----------
+    bench : Bench
+        The points.
+    recorded : DataFrame
+        All points as recorded; their id is ``trial``.
+    law : Baseline
+        Around which a diagnosis makes them linear.
+    """
+
+    bench: Bench
+    recorded: pd.DataFrame
+    law: Baseline = BASELINES["paper"]
+    rig: SteadyPoints = RIG
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """One row a point; its id is ``trial``."""
+        return self.bench.table
+
+    @property
+    def loads(self) -> tuple[str, ...]:
+        """The tension, where it was recorded."""
+        return ("tension_n",) if "tension_n" in self.bench.given else ()
+
+    @property
+    def slowest_speed_m_s(self) -> float:
+        """The least speed of a point; infinite where nobody says [m/s]."""
+        return float(self.bench.speed.min()) if "velocity_m_s" in self.bench.given else float("inf")
+
+    @property
+    def has_pulleys(self) -> bool:
+        """Whether anything is said of pulleys."""
+        return self.bench.has_pulleys
+
+    def levels(self, name: str) -> int:
+        """Return how many values a column takes; ``tension`` is the nominal one."""
+        return int(self.table[{"tension": "tension_n"}.get(name, name)].nunique())
+
+    def select(self, keep: "pd.Series[bool]") -> "SteadyTrials | None":
+        """Return the points of a mask over the table; None without any."""
+        table = self.table[keep].reset_index(drop=True)
+        return replace(self, bench=replace(self.bench, table=table)) if len(table) else None
+
+    def supports(self, effect: Effect) -> Unsupported | None:
+        """Return why an effect cannot enter the likelihood; None where it can."""
+        one = np.ones(len(self.table))
+        return supported(self.bench, effect, Coefficients(one, one, 0 * one))
+
+    def refuses(self, law: Baseline) -> Unsupported | None:
+        """Return why a friction law makes no sense here; None where it does."""
+        if law.name == "recursive" and not self.bench.has_pulleys:
+            return NOT_PULLEY_BY_PULLEY
+        lacks_slope = "tension_n" not in self.bench.given
+        return NO_TENSION if lacks_slope and "c2" in law.without else None
+
+    @property
+    def offers(self) -> frozenset[str]:
+        """Loads as pulleys have them, and the covariates that were recorded."""
+        return PULLEYS | frozenset(covariates_of(self.bench))
+
+    @property
+    def own_priors(self) -> Mapping[str, PriorOverrides]:
+        """Return priors that are as wide as the readings are large, of unknown sizes."""
+        return self.bench.priors()
+
+    def suited(self, effect: Effect) -> Effect:
+        """Return an effect in proportion to the machine, unless it has the paper's pulleys."""
+        bench = self.bench
+        if bench.is_of_paper or effect.acts_on not in ("friction", "drive"):
+            return effect
+        return bench.scale.adapted(effect, rotary=bench.rotary)
+
+    def under(self, law: Baseline) -> "SteadyTrials":
+        """Return the same points, made linear around another law."""
+        return replace(self, law=law)
+
+    def linear(
+        self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
+    ) -> PointRows:
+        """Return the readings as rows of a linear model; nothing starts to move here."""
+        del acting
+        return points_rows(self.bench, self.loads, self.law, laws)
+
+    def likelihood(
+        self,
+        analysis: Analysis,
+        law: Baseline = BASELINES["paper"],
+        effects: Sequence[ActiveEffect] = (),
+    ) -> PointsLikelihood:
+        """Return the density of the readings."""
+        here = [one for one in effects if self.supports(one.effect) is None]
+        return PointsLikelihood(self.bench, analysis, law, here)
+
+    def quality(self) -> Mapping[str, Any]:
+        """Return how many points enter."""
+        return {"points": len(self.table)}
+
+    def predicted(self, view: Predictive) -> xr.Dataset:
+        """Return friction measured, and predicted for a new point."""
+        return points_dataset(self.bench, self.recorded, view)

@@ -1,0 +1,123 @@
+"""Hunting over the ways in which a joint is used, against a simulation from outside."""
+
+import numpy as np
+import pytest
+from margins import two_masses
+from margins.loops import loop, posterior, write_draws
+
+from bayesfric.errors import InputError
+from bayesfric.margins import compute_margins, read_loop
+from bayesfric.margins.assembly import RigDiscrepancy, draw_assembly
+from bayesfric.margins.loop_at_shaft import at_shaft
+from bayesfric.margins.loop_file import Loop
+from bayesfric.margins.scanning import speeds_of
+from bayesfric.margins.thresholds import find_hunting
+from bayesfric.resources import data_folder
+
+ELBOW = data_folder() / "loops" / "raven-elbow.toml"
+
+
+def elbow(changes=None, kick=None, draws=6):
+    """Return the elbow at its shaft, with some keys changed, without load."""
+    values = read_loop(ELBOW).model_dump()
+    values["joint"]["load_n_m"] = 0.0
+    for section, keys in (changes or {}).items():
+        values[section] |= keys
+    values["kick"] |= kick or {}
+    one = Loop.model_validate(values | ({"stiction_ratio": 1.3} if changes else {}))
+    return at_shaft(one, draw_assembly(one, posterior(draws), RigDiscrepancy(0.05, ""), seed=3))
+
+
+def test_the_elbow_hunts_where_it_creeps_and_not_where_it_rests_or_runs():
+    speeds = (0.0, 0.5, 8.0)
+    shaft = elbow(kick={"reference_range_rad_s": (0.5, 8.0)})
+    found = find_hunting(shaft, 6, 0.05)
+    by_speed = {float(one.speed_of(shaft)[0]): hunts for one, hunts in
+                zip(found.speeds, found.hunts, strict=True)}  # fmt: skip
+    for speed in speeds:
+        times, error, _ = two_masses.run(
+            two_masses.of(shaft), kick=float(shaft.kick[0]), speed=speed, duration=4.0
+        )
+        does, _ = two_masses.sticks_and_slips(times, error)
+        nearest = min(by_speed, key=lambda one, at=speed: abs(one - at))
+        assert nearest == pytest.approx(speed)
+        assert bool(by_speed[nearest][0]) is bool(does)
+        assert bool(does) is (speed == 0.5)
+    # the gain that is safe at rest is not safe: seen from outside on either side
+    assert found.threshold.max() < 0.5
+    for share, hunts in ((0.8, False), (1.25, True)):
+        slow = found.conditions[found.condition[0]]
+        plant = two_masses.of(shaft, feed=share * found.threshold[0] * shaft.estimate[0])
+        assert two_masses.sticks_and_slips(
+            *two_masses.run(plant, kick=float(slow.kick_of(shaft)[0]),
+                            speed=float(slow.speed_of(shaft)[0]), duration=6.0)[:2]
+        )[0] == hunts  # fmt: skip
+
+
+def test_integral_action_with_stiction_hunts_without_any_compensation():
+    shaft = elbow(
+        {"controller": {"ki_n_m_per_rad_s": 2.0}, "compensation": {"signal": "reference"}},
+        kick={"reference_range_rad_s": (0.0, 0.0)},
+    )
+    found = find_hunting(shaft, 6, 0.05)
+    assert found.method == "simulation"
+    assert (found.threshold == 0.0).all()
+    plant = two_masses.of(shaft, feed=0.0)
+    times, error, _ = two_masses.run(plant, kick=float(shaft.kick[0]), speed=0.0, duration=30.0,
+                                     steps=4)  # fmt: skip
+    does, frequency = two_masses.sticks_and_slips(times, error)
+    assert does
+    assert frequency == pytest.approx(0.29, abs=0.1)
+    assert found.frequency[0] == pytest.approx(frequency, rel=0.1)
+
+
+def test_what_a_loop_is_looked_at_with_is_its_own_range_or_counts_up_to_its_peak():
+    def speeds(changes):
+        one = loop(changes)
+        shaft = at_shaft(one, draw_assembly(one, posterior(), RigDiscrepancy(0.0, ""), seed=1))
+        return [float(condition.speed_of(shaft)[0]) for condition in speeds_of(shaft)]
+
+    count = 2 * np.pi / 4000 / 1e-3
+    free = {"kick.reference_range_rad_s": None}
+    in_counts = [count * one for one in (0.1, 0.2, 0.5, 1, 1.5, 2.5, 5, 10)]
+    assert speeds(free) == pytest.approx([0, *in_counts])
+    assert speeds({**free, "joint.peak_velocity_rad_s": 0.01})[-1] == pytest.approx(0.5 * count)
+    assert speeds({"kick.reference_range_rad_s": [0.2, 6.4]}) == pytest.approx(
+        [0, 0.2, 0.4, 0.8, 1.6, 3.2, 6.4]
+    )
+    assert speeds({}) == [0]
+    assert speeds({"kick.reference_speed_rad_s": 3.0}) == [0, 3]
+    with pytest.raises(ValueError, match="slower speed first"):
+        loop({"kick.reference_range_rad_s": [2, 1]})
+
+
+def test_the_sentence_says_speed_kick_error_and_what_was_not_looked_at(tmp_path):
+    draws = write_draws(tmp_path / "draws.nc", n=40)
+    one = loop({"compensation.gain": 1.0, "kick.reference_range_rad_s": [0.3, 0.3]})
+    (found,) = compute_margins([one], draws, simulated=12).summary.loops
+    for words in ("Monte Carlo error", "rad/s", "mm/s at the tip", "after a kick of", "decides",
+                  "Not examined", "the γ = 1 of the file"):  # fmt: skip
+        assert words in found.answer, words
+    chart = found.hunting_map
+    assert chart.speed_rad_s == pytest.approx((0.0, 0.3))
+    assert chart.speed_tip_m_s == pytest.approx((0.0, 0.3 * 0.5 / 100))
+    assert len(chart.probability) == len(chart.rms_error_m) == len(chart.gamma)
+    # without compensation it sticks within F/kp of a reference that rests, kicked ahead by 2 F/kp,
+    # and follows one that moves behind by F/kp, damping apart
+    assert chart.rms_error_m[0][1] == pytest.approx(0.1770 * 0.5 / 100, rel=0.1)
+
+
+def test_none_of_the_draws_is_a_bound_and_not_none(tmp_path):
+    draws = write_draws(tmp_path / "draws.nc", n=40)
+    one = loop({"compensation.signal": "reference", "kick.reference_range_rad_s": [0, 0]})
+    (found,) = compute_margins([one], draws, simulated=20).summary.loops
+    # 1 − 0.05^(1/20)
+    assert "0 of 20 (< 14 % at 95 %)" in found.answer
+    assert "No γ makes" not in found.answer
+
+
+def test_a_faulty_range_is_told_with_its_place(tmp_path):
+    text = ELBOW.read_text(encoding="utf-8") + "\n[kick]\nreference_range_rad_s = [2.0, 1.0]\n"
+    (tmp_path / "bad.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match="slower speed first"):
+        read_loop(tmp_path / "bad.toml")

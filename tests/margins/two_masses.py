@@ -1,0 +1,105 @@
+"""A motor and a joint on a cable, with friction at both ends, in small steps; none of the package.
+
+Semi-implicit Euler; friction takes speed off until none is left, and holds what it can hold.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Plant:
+    """Everything at the motor's shaft, SI; `stiffness` None is one stiff shaft."""
+
+    motor_inertia: float
+    load_inertia: float
+    friction: float
+    kp: float
+    kd: float
+    ki: float = 0.0
+    viscous: float = 0.0
+    stiction: float = 1.0
+    stiffness: float | None = None
+    damping: float = 0.0
+    behind: float = 0.0  # share of the friction at the joint's end of the cable
+    load: float = 0.0
+    counts: float = 4000.0
+    sample_time: float = 1e-3
+    delay: float = 1e-3
+    clip: float = math.inf
+    signal: str = "none"
+    feed: float = 0.0  # γ F̂
+
+
+def run(plant, *, kick, speed, duration, steps=10):
+    """Return times and position errors of motor and joint at the samples, after a kick."""
+    dt = plant.sample_time / steps
+    late = round(plant.delay / dt)
+    stiff = plant.stiffness is None
+    inertia = [plant.motor_inertia + plant.load_inertia] if stiff else [
+        plant.motor_inertia, plant.load_inertia]  # fmt: skip
+    rub = [plant.friction] if stiff else [
+        plant.friction * (1 - plant.behind), plant.friction * plant.behind]  # fmt: skip
+    drag = [plant.viscous] if stiff else [plant.viscous, 0.0]
+    x, v = [kick] * len(inertia), [speed] * len(inertia)
+    if not stiff:
+        x[1] -= plant.load / plant.stiffness  # hangs in its cable from the beginning
+    count = 2 * math.pi / plant.counts
+    seen = round((kick - speed * plant.sample_time) / count) * count
+    waiting, torque, integral, errors = [], 0.0, 0.0, []
+    for i in range(round(duration / dt)):
+        if i % steps == 0:
+            wanted = speed * i * dt
+            errors.append((wanted - x[0], wanted - x[-1]))
+            reading = round(x[0] / count) * count
+            rate, seen = (reading - seen) / plant.sample_time, reading
+            error = wanted - reading
+            integral += error * plant.sample_time
+            follows = {"none": 0.0, "reference": speed, "measured": rate}[plant.signal]
+            command = plant.kp * error + plant.kd * (speed - rate) + plant.ki * integral
+            command += plant.feed * ((follows > 0) - (follows < 0))
+            waiting.append((i + late, min(max(command, -plant.clip), plant.clip)))
+        while waiting and waiting[0][0] <= i:
+            torque = waiting.pop(0)[1]
+        pull = 0.0
+        if not stiff:
+            pull = plant.stiffness * (x[0] - x[1]) + plant.damping * (v[0] - v[1])
+        ends = [torque - plant.load] if stiff else [torque - pull, pull - plant.load]
+        for end, push in enumerate(ends):
+            if v[end] == 0 and abs(push) <= rub[end] * plant.stiction:
+                continue
+            free = v[end] + dt * (push - drag[end] * v[end]) / inertia[end]
+            after = math.copysign(max(abs(free) - dt * rub[end] / inertia[end], 0.0), free)
+            v[end] = 0.0 if after * v[end] < 0 else after
+            x[end] += dt * v[end]
+    times = np.arange(len(errors)) * plant.sample_time
+    return times, *np.array(errors).T
+
+
+def sticks_and_slips(times, error):
+    """Tell whether the second half swings by over a count either way, and how often."""
+    late = error[times.size // 2 :]
+    crossings = np.flatnonzero(np.diff(np.sign(late - late.mean())) != 0)
+    frequency = (crossings.size - 1) / 2 / (times[-1] / 2) if crossings.size > 2 else 0.0
+    return np.ptp(late) > 2 * 2 * np.pi / 4000, frequency
+
+
+def of(shaft, **changes):
+    """Return the plant of the first draw of a loop at its shaft."""
+    usual = {
+        "motor_inertia": shaft.motor_inertia[0],
+        "load_inertia": shaft.load_inertia[0],
+        "friction": shaft.friction[0],
+        "kp": shaft.kp[0],
+        "kd": shaft.kd[0],
+        "ki": shaft.ki[0],
+        "viscous": shaft.viscous[0],
+        "stiction": shaft.stiction_ratio[0],
+        "clip": shaft.clip[0],
+        "signal": shaft.loop.compensation.signal,
+        "feed": shaft.gamma[0] * shaft.estimate[0],
+    }
+    return Plant(**{name: value if isinstance(value, str) else float(value)
+                    for name, value in (usual | changes).items()})  # fmt: skip

@@ -1,0 +1,180 @@
+"""Friction points of any machine: read by their sign, fitted, diagnosed, and not overclaimed."""
+
+import numpy as np
+import pytest
+from rigs.friction_points import joint, recorded, slide
+
+import bayesfric as bf
+from bayesfric import rigs
+from bayesfric.analysis import Analysis, HalfNormal, Normal
+from bayesfric.effects import Effect, EffectParameter
+from bayesfric.effects.candidates import Candidate
+from bayesfric.errors import InputError
+from bayesfric.inference.grouped_normal import GroupedNormal
+from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.laws import BASELINES
+from bayesfric.recording.steady_signs import against_motion
+
+
+def trials_of(recording):
+    return rigs.all_rigs()["steady-points"].trials(recording)
+
+
+@pytest.mark.parametrize("sign", ["size", "drives", "resists"])
+def test_each_convention_for_the_sign_says_the_same(tmp_path, sign):
+    table = joint(3.0)
+    size = np.abs(table["friction_n"])
+    way = {"size": 1.0, "drives": np.sign(table["velocity_m_s"])}.get(sign)
+    table["friction_n"] = size * (-np.sign(table["velocity_m_s"]) if way is None else way)
+    assert against_motion(recorded(tmp_path, table).steady) == pytest.approx(size)
+
+
+def test_friction_that_pushes_half_of_the_time_is_refused(tmp_path):
+    table = joint(0.0)
+    table["friction_n"] = np.abs(table["friction_n"]) * np.tile([1, -1], 30)
+    with pytest.raises(InputError, match=r"30 of 60 rows push"):
+        recorded(tmp_path, table)
+
+
+def test_points_at_no_speed_and_a_few_that_push_are_mentioned(tmp_path):
+    table = joint(0.0)
+    table["velocity_m_s"][0], table["friction_n"][5] = 0.0, -0.01
+    notes = recorded(tmp_path, table).notes
+    assert notes == (
+        "run r005: friction that pushes, kept as it is",
+        "run r000: at no speed, taken as friction at the brink of motion",
+    )
+
+
+def test_its_density_is_a_dense_normal(tmp_path):
+    """With assemblies, and a standard error of some readings only."""
+    table = slide() | {"setup": np.repeat(["a", "b", "c", "d", "e"], 8).tolist()}
+    table["friction_sd_n"] = np.where(np.arange(40) % 3, 0.4, np.nan)
+    trials = trials_of(recorded(tmp_path, table))
+    likelihood = trials.likelihood(Analysis())
+    assert {p.name for p in likelihood.parameters} == {
+        *("c1", "c2"),
+        *("tau_steady-points", "omega_steady-points", "sigma_friction"),
+    }
+    theta = {"c1": 0.1, "c2": 9.0, "tau_steady-points": 0.02}
+    theta |= {"omega_steady-points": 0.03, "sigma_friction": 0.7}
+    law = 0.1 * trials.table["tension_n"].to_numpy() + 9.0
+    error = trials.table["friction_sd_n"].fillna(0.7).to_numpy()
+    setup = trials.table["setup"].to_numpy()
+    covariance = np.diag((0.02 * law) ** 2 + error**2)
+    covariance += (setup[:, None] == setup) * np.outer(0.03 * law, 0.03 * law)
+    off = trials.table["friction_n"].to_numpy() - law
+    expected = -0.5 * (
+        off @ np.linalg.solve(covariance, off) + np.linalg.slogdet(2 * np.pi * covariance)[1]
+    )
+    found = likelihood.log_likelihood({name: np.array([value]) for name, value in theta.items()})
+    assert isinstance(likelihood.normal({n: np.ones(1) for n in theta}), GroupedNormal)
+    assert found[0] == pytest.approx(expected, abs=1e-8)
+
+
+def test_a_machine_of_another_size_in_other_units_is_diagnosed_alike(tmp_path):
+    """Forces and speeds times any number change no probability."""
+    found = [
+        bf.diagnose(recorded(tmp_path / str(force), joint(0.6, force=force, speed=speed))).summary
+        for force, speed in ((1.0, 1.0), (1000.0, 0.01))
+    ]
+    first, second = found
+    assert first.probabilities.keys() == second.probabilities.keys()
+    for name, chance in first.probabilities.items():
+        assert second.probabilities[name] == pytest.approx(chance, abs=1e-3)
+    assert second.gap.systematic.q50 == pytest.approx(1000 * first.gap.systematic.q50, rel=0.02)
+
+
+def test_a_joint_with_viscous_friction_is_named_with_its_slope(tmp_path):
+    found = bf.diagnose(recorded(tmp_path, joint(3.0), rotary=True)).summary
+    assert found.verdict == "named"
+    (cause,) = found.causes
+    assert cause.effect == "viscous"
+    assert cause.parameters["slope"].unit == "s/rad"
+    assert "cable" not in cause.sentence
+
+
+def test_a_joint_with_nothing_is_not_accused(tmp_path):
+    found = bf.diagnose(recorded(tmp_path, joint(0.0))).summary
+    assert found.verdict == "no-gap"
+    assert found.probabilities["none"] > 0.5
+
+
+def by_warmth(values, state):
+    warm = np.asarray(state.covariates["oil_temperature_c"])
+    return values["share"] * state.friction_n * (warm - 30) / 20
+
+
+WARMTH = Effect(
+    name="oil-warmth",
+    acts_on="friction",
+    sentence="friction falls as the oil warms",
+    amplitude=EffectParameter("share", "1", "a share", Normal(mean=0, sd=0.2), (-1, 1), "argued"),
+    laws={"linear": by_warmth},
+    needs=frozenset({"oil_temperature_c"}),
+)
+
+
+def test_what_depends_on_a_covariate_is_found_there_and_named_by_a_users_effect(tmp_path):
+    recording = recorded(tmp_path, slide(0.08))
+    alone = bf.diagnose(recording).summary
+    assert alone.verdict == "unknown"
+    assert alone.where[0].axis == "oil_temperature_c"
+    named = bf.diagnose(recording, effects=[WARMTH]).summary
+    (cause,) = named.causes
+    assert cause.effect == "oil-warmth"
+    share = cause.parameters["share"]
+    assert abs(share.mean + 0.08) < 4 * share.sd < 0.02
+
+
+def test_an_effect_whose_covariate_is_absent_is_said_to_be(tmp_path):
+    found = bf.diagnose(recorded(tmp_path, joint(0.0)), effects=[WARMTH]).summary
+    (one,) = (one for one in found.effects if one.effect == "oil-warmth")
+    assert "oil_temperature_c" in one.log10_bayes_factor_why
+
+
+@pytest.mark.parametrize(
+    ("baseline", "reason"),
+    [("recursive", "nothing goes pulley by pulley"), ("proportional", "No tension_n")],
+)
+def test_a_law_that_makes_no_sense_is_refused(tmp_path, baseline, reason):
+    with pytest.raises(InputError, match=reason):
+        bf.diagnose(recorded(tmp_path, joint(0.0)), baseline=baseline)
+
+
+def test_a_law_without_its_constant_has_no_such_parameter(tmp_path):
+    trials = trials_of(recorded(tmp_path, slide()))
+    likelihood = trials.likelihood(Analysis(), BASELINES["proportional"])
+    assert "c2" not in {p.name for p in likelihood.parameters}
+    theta = {p.name: np.array([0.1]) for p in likelihood.parameters}
+    assert likelihood.law(theta)[0] == pytest.approx(0.1 * trials.table["tension_n"])
+
+
+def test_no_claim_on_pulleys_is_judged_by_a_machine_without(tmp_path):
+    found = bf.check_claims(recorded(tmp_path, joint(0.0))).summary
+    assert {one.verdict for one in found.claims} == {"not-testable"}
+
+
+def test_a_users_prior_stands_where_the_rig_has_one(tmp_path):
+    """And the others of the rig too."""
+    from bayesfric.rigs.opening import with_own_priors
+
+    trials = trials_of(recorded(tmp_path, slide()))
+    analysis = Analysis.model_validate({"priors": {"c2": HalfNormal(scale=7.0).model_dump()}})
+    own = with_own_priors(analysis, [trials])
+    by_name = {p.name: p.prior for p in trials.likelihood(own).parameters}
+    assert by_name["c2"] == HalfNormal(scale=7.0)
+    assert by_name["c1"].scale == pytest.approx(
+        2 * np.sqrt(np.mean(slide()["friction_n"] ** 2)) / 800
+    )
+
+
+def test_effects_in_proportion_do_to_friction_what_they_do_on_a_board(tmp_path):
+    """At the highest speed a slope of one prior width is 3 · 0.15 · 1.3 of friction."""
+    trials = trials_of(recorded(tmp_path, joint(0.0)))
+    from bayesfric.effects import all_effects
+
+    effect = trials.suited(all_effects()["viscous"])
+    rows = trials.linear({"": Coefficients(0.0, 8.0, 0.0)})
+    force = rows.relative_force(Candidate(effect, "friction", 0.0, 0.0))[0, :, 0]
+    assert effect.amplitude.prior.scale * force.max() == pytest.approx(3 * 0.15 * 1.3)

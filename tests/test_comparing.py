@@ -1,0 +1,119 @@
+"""What changed between two runs: shifts, flips and settings that are known beforehand."""
+
+import json
+import shutil
+
+import pytest
+
+from bayesfric.comparing import compare, comparison_text
+from bayesfric.errors import InputError
+from bayesfric.resources import reference_folder
+
+NAMES = ("fit.json", "claims.json", "diagnosis.json")
+
+
+@pytest.fixture
+def runs(tmp_path):
+    """The reference run, twice."""
+    for side in ("a", "b"):
+        (tmp_path / side).mkdir()
+        for name in NAMES:
+            shutil.copy(reference_folder() / name, tmp_path / side / name)
+    return tmp_path
+
+
+def change(path, edit):
+    content = json.loads(path.read_text())
+    edit(content)
+    path.write_text(json.dumps(content))
+
+
+def test_the_same_run_twice_differs_in_nothing(runs):
+    found = compare(runs / "a", runs / "b")
+    assert found.same
+    assert found.flips == found.settings == ()
+    assert {one.shift for one in found.shifts} <= {0.0, None}
+    assert comparison_text(found) == ["no difference: fit.json, claims.json, diagnosis.json"]
+
+
+def test_a_shift_is_in_standard_deviations_of_both(runs):
+    """3 sd of the one, where the other is √7 as wide: 3 / √((1 + 7) / 2) = 1.5."""
+
+    def edit(content):
+        c1 = content["pulleys"]["small"]["c1"]
+        c1["mean"] += 3 * c1["sd"]
+        c1["sd"] *= 7**0.5
+
+    change(runs / "b" / "fit.json", edit)
+    found = compare(runs / "a", runs / "b")
+    assert not found.same
+    first, second = found.shifts[:2]
+    assert (first.file, first.name) == ("fit.json", "pulleys.small.c1")
+    assert first.shift == pytest.approx(1.5)
+    assert second.shift == 0.0
+    (line,) = [one for one in comparison_text(found) if "pulleys.small.c1" in one]
+    assert "(+1.50 sd)" in line
+
+
+def test_a_number_without_uncertainty_has_no_shift_and_says_why(runs):
+    def edit(content):
+        content["pulleys"]["small"]["c1"]["sd"] = 0.0
+
+    for side in ("a", "b"):
+        change(runs / side / "fit.json", edit)
+    found = compare(runs / "a", runs / "b")
+    (one,) = [one for one in found.shifts if one.name == "pulleys.small.c1"]
+    assert one.shift is None
+    assert "no uncertainty" in one.shift_why
+
+
+def test_flips_and_settings_are_told(runs):
+    def claim(content):
+        for one in content["claims"]:
+            if one["id"] == "no-stribeck":
+                one["verdict"] = "refuted"
+
+    def settings(content):
+        content["seed"] = 7
+        content["analysis"] = {"priors": {"c1": {"family": "half-normal", "scale": 0.1}}}
+        content["verdict"] = "undecided"
+
+    change(runs / "b" / "claims.json", claim)
+    change(runs / "b" / "diagnosis.json", settings)
+    found = compare(runs / "a", runs / "b")
+    before = json.loads((runs / "a" / "diagnosis.json").read_text())["verdict"]
+    assert [(one.name, one.b) for one in found.flips if one.file == "claims.json"] == [
+        ("no-stribeck", "refuted")
+    ]
+    assert [(one.a, one.b) for one in found.flips if one.name == "verdict"] == [
+        (before, "undecided")
+    ]
+    changed = {one.key: one.b for one in found.settings if one.file == "diagnosis.json"}
+    assert changed["seed"] == "7"
+    assert changed["analysis.priors.c1.scale"] == "0.1"
+    text = comparison_text(found)
+    assert f"diagnosis.json  verdict: {before} -> undecided" in text
+    assert text.index(f"diagnosis.json  verdict: {before} -> undecided") < 2  # what matters first
+
+
+def test_results_of_one_folder_alone_are_named(runs):
+    (runs / "b" / "claims.json").unlink()
+    found = compare(runs / "a", runs / "b")
+    assert found.only_in_a == ("claims.json",)
+    assert "claims.json is in the first folder alone" in comparison_text(found)
+
+
+@pytest.mark.parametrize("damage", ["nothing in common", "cut", "empty"])
+def test_what_cannot_be_compared_is_refused(runs, damage):
+    if damage == "nothing in common":
+        for name in NAMES[1:]:
+            (runs / "a" / name).unlink()
+        (runs / "b" / "fit.json").unlink()
+    elif damage == "cut":
+        path = runs / "b" / "claims.json"
+        path.write_bytes(path.read_bytes()[:1000])
+    else:
+        for name in NAMES:
+            (runs / "b" / name).unlink()
+    with pytest.raises(InputError):
+        compare(runs / "a", runs / "b")

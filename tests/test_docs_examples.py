@@ -1,0 +1,105 @@
+"""What the pages tell a reader to type is what the package has, and it runs as written."""
+
+import ast
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import typer
+from markdown_it import MarkdownIt
+
+import bayesfric
+from bayesfric.cli import app
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGES = [
+    ROOT / "README.md",
+    ROOT / "docs" / "tutorial.md",
+    ROOT / "docs" / "api.md",
+    *sorted((ROOT / "docs" / "howto").glob("*.md")),
+]
+
+
+def blocks(page, *languages):
+    """Return (language, text) of the fenced blocks of a page, in their order."""
+    tokens = MarkdownIt().parse(page.read_text(encoding="utf-8"))
+    fences = [token for token in tokens if token.type == "fence"]
+    return [(one.info.strip(), one.content) for one in fences if one.info.strip() in languages]
+
+
+def commands(page):
+    """Return the arguments of each call of ``bayesfric`` in the shell blocks of a page."""
+    for _, text in blocks(page, "sh"):
+        for line in text.splitlines():
+            found = re.match(r"(?:\.venv/bin/)?bayesfric (.*)", line.split(" || ")[0])
+            if found:
+                yield shlex.split(found[1], comments=True)
+
+
+CALLS = [(page.relative_to(ROOT), call) for page in PAGES for call in commands(page)]
+
+
+def parse(call):
+    """Let the command line take a call apart, without running it."""
+    group = typer.main.get_command(app)
+    verb, *arguments = call
+    with group.make_context("bayesfric", [verb], resilient_parsing=True) as parent:
+        command = group.get_command(parent, verb)
+        assert command is not None, f"there is no verb {verb}"
+        return command.make_context(verb, arguments, parent=parent)
+
+
+@pytest.mark.parametrize(("page", "call"), CALLS, ids=lambda one: str(one))
+def test_a_command_is_one_that_there_is(page, call):
+    parse(call)
+
+
+def test_a_command_that_there_is_not_is_seen():
+    with pytest.raises(Exception, match="No such option"):
+        parse(["fit", "board", "--no-such-option"])
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda one: one.stem)
+def test_python_blocks_name_what_is_public(page):
+    for _, text in blocks(page, "python"):
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, ast.Attribute) and getattr(node.value, "id", "") == "bf":
+                assert node.attr in bayesfric.__all__, f"bf.{node.attr}"
+
+
+def test_pages_have_calls_to_look_at():
+    """A page whose blocks are no longer found would pass the tests above unread."""
+    assert len(CALLS) >= 25
+    assert sum(len(blocks(page, "python")) for page in PAGES) >= 8
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("page", PAGES, ids=lambda one: one.stem)
+def test_a_page_runs_as_written(page, tmp_path):
+    """Every block in its order, in one folder that begins empty but for what a clone has."""
+    (tmp_path / "data").symlink_to(ROOT / "data")
+    scripts = str(Path(sys.executable).parent)
+    (tmp_path / ".venv").symlink_to(Path(scripts).parent)
+    environment = os.environ | {"PATH": f"{scripts}{os.pathsep}{os.environ['PATH']}"}
+    for language, text in blocks(page, "sh", "python"):
+        if "make " in text and language == "sh":
+            continue  # set-up and the tests themselves
+        interpreter = ["bash", "-euc"] if language == "sh" else [sys.executable, "-c"]
+        done = subprocess.run(
+            [*interpreter, text], cwd=tmp_path, env=environment, capture_output=True, text=True
+        )
+        assert done.returncode == 0, f"{text}\n{done.stdout}\n{done.stderr}"
+
+
+@pytest.mark.nightly
+def test_the_pages_are_built_without_a_warning(tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", ROOT / "docs", tmp_path],
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
