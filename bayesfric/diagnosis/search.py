@@ -45,6 +45,7 @@ BESIDE = 0.1  # of unknown forces, that come beside smaller effects
 GAIN = 0.5  # nat that a further effect has to gain to be gone on from
 FINALISTS = 8
 NEAREST = 4.0  # nat from the best, of a hypothesis whose own noise is integrated over
+NEARLY = 12.0  # nat from the best, of an unknown force whose own noise is
 LISTED = 1e-6  # probability below which a hypothesis is not listed
 
 
@@ -97,7 +98,7 @@ class Search:
     inverse : ndarray
         Of the curvature of the noise without effects.
     volume : float
-        Log Laplace volume of that noise.
+        Log Laplace volume of the noise, where a hypothesis has none of its own.
     """
 
     weighed: dict[str, Weighed]
@@ -253,7 +254,7 @@ def compare(model: LinearModel, first: Search) -> Search:
     for one in finalists:
         if not one.names:
             continue
-        found[one.label] = weigh(
+        again = weigh(
             model,
             one.names,
             [one.at.psi, noise],
@@ -263,6 +264,11 @@ def compare(model: LinearModel, first: Search) -> Search:
             forms=FORM_SHARES,
             own_volume=found_near(first, one),
         )
+        found[one.label] = again
+        if one.label == leader.label and again.volume is not None:
+            # Where the leader's effects act, scatter is as little known as with them; the
+            # noise without them is inflated, and better known.
+            volume = again.volume
     result = Search(found, {}, None, first.classes, first.priors, inverse, volume)
     # Effects beside the leader: what is a form of one may have passed for another, or hidden it.
     best = result.best()
@@ -292,9 +298,10 @@ def compare(model: LinearModel, first: Search) -> Search:
         if name not in found
     }
     result = replace(result, rough=rough)
-    unknown = unknown_force(model, none, Acting(), inverse, volume, [noise])
+    near = best.log_evidence - NEARLY
+    unknown = unknown_force(model, none, Acting(), inverse, volume, [noise], near)
     if best.names and unknown is not None:
-        beside = unknown_force(model, best, best.acting, inverse, volume)
+        beside = unknown_force(model, best, best.acting, inverse, volume, (), near)
         if beside is not None and _outweighs(model, beside, best):
             weights = np.log([1 - BESIDE, BESIDE])
             parts = weights + np.array([unknown.log_evidence, beside.log_evidence])
@@ -343,6 +350,7 @@ def unknown_force(
     inverse: Array,
     volume: float,
     starts: Sequence[Array] = (),
+    near: float | None = None,
 ) -> Unknown | None:
     """Weigh a smooth force beyond the discrepancy, along all axes or any single one.
 
@@ -358,6 +366,8 @@ def unknown_force(
         Of the noise without effects.
     starts : sequence of ndarray
         Further noises to climb from.
+    near : float or None
+        Log evidence from which on the force's own noise is integrated over.
     """
     model = model.full
     axes = model.acting_axes
@@ -386,9 +396,10 @@ def unknown_force(
     psi = tried[int(np.argmax([values(one, middling).max() for one in tried]))]
     found = values(psi, np.arange(len(nodes)))
     for _ in range(2):
-        best = nodes[int(np.argmax(found))]
         # The climb needs few of the numbers; the evidence has all of them.
-        moved = model.squeezed(psi, best).climb(psi, acting, None, form, inverse).psi
+        small = model.squeezed(psi, nodes[int(np.argmax(found))])
+        there = small.climb(psi, acting, None, form, inverse)
+        moved = there.psi
         settled = bool(np.abs(moved - psi).max() < 0.05)
         psi = moved
         likely = np.flatnonzero(found > found.max() - LIKELY)
@@ -397,6 +408,9 @@ def unknown_force(
             break
     at = model.evaluate(psi, acting, nodes[int(np.argmax(found))], form)
     total = float(logsumexp(found) - np.log(len(nodes))) + volume
+    if near is not None and total > near:
+        noise = slice(len(model.noise))
+        total += log_volume(small.curvature(there, acting, form)[noise, noise]) - volume
     # Along all axes is as likely as along any one.
     return Unknown(nodes, found - logsumexp(found), total, at, acting)
 
