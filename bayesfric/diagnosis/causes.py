@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from bayesfric.diagnosis.checked import Checked, factor_error
 from bayesfric.diagnosis.model import LinearModel
-from bayesfric.diagnosis.search import Search, Unknown
+from bayesfric.diagnosis.search import Search
 from bayesfric.diagnosis.systematic import Posterior, inclusion, interval
+from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.verdict import Known, measures
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.effects import EffectParameter

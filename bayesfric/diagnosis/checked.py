@@ -10,8 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
+from bayesfric.diagnosis.climbing import at_bounds, curvature_at
 from bayesfric.diagnosis.model import LinearModel
-from bayesfric.diagnosis.search import Search, Unknown
+from bayesfric.diagnosis.search import Search
+from bayesfric.diagnosis.squeezing import squeezed
+from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.weighing import Weighed, log_volume
 from bayesfric.inference.diagnostics import smooth_weights
 from bayesfric.inference.evidence.proposal import Proposal
@@ -63,16 +66,16 @@ def noise_checked(
     forms: dict[str, float] = {}
     volume: float | None = None
     if isinstance(one, Unknown):
-        model = model.full.squeezed(one.at.psi, one.best)
+        model = squeezed(model.full, one.at.psi, one.best)
     else:
         forms, volume = one.forms, one.volume
 
     def value(psi: Array) -> float:
         return model.evaluate(psi, one.acting, None, forms).value
 
-    mode, curvature = one.at.psi, model.curvature(one.at, one.acting, forms)
+    mode, curvature = one.at.psi, curvature_at(model, one.at, one.acting, forms)
     # What the data hardly tell is far from normal in any hypothesis, alike, and is held.
-    drawn = np.flatnonzero((np.diag(curvature) > TOLD) & ~model.at_bounds(mode))
+    drawn = np.flatnonzero((np.diag(curvature) > TOLD) & ~at_bounds(model, mode))
     covariance = np.linalg.inv(curvature[np.ix_(drawn, drawn)])
     proposal = Proposal(mode[drawn], INFLATION * covariance, FREEDOM)
     points = np.tile(mode, (DRAWS, 1))

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bayesfric.diagnosis.model import Acting, LinearModel
+from bayesfric.diagnosis.acting import Acting
+from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import (
     Residuals,
     numbers_of_laws,
@@ -191,6 +192,8 @@ class HeldOut:
         In which each window was held out.
     before, after : ndarray, shape (R,)
         Held-out residual force of each arm [N].
+    inside : ndarray, shape (3, R)
+        Residual force as shipped, before and after with nothing held out [N].
     rows : tuple of (str, Squares)
         Of the folds, then of what was extrapolated to.
     in_sample : Squares
@@ -205,6 +208,7 @@ class HeldOut:
     fold: NDArray[np.intp]
     before: Array
     after: Array
+    inside: Array
     rows: tuple[tuple[str, Squares], ...]
     in_sample: Squares
     trajectory: Squares | None
@@ -240,9 +244,11 @@ def measure_gap(arms: Arms, residuals: Residuals, rng: np.random.Generator) -> H
     for name, rows in extrapolated(residuals).items():
         weight = float(residuals.weight[rows].sum())
         found.append((name, squares(arms.fitted(residuals, rows))[1].of(rows, weight)))
-    _, inside = squares(arms.fitted(residuals, np.zeros(fold.size, dtype=np.bool_)))
+    every, inside = squares(arms.fitted(residuals, np.zeros(fold.size, dtype=np.bool_)))
     trajectory, examples = _free_running(arms, residuals, fold, by_fold)
-    return HeldOut(residuals, fold, left[1], left[2], tuple(found), inside, trajectory, examples)
+    return HeldOut(
+        residuals, fold, left[1], left[2], every, tuple(found), inside, trajectory, examples
+    )
 
 
 def folds_of(setup: NDArray[np.intp], rng: np.random.Generator) -> NDArray[np.intp]:
