@@ -76,7 +76,7 @@ def noise_checked(
     mode, curvature = one.at.psi, curvature_at(model, one.at, one.acting, forms)
     # What the data hardly tell is far from normal in any hypothesis, alike, and is held.
     drawn = np.flatnonzero((np.diag(curvature) > TOLD) & ~at_bounds(model, mode))
-    covariance = np.linalg.inv(curvature[np.ix_(drawn, drawn)])
+    covariance = np.asarray(np.linalg.inv(curvature[np.ix_(drawn, drawn)]), dtype=np.float64)
     proposal = Proposal(mode[drawn], INFLATION * covariance, FREEDOM)
     points = np.tile(mode, (DRAWS, 1))
     points[:, drawn] = proposal.draw(DRAWS, rng)

@@ -96,7 +96,7 @@ def gap_of(
         systematic=interval(posterior.gap),
         probability_above_practical=float(np.mean(posterior.gap >= practical * friction)),
         floor_agrees=disagrees is None,
-        floor_why=disagrees,
+        floor_disagreement=disagrees,
         friction_rms=friction,
         held_out=tuple(rows),
         in_sample=inside,

@@ -172,7 +172,7 @@ class Gap(Record):
         description="Whether what held-out data leave once the causes act is what scatter (the "
         "floor) and the systematic gap that is left would make, by chance too."
     )
-    floor_why: str | None = Field(
+    floor_disagreement: str | None = Field(
         None, description="How held-out data and the model contradict each other; null if not."
     )
     shrink: Interval | None = Field(

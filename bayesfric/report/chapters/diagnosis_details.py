@@ -251,7 +251,9 @@ def gap_words(found: DiagnosisFile) -> Paragraph:
             Reference("gap"),
             " has every figure on data that the fit has not seen; every parameter is refitted "
             "both before and after.",
-            "" if gap.floor_why is None else f" The two do not agree: {gap.floor_why}.",
+            ""
+            if gap.floor_disagreement is None
+            else f" The two do not agree: {gap.floor_disagreement}.",
         ]
     )
 
