@@ -126,7 +126,7 @@ def causes(found: Sequence[Cause]) -> Iterator[Block]:
                 + (
                     f" ({cause.log10_bayes_factor_se_why})"
                     if cause.log10_bayes_factor_se is None
-                    else f" ± {format_fixed(cause.log10_bayes_factor_se, 2)}"
+                    else f" ± {format_fixed(cause.log10_bayes_factor_se, 3)}"
                 )
                 + ". Its force is "
                 f"{format_share(cause.strength)} of that of friction (rms)"
