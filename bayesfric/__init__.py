@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from bayesfric.analysis import Analysis, HalfNormal, LogNormal, Normal, Uniform
     from bayesfric.blind.running import run_blind
+    from bayesfric.calibration.running import calibrate
     from bayesfric.comparing import compare
     from bayesfric.effects.base import Effect
     from bayesfric.errors import InputError
@@ -25,6 +26,7 @@ __all__ = [
     "Normal",
     "Recording",
     "Uniform",
+    "calibrate",
     "check_claims",
     "compare",
     "compute_margins",
@@ -46,6 +48,7 @@ _HOMES = {
     "Normal": "bayesfric.analysis",
     "Recording": "bayesfric.recording",
     "Uniform": "bayesfric.analysis",
+    "calibrate": "bayesfric.calibration.running",
     "check_claims": "bayesfric.notebook",
     "compare": "bayesfric.comparing",
     "compute_margins": "bayesfric.notebook",

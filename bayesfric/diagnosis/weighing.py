@@ -7,10 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from bayesfric.diagnosis.model import Acting, At, Law, LinearModel
+from bayesfric.diagnosis.acting import Acting, At, Law
+from bayesfric.diagnosis.climbing import climb, curvature_at
+from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.shapes import Choice, Quadratic, choose
 
-__all__ = ["FORM_SHARES", "Weighed", "label", "weigh"]
+__all__ = ["FORM_SHARES", "Weighed", "label", "log_volume", "weigh"]
 
 Array = NDArray[np.float64]
 NONE = "none"
@@ -121,7 +123,7 @@ def weigh(
     psi, (acting, _) = each[best], tried[best]
     form, weights = 0.0, np.zeros(len(forms))
     for _ in range(ROUNDS):
-        at = model.climb(psi, acting, None, dict.fromkeys(names, form), inverse)
+        at = climb(model, psi, acting, None, dict.fromkeys(names, form), inverse)
         before, moved = acting, at.psi
         known |= {f"{w.effect}:{w.law}": s for w, s in zip(acting.laws, acting.shapes, strict=True)}
         results = _chosen(model, free, phases, moved, known, forms)
@@ -135,9 +137,9 @@ def weigh(
     total = float(logsumexp(weights) - np.log(len(forms))) + prior
     share = dict.fromkeys(names, form)
     if own_volume:
-        curvature = model.curvature(at, acting, share)
+        curvature = curvature_at(model, at, acting, share)
         known_noise = len(model.noise)
-        volume = _log_volume(curvature[:known_noise, :known_noise])
+        volume = log_volume(curvature[:known_noise, :known_noise])
     if phases:
         total += _over_amplitudes(model, at, acting, share)
     shares = np.exp(weights - logsumexp(weights))
@@ -150,6 +152,7 @@ def weigh(
         tuple(choices),
         form,
         tuple(float(one) for one in shares),
+        bound=not at.at_mode,
     )
 
 
@@ -186,7 +189,8 @@ def _same(one: Acting, other: Acting) -> bool:
     return bool(apart.max() < SETTLED) if apart.size else True
 
 
-def _log_volume(curvature: Array) -> float:
+def log_volume(curvature: Array) -> float:
+    """Return the log integral of a normal density's shape, by its negative Hessian."""
     values = np.linalg.eigvalsh(curvature)
     return float(0.5 * (values.size * np.log(2 * np.pi) - np.log(values).sum()))
 
