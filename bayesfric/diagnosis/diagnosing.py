@@ -255,18 +255,20 @@ def _data(recording: Recording, baseline: str) -> tuple[Data, Baseline]:
     return data, law
 
 
-def _examinable(data: Data, own: Mapping[str, Effect]) -> tuple[dict[str, Effect], dict[str, str]]:
-    """Return the effects that the rigs can have, in their measures, and why not the others.
+def _examinable(
+    data: Data, own: Mapping[str, Effect]
+) -> tuple[dict[str, Effect], dict[str, tuple[str, ...]]]:
+    """Return the effects that the rigs can have, in their measures, and what others lack.
 
     An effect of the user's own is in the user's measures already; one that several rigs
     share is in those that it was described in.
     """
-    offered = frozenset().union(*(one.offers for one in data.rigs))
-    examined, lacking = {}, {}
-    for name, effect in sorted({**all_effects(), **own}.items()):
+    offered: frozenset[str] = frozenset().union(*(one.offers for one in data.rigs))
+    examined: dict[str, Effect] = {}
+    lacking: dict[str, tuple[str, ...]] = {}
+    for name, effect in sorted({**all_effects(None), **own}.items()):
         if missing := effect.needs - offered:
-            needed = ", ".join(sorted(missing))
-            lacking[name] = f"absent from these data: it needs what no rig here has ({needed})"
+            lacking[name] = tuple(sorted(missing))
         elif name in own or len(data.rigs) > 1:
             examined[name] = effect
         else:
@@ -447,14 +449,16 @@ def _held(
 
 
 def _examined(
-    found: Search, first: Search, names: list[str], lacking: Mapping[str, str]
+    found: Search, first: Search, names: list[str], lacking: Mapping[str, tuple[str, ...]]
 ) -> tuple[ExaminedEffect, ...]:
     absorbed = {one.effect for one in found.classes.absorbed}
     stands = {name: members[0] for members in found.classes.members for name in members}
     listed = []
     for name in names:
         value, bound = None, False
-        why = lacking.get(name) or found.classes.left_out.get(name)
+        why, needs = found.classes.left_out.get(name), lacking.get(name, ())
+        if needs:
+            why = f"absent from these data: it needs what no rig here has ({', '.join(needs)})"
         if name in absorbed:
             why = "it only moves a parameter of the baseline"
         elif name in stands:
@@ -464,7 +468,11 @@ def _examined(
             bound = source.weighed[own].bound
         listed.append(
             ExaminedEffect(
-                effect=name, log10_bayes_factor=value, log10_bayes_factor_why=why, bound=bound
+                effect=name,
+                log10_bayes_factor=value,
+                log10_bayes_factor_why=why,
+                bound=bound,
+                needs=needs,
             )
         )
     return tuple(listed)

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from datetime import datetime
 
 from bayesfric.report.chapters.blind import blind_chapter, scored_from
+from bayesfric.report.chapters.calibration import calibrated_from, calibration
 from bayesfric.report.chapters.checks import checks, coverage_tables
 from bayesfric.report.chapters.claims import claims
 from bayesfric.report.chapters.data_quality import data_quality
@@ -13,11 +14,13 @@ from bayesfric.report.chapters.diagnostics import diagnostics
 from bayesfric.report.chapters.margins import margins
 from bayesfric.report.chapters.methods import methods
 from bayesfric.report.chapters.page_one import page_one
+from bayesfric.report.chapters.plain_law import own_law
 from bayesfric.report.chapters.posteriors import posteriors
 from bayesfric.report.chapters.predictions import predictions
 from bayesfric.report.chapters.provenance import made_from, provenance
 from bayesfric.report.chapters.summary import summary
 from bayesfric.report.content import Block, Document, Heading
+from bayesfric.report.rig_words import rig_words
 from bayesfric.report.stored import StoredResults
 
 __all__ = ["build_document"]
@@ -40,14 +43,26 @@ def build_document(stored: StoredResults) -> Document:
     """
     subtitle = "The diagnosis on data whose effect is withheld"
     created = None if stored.scorecard is None else stored.scorecard.created
+    if stored.scorecard is None and stored.calibration is not None:
+        subtitle, created = "Simulation-based calibration", stored.calibration.created
     for file, record in list(stored.records.items())[:1]:
         subtitle, created = f"{SUBTITLES[file]} {record.recording.name}", record.created
+    law = own_law(_rigs(stored))
     return Document(
-        title="Cable-pulley friction",
+        title=f"Friction of a {rig_words(_rigs(stored)[0]).rig}"
+        if law
+        else "Cable-pulley friction",
         subtitle=subtitle,
         blocks=tuple(_blocks(stored)),
         date=None if created is None else datetime.fromisoformat(created),
     )
+
+
+def _rigs(stored: StoredResults) -> tuple[str, ...]:
+    """Return the rigs of the results, those that were fitted first."""
+    if stored.fitted is not None:
+        return stored.fitted.fit.rigs
+    return () if stored.diagnosis is None else stored.diagnosis.found.rigs
 
 
 def _blocks(stored: StoredResults) -> Iterator[Block]:
@@ -69,6 +84,8 @@ def _blocks(stored: StoredResults) -> Iterator[Block]:
         yield from data_quality(fitted)
     if stored.scorecard is not None:
         yield from blind_chapter(stored.scorecard)
+    if stored.calibration is not None:
+        yield from calibration(stored.calibration)
     yield from methods(stored)
     if fitted is not None:
         yield from diagnostics(fitted)
@@ -79,6 +96,8 @@ def _blocks(stored: StoredResults) -> Iterator[Block]:
             yield made_from(record)
         if not stored.records and stored.scorecard is not None:
             yield scored_from(stored.scorecard)
+        elif not stored.records and stored.calibration is not None:
+            yield calibrated_from(stored.calibration)
     if fitted is not None or stored.diagnosis is not None:
         yield Heading(1, "Long tables")
     if stored.diagnosis is not None:
