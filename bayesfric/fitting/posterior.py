@@ -20,6 +20,7 @@ from bayesfric.fitting.predictive import predict
 from bayesfric.fitting.predictive.left_out import LeftOut, leave_out
 from bayesfric.fitting.predictive.reported import predictions, uniformities
 from bayesfric.fitting.summary import summarise, summarise_without_exclusions
+from bayesfric.fitting.tested import tested_conditions
 from bayesfric.inference.diagnostics import diagnose_all
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import Model
@@ -203,6 +204,7 @@ def fit(
                 attributes.model_dump() | fields, recording, data, model, draws, theta
             )
             named = attributes.model_dump(mode="json", exclude={"analysis", "run_id"})
+            named |= tested_conditions(data, summary.pulleys)
             tree = _draws_tree(model, chosen, theta, left_out, named)
         with _timed(seconds, "predictive"):
             predictive = predict(data, model, theta, left_out, analysis, law)
