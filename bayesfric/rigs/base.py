@@ -84,11 +84,14 @@ class Words:
         As in ``gravity board``.
     trial, trials : str
         One of its measurements, and several.
+    law : str
+        What its law and its likelihood are, in sentences; nothing where they are the paper's.
     """
 
     rig: str
     trial: str
     trials: str
+    law: str = ""
 
 
 class Rig(Protocol):
@@ -216,6 +219,10 @@ class RigTrials(Protocol):
     @property
     def offers(self) -> frozenset[str]:
         """What effects may need of it, see :class:`bayesfric.effects.Effect`."""
+
+    @property
+    def unit(self) -> str:
+        """Of its forces: N, or N m where it turns."""
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:

@@ -14,7 +14,7 @@ from bayesfric.effects import PULLEYS, Effect
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import BASELINES, Baseline
+from bayesfric.physics.laws import BASELINES, VISCOUS, Baseline
 from bayesfric.recording.tables import Recording, RigConstants
 from bayesfric.rigs.base import Motion, Predictive, Simulated, Unsupported, Words
 from bayesfric.rigs.changes import Change
@@ -33,6 +33,7 @@ __all__ = ["RIG", "SteadyPoints", "SteadyTrials"]
 
 Array = NDArray[np.float64]
 NOT_PULLEY_BY_PULLEY = Unsupported("Without pulleys, nothing goes pulley by pulley.")
+VISCOUS_IS_AN_EFFECT = Unsupported("Viscous friction of points is an effect, which is diagnosed.")
 NO_TENSION = Unsupported("No tension_n was recorded to which friction could be proportional.")
 
 
@@ -127,6 +128,8 @@ class SteadyTrials(PlainTrials):
 
     def refuses(self, law: Baseline) -> Unsupported | None:
         """Return why a friction law makes no sense here; None where it does."""
+        if law.name == VISCOUS:
+            return VISCOUS_IS_AN_EFFECT
         if law.name == "recursive" and not self.bench.has_pulleys:
             return NOT_PULLEY_BY_PULLEY
         lacks_slope = "tension_n" not in self.bench.given
@@ -136,6 +139,11 @@ class SteadyTrials(PlainTrials):
     def offers(self) -> frozenset[str]:
         """Loads as pulleys have them, and the covariates that were recorded."""
         return PULLEYS | frozenset(covariates_of(self.bench))
+
+    @property
+    def unit(self) -> str:
+        """Newton, or newton metre where it turns."""
+        return "N m" if self.bench.rotary else "N"
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
