@@ -75,7 +75,7 @@ class Margins:
 
 
 def compute_margins(
-    loops: Sequence[Path | str | Loop],
+    loops: Path | str | Loop | Sequence[Path | str | Loop],
     draws: Path | str,
     analysis: Analysis | None = None,
     *,
@@ -88,7 +88,7 @@ def compute_margins(
 
     Parameters
     ----------
-    loops : sequence of Path, str or Loop
+    loops : Path, str or Loop, or a sequence of them
         Loop files, or loops read already; each name once.
     draws : Path or str
         ``draws.nc`` of a fit. ``claims.json`` beside it says how far rigs differ.
@@ -116,7 +116,7 @@ def compute_margins(
         unstable, or two have one name.
     """
     analysis = Analysis() if analysis is None else analysis
-    read = _read_all(loops)
+    read = _read_all([loops] if isinstance(loops, Path | str | Loop) else loops)
     path = Path(draws)
     posterior = read_posterior(path)
     discrepancy = rig_discrepancy(path.parent)
