@@ -13,6 +13,7 @@ from bayesfric.cli.claims import claims
 from bayesfric.cli.compare import compare
 from bayesfric.cli.diagnose import diagnose
 from bayesfric.cli.effects import effects
+from bayesfric.cli.export import export
 from bayesfric.cli.fit import fit
 from bayesfric.cli.info import info
 from bayesfric.cli.margins import margins
@@ -44,6 +45,7 @@ for verb in (
     report,
     compare,
     rerun,
+    export,
     effects,
     info,
 ):

@@ -184,7 +184,7 @@ def _diagnose(
     arms = _arms(model, found, best, named, settled.psi, shipped)
     plain = residuals_of(arms.plain, arms.psi)
     held_out = measure_gap(arms, plain, fold_rng)
-    gap, left = gap_of(held_out, posterior, residuals, arms, practical, gap_rng)
+    gap, left = gap_of(held_out, posterior, residuals, arms, practical, gap_rng, data.unit)
     where = where_it_lies(plain, held_out.before, held_out.fold, where_rng)
     floor = gap.floor.q50 / gap.friction_rms
 

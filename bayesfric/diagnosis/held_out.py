@@ -135,6 +135,8 @@ class HeldOut:
         In which each window was held out.
     before, after : ndarray, shape (R,)
         Held-out residual force of each arm [N].
+    inside : ndarray, shape (3, R)
+        Residual force as shipped, before and after with nothing held out [N].
     rows : tuple of (str, Squares)
         Of the folds, then of what was extrapolated to.
     in_sample : Squares
@@ -149,6 +151,7 @@ class HeldOut:
     fold: NDArray[np.intp]
     before: Array
     after: Array
+    inside: Array
     rows: tuple[tuple[str, Squares], ...]
     in_sample: Squares
     trajectory: Squares | None
@@ -180,9 +183,12 @@ def measure_gap(arms: Arms, residuals: Residuals, rng: np.random.Generator) -> H
         weight = float(residuals.weight[rows].sum())
         found.append((name, _squares(residuals, one, shipped=known).of(rows, weight)))
     every = arms.numbers(residuals, np.zeros(fold.size, dtype=np.bool_))
-    inside = _squares(residuals, np.stack([residuals.left(n) for n in every]), shipped=known)
+    within = np.stack([residuals.left(n) for n in every])
+    inside = _squares(residuals, within, shipped=known)
     trajectory, examples = _free_running(arms, residuals, fold, np.stack(numbers))
-    return HeldOut(residuals, fold, left[1], left[2], tuple(found), inside, trajectory, examples)
+    return HeldOut(
+        residuals, fold, left[1], left[2], within, tuple(found), inside, trajectory, examples
+    )
 
 
 def folds_of(setup: NDArray[np.intp], rng: np.random.Generator) -> NDArray[np.intp]:

@@ -29,6 +29,7 @@ def gap_of(
     arms: Arms,
     practical: float,
     rng: np.random.Generator,
+    unit: str,
 ) -> tuple[Gap, Array | None]:
     """Return how far simulation and reality are apart, and what part of it causes leave.
 
@@ -49,6 +50,8 @@ def gap_of(
         Practical share of friction.
     rng : Generator
         For the bootstrap.
+    unit : str
+        Of a force.
     """
     causes = bool(arms.causes.laws or arms.causes.phases)
     why = None if arms.causes.laws else NO_PHASES if causes else NO_CAUSE
@@ -84,6 +87,7 @@ def gap_of(
     agrees = bool(1 / AGREES < max(left, 1e-12) / max(first.floor.q50, 1e-12) < AGREES)
     gap = Gap(
         **first.model_dump(exclude={"name", "shrink", "shrink_why", "below_floor"}),
+        unit=unit,
         shrink=shrink,
         shrink_why=why,
         systematic=interval(posterior.gap),
@@ -101,12 +105,16 @@ def gap_of(
 def curves_of(held_out: HeldOut, amplitudes: Mapping[str, Array]) -> xr.DataTree:
     """Return what ``diagnosis.nc`` holds."""
     residuals = held_out.residuals
+    measured = residuals.friction_n + residuals.residual_n
     groups = {
         "residuals": xr.Dataset(
             {
                 "rig": ("row", np.array(residuals.rig_names)[residuals.rig]),
                 "trial": ("row", np.array(residuals.names)[residuals.trial]),
                 "friction_n": ("row", residuals.friction_n),
+                "measured_n": ("row", measured),
+                "calibrated_n": ("row", measured - held_out.inside[1]),
+                "diagnosed_n": ("row", measured - held_out.inside[2]),
                 "residual_n": ("row", held_out.before),
                 "residual_after_n": ("row", held_out.after),
                 "noise_sd_n": ("row", np.sqrt(residuals.variance)),

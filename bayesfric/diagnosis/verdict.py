@@ -154,7 +154,9 @@ def sentence_of(
         The practical share of friction.
     """
     friction = gap.friction_rms
-    size = f"{gap.systematic.q50:.3g} N rms, {gap.systematic.q50 / friction:.1%} of friction"
+    size = (
+        f"{gap.systematic.q50:.3g} {gap.unit} rms, {gap.systematic.q50 / friction:.1%} of friction"
+    )
     acting = _acting(causes, unseparated)
     if verdict == "no-gap":
         absorbed = f" {acting}, and the recalibrated law absorbs most of it." if causes else ""

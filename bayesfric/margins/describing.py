@@ -41,6 +41,8 @@ MOST_DAMPING = 0.7
 MOST_LAG = 0.1
 """ω_n τ above which the delay is more than negative damping."""
 MOST_STICTION = 1.02
+LEAST_LOAD = 0.01
+"""Share of friction that a load may have."""
 
 
 def natural_frequency(shaft: LoopAtShaft) -> Array:
@@ -104,6 +106,7 @@ def formula_conditions(shaft: LoopAtShaft) -> tuple[NDArray[np.bool_], tuple[str
         "there is no integral action": shaft.ki == 0,
         "breakaway is no more than moving friction": shaft.stiction_ratio <= MOST_STICTION,
         "the velocity is a raw first difference": everywhere & (shaft.cutoff is None),
+        "no load is left to the loop": np.abs(shaft.net_load) <= LEAST_LOAD * shaft.friction,
         "the reference rests": shaft.reference_speed == 0,
         "the loop is damped without friction": effective_damping(shaft) > 0,
         f"ζ is at most {MOST_DAMPING:g}": _damping_ratio(shaft) <= MOST_DAMPING,
@@ -125,15 +128,17 @@ def swing_amplitude(shaft: LoopAtShaft) -> Array:
     return np.where(swings, size, np.nan)
 
 
-def steady_error(shaft: LoopAtShaft) -> Array:
+def steady_error(shaft: LoopAtShaft, *, loaded: bool = True) -> Array:
     """Return the largest error at which the loop may stay, at the motor [rad].
 
-    Breakaway over kp. A compensator of the error stands beside kp inside its band; one of
+    Breakaway over kp, and with it what gravity compensation leaves of the load. A
+    compensator of the error stands beside kp inside its band; one of
     a velocity does not count, since it may be off or on the wrong side at rest.
     """
-    alone = shaft.breakaway / shaft.kp
+    held = shaft.breakaway + (np.abs(shaft.net_load) if loaded else 0.0)
+    alone = held / shaft.kp
     if shaft.loop.compensation.signal != "error":
         return alone
     most = shaft.gamma * shaft.estimate
-    inside = shaft.breakaway / (shaft.kp + most / shaft.boundary)
-    return np.where(inside <= shaft.boundary, inside, (shaft.breakaway - most) / shaft.kp)
+    inside = held / (shaft.kp + most / shaft.boundary)
+    return np.where(inside <= shaft.boundary, inside, (held - most) / shaft.kp)

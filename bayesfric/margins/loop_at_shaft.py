@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from bayesfric.margins.assembly import Assembly
 from bayesfric.margins.cable_run import DIRECTIONS, Direction, RunFriction, run_friction
-from bayesfric.margins.loop_file import Loop
+from bayesfric.margins.loop_file import Loop, RevoluteJoint
+from bayesfric.margins.quantities import central
 from bayesfric.margins.sampled_loop import SampledLoop
 
 __all__ = ["LoopAtShaft", "at_shaft"]
@@ -46,6 +47,8 @@ class LoopAtShaft:
         Corner of the velocity's low-pass [rad/s].
     clip, continuous : ndarray, ndarray or None
         Torque limits [N·m].
+    net_load : ndarray
+        What gravity compensation leaves of the load's torque [N·m].
     load_torque, peak_velocity, peak_acceleration : ndarray
         Of the joint, seen from the shaft [N·m, rad/s, rad/s²].
     estimate : ndarray
@@ -64,6 +67,8 @@ class LoopAtShaft:
         At the motor's shaft, one side [rad].
     kick, reference_speed : ndarray
         What the loop is tried with for hunting [rad, rad/s].
+    tension : tuple of ndarray
+        Known tension of each run [N].
     runs : tuple of RunFriction
         By run.
     """
@@ -87,6 +92,7 @@ class LoopAtShaft:
     counts: Array
     clip: Array
     continuous: Array | None
+    net_load: Array
     load_torque: Array
     peak_velocity: Array
     peak_acceleration: Array
@@ -99,6 +105,7 @@ class LoopAtShaft:
     lost_motion: Array
     kick: Array
     reference_speed: Array
+    tension: tuple[Array, ...]
     runs: tuple[RunFriction, ...]
 
     @property
@@ -132,6 +139,32 @@ class LoopAtShaft:
             return np.ones_like(self.efficiency)
         return 1 / self.efficiency if direction == "driving" else self.efficiency
 
+    @property
+    def load_force(self) -> Array:
+        """What the load asks of the cable at rest [N]."""
+        return np.asarray(np.abs(self.load_torque) / self.cable_per_rad)
+
+    @property
+    def side_tension(self) -> tuple[Array, Array]:
+        """Least and largest tension of a cable's side in the fastest motion [N].
+
+        Of a pair, each side takes half of what the load and its inertia ask, and friction
+        comes on one side's way.
+        """
+        swing = self.load_inertia * self.peak_acceleration + self.load_viscous * self.peak_velocity
+        pair = self.directions == (None,)
+        asked = (self.load_force if pair else 0.0) + swing / self.cable_per_rad
+        each = (asked + sum(run.loop for run in self.runs)) / (2 if pair else 1)
+        least = np.min(self.tension, axis=0) - each
+        return least, np.max(self.tension, axis=0) + each
+
+    @property
+    def taut(self) -> NDArray[np.bool_]:
+        """In which draws both sides of a pair stay taut under the load at rest."""
+        if self.directions != (None,):
+            return np.ones(self.friction.shape, dtype=bool)
+        return np.asarray(np.min(self.tension, axis=0) > self.load_force / 2)
+
     def taken(self, rows: NDArray[np.intp]) -> "LoopAtShaft":
         """Return some of the draws."""
 
@@ -161,6 +194,8 @@ class LoopAtShaft:
             viscous=self.viscous,
             friction=self.friction,
             stiction_ratio=self.stiction_ratio,
+            load_torque=self.net_load,
+            velocity_cutoff=np.inf if self.cutoff is None else self.cutoff,
             kp=self.kp,
             kd=self.kd,
             ki=self.ki,
@@ -255,6 +290,8 @@ def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> Loop
         clip=constant * given["drive.current_limit_a"],
         continuous=None if continuous is None else constant * continuous,
         load_torque=joint["load"] / ratio,
+        net_load=(joint["load"] - given["controller.gravity_compensation"] * _expected_load(loop))
+        / ratio,
         peak_velocity=joint["velocity"] * ratio,
         peak_acceleration=joint["acceleration"] * ratio,
         estimate=guess,
@@ -269,8 +306,15 @@ def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> Loop
         * friction
         / (to_shaft * given["controller.kp_n_m_per_rad"]),
         reference_speed=given["kick.reference_speed_rad_s"],
+        tension=tuple(given[f"runs.{place}.tension_n"] for place in range(len(loop.runs))),
         runs=runs,
     )
+
+
+def _expected_load(loop: Loop) -> float:
+    """Return the load that gravity compensation is made for [N·m or N]."""
+    joint = loop.joint
+    return central(joint.load_n_m if isinstance(joint, RevoluteJoint) else joint.load_n)
 
 
 def _to_shaft(loop: Loop, gear: Array, ratio: Array) -> Array:

@@ -145,6 +145,11 @@ class Controller(_Section):
     kp_n_m_per_rad: Positive = Field(description="Proportional gain, in the frames below.")
     kd_n_m_s_per_rad: NonNegative = Field(0.0, description="Derivative gain, likewise.")
     ki_n_m_per_rad_s: NonNegative = Field(0.0, description="Integral gain, likewise.")
+    gravity_compensation: NonNegative = Field(
+        0.0,
+        description="What is fed forward against the joint's load, as a share of the load's "
+        "median; a distribution is its error. What it leaves of the load, the loop must hold.",
+    )
     torque_at: Literal["motor", "gearbox-output", "joint"] = Field(
         description="Where the torque of the gains is counted; of a prismatic joint the joint's "
         "is a force [N]."

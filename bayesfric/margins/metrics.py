@@ -86,14 +86,20 @@ RULES = (
     Rule("disk_margin", "1", "loop", "at least", "disk_margin_min"),
     Rule("delay_margin", "s", "loop", "at least", "delay_margin_min_s"),
     Rule("backdrive_force", "N", "tool tip", "at most", "backdrive_force_max_n",
-         "to break away with the motor off"),
+         "to break away with the motor off, against the load"),
     Rule("smallest_step", "m", "tool tip", "at most", "smallest_step_max_m",
          "command from rest without error that is sure to be followed"),
     Rule("reversal_error", "m", "tool tip", "at most", "reversal_error_max_m",
-         "twice the servo's error and the lost motion"),
+         "twice the stuck band of the servo and the lost motion"),
+    Rule("cable_stretch", "m", "tool tip", "at most", note="under the load, behind the encoder"),
+    Rule("least_tension", "N", "cable", "at least",
+         note="of a side in the fastest motion; below 0 it goes slack"),
+    Rule("peak_tension", "N", "cable", "at most", note="of a side in the fastest motion"),
 )  # fmt: skip
 HUNTING = ("gamma_hunting", "limit_cycle_amplitude", "limit_cycle_frequency")
 LINEAR = ("gain_margin", "phase_margin", "disk_margin", "delay_margin")
+TAUT = ("lost_motion", "reversal_error", "cable_stretch", *LINEAR)
+"""What is computed with both sides of a pair taut."""
 
 
 @dataclass(frozen=True)
@@ -148,6 +154,8 @@ def closed_forms(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) 
         + shaft.viscous * shaft.peak_velocity
     )
     backdrive = (shaft.friction - drive + drive / shaft.efficiency) * shaft.stiction_ratio
+    backdrive = backdrive + np.abs(shaft.load_torque)
+    least, largest = shaft.side_tension
     step = np.maximum(stuck, 2 * np.pi / shaft.counts)
     values: dict[Key, Array] = {
         ("friction_nominal", None): np.sum([run.nominal for run in shaft.runs], axis=0),
@@ -159,7 +167,10 @@ def closed_forms(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) 
         ("amplitude_margin", None): amplitude_margin(shaft),
         ("backdrive_force", None): backdrive / tip,
         ("smallest_step", None): step * tip,
-        ("reversal_error", None): 2 * (stuck + shaft.lost_motion) * tip,
+        ("reversal_error", None): 2 * (steady_error(shaft, loaded=False) + shaft.lost_motion) * tip,
+        ("cable_stretch", None): np.abs(shaft.load_torque) / shaft.stiffness * tip,
+        ("least_tension", None): least,
+        ("peak_tension", None): largest,
     }
     if shaft.continuous is not None:
         held = shaft.friction + np.abs(shaft.load_torque)
@@ -233,6 +244,10 @@ def _row(
     spec = getattr(shaft.loop.spec, rule.spec) if rule.spec else None
     if rule.name == "gamma_hunting" and shaft.loop.compensation.signal != "none":
         spec = float(np.median(shaft.gamma))
+    if rule.name == "least_tension":
+        spec = 0.0
+    taut = shaft.taut if rule.name in TAUT else np.ones(shaft.friction.shape, dtype=bool)
+    slack = int(taut.size - taut.sum())
     fields = {
         "name": rule.name,
         "unit": rule.unit,
@@ -244,6 +259,8 @@ def _row(
     missing = _missing(rule.name, found, shaft, hunting)
     if rule.name in LINEAR and not linear[direction].stable.any():
         found, missing = None, "the loop is unstable without friction, in every draw"
+    if found is not None and slack:
+        found, missing = found[taut], "a side of the pair goes slack in every draw"
     if found is None or found.size == 0:
         return Metric(
             **fields,
@@ -257,7 +274,7 @@ def _row(
     if spec is not None:
         below = hunting.now if rule.name == "gamma_hunting" else found < spec
         violated = below if rule.sense == "at least" else found > spec
-        probability = float(violated.mean())
+        probability = float((violated.sum() + slack) / (violated.size + slack))
     finite = found[np.isfinite(found)]
     # a swing exists in some draws only; of all others a missing value leaves no distribution
     conditional = rule.name in ("amplitude_margin", *HUNTING)
@@ -318,6 +335,9 @@ def _note(
     hunting: Hunting,
 ) -> str:
     notes = [rule.note] if rule.note else []
+    if rule.name in TAUT and not shaft.taut.all():
+        notes.append(f"in the {shaft.taut.mean():.1%} of the draws in which both sides stay taut; "
+                     "the others count as missing a spec")  # fmt: skip
     match rule.name:
         case "friction_nominal" | "friction_recursive":
             used = {run.model for run in shaft.loop.runs}
@@ -327,6 +347,9 @@ def _note(
             error = float(np.median(steady_error(shaft)))
             counts = error * float(np.median(shaft.counts)) / (2 * np.pi)
             notes.append(f"{error:.3g} rad at the motor, {counts:.0f} counts (median)")
+            if (shaft.net_load != 0).any():
+                part = np.median(np.abs(shaft.net_load) / (shaft.kp * steady_error(shaft)))
+                notes.append(f"{part:.0%} of it is the load (median)")
             if (shaft.ki > 0).any():
                 notes.append("an integral works it off, if the loop does not hunt")
             elif shaft.loop.compensation.signal in ("measured", "reference"):

@@ -92,8 +92,15 @@ def _beyond_the_models(
             "(Armstrong & Amin 1996): hunting rests on the simulator, and on the stiction ratio, "
             "for which the paper says 1."
         )
-    if shaft.cutoff is not None:
-        yield "The simulator has a raw first difference, not the low-pass of the file."
+    slack = 1 - shaft.taut.mean()
+    if slack > 0:
+        yield (
+            f"Under the load at rest a side of the pair goes slack in {slack:.1%} of the draws: "
+            "friction, hunting and backdrive take it as taut there, and are not to be relied on."
+        )
+    falls = float((np.abs(shaft.load_torque) > shaft.breakaway).mean())
+    if falls > 0:
+        yield f"With the motor off the load moves the joint by itself in {falls:.0%} of the draws."
     if shaft.directions != (None,):
         yield (
             "Open run: friction grows with the load, so the load side counts 1/η when the motor "

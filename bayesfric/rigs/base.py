@@ -218,6 +218,10 @@ class RigTrials(Protocol):
         """What effects may need of it, see :class:`bayesfric.effects.Effect`."""
 
     @property
+    def unit(self) -> str:
+        """Of its forces: N, or N m where it turns."""
+
+    @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
         """Priors of its law in its own measures, by size; empty where those of all do."""
 

@@ -24,6 +24,11 @@ class Data:
         """Pulley sizes, in order of appearance."""
         return tuple(dict.fromkeys(size for one in self.rigs for size in one.table["pulley_size"]))
 
+    @property
+    def unit(self) -> str:
+        """Of a force: that of the first rig."""
+        return self.rigs[0].unit
+
     def of_size(self, size: str) -> "Data":
         """Return the trials of one pulley size; a rig without any is left out."""
         chosen = (one.select(one.table["pulley_size"] == size) for one in self.rigs)

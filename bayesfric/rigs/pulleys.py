@@ -29,6 +29,11 @@ class PulleyTrials:
         return None
 
     @property
+    def unit(self) -> str:
+        """Newton."""
+        return "N"
+
+    @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
         """Return nothing: the defaults are argued for cables over pulleys."""
         return {}

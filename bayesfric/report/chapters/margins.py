@@ -57,6 +57,9 @@ WORDS = {
     "backdrive_force": "backdrive force",
     "smallest_step": "smallest step",
     "reversal_error": "reversal error",
+    "cable_stretch": "stretch of the cable",
+    "least_tension": "least tension of a side",
+    "peak_tension": "peak tension of a side",
 }
 SHOWN_UNITS = {
     "m": ("mm", 1e3),

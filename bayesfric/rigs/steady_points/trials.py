@@ -138,6 +138,11 @@ class SteadyTrials(PlainTrials):
         return PULLEYS | frozenset(covariates_of(self.bench))
 
     @property
+    def unit(self) -> str:
+        """Newton, or newton metre where it turns."""
+        return "N m" if self.bench.rotary else "N"
+
+    @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
         """Return priors that are as wide as the readings are large, of unknown sizes."""
         return self.bench.priors()

@@ -1,0 +1,39 @@
+"""``bayesfric export``: the calibrated, diagnosed law for your own simulator."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from bayesfric.cli.exits import exit_status
+from bayesfric.cli.locks import hold
+from bayesfric.cli.printing import say
+
+__all__ = ["export"]
+
+
+@exit_status
+def export(
+    folder: Annotated[Path, typer.Argument(help="Folder with the results of fit and diagnose.")],
+    to: Annotated[str, typer.Option("--to", help="json, python, mjcf or urdf.")] = "json",
+) -> None:
+    """Write the law with the named causes into the folder: law.json, law.py, law.xml, law.urdf.
+
+    Example: bayesfric export my-results --to mjcf
+    """
+    from bayesfric.errors import Fault, InputError
+    from bayesfric.export import FORMATS, export_text, read_law
+    from bayesfric.export.joint_friction import joint_friction
+    from bayesfric.results import replace_outputs
+
+    if to not in FORMATS:
+        raise InputError([Fault("--to", f"one of {', '.join(FORMATS)}", value=to)])
+    if not folder.is_dir():
+        raise InputError([Fault(str(folder), "a folder with results of the verbs")])
+    with hold(folder, "export"):
+        law = read_law(folder)
+        text, file = export_text(law, to), FORMATS[to][0]
+        replace_outputs(folder, {file: lambda path: path.write_text(text, encoding="utf-8")})
+    say(f"{folder / file}")
+    if to in ("mjcf", "urdf"):
+        say(joint_friction(law).said, err=True)

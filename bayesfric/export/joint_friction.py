@@ -1,0 +1,61 @@
+"""Friction as simulators of rigid bodies have it: a constant against the motion, and damping."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import nnls
+
+from bayesfric.export.stored_law import StoredLaw
+
+__all__ = ["JointFriction", "joint_friction"]
+
+
+@dataclass(frozen=True)
+class JointFriction:
+    """The best constant and damping, and what they cost.
+
+    Parameters
+    ----------
+    frictionloss : float
+        Coulomb friction [N or N·m].
+    damping : float
+        Friction per speed [N s/m or N·m s/rad].
+    error_rms, error_max : float
+        How far they are from the law with the causes, where friction was measured.
+    friction_rms : float
+        Of that law.
+    """
+
+    frictionloss: float
+    damping: float
+    error_rms: float
+    error_max: float
+    friction_rms: float
+
+    @property
+    def said(self) -> str:
+        """What the two numbers cost, a sentence."""
+        return (
+            f"Constant and damping miss the diagnosed law by {self.error_rms:.3g} rms and "
+            f"{self.error_max:.3g} at most, {self.error_rms / self.friction_rms:.2%} of friction "
+            f"in the mean, over the recording's own conditions."
+        )
+
+
+def joint_friction(law: StoredLaw) -> JointFriction:
+    """Return the constant and the damping that fit the law best, neither below 0.
+
+    Least squares over the conditions at which friction was measured; what depends on tension,
+    pulleys or anything but a proportion to speed is not in them, and counts as error.
+    """
+    speed = np.abs(np.nan_to_num(law.places["velocity"]))
+    columns = np.stack([np.ones_like(speed), speed], axis=1)
+    (constant, damping), _ = nnls(columns, law.friction)
+    off = law.friction - columns @ np.array([constant, damping])
+    return JointFriction(
+        float(constant),
+        float(damping),
+        float(np.sqrt((off**2).mean())),
+        float(np.abs(off).max()),
+        float(np.sqrt((law.friction**2).mean())),
+    )

@@ -1,0 +1,105 @@
+"""A Python file with the law and the causes, which needs NumPy alone."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.export.stored_law import StoredLaw
+from bayesfric.physics.laws import BASELINES
+
+__all__ = ["Correction", "correction", "python_text"]
+
+Array = NDArray[np.float64]
+BINS = 48  # of the factor; fewer values are taken one by one
+AXES = ("velocity", "tension", "n_pulleys", "wrap_angle")
+TEXT = '''"""Friction of {name}, calibrated and diagnosed by bayesfric.
+
+The law is fc = n ((c1 + c3 (wrap - 85)) T + c2). Causes that were named: {causes}. What they add
+is tabulated as a factor over {axis}, which leaves {error:.3g} {unit} rms of the diagnosed law
+({share:.2%} of friction); scatter and sensors left {noise:.3g} {unit} rms. Measured at: {tested}.
+"""
+
+import numpy as np
+
+COEFFICIENTS = {coefficients}
+AT = np.array({at})
+FACTOR = np.array({factor})
+
+
+def friction(speed=0.0, tension=0.0, n=1, wrap=85.0, size={size!r}):
+    """Return friction against the motion [{unit}] at a speed, tension [N], number and angle."""
+    c1, c2, c3 = COEFFICIENTS[size]
+    law = n * ((c1 + c3 * (np.asarray(wrap) - 85.0)) * np.asarray(tension) + c2)
+    return law * np.interp({of}, AT, FACTOR)
+'''
+
+
+class Correction:
+    """What causes do to the law, as a factor along one axis."""
+
+    def __init__(self, axis: str, at: Array, factor: Array, error: float) -> None:
+        self.axis, self.at, self.factor, self.error = axis, at, factor, error
+
+
+def correction(law: StoredLaw, by_law: Array) -> Correction:
+    """Return the factor over the axis along which it leaves least.
+
+    Parameters
+    ----------
+    law : StoredLaw
+        The law with its causes.
+    by_law : ndarray, shape (R,)
+        Friction by the coefficients alone.
+    """
+    ratio = law.friction / by_law
+    found = []
+    for axis in AXES:
+        place = np.abs(np.nan_to_num(law.places[axis]))
+        values, bins = np.unique(place.round(9), return_inverse=True)
+        if values.size > BINS:
+            bins = bins * BINS // values.size
+        count = np.bincount(bins)
+        at, factor = np.bincount(bins, place) / count, np.bincount(bins, ratio) / count
+        off = law.friction - by_law * np.interp(place, at, factor)
+        found.append(Correction(axis, at, factor, float(np.sqrt((off**2).mean()))))
+    return min(found, key=lambda one: one.error)
+
+
+def python_text(law: StoredLaw) -> str:
+    """Return the text of the file.
+
+    Parameters
+    ----------
+    law : StoredLaw
+        Of one pulley size or none: of several, each has coefficients, and all share a factor.
+    """
+    (size, own), *others = law.coefficients.items()
+    n, wrap, tension = (law.places[name] for name in ("n_pulleys", "wrap_angle", "tension"))
+    by_law = BASELINES[law.baseline].at_tension(own, n, wrap, np.nan_to_num(tension))
+    if others:
+        by_law = law.friction  # the file has no factor then: it would mix what sizes do
+    made = correction(law, by_law)
+    rms = float(np.sqrt((law.friction**2).mean()))
+    spans = (f"{axis} {low:g} to {high:g}" for axis in AXES for low, high in [law.span(axis)])
+    return TEXT.format(
+        name=law.name,
+        causes=", ".join(one.effect for one in law.causes) or "none",
+        axis=made.axis.replace("_", " "),
+        error=made.error,
+        share=made.error / rms,
+        noise=law.noise,
+        unit=law.unit,
+        tested="; ".join(spans),
+        coefficients={
+            name: tuple(float(np.asarray(one)) for one in each)
+            for name, each in law.coefficients.items()
+        },
+        at=[round(float(one), 9) for one in made.at],
+        factor=[round(float(one), 9) for one in made.factor],
+        size=size,
+        of={
+            "velocity": "np.abs(speed)",
+            "tension": "np.asarray(tension)",
+            "n_pulleys": "np.asarray(n)",
+            "wrap_angle": "np.asarray(wrap)",
+        }[made.axis],
+    )
