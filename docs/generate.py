@@ -140,7 +140,7 @@ def _effects() -> str:
         "prior says what would be noticed; the plausible range says what would be believed.",
         "[How to write one](howto/effect.md).",
     ]
-    for name, effect in sorted(all_effects().items()):
+    for name, effect in sorted(all_effects(None).items()):
         lines += [
             "",
             f"## {name}",
@@ -149,6 +149,7 @@ def _effects() -> str:
             "",
             f"- Acts on {ACTS_ON[effect.acts_on]}.",
             f"- Variants: {', '.join(effect.laws)}.",
+            *([f"- Needs of a rig: {', '.join(sorted(effect.needs))}."] if effect.needs else []),
             "",
             "| parameter | unit | meaning | prior | plausible | reference |",
             "|---|---|---|---|---|---|",

@@ -1,10 +1,19 @@
-"""The bundled recording, fitted afresh: precision, truth, and the tracked reference run."""
+"""The bundled recording and the tracked reference run of it: precision, truth, agreement.
+
+Importance sampling says within seconds whether the reference is of this code; the whole fit is
+repeated nightly.
+"""
 
 import numpy as np
 import pytest
 
 import bayesfric as bf
+from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.campaign import processes
+from bayesfric.claims.entered import Entered
+from bayesfric.fitting.hypothesis import Hypothesis, model_of
+from bayesfric.inference.evidence import laplace_draws
+from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.resources import bundled_recording, reference_folder
 from bayesfric.results import read_json
 from bayesfric.schemas import ClaimsFile, DiagnosisFile, FitFile
@@ -14,6 +23,18 @@ from bayesfric.simulate import table1_coefficients
 @pytest.fixture(scope="module")
 def fresh():
     return bf.fit(bf.read_recording(bundled_recording()))
+
+
+@pytest.fixture(scope="module")
+def weighted():
+    """Draws of the same posterior by importance sampling, by name; and their error."""
+    analysis = Analysis()
+    data = Entered.of(bf.read_recording(bundled_recording())).data["gravity"]
+    model = model_of(data, analysis, Hypothesis(), {})
+    laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
+    evidence, drawn = laplace_draws(model.log_posterior, laplace, 1)
+    assert evidence.reliable
+    return model.by_name(model.natural(drawn)), evidence.error
 
 
 @pytest.fixture(scope="module")
@@ -30,24 +51,49 @@ def entries(summary):
     return named | summary.scatter | summary.noise | summary.parameters
 
 
-def test_draws_are_as_precise_as_promised(fresh):
-    assert fresh.summary.converged
-    found = entries(fresh.summary).values()
+def test_draws_are_as_precise_as_promised(reference):
+    assert_precise(reference)
+
+
+def test_the_truth_is_inside(reference):
+    assert_truth_inside(reference)
+
+
+def test_the_reference_run_is_of_this_code(weighted, reference):
+    """Its posterior is that of the recording and the settings as they are now."""
+    assert reference.recording.sha256 == bf.read_recording(bundled_recording()).sha256
+    assert reference.analysis_sha256 == analysis_sha256(Analysis())
+    draws, relative_error = weighted
+    then = entries(reference)
+    assert set(draws) == set(then)
+    for name, values in draws.items():
+        # A mean of weighted draws is as uncertain as the mean weight, in units of its sd.
+        error = np.hypot(relative_error * then[name].sd, then[name].mcse_mean)
+        assert abs(values.mean() - then[name].mean) < 5 * error, name
+        assert values.std() == pytest.approx(then[name].sd, rel=0.15), name
+
+
+def assert_precise(summary):
+    assert summary.converged
+    found = entries(summary).values()
     assert min(entry.ess_bulk for entry in found) >= 4000
     assert min(entry.ess_tail for entry in found) >= 1000
     assert max(entry.r_hat for entry in found) < 1.01
     assert max(entry.r_hat_walkers for entry in found) < 1.02
 
 
-def test_the_truth_is_inside(fresh):
+def assert_truth_inside(summary):
     for size, law in table1_coefficients().items():
         for name, truth in law._asdict().items():
-            entry = fresh.summary.pulleys[size][name]
+            entry = summary.pulleys[size][name]
             assert abs(entry.mean - truth) < 3.5 * entry.sd, (size, name)
 
 
+@pytest.mark.nightly
 def test_posteriors_are_those_of_the_reference_run(fresh, reference):
     """Other machines draw other chains: means agree within four Monte Carlo errors."""
+    assert_precise(fresh.summary)
+    assert_truth_inside(fresh.summary)
     assert fresh.summary.recording == reference.recording
     assert fresh.summary.analysis_sha256 == reference.analysis_sha256
     then = entries(reference)

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from bayesfric.analysis import Analysis
-from bayesfric.diagnosis.model import Acting, LinearModel
+from bayesfric.diagnosis.acting import Acting
+from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals, residuals_of, spread_numbers
 from bayesfric.effects import all_effects
 from bayesfric.effects.candidates import Candidate, candidates_of

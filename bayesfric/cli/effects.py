@@ -42,7 +42,7 @@ def _list() -> None:
     from bayesfric.effects import all_effects
     from bayesfric.inference.priors import describe
 
-    for effect in all_effects().values():
+    for effect in all_effects(None).values():
         needs = f", needs {', '.join(sorted(effect.needs))}" if effect.needs else ""
         say(f"{effect.name}  (on {effect.acts_on}{needs}): {effect.sentence}")
         for one in effect.parameters:
@@ -56,7 +56,7 @@ def _write(name: str) -> None:
     from bayesfric.errors import Fault, InputError
 
     path = Path(f"{name.replace('-', '_')}.py")
-    if name in all_effects():
+    if name in all_effects(None):
         expected = "a name that no effect has yet"
         raise InputError([Fault("command line", expected, value=name)])
     try:

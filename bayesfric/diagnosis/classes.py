@@ -199,5 +199,5 @@ def _doubled(
     weights = make_interp_spline(rival_nodes, np.eye(other.size), k=5)(FINE)
     across = direction[np.ix_(inner, other)] @ weights.T
     length = np.einsum("fi,ij,fj->f", weights, direction[np.ix_(other, other)], weights)
-    cosine = np.abs(across) / np.sqrt(length)
+    cosine = np.abs(across) / np.sqrt(length).clip(1e-150)  # some shape may do nothing here
     return bool((cosine.max(axis=1) > ALIKE).all())

@@ -11,15 +11,18 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis
+from bayesfric.diagnosis.acting import Acting, Law
 from bayesfric.diagnosis.causes import causes_of, inclusion_of, known_of
 from bayesfric.diagnosis.classes import classes_of
+from bayesfric.diagnosis.climbing import climb, curvature_at
 from bayesfric.diagnosis.forms import other_forms
 from bayesfric.diagnosis.held_out import Arms, measure_gap
-from bayesfric.diagnosis.model import Acting, Law, LinearModel
+from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.remainder import remainder_of
 from bayesfric.diagnosis.residuals import residuals_of
 from bayesfric.diagnosis.search import NONE, UNKNOWN, Search, compare, search
+from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.stored import curves_of, gap_of
 from bayesfric.diagnosis.systematic import posterior_of
 from bayesfric.diagnosis.verdict import (
@@ -162,7 +165,7 @@ def _diagnose(
     data, stray, laws, psi = _baseline(data, analysis, held, shipped, law)
     candidates = [one for effect in examined.values() for one in candidates_of(effect)]
     first = LinearModel(data, laws, candidates, analysis, held | frozenset(law.without))
-    first = first.squeezed(psi)
+    first = squeezed(first, psi)
     first_found = _first_look(first, psi)
     model, found = _finals(first, first_found)
     chances = found.probabilities()
@@ -252,18 +255,20 @@ def _data(recording: Recording, baseline: str) -> tuple[Data, Baseline]:
     return data, law
 
 
-def _examinable(data: Data, own: Mapping[str, Effect]) -> tuple[dict[str, Effect], dict[str, str]]:
-    """Return the effects that the rigs can have, in their measures, and why not the others.
+def _examinable(
+    data: Data, own: Mapping[str, Effect]
+) -> tuple[dict[str, Effect], dict[str, tuple[str, ...]]]:
+    """Return the effects that the rigs can have, in their measures, and what others lack.
 
     An effect of the user's own is in the user's measures already; one that several rigs
     share is in those that it was described in.
     """
-    offered = frozenset().union(*(one.offers for one in data.rigs))
-    examined, lacking = {}, {}
-    for name, effect in sorted({**all_effects(), **own}.items()):
+    offered: frozenset[str] = frozenset().union(*(one.offers for one in data.rigs))
+    examined: dict[str, Effect] = {}
+    lacking: dict[str, tuple[str, ...]] = {}
+    for name, effect in sorted({**all_effects(None), **own}.items()):
         if missing := effect.needs - offered:
-            needed = ", ".join(sorted(missing))
-            lacking[name] = f"absent from these data: it needs what no rig here has ({needed})"
+            lacking[name] = tuple(sorted(missing))
         elif name in own or len(data.rigs) > 1:
             examined[name] = effect
         else:
@@ -321,7 +326,7 @@ def _baseline(
     psi: Array | None = None
     for last in (False, True):
         model = LinearModel(data, laws, (), analysis, fixed | frozenset(law.without))
-        at = model.climb(model.start if psi is None else psi, Acting())
+        at = climb(model, model.start if psi is None else psi, Acting())
         psi, laws = at.psi, model.fitted_laws(at)
         if not last:
             stray = tuple(name for one in data.rigs for name in one.linear(laws).strays())
@@ -342,10 +347,10 @@ def _rough_laws(data: Data, analysis: Analysis, law: Baseline) -> dict[str, Coef
 
 def _first_look(model: LinearModel, psi: Array) -> Search:
     """Weigh hypotheses around the baseline."""
-    at = model.climb(psi, Acting())
+    at = climb(model, psi, Acting())
     classes = classes_of(model, at.psi)
     model.merge(classes.members)
-    curvature = model.curvature(at, Acting())
+    curvature = curvature_at(model, at, Acting())
     inverse = np.asarray(np.linalg.inv(curvature), dtype=np.float64)
     none = weigh(model, (), [at.psi], inverse, 0.0)
     return search(model, none, inverse, 0.0, classes)
@@ -368,7 +373,7 @@ def _finals(first: LinearModel, found: Search) -> tuple[LinearModel, Search]:
             forms=forms,
         )
         around.merge(found.classes.members)
-        around = around.squeezed(leader.at.psi)
+        around = squeezed(around, leader.at.psi)
         model, found = around, compare(around, found)
         if found.best().names == leader.names:
             break
@@ -444,14 +449,16 @@ def _held(
 
 
 def _examined(
-    found: Search, first: Search, names: list[str], lacking: Mapping[str, str]
+    found: Search, first: Search, names: list[str], lacking: Mapping[str, tuple[str, ...]]
 ) -> tuple[ExaminedEffect, ...]:
     absorbed = {one.effect for one in found.classes.absorbed}
     stands = {name: members[0] for members in found.classes.members for name in members}
     listed = []
     for name in names:
         value, bound = None, False
-        why = lacking.get(name) or found.classes.left_out.get(name)
+        why, needs = found.classes.left_out.get(name), lacking.get(name, ())
+        if needs:
+            why = f"absent from these data: it needs what no rig here has ({', '.join(needs)})"
         if name in absorbed:
             why = "it only moves a parameter of the baseline"
         elif name in stands:
@@ -461,7 +468,11 @@ def _examined(
             bound = source.weighed[own].bound
         listed.append(
             ExaminedEffect(
-                effect=name, log10_bayes_factor=value, log10_bayes_factor_why=why, bound=bound
+                effect=name,
+                log10_bayes_factor=value,
+                log10_bayes_factor_why=why,
+                bound=bound,
+                needs=needs,
             )
         )
     return tuple(listed)

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bayesfric.diagnosis.model import Acting, LinearModel
+from bayesfric.diagnosis.acting import Acting
+from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import (
     Residuals,
     numbers_of_laws,

@@ -1,26 +1,25 @@
 """All rigs as one linear model, whose evidence is a closed form given the noise.
 
-The noise (scatter of friction, errors of events and currents) is not linear; each hypothesis
-climbs to its own mode of it, by derivatives that are closed forms too (Fisher's identity).
+The noise (scatter of friction, errors of events and currents) is not linear; derivatives by it
+are closed forms too (Fisher's identity), and each hypothesis climbs to its own mode of it.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline, make_interp_spline
-from scipy.linalg import block_diag
 
 from bayesfric.analysis import Analysis, Prior
+from bayesfric.diagnosis.acting import Acting, At, Law, lawbook, merged, phase_name
 from bayesfric.diagnosis.discrepancy import (
     Wide,
     discrepancy_share,
     small_amounts,
     smooth_forces,
 )
+from bayesfric.diagnosis.scales import coefficient_moments, rms_friction, scales_of_numbers
 from bayesfric.effects import Effect
 from bayesfric.effects.candidates import Candidate, on_friction, prior_moments
 from bayesfric.inference.information import Information, Reduced
@@ -29,107 +28,13 @@ from bayesfric.inference.smooths import Smooth
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.layout import COEFFICIENTS, Layout
-from bayesfric.rigs.linear import Evaluated, LinearRig, LinearRows, NoiseParameter
+from bayesfric.rigs.linear import Evaluated, LinearRig, NoiseParameter
 
-__all__ = ["Acting", "At", "Law", "LinearModel"]
+__all__ = ["LinearModel"]
 
 Array = NDArray[np.float64]
 LEAST = {"c1": 1e-5, "c2": 1e-5, "c3": -np.inf}  # a law whose friction is above zero
-STEP = 0.02  # of a logarithm, for differences of the gradient
-LONGEST = 1.0  # step of a logarithm in a climb
-ENOUGH = 0.02  # nat that a further step of a climb would gain
-STEPS = 30
-LEAST_CURVATURE = 0.05  # of a log density by the logarithm of a noise: it has a proper prior
-SEEN = 0.02  # information beside a prior of 1, below which a number is left out
 QUIET = 0.015  # relative scatter of a good rig
-
-
-@dataclass(frozen=True)
-class Law:
-    """One law of an effect: its candidates and their nodes.
-
-    Parameters
-    ----------
-    effect, law : str
-        Their names.
-    places : tuple of int
-        Of its candidates, shapes ascending.
-    nodes : tuple of float
-        Normal quantiles of the shape.
-    log_weight : float
-        Of the law among those of the effect.
-    """
-
-    effect: str
-    law: str
-    places: tuple[int, ...]
-    nodes: tuple[float, ...]
-    log_weight: float
-
-    @property
-    def has_shape(self) -> bool:
-        """Whether there is a shape to choose."""
-        return len(self.nodes) > 1
-
-    @cached_property
-    def _spline(self) -> BSpline:
-        return make_interp_spline(self.nodes, np.eye(len(self.nodes)), k=5)
-
-    def weights(self, shape: Array) -> Array:
-        """Return the mixture of candidates at shapes, (…, nodes)."""
-        if not self.has_shape:
-            return np.ones((*np.shape(shape), 1))
-        return np.asarray(self._spline(np.clip(shape, self.nodes[0], self.nodes[-1])))
-
-
-@dataclass(frozen=True)
-class Acting:
-    """Effects that act together, a law and a shape of each.
-
-    Parameters
-    ----------
-    laws : tuple of Law
-        Of effects with columns.
-    shapes : tuple of float
-        Normal quantile of each's shape.
-    phases : tuple of Law
-        Of effects with phases.
-    """
-
-    laws: tuple[Law, ...] = ()
-    shapes: tuple[float, ...] = ()
-    phases: tuple[Law, ...] = ()
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Of the effects."""
-        return tuple(sorted(law.effect for law in (*self.laws, *self.phases)))
-
-
-@dataclass(frozen=True)
-class At:
-    """A hypothesis at one noise.
-
-    Parameters
-    ----------
-    psi : ndarray
-        Logarithms of the noise.
-    value : float
-        Log density of data and noise; numbers integrated out.
-    gradient : ndarray or None
-        Of it.
-    information : Information
-        On the numbers.
-    mean, covariance : ndarray
-        Of the numbers, given the data.
-    """
-
-    psi: Array
-    value: float
-    gradient: Array | None
-    information: Information
-    mean: Array
-    covariance: Array
 
 
 class LinearModel:
@@ -188,18 +93,18 @@ class LinearModel:
         self.scattering = tuple(on_friction(scattering))
         self.share = discrepancy_share(analysis.diagnosis.practical_share)
         rows = [one.linear(laws, self.scattering) for one in data.rigs]
-        self.friction_scale = _rms_friction(data.sizes, rows)
+        self.friction_scale = rms_friction(data.sizes, rows)
         self._own: list[Smooth] = []
         self._smooths: list[Smooth] = []
-        self._amounts: list[tuple[Candidate, float]] = []
+        self.amounts: list[tuple[Candidate, float]] = []
         if discrepancy:
             self._own, self._smooths = smooth_forces(rows)
-            self._amounts = list(
+            self.amounts = list(
                 small_amounts(rows, candidates, self.share) if small is None else small
             )
-        self._forms = list(forms)
+        self.forms = list(forms)
         nuisances = [one.nuisance_scales(analysis.priors) for one in rows]
-        little = [candidate for candidate, _ in (*self._amounts, *self._forms)]
+        little = [candidate for candidate, _ in (*self.amounts, *self.forms)]
         shared: list[Smooth | Candidate] = [*self._smooths, *little]
         self.layout = Layout(
             data.sizes,
@@ -208,7 +113,14 @@ class LinearModel:
             sum(one.count for one in self._smooths) + len(little),
             tuple(len(one) for one in nuisances),
         )
-        self.scales = self._all_scales(nuisances)
+        self.scales = scales_of_numbers(
+            analysis.priors,
+            self._own,
+            self.candidates,
+            self._smooths,
+            [sd for _, sd in (*self.amounts, *self.forms)],
+            [sd for one in nuisances for sd in one],
+        )
         self.rigs: tuple[LinearRig, ...] = tuple(
             one.laid_out(
                 self.layout,
@@ -225,7 +137,7 @@ class LinearModel:
             for place, one in enumerate(rows)
         )
         self.noise: tuple[NoiseParameter, ...] = tuple(n for rig in self.rigs for n in rig.noise)
-        self.lawbook = _lawbook(self.candidates)
+        self.lawbook = lawbook(self.candidates)
         self.full: LinearModel = self
         self.squeeze: Array | None = None
 
@@ -248,51 +160,10 @@ class LinearModel:
             self.fixed,
             discrepancy=discrepancy,
             scattering=self.scattering if scattering is None else scattering,
-            small=self._amounts,
+            small=self.amounts,
             forms=forms,
             by_trial=by_trial,
         )
-
-    def squeezed(self, psi: Array) -> "LinearModel":
-        """Return the model with fewer numbers for what every hypothesis leaves open.
-
-        Mixtures of smooth forces and small amounts that these data can tell nothing of, even
-        with the scatter of a good rig, are left out: their information beside their prior is
-        below :data:`SEEN`. :attr:`full` of what is returned is this model.
-
-        Parameters
-        ----------
-        psi : ndarray
-            Logarithms of the noise.
-        """
-        layout, sizes = self.layout, len(self.layout.sizes)
-        information = self.said_of(self.quiet(psi[: len(self.noise)]), ())
-        _, sd = self.prior(())
-        whole = sd[:, None] * information.precision * sd
-        forms = len(self._forms)
-        smooths = np.arange(COEFFICIENTS, layout.own)
-        blocks = [np.ix_(smooths + layout.own * s, smooths + layout.own * s) for s in range(sizes)]
-        start = layout.own * sizes
-        taken = np.arange(start, start + layout.shared - forms)
-        of_own = _seen(np.sum([whole[block] for block in blocks], axis=0))
-        of_shared = _seen(whole[np.ix_(taken, taken)])
-        squeezed = replace(layout, smooths=of_own.shape[1], shared=of_shared.shape[1] + forms)
-        first = layout.own + layout.candidates
-        squeeze = block_diag(
-            np.eye(COEFFICIENTS),
-            sd[COEFFICIENTS : layout.own, None] * of_own,
-            np.eye(layout.candidates),
-            sd[taken, None] * of_shared,
-            np.eye(layout.local - first - taken.size),
-        )
-        found = copy(self)
-        found.full, found.squeeze, found.layout = self, squeeze, squeezed
-        found.rigs = tuple(rig.squeezed(squeeze, squeezed) for rig in self.rigs)
-        found.scales = np.ones(squeezed.local)
-        found.scales[:COEFFICIENTS] = self.scales[:COEFFICIENTS]
-        mine = slice(squeezed.own, squeezed.own + squeezed.candidates)
-        found.scales[mine] = self.scales[layout.own : first]
-        return found
 
     @property
     def start(self) -> Array:
@@ -348,15 +219,15 @@ class LinearModel:
         layout, sizes = self.layout, len(self.layout.sizes)
         if self.squeeze is None:
             own, shared = self._shares(wide)
-            shared = np.concatenate([shared, np.ones(len(self._amounts))])
+            shared = np.concatenate([shared, np.ones(len(self.amounts))])
         else:
             assert wide is None, "a force that is wide needs all of its numbers"
-            own, shared = np.ones(layout.smooths), np.ones(layout.shared - len(self._forms))
+            own, shared = np.ones(layout.smooths), np.ones(layout.shared - len(self.forms))
         mean, sd = self._coefficients
         mean = np.hstack([mean, np.zeros((sizes, layout.smooths))])
         sd = np.hstack([sd, np.tile(own, (sizes, 1))])
         at = [prior_moments(one)[0] / prior_moments(one)[1] for one in priors]
-        forms = [(form or {}).get(candidate.effect.name, 0.0) for candidate, _ in self._forms]
+        forms = [(form or {}).get(candidate.effect.name, 0.0) for candidate, _ in self.forms]
         rest = np.concatenate(
             [
                 np.ones(len(at)),
@@ -438,7 +309,7 @@ class LinearModel:
             for part in parts:
                 found |= part.gradient(means, covariances)
             names = [one.name for one in self.noise]
-            names += [_phase_name(law) for law in acting.phases]
+            names += [phase_name(law) for law in acting.phases]
             slope = slope + np.array([found[name] for name in names])
         return At(psi, value + prior, slope if gradient else None, information, centre, covariance)
 
@@ -452,7 +323,7 @@ class LinearModel:
         noise = self.named(psi)
         amplitudes = np.exp(psi[len(self.noise) :])
         each = [
-            (law.places[0], float(amplitude), _phase_name(law))
+            (law.places[0], float(amplitude), phase_name(law))
             for law, amplitude in zip(phases, amplitudes, strict=True)
         ]
         parts = [
@@ -483,19 +354,7 @@ class LinearModel:
 
     def merge(self, members: Sequence[Sequence[str]]) -> None:
         """Let the first effect of each class of identical ones have the laws of all."""
-        for first, *others in members:
-            laws = [law for name in (first, *others) for law in self.lawbook[name]]
-            share = np.log(1 + len(others))
-            if others:
-                self.lawbook[first] = tuple(
-                    replace(
-                        law,
-                        effect=first,
-                        law=law.law if law.effect == first else f"{law.law} ({law.effect})",
-                        log_weight=law.log_weight - share,
-                    )
-                    for law in laws
-                )
+        self.lawbook = merged(self.lawbook, members)
 
     def reduced(
         self,
@@ -515,75 +374,6 @@ class LinearModel:
         """
         chosen = list(range(len(self.candidates))) if places is None else list(places)
         return self.reduced_of(self.said_of(psi, chosen, acting.phases), form, chosen)
-
-    def climb(
-        self,
-        psi: Array,
-        acting: Acting,
-        wide: Wide | None = None,
-        form: Mapping[str, float] | None = None,
-        inverse: Array | None = None,
-    ) -> At:
-        """Return a hypothesis at the mode of its noise, from a start.
-
-        Parameters
-        ----------
-        psi, acting, wide, form
-            As of :meth:`evaluate`.
-        inverse : ndarray or None
-            A first guess of the inverse of the negative Hessian, of the noise at least.
-        """
-        low, high = self._bounds(psi.size)
-        at = self.evaluate(np.clip(psi, low, high), acting, wide, form, gradient=True)
-        guess = np.diag(np.full(psi.size, 0.1))
-        if inverse is not None:
-            known = len(inverse)
-            guess[:known, :known] = inverse
-        for _ in range(STEPS):
-            assert at.gradient is not None
-            free = ((at.psi > low) | (at.gradient > 0)) & ((at.psi < high) | (at.gradient < 0))
-            slope = np.where(free, at.gradient, 0.0)
-            step = np.where(free, guess @ slope, 0.0)
-            if step @ slope <= 0:
-                guess = np.diag(np.full(psi.size, 0.1))
-                step = guess @ slope
-            if step @ slope / 2 < ENOUGH:
-                break
-            step *= min(1.0, LONGEST / np.abs(step).max())
-            for _ in range(8):
-                there = self.evaluate(
-                    np.clip(at.psi + step, low, high), acting, wide, form, gradient=True
-                )
-                if there.value > at.value + 1e-4 * (slope @ step):
-                    break
-                step *= 0.3
-            else:
-                break
-            assert there.gradient is not None
-            guess = _bfgs(guess, there.psi - at.psi, at.gradient - there.gradient)
-            at = there
-        return at
-
-    def _bounds(self, count: int) -> tuple[Array, Array]:
-        pairs = [one.bounds for one in self.noise]
-        pairs += [(1e-7, 10.0)] * (count - len(pairs))
-        low, high = np.log(np.array(pairs)).T
-        return low, high
-
-    def curvature(self, at: At, acting: Acting, form: Mapping[str, float] | None = None) -> Array:
-        """Return the negative Hessian of the log density by the noise, no direction flat."""
-        size = at.psi.size
-        hessian = np.empty((size, size))
-        for place in range(size):
-            sides = []
-            for sign in (1, -1):
-                psi = at.psi.copy()
-                psi[place] += sign * STEP
-                sides.append(self.evaluate(psi, acting, None, form, gradient=True).gradient)
-            assert sides[0] is not None and sides[1] is not None
-            hessian[place] = (sides[0] - sides[1]) / (2 * STEP)
-        values, vectors = np.linalg.eigh(-0.5 * (hessian + hessian.T))
-        return np.asarray((vectors * np.maximum(values, LEAST_CURVATURE)) @ vectors.T)
 
     def fitted_laws(self, at: At) -> dict[str, Coefficients]:
         """Return the law of each size given the data, at the posterior mean."""
@@ -621,86 +411,7 @@ class LinearModel:
 
     @cached_property
     def _coefficients(self) -> tuple[Array, Array]:
-        """Return means and widths of the coefficients of each size, in units of the scales."""
+        """Means and widths of the coefficients of each size, in units of the scales."""
+        laws = [self.laws[size] for size in self.layout.sizes]
         scale = self.scales[:COEFFICIENTS]
-        mean = np.zeros((len(self.layout.sizes), COEFFICIENTS))
-        sd = np.ones_like(mean)
-        for row, size in enumerate(self.layout.sizes):
-            for column, name in enumerate(Coefficients._fields):
-                centre, width = prior_moments(_coefficient_prior(self.analysis, name, size))
-                held = bool({name, f"{name}[{size}]"} & self.fixed)
-                at = float(np.asarray(self.laws[size][column]))
-                mean[row, column] = 0.0 if held else (centre - at) / scale[column]
-                sd[row, column] = 0.0 if held else width / scale[column]
-        return mean, sd
-
-    def _all_scales(self, nuisances: Sequence[Sequence[float]]) -> Array:
-        priors = self.analysis.priors
-        terms = max(len(self._own) + len(self._smooths), 1)
-        smooths = sum(one.count for one in self._smooths)
-        return np.concatenate(
-            [
-                [prior_moments(prior)[1] for prior in (priors.c1, priors.c2, priors.c3)],
-                np.full(self.layout.smooths, 1 / np.sqrt(terms)),
-                [prior_moments(c.effect.amplitude.prior)[1] for c in self.candidates],
-                np.full(smooths, 1 / np.sqrt(terms)),
-                [sd for _, sd in (*self._amounts, *self._forms)],
-                [sd for one in nuisances for sd in one],
-            ]
-        )
-
-
-def _phase_name(law: Law) -> str:
-    return f"{law.effect}:{law.law}"
-
-
-def _lawbook(candidates: Sequence[Candidate]) -> dict[str, tuple[Law, ...]]:
-    """Return the laws of each effect."""
-    found: dict[str, dict[str, list[int]]] = {}
-    for place, candidate in enumerate(candidates):
-        found.setdefault(candidate.effect.name, {}).setdefault(candidate.law, []).append(place)
-    return {
-        name: tuple(
-            Law(
-                name,
-                law,
-                tuple(places),
-                tuple(candidates[place].node for place in places),
-                -float(np.log(len(laws))),
-            )
-            for law, places in laws.items()
-        )
-        for name, laws in found.items()
-    }
-
-
-def _seen(information: Array) -> Array:
-    """Return mixtures of numbers of unit prior of which the data tell something, (n, k)."""
-    values, vectors = np.linalg.eigh(0.5 * (information + information.T))
-    return np.asarray(vectors[:, values > SEEN])
-
-
-def _bfgs(inverse: Array, step: Array, change: Array) -> Array:
-    """Return the inverse of a negative Hessian once a step has changed the gradient."""
-    along = float(step @ change)
-    if along <= 1e-10:
-        return inverse
-    left = np.eye(step.size) - np.outer(step, change) / along
-    return np.asarray(left @ inverse @ left.T + np.outer(step, step) / along)
-
-
-def _coefficient_prior(analysis: Analysis, name: str, size: str) -> Prior:
-    """Return the prior of a coefficient of one size, which may have its own."""
-    own = analysis.priors.pulleys.get(size)
-    chosen: Prior | None = None if own is None else getattr(own, name)
-    shared: Prior = getattr(analysis.priors, name)
-    return shared if chosen is None else chosen
-
-
-def _rms_friction(sizes: Sequence[str], rows: Sequence[LinearRows]) -> dict[str, float]:
-    """Return the rms friction of each size by the reference law, on all rigs [N]."""
-    scale = {}
-    for size in sizes:
-        found = [one.friction_n[(one.table["pulley_size"] == size).to_numpy()] for one in rows]
-        scale[size] = float(np.sqrt(np.mean(np.concatenate(found) ** 2)))
-    return scale
+        return coefficient_moments(self.layout.sizes, laws, scale, self.analysis.priors, self.fixed)

@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.diagnosis.model import LinearModel
-from bayesfric.diagnosis.search import Search, Unknown, unknown_force
+from bayesfric.diagnosis.search import Search
 from bayesfric.diagnosis.systematic import interval
+from bayesfric.diagnosis.unknown import Unknown, unknown_force
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.schemas import Remainder
 

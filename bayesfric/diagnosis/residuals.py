@@ -64,6 +64,8 @@ class Residuals:
         Of the rigs.
     shown : ndarray of bool, shape (R,)
         Of trials whose role is to show the gap alone.
+    axes : tuple of str
+        Of the covariates, those that some rig has.
     """
 
     residual_n: Array
@@ -81,6 +83,7 @@ class Residuals:
     names: tuple[str, ...]
     rig_names: tuple[str, ...]
     shown: NDArray[np.bool_]
+    axes: tuple[str, ...] = tuple(AXES)
 
     @property
     def variance(self) -> Array:
@@ -177,6 +180,7 @@ def residuals_of(model: LinearModel, psi: Array) -> Residuals:
         tuple(name for rig in model.rigs for name in rig.rows.table["trial"]),
         tuple(rig.rows.name for rig in model.rigs),
         joined("shown").astype(np.bool_),
+        tuple(axis for axis in axes if any(axis in part["axes"] for part in parts)),
     )
 
 
@@ -192,7 +196,9 @@ def _of_rig(
     if "role" in table:
         shown = (table["role"] == "test").to_numpy(dtype=np.bool_)
     found = {axis: windows.covariates.get(axis, nowhere) for axis in axes}
+    own = {*windows.covariates, "setup", "rig"}
     return found | {
+        "axes": own | ({"pulley_size"} if "n_pulleys" in own else set()),
         "residual_n": windows.residual_n,
         "columns": windows.columns,
         "size": rig.size[row],

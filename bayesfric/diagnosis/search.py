@@ -12,28 +12,27 @@ from math import comb
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
-from scipy.stats import halfnorm
 
 from bayesfric.analysis import HypothesisPriors
+from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.classes import Classes
-from bayesfric.diagnosis.discrepancy import Wide, relative_rms
-from bayesfric.diagnosis.model import Acting, At, LinearModel
+from bayesfric.diagnosis.climbing import curvature_at
+from bayesfric.diagnosis.discrepancy import relative_rms
+from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.shapes import Quadratic
+from bayesfric.diagnosis.unknown import Unknown, unknown_force
 from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed, label, weigh
 
 __all__ = [
     "NONE",
     "UNKNOWN",
     "Search",
-    "Unknown",
     "compare",
     "search",
-    "unknown_force",
 ]
 
 Array = NDArray[np.float64]
 NONE, UNKNOWN = "none", "unknown"
-QUANTILES = (0.1, 0.3, 0.5, 0.7, 0.9)  # of the rms of an unknown force
 MOST = 4  # effects at a time
 BEAM = 3  # hypotheses of each number that are gone on from
 TRIED = 5  # of those with an effect more, by a first look
@@ -45,36 +44,6 @@ GAIN = 0.5  # nat that a further effect has to gain to be gone on from
 FINALISTS = 8
 NEAREST = 4.0  # nat from the best, of a hypothesis whose own noise is integrated over
 LISTED = 1e-6  # probability below which a hypothesis is not listed
-
-
-@dataclass(frozen=True)
-class Unknown:
-    """A smooth force that nobody named, weighed.
-
-    Parameters
-    ----------
-    nodes : tuple of Wide
-        How large it may be, and along which axis.
-    log_weights : ndarray
-        Of each node, normalised.
-    log_evidence : float
-        As of :class:`~bayesfric.diagnosis.weighing.Weighed`.
-    at : At
-        With the most probable node.
-    acting : Acting
-        Effects beside it, which make less of the gap than it does.
-    """
-
-    nodes: tuple[Wide, ...]
-    log_weights: Array
-    log_evidence: float
-    at: At
-    acting: Acting
-
-    @property
-    def best(self) -> Wide:
-        """The most probable node."""
-        return self.nodes[int(np.argmax(self.log_weights))]
 
 
 @dataclass(frozen=True)
@@ -243,7 +212,7 @@ def compare(model: LinearModel, first: Search) -> Search:
     none = weigh(
         model, (), [first.none.at.psi, leader.at.psi], first.inverse, 0.0, own_volume=False
     )
-    curvature = model.curvature(none.at, Acting())
+    curvature = curvature_at(model, none.at, Acting())
     inverse = np.asarray(np.linalg.inv(curvature), dtype=np.float64)
     values = np.linalg.eigvalsh(curvature)
     volume = float(0.5 * (values.size * np.log(2 * np.pi) - np.log(values).sum()))
@@ -334,67 +303,6 @@ def _finalists(first: Search) -> list[str]:
             if label(names) in first.weighed:
                 chosen.append(label(names))
     return list(dict.fromkeys(chosen))
-
-
-def unknown_force(
-    model: LinearModel,
-    without: Weighed,
-    acting: Acting,
-    inverse: Array,
-    volume: float,
-    starts: Sequence[Array] = (),
-) -> Unknown | None:
-    """Weigh a smooth force beyond the discrepancy, along all axes or any single one.
-
-    Parameters
-    ----------
-    model : LinearModel
-        All rigs.
-    without : Weighed
-        The same without the force.
-    acting : Acting
-        What acts beside it.
-    inverse, volume
-        Of the noise without effects.
-    starts : sequence of ndarray
-        Further noises to climb from.
-    """
-    model = model.full
-    axes = model.acting_axes
-    if not axes:
-        return None
-    scale = model.analysis.diagnosis.unknown_scale
-    shares = [scale * float(halfnorm.ppf(one)) for one in QUANTILES]
-    nodes = tuple(Wide(share, axis) for axis in (None, *axes) for share in shares)
-    form = without.forms
-
-    def values(psi: Array) -> Array:
-        information = model.evaluate(psi, acting, nodes[0], form).information
-        priors = [model.amplitude_prior(law) for law in acting.laws]
-        nothing = np.array([], dtype=np.intp)
-        log_prior, _ = model.log_prior(psi, acting)
-        return log_prior + np.array(
-            [
-                information.reduced(*model.prior(priors, one, form), nothing).log_evidence
-                for one in nodes
-            ]
-        )
-
-    psi = without.at.psi
-    tried = [psi, model.quiet(psi), *(s for s in starts if s.size == psi.size)]
-    rated = [values(one) for one in tried]
-    best = int(np.argmax([one.max() for one in rated]))
-    psi, found = tried[best], rated[best]
-    for _ in range(2):
-        at = model.climb(psi, acting, nodes[int(np.argmax(found))], form, inverse)
-        settled = bool(np.abs(at.psi - psi).max() < 0.05)
-        psi = at.psi
-        found = values(psi)
-        if settled:
-            break
-    total = float(logsumexp(found) - np.log(len(nodes))) + volume
-    # Along all axes is as likely as along any one.
-    return Unknown(nodes, found - logsumexp(found), total, at, acting)
 
 
 def _extended(

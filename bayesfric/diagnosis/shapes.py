@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from scipy.special import log_ndtr, logsumexp
 from scipy.stats import multivariate_normal
 
-from bayesfric.diagnosis.model import Law, LinearModel
+from bayesfric.diagnosis.acting import Law
+from bayesfric.diagnosis.model import LinearModel
 from bayesfric.effects.candidates import is_positive, prior_moments
 from bayesfric.inference.information import Reduced
 

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 NO_CAUSE = "no cause is named, so nothing was added that could shrink the gap"
 NO_PHASES = "where in its round the cause begins differs from trial to trial, unpredictably"
 NO_GAP = "the cause leaves no gap once the law is recalibrated, so that nothing can shrink"
-NO_SHIPPED = "no published coefficients of these pulley sizes"
+NO_SHIPPED = "no shipped values were given, and none are published"
 AGREES = 1.5  # ratio of what is left after the causes to the floor, within which they agree
 PLACES = ("velocity", "tension", "wrap_angle", "n_pulleys", "displacement", "order")
 

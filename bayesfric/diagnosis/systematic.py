@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import truncnorm
 
-from bayesfric.diagnosis.model import Acting, At, LinearModel
+from bayesfric.diagnosis.acting import Acting, At
+from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals, spread_numbers
 from bayesfric.diagnosis.search import NONE, UNKNOWN, Search
 from bayesfric.diagnosis.weighing import Weighed

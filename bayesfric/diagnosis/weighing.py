@@ -7,7 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from bayesfric.diagnosis.model import Acting, At, Law, LinearModel
+from bayesfric.diagnosis.acting import Acting, At, Law
+from bayesfric.diagnosis.climbing import climb, curvature_at
+from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.shapes import Choice, Quadratic, choose
 
 __all__ = ["FORM_SHARES", "Weighed", "label", "weigh"]
@@ -121,7 +123,7 @@ def weigh(
     psi, (acting, _) = each[best], tried[best]
     form, weights = 0.0, np.zeros(len(forms))
     for _ in range(ROUNDS):
-        at = model.climb(psi, acting, None, dict.fromkeys(names, form), inverse)
+        at = climb(model, psi, acting, None, dict.fromkeys(names, form), inverse)
         before, moved = acting, at.psi
         known |= {f"{w.effect}:{w.law}": s for w, s in zip(acting.laws, acting.shapes, strict=True)}
         results = _chosen(model, free, phases, moved, known, forms)
@@ -135,7 +137,7 @@ def weigh(
     total = float(logsumexp(weights) - np.log(len(forms))) + prior
     share = dict.fromkeys(names, form)
     if own_volume:
-        curvature = model.curvature(at, acting, share)
+        curvature = curvature_at(model, at, acting, share)
         known_noise = len(model.noise)
         volume = _log_volume(curvature[:known_noise, :known_noise])
     if phases:

@@ -57,7 +57,7 @@ def where_it_lies(
     rng : Generator
         For the bootstrap.
     """
-    every = tuple(residuals.covariates)
+    every = residuals.axes
     designs = {name: design for name in every if (design := _design(name, residuals)) is not None}
     blind = [name for name in every if name not in designs]
     relative = before / residuals.friction_n

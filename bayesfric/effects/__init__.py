@@ -36,12 +36,20 @@ PULLEYS = frozenset({"pulleys"})
 
 
 @cache
-def all_effects() -> dict[str, Effect]:
-    """Return the effects of this folder and of other packages, by name and sorted so."""
+def all_effects(offered: frozenset[str] | None = PULLEYS) -> dict[str, Effect]:
+    """Return the effects of this folder and of other packages, by name and sorted so.
+
+    Parameters
+    ----------
+    offered : frozenset of str or None
+        What a rig offers: effects that need more are left out. The default is that of a
+        cable over pulleys; None leaves none out.
+    """
     modules = (import_module(f"{__name__}.{found.name}") for found in iter_modules(__path__))
     effects = [module.EFFECT for module in modules if hasattr(module, "EFFECT")]
     effects += [found.load() for found in entry_points(group="bayesfric.effects")]
-    return {effect.name: effect for effect in sorted(effects, key=lambda effect: effect.name)}
+    found = sorted(effects, key=lambda effect: effect.name)
+    return {one.name: one for one in found if offered is None or one.needs <= offered}
 
 
 def effect_of_file(path: Path) -> Effect:

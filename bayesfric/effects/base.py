@@ -59,6 +59,15 @@ class State(NamedTuple):
         Which physical end carried the drive mass: −0.5 left, 0.5 right, 0 where nobody says.
     trial_in_setup : array_like
         How many trials of the same assembly went before; 0 of the first.
+    position_m, direction : array_like
+        Of a driven axis: where it is [m, or rad where it turns], and 1 or −1 for the way that
+        it runs; 0 where there is no such thing.
+    drive_force_n : array_like
+        Of a driven axis: the drive force, positive along the position [N, or N·m].
+    force_rate_n_s, force_curvature_n_s2 : array_like
+        First and second derivative of the drive force along the motion [N/s], [N/s²].
+    tested : array_like
+        1 in a run of role ``test``, in which something may differ from calibration; else 0.
     wrap_spread_deg : array_like
         Standard deviation of the pulleys' individual wrap angles [deg]; nan where nobody
         wrote them down.
@@ -84,6 +93,12 @@ class State(NamedTuple):
     gravity_m_s2: ArrayLike = STANDARD_GRAVITY_M_S2
     drive_end: ArrayLike = 0.0
     trial_in_setup: ArrayLike = 0.0
+    position_m: ArrayLike = 0.0
+    direction: ArrayLike = 0.0
+    drive_force_n: ArrayLike = 0.0
+    force_rate_n_s: ArrayLike = 0.0
+    force_curvature_n_s2: ArrayLike = 0.0
+    tested: ArrayLike = 0.0
     wrap_spread_deg: ArrayLike = np.nan
     steady: bool = False
     covariates: Mapping[str, ArrayLike] = MappingProxyType({})
@@ -216,6 +231,10 @@ class Effect:
     along_path : bool
         Whether the effect changes while a trial runs, as what depends on speed does.
         Then it is linear in its amplitude.
+    needs : frozenset of str
+        What a rig must offer beyond speed, friction and order: ``pulleys``, ``direction``,
+        ``position``, ``drive`` (the drive force along a run), ``angle`` (a position that is
+        one), ``test`` (runs of that role).
     components : int
         0; or how many components a law returns, stacked on a first axis, each to be
         multiplied by a number N(0, 1) drawn anew for every trial (of an effect on

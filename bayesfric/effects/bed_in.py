@@ -40,4 +40,5 @@ EFFECT = Effect(
     ),
     laws={"exponential": _settling},
     edge={"trial_in_setup": 0.0},
+    needs=frozenset({"pulleys"}),
 )

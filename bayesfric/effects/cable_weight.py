@@ -50,4 +50,5 @@ EFFECT = Effect(
     laws={"passing": _passing, "with-inertia": _with_inertia},
     edge={"travel_m": TRAVEL_M, "n_pulleys": 5.0},
     along_path=True,
+    needs=frozenset({"pulleys"}),
 )

@@ -35,4 +35,5 @@ EFFECT = Effect(
     ),
     laws={"proportional": _proportional},
     along_path=True,
+    needs=frozenset({"pulleys"}),
 )

@@ -29,4 +29,5 @@ EFFECT = Effect(
         "cent of its range",
     ),
     laws={"constant": _constant},
+    needs=frozenset({"pulleys"}),
 )

@@ -38,4 +38,5 @@ EFFECT = Effect(
     laws={"waves": _waves},
     along_path=True,
     components=2 * len(WAVES),
+    needs=frozenset({"pulleys"}),
 )

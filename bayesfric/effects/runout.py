@@ -33,4 +33,5 @@ EFFECT = Effect(
     laws={"once": _once},
     along_path=True,
     components=2,
+    needs=frozenset({"pulleys"}),
 )

@@ -37,4 +37,5 @@ EFFECT = Effect(
         reference="data sheets of small motors give torque constants with tolerances of 5 to 10 %",
     ),
     laws={"scaled": _scaled, "saturating": _saturating},
+    needs=frozenset({"pulleys"}),
 )

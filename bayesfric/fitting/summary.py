@@ -183,7 +183,7 @@ def _sensitivity(model: Model, draws: Draws, theta: Array) -> dict[str, dict[str
     prior = model.log_prior(theta.reshape(-1, theta.shape[-1])).reshape(by_walker)
     # In the sampling space, where the draws have their density, every prior is N(0, 1).
     likelihood = draws.log_density + 0.5 * (LOG_2PI + draws.z**2).sum(axis=-1)
-    places = {n: i for i, n in enumerate(model.names) if n.partition("[")[0] in COEFFICIENTS}
+    places = {p.name: i for i, p in enumerate(model.parameters) if p.kind == "coefficient"}
     values = theta[..., list(places.values())].reshape(len(theta), -1, len(places))
     moved = {}
     for key, component in (("prior", prior), ("likelihood", likelihood)):

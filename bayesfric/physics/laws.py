@@ -2,7 +2,8 @@
 
 ``paper`` is the law of eq. (15) at the nominal tension; ``recursive`` takes the
 tension down pulley by pulley. ``proportional`` is eq. (15) without its constant part, and
-``constant`` with nothing else. All have the same coefficients, and so have two laws
+``constant`` with nothing else; ``viscous``, of a driven axis alone, has viscous friction
+beside Coulomb's. All have the same coefficients, and so have two laws
 that only serve as rivals of a claim: no dependence on the wrap angle, and friction in
 proportion to the load on the bearings, 2 T sin(θ/2).
 """
@@ -23,7 +24,7 @@ from bayesfric.physics.friction import (
 from bayesfric.physics.gravity import Condition, board_friction, recursive_board_friction
 from bayesfric.physics.motor import MotorCondition, motor_friction, recursive_motor_friction
 
-__all__ = ["BASELINES", "RIVAL_LAWS", "Baseline"]
+__all__ = ["BASELINES", "RIVAL_LAWS", "VISCOUS", "Baseline"]
 
 Array = NDArray[np.float64]
 
@@ -63,6 +64,7 @@ def _recursive_at_tension(
     return recursive_friction(loss, tension_n, "mean")
 
 
+VISCOUS = "viscous"
 BASELINES = {
     "paper": Baseline("paper", board_friction, motor_friction, coulomb_friction),
     "recursive": Baseline(
@@ -74,6 +76,7 @@ BASELINES = {
     "constant": Baseline(
         "constant", board_friction, motor_friction, coulomb_friction, ("c1", "c3")
     ),
+    VISCOUS: Baseline(VISCOUS, board_friction, motor_friction, coulomb_friction),
 }
 """The laws by name."""
 

@@ -13,11 +13,13 @@ from bayesfric.report.chapters.diagnostics import diagnostics
 from bayesfric.report.chapters.margins import margins
 from bayesfric.report.chapters.methods import methods
 from bayesfric.report.chapters.page_one import page_one
+from bayesfric.report.chapters.plain_law import own_law
 from bayesfric.report.chapters.posteriors import posteriors
 from bayesfric.report.chapters.predictions import predictions
 from bayesfric.report.chapters.provenance import made_from, provenance
 from bayesfric.report.chapters.summary import summary
 from bayesfric.report.content import Block, Document, Heading
+from bayesfric.report.rig_words import rig_words
 from bayesfric.report.stored import StoredResults
 
 __all__ = ["build_document"]
@@ -42,12 +44,22 @@ def build_document(stored: StoredResults) -> Document:
     created = None if stored.scorecard is None else stored.scorecard.created
     for file, record in list(stored.records.items())[:1]:
         subtitle, created = f"{SUBTITLES[file]} {record.recording.name}", record.created
+    law = own_law(_rigs(stored))
     return Document(
-        title="Cable-pulley friction",
+        title=f"Friction of a {rig_words(_rigs(stored)[0]).rig}"
+        if law
+        else "Cable-pulley friction",
         subtitle=subtitle,
         blocks=tuple(_blocks(stored)),
         date=None if created is None else datetime.fromisoformat(created),
     )
+
+
+def _rigs(stored: StoredResults) -> tuple[str, ...]:
+    """Return the rigs of the results, those that were fitted first."""
+    if stored.fitted is not None:
+        return stored.fitted.fit.rigs
+    return () if stored.diagnosis is None else stored.diagnosis.found.rigs
 
 
 def _blocks(stored: StoredResults) -> Iterator[Block]:

@@ -84,11 +84,14 @@ class Words:
         As in ``gravity board``.
     trial, trials : str
         One of its measurements, and several.
+    law : str
+        What its law and its likelihood are, in sentences; nothing where they are the paper's.
     """
 
     rig: str
     trial: str
     trials: str
+    law: str = ""
 
 
 class Rig(Protocol):

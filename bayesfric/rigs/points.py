@@ -24,6 +24,7 @@ from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.layout import COEFFICIENTS, Layout
 from bayesfric.rigs.linear import Evaluated, LinearRig, NoiseParameter, Run
+from bayesfric.rigs.shared_deviation import SharedDeviation, second_moments
 from bayesfric.rigs.windows import Windows
 
 __all__ = ["PointPart", "PointRows"]
@@ -291,13 +292,13 @@ class PointPart:
         # Trials under one load share a deviation, and those of one assembly another one: what
         # both are known by are sums over trials, and over loads.
         pull = moved / variance
-        load = _Shared.of(
+        load = SharedDeviation.of(
             self._by_load[:, runs] @ (pull[:, None] * x),
             self._by_load[:, runs] @ (pull * y),
             self._by_load[:, runs] @ (pull * moved),
             noise[self._by_loads],
         )
-        setup = _Shared.of(
+        setup = SharedDeviation.of(
             self._by_setup @ load.left(load.columns),
             self._by_setup @ load.left(load.response),
             self._by_setup @ load.left(load.stiffness),
@@ -343,13 +344,15 @@ class PointPart:
             own = along - along**2 * setup.taken[of_load]
             found = {
                 self._by_loads: noise[self._by_loads] ** 2
-                * _second(columns, response, own, self._size_of_load, mean, covariance).sum()
+                * second_moments(columns, response, own, self._size_of_load, mean, covariance).sum()
             }
             columns, response = setup.left(setup.columns), setup.left(setup.response)
             own = setup.left(setup.stiffness)
             found[self._assembly] = (
                 noise[self._assembly] ** 2
-                * _second(columns, response, own, self._size_of_setup, mean, covariance).sum()
+                * second_moments(
+                    columns, response, own, self._size_of_setup, mean, covariance
+                ).sum()
             )
             shares = (load.taken[:, None] * load.columns)[which_load]
             pulls = (load.taken * load.response)[which_load]
@@ -360,7 +363,7 @@ class PointPart:
             columns = weighted - pull[:, None] * shares
             response = y / variance - pull * pulls
             own = 1 / variance - pull**2 * (load.taken[which_load] + free**2 * above)
-            each = _second(columns, response, own, size, mean, covariance)
+            each = second_moments(columns, response, own, size, mean, covariance)
             found[self._own] = noise[self._own] ** 2 * (each @ moved**2)
             for name, scale in zip(self._errors, self.rows.errors, strict=True):
                 found[name] = noise[name] ** 2 * (each @ scale[runs] ** 2)
@@ -423,52 +426,3 @@ class PointPart:
         """Return none: nothing runs freely."""
         del noise, numbers
         return {}
-
-
-@dataclass(frozen=True)
-class _Shared:
-    """A deviation that rows of a group share, integrated out.
-
-    Parameters
-    ----------
-    columns, response, stiffness : ndarray, shape (G, k), (G,) and (G,)
-        Sums over each group.
-    taken : ndarray, shape (G,)
-        So that the group's precision is less by it times the square of a sum.
-    constant : float
-        What the log density is more.
-    """
-
-    columns: Array
-    response: Array
-    stiffness: Array
-    taken: Array
-    constant: float
-
-    @classmethod
-    def of(cls, columns: Array, response: Array, stiffness: Array, sd: float) -> "_Shared":
-        taken = sd**2 / (1 + sd**2 * stiffness)
-        constant = 0.5 * float((taken * response**2 - np.log1p(sd**2 * stiffness)).sum())
-        return cls(columns, response, stiffness, taken, constant)
-
-    def left(self, sums: Array) -> Array:
-        """Return sums of groups without what their deviation takes up."""
-        share = 1 - self.taken * self.stiffness
-        return np.asarray(sums * (share[:, None] if sums.ndim > 1 else share))
-
-
-def _second(
-    columns: Array,
-    response: Array,
-    own: Array,
-    size: NDArray[np.intp],
-    mean: Sequence[Array],
-    covariance: Sequence[Array],
-) -> Array:
-    """Return what a variance more along each row or group adds to the log evidence, doubled."""
-    found = np.empty(own.size)
-    for which, (m, v) in enumerate(zip(mean, covariance, strict=True)):
-        mine = size == which
-        left = columns[mine]
-        found[mine] = (response[mine] - left @ m) ** 2 + ((left @ v) * left).sum(axis=1)
-    return found - own

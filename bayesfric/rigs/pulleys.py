@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from bayesfric.analysis import PriorOverrides
 from bayesfric.effects import PULLEYS, Effect
-from bayesfric.physics.laws import Baseline
+from bayesfric.physics.laws import VISCOUS, Baseline
 from bayesfric.rigs.base import Unsupported
 
 __all__ = ["PulleyTrials"]
@@ -24,8 +24,9 @@ class PulleyTrials:
         return True
 
     def refuses(self, law: Baseline) -> Unsupported | None:
-        """Return None: every law makes sense over pulleys."""
-        del law
+        """Return why not, of the one law that is an axis' own."""
+        if law.name == VISCOUS:
+            return Unsupported("Over pulleys viscous friction is an effect, which is diagnosed.")
         return None
 
     @property

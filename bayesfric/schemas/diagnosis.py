@@ -190,6 +190,7 @@ class ExaminedEffect(Record):
     bound: bool = Field(
         False, description="Whether it is a lower bound: the noise was not climbed to its mode."
     )
+    needs: tuple[str, ...] = Field((), description="What it needs that no rig here has.")
 
 
 class NextExperiment(Record):

@@ -6,8 +6,10 @@ from diagnosis.boards import model_of
 from scipy.linalg import null_space
 from scipy.stats import multivariate_normal
 
-from bayesfric.diagnosis.model import Acting
-from bayesfric.rigs.gravity_board.linear import (
+from bayesfric.diagnosis.acting import Acting
+from bayesfric.diagnosis.climbing import climb, curvature_at
+from bayesfric.diagnosis.squeezing import squeezed
+from bayesfric.rigs.gravity_board.linear_scatter import (
     ALWAYS,
     INTERCEPT,
     TRIAL,
@@ -143,7 +145,7 @@ def test_a_squeezed_model_says_the_same(model):
     """Numbers of which the data say nothing move no difference of evidence."""
     acting, nothing = acting_of(model), Acting()
     psi, plain = psi_of(model), psi_of(model, phases=False)
-    small = model.squeezed(plain)
+    small = squeezed(model, plain)
     assert small.layout.always < 0.8 * model.layout.always
     gains = [
         one.evaluate(psi, acting).value - one.evaluate(plain, nothing).value
@@ -154,8 +156,8 @@ def test_a_squeezed_model_says_the_same(model):
 
 def test_a_climb_ends_where_no_derivative_is_left(model):
     acting = acting_of(model, phases=False)
-    at = model.climb(model.start, acting)
-    curvature = model.curvature(at, acting)
+    at = climb(model, model.start, acting)
+    curvature = curvature_at(model, at, acting)
     assert at.gradient @ np.linalg.solve(curvature, at.gradient) / 2 < 0.1
 
 

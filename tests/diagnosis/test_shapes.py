@@ -7,7 +7,7 @@ from scipy.special import log_ndtr
 from scipy.stats import multivariate_normal, norm
 
 from bayesfric.analysis import HalfNormal, Normal
-from bayesfric.diagnosis.model import Law
+from bayesfric.diagnosis.acting import Law
 from bayesfric.diagnosis.shapes import Quadratic, choose, log_orthant
 from bayesfric.inference.information import Reduced
 

@@ -35,6 +35,7 @@ PAIRS = [
 # motion of a cable that slips, which the two sensors tell differently.
 APART = {"presliding": 0.08, "hysteresis": 0.08, "slip": 0.04}
 STRENGTHS = {"slip": 0.1, "magnet-spacing": 100.0}  # some 1 % of travel; a tenth of a millimetre
+OF_THE_WHOLE = {"wear-drift"}  # its place is a share of the recording
 FOUND = [
     (name, law)
     for name, effect in all_effects().items()
@@ -210,7 +211,8 @@ def test_a_simulated_effect_is_found_at_its_amplitude(name, law):
         name, STRENGTHS.get(name, STRENGTH), PROTOCOLS["quick"], base.rig, Truth(), law
     )
     recording = simulate_recording("quick", seed=17, truth=Truth(effects=(applied,)))
-    recording = one_size(recording, "medium")
+    if name not in OF_THE_WHOLE:
+        recording = one_size(recording, "medium")
     model = Model(likelihoods(recording, [ActiveEffect(effect, law)]))
     found = laplace_approximation(model.log_posterior, model.start(), model.scale())
     truth = dict(applied.values)

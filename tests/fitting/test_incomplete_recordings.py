@@ -10,7 +10,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from altered import by_acceleration, of_size, with_trials
+from altered import by_acceleration, of_size, one_size, with_trials
 
 import bayesfric as bf
 from bayesfric.analysis import Analysis, Sampler
@@ -44,7 +44,7 @@ def without_column(recording, name):
 
 
 def one_sensor(recording):
-    gravity = recording.gravity
+    gravity = with_trials(recording, of_size(recording, "medium")).gravity
     load = gravity.events[gravity.events["sensor"] == "load"].reset_index(drop=True)
     return dataclasses.replace(recording, gravity=Gravity(gravity.trials, load), motor=None)
 
@@ -93,11 +93,15 @@ CASES = {
         ALL,
     ),
     "accelerations and events": (
-        lambda r: by_acceleration(gravity(r), slice(None, None, 2)),
+        lambda r: by_acceleration(with_trials(r, of_size(r, "medium")), slice(None, None, 2)),
         SHORT,
         ALL,
     ),
-    "motor board": (lambda r: dataclasses.replace(r, gravity=None), SHORT, ALL),
+    "motor board": (
+        lambda r: dataclasses.replace(one_size(r, "medium"), gravity=None),
+        SHORT,
+        ALL,
+    ),
     "one motor run": (
         lambda r: dataclasses.replace(
             r, gravity=None, motor=Motor(r.motor.runs.iloc[:1], r.motor.idle.iloc[:1])
@@ -189,20 +193,19 @@ def test_columns_that_are_left_out_say_what_is_lost(fit_of):
 def test_one_tension_leaves_the_split_of_c1_and_c2_wide(tmp_path):
     """Friction at 16 N is known to a few per cent, its two parts are not."""
     recording = simulated({(5, 85.0): 1, (9, 85.0): 2, (9, 50.0): 1}, (16.0,), (16.0,))
+    recording = with_trials(recording, of_size(recording, "medium"))
     recording = read_back(by_acceleration(recording), tmp_path)
     fitted = bf.fit(recording, Analysis(seed=5, sampler=RIDGE))
     check_friction(fitted, recording)
     posterior = fitted.draws["posterior"]
-    for size, law in true_laws().items():
-        if size == "lab":
-            continue
-        c1, c2 = (posterior[c].sel(pulley=size).to_numpy() for c in ("c1", "c2"))
-        both = 16.0 * c1 + c2
-        assert both.std() < 0.03 * both.mean()
-        assert np.corrcoef(c1.ravel(), c2.ravel())[0, 1] < -0.95
-        assert c2.std() > 0.15 * both.mean()
-        assert c2.min() < 0.1 * both.mean()
-        assert abs(both.mean() - (16.0 * law.c1 + law.c2)) < 4 * both.std()
+    law = true_laws()["medium"]
+    c1, c2 = (posterior[c].sel(pulley="medium").to_numpy() for c in ("c1", "c2"))
+    both = 16.0 * c1 + c2
+    assert both.std() < 0.03 * both.mean()
+    assert np.corrcoef(c1.ravel(), c2.ravel())[0, 1] < -0.95
+    assert c2.std() > 0.15 * both.mean()
+    assert c2.min() < 0.1 * both.mean()
+    assert abs(both.mean() - (16.0 * law.c1 + law.c2)) < 4 * both.std()
 
 
 def test_rig_that_is_not_there_is_refused(small_recording, tmp_path):

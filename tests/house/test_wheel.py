@@ -10,6 +10,9 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from altered import with_trials
+
+from bayesfric.recording import write_recording
 
 ROOT = Path(__file__).parents[2]
 
@@ -100,11 +103,11 @@ def test_the_bundled_recording_is_read(elsewhere, tmp_path):
     assert "medium" in said
 
 
-def test_a_recording_is_fitted_and_reported(elsewhere, tmp_path):
-    """With few draws of the small protocol; `tests/test_reference_run.py` has the bundled one."""
+def test_a_recording_is_fitted_and_reported(elsewhere, small_recording, tmp_path):
+    """With few draws of few trials; `tests/test_reference_run.py` has the bundled one."""
     (tmp_path / "analysis.toml").write_text(SHORT)
+    write_recording(with_trials(small_recording, slice(0, 12)), tmp_path / "board")
     command = elsewhere / "bin" / "bayesfric"
-    run(command, "simulate", "board", "--protocol", "quick", cwd=tmp_path)
     options = ["-o", "results", "--config", "analysis.toml", "--quiet"]
     run(command, "fit", "board", *options, cwd=tmp_path)
     run(command, "report", "results", "--quiet", cwd=tmp_path)

@@ -327,7 +327,7 @@ def test_every_form_shows_it_with_words_for_the_figures(fit_results):
         assert html.count('alt="Left, ') >= 3
         assert len(figure.svg) < 400_000
     for text in (html, markdown):
-        assert "The gap between simulation and board" in text
+        assert "The gap between simulation and reality" in text
         assert "52.3" in text
 
 
@@ -361,7 +361,7 @@ def test_margins_stand_beside_a_diagnosis_without_a_fit(tmp_path):
     write_report(tmp_path)
     html = (tmp_path / "report.html").read_text("utf-8")
     assert "Controller margins" in html
-    assert "The gap between simulation and board" in html
+    assert "The gap between simulation and reality" in html
     assert "Which γ to set" in (tmp_path / "summary.md").read_text("utf-8")
 
 

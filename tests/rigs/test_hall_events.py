@@ -5,57 +5,20 @@ import dataclasses
 import numpy as np
 import pandas as pd
 import pytest
+from rigs.hall import SPACING, few_trials, likelihood_of, one_point, truth_by_name
 from scipy import integrate, linalg, stats
 
 from bayesfric.analysis import Analysis
 from bayesfric.inference.cosines import WHOLE, cosine_variances, cosines
-from bayesfric.inference.model import Model
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.hall_events import reduce_events
-from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
 from bayesfric.rigs.gravity_board.places import TrialPlaces
 from bayesfric.rigs.gravity_board.screening import screen_trials
 from bayesfric.rigs.gravity_board.wander import Wander
 from bayesfric.rigs.opening import open_rigs
-from bayesfric.rigs.protocols import Protocol
-from bayesfric.simulate import Truth, simulate_recording
+from bayesfric.simulate import simulate_recording
 
-SPACING, TICK = 0.0098, 4e-6
-TRUTH = Truth()
-
-
-BY_SIZE = ("tau", "omega", "omega_intercept", "wander")
-NOISE = ("tau", "omega", "omega_intercept", "wander", "wander_length", "sigma_x", "sigma_t")
-
-
-def truth_by_name(truth=TRUTH):
-    values = {
-        f"{name}[{size}]": float(value)
-        for size, law in truth.coefficients.items()
-        for name, value in law._asdict().items()
-    }
-    return values | {name: getattr(truth, name) for name in NOISE}
-
-
-def one_point(values):
-    return {name: np.array([value]) for name, value in values.items()}
-
-
-def few_trials(trials, events_each, seed=3, sensors=("drive", "load")):
-    """The first trials of a simulated recording, with a few events of each sensor."""
-    design = Protocol({(9, 85.0): 1}, (6.0, 16.0), (), 2)
-    recording = simulate_recording(design, seed=seed)
-    kept = recording.gravity.trials.iloc[:trials].reset_index(drop=True)
-    events = recording.gravity.events
-    events = events[events["trial"].isin(kept["trial"]) & events["sensor"].isin(sensors)]
-    events = events.groupby(["trial", "sensor"], sort=False).head(events_each)
-    gravity = Gravity(kept, events.reset_index(drop=True))
-    return dataclasses.replace(recording, gravity=gravity)
-
-
-def likelihood_of(recording, analysis=None):
-    screened = screen_trials(recording.gravity, recording.rig)
-    return GravityLikelihood(screened.gravity, recording.rig, analysis or Analysis())
+TICK = 4e-6
 
 
 def events_table(recording):
@@ -355,62 +318,3 @@ def test_stalled_trial_enters_and_leaves_what_moved_all_the_way():
     assert stalled in set(entering.table["trial"])
     assert set(entering.table["trial"]) - set(entering.moved().table["trial"]) == {stalled}
     assert stalled not in set(entering.entering().table["trial"])
-
-
-def test_model_puts_prior_jacobian_and_likelihood_together():
-    likelihood = likelihood_of(few_trials(3, 12))
-    model = Model([likelihood])
-    values = truth_by_name() | {"c1[small]": 0.013, "wander": 0.01, "omega_intercept": 0.02}
-    theta = np.array([[values[name] for name in model.names]])
-    scales = {"c1": 0.05, "c2": 0.2, "tau": 0.05, "omega": 0.05, "sigma_x": 1e-4, "sigma_t": 1e-4}
-    scales |= {"omega_intercept": 0.05, "wander": 0.02}
-    expected = likelihood.setup_log_likelihood(one_point(values)).sum()
-    for name in model.names:
-        stem = name.partition("[")[0]
-        if stem == "c3":
-            expected += stats.norm(0, 1e-3).logpdf(values[name])
-        elif stem == "wander_length":
-            expected += stats.lognorm(0.5, scale=0.1).logpdf(values[name])
-        else:
-            expected += stats.halfnorm(scale=scales[stem]).logpdf(values[name])
-    z = model.sampling(theta)
-    # The sampling space is not the parameters': its Jacobian, by differences.
-    step = 1e-6
-    width = (model.natural(z + step) - model.natural(z - step)) / (2 * step)
-    expected += np.log(width).sum()
-    assert model.log_posterior(z)[0] == pytest.approx(expected, abs=1e-5)
-
-
-def test_impossible_points_have_no_density_and_no_warning():
-    model = Model([likelihood_of(few_trials(2, 12))])
-    z = model.start()
-    points = np.stack([z, z, z])
-    points[1, 0], points[2, -1] = 1e200, -800.0  # an infinite c1, a clock without noise
-    density = model.log_posterior(points)
-    assert np.isfinite(density[0])
-    assert density[1] == -np.inf
-    assert not np.isnan(density).any()
-
-
-def test_scatter_by_size_with_equal_values_is_the_shared_scatter():
-    recording = simulate_recording("quick", seed=5)
-    shared = likelihood_of(recording)
-    separate = likelihood_of(recording, Analysis(scatter={"by_size": True}))
-    values = truth_by_name()
-    split = values | {f"{name}[{size}]": values[name] for name in BY_SIZE for size in shared.sizes}
-    assert separate.setup_log_likelihood(one_point(split)) == pytest.approx(
-        shared.setup_log_likelihood(one_point(values)), abs=1e-9
-    )
-
-
-def test_order_of_rows_does_not_matter():
-    recording = few_trials(4, 15)
-    shuffled = Gravity(
-        recording.gravity.trials.sample(frac=1, random_state=1).reset_index(drop=True),
-        recording.gravity.events.sample(frac=1, random_state=2),
-    )
-    again = dataclasses.replace(recording, gravity=shuffled)
-    point = one_point(truth_by_name())
-    assert likelihood_of(again).setup_log_likelihood(point).sum() == pytest.approx(
-        likelihood_of(recording).setup_log_likelihood(point).sum(), abs=1e-8
-    )

@@ -45,7 +45,8 @@ def fitted(recording):
 
 
 def test_it_is_found_by_being_there(scale):
-    assert list(rigs.all_rigs()) == ["gravity", "motor", "scale", "steady-points"]
+    known = ["gravity", "motor", "scale", "single-axis", "steady-points"]
+    assert list(rigs.all_rigs()) == known
     assert "scale" not in rigs.paper_rigs()
 
 

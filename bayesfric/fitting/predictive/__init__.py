@@ -92,7 +92,7 @@ def predict(
         groups[words.trials], groups[f"{words.trial}_checks"] = _checked(
             trials, table, likelihood, left_out[rig.name], remade
         )
-        if "prior" not in groups:
+        if "prior" not in groups and any("[" in p.name for p in likelihood.parameters):
             groups["prior"] = _prior(trials, table, model, named, analysis, baseline)
         groups |= trials.figures(view)
     return xr.DataTree.from_dict(groups)

@@ -72,7 +72,7 @@ def coverage_tables(stored: StoredFit) -> Iterator[Block]:
     tables = [
         _by_cell(one, one.checks)
         for one in rig_tables(stored.predictive)
-        if one.checks is not None and "cell_pulley_size" in one.checks
+        if one.checks is not None and "pulley_size" in one.table
     ]
     if tables:
         yield Heading(2, "Coverage by condition")

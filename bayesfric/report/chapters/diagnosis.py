@@ -63,7 +63,7 @@ def verdict_line(found: DiagnosisFile) -> Notice:
 def diagnosis(stored: StoredDiagnosis) -> Iterator[Block]:
     """Yield the verdict, how large the gap is, what causes it, where it lies, and what next."""
     found = stored.found
-    yield Heading(1, "The gap between simulation and board", label="diagnosis")
+    yield Heading(1, "The gap between simulation and reality", label="diagnosis")
     probability = format_probability(found.verdict_probability)
     yield Notice(
         box(found),

@@ -302,6 +302,7 @@ def _reasons(gap: Gap, rows: Sequence[tuple[str, str, Gap | GapRow]]) -> list[st
 
 
 def _examined(found: DiagnosisFile) -> Table:
+    absent = [one for one in found.effects if one.needs]
     return Table(
         "Every effect examined, alone against the baseline.",
         ["effect", Column("log₁₀ BF", align="decimal"), "why there is none"],
@@ -312,8 +313,10 @@ def _examined(found: DiagnosisFile) -> Table:
                 one.log10_bayes_factor_why or "",
             ]
             for one in found.effects
+            if one not in absent
         ],
         label="effects",
+        note=f"{len(absent)} further effects need what no rig here has." if absent else "",
     ).filled()
 
 

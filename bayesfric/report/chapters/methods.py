@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from bayesfric.report.chapters.plain_law import own_law
 from bayesfric.report.content import Block, Equation, Heading, Math, Paragraph, Reference
 from bayesfric.report.formulas import CURRENT, LAW, RECURSIVE, SCATTER
 from bayesfric.report.stored import StoredResults
@@ -24,7 +25,10 @@ def methods(stored: StoredResults) -> Iterator[Block]:
 def _fit(fit: FitFile) -> Iterator[Block]:
     """Yield the law, the likelihood of what was measured, and the sampler."""
     yield Heading(2, "The fit")
-    yield from _law()
+    if law := own_law(fit.rigs):
+        yield Paragraph(law)
+    else:
+        yield from _law()
     if fit.baseline == "recursive":
         yield from _recursive()
     # What was measured shows in what its noise is.
@@ -38,9 +42,10 @@ def _fit(fit: FitFile) -> Iterator[Block]:
         [
             "Priors are proper and listed in ",
             Reference("diagnostics"),
-            "; the default ones do not rest on Table I. Draws come from emcee: moves that propose "
-            "from a Student-t fitted around the posterior, independent of the walker's place, "
-            "mixed with differential evolution. A parameter counts as informed where the curvature "
+            "; the default ones do not rest on the paper's Table I. Draws come from emcee: moves "
+            "that propose from a Student-t fitted around the posterior, independent of the "
+            "walker's place, mixed with differential evolution. A parameter counts as informed "
+            "where the curvature "
             "of the likelihood alone pins it down better than its prior does.",
         ]
     )

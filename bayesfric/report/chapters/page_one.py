@@ -13,6 +13,7 @@ from bayesfric.report.chapters.blind import scorecard_line
 from bayesfric.report.chapters.claims import fallen
 from bayesfric.report.chapters.diagnosis import verdict_line
 from bayesfric.report.chapters.margins import gain_lines
+from bayesfric.report.chapters.plain_law import in_a_sentence
 from bayesfric.report.content import (
     Block,
     BulletList,
@@ -41,6 +42,7 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
     fitted = stored.fitted
     if fitted is not None:
         yield from convergence(fitted.fit)
+        yield from in_a_sentence(fitted.fit)
         yield from expected(fitted)
         yield from coefficients_figure(fitted)
     if stored.diagnosis is not None:

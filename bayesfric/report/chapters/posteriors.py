@@ -42,7 +42,8 @@ def posteriors(stored: StoredFit) -> Iterator[Block]:
         "and a dashed line of the prior.",
         label="densities",
     )
-    yield Heading(2, "Joint posteriors")
+    if stored.fit.pulleys:
+        yield Heading(2, "Joint posteriors")
     for size in stored.fit.pulleys:
         paper = None
         mark = "The paper has no such size."

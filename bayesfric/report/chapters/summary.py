@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from bayesfric.paper import table1
 from bayesfric.plots.labels import parts
+from bayesfric.report.chapters.plain_law import plain_coefficients, plain_table
 from bayesfric.report.chapters.symbols import EXPONENTS, exponent, symbol, unit_head
 from bayesfric.report.content import (
     Block,
@@ -24,6 +25,41 @@ def summary(stored: StoredFit) -> Iterator[Block]:
     """Yield the coefficients and the scatter."""
     fit = stored.fit
     yield Heading(1, "Coefficients")
+    if fit.pulleys:
+        yield _of_pulleys(fit)
+        yield from _not_estimated(fit)
+    plain = plain_coefficients(fit)
+    if plain:
+        yield plain_table(fit)
+    yield Heading(2, "Scatter and noise")
+    rows = [
+        [
+            symbol(name),
+            meaning(name),
+            unit_head(name, entry.unit),
+            *_cells(entry, exponent(name)),
+        ]
+        for name, entry in {**fit.scatter, **fit.noise, **fit.parameters}.items()
+        if name not in plain
+    ]
+    yield Table(
+        "How friction scatters around the law, and the noise of the sensors.",
+        [
+            "",
+            "meaning",
+            "unit",
+            Column("mean", align="decimal"),
+            Column("sd", align="decimal"),
+            Column("5 %", align="decimal"),
+            Column("95 %", align="decimal"),
+        ],
+        rows,
+        label="scatter",
+    )
+
+
+def _of_pulleys(fit: FitFile) -> Table:
+    """Return the coefficients of each pulley size beside the paper's."""
     rows = []
     for size, coefficients in fit.pulleys.items():
         for name, entry in coefficients.items():
@@ -39,7 +75,7 @@ def summary(stored: StoredFit) -> Iterator[Block]:
                     _inside(entry, printed),
                 ]
             )
-    yield Table(
+    return Table(
         "Posterior of the friction coefficients, and the paper's Table I.",
         [
             "pulley",
@@ -57,31 +93,6 @@ def summary(stored: StoredFit) -> Iterator[Block]:
         note="As the paper: its own estimator on the same trials, least squares slope by slope, "
         "without an uncertainty. Inside: whether Table I lies in the 90 % interval; “prior” where "
         "the recording does not inform the coefficient, so that its prior drives it.",
-    )
-    yield from _not_estimated(fit)
-    yield Heading(2, "Scatter and noise")
-    rows = [
-        [
-            symbol(name),
-            meaning(name),
-            unit_head(name, entry.unit),
-            *_cells(entry, exponent(name)),
-        ]
-        for name, entry in {**fit.scatter, **fit.noise, **fit.parameters}.items()
-    ]
-    yield Table(
-        "How friction scatters around the law, and the noise of the sensors.",
-        [
-            "",
-            "meaning",
-            "unit",
-            Column("mean", align="decimal"),
-            Column("sd", align="decimal"),
-            Column("5 %", align="decimal"),
-            Column("95 %", align="decimal"),
-        ],
-        rows,
-        label="scatter",
     )
 
 
@@ -108,6 +119,8 @@ MEANINGS = {
     "sigma_a": "error of an acceleration without a standard error",
     "sigma_current": "noise of a current without load",
     "load_noise": "noise of a current per load current",
+    "row_error": "error of a window's force over what the sensors let expect",
+    "latency": "time by which the clock of the force is ahead of that of the position",
     "torque_constant_factor": "torque constant over the specified one",
 }
 

@@ -7,65 +7,39 @@ that a trial had made before its first event. They are integrated out at the noi
 for; derivatives by the noise follow from Fisher's identity.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bayesfric.analysis import Prior, Priors
+from bayesfric.analysis import Priors
 from bayesfric.effects.candidates import Candidate
 from bayesfric.inference.information import Information
-from bayesfric.inference.priors import log_density
 from bayesfric.inference.smooths import Smooth
 from bayesfric.rigs.base import Unsupported
+from bayesfric.rigs.gravity_board.linear_scatter import (
+    ALWAYS,
+    ELSEWHERE,
+    SLOPE_AND_INTERCEPT,
+    TRIAL,
+    WANDER,
+    WAVES,
+    noise_of,
+    wander_weights,
+)
+from bayesfric.rigs.gravity_board.residual_motion import runs_of, whitening, windows_of
 from bayesfric.rigs.gravity_board.rows import GravityRows
 from bayesfric.rigs.layout import COEFFICIENTS, Layout
-from bayesfric.rigs.linear import Evaluated, NoiseParameter, Run
+from bayesfric.rigs.linear import Evaluated, Run
 from bayesfric.rigs.windows import Windows
 
-__all__ = ["WAVES", "GravityPart", "wander_weights"]
+__all__ = ["GravityPart"]
 
 Array = NDArray[np.float64]
-WINDOWS = 8  # of a trial's travel
-EVENTS_A_WINDOW = 4  # at least, of both sensors
-APART = (1, 2, 3)  # powers of the travel, by which two sensors differ
-WAVES = 10  # cosines along the travel
-FIRST = 5  # events of a sensor that set the offset and the first speed
-TRIAL, INTERCEPT, WANDER, ELSEWHERE = 0, 1, slice(2, 2 + WAVES), 2 + WAVES
-ALWAYS = 3 + WAVES  # columns that scatter in every hypothesis
-SLOPE_AND_INTERCEPT = np.array([[1.0, -1.0], [0.0, 1.0]])  # of the first two columns
-EVENT_SD_M = 30e-6  # of an event on a good board
-KAPPA_SD_LOG = 0.3  # of the events' variance over its first estimate
 LOG_2PI = float(np.log(2 * np.pi))
-
-
-def wander_weights(length_m: float, travel_m: float) -> tuple[Array, Array]:
-    """Return the variance of each cosine of a wander of unit rms, and how its log grows.
-
-    The spectrum is that of a squared exponential process along the travel.
-
-    Parameters
-    ----------
-    length_m : float
-        Correlation length [m].
-    travel_m : float
-        Longest travel [m].
-
-    Returns
-    -------
-    variance : ndarray, shape (WAVES,)
-        Of each cosine.
-    slope : ndarray, shape (WAVES,)
-        Derivative of its logarithm by the logarithm of the length.
-    """
-    turned = (np.pi * np.arange(1, WAVES + 1) * length_m / travel_m) ** 2
-    weight = np.exp(-0.5 * (turned - turned[0]))
-    share = weight / weight.sum()
-    return 2 * share, share @ turned - turned
 
 
 @dataclass(frozen=True)
@@ -147,22 +121,7 @@ class GravityPart:
                 self.random[:, TRIAL] += amplitude * column[:, 0]
             if further is not None:
                 self.random[:, ELSEWHERE] += amplitude * further
-        self.noise = (
-            _scatter("tau", priors.tau, 0.01),
-            _scatter("omega", priors.omega, 0.015),
-            _scatter("omega_intercept", priors.omega_intercept, 0.015),
-            _scatter("wander", priors.wander, 0.001, 0.003),
-            NoiseParameter(
-                "wander_length", 0.1, (0.04, 0.5), partial(_log_prior, priors.wander_length), 0.1
-            ),
-            NoiseParameter(
-                "kappa",
-                1.0,
-                (0.05, 1e4),
-                _log_prior_kappa,
-                EVENT_SD_M**2 / float(np.median(rows.variance)),
-            ),
-        )
+        self.noise = noise_of(priors, float(np.median(rows.variance)))
         self._summed(by_trial)
         self._views: dict[bytes, _View] = {}
 
@@ -224,7 +183,7 @@ class GravityPart:
         self._square, self._freedom = np.zeros(count), np.zeros(count)
         self._constant = np.zeros(count)
         for trial, rows in enumerate(self.rows.rows_of_trials()):
-            white, project = self._whitening(rows)
+            white, project = whitening(self.rows, rows)
             y = self.rows.residual[rows]
             stack = np.column_stack([self.columns[rows], self.random[rows], y])
             whole = project(white[:, None] * stack)
@@ -236,24 +195,6 @@ class GravityPart:
             nuisances = (self.rows.events.regressors[:3, rows] != 0).any(axis=1).sum()
             self._freedom[trial] = white.size - nuisances
             self._constant[trial] = np.log(white).sum() - 0.5 * self._freedom[trial] * LOG_2PI
-
-    def _whitening(
-        self, rows: slice, *, apart: bool = False
-    ) -> tuple[Array, Callable[[Array], Array]]:
-        """Return 1/sd of rows, and the projection off their nuisances.
-
-        With `apart`, what the two sensors differ by is one: a force is what both see.
-        """
-        white = 1 / np.sqrt(self.rows.variance[rows])
-        nuisance = self.rows.events.regressors[:3, rows]
-        nuisance = nuisance[(nuisance != 0).any(axis=1)] * white
-        sensors = self.rows.events.regressors[:2, rows] != 0
-        if apart and (sensors.sum(axis=1) > EVENTS_A_WINDOW).all():
-            travel = self.rows.events.displacement[rows] / self.rows.events.displacement[rows].max()
-            halves = 0.5 * (sensors[1].astype(np.float64) - sensors[0]) * white
-            nuisance = np.vstack([nuisance, *(halves * travel**k for k in APART)])
-        basis = np.linalg.qr(nuisance.T)[0]
-        return white, lambda values: np.asarray(values - basis @ (basis.T @ values))
 
     def _view(self, mixing: Array, trials: NDArray[np.bool_] | None) -> _View:
         key = mixing.tobytes() + str(mixing.shape).encode()
@@ -422,7 +363,7 @@ class GravityPart:
         )
         found = np.empty((len(self.size), self.layout.local, self.layout.local))
         for trial, rows in enumerate(self.rows.rows_of_trials()):
-            white, project = self._whitening(rows)
+            white, project = whitening(self.rows, rows)
             x = project(white[:, None] * self.columns[rows]) / np.sqrt(noise["kappa"])
             z = project(white[:, None] * self.random[rows, :ALWAYS]) / np.sqrt(noise["kappa"])
             sd[TRIAL] = np.sqrt(scatter[trial])
@@ -447,33 +388,7 @@ class GravityPart:
 
     def windows(self, noise: Mapping[str, float]) -> Windows:
         """Return residual forces in windows of travel; fewer where events are few."""
-        newton, places = self.rows.window_columns(WINDOWS)
-        variance, _ = wander_weights(noise["wander_length"], self._travel)
-        found = []
-        for trial, rows in enumerate(self.rows.rows_of_trials()):
-            enough = max(1, (rows.stop - rows.start) // EVENTS_A_WINDOW)
-            joined = _join(WINDOWS, min(WINDOWS, enough))
-            white, project = self._whitening(rows, apart=True)
-            design = project(white[:, None] * (newton[:, rows].T @ joined))
-            rest = project(
-                white[:, None] * np.column_stack([self.rows.residual[rows], self.columns[rows]])
-            )
-            solved, *_ = np.linalg.lstsq(design, rest, rcond=None)
-            mean = joined / joined.sum(axis=0)
-            where = {name: values[trial] @ mean for name, values in places.items()}
-            travel = np.atleast_1d(where["displacement"]) / self._travel
-            waves = np.cos(np.pi * np.arange(1, WAVES + 1) * travel[:, None])
-            wander = (waves * variance) @ waves.T * noise["wander"] ** 2
-            covariance = np.asarray(np.linalg.pinv(design.T @ design) * noise["kappa"], np.float64)
-            found.append((trial, solved, covariance, where, wander))
-        return Windows(
-            row=np.concatenate([np.full(len(f[1]), f[0]) for f in found]),
-            residual_n=np.concatenate([f[1][:, 0] for f in found]),
-            columns=np.concatenate([f[1][:, 1:] for f in found]),
-            covariance=tuple(f[2] for f in found),
-            wander=tuple(f[4] for f in found),
-            covariates={name: np.concatenate([f[3][name] for f in found]) for name in places},
-        )
+        return windows_of(self.rows, self.columns, self._travel, noise)
 
     def runs(self, noise: Mapping[str, float], numbers: Array) -> dict[int, Run]:
         """Return trials that run freely once their first events have set offset and speed.
@@ -485,42 +400,8 @@ class GravityPart:
         numbers : ndarray, shape (A, N, q)
             Local numbers of each arm, trial by trial.
         """
-        found = {}
-        spread2 = self.scatter(noise).sum(axis=1)
-        wander = noise["wander"] ** 2 * wander_weights(noise["wander_length"], self._travel)[0]
-        for trial, rows in enumerate(self.rows.rows_of_trials()):
-            nuisance = self.rows.events.regressors[:3, rows]
-            first = np.zeros(nuisance.shape[1], dtype=bool)
-            for sensor in nuisance[:2]:
-                first[np.flatnonzero(sensor != 0)[:FIRST]] = True
-            seen = (nuisance != 0).any(axis=1)
-            if first.all() or not seen[2]:
-                continue
-            design = nuisance[seen].T
-            carry = design[~first] @ np.linalg.pinv(design[first])
-            variance = noise["kappa"] * self.rows.variance[rows]
-            left = self.rows.residual[rows] - numbers[:, trial] @ self.columns[rows].T
-            off = left[:, ~first] - left[:, first] @ carry.T
-            random = self.random[rows]
-            moved = random[~first] - carry @ random[first]
-            floor = spread2[trial] * (moved[:, TRIAL] ** 2).mean()
-            floor += (moved[:, WANDER] ** 2 @ wander).mean()
-            error = variance[~first] + carry**2 @ variance[first]
-            sensors = nuisance[:2] != 0
-            shown = sensors[0] if sensors[0].any() else sensors[1]
-            measured = self.rows.events.displacement[rows]
-            start = left[:, first] @ (design @ np.linalg.pinv(design[first])).T
-            tau = self.rows.events.tau[rows][shown]
-            found[trial] = Run(
-                trial,
-                off,
-                float(error.mean()),
-                float(floor),
-                tau - tau[0],
-                measured[shown],
-                (measured - (left - start))[:, shown],
-            )
-        return found
+        columns = self.columns, self.random
+        return runs_of(self.rows, *columns, self._travel, self.scatter(noise), noise, numbers)
 
 
 def _fold(one: Array, other: Array) -> Array:
@@ -532,23 +413,3 @@ def _spread(columns: Array, covariance: Array) -> Array:
     """Return the variance of each column's mixture of numbers, (n, r)."""
     flat = columns.reshape(-1, columns.shape[-1])
     return np.asarray(((flat @ covariance) * flat).sum(axis=1).reshape(columns.shape[:2]))
-
-
-def _join(fine: int, coarse: int) -> Array:
-    """Return which of the fine windows make a coarse one, shape (fine, coarse)."""
-    group = np.arange(fine) * coarse // fine
-    return np.asarray(group[:, None] == np.arange(coarse), dtype=np.float64)
-
-
-def _scatter(name: str, prior: Prior, usual: float, start: float = 0.012) -> NoiseParameter:
-    return NoiseParameter(
-        name, start, (1e-4, 1.0), partial(_log_prior, prior), usual, scatters=True
-    )
-
-
-def _log_prior(prior: Prior, value: float) -> float:
-    return float(log_density(prior, value)) + float(np.log(value))
-
-
-def _log_prior_kappa(value: float) -> float:
-    return -0.5 * float((np.log(value) / KAPPA_SD_LOG) ** 2)

@@ -8,13 +8,11 @@ acceleration alone is one row: the travel that it makes from rest.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import cumulative_simpson
 
 from bayesfric.analysis import Priors
 from bayesfric.effects import ActsOn, Law, Reading, State
@@ -26,18 +24,21 @@ from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.acting import drive_end, trial_in_setup
 from bayesfric.rigs.base import Unsupported
+from bayesfric.rigs.gravity_board.double_integral import DoubleIntegral
+from bayesfric.rigs.gravity_board.event_rows import (
+    rows_of_trials,
+    variance_of,
+    with_accelerations,
+)
 from bayesfric.rigs.gravity_board.likelihood import trial_condition
 from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion, travel_to_speed
 from bayesfric.rigs.gravity_board.paths import POINTS
-from bayesfric.rigs.gravity_board.trial_motion import Events
 from bayesfric.rigs.layout import Layout
 from bayesfric.rigs.linear import LinearRig, pulley_radii, rank
 
 __all__ = ["NO_CURRENT", "GravityRows"]
 
 Array = NDArray[np.float64]
-STATED_SD = 0.01  # m/s², of an acceleration that comes without its standard error
-ROUGH = 9.0  # times the noise: squared, what no smooth path follows
 LEAST_ACCELERATION = 0.02  # m/s², where the reference law predicts that the cable stands
 PUSHED = 0.15  # of the travel from rest to the first speed, that a push may have spared
 LATE_S = 1e-3  # by which one sensor may be late
@@ -108,17 +109,18 @@ class GravityRows:
         radii = pulley_radii(list(sizes.unique()), rig)
         self._radius = np.array([radii[size] for size in sizes])
         self._measured = measured
-        self._paths, self._rough = measured.paths, measured.rough
+        self._paths = measured.paths
         self._feedback = tension_feedback(self.law, self.condition)[:, None]
         self._slowed = self._feedback / mass[:, None]
         self._before = self._travel_before(acting)
         self._travel = self._travelled()
         self.state = self._state_at(self._travel, self._paths.speed_m_s)
-        self.events, alone, stated = self._rows(gravity, measured.events)
+        duration = self._paths.step_s[:, 0] * (POINTS - 1)
+        self.events, alone, stated = with_accelerations(self.table, measured.events, duration)
         displacement = self.events.displacement
         self.residual = displacement - predicted[self.events.trial] * self.events.tau**2 / 2
         self._speed = self._at_rows(self._paths.speed_m_s)
-        self.variance = self._noise(alone, stated)
+        self.variance = variance_of(self.events, measured.rough, self._speed**2, alone, stated)
 
     def covariates(self) -> dict[str, Array]:
         """Return where every trial is along its path, arrays that broadcast to (N, P)."""
@@ -149,25 +151,14 @@ class GravityRows:
             Along the paths, (…, N, P) or what broadcasts to it [N].
         """
         shape = (*np.shape(force_n)[:-2], *self._travel.shape)
-        slowing = np.broadcast_to(-self._slowed * force_n, shape).reshape(-1, POINTS)
-        speeds, travels = (slowing @ one for one in _integrals())
-        place, step = self._place
-        trial, left = self.events.trial, np.minimum(place.astype(int), POINTS - 2)
-        share = place - left
-        rise = share**2 * (3 - 2 * share)  # cubic Hermite interpolation on the grid
-        travels = travels.reshape(-1, *self._travel.shape)
-        speeds = speeds.reshape(travels.shape)
-        # On a grid of unit steps; a step is of this many seconds.
-        found = (1 - rise) * travels[:, trial, left] + rise * travels[:, trial, left + 1]
-        found += share * (1 - share) ** 2 * speeds[:, trial, left]
-        found -= share**2 * (1 - share) * speeds[:, trial, left + 1]
-        return np.asarray((step**2 * found).T.reshape(trial.size, *shape[:-2]))
+        slowing = np.broadcast_to(-self._slowed * force_n, shape)
+        travel = self._integral.of(slowing.reshape(-1, *self._travel.shape))
+        return np.asarray(travel.T.reshape(self.events.tau.size, *shape[:-2]))
 
     @cached_property
-    def _place(self) -> tuple[Array, Array]:
-        """Place of each row on its trial's grid, and the grid's step [s]."""
+    def _integral(self) -> DoubleIntegral:
         step = self._paths.step_s[self.events.trial, 0]
-        return self.events.tau / step, step
+        return DoubleIntegral(self.events.trial, self.events.tau / step, step)
 
     def coefficient_columns(self) -> Array:
         """Return what c1, c2 and c3 do to each row, shape (E, 3) [m per unit]."""
@@ -411,32 +402,6 @@ class GravityRows:
             gravity_m_s2=condition.gravity_m_s2,
         )
 
-    def _rows(self, gravity: Gravity, events: Events) -> tuple[Events, NDArray[np.bool_], Array]:
-        """Return all rows, which of them are of an acceleration alone, and its sd [m/s²]."""
-        trials = gravity.trials
-        alone = np.flatnonzero(~np.isin(np.arange(len(trials)), events.trial))
-        duration = self._paths.step_s[alone, 0] * (self._travel.shape[1] - 1)
-        stated = np.full(len(trials), np.nan)
-        if "acceleration_m_s2" in trials:
-            stated = trials["acceleration_m_s2"].to_numpy(dtype=np.float64)
-        travel = stated[alone] * duration**2 / 2
-        trial = np.concatenate([events.trial, alone])
-        order = np.argsort(trial, kind="stable")
-        regressors = np.hstack([events.regressors, np.zeros((4, alone.size))])[:, order]
-        rows = replace(
-            events,
-            trial=trial[order],
-            tau=np.concatenate([events.tau, duration])[order],
-            displacement=np.concatenate([events.displacement, travel])[order],
-            regressors=regressors,
-            starts=np.flatnonzero(np.diff(trial[order], prepend=-1)),
-        )
-        sd = np.full(len(trials), STATED_SD)
-        if "acceleration_sd_m_s2" in trials:
-            given = trials["acceleration_sd_m_s2"].to_numpy(dtype=np.float64)
-            sd = np.where(np.isfinite(given), given, sd)
-        return rows, np.isin(rows.trial, alone), sd
-
     @property
     def name_of_trials(self) -> tuple[str, ...]:
         """Ids of the trials."""
@@ -492,37 +457,6 @@ class GravityRows:
             magnets_per_revolution=self.constants.magnets_per_revolution or 1,
         )
 
-    def _noise(self, alone: NDArray[np.bool_], stated_sd: Array) -> Array:
-        """Return the variance of each row by residuals from each trial's smooth motion."""
-        travel = self.events.tau**2 / 2
-        stated = (stated_sd[self.events.trial] * travel) ** 2
-        if alone.all():
-            return np.asarray(stated)
-        square, speed2 = np.zeros_like(self.residual), self._speed**2
-        square[~alone] = self._rough**2
-        slope, level = np.polyfit(speed2[~alone], square[~alone], 1)
-        # Neither part of the noise is negative.
-        if level < 0:
-            level, slope = 0.0, square[~alone].mean() / speed2[~alone].mean()
-        elif slope < 0:
-            level, slope = square[~alone].mean(), 0.0
-        variance = level + slope * speed2
-        for rows in self.rows_of_trials():
-            # Where no smooth path follows a trial, as where the cable all but stops, what a
-            # force does along it is not known: the trial counts by so much less.
-            rough = square[rows].mean() / variance[rows].mean()
-            variance[rows] *= rough if rough > ROUGH else 1.0
-        return np.where(alone, stated, variance)
-
     def rows_of_trials(self) -> Iterator[slice]:
         """Yield the rows of each trial."""
-        ends = np.append(self.events.starts[1:], self.events.tau.size)
-        for start, end in zip(self.events.starts, ends, strict=True):
-            yield slice(start, end)
-
-
-@cache
-def _integrals() -> tuple[Array, Array]:
-    """Return what turns values on a grid of unit steps into their first and second integral."""
-    first = cumulative_simpson(np.eye(POINTS), axis=1, initial=0)
-    return first, np.asarray(cumulative_simpson(first, axis=1, initial=0))
+        return rows_of_trials(self.events)

@@ -14,7 +14,7 @@ from bayesfric.effects import PULLEYS, Effect
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import BASELINES, Baseline
+from bayesfric.physics.laws import BASELINES, VISCOUS, Baseline
 from bayesfric.recording.tables import Recording, RigConstants
 from bayesfric.rigs.base import Motion, Predictive, Simulated, Unsupported, Words
 from bayesfric.rigs.changes import Change
@@ -33,6 +33,7 @@ __all__ = ["RIG", "SteadyPoints", "SteadyTrials"]
 
 Array = NDArray[np.float64]
 NOT_PULLEY_BY_PULLEY = Unsupported("Without pulleys, nothing goes pulley by pulley.")
+VISCOUS_IS_AN_EFFECT = Unsupported("Viscous friction of points is an effect, which is diagnosed.")
 NO_TENSION = Unsupported("No tension_n was recorded to which friction could be proportional.")
 
 
@@ -127,6 +128,8 @@ class SteadyTrials(PlainTrials):
 
     def refuses(self, law: Baseline) -> Unsupported | None:
         """Return why a friction law makes no sense here; None where it does."""
+        if law.name == VISCOUS:
+            return VISCOUS_IS_AN_EFFECT
         if law.name == "recursive" and not self.bench.has_pulleys:
             return NOT_PULLEY_BY_PULLEY
         lacks_slope = "tension_n" not in self.bench.given

@@ -1,0 +1,104 @@
+"""A hypothesis at the mode of its noise, and how sharp that mode is."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.diagnosis.acting import Acting, At
+from bayesfric.diagnosis.discrepancy import Wide
+from bayesfric.diagnosis.model import LinearModel
+
+__all__ = ["climb", "curvature_at"]
+
+Array = NDArray[np.float64]
+STEP = 0.02  # of a logarithm, for differences of the gradient
+LONGEST = 1.0  # step of a logarithm in a climb
+ENOUGH = 0.02  # nat that a further step of a climb would gain
+STEPS = 30
+LEAST_CURVATURE = 0.05  # of a log density by the logarithm of a noise: it has a proper prior
+
+
+def climb(
+    model: LinearModel,
+    psi: Array,
+    acting: Acting,
+    wide: Wide | None = None,
+    form: Mapping[str, float] | None = None,
+    inverse: Array | None = None,
+) -> At:
+    """Return a hypothesis at the mode of its noise, from a start.
+
+    Parameters
+    ----------
+    model : LinearModel
+        All rigs.
+    psi, acting, wide, form
+        As of :meth:`~bayesfric.diagnosis.model.LinearModel.evaluate`.
+    inverse : ndarray or None
+        A first guess of the inverse of the negative Hessian, of the noise at least.
+    """
+    low, high = _bounds(model, psi.size)
+    at = model.evaluate(np.clip(psi, low, high), acting, wide, form, gradient=True)
+    guess = np.diag(np.full(psi.size, 0.1))
+    if inverse is not None:
+        known = len(inverse)
+        guess[:known, :known] = inverse
+    for _ in range(STEPS):
+        assert at.gradient is not None
+        free = ((at.psi > low) | (at.gradient > 0)) & ((at.psi < high) | (at.gradient < 0))
+        slope = np.where(free, at.gradient, 0.0)
+        step = np.where(free, guess @ slope, 0.0)
+        if step @ slope <= 0:
+            guess = np.diag(np.full(psi.size, 0.1))
+            step = guess @ slope
+        if step @ slope / 2 < ENOUGH:
+            break
+        step *= min(1.0, LONGEST / np.abs(step).max())
+        for _ in range(8):
+            there = model.evaluate(
+                np.clip(at.psi + step, low, high), acting, wide, form, gradient=True
+            )
+            if there.value > at.value + 1e-4 * (slope @ step):
+                break
+            step *= 0.3
+        else:
+            break
+        assert there.gradient is not None
+        guess = _bfgs(guess, there.psi - at.psi, at.gradient - there.gradient)
+        at = there
+    return at
+
+
+def curvature_at(
+    model: LinearModel, at: At, acting: Acting, form: Mapping[str, float] | None = None
+) -> Array:
+    """Return the negative Hessian of the log density by the noise, no direction flat."""
+    size = at.psi.size
+    hessian = np.empty((size, size))
+    for place in range(size):
+        sides = []
+        for sign in (1, -1):
+            psi = at.psi.copy()
+            psi[place] += sign * STEP
+            sides.append(model.evaluate(psi, acting, None, form, gradient=True).gradient)
+        assert sides[0] is not None and sides[1] is not None
+        hessian[place] = (sides[0] - sides[1]) / (2 * STEP)
+    values, vectors = np.linalg.eigh(-0.5 * (hessian + hessian.T))
+    return np.asarray((vectors * np.maximum(values, LEAST_CURVATURE)) @ vectors.T)
+
+
+def _bounds(model: LinearModel, count: int) -> tuple[Array, Array]:
+    pairs = [one.bounds for one in model.noise]
+    pairs += [(1e-7, 10.0)] * (count - len(pairs))
+    low, high = np.log(np.array(pairs)).T
+    return low, high
+
+
+def _bfgs(inverse: Array, step: Array, change: Array) -> Array:
+    """Return the inverse of a negative Hessian once a step has changed the gradient."""
+    along = float(step @ change)
+    if along <= 1e-10:
+        return inverse
+    left = np.eye(step.size) - np.outer(step, change) / along
+    return np.asarray(left @ inverse @ left.T + np.outer(step, step) / along)

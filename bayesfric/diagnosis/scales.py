@@ -1,0 +1,106 @@
+"""The units in which the numbers of the linear model are counted, and the coefficients' priors."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Prior, Priors
+from bayesfric.effects.candidates import Candidate, prior_moments
+from bayesfric.inference.smooths import Smooth
+from bayesfric.physics.friction import Coefficients
+from bayesfric.rigs.linear import LinearRows
+
+__all__ = ["coefficient_moments", "rms_friction", "scales_of_numbers"]
+
+Array = NDArray[np.float64]
+
+
+def coefficient_moments(
+    sizes: Sequence[str],
+    laws: Sequence[Coefficients],
+    scale: Array,
+    priors: Priors,
+    fixed: frozenset[str],
+) -> tuple[Array, Array]:
+    """Return means and widths of the coefficients of each size, in units of the scales.
+
+    Parameters
+    ----------
+    sizes : sequence of str
+        Pulley sizes.
+    laws : sequence of Coefficients
+        The reference law of each.
+    scale : ndarray, shape (3,)
+        Of c1, c2 and c3.
+    priors : Priors
+        Of the coefficients.
+    fixed : frozenset of str
+        Coefficients that are held at the reference law: width zero.
+
+    Returns
+    -------
+    mean, sd : ndarray, shape (sizes, 3)
+        Of the distance from the reference law.
+    """
+    mean = np.zeros((len(sizes), len(Coefficients._fields)))
+    sd = np.ones_like(mean)
+    for row, (size, law) in enumerate(zip(sizes, laws, strict=True)):
+        for column, name in enumerate(Coefficients._fields):
+            centre, width = prior_moments(_coefficient_prior(priors, name, size))
+            held = bool({name, f"{name}[{size}]"} & fixed)
+            at = float(np.asarray(law[column]))
+            mean[row, column] = 0.0 if held else (centre - at) / scale[column]
+            sd[row, column] = 0.0 if held else width / scale[column]
+    return mean, sd
+
+
+def _coefficient_prior(priors: Priors, name: str, size: str) -> Prior:
+    """Return the prior of a coefficient of one size, which may have its own."""
+    own = priors.pulleys.get(size)
+    chosen: Prior | None = None if own is None else getattr(own, name)
+    shared: Prior = getattr(priors, name)
+    return shared if chosen is None else chosen
+
+
+def scales_of_numbers(
+    priors: Priors,
+    own: Sequence[Smooth],
+    candidates: Sequence[Candidate],
+    shared: Sequence[Smooth],
+    little: Sequence[float],
+    nuisances: Sequence[float],
+) -> Array:
+    """Return the scale of each local number, in the order of the layout.
+
+    Parameters
+    ----------
+    priors : Priors
+        Of the coefficients.
+    own, shared : sequence of Smooth
+        Smooth forces of each size, and of all; they share the variance of a discrepancy.
+    candidates : sequence of Candidate
+        Effects.
+    little, nuisances : sequence of float
+        Standard deviations of small amounts and forms, and of the rigs' own numbers.
+    """
+    terms = max(len(own) + len(shared), 1)
+    return np.concatenate(
+        [
+            [prior_moments(prior)[1] for prior in (priors.c1, priors.c2, priors.c3)],
+            np.full(sum(one.count for one in own), 1 / np.sqrt(terms)),
+            [prior_moments(c.effect.amplitude.prior)[1] for c in candidates],
+            np.full(sum(one.count for one in shared), 1 / np.sqrt(terms)),
+            little,
+            nuisances,
+        ]
+    )
+
+
+def rms_friction(sizes: Sequence[str], rows: Sequence[LinearRows]) -> dict[str, float]:
+    """Return the rms friction of each size by the reference law, on all rigs [N]."""
+    scale = {}
+    for size in sizes:
+        found = [one.friction_n[(one.table["pulley_size"] == size).to_numpy()] for one in rows]
+        scale[size] = float(np.sqrt(np.mean(np.concatenate(found) ** 2)))
+    return scale

@@ -1,0 +1,66 @@
+"""Fewer numbers for what every hypothesis leaves open: those of which the data tell nothing."""
+
+from copy import copy
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import block_diag
+
+from bayesfric.diagnosis.model import LinearModel
+from bayesfric.rigs.layout import COEFFICIENTS
+
+__all__ = ["squeezed"]
+
+Array = NDArray[np.float64]
+SEEN = 0.02  # information beside a prior of 1, below which a number is left out
+
+
+def squeezed(model: LinearModel, psi: Array) -> LinearModel:
+    """Return the model with fewer numbers for what every hypothesis leaves open.
+
+    Mixtures of smooth forces and small amounts that these data can tell nothing of, even
+    with the scatter of a good rig, are left out: their information beside their prior is
+    below :data:`SEEN`. ``full`` of what is returned is this model.
+
+    Parameters
+    ----------
+    model : LinearModel
+        All rigs.
+    psi : ndarray
+        Logarithms of the noise.
+    """
+    layout, sizes = model.layout, len(model.layout.sizes)
+    information = model.said_of(model.quiet(psi[: len(model.noise)]), ())
+    _, sd = model.prior(())
+    whole = sd[:, None] * information.precision * sd
+    forms = len(model.forms)
+    smooths = np.arange(COEFFICIENTS, layout.own)
+    blocks = [np.ix_(smooths + layout.own * s, smooths + layout.own * s) for s in range(sizes)]
+    start = layout.own * sizes
+    taken = np.arange(start, start + layout.shared - forms)
+    of_own = _seen(np.sum([whole[block] for block in blocks], axis=0))
+    of_shared = _seen(whole[np.ix_(taken, taken)])
+    squeezed = replace(layout, smooths=of_own.shape[1], shared=of_shared.shape[1] + forms)
+    first = layout.own + layout.candidates
+    squeeze = block_diag(
+        np.eye(COEFFICIENTS),
+        sd[COEFFICIENTS : layout.own, None] * of_own,
+        np.eye(layout.candidates),
+        sd[taken, None] * of_shared,
+        np.eye(layout.local - first - taken.size),
+    )
+    found = copy(model)
+    found.full, found.squeeze, found.layout = model, squeeze, squeezed
+    found.rigs = tuple(rig.squeezed(squeeze, squeezed) for rig in model.rigs)
+    found.scales = np.ones(squeezed.local)
+    found.scales[:COEFFICIENTS] = model.scales[:COEFFICIENTS]
+    mine = slice(squeezed.own, squeezed.own + squeezed.candidates)
+    found.scales[mine] = model.scales[layout.own : first]
+    return found
+
+
+def _seen(information: Array) -> Array:
+    """Return mixtures of numbers of unit prior of which the data tell something, (n, k)."""
+    values, vectors = np.linalg.eigh(0.5 * (information + information.T))
+    return np.asarray(vectors[:, values > SEEN])

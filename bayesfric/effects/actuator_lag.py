@@ -1,0 +1,35 @@
+"""An actuator that follows its command with a time constant."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import HalfNormal
+from bayesfric.effects.base import Effect, EffectParameter, State
+
+Array = NDArray[np.float64]
+
+
+def _first_order(p: Mapping[str, Array], state: State) -> Array:
+    # τ F_a' + F_a = F: F_a is F − τ F' + τ² F'' − …, of which windows see the first terms.
+    return np.asarray(p["time"] * np.asarray(state.force_rate_n_s))
+
+
+EFFECT = Effect(
+    name="actuator-lag",
+    acts_on="drive",
+    sentence="the actuator follows its command with a lag",
+    amplitude=EffectParameter(
+        name="time",
+        unit="s",
+        meaning="time constant of the actuator",
+        prior=HalfNormal(scale=0.01),
+        plausible=(0.0, 0.05),
+        reference="argued: current loops take a millisecond or less, hydraulic and pneumatic "
+        "drives tens of milliseconds",
+    ),
+    laws={"first-order": _first_order},
+    along_path=True,
+    needs=frozenset({"drive"}),
+)

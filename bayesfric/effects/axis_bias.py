@@ -1,0 +1,34 @@
+"""A constant force along an axis: tilt, a weight, an offset of the drive."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Normal
+from bayesfric.effects.base import Effect, EffectParameter, State
+
+Array = NDArray[np.float64]
+
+
+def _constant(p: Mapping[str, Array], state: State) -> Array:
+    return np.asarray(p["force"] * np.asarray(state.direction))
+
+
+EFFECT = Effect(
+    name="axis-bias",
+    acts_on="drive",
+    sentence="a constant force pushes against the positive direction, as tilt or an offset would",
+    amplitude=EffectParameter(
+        name="force",
+        unit="N",
+        meaning="force against the positive direction",
+        prior=Normal(mean=0.0, sd=0.5),
+        plausible=(-3.0, 3.0),
+        reference="argued: an axis that is out of level by some degrees, or an amplifier with "
+        "an offset, is pushed by less than some times its friction",
+    ),
+    laws={"constant": _constant},
+    along_path=True,
+    needs=frozenset({"direction"}),
+)

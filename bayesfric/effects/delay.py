@@ -1,0 +1,34 @@
+"""The drive force acts later than the log has it."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import HalfNormal
+from bayesfric.effects.base import Effect, EffectParameter, State
+
+Array = NDArray[np.float64]
+
+
+def _late(p: Mapping[str, Array], state: State) -> Array:
+    # F(t − d) is F − d F': what is logged is more than what acts by d F'.
+    return np.asarray(p["time"] * np.asarray(state.force_rate_n_s))
+
+
+EFFECT = Effect(
+    name="delay",
+    acts_on="drive",
+    sentence="the drive force acts later than the log has it",
+    amplitude=EffectParameter(
+        name="time",
+        unit="s",
+        meaning="time from the logged force to the force that acts",
+        prior=HalfNormal(scale=0.01),
+        plausible=(0.0, 0.05),
+        reference="argued: field buses and drives take one to some cycles of 1 to 10 ms",
+    ),
+    laws={"late": _late},
+    along_path=True,
+    needs=frozenset({"drive"}),
+)

@@ -1,0 +1,35 @@
+"""Mass that moves in the test runs and did not in those of calibration."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Normal
+from bayesfric.effects.base import Effect, EffectParameter, State
+
+Array = NDArray[np.float64]
+
+
+def _carried(p: Mapping[str, Array], state: State) -> Array:
+    moved = np.asarray(state.acceleration_m_s2) * np.asarray(state.tested)
+    return np.asarray(p["mass"] * moved)
+
+
+EFFECT = Effect(
+    name="payload",
+    acts_on="drive",
+    sentence="the test runs move more mass than those of calibration",
+    amplitude=EffectParameter(
+        name="mass",
+        unit="kg",
+        meaning="mass, or inertia, that the test runs move beyond that of calibration",
+        prior=Normal(mean=0.0, sd=0.5),
+        plausible=(-0.5, 2.0),
+        reference="argued: what an axis carries is up to some times its own mass; what it lost "
+        "is less than half of it",
+    ),
+    laws={"carried": _carried},
+    along_path=True,
+    needs=frozenset({"test"}),
+)

@@ -1,0 +1,44 @@
+"""A spring, a hose or a cable that pulls an axis back to one place."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import HalfNormal, Normal
+from bayesfric.effects.base import Effect, EffectParameter, State
+
+Array = NDArray[np.float64]
+
+
+def _linear(p: Mapping[str, Array], state: State) -> Array:
+    stretch = np.asarray(state.position_m) - p["rest"]
+    return np.asarray(p["stiffness"] * stretch * np.asarray(state.direction))
+
+
+EFFECT = Effect(
+    name="spring",
+    acts_on="drive",
+    sentence="a spring pulls the axis back to one place",
+    amplitude=EffectParameter(
+        name="stiffness",
+        unit="N/m",
+        meaning="force for each unit of travel",
+        prior=HalfNormal(scale=3.0),
+        plausible=(0.0, 30.0),
+        reference="argued: hoses and cables that drag along pull with up to some times the "
+        "friction at the end of travel",
+    ),
+    shape=EffectParameter(
+        name="rest",
+        unit="m",
+        meaning="position at which it does not pull",
+        prior=Normal(mean=0.0, sd=0.15),
+        plausible=(-0.6, 0.6),
+        reference="argued: somewhere within the travel, whose zero is near its middle or at an end",
+        typical=0.05,
+    ),
+    laws={"linear": _linear},
+    along_path=True,
+    needs=frozenset({"position", "direction"}),
+)

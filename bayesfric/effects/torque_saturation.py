@@ -1,0 +1,44 @@
+"""A drive that gives less than what is commanded beyond a limit."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import HalfNormal, LogNormal
+from bayesfric.effects.base import Effect, EffectParameter, State
+
+Array = NDArray[np.float64]
+
+
+def _beyond(p: Mapping[str, Array], state: State) -> Array:
+    drive = np.asarray(state.drive_force_n)
+    lost = np.sign(drive) * np.maximum(np.abs(drive) - p["limit"], 0.0)
+    return np.asarray(p["share"] * lost * np.asarray(state.direction))
+
+
+EFFECT = Effect(
+    name="torque-saturation",
+    acts_on="drive",
+    sentence="beyond a limit the drive gives less than what is commanded",
+    amplitude=EffectParameter(
+        name="share",
+        unit="1",
+        meaning="part of the command beyond the limit that is lost; 1 where the drive clips",
+        prior=HalfNormal(scale=1.0),
+        plausible=(0.0, 1.2),
+        reference="by definition: none or all of it is lost",
+    ),
+    shape=EffectParameter(
+        name="limit",
+        unit="N",
+        meaning="force from which on it is lost",
+        prior=LogNormal(median=2.0, sd_log=0.6),
+        plausible=(0.1, 20.0),
+        reference="argued: drives are chosen for some times the friction",
+        typical=2.0,
+    ),
+    laws={"beyond": _beyond},
+    along_path=True,
+    needs=frozenset({"drive", "direction"}),
+)

@@ -1,0 +1,74 @@
+"""The numbers of a law that knows no pulleys: mass and friction of a machine."""
+
+from collections.abc import Iterator, Sequence
+
+from bayesfric.report.content import Block, Column, Inline, Paragraph, Strong, Table
+from bayesfric.report.quantities import format_number, interval_cells
+from bayesfric.report.rig_words import rig_words
+from bayesfric.schemas import FitFile, ParameterSummary
+
+__all__ = ["in_a_sentence", "own_law", "plain_coefficients", "plain_table"]
+
+
+def plain_coefficients(fit: FitFile) -> dict[str, ParameterSummary]:
+    """Return the coefficients of a law without pulleys; none where it has pulleys.
+
+    Of all further parameters coefficients alone have a sensitivity to the power of the prior.
+    """
+    return {
+        name: entry for name, entry in fit.parameters.items() if entry.prior_sensitivity is not None
+    }
+
+
+def own_law(rigs: Sequence[str]) -> str:
+    """Return the law of the first rig as the rig itself tells it; nothing of the paper's."""
+    return rig_words(rigs[0]).law if rigs else ""
+
+
+def in_a_sentence(fit: FitFile) -> Iterator[Block]:
+    """Yield each coefficient with half of its 90 % interval, as page one has it."""
+    parts: list[Inline] = []
+    for name, entry in plain_coefficients(fit).items():
+        mean, low, high = interval_cells(entry.mean, entry.q05, entry.q95)
+        decimals = len(mean.partition(".")[2])
+        half = max((entry.q95 - entry.q05) / 2, 10.0**-decimals)
+        known = "" if entry.informed else " (by its prior alone)"
+        said = f"{mean} ± {half:.{decimals}f}\u202f{entry.unit}{known}"
+        if "e" in mean or "×" in mean:
+            said = f"{mean} ({low} to {high}) {entry.unit}{known}"
+        parts += [", " if parts else "", f"{_called(name)} ", Strong(said)]
+    if parts:
+        yield Paragraph([*parts, ": half of each 90 % interval stands behind the sign."])
+
+
+def plain_table(fit: FitFile) -> Table:
+    """Return the table of coefficients."""
+    rows = [
+        [
+            _called(name),
+            entry.unit,
+            *interval_cells(entry.mean, entry.q05, entry.q95),
+            format_number(entry.sd, 2),
+            "yes" if entry.informed else "prior",
+        ]
+        for name, entry in plain_coefficients(fit).items()
+    ]
+    return Table(
+        "Posterior of mass and friction.",
+        [
+            "coefficient",
+            "unit",
+            Column("mean", align="decimal"),
+            Column("5 %", align="decimal"),
+            Column("95 %", align="decimal"),
+            Column("sd", align="decimal"),
+            "informed",
+        ],
+        rows,
+        label="coefficients",
+        note="Prior: the recording does not inform the number, so that its prior drives it.",
+    )
+
+
+def _called(name: str) -> str:
+    return {"coulomb": "Coulomb friction", "viscous": "viscous friction"}.get(name, name)

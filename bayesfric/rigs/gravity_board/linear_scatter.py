@@ -1,0 +1,80 @@
+"""What scatters in the linear model of the gravity board: its columns, and its noise."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Prior, Priors
+from bayesfric.rigs.linear import NoiseParameter, noise_parameter
+
+__all__ = [
+    "ALWAYS",
+    "ELSEWHERE",
+    "INTERCEPT",
+    "SLOPE_AND_INTERCEPT",
+    "TRIAL",
+    "WANDER",
+    "WAVES",
+    "noise_of",
+    "wander_weights",
+]
+
+Array = NDArray[np.float64]
+WAVES = 10  # cosines along the travel
+TRIAL, INTERCEPT, WANDER, ELSEWHERE = 0, 1, slice(2, 2 + WAVES), 2 + WAVES
+ALWAYS = 3 + WAVES  # columns that scatter in every hypothesis
+SLOPE_AND_INTERCEPT = np.array([[1.0, -1.0], [0.0, 1.0]])  # of the first two columns
+EVENT_SD_M = 30e-6  # of an event on a good board
+KAPPA_SD_LOG = 0.3  # of the events' variance over its first estimate
+
+
+def wander_weights(length_m: float, travel_m: float) -> tuple[Array, Array]:
+    """Return the variance of each cosine of a wander of unit rms, and how its log grows.
+
+    The spectrum is that of a squared exponential process along the travel.
+
+    Parameters
+    ----------
+    length_m : float
+        Correlation length [m].
+    travel_m : float
+        Longest travel [m].
+
+    Returns
+    -------
+    variance : ndarray, shape (WAVES,)
+        Of each cosine.
+    slope : ndarray, shape (WAVES,)
+        Derivative of its logarithm by the logarithm of the length.
+    """
+    turned = (np.pi * np.arange(1, WAVES + 1) * length_m / travel_m) ** 2
+    weight = np.exp(-0.5 * (turned - turned[0]))
+    share = weight / weight.sum()
+    return 2 * share, share @ turned - turned
+
+
+def noise_of(priors: Priors, variance_m2: float) -> tuple[NoiseParameter, ...]:
+    """Return the parameters of the noise.
+
+    Parameters
+    ----------
+    priors : Priors
+        Of scatter and wander.
+    variance_m2 : float
+        Of an event, by a first estimate [m²]; its factor is ``kappa``.
+    """
+    return (
+        _scatter("tau", priors.tau, 0.01),
+        _scatter("omega", priors.omega, 0.015),
+        _scatter("omega_intercept", priors.omega_intercept, 0.015),
+        _scatter("wander", priors.wander, 0.001, 0.003),
+        noise_parameter("wander_length", priors.wander_length, 0.1, (0.04, 0.5), 0.1),
+        NoiseParameter("kappa", 1.0, (0.05, 1e4), _log_prior_kappa, EVENT_SD_M**2 / variance_m2),
+    )
+
+
+def _scatter(name: str, prior: Prior, usual: float, start: float = 0.012) -> NoiseParameter:
+    return noise_parameter(name, prior, start, (1e-4, 1.0), usual, scatters=True)
+
+
+def _log_prior_kappa(value: float) -> float:
+    return -0.5 * float((np.log(value) / KAPPA_SD_LOG) ** 2)

@@ -1,0 +1,154 @@
+"""What a law leaves of each trial of the gravity board: forces in windows, and free runs."""
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.rigs.gravity_board.linear_scatter import TRIAL, WANDER, WAVES, wander_weights
+from bayesfric.rigs.gravity_board.rows import GravityRows
+from bayesfric.rigs.linear import Run
+from bayesfric.rigs.windows import Windows
+
+__all__ = ["runs_of", "whitening", "windows_of"]
+
+Array = NDArray[np.float64]
+WINDOWS = 8  # of a trial's travel
+EVENTS_A_WINDOW = 4  # at least, of both sensors
+APART = (1, 2, 3)  # powers of the travel, by which two sensors differ
+FIRST = 5  # events of a sensor that set the offset and the first speed
+
+
+def whitening(
+    board: GravityRows, rows: slice, *, apart: bool = False
+) -> tuple[Array, Callable[[Array], Array]]:
+    """Return 1/sd of the rows of a trial, and the projection off their nuisances.
+
+    Parameters
+    ----------
+    board : GravityRows
+        Events.
+    rows : slice
+        Of one trial.
+    apart : bool
+        Whether what the two sensors differ by is a nuisance: a force is what both see.
+    """
+    white = 1 / np.sqrt(board.variance[rows])
+    nuisance = board.events.regressors[:3, rows]
+    nuisance = nuisance[(nuisance != 0).any(axis=1)] * white
+    sensors = board.events.regressors[:2, rows] != 0
+    if apart and (sensors.sum(axis=1) > EVENTS_A_WINDOW).all():
+        travel = board.events.displacement[rows] / board.events.displacement[rows].max()
+        halves = 0.5 * (sensors[1].astype(np.float64) - sensors[0]) * white
+        nuisance = np.vstack([nuisance, *(halves * travel**k for k in APART)])
+    basis = np.linalg.qr(nuisance.T)[0]
+    return white, lambda values: np.asarray(values - basis @ (basis.T @ values))
+
+
+def windows_of(
+    board: GravityRows, columns: Array, travel_m: float, noise: Mapping[str, float]
+) -> Windows:
+    """Return residual forces in windows of travel; fewer where events are few.
+
+    Parameters
+    ----------
+    board : GravityRows
+        E events.
+    columns : ndarray, shape (E, q)
+        Of the local numbers [m].
+    travel_m : float
+        The longest [m].
+    noise : mapping of str to float
+        By name.
+    """
+    newton, places = board.window_columns(WINDOWS)
+    variance, _ = wander_weights(noise["wander_length"], travel_m)
+    found = []
+    for trial, rows in enumerate(board.rows_of_trials()):
+        enough = max(1, (rows.stop - rows.start) // EVENTS_A_WINDOW)
+        joined = _join(WINDOWS, min(WINDOWS, enough))
+        white, project = whitening(board, rows, apart=True)
+        design = project(white[:, None] * (newton[:, rows].T @ joined))
+        rest = project(white[:, None] * np.column_stack([board.residual[rows], columns[rows]]))
+        solved, *_ = np.linalg.lstsq(design, rest, rcond=None)
+        mean = joined / joined.sum(axis=0)
+        where = {name: values[trial] @ mean for name, values in places.items()}
+        travel = np.atleast_1d(where["displacement"]) / travel_m
+        waves = np.cos(np.pi * np.arange(1, WAVES + 1) * travel[:, None])
+        wander = (waves * variance) @ waves.T * noise["wander"] ** 2
+        covariance = np.asarray(np.linalg.pinv(design.T @ design) * noise["kappa"], np.float64)
+        found.append((trial, solved, covariance, where, wander))
+    return Windows(
+        row=np.concatenate([np.full(len(f[1]), f[0]) for f in found]),
+        residual_n=np.concatenate([f[1][:, 0] for f in found]),
+        columns=np.concatenate([f[1][:, 1:] for f in found]),
+        covariance=tuple(f[2] for f in found),
+        wander=tuple(f[4] for f in found),
+        covariates={name: np.concatenate([f[3][name] for f in found]) for name in places},
+    )
+
+
+def runs_of(
+    board: GravityRows,
+    columns: Array,
+    random: Array,
+    travel_m: float,
+    scatter: Array,
+    noise: Mapping[str, float],
+    numbers: Array,
+) -> dict[int, Run]:
+    """Return trials that run freely once their first events have set offset and speed.
+
+    Parameters
+    ----------
+    board, columns, travel_m, noise
+        As of :func:`windows_of`.
+    random : ndarray, shape (E, R)
+        Columns of what scatters [m].
+    scatter : ndarray, shape (N, 2)
+        Relative variance of friction.
+    numbers : ndarray, shape (A, N, q)
+        Local numbers of each arm, trial by trial.
+    """
+    found = {}
+    spread2 = scatter.sum(axis=1)
+    wander = noise["wander"] ** 2 * wander_weights(noise["wander_length"], travel_m)[0]
+    for trial, rows in enumerate(board.rows_of_trials()):
+        nuisance = board.events.regressors[:3, rows]
+        first = np.zeros(nuisance.shape[1], dtype=bool)
+        for sensor in nuisance[:2]:
+            first[np.flatnonzero(sensor != 0)[:FIRST]] = True
+        seen = (nuisance != 0).any(axis=1)
+        if first.all() or not seen[2]:
+            continue
+        design = nuisance[seen].T
+        carry = design[~first] @ np.linalg.pinv(design[first])
+        variance = noise["kappa"] * board.variance[rows]
+        left = board.residual[rows] - numbers[:, trial] @ columns[rows].T
+        off = left[:, ~first] - left[:, first] @ carry.T
+        free = random[rows]
+        moved = free[~first] - carry @ free[first]
+        floor = spread2[trial] * (moved[:, TRIAL] ** 2).mean()
+        floor += (moved[:, WANDER] ** 2 @ wander).mean()
+        error = variance[~first] + carry**2 @ variance[first]
+        sensors = nuisance[:2] != 0
+        shown = sensors[0] if sensors[0].any() else sensors[1]
+        measured = board.events.displacement[rows]
+        start = left[:, first] @ (design @ np.linalg.pinv(design[first])).T
+        tau = board.events.tau[rows][shown]
+        found[trial] = Run(
+            trial,
+            off,
+            float(error.mean()),
+            float(floor),
+            tau - tau[0],
+            measured[shown],
+            (measured - (left - start))[:, shown],
+        )
+    return found
+
+
+def _join(fine: int, coarse: int) -> Array:
+    """Return which of the fine windows make a coarse one, shape (fine, coarse)."""
+    group = np.arange(fine) * coarse // fine
+    return np.asarray(group[:, None] == np.arange(coarse), dtype=np.float64)

@@ -1,0 +1,216 @@
+"""The covariance of rows: position and force errors, and friction that wanders along the path.
+
+Rows of a piece (neighbours in one pass) hang together, rows of different pieces do not. All
+pieces are padded to one length, so that they are solved at once.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from bayesfric.rigs.single_axis.readings import Readings
+
+__all__ = ["Pieces", "Solved"]
+
+Array = NDArray[np.float64]
+LEAST = 1e-12  # of a row's variance, so that a covariance can be inverted
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """Rows by piece, padded.
+
+    Parameters
+    ----------
+    rows : ndarray of int, shape (C, M)
+        Row at each place of each piece; the number of rows where there is none.
+    position, force : ndarray, shape (C, M, M)
+        Covariance by an error of the position of 1, the mass in it, and of the force of 1.
+    apart : ndarray, shape (C, M, M)
+        Travel between two rows.
+    moved : ndarray, shape (C, M)
+        Friction that wanders [N].
+    count : int
+        Of rows.
+    """
+
+    rows: NDArray[np.intp]
+    position: Array
+    force: Array
+    apart: Array
+    moved: Array
+    count: int
+
+    @classmethod
+    def of(cls, readings: Readings, mass: float, moved: Array) -> "Pieces":
+        """Lay rows out.
+
+        Parameters
+        ----------
+        readings : Readings
+            The rows.
+        mass : float
+            By which an error of the position is multiplied.
+        moved : ndarray, shape (W,)
+            Friction that wanders [N].
+        """
+        sizes = np.bincount(readings.piece)
+        widest = int(sizes.max())
+        rows = np.full((sizes.size, widest), readings.count, dtype=np.intp)
+        first = np.concatenate([[0], np.cumsum(sizes)[:-1]])
+        inside = np.arange(readings.count) - first[readings.piece]
+        rows[readings.piece, inside] = np.arange(readings.count)
+        there = rows < readings.count
+        both = there[:, :, None] & there[:, None, :]
+        lag = np.abs(np.subtract.outer(np.arange(widest), np.arange(widest)))
+
+        def banded(table: Array) -> Array:
+            lags = table.shape[1]
+            padded = np.concatenate([table[rows[:, 0]], np.zeros((sizes.size, 1))], axis=1)
+            return np.asarray(padded[:, np.minimum(lag, lags)] * both)
+
+        where = readings.position @ readings.weights
+        at = np.concatenate([where, [0.0]])[rows]
+        apart = np.abs(at[:, :, None] - at[:, None, :])
+        return cls(
+            rows,
+            mass**2 * banded(readings.position_lag),
+            banded(readings.force_lag),
+            apart,
+            np.concatenate([moved, [0.0]])[rows],
+            readings.count,
+        )
+
+    def _parts(
+        self, position: float, force: float, wander: float, length: float
+    ) -> tuple[Array, Array, Array]:
+        products = self.moved[:, :, None] * self.moved[:, None, :]
+        shape = np.exp(-self.apart / length)
+        return position**2 * self.position, force**2 * self.force, wander**2 * products * shape
+
+    def solved(self, position: float, force: float, wander: float, length: float) -> "Solved":
+        """Return the inverse covariance at a noise.
+
+        Parameters
+        ----------
+        position, force : float
+            Standard deviations of the errors at a sample.
+        wander : float
+            Relative rms of the friction that wanders.
+        length : float
+            Its correlation length.
+        """
+        parts = self._parts(position, force, wander, length)
+        whole = parts[0] + parts[1] + parts[2]
+        diagonal = np.einsum("cmm->cm", whole)
+        diagonal += np.where(self.rows < self.count, LEAST * diagonal.max(), 1.0)
+        return Solved(
+            self, np.asarray(np.linalg.inv(whole), dtype=np.float64), whole, parts, length
+        )
+
+    def grouped(self, size: int) -> tuple[csr_array, NDArray[np.intp]]:
+        """Return what makes means over neighbouring rows of a piece, and the first row of each."""
+        groups = []
+        for piece in self.rows:
+            there = piece[piece < self.count]
+            groups += np.array_split(there, max(1, round(there.size / size)))
+        owner = np.repeat(np.arange(len(groups)), [one.size for one in groups])
+        share = np.repeat([1 / one.size for one in groups], [one.size for one in groups])
+        matrix = csr_array((share, (owner, np.concatenate(groups))), (len(groups), self.count))
+        return matrix, np.array([one[0] for one in groups], dtype=np.intp)
+
+    def averaged(
+        self,
+        mean: csr_array,
+        position: float,
+        force: float,
+        wander: float,
+        length: float,
+    ) -> Array:
+        """Return the covariance of means of rows at a noise, shape (G, G)."""
+        whole = sum(self._parts(position, force, wander, length))
+        there = self.rows < self.count
+        both = there[:, :, None] & there[:, None, :]
+        row = np.broadcast_to(self.rows[:, :, None], both.shape)[both]
+        column = np.broadcast_to(self.rows[:, None, :], both.shape)[both]
+        matrix = csr_array((np.asarray(whole)[both], (row, column)), (self.count, self.count))
+        return np.asarray((mean @ matrix @ mean.T).toarray())
+
+
+@dataclass(frozen=True)
+class Solved:
+    """The inverse covariance at a noise.
+
+    Parameters
+    ----------
+    pieces : Pieces
+        The rows.
+    inverse, whole : ndarray, shape (C, M, M)
+        Of the covariance, and it.
+    parts : tuple of ndarray, shape (C, M, M)
+        By position, force and wander.
+    length : float
+        Correlation length of the wander.
+    """
+
+    pieces: Pieces
+    inverse: Array
+    whole: Array
+    parts: tuple[Array, Array, Array]
+    length: float
+
+    def times(self, values: Array) -> Array:
+        """Return the inverse covariance times values, of their shape (W, …)."""
+        flat = values.reshape(values.shape[0], -1)
+        padded = np.concatenate([flat, np.zeros((1, flat.shape[1]))])[self.pieces.rows]
+        found = np.empty((self.pieces.count + 1, flat.shape[1]))
+        found[self.pieces.rows] = self.inverse @ padded
+        return found[:-1].reshape(values.shape)
+
+    def log_determinant(self, kept: NDArray[np.bool_]) -> float:
+        """Return that of the covariance of the rows that are kept: of whole pieces."""
+        used = kept[self.pieces.rows[:, 0]]
+        return float(np.linalg.slogdet(self.whole[used])[1].sum())
+
+    def gradient(
+        self,
+        left: Array,
+        root: Array,
+        pull: Array,
+        deviation: Array,
+        kept: NDArray[np.bool_],
+    ) -> dict[str, float]:
+        """Return derivatives of the log evidence by logarithms of the noise.
+
+        Parameters
+        ----------
+        left : ndarray, shape (W,)
+            The inverse covariance, deviations integrated out, times the residual.
+        root : ndarray, shape (W, k)
+            The same times the columns and a root of the covariance of their numbers.
+        pull, deviation : ndarray, shape (W,)
+            The inverse covariance times the friction that deviates, and by how much of its
+            square the inverse is less once deviations are integrated out.
+        kept : ndarray of bool, shape (W,)
+            Rows that enter.
+        """
+        rows = self.pieces.rows
+        used = kept[rows[:, 0]]
+
+        def padded(values: Array) -> Array:
+            return np.concatenate([values, np.zeros((1, *values.shape[1:]))])[rows][used]
+
+        of_left, of_root, of_pull = padded(left), padded(root), padded(pull)
+        square = of_left[:, :, None] * of_left[:, None, :] + of_root @ of_root.swapaxes(1, 2)
+        taken = padded(deviation)[:, :1, None] * of_pull[:, :, None] * of_pull[:, None, :]
+        square -= self.inverse[used] - taken
+        position, force, wander = (part[used] for part in self.parts)
+        stretched = wander * self.pieces.apart[used] / self.length
+        return {
+            "sigma_position": float((square * position).sum()),
+            "sigma_force": float((square * force).sum()),
+            "wander_axis": float((square * wander).sum()),
+            "wander_length_axis": 0.5 * float((square * stretched).sum()),
+        }

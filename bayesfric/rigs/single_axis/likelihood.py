@@ -1,0 +1,245 @@
+"""Likelihood of an axis: the rows of all runs, given mass and friction.
+
+Given the numbers, row i of run r on assembly j is
+
+    y_i = m a_i + (F_c + b |v|_i)(1 + η_j + ε_r + ζ_i) + Δ F'_i + error_i,
+
+with η, ε the scatter of assemblies and runs, ζ friction's wander along the path and Δ the
+time by which the clocks of force and position are off. Errors and wander have a covariance
+whose shape (the ratio of position to force error, and the length of the wander) is that of
+the most probable noise; how large each of them is remains open. Each run is reduced once to
+quadratic forms, tabulated over the ratio of the two.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.interpolate import make_interp_spline
+from scipy.optimize import minimize
+
+from bayesfric.analysis import HalfNormal, LogNormal, Normal, Prior
+from bayesfric.inference.grouped_normal import LOG_2PI, GroupedNormal, Groups
+from bayesfric.inference.priors import Parameter
+from bayesfric.rigs.grouped import GroupedLikelihood
+from bayesfric.rigs.single_axis.covariance import Pieces
+from bayesfric.rigs.single_axis.linear import AxisRows
+from bayesfric.rigs.single_axis.measures import Measures
+
+__all__ = ["AxisLikelihood"]
+
+Array = NDArray[np.float64]
+RATIOS = np.linspace(np.log(3e-3), np.log(3e2), 41)  # logarithms of wander over error
+FORCE, MASS, COULOMB, VISCOUS, LATENCY = range(5)
+
+
+class AxisLikelihood(GroupedLikelihood):
+    """Rows of an axis, given mass, friction and noise.
+
+    Parameters
+    ----------
+    table : DataFrame
+        N trials, those of an assembly adjacent.
+    rows : AxisRows
+        Around rough values.
+    measures : Measures
+        Of the machine, for units and priors.
+    viscous : bool
+        Whether the law has viscous friction.
+
+    Attributes
+    ----------
+    parameters : tuple of Parameter
+        What the likelihood depends on.
+    trials : DataFrame
+        The N trials in the order of every result.
+    setups, sizes : tuple of str
+        Assemblies; none of the pulleys that an axis has not.
+    """
+
+    def __init__(
+        self, table: pd.DataFrame, rows: AxisRows, measures: Measures, *, viscous: bool
+    ) -> None:
+        self.trials, self.sizes = table, (str(table["pulley_size"].iloc[0]),)
+        codes, setups = pd.factorize(table["setup"])
+        self.setups = tuple(str(setup) for setup in setups)
+        self._groups = Groups(np.flatnonzero(np.diff(codes, prepend=-1)), codes.size)
+        self._rough, self._viscous = rows.law, viscous
+        self._speed = np.bincount(
+            rows.readings.trial, rows.mean(rows.readings.speed), len(table)
+        ) / np.bincount(rows.readings.trial)
+        self._count = np.bincount(rows.readings.trial).astype(np.float64)
+        self.noise = _probable_noise(rows)
+        self._tabulate(rows)
+        priors, unit = measures.priors, measures.unit
+        assert priors.c1 and priors.c2 and priors.c3
+
+        def coefficient(name: str, of: str, prior: Prior) -> Parameter:
+            return Parameter(name, unit(of), prior, "coefficient", linear=True)
+
+        self.parameters = (
+            coefficient("mass", "kg", priors.c1),
+            coefficient("coulomb", "N", priors.c2),
+            *([coefficient("viscous", "N s/m", priors.c3)] if viscous else []),
+            Parameter("tau", "1", HalfNormal(scale=0.05), "scatter"),
+            Parameter("omega", "1", HalfNormal(scale=0.05), "scatter"),
+            Parameter("wander", "1", HalfNormal(scale=0.05), "scatter"),
+            Parameter("row_error", "1", LogNormal(median=1.0, sd_log=0.3), "noise"),
+            Parameter("latency", "s", Normal(mean=0.0, sd=rows.latency_s), "noise", linear=True),
+        )
+
+    def _tabulate(self, rows: AxisRows) -> None:
+        readings = rows.readings
+        data = np.stack(
+            [
+                readings.force,
+                readings.acceleration,
+                np.ones(readings.count),
+                rows.mean(readings.speed),
+                readings.force_rate,
+            ],
+            axis=1,
+        )
+        pieces = Pieces.of(readings, rows.law.mass, np.ones(readings.count))
+        first = np.array([row[0] for row in pieces.rows])
+        owner = readings.trial[first]
+        position, force, _, length = self.noise
+        starts = np.flatnonzero(np.diff(readings.trial, prepend=-1))
+        table = []
+        for ratio in RATIOS:
+            # Wander of friction in newtons over the errors of rows, whose unit is theirs.
+            solved = pieces.solved(position, force, float(np.exp(ratio)) * self._typical, length)
+            weighted = solved.times(data)
+            forms = np.add.reduceat(
+                (data[:, :, None] * weighted[:, None, :]).reshape(readings.count, -1), starts
+            )
+            determinants = np.bincount(owner, np.linalg.slogdet(solved.whole)[1], len(self.trials))
+            table.append(np.concatenate([forms, determinants[:, None]], axis=1))
+        self._table = make_interp_spline(RATIOS, np.stack(table), k=5)
+
+    @property
+    def _typical(self) -> float:
+        """A row's error: the unit in which the wander is counted [N]."""
+        return self._rough.coulomb * 0.01
+
+    def law(self, theta: Mapping[str, Array]) -> Array:
+        """Return friction of each trial at its mean speed by the law, (W, N) [N]."""
+        friction = theta["coulomb"][:, None] + np.zeros(len(self.trials))
+        return friction + theta["viscous"][:, None] * self._speed if self._viscous else friction
+
+    def _reduced(self, theta: Mapping[str, Array]) -> tuple[Array, Array, Array]:
+        """Return each run's friction beyond the law, its variance, and what else there is.
+
+        Returns
+        -------
+        beyond, variance, density : ndarray, shape (W, N)
+            Generalised least squares of a constant; the log density of the rows is that of
+            this number and `density`.
+        """
+        scale = theta["row_error"][:, None]
+        wander = theta["wander"][:, None] * theta["coulomb"][:, None]
+        ratio = np.log(np.maximum(wander / scale / self._typical, 1e-300))
+        found = self._table(np.clip(ratio[:, 0], RATIOS[0], RATIOS[-1]))  # (W, N, 26)
+        form = found[..., :-1].reshape(*found.shape[:2], 5, 5)
+        determinant = found[..., -1]
+        zero = np.zeros_like(theta["mass"])
+        minus = [theta["mass"], theta["coulomb"], theta.get("viscous", zero), theta["latency"]]
+        left = np.stack([np.ones_like(zero), *(-one for one in minus)], axis=-1)
+        residual = np.einsum("wi,wnij->wnj", left, form)
+        square = np.einsum("wnj,wj->wn", residual, left) / scale**2
+        stiff = form[..., COULOMB, COULOMB] / scale**2
+        along = residual[..., COULOMB] / scale**2
+        beyond, variance = along / stiff, 1 / stiff
+        whole = square - along**2 / stiff + determinant + 2 * self._count * np.log(scale)
+        density = -0.5 * (whole + (self._count - 1) * LOG_2PI - np.log(variance))
+        return beyond, variance, density
+
+    def normal(self, theta: Mapping[str, Array]) -> GroupedNormal:
+        """Return the normal of friction of all trials for W sets of parameters."""
+        return self._normal(theta)[0]
+
+    def _normal(self, theta: Mapping[str, Array]) -> tuple[GroupedNormal, Array]:
+        beyond, variance, density = self._reduced(theta)
+        law = self.law(theta)
+        variance = variance + (theta["tau"][:, None] * law) ** 2
+        moved = (theta["omega"][:, None] * law)[None]
+        return GroupedNormal(self._groups, beyond, variance, moved), density
+
+    def log_likelihood(self, theta: Mapping[str, Array]) -> Array:
+        """Return the log density of all rows, shape (W,)."""
+        normal, density = self._normal(theta)
+        return np.asarray(normal.log_density() + density.sum(axis=1))
+
+    def setup_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
+        """Return each assembly's log density given the others, shape (W, J)."""
+        normal, density = self._normal(theta)
+        return np.asarray(normal.group_log_density() + self._groups.total(density))
+
+    def trial_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
+        """Return each trial's log density given the others, shape (W, N)."""
+        normal, density = self._normal(theta)
+        return np.asarray(normal.single_log_density() + density)
+
+    def observed(self, theta: Mapping[str, Array]) -> Array:
+        """Return friction of each trial as its rows show it, (W, N) [N]."""
+        return np.asarray(self.law(theta) + self._reduced(theta)[0])
+
+    def draw_scatter(
+        self, theta: Mapping[str, Array], rng: np.random.Generator, *, together: bool = False
+    ) -> Array:
+        """Draw η + ε of a new run on a new assembly, relative, (W, N)."""
+        count = len(self.setups) if together else len(self.trials)
+        eta = rng.standard_normal((len(theta["tau"]), count))
+        eta = eta[:, self._groups.of_each] if together else eta
+        own = rng.standard_normal((len(eta), len(self.trials)))
+        return np.asarray(theta["omega"][:, None] * eta + theta["tau"][:, None] * own)
+
+    def draw_observed(
+        self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator
+    ) -> Array:
+        """Draw what rows would show of friction that deviates so from the law, (W, N)."""
+        error = np.sqrt(self._reduced(theta)[1])
+        noise = error * rng.standard_normal(deviation.shape)
+        return np.asarray(self.law(theta) * (1 + deviation) + noise)
+
+    def start(self) -> dict[str, float]:
+        """Return rough estimates; also by the names that a diagnosis has for any law."""
+        rough, size = self._rough, self.sizes[0]
+        found = {
+            "mass": rough.mass,
+            "coulomb": rough.coulomb,
+            "viscous": max(rough.viscous, 1e-3 * rough.coulomb),
+            "tau": 0.02,
+            "omega": 0.02,
+            "wander": min(max(self.noise[2], 0.002), 0.2),
+            "row_error": 1.0,
+            "latency": 0.0,
+        }
+        places = dict(zip(("c1", "c2", "c3"), rough, strict=True))
+        return found | {f"{name}[{size}]": float(value) for name, value in places.items()}
+
+
+def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float]:
+    """Return the noise at its mode, the law at its least squares: errors, wander, length."""
+    readings = rows.readings
+    friction = rows.law.coulomb
+    pieces = Pieces.of(readings, rows.law.mass, np.full(readings.count, friction))
+    columns = np.column_stack([rows.coefficient_columns(), readings.force_rate])
+    columns = columns / np.sqrt((columns**2).mean(axis=0)).clip(1e-12)
+    start = np.log([readings.position_sd, 0.01 * friction, 0.01, 0.1 * rows.stroke])
+    width = np.array([0.5, 2.0, 1.5, 1.0])
+
+    def loss(z: Array) -> float:
+        solved = pieces.solved(*np.exp(start + width * z))
+        weighted = solved.times(columns)
+        information = columns.T @ weighted + 1e-9 * np.eye(columns.shape[1])
+        along = readings.force @ weighted
+        square = readings.force @ solved.times(readings.force)
+        square -= along @ np.linalg.solve(information, along)
+        every = np.ones(readings.count, dtype=np.bool_)
+        return 0.5 * float(square + solved.log_determinant(every) + z @ z)
+
+    found = minimize(loss, np.zeros(4), method="Nelder-Mead", options={"maxfev": 160, "fatol": 0.5})
+    position, force, wander, length = np.exp(start + width * found.x)
+    return float(position), float(force), float(wander), float(length)

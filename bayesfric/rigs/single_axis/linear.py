@@ -1,0 +1,429 @@
+"""The rows of an axis in the linear model of a diagnosis."""
+
+from collections.abc import Mapping, Sequence
+from copy import copy
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bayesfric.analysis import HalfNormal, LogNormal, Priors
+from bayesfric.effects import ActsOn, State
+from bayesfric.effects.candidates import Candidate, unit_values
+from bayesfric.inference.information import Information
+from bayesfric.inference.smooths import Smooth
+from bayesfric.physics.axis import AxisLaw
+from bayesfric.rigs.base import Unsupported
+from bayesfric.rigs.layout import COEFFICIENTS, Layout
+from bayesfric.rigs.linear import Evaluated, LinearRig, NoiseParameter, Run, noise_parameter
+from bayesfric.rigs.shared_deviation import SharedDeviation, second_moments
+from bayesfric.rigs.single_axis.covariance import Pieces
+from bayesfric.rigs.single_axis.readings import Readings
+from bayesfric.rigs.windows import Windows
+
+__all__ = ["AxisPart", "AxisRows"]
+
+Array = NDArray[np.float64]
+LOG_2PI = float(np.log(2 * np.pi))
+NO_SENSOR = Unsupported("it acts on readings of sensors that an axis has not")
+UNKNOWN_PHASE = Unsupported("its phase would be anew in every run, and an axis knows its place")
+SCATTER = (1e-4, 1.0)  # looked at
+GROUPED = 4  # rows of a window in which residual forces are shown
+NAMES = (
+    "sigma_position",
+    "sigma_force",
+    "wander_axis",
+    "wander_length_axis",
+    "tau_axis",
+    "omega_axis",
+)
+
+
+@dataclass(frozen=True)
+class AxisRows:
+    """Rows around a reference law.
+
+    Parameters
+    ----------
+    name : str
+        Of the rig.
+    table : DataFrame
+        N trials.
+    readings : Readings
+        W rows.
+    law : AxisLaw
+        The reference.
+    state : State
+        Where the axis is at places inside every row, arrays that broadcast to (W, P).
+    stroke : float
+        Range of positions [m or rad].
+    latency_s : float
+        Prior standard deviation of the time by which the clocks of force and position may be
+        off.
+    viscous : bool
+        Whether the law has viscous friction.
+    """
+
+    name: str
+    table: pd.DataFrame
+    readings: Readings
+    law: AxisLaw
+    state: State
+    stroke: float
+    latency_s: float
+    viscous: bool = False
+    loads: tuple[str, ...] = ()
+    trial_axes: tuple[str, ...] = ("displacement", "acceleration")
+
+    @property
+    def friction_n(self) -> Array:
+        """By the reference law, the mean over each trial's rows, (N,) [N]."""
+        rows = self.readings
+        count = np.bincount(rows.trial, minlength=len(self.table))
+        total = np.bincount(rows.trial, self.friction_of_row, len(self.table))
+        return np.asarray(total / np.maximum(count, 1))
+
+    @property
+    def friction_of_row(self) -> Array:
+        """By the reference law, (W,) [N]."""
+        return np.asarray(self.law.coulomb + self.law.viscous * self.mean(self.readings.speed))
+
+    @property
+    def acceleration(self) -> Array:
+        """Of no use here: it changes along a run; zeros, (N,)."""
+        return np.zeros(len(self.table))
+
+    def mean(self, values: Array) -> Array:
+        """Return means over the windows of what is known at places inside, (W,)."""
+        rows = self.readings
+        return np.asarray(np.broadcast_to(values, rows.speed.shape) @ rows.weights)
+
+    def covariates(self) -> dict[str, Array]:
+        """Return where every row is, arrays of shape (W,)."""
+        rows = self.readings
+        one = np.ones(rows.count)
+        return {
+            "velocity": self.mean(rows.speed),
+            "tension": one,
+            "n_pulleys": one,
+            "wrap_angle": one,
+            "displacement": self.mean(rows.position),
+            "acceleration": rows.acceleration,
+        }
+
+    def where(self, acts_on: ActsOn) -> Any:
+        """Return the places of a law, or Unsupported."""
+        return self.state if acts_on in ("friction", "drive") else NO_SENSOR
+
+    def coefficient_columns(self) -> Array:
+        """Return what mass, Coulomb and viscous friction add to each row, (W, 3)."""
+        rows = self.readings
+        return np.stack(
+            [rows.acceleration, np.ones(rows.count), self.viscous * self.mean(rows.speed)], axis=1
+        )
+
+    def residual(self) -> Array:
+        """Return the rows less the reference law, (W,) [N]."""
+        return np.asarray(self.readings.force - self.coefficient_columns() @ np.array(self.law))
+
+    def candidate_column(self, candidate: Candidate) -> Array | Unsupported:
+        """Return what an effect of amplitude 1 adds to each row, (W,)."""
+        effect = candidate.effect
+        if effect.acts_on not in ("friction", "drive"):
+            return NO_SENSOR
+        if effect.components:
+            return UNKNOWN_PHASE
+        values, small = unit_values(candidate)
+        return self.mean(np.asarray(effect.laws[candidate.law](values, self.state)) / small)
+
+    def relative_force(self, candidate: Candidate) -> Array | Unsupported:
+        """Return what amplitude 1 adds to friction as a share of it, (1, 1, W)."""
+        column = self.candidate_column(candidate)
+        if isinstance(column, Unsupported):
+            return column
+        return np.asarray(column / self.friction_of_row)[None, None]
+
+    def size_of(self, candidate: Candidate) -> float:
+        """Return the rms of what amplitude 1 does, as a share of friction."""
+        force = self.relative_force(candidate)
+        return 0.0 if isinstance(force, Unsupported) else float(np.sqrt((force**2).mean()))
+
+    def strays(self) -> tuple[str, ...]:
+        """Return no trial: runs differ by their scatter."""
+        return ()
+
+    def laid_out(self, layout: Layout, **given: Any) -> LinearRig:
+        """Return the rig with the columns of a model."""
+        return AxisPart(self, layout, **given)
+
+    def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
+        """Return the prior standard deviation of the clocks' difference [s]."""
+        del priors
+        return (self.latency_s,)
+
+
+class AxisPart:
+    """Rows of an axis as information on the numbers of a hypothesis.
+
+    Parameters are those of the rigs' protocol; see
+    :class:`bayesfric.rigs.linear.LinearRig`.
+    """
+
+    def __init__(
+        self,
+        rows: AxisRows,
+        layout: Layout,
+        *,
+        place: int,
+        own: Sequence[Smooth],
+        candidates: Sequence[Candidate],
+        shared: Sequence[Smooth | Candidate],
+        scales: Array,
+        friction_scale: Mapping[str, float],
+        scattering: Sequence[tuple[Candidate, float]],
+        by_trial: bool,
+        priors: Priors,
+    ) -> None:
+        del by_trial, priors  # rows are kept one by one, and the axis has priors of its own
+        self.rows, self.layout = rows, layout
+        sizes = rows.table["pulley_size"]
+        self._which = layout.sizes.index(sizes.iloc[0])
+        self.size = np.full(len(sizes), self._which, dtype=np.intp)
+        self.setup = pd.factorize(rows.table["setup"])[0].astype(np.intp)
+        readings, where = rows.readings, rows.covariates()
+        force = friction_scale[sizes.iloc[0]]
+        columns = np.zeros((readings.count, layout.local))
+        columns[:, :COEFFICIENTS] = rows.coefficient_columns()
+
+        def smooth_columns(smooth: Smooth) -> Array:
+            if smooth.rig not in (None, rows.name):
+                return np.zeros((readings.count, smooth.count))
+            unit = rows.friction_of_row if smooth.relative else force
+            return np.asarray(unit * smooth.columns(where)).T
+
+        def candidate_column(candidate: Candidate) -> Array:
+            found = rows.candidate_column(candidate)
+            return np.zeros(readings.count) if isinstance(found, Unsupported) else found
+
+        start = COEFFICIENTS
+        for smooth in own:
+            columns[:, start : start + smooth.count] = smooth_columns(smooth)
+            start += smooth.count
+        for candidate in candidates:
+            columns[:, start] = candidate_column(candidate)
+            start += 1
+        for one in shared:
+            if isinstance(one, Smooth):
+                columns[:, start : start + one.count] = smooth_columns(one)
+                start += one.count
+            else:
+                columns[:, start] = candidate_column(one)
+                start += 1
+        columns[:, layout.nuisance(place)] = readings.force_rate[:, None]
+        self.columns = columns * scales
+        self._response = rows.residual()
+        moved = rows.friction_of_row
+        for candidate, amplitude in scattering:
+            moved = moved + amplitude * candidate_column(candidate)
+        self._moved = moved
+        self._pieces = Pieces.of(readings, rows.law.mass, moved)
+        self.noise = _noise(readings, rows.stroke, force)
+
+    def evaluate(
+        self,
+        noise: Mapping[str, float],
+        mixing: Array,
+        phases: Sequence[tuple[int, float, str]] = (),
+        used: NDArray[np.bool_] | None = None,
+    ) -> Evaluated:
+        """Return what the rows say of the numbers of a hypothesis.
+
+        Parameters
+        ----------
+        noise : mapping of str to float
+            Of :attr:`noise`.
+        mixing : ndarray, shape (candidates, k)
+            Column of each effect that acts, as a mixture of candidates.
+        phases : sequence of (int, float, str)
+            None here: what has phases does not enter.
+        used : ndarray of bool, shape (N,), or None
+            Trials that enter; None is all.
+        """
+        trial = self.rows.readings.trial
+        kept = np.ones(trial.size, dtype=bool) if used is None else used[trial]
+        start, end = self.layout.own, self.layout.own + self.layout.candidates
+        whole = self.columns
+        x = np.concatenate([whole[:, :start], whole[:, start:end] @ mixing, whole[:, end:]], axis=1)
+        x = x * kept[:, None]
+        y, moved = self._response * kept, self._moved * kept
+        solved = self._pieces.solved(*(noise[name] for name in NAMES[:4]))
+        weighted, pull, lent = solved.times(x), solved.times(moved), solved.times(y)
+        trials = len(self.size)
+
+        starts = np.flatnonzero(np.diff(trial, prepend=-1))
+
+        def by_trial(values: Array) -> Array:
+            return np.asarray(np.add.reduceat(values, starts, axis=0))
+
+        def by_setup(values: Array) -> Array:
+            found = np.zeros((int(self.setup.max()) + 1, *values.shape[1:]))
+            np.add.at(found, self.setup, values)
+            return found
+
+        own = SharedDeviation.of(
+            by_trial(pull[:, None] * x), by_trial(pull * y), by_trial(pull * moved), noise[NAMES[4]]
+        )
+        setup = SharedDeviation.of(
+            by_setup(own.left(own.columns)),
+            by_setup(own.left(own.response)),
+            by_setup(own.left(own.stiffness)),
+            noise[NAMES[5]],
+        )
+        part, slope_here = weighted.T @ x, weighted.T @ y
+        for one in (own, setup):
+            taken = one.taken[:, None] * one.columns
+            part -= taken.T @ one.columns
+            slope_here -= taken.T @ one.response
+        k = x.shape[1]
+        total = self.layout.total(k)
+        precision, slope = np.zeros((total, total)), np.zeros(total)
+        place = self.layout.spread(k, self._which)
+        precision[np.ix_(place, place)] = part
+        slope[place] = slope_here
+        constant = -0.5 * (kept.sum() * LOG_2PI + solved.log_determinant(kept) + y @ lent)
+        constant += own.constant + setup.constant
+        information = Information(precision, slope, float(constant))
+
+        def gradient(mean: Sequence[Array], covariance: Sequence[Array]) -> dict[str, float]:
+            """Return derivatives of the log evidence by the logarithms of the noise."""
+            m, v = mean[self._which], covariance[self._which]
+            along = own.left(own.stiffness)
+            rest = np.zeros(trials, dtype=np.intp)
+            columns = (
+                own.left(own.columns)
+                - along[:, None] * ((setup.taken[:, None] * setup.columns)[self.setup])
+            )
+            response = own.left(own.response) - along * (setup.taken * setup.response)[self.setup]
+            stiff = along - along**2 * setup.taken[self.setup]
+            found = {
+                NAMES[4]: noise[NAMES[4]] ** 2
+                * float(second_moments(columns, response, stiff, rest, [m], [v]).sum())
+            }
+            columns, response = setup.left(setup.columns), setup.left(setup.response)
+            stiff = setup.left(setup.stiffness)
+            rest = np.zeros(stiff.size, dtype=np.intp)
+            found[NAMES[5]] = noise[NAMES[5]] ** 2 * float(
+                second_moments(columns, response, stiff, rest, [m], [v]).sum()
+            )
+            free = own.left(np.ones_like(own.taken))[trial]
+            above = setup.taken[self.setup][trial]
+            shares = (own.taken[:, None] * own.columns)[trial]
+            shares = shares + (free * above)[:, None] * setup.columns[self.setup][trial]
+            pulls = (own.taken * own.response)[trial]
+            pulls = pulls + free * above * setup.response[self.setup][trial]
+            left = lent - pull * pulls - (weighted - pull[:, None] * shares) @ m
+            root = (weighted - pull[:, None] * shares) @ _root(v)
+            deviation = own.taken[trial] + free**2 * above
+            for name, value in solved.gradient(left, root, pull, deviation, kept).items():
+                found[name] = value
+            return found
+
+        return Evaluated(information, gradient)
+
+    def squeezed(self, squeeze: Array, layout: Layout) -> "AxisPart":
+        """Return the rig with mixtures of its columns in their place."""
+        found = copy(self)
+        found.layout, found.columns = layout, self.columns @ squeeze
+        return found
+
+    def told(self, noise: Mapping[str, float]) -> Array:
+        """Return what each trial alone says of the local numbers, (N, q, q)."""
+        solved = self._pieces.solved(*(noise[name] for name in NAMES[:4]))
+        weighted = solved.times(self.columns)
+        pull, trial = solved.times(self._moved), self.rows.readings.trial
+        spread2 = float(self.scatter(noise)[0].sum())
+        found = []
+        for number in range(len(self.size)):
+            mine = trial == number
+            part = weighted[mine].T @ self.columns[mine]
+            along, stiff = pull[mine] @ self.columns[mine], pull[mine] @ self._moved[mine]
+            found.append(part - spread2 / (1 + spread2 * stiff) * np.outer(along, along))
+        return np.stack(found)
+
+    def phase_strength(self, place: int) -> float:
+        """Return 0: what has a phase anew in each run does not enter."""
+        del place
+        return 0.0
+
+    def scatter(self, noise: Mapping[str, float]) -> Array:
+        """Return the relative variance of a trial's and of its assembly's friction, (N, 2)."""
+        each = np.array([noise[NAMES[4]] ** 2, noise[NAMES[5]] ** 2])
+        return np.tile(each, (len(self.size), 1))
+
+    def windows(self, noise: Mapping[str, float]) -> Windows:
+        """Return residual forces in windows of some neighbouring rows."""
+        readings = self.rows.readings
+        position, force, wander, length = (noise[name] for name in NAMES[:4])
+        mean, first = self._pieces.grouped(GROUPED)
+        friction = self.rows.friction_of_row
+        row = readings.trial[first]
+        error = self._pieces.averaged(mean, position, force, 0.0, length)
+        moved = self._pieces.averaged(mean, 0.0, 0.0, wander, length)
+        share = mean @ friction
+        covariance, varying = [], []
+        for trial in range(len(self.size)):
+            mine = np.flatnonzero(row == trial)
+            covariance.append(error[np.ix_(mine, mine)])
+            unit = np.outer(share[mine], share[mine])
+            varying.append(moved[np.ix_(mine, mine)] / unit)
+        where = {name: mean @ at for name, at in self.rows.covariates().items()}
+        for axis in ("tension", "n_pulleys", "wrap_angle"):
+            del where[axis]  # no cable
+        order = mean @ np.broadcast_to(self.rows.state.order, (readings.count, 1))[:, 0]
+        return Windows(
+            row=row,
+            residual_n=mean @ self._response,
+            columns=mean @ self.columns,
+            covariance=tuple(covariance),
+            wander=tuple(varying),
+            covariates=where | {"order": order},
+        )
+
+    def runs(self, noise: Mapping[str, float], numbers: Array) -> dict[int, Run]:
+        """Return none: a controller keeps the axis on its path whatever friction is."""
+        del noise, numbers
+        return {}
+
+
+def _root(covariance: Array) -> Array:
+    """Return a matrix whose product with its transpose is a covariance."""
+    values, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
+    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
+
+
+def _noise(readings: Readings, stroke: float, friction: float) -> tuple[NoiseParameter, ...]:
+    """Return the noise of an axis, its priors in the axis' own measures."""
+    sd = readings.position_sd
+    wide = HalfNormal(scale=0.05)
+    return (
+        noise_parameter(NAMES[0], LogNormal(median=sd, sd_log=0.5), sd, (0.1 * sd, 10 * sd), sd),
+        noise_parameter(
+            NAMES[1],
+            HalfNormal(scale=0.1 * friction),
+            0.01 * friction,
+            (1e-5 * friction, 10 * friction),
+            0.01 * friction,
+        ),
+        noise_parameter(NAMES[2], HalfNormal(scale=0.02), 0.01, SCATTER, 0.01, scatters=True),
+        noise_parameter(
+            NAMES[3],
+            LogNormal(median=0.1 * stroke, sd_log=0.7),
+            0.1 * stroke,
+            (0.005 * stroke, stroke),
+            0.1 * stroke,
+        ),
+        noise_parameter(NAMES[4], wide, 0.012, SCATTER, 0.01, scatters=True),
+        noise_parameter(NAMES[5], wide, 0.012, SCATTER, 0.015, scatters=True),
+    )

@@ -1,0 +1,124 @@
+"""An axis' own measures: priors that were argued for a board, as wide for this machine.
+
+A prior in metres or in newtons was argued for a board of 0.6 m travel, 1.3 m/s, about 1 N of
+friction and 1 kg. On an axis of any size the same shares of its own stroke, top speed, friction
+and mass are as plausible.
+"""
+
+from dataclasses import dataclass, replace
+
+from bayesfric.analysis import HalfNormal, LogNormal, Normal, Prior, PriorOverrides, Uniform
+from bayesfric.effects import Effect, EffectParameter
+
+__all__ = ["Measures"]
+
+BOARD_M, BOARD_M_S = 0.6, 1.3
+KNOWN_MASS = 0.2  # relative error of a moving mass that somebody wrote down
+WIDE = 3.0  # times the rough value, of a prior that says little
+ROTARY = {"N": "N·m", "m": "rad", "kg": "kg·m²"}
+
+
+@dataclass(frozen=True)
+class Measures:
+    """Typical values of an axis, in its units.
+
+    Parameters
+    ----------
+    stroke, speed, friction, force, mass, acceleration : float
+        Range of positions, top speed, rough friction, rms drive force, rough mass, rms
+        acceleration.
+    known_mass : float or None
+        As written down.
+    rotary : bool
+        Whether it turns.
+    """
+
+    stroke: float
+    speed: float
+    friction: float
+    force: float
+    mass: float
+    acceleration: float
+    known_mass: float | None
+    rotary: bool
+
+    def unit(self, unit: str) -> str:
+        """Return a unit as it is here, radians for metres where the axis turns."""
+        if not self.rotary:
+            return unit
+        return "".join(ROTARY.get(part, part) for part in _split(unit))
+
+    def scale(self, unit: str) -> float:
+        """Return by what a value in a unit is larger here than on the board."""
+        length, speed = self.stroke / BOARD_M, self.speed / BOARD_M_S
+        force, mass = self.friction, self.mass
+        scales = {
+            "s/m": 1 / speed,
+            "m/s": speed,
+            "s²/m²": speed**-2,
+            "N s/m": force / speed,
+            "N s²/m²": force / speed**2,
+            "m": length,
+            "1/m": 1 / length,
+            "N": force,
+            "1/N": 1 / force,
+            "N/m": force / length,
+            "kg": mass,
+        }
+        return scales.get(unit, 1.0)
+
+    def effect(self, effect: Effect) -> Effect:
+        """Return an effect with priors in these measures."""
+        shape = None if effect.shape is None else self._parameter(effect.shape)
+        return replace(effect, amplitude=self._parameter(effect.amplitude), shape=shape)
+
+    def _parameter(self, one: EffectParameter) -> EffectParameter:
+        scale = self.scale(one.unit)
+        low, high = one.plausible
+        return replace(
+            one,
+            unit=self.unit(one.unit),
+            prior=scaled(one.prior, scale),
+            plausible=(low * scale, high * scale),
+            typical=None if one.typical is None else one.typical * scale,
+        )
+
+    @property
+    def priors(self) -> PriorOverrides:
+        """Priors of mass, Coulomb and viscous friction, in the places of c1, c2 and c3.
+
+        A mass that somebody wrote down is good to a fifth. Otherwise the recording itself
+        says how large mass and friction can be: no more than takes all of the drive force.
+        """
+        mass: Prior = HalfNormal(scale=max(self.force / self.acceleration, WIDE * self.mass))
+        if self.known_mass is not None:
+            mass = Normal(mean=self.known_mass, sd=KNOWN_MASS * self.known_mass)
+        return PriorOverrides(
+            c1=mass,
+            c2=HalfNormal(scale=self.force),
+            c3=HalfNormal(scale=self.force / self.speed),
+        )
+
+
+def scaled(prior: Prior, factor: float) -> Prior:
+    """Return the prior of a number that is larger by a factor."""
+    match prior:
+        case HalfNormal(scale=scale):
+            return HalfNormal(scale=scale * factor)
+        case Normal(mean=mean, sd=sd):
+            return Normal(mean=mean * factor, sd=sd * factor)
+        case LogNormal(median=median, sd_log=sd):
+            return LogNormal(median=median * factor, sd_log=sd)
+        case Uniform(low=low, high=high):
+            return Uniform(low=low * factor, high=high * factor)
+
+
+def _split(unit: str) -> list[str]:
+    parts, word = [], ""
+    for letter in unit:
+        if letter.isalpha():
+            word += letter
+            continue
+        parts += [word, letter]
+        word = ""
+    return [*parts, word]

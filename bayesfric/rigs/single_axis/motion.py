@@ -1,0 +1,110 @@
+"""A run on an even grid, and what is known of its speed."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import savgol_filter
+
+__all__ = ["Motion", "even_grid", "position_noise", "smooth_motion"]
+
+Array = NDArray[np.float64]
+UNEVEN = 0.01  # of the interval, from which on samples are put on a grid
+GAP = 3.0  # intervals without a sample that are a gap
+NORMAL = 1.4826  # from the median of absolute deviations to a standard deviation
+SURE = 4.0  # standard deviations of a speed's noise
+LEAST_SAMPLES = 16
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A run, evenly sampled.
+
+    Parameters
+    ----------
+    time_s, position, force : ndarray, shape (N,)
+        The log.
+    known : ndarray of bool, shape (N,)
+        False in gaps.
+    interval_s : float
+        Between samples.
+    further : dict of str to ndarray, shape (N,)
+        Further columns of the log.
+    """
+
+    time_s: Array
+    position: Array
+    force: Array
+    known: NDArray[np.bool_]
+    interval_s: float
+    further: dict[str, Array]
+
+
+def even_grid(time_s: Array, columns: dict[str, Array]) -> Motion | None:
+    """Put a log on an even grid; None where it is too short.
+
+    Parameters
+    ----------
+    time_s : ndarray, shape (N,)
+        Increasing [s].
+    columns : dict of str to ndarray, shape (N,)
+        ``position``, ``force`` and what else there is.
+    """
+    if time_s.size < LEAST_SAMPLES:
+        return None
+    steps = np.diff(time_s)
+    interval = float(np.median(steps))
+    known = np.ones(time_s.size, dtype=np.bool_)
+    if np.abs(steps - interval).max() > UNEVEN * interval:
+        count = int((time_s[-1] - time_s[0]) / interval) + 1
+        grid = time_s[0] + interval * np.arange(count)
+        after = np.searchsorted(time_s, grid, side="right").clip(1, time_s.size - 1)
+        known = time_s[after] - time_s[after - 1] <= GAP * interval
+        columns = {name: np.interp(grid, time_s, values) for name, values in columns.items()}
+        time_s = grid
+    rest = {n: v for n, v in columns.items() if n not in ("position", "force")}
+    return Motion(time_s, columns["position"], columns["force"], known, interval, rest)
+
+
+def position_noise(motion: Motion, resolution: float | None) -> float:
+    """Return the standard deviation of a position's error.
+
+    What a parabola over seven samples leaves; at least that of rounding to the encoder's
+    resolution, or to the least step that the log has where nobody says.
+    """
+    smooth = savgol_filter(motion.position, 7, 2)
+    left = np.abs(motion.position - smooth)[3:-3]
+    # A parabola through seven samples takes up a third of the variance at its middle.
+    found = NORMAL * float(np.median(left)) / (1 - 1 / 3) ** 0.5
+    if resolution is None:
+        steps = np.abs(np.diff(motion.position))
+        steps = steps[steps > 0]
+        resolution = float(np.quantile(steps, 0.01)) if steps.size else 0.0
+    return float(max(found, resolution / 12**0.5))
+
+
+def smooth_motion(motion: Motion, half: int, noise: float) -> tuple[Array, Array, Array]:
+    """Return position, speed, and where it is known which way the axis runs.
+
+    Parameters
+    ----------
+    motion : Motion
+        A run.
+    half : int
+        Samples on either side that a parabola goes through.
+    noise : float
+        Standard deviation of a position's error.
+
+    Returns
+    -------
+    position, velocity : ndarray, shape (N,)
+    way : ndarray, shape (N,)
+        1, −1, or 0 where the speed is below what the positions resolve.
+    """
+    length = 2 * half + 1
+    position = savgol_filter(motion.position, length, 2)
+    velocity = savgol_filter(motion.position, length, 2, deriv=1, delta=motion.interval_s)
+    # Least squares: the variance of a slope through n samples is 12 σ² / (n³ Δt²).
+    error = noise * np.sqrt(12 / length**3) / motion.interval_s
+    way = np.where(np.abs(velocity) > SURE * error, np.sign(velocity), 0.0)
+    return position, velocity, np.where(motion.known, way, 0.0)

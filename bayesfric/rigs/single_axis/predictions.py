@@ -1,0 +1,44 @@
+"""Runs of an axis: friction as it was seen, and predicted."""
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
+
+from bayesfric.rigs.bands import QUANTILES, bands
+from bayesfric.rigs.base import Predictive
+from bayesfric.rigs.residuals import check_residuals, measuring_order
+from bayesfric.rigs.single_axis.likelihood import AxisLikelihood
+
+__all__ = ["runs"]
+
+Array = NDArray[np.float64]
+
+
+def runs(likelihood: AxisLikelihood, recorded: pd.DataFrame, view: Predictive) -> xr.Dataset:
+    """Return friction observed, and predicted for a new run on a new assembly.
+
+    Parameters
+    ----------
+    likelihood : AxisLikelihood
+        Of the fit.
+    recorded : DataFrame
+        All runs as recorded, for their order.
+    view : Predictive
+        The fit.
+    """
+    law = likelihood.law(view.named)
+    middle = {name: np.median(values, keepdims=True) for name, values in view.named.items()}
+    friction = likelihood.observed(middle)[0]
+    table = likelihood.trials
+    return xr.Dataset(
+        {
+            "setup": ("run", table["setup"].to_numpy()),
+            "friction_n": ("run", friction),
+            "law_n": (("run", "quantile"), bands(law)),
+            "predicted_n": (("run", "quantile"), bands(law * view.factor)),
+            "order": ("run", measuring_order(recorded, table)),
+            **check_residuals("run", view.remade, friction),
+        },
+        coords={"run": table["trial"].to_numpy(), "quantile": list(QUANTILES)},
+    )

@@ -1,0 +1,278 @@
+"""All runs reduced, once, to rows that are linear in mass and friction."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import savgol_filter
+
+from bayesfric.rigs.single_axis.motion import Motion, position_noise, smooth_motion
+from bayesfric.rigs.single_axis.weak_form import TestFunction, node_weights, test_function
+
+__all__ = ["PIECE", "Readings", "readings_of", "rough_law"]
+
+Array = NDArray[np.float64]
+QUIET = 0.003  # of the rms drive force, that a row's error from the position may be
+NARROWEST = 4  # samples on either side of a window's middle
+PASSES = 4  # windows side by side that a pass should have room for
+MOST = 3000  # rows of a recording
+PIECE = 16  # rows of a stretch whose friction wanders as one
+FAR = 10.0  # strokes: travel since a reversal that nobody saw
+
+
+@dataclass(frozen=True)
+class Readings:
+    """W rows: mean forces over windows, in the direction of the motion.
+
+    Parameters
+    ----------
+    trial : ndarray of int, shape (W,)
+        Place of the trial, ascending.
+    piece : ndarray of int, shape (W,)
+        Number of the stretch of neighbours, at most :data:`PIECE` each, ascending.
+    way : ndarray, shape (W,)
+        1 or −1.
+    force, acceleration : ndarray, shape (W,)
+        ∫ φ F dt and ∫ φ'' q dt, times the direction.
+    force_rate, force_curvature : ndarray, shape (W,)
+        −∫ φ' F dt and ∫ φ'' F dt, times the direction.
+    time_s : ndarray, shape (W,)
+        Of the window's middle.
+    speed, travel, position, drive : ndarray, shape (W, P)
+        At places inside: speed, travel since the last reversal, position and drive force.
+    position_lag, force_lag : ndarray, shape (W, L)
+        Covariance of a row with the l-th next by an error of position of 1, at every sample
+        its own, per mass squared; and by an error of the force.
+    position_sd : float
+        Standard deviation of a position's error.
+    half_s : float
+        Half the width of a window [s].
+    """
+
+    trial: NDArray[np.intp]
+    piece: NDArray[np.intp]
+    way: Array
+    force: Array
+    acceleration: Array
+    force_rate: Array
+    force_curvature: Array
+    time_s: Array
+    speed: Array
+    travel: Array
+    position: Array
+    drive: Array
+    position_lag: Array
+    force_lag: Array
+    position_sd: float
+    half_s: float
+
+    @property
+    def count(self) -> int:
+        """Number of rows."""
+        return self.trial.size
+
+    @property
+    def weights(self) -> Array:
+        """Of the places inside a window, shape (P,)."""
+        return node_weights()[1]
+
+    def of(self, trials: NDArray[np.intp]) -> "Readings":
+        """Return the rows of some trials, which are numbered anew in that order."""
+        place = np.full(int(self.trial.max()) + 1, -1, dtype=np.intp)
+        place[trials] = np.arange(trials.size)
+        rows = np.flatnonzero(place[self.trial] >= 0)
+        rows = rows[np.argsort(place[self.trial[rows]], kind="stable")]
+        changed = {
+            item.name: getattr(self, item.name)[rows]
+            for item in fields(self)
+            if isinstance(getattr(self, item.name), np.ndarray)
+        }
+        trial = place[changed["trial"]]
+        piece = np.cumsum(np.diff(changed["piece"], prepend=changed["piece"][:1]) != 0)
+        return replace(self, **(changed | {"trial": trial, "piece": piece}))
+
+
+def readings_of(
+    motions: Sequence[Motion], starts: Sequence[NDArray[np.intp]], resolution: float | None
+) -> Readings | None:
+    """Reduce runs to rows; None where no window runs one way.
+
+    Parameters
+    ----------
+    motions : sequence of Motion
+        Runs.
+    starts : sequence of ndarray of int
+        Of each run, the samples at which its trials begin, 0 first.
+    resolution : float or None
+        Of the encoder.
+    """
+    noise = float(np.median([position_noise(one, resolution) for one in motions]))
+    half_s, hop = _width(motions, noise)
+    parts: list[dict[str, Any]] = []
+    trials = pieces = 0
+    stroke = max(float(np.ptp(one.position)) for one in motions)
+    for motion, begin in zip(motions, starts, strict=True):
+        half = max(NARROWEST, round(half_s / motion.interval_s))
+        step = max(1, round(hop * half))
+        test = test_function(half, motion.interval_s)
+        part = _of_run(motion, test, step, noise, stroke)
+        place = np.searchsorted(begin, part.pop("centre"), side="right")
+        part["trial"] = np.asarray(trials + place - 1, dtype=np.float64)
+        part["piece"] = pieces + _pieces(part.pop("neighbour"), part["trial"])
+        trials += begin.size
+        pieces = int(part["piece"].max()) + 1 if part["piece"].size else pieces
+        parts.append(part)
+    widest = max(part["position_lag"].shape[1] for part in parts)
+    for part in parts:
+        for name in ("position_lag", "force_lag"):
+            short = widest - part[name].shape[1]
+            nothing = np.zeros((len(part[name]), short))
+            part[name] = np.concatenate([part[name], nothing], axis=1)
+    joined = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    if not joined["way"].size:
+        return None
+    whole: dict[str, Any] = {name: joined.pop(name).astype(np.intp) for name in ("trial", "piece")}
+    return Readings(**whole, **joined, position_sd=noise, half_s=half_s)
+
+
+def _width(motions: Sequence[Motion], noise: float) -> tuple[float, float]:
+    """Return half the width of a window [s], and windows' distance as a share of that."""
+    interval = max(one.interval_s for one in motions)
+    length = sum(one.time_s.size * one.interval_s for one in motions)
+    longest = max(_pass_s(motions, noise) / (2 * PASSES), NARROWEST * interval)
+    half_s = NARROWEST * interval
+    while half_s < longest:
+        rows = []
+        for one in motions:
+            half = max(NARROWEST, round(half_s / one.interval_s))
+            test = test_function(half, one.interval_s)
+            rows.append(_of_run(one, test, 2 * half, noise, 1.0))
+        mass = rough_law(*(_joined(rows, n) for n in ("force", "acceleration", "speed")))[0]
+        force = _joined(rows, "force")
+        error = noise * float(np.sqrt(max(row["position_lag"][:1, :1].sum() for row in rows)))
+        if force.size and mass * error < QUIET * float(np.sqrt(np.mean(force**2))):
+            break
+        half_s *= 1.25
+    half_s = min(half_s, longest)
+    return half_s, max(1.0, length / (MOST * half_s))
+
+
+def _pass_s(motions: Sequence[Motion], noise: float) -> float:
+    """Return the median time that the axis runs one way [s]; a quarter of it counts at least."""
+    found = []
+    for one in motions:
+        way = smooth_motion(one, NARROWEST, noise)[2]
+        edges = np.flatnonzero(np.diff(way, prepend=0.0, append=0.0))
+        each = np.diff(edges)[way[edges[:-1]] != 0] if edges.size > 1 else np.zeros(0)
+        found.append(each * one.interval_s)
+    lengths = np.concatenate(found)
+    if not lengths.size:
+        return 0.0
+    # Of the time, not of the passes: at a reversal noise makes many short ones.
+    order = np.sort(lengths)
+    return float(order[np.searchsorted(np.cumsum(order), 0.5 * order.sum())])
+
+
+def _joined(rows: Sequence[dict[str, Array]], name: str) -> Array:
+    values = [row[name] for row in rows]
+    return np.concatenate([one.mean(axis=1) if one.ndim > 1 else one for one in values])
+
+
+def rough_law(force: Array, acceleration: Array, speed: Array) -> tuple[float, float, float]:
+    """Return mass, Coulomb and viscous friction by least squares, none below 0.
+
+    Parameters
+    ----------
+    force, acceleration, speed : ndarray, shape (W,)
+        Of rows.
+    """
+    columns = np.stack([acceleration, np.ones_like(force), speed], axis=1)
+    while True:
+        width = np.abs(columns).max(axis=0, initial=0.0)
+        width[width == 0] = 1.0
+        found = np.linalg.lstsq(columns / width, force, rcond=1e-6)[0] / width
+        if found[2] >= 0 or not columns[:, 2].any():
+            return float(max(found[0], 0.0)), float(max(found[1], 0.0)), float(max(found[2], 0.0))
+        columns = columns * np.array([1.0, 1.0, 0.0])
+
+
+def _of_run(
+    motion: Motion, test: TestFunction, step: int, noise: float, stroke: float
+) -> dict[str, Array]:
+    """Return the rows of one run, fields of :class:`Readings` and where they are."""
+    half = test.half
+    position, velocity, way = smooth_motion(motion, max(NARROWEST, half // 2), noise)
+    centres = np.arange(half, motion.time_s.size - half, step)
+    # A window counts where all of its samples run the same way.
+    runs = np.concatenate([[0.0], np.cumsum(way)])
+    one_way = np.abs(runs[centres + half + 1] - runs[centres - half]) == 2 * half + 1
+    place = np.flatnonzero(one_way)
+    centres = centres[one_way]
+    sign = way[centres]
+    at = motion.time_s[centres][:, None] + node_weights()[0] * (half + 1) * motion.interval_s
+    travel = _since_reversal(position, way, FAR * stroke)
+
+    def inside(values: Array) -> Array:
+        return np.asarray(np.interp(at, motion.time_s, values))
+
+    force = motion.force - motion.further.get("sim_force", 0.0)
+    lags = range(0, 2 * half // step + 1)
+    return {
+        "centre": centres.astype(np.float64),
+        "neighbour": place.astype(np.float64),
+        "way": sign,
+        "force": sign * test.over(force, test.value, centres),
+        "acceleration": sign * test.over(motion.position, test.curvature, centres),
+        "force_rate": -sign * test.over(motion.force, test.slope, centres),
+        "force_curvature": sign * test.over(motion.force, test.curvature, centres),
+        "time_s": motion.time_s[centres],
+        "speed": np.abs(inside(velocity)),
+        "travel": inside(travel),
+        "position": inside(position),
+        "drive": inside(savgol_filter(motion.force, 2 * half + 1, 2)),
+        "position_lag": np.tile(_lagged(test.curvature, step, lags), (centres.size, 1)),
+        "force_lag": np.tile(_lagged(test.value, step, lags), (centres.size, 1)),
+    }
+
+
+def _lagged(kernel: Array, step: int, lags: range) -> Array:
+    return np.array([kernel[lag * step :] @ kernel[: kernel.size - lag * step] for lag in lags])
+
+
+def _since_reversal(position: Array, way: Array, unseen: float) -> Array:
+    """Return the travel since the axis last turned; `unseen` before the first time."""
+    moving = np.flatnonzero(way)
+    if not moving.size:
+        return np.full(position.size, unseen)
+    turns = moving[1:][np.diff(way[moving]) != 0]
+    last = np.searchsorted(turns, np.arange(position.size), side="right") - 1
+    # It turned at the last extreme, somewhere between two samples whose way is known.
+    extremes = [
+        _extreme(position, int(before), int(after))
+        for before, after in pairwise(moving)
+        if way[before] != way[after]
+    ]
+    travel = np.full(position.size, unseen)
+    seen = last >= 0
+    travel[seen] = np.abs(position[seen] - np.array(extremes)[last[seen]]) if extremes else 0.0
+    return travel
+
+
+def _extreme(position: Array, before: int, after: int) -> float:
+    between = position[before : after + 1]
+    middle = 0.5 * (between[0] + between[-1])
+    return float(between[np.argmax(np.abs(between - middle))])
+
+
+def _pieces(place: Array, trial: Array) -> Array:
+    """Return the number of each row's piece: neighbours of one trial, at most some."""
+    if not place.size:
+        return place
+    breaks = (np.diff(place, prepend=place[0]) > 1) | (np.diff(trial, prepend=trial[0]) != 0)
+    stretch = np.cumsum(breaks)
+    first = np.flatnonzero(np.diff(stretch, prepend=-1))
+    inside = np.arange(place.size) - first[stretch]
+    return np.asarray(np.cumsum(breaks | ((inside > 0) & (inside % PIECE == 0))), dtype=float)

@@ -1,0 +1,352 @@
+"""Runs of an axis that enter, and what kind of rig it is."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Analysis, PriorOverrides
+from bayesfric.effects import Effect, Law, State
+from bayesfric.effects.candidates import Candidate
+from bayesfric.effects.terms import ActiveEffect, small_values
+from bayesfric.physics.axis import AxisLaw
+from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.laws import BASELINES, VISCOUS, Baseline
+from bayesfric.recording.tables import Axis, Recording, RigConstants
+from bayesfric.rigs.base import Motion, Predictive, Simulated, Unsupported, Words, why_inert
+from bayesfric.rigs.changes import Change
+from bayesfric.rigs.linear import rank
+from bayesfric.rigs.plain import PlainTrials
+from bayesfric.rigs.protocols import Protocol
+from bayesfric.rigs.single_axis.likelihood import AxisLikelihood
+from bayesfric.rigs.single_axis.linear import AxisRows
+from bayesfric.rigs.single_axis.measures import Measures
+from bayesfric.rigs.single_axis.motion import Motion as Log
+from bayesfric.rigs.single_axis.motion import even_grid
+from bayesfric.rigs.single_axis.predictions import runs as runs_dataset
+from bayesfric.rigs.single_axis.readings import Readings, readings_of, rough_law
+from bayesfric.rigs.truth import Truth
+
+__all__ = ["RIG", "AxisRuns", "SingleAxis"]
+
+Array = NDArray[np.float64]
+WORDS = Words(
+    "driven axis",
+    "run",
+    "runs",
+    "The law is that of a mass with Coulomb friction: mass times acceleration is the drive force "
+    "less friction, which opposes the motion (and grows with speed where viscous friction is "
+    "asked for). Acceleration is never measured, and no difference of positions is taken: force "
+    "and position are multiplied by a smooth test function over short windows in which the axis "
+    "runs one way, and integrated by parts, so that each window tells a mean force. Windows hang "
+    "together by the errors of positions and forces, and by friction that wanders along the path; "
+    "friction scatters from run to run (τ) and from assembly to assembly (ω). The clocks of force "
+    "and position may be off by a little (latency), which no friction is blamed for.",
+)
+SIZE = "axis"  # in the place of a pulley size
+ENOUGH = 6  # trials, so that something can be held out; few runs are cut in parts
+SETUPS = 3  # assemblies from which on they are taken for what differs; fewer say nothing
+TOO_SHORT = "no-motion"
+MARGIN_S = 1e-3  # by which two clocks may be off at the least
+NOTHING = 1e-12
+
+
+@dataclass(frozen=True)
+class SingleAxis:
+    """A mass, or a joint, that one drive moves along or about one axis."""
+
+    name: str = "single-axis"
+    motion: Motion = "accelerated"
+    words: Words = WORDS
+    tables: tuple[str, ...] = ("axis_runs.csv", "axis_samples.csv")
+    paper: bool = False
+
+    def trials(self, recording: Recording, *, exclude: bool = True) -> "AxisRuns | None":
+        """Return the runs in which the axis moves; no rule keeps another out."""
+        del exclude
+        return None if recording.axis is None else _opened(self, recording.axis, recording.rig)
+
+    def change(
+        self, effect: Effect, design: Protocol, constants: RigConstants, truth: Truth
+    ) -> Change | None:
+        """Return None: an axis is simulated by its own script, not by a protocol."""
+        del effect, design, constants, truth
+        return None
+
+    def simulate(
+        self, design: Protocol, constants: RigConstants, truth: Truth, seed: int
+    ) -> Simulated:
+        """Return no runs: the paper's protocols have no axis."""
+        del design, constants, truth, seed
+        return Simulated({}, 0)
+
+
+RIG = SingleAxis()
+
+
+@dataclass(frozen=True)
+class AxisRuns(PlainTrials):
+    """Runs, or parts of runs where they are few, that enter.
+
+    Parameters
+    ----------
+    rig : SingleAxis
+        The kind of rig.
+    constants : RigConstants
+        The machine.
+    table : DataFrame
+        One row a trial.
+    readings : Readings
+        Rows of all trials.
+    measures : Measures
+        Of the whole recording.
+    still : tuple of str
+        Runs in which the axis does not move.
+    law : Baseline
+        Around which a diagnosis makes them linear.
+    """
+
+    rig: SingleAxis
+    constants: RigConstants
+    table: pd.DataFrame
+    readings: Readings
+    measures: Measures
+    still: tuple[str, ...] = ()
+    law: Baseline = BASELINES["paper"]
+    loads: tuple[str, ...] = ()
+    interval_s: float = field(default=0.0)
+
+    @property
+    def recorded(self) -> pd.DataFrame:
+        """All trials."""
+        return self.table
+
+    @property
+    def slowest_speed_m_s(self) -> float:
+        """The least speed of a window [m/s, or rad/s]."""
+        return float(self.readings.speed.min())
+
+    @cached_property
+    def offers(self) -> frozenset[str]:
+        """What effects may need."""
+        found = {"direction", "position", "drive"}
+        if self.constants.rotary:
+            found.add("angle")
+        if "role" in self.table and (self.table["role"] == "test").any():
+            found.add("test")
+        return frozenset(found)
+
+    @property
+    def own_priors(self) -> Mapping[str, PriorOverrides]:
+        """Priors of the law, in the machine's measures."""
+        return {SIZE: self.measures.priors}
+
+    @property
+    def has_pulleys(self) -> bool:
+        """False."""
+        return False
+
+    def refuses(self, law: Baseline) -> Unsupported | None:
+        """Return why a law of cables makes no sense here."""
+        if law.name in ("paper", VISCOUS):
+            return None
+        return Unsupported(
+            "Without a word it has mass and Coulomb friction; 'viscous' has viscous friction too."
+        )
+
+    def suited(self, effect: Effect) -> Effect:
+        """Return an effect with priors in the machine's measures, and no law twice."""
+        found = self.measures.effect(effect)
+        if found.acts_on not in ("friction", "drive") or found.components:
+            return found
+        values, state = small_values(found), self._rows(self._rough).state
+        laws: dict[str, Law] = {}
+        seen: list[Array] = []
+        for name, law in found.laws.items():
+            response = np.broadcast_to(law(values, state), self.readings.speed.shape).ravel()
+            size = float(np.linalg.norm(response))
+            if size == 0 or any(abs(response @ one) > (1 - NOTHING) * size for one in seen):
+                continue
+            seen.append(response / size)
+            laws[name] = law
+        return replace(found, laws=laws or dict(list(found.laws.items())[:1]))
+
+    def levels(self, name: str) -> int:
+        """Return how many values a column takes; the cable that is not there has one tension."""
+        return 1 if name == "tension" else int(self.table[name].nunique())
+
+    def select(self, keep: "pd.Series[bool]") -> "AxisRuns | None":
+        """Return the trials of a mask over the table; None without any."""
+        chosen = np.flatnonzero(keep.to_numpy())
+        if not chosen.size:
+            return None
+        table = self.table.iloc[chosen].reset_index(drop=True)
+        return replace(self, table=table, readings=self.readings.of(chosen))
+
+    def supports(self, effect: Effect) -> Unsupported | None:
+        """Return why an effect cannot enter the likelihood; None where it can."""
+        if effect.acts_on not in ("friction", "drive"):
+            return Unsupported("It acts on sensors that an axis has not.")
+        if missing := effect.needs - self.offers:
+            return Unsupported(f"It needs what an axis has not: {', '.join(sorted(missing))}.")
+        suited = self.measures.effect(effect)
+        state = self._rows(self._rough).state
+        for law in suited.laws.values():
+            response = np.asarray(law(small_values(suited), state), dtype=np.float64)
+            if reason := why_inert(response):
+                return reason
+        return Unsupported("A fit of an axis has mass and friction alone; effects are diagnosed.")
+
+    def under(self, law: Baseline) -> "AxisRuns":
+        """Return the same trials, made linear around another law."""
+        return replace(self, law=law)
+
+    def linear(
+        self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
+    ) -> AxisRows:
+        """Return the rows of a linear model; an effect starts no run."""
+        del acting
+        return self._rows(AxisLaw.of(laws[SIZE]))
+
+    def likelihood(
+        self,
+        analysis: Analysis,
+        law: Baseline = BASELINES["paper"],
+        effects: Sequence[ActiveEffect] = (),
+    ) -> AxisLikelihood:
+        """Return the density of the rows."""
+        del analysis, effects  # priors are the machine's; what acts beside the law is diagnosed
+        return AxisLikelihood(
+            self.table,
+            self._rows(self._rough),
+            self.measures,
+            viscous=law.name == VISCOUS,
+        )
+
+    def quality(self) -> Mapping[str, Any]:
+        """Return nothing of a board."""
+        return {}
+
+    def predicted(self, view: Predictive) -> xr.Dataset:
+        """Return friction of each run, and predicted for a new run."""
+        assert isinstance(view.likelihood, AxisLikelihood)
+        return runs_dataset(view.likelihood, self.table, view)
+
+    @cached_property
+    def _rough(self) -> AxisLaw:
+        rows = self.readings
+        mass, coulomb, viscous = rough_law(rows.force, rows.acceleration, rows.speed @ rows.weights)
+        measures = self.measures
+        if self.law.name != VISCOUS:
+            viscous = 0.0
+            mass, coulomb, _ = rough_law(rows.force, rows.acceleration, np.zeros(rows.count))
+        return AxisLaw(
+            max(mass, 1e-3 * measures.mass), max(coulomb, 1e-3 * measures.friction), viscous
+        )
+
+    def _rows(self, law: AxisLaw) -> AxisRows:
+        rows, one = self.readings, np.ones((self.readings.count, 1))
+        tested = np.zeros(len(self.table))
+        if "role" in self.table:
+            tested = np.asarray(self.table["role"] == "test", dtype=np.float64)
+        state = State(
+            n_pulleys=1.0,
+            wrap_angle_deg=85.0,
+            tension_n=15.0,
+            speed_m_s=rows.speed,
+            tension_friction_n=0.0,
+            constant_friction_n=law.coulomb + law.viscous * rows.speed,
+            pulley_friction_n=law.coulomb,
+            travel_m=rows.travel,
+            acceleration_m_s2=rows.acceleration[:, None],
+            order=rank(self.table)[rows.trial][:, None],
+            gravity_m_s2=self.constants.gravity_m_s2,
+            position_m=rows.position,
+            direction=rows.way[:, None] * one,
+            drive_force_n=rows.drive,
+            force_rate_n_s=rows.force_rate[:, None],
+            force_curvature_n_s2=rows.force_curvature[:, None],
+            tested=tested[rows.trial][:, None],
+        )
+        return AxisRows(
+            self.rig.name,
+            self.table,
+            rows,
+            law,
+            state,
+            self.measures.stroke,
+            float(np.hypot(MARGIN_S, 0.5 * self.interval_s)),
+            viscous=self.law.name == VISCOUS,
+        )
+
+
+def _opened(rig: SingleAxis, axis: Axis, constants: RigConstants) -> AxisRuns | None:
+    parts = max(1, -(-ENOUGH // len(axis.runs)))
+    logs, starts, rows = [], [], []
+    by_run = dict(iter(axis.samples.groupby("run", sort=False)))
+    still = []
+    for _, run in axis.runs.iterrows():
+        log = _log(by_run[run["run"]])
+        if log is None:
+            still.append(str(run["run"]))
+            continue
+        logs.append(log)
+        starts.append(np.arange(parts) * (log.time_s.size // parts))
+        for part in range(parts):
+            name = run["run"] if parts == 1 else f"{run['run']}/{part + 1}"
+            rows.append({**run.to_dict(), "trial": str(name)})
+    readings = readings_of(logs, starts, constants.encoder_resolution) if logs else None
+    if readings is None:
+        return None
+    table = pd.DataFrame(rows)
+    table["pulley_size"], table["n_pulleys"], table["wrap_angle_deg"] = SIZE, 1, 85.0
+    if "setup" not in table or table["setup"].nunique() < SETUPS:
+        table["setup"] = table["trial"]
+    moving = np.unique(readings.trial)
+    order = np.argsort(pd.factorize(table["setup"])[0][moving], kind="stable")
+    chosen = moving[order]
+    still += [str(run) for run in table["trial"][~table.index.isin(moving)]]
+    table = table.iloc[chosen].reset_index(drop=True)
+    readings = readings.of(chosen)
+    return AxisRuns(
+        rig,
+        constants,
+        table,
+        readings,
+        _measures(readings, logs, constants),
+        tuple(still),
+        interval_s=float(np.median([log.interval_s for log in logs])),
+    )
+
+
+def _log(samples: pd.DataFrame) -> Log | None:
+    columns = {
+        "position": samples["position_m"].to_numpy(dtype=np.float64),
+        "force": samples["force_n"].to_numpy(dtype=np.float64),
+    }
+    if "sim_force_n" in samples:
+        columns["sim_force"] = samples["sim_force_n"].to_numpy(dtype=np.float64)
+    return even_grid(samples["time_s"].to_numpy(dtype=np.float64), columns)
+
+
+def _measures(readings: Readings, logs: Sequence[Log], constants: RigConstants) -> Measures:
+    speed = readings.speed @ readings.weights
+    mass, coulomb, _ = rough_law(readings.force, readings.acceleration, speed)
+    force = float(np.sqrt(np.mean(readings.force**2)))
+    acceleration = float(np.sqrt(np.mean(readings.acceleration**2)))
+    least = readings.position_sd / readings.half_s**2  # what the positions would not show
+    return Measures(
+        stroke=max(float(np.ptp(log.position)) for log in logs),
+        speed=float(speed.max()),
+        friction=max(coulomb, 1e-3 * force),
+        force=force,
+        mass=constants.moving_mass_kg or max(mass, 1e-3 * force / max(acceleration, least)),
+        acceleration=max(acceleration, least),
+        known_mass=constants.moving_mass_kg,
+        rotary=constants.rotary,
+    )

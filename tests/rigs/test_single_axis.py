@@ -1,0 +1,151 @@
+"""Densities of an axis against dense normals, and diagnoses of machines simulated elsewhere."""
+
+import numpy as np
+import pytest
+from rigs.driven_mass import Machine, simulate, write
+from scipy.stats import multivariate_normal
+
+import bayesfric as bf
+from bayesfric.analysis import Analysis
+from bayesfric.diagnosis.model import Acting, LinearModel
+from bayesfric.effects import all_effects
+from bayesfric.effects.candidates import candidates_of
+from bayesfric.physics.friction import Coefficients
+from bayesfric.rigs import all_rigs
+from bayesfric.rigs.data import Data
+from bayesfric.rigs.single_axis.covariance import Pieces
+from bayesfric.rigs.single_axis.linear import NAMES
+
+
+def recorded(folder, seed=0, runs=6, seconds=4.0, log_hz=None, rig=None, **machine):
+    made = Machine(**({"control_hz": 500.0, "bandwidth_hz": 5.0} | machine))
+    table, samples = simulate(made, runs=runs, seconds=seconds, log_hz=log_hz, seed=seed)
+    return bf.read_recording(write(folder / "axis", made, table, samples, **(rig or {})))
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory):
+    return recorded(tmp_path_factory.mktemp("plain"), seed=3, seconds=2.0)
+
+
+@pytest.fixture(scope="module")
+def trials(recording):
+    return all_rigs()["single-axis"].trials(recording)
+
+
+def dense(rows, noise, moved, trial, setup):
+    """Return the covariance of all rows, written out."""
+    pieces = Pieces.of(rows.readings, float(rows.law.mass), moved)
+    found = np.zeros((rows.readings.count,) * 2)
+    parts = pieces._parts(*(noise[name] for name in NAMES[:4]))
+    for place, members in enumerate(pieces.rows):
+        there = members < rows.readings.count
+        block = sum(part[place] for part in parts)[np.ix_(there, there)]
+        found[np.ix_(members[there], members[there])] = block
+    same = np.equal.outer(trial, trial) * noise["tau_axis"] ** 2
+    same = same + np.equal.outer(setup, setup) * noise["omega_axis"] ** 2
+    return found + same * np.outer(moved, moved)
+
+
+NOISE = {
+    "sigma_position": 3e-6,
+    "sigma_force": 0.02,
+    "wander_axis": 0.015,
+    "wander_length_axis": 0.02,
+    "tau_axis": 0.02,
+    "omega_axis": 0.03,
+}
+
+
+@pytest.fixture(scope="module")
+def model(trials):
+    law = {"axis": Coefficients(2.1, 1.4, 0.0)}
+    candidates = candidates_of(trials.suited(all_effects(None)["viscous"]))
+    analysis = Analysis()
+    priors = analysis.priors.model_copy(update={"pulleys": dict(trials.own_priors)})
+    analysis = analysis.model_copy(update={"priors": priors})
+    return LinearModel(Data((trials,)), law, candidates, analysis, discrepancy=False)
+
+
+def test_the_information_is_that_of_a_dense_normal(model):
+    part = model.rigs[0]
+    rows, trial = part.rows, part.rows.readings.trial
+    acting = Acting((model.lawbook["viscous"][0],), (0.0,))
+    psi = np.log([NOISE[one.name] for one in model.noise])
+    at = model.evaluate(psi, acting)
+    covariance = dense(rows, NOISE, part._moved, trial, part.setup[trial])
+    for numbers in (np.zeros(5), np.array([0.3, -0.2, 0.0, 0.5, 0.1])):
+        off = part._response - part.columns @ numbers
+        expected = multivariate_normal(np.zeros(off.size), covariance).logpdf(off)
+        information = at.information
+        found = information.constant + information.slope @ numbers
+        found -= 0.5 * numbers @ information.precision @ numbers
+        assert found == pytest.approx(expected, rel=1e-9)
+
+
+def test_the_gradient_is_that_of_the_evidence(model):
+    acting = Acting((model.lawbook["viscous"][0],), (0.0,))
+    psi = np.log([NOISE[one.name] for one in model.noise])
+    found = model.evaluate(psi, acting, gradient=True).gradient
+    for place in range(psi.size):
+        step = 1e-4 * np.eye(psi.size)[place]
+        sides = [model.evaluate(psi + sign * step, acting).value for sign in (1, -1)]
+        assert found[place] == pytest.approx((sides[0] - sides[1]) / 2e-4, rel=1e-4, abs=1e-4)
+
+
+def test_the_likelihood_is_that_of_a_dense_normal(trials):
+    likelihood = trials.likelihood(Analysis())
+    values = {"mass": 2.05, "coulomb": 1.45, "tau": 0.02, "omega": 0.03}
+    values |= {"wander": 0.015, "row_error": 1.2, "latency": 4e-4}
+    theta = {name: np.array([value]) for name, value in values.items()}
+    rows = trials.linear({"axis": Coefficients(*likelihood._rough)})
+    readings = rows.readings
+    position, force, _, length = likelihood.noise
+    noise = dict(zip(NAMES, (1.2 * position, 1.2 * force, 0.015, length, 0.02, 0.03), strict=True))
+    moved, setup = np.full(readings.count, 1.45), np.arange(len(trials.table))
+    covariance = dense(rows, noise, moved, readings.trial, setup[readings.trial])
+    off = readings.force - 2.05 * readings.acceleration - 1.45 - 4e-4 * readings.force_rate
+    expected = multivariate_normal(np.zeros(off.size), covariance).logpdf(off)
+    assert likelihood.log_likelihood(theta)[0] == pytest.approx(expected, abs=0.01)
+
+
+def test_an_axis_that_turns_has_its_own_units(tmp_path):
+    recording = recorded(tmp_path, seconds=2.0, rig={"rotary": True})
+    trials = all_rigs()["single-axis"].trials(recording)
+    assert "angle" in trials.offers
+    units = {one.name: one.unit for one in trials.likelihood(Analysis()).parameters}
+    assert (units["mass"], units["coulomb"]) == ("kg·m²", "N·m")
+    assert trials.suited(all_effects(None)["viscous"]).amplitude.unit == "s/rad"
+
+
+def test_what_an_axis_has_not_is_refused_with_a_reason(trials):
+    assert "pulleys" in trials.supports(all_effects(None)["tension-curvature"]).reason
+    assert "angle" in trials.supports(all_effects(None)["gravity-torque"]).reason
+    assert "test" in trials.supports(all_effects(None)["payload"]).reason
+
+
+def test_one_run_is_cut_in_parts_so_that_something_is_held_out(tmp_path):
+    trials = all_rigs()["single-axis"].trials(recorded(tmp_path, runs=1, seconds=6.0))
+    assert list(trials.table["trial"]) == [f"r00/{part}" for part in range(1, 7)]
+    assert np.bincount(trials.readings.trial).min() > 0
+
+
+def test_late_commands_are_called_late_and_nothing_viscous(tmp_path):
+    found = bf.diagnose(recorded(tmp_path, seed=5, delay_s=0.010)).summary
+    assert [one.effect for one in found.causes] == ["actuator-lag"]
+    (number,) = found.causes[0].parameters.values()
+    assert number.q50 == pytest.approx(0.010, rel=0.15)
+    assert ("actuator-lag", "delay") in [one.effects for one in found.unseparated]
+
+
+def test_viscous_friction_is_named_with_its_size(tmp_path):
+    found = bf.diagnose(recorded(tmp_path, seed=6, viscous=0.8)).summary
+    assert [one.effect for one in found.causes] == ["viscous"]
+    (slope,) = found.causes[0].parameters.values()
+    assert slope.q50 * found.gap.friction_rms == pytest.approx(0.8, rel=0.15)
+
+
+def test_a_machine_that_is_as_simulated_is_not_blamed(tmp_path):
+    found = bf.diagnose(recorded(tmp_path, seed=7)).summary
+    assert found.causes == ()
+    assert found.verdict in ("no-gap", "undecided")

@@ -1,0 +1,114 @@
+"""Windows of force and momentum against closed forms."""
+
+import numpy as np
+import pytest
+
+from bayesfric.rigs.single_axis.motion import even_grid, position_noise, smooth_motion
+from bayesfric.rigs.single_axis.readings import PIECE, readings_of, rough_law
+from bayesfric.rigs.single_axis.weak_form import node_weights
+from bayesfric.rigs.single_axis.weak_form import test_function as bump
+
+INTERVAL = 1e-3
+
+
+@pytest.mark.parametrize("half", [4, 19, 60])
+def test_a_parabola_has_its_acceleration_and_no_more(half):
+    test = bump(half, INTERVAL)
+    time = INTERVAL * np.arange(-half, half + 1)
+    assert test.value @ np.ones_like(time) == pytest.approx(1, abs=1e-12)
+    assert test.curvature @ (3 + 2 * time + 0.5 * 7 * time**2) == pytest.approx(7, rel=1e-9)
+    assert -test.slope @ (3 + 2 * time) == pytest.approx(2, rel=1e-9)
+
+
+def test_integration_by_parts_is_the_mean_of_the_derivative():
+    """Of a sine, ∫ φ'' q dt is −ω² ∫ φ q dt, and −∫ φ' F dt is ∫ φ F' dt."""
+    half, omega = 40, 2 * np.pi * 3.0
+    test, time = bump(half, INTERVAL), INTERVAL * np.arange(-half, half + 1)
+    wave = np.sin(omega * time + 0.3)
+    assert test.curvature @ wave == pytest.approx(-(omega**2) * (test.value @ wave), rel=1e-4)
+    slope = omega * np.cos(omega * time + 0.3)
+    assert -test.slope @ wave == pytest.approx(test.value @ slope, rel=1e-4)
+
+
+def test_a_few_places_have_the_mean_of_all():
+    places, weights = node_weights()
+    u = np.linspace(-1, 1, 20001)
+    shape = (1 - u**2) ** 3
+    for function in (np.exp, np.cos, lambda x: x**4):
+        whole = np.trapezoid(shape * function(u), u) / np.trapezoid(shape, u)
+        assert weights @ function(places) == pytest.approx(whole, rel=1e-6)
+
+
+def test_the_noise_of_positions_is_found():
+    rng = np.random.default_rng(1)
+    time = INTERVAL * np.arange(4000)
+    columns = {"position": np.sin(3 * time) + 4e-6 * rng.standard_normal(4000), "force": time}
+    assert position_noise(even_grid(time, columns), 1e-9) == pytest.approx(4e-6, rel=0.05)
+    assert position_noise(even_grid(time, columns), 1e-4) == pytest.approx(1e-4 / 12**0.5)
+
+
+def moving(seconds=4.0, interval=INTERVAL, mass=2.0, coulomb=1.5):
+    time = np.arange(0, seconds, interval)
+    omega = 2 * np.pi * 0.7
+    position, velocity = 0.1 * np.sin(omega * time), 0.1 * omega * np.cos(omega * time)
+    force = mass * -(omega**2) * position + coulomb * np.sign(velocity)
+    return time, position, force
+
+
+def test_mass_and_friction_come_out_of_an_exact_log():
+    time, position, force = moving()
+    log = even_grid(time, {"position": position, "force": force})
+    rows = readings_of([log], [np.zeros(1, dtype=int)], 1e-9)
+    mass, coulomb, viscous = rough_law(rows.force, rows.acceleration, rows.speed.mean(axis=1))
+    assert (mass, coulomb) == pytest.approx((2.0, 1.5), rel=1e-4)
+    assert viscous == pytest.approx(0.0, abs=1e-3)
+
+
+def test_no_window_holds_a_reversal():
+    """At each turning of the sine the friction jumps; every row has one sign of it."""
+    time, position, force = moving(mass=0.0)
+    log = even_grid(time, {"position": position, "force": force})
+    rows = readings_of([log], [np.zeros(1, dtype=int)], 1e-5)
+    np.testing.assert_allclose(rows.force, 1.5, rtol=1e-12)
+    turns = (np.arange(6) + 0.5) / 1.4
+    assert np.abs(rows.time_s[:, None] - turns).min() > rows.half_s
+
+
+def test_uneven_samples_are_put_on_a_grid_and_a_gap_is_left_out():
+    rng = np.random.default_rng(2)
+    time, position, force = moving(interval=5e-4)
+    kept = np.sort(rng.choice(time.size, time.size // 2, replace=False))
+    kept = kept[(time[kept] < 1.0) | (time[kept] > 1.2)]
+    log = even_grid(time[kept], {"position": position[kept], "force": force[kept]})
+    rows = readings_of([log], [np.zeros(1, dtype=int)], 1e-6)
+    mass, coulomb, _ = rough_law(rows.force, rows.acceleration, rows.speed.mean(axis=1))
+    assert (mass, coulomb) == pytest.approx((2.0, 1.5), rel=0.01)
+    assert not ((rows.time_s > 1.0) & (rows.time_s < 1.2)).any()
+
+
+def test_travel_is_counted_from_the_last_reversal():
+    time, position, force = moving()
+    log = even_grid(time, {"position": position, "force": force})
+    rows = readings_of([log], [np.zeros(1, dtype=int)], 1e-7)
+    later = rows.time_s > 0.6
+    np.testing.assert_allclose(
+        rows.travel[later], 0.1 + rows.way[later, None] * rows.position[later], atol=2e-4
+    )
+
+
+def test_an_axis_that_rests_has_no_way():
+    columns = {"position": np.full(200, 0.3), "force": np.zeros(200)}
+    log = even_grid(INTERVAL * np.arange(200), columns)
+    assert not smooth_motion(log, 8, 1e-6)[2].any()
+    assert readings_of([log], [np.zeros(1, dtype=int)], 1e-6) is None
+
+
+def test_pieces_are_neighbours_of_one_pass():
+    time, position, force = moving()
+    log = even_grid(time, {"position": position, "force": force})
+    rows = readings_of([log], [np.array([0, time.size // 2])], 1e-5)
+    for piece in range(rows.piece.max() + 1):
+        mine = rows.piece == piece
+        assert mine.sum() <= PIECE
+        assert len(set(rows.way[mine])) == len(set(rows.trial[mine])) == 1
+        assert np.ptp(np.diff(rows.time_s[mine])) < 1e-9 if mine.sum() > 2 else True
