@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from bayesfric.simulate import simulate_recording
 
 __all__ = [
+    "calibrate",
     "check_claims",
     "compute_margins",
     "diagnose",
@@ -26,6 +27,7 @@ __all__ = [
 ]
 
 _HOMES = {
+    "calibrate": "bayesfric.calibration.running",
     "check_claims": "bayesfric.claims",
     "compute_margins": "bayesfric.margins",
     "diagnose": "bayesfric.diagnosis",

@@ -15,6 +15,7 @@ from bayesfric.files import read_toml
 
 __all__ = [
     "Analysis",
+    "CalibrationRules",
     "ClaimRules",
     "DiagnosisRules",
     "HalfNormal",
@@ -339,6 +340,32 @@ class DiagnosisRules(_Section):
     )
 
 
+class CalibrationRules(_Section):
+    """What simulation-based calibration draws its recordings from, and fits them with.
+
+    Coefficients lie around Table I, scatter and noise around the values here: within `spread`,
+    equally likely. Narrow enough that boards move: the protocols leave a reserve of 40 % of
+    friction. The sampler is short, since only 99 draws of each posterior are ranked.
+    """
+
+    protocol: Literal["quick", "paper"] = Field("quick", description="Of each recording.")
+    spread: Share = Field(0.3, description="Half width of each prior, over its centre.")
+    tau: Positive = Field(0.01, description="Centre of the scatter of a trial [-].")
+    omega: Positive = Field(0.015, description="Centre of the scatter of an assembly [-].")
+    omega_intercept: Positive = Field(
+        0.03, description="Centre of the scatter of c2 an assembly, beside that of all friction."
+    )
+    wander: Positive = Field(0.002, description="Centre of the rms of friction that wanders [-].")
+    wander_length: Positive = Field(0.1, description="Centre of its correlation length [m].")
+    sigma_x: Positive = Field(3e-5, description="Centre of the position error of an event [m].")
+    sigma_t: Positive = Field(2e-5, description="Centre of the clock error of an event [s].")
+    sampler: Sampler = Field(
+        Sampler(burn=60, steps=60, thin=3, extensions=0),
+        description="Ensemble sampler of each fit; keys as in [sampler], whose defaults hold "
+        "for those that a file leaves out.",
+    )
+
+
 class Analysis(_Section):
     """The whole of ``analysis.toml``; every key has a default."""
 
@@ -351,6 +378,9 @@ class Analysis(_Section):
     claims: ClaimRules = Field(default_factory=ClaimRules, description="Verdicts on claims.")
     diagnosis: DiagnosisRules = Field(
         default_factory=DiagnosisRules, description="Diagnosis of the sim-to-real gap."
+    )
+    calibration: CalibrationRules = Field(
+        default_factory=CalibrationRules, description="Simulation-based calibration."
     )
 
 

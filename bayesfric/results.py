@@ -114,25 +114,28 @@ def created_date(fallback: str | None) -> str | None:
 
 
 def draws_tree(
-    groups: Mapping[str, Mapping[str, Array]],
+    groups: Mapping[str, Mapping[str, NDArray[Any]]],
     *,
     dims: Mapping[str, list[str]],
     coords: Mapping[str, Any],
     ensemble: NDArray[np.int_],
     attributes: Mapping[str, Any],
+    units: Mapping[str, str] | None = None,
 ) -> xr.DataTree:
     """Lay draws out as ArviZ does.
 
     Parameters
     ----------
     groups : mapping
-        Group to variable to array of shape (chain, draw, …).
+        Group to variable to array of shape (chain, draw, …); of data without draws, (…).
     dims, coords : mapping
         Names of the further dimensions of each variable, and their values.
     ensemble : ndarray of int, shape (chain,)
         The ensemble of each chain; chain = ensemble × walker.
     attributes : mapping
         Provenance, written on the root.
+    units : mapping of str to str, or None
+        Of variables, by name.
 
     Returns
     -------
@@ -146,8 +149,12 @@ def draws_tree(
         check_conventions=False,  # many walkers: more chains than draws is meant
     )
     for name in groups:
-        group = tree[name].to_dataset().assign_coords(ensemble=("chain", ensemble))
+        group = tree[name].to_dataset()
+        if group.sizes.get("chain") == len(ensemble):  # the prior has no ensembles
+            group = group.assign_coords(ensemble=("chain", ensemble))
         group.attrs = {}
+        for variable in group.data_vars.keys() & (units or {}).keys():
+            group[variable].attrs["units"] = (units or {})[str(variable)]
         tree[name] = xr.DataTree(group)
     tree.attrs = dict(attributes)
     return tree

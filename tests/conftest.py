@@ -13,7 +13,7 @@ from bayesfric.fitting.posterior import fit
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import simulate_recording
 
-QUICK_SAMPLER = Sampler(burn=60, steps=80, thin=2, extensions=0)
+QUICK_SAMPLER = Sampler(burn=60, steps=80, thin=3, extensions=0)  # all draws are stored
 
 
 @pytest.fixture(autouse=True)

@@ -49,7 +49,8 @@ FailOn = Annotated[
     str,
     typer.Option(
         "--fail-on",
-        help="Exit with 1 if one of these happened: refuted, unconverged, gap, undecided, changed.",
+        help="Exit with 1 if one of these happened: refuted, unconverged, gap, undecided, "
+        "changed, uncalibrated.",
     ),
 ]
 

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from bayesfric.cli.blind import blind
+from bayesfric.cli.calibrate import calibrate
 from bayesfric.cli.claims import claims
 from bayesfric.cli.compare import compare
 from bayesfric.cli.diagnose import diagnose
@@ -41,6 +42,7 @@ for verb in (
     claims,
     diagnose,
     blind,
+    calibrate,
     margins,
     report,
     compare,

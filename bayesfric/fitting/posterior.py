@@ -8,34 +8,30 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis
 from bayesfric.checkpoint import Checkpoint
-from bayesfric.fitting.hypothesis import chart_of
+from bayesfric.fitting.drawing import draw_posterior
+from bayesfric.fitting.inference_data import Stored, draws_of_fit, write_csv
 from bayesfric.fitting.predictive import predict
-from bayesfric.fitting.predictive.left_out import LeftOut, leave_out
+from bayesfric.fitting.predictive.left_out import leave_out
 from bayesfric.fitting.predictive.reported import predictions, uniformities
 from bayesfric.fitting.summary import summarise, summarise_without_exclusions
-from bayesfric.inference.diagnostics import diagnose_all
-from bayesfric.inference.laplace import laplace_approximation
+from bayesfric.fitting.tested import tested_conditions
 from bayesfric.inference.model import Model
-from bayesfric.inference.priors import log_density
-from bayesfric.inference.sampling import Draws, Progress, sample
+from bayesfric.inference.sampling import Progress
 from bayesfric.physics.laws import Baseline
 from bayesfric.recording.tables import Recording
 from bayesfric.results import (
-    draws_tree,
     identified,
     json_bytes,
     provenance,
     replace_outputs,
     write_netcdf,
 )
-from bayesfric.rigs.coefficients import sizes_of
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.opening import baseline_of, chosen_rigs, open_rigs, with_own_priors
 from bayesfric.schemas import FitFile, RecordingId, TimingsFile
@@ -43,7 +39,6 @@ from bayesfric.schemas import FitFile, RecordingId, TimingsFile
 __all__ = ["Fit", "fit"]
 
 Array = NDArray[np.float64]
-POINTWISE_DRAWS = 2000  # draws of which the log likelihood by trial is stored
 
 
 @dataclass(frozen=True)
@@ -55,7 +50,7 @@ class Fit:
     summary : FitFile
         What ``fit.json`` says.
     draws : DataTree
-        What ``draws.nc`` holds: ``posterior``, ``log_likelihood``, ``log_prior``.
+        What ``draws.nc`` holds, see :mod:`bayesfric.fitting.inference_data`.
     predictive : DataTree
         What ``predictive.nc`` holds, see :mod:`bayesfric.fitting.predictive`.
     seconds : dict of str to float
@@ -98,7 +93,7 @@ class Fit:
             "timings.json": lambda path: path.write_bytes(json_bytes(timings)),
         }
         if csv:
-            writers["draws.csv"] = lambda path: _write_csv(self.draws, path)
+            writers["draws.csv"] = lambda path: write_csv(self.draws, path)
         writers["fit.json"] = lambda path: path.write_bytes(json_bytes(self.summary))
         replace_outputs(Path(folder), writers)
 
@@ -156,7 +151,8 @@ def fit(
             law, analysis = baseline_of(baseline, data.rigs), with_own_priors(analysis, data.rigs)
             model = _model(data, analysis, law)
         key = ",".join([*chosen, baseline]) + attributes.model_dump_json()
-        draws = _draw(model, analysis, Checkpoint(checkpoint, key), progress, seconds)
+        with _timed(seconds, "draws"):
+            draws = draw_posterior(model, analysis, progress, Checkpoint(checkpoint, key))
         with _timed(seconds, "without_exclusions"):
             whole, why = _all_that_can_enter(recording, data)
             without = None
@@ -166,7 +162,7 @@ def fit(
                 without = summarise_without_exclusions(
                     _under_rules(whole),
                     again,
-                    _draw(again, analysis, Checkpoint(folder, key), progress, {}),
+                    draw_posterior(again, analysis, progress, Checkpoint(folder, key)),
                 )
         with _timed(seconds, "without_stalls"):
             moved, why_moved = _all_that_moved(data)
@@ -177,15 +173,15 @@ def fit(
                 without_stalls = summarise_without_exclusions(
                     _under_rules(moved),
                     again,
-                    _draw(again, analysis, Checkpoint(folder, key), progress, {}),
+                    draw_posterior(again, analysis, progress, Checkpoint(folder, key)),
                 )
         theta = model.natural(draws.z)
         with _timed(seconds, "leave_out"):
-            some = _pointwise_draws(draws.z)
+            trials = sum(len(rig.trials) for rig in model.likelihoods)
+            stored = Stored.of(draws.z, theta, draws.log_density, trials)
             start = draws.z.reshape(-1, draws.z.shape[-1])[np.argmax(draws.log_density)]
-            flat = some.reshape(-1, some.shape[-1])
             left_out = {
-                name: leave_out(model, rig, flat, start, analysis.seed)
+                name: leave_out(model, rig, stored.flat, start, analysis.seed)
                 for name, rig in zip(chosen, model.likelihoods, strict=True)
             }
         with _timed(seconds, "summary"):
@@ -202,38 +198,21 @@ def fit(
             summary = summarise(
                 attributes.model_dump() | fields, recording, data, model, draws, theta
             )
-            named = attributes.model_dump(mode="json", exclude={"analysis", "run_id"})
-            tree = _draws_tree(model, chosen, theta, left_out, named)
         with _timed(seconds, "predictive"):
             predictive = predict(data, model, theta, left_out, analysis, law)
+        with _timed(seconds, "inference_data"):
+            observed = {
+                one.rig.name: predictive[one.rig.words.trials]["friction_n"].to_numpy()
+                for one in data.rigs
+            }
+            origin = attributes.model_dump(mode="json", exclude={"analysis", "run_id"})
+            origin |= tested_conditions(data, summary.pulleys)
+            tree = draws_of_fit(model, observed, stored, left_out, analysis.seed, origin)
     return Fit(identified(summary), tree, predictive, seconds)
 
 
 def _model(data: Data, analysis: Analysis, law: Baseline) -> Model:
     return Model([trials.likelihood(analysis, law) for trials in data.rigs])
-
-
-def _draw(
-    model: Model,
-    analysis: Analysis,
-    checkpoint: Checkpoint,
-    progress: Progress | None,
-    seconds: dict[str, float],
-) -> Draws:
-    """Draw from the posterior of a model."""
-    with _timed(seconds, "laplace"):
-        laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
-    with _timed(seconds, "draws"):
-        return sample(
-            model.log_posterior,
-            laplace,
-            analysis.sampler,
-            analysis.seed,
-            progress,
-            checkpoint,
-            converged=lambda z: all(f.converged for f in diagnose_all(model.natural(z))),
-            chart=chart_of(model),
-        )
 
 
 def _all_that_can_enter(recording: Recording, data: Data) -> tuple[Data | None, str | None]:
@@ -268,113 +247,3 @@ def _timed(seconds: dict[str, float], stage: str) -> Any:
     start = time.perf_counter()
     yield
     seconds[stage] = time.perf_counter() - start
-
-
-def _pointwise_stride(chains: int, kept: int) -> int:
-    return max(1, -(-chains * kept // POINTWISE_DRAWS))
-
-
-def _pointwise_draws(z: Array) -> Array:
-    """Return the draws of which the log likelihood by trial is stored, (chain, draw, D)."""
-    ensembles, kept, walkers, size = z.shape
-    chains = z.transpose(0, 2, 1, 3).reshape(ensembles * walkers, kept, size)
-    return chains[:, :: _pointwise_stride(len(chains), kept)]
-
-
-def _draws_tree(
-    model: Model,
-    rigs: Sequence[str],
-    theta: Array,
-    left_out: Mapping[str, LeftOut],
-    attributes: dict[str, Any],
-) -> xr.DataTree:
-    ensembles, kept, walkers, size = theta.shape
-    chains = theta.transpose(0, 2, 1, 3).reshape(ensembles * walkers, kept, size)
-    posterior = _variables(model, chains)
-    prior_terms = np.stack(
-        [log_density(p.prior, chains[..., place]) for place, p in enumerate(model.parameters)],
-        axis=-1,
-    )
-    stride = _pointwise_stride(ensembles * walkers, kept)
-    shape = (ensembles * walkers, -1)
-    setups = np.concatenate([left.setup_log_likelihood for left in left_out.values()], axis=-1)
-    trials = np.concatenate([left.trial_log_likelihood for left in left_out.values()], axis=-1)
-    # Two rigs may use the same ids: then the rig's name goes before them.
-    before = [f"{name}/" if len(rigs) > 1 else "" for name in rigs]
-    named = list(zip(before, model.likelihoods, strict=True))
-    tree = draws_tree(
-        {
-            "posterior": posterior,
-            "log_prior": _variables(model, prior_terms),
-        },
-        dims={name: ["pulley"] for name, values in posterior.items() if values.ndim == 3},
-        coords={"pulley": _sizes(model)} if _sizes(model) else {},
-        ensemble=np.repeat(np.arange(ensembles), walkers),
-        attributes=_flat(attributes),
-    )
-    pointwise = draws_tree(
-        {
-            "log_likelihood": {
-                "setup": setups.reshape(*shape, setups.shape[-1]),
-                "trial": trials.reshape(*shape, trials.shape[-1]),
-            }
-        },
-        dims={"setup": ["setup_id"], "trial": ["trial_id"]},
-        coords={
-            "setup_id": [prefix + setup for prefix, rig in named for setup in rig.setups],
-            "trial_id": [prefix + trial for prefix, rig in named for trial in rig.trials["trial"]],
-            "draw": np.arange(kept)[::stride],
-        },
-        ensemble=np.repeat(np.arange(ensembles), walkers),
-        attributes={},
-    )
-    tree["log_likelihood"] = pointwise["log_likelihood"]
-    return tree
-
-
-def _variables(model: Model, values: Array) -> dict[str, Array]:
-    """Gather ``c1[small]``, ``c1[medium]``, … of the last axis into ``c1`` over pulleys."""
-    columns = dict(zip(model.names, np.moveaxis(values, -1, 0), strict=True))
-    sizes = _sizes(model)
-    variables: dict[str, Array] = {}
-    for name, column in columns.items():
-        stem = name.partition("[")[0]
-        everywhere = [f"{stem}[{size}]" for size in sizes]
-        if sizes and set(everywhere) <= set(columns):
-            variables[stem] = np.stack([columns[of_size] for of_size in everywhere], axis=-1)
-        else:
-            variables[name] = column
-    return variables
-
-
-def _sizes(model: Model) -> list[str]:
-    """Return the pulley sizes of all rigs."""
-    return list(sizes_of(model.names))
-
-
-def _flat(attributes: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Flatten provenance for netCDF attributes, which hold no mappings."""
-    flat: dict[str, Any] = {}
-    for key, value in attributes.items():
-        if isinstance(value, Mapping):
-            flat |= _flat(value, f"{prefix}{key}.")
-        else:
-            flat[f"{prefix}{key}"] = "" if value is None else value
-    return flat
-
-
-def _write_csv(tree: xr.DataTree, path: Path) -> None:
-    """Write the posterior as a table, one row a draw."""
-    posterior = tree["posterior"].to_dataset()
-    posterior = posterior.stack(sample=("chain", "draw"))  # noqa: PD013 (not of pandas)
-    columns = {}
-    for name, variable in posterior.data_vars.items():
-        if "pulley" in variable.dims:
-            for size in posterior["pulley"].to_numpy():
-                columns[f"{name}[{size}]"] = variable.sel(pulley=size).to_numpy()
-        else:
-            columns[str(name)] = variable.to_numpy()
-    index = pd.MultiIndex.from_arrays(
-        [posterior["chain"].to_numpy(), posterior["draw"].to_numpy()], names=["chain", "draw"]
-    )
-    pd.DataFrame(columns, index=index).to_csv(path, lineterminator="\n")

@@ -149,6 +149,17 @@ class GroupedNormal:
         score, precision = self._given_the_rest()
         return np.asarray(ndtr(sign * (score / np.sqrt(precision))))
 
+    def draw_again(self, rng: np.random.Generator) -> Array:
+        """Draw by how much each measurement would be more if it alone were made again, (W, M).
+
+        Parameters
+        ----------
+        rng : Generator
+            Source of randomness.
+        """
+        score, precision = self._given_the_rest()
+        return np.asarray(rng.standard_normal(score.shape) / np.sqrt(precision) - score / precision)
+
     def numbers(self) -> tuple[Array, Array]:
         """Return what the measurements say of each group's own numbers, without a shared curve.
 

@@ -57,6 +57,9 @@ class RigLikelihood(Protocol):
     def trial_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
         """Return log densities of each trial given the rest, shape (W, N)."""
 
+    def draw_again(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
+        """Return by how much more each trial would show, made again given the rest, (W, N)."""
+
     def trial_cdf(self, theta: Mapping[str, Array]) -> Array:
         """Return the probability of less friction of each trial given the rest, shape (W, N)."""
 

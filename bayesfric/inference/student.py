@@ -73,12 +73,31 @@ class GroupedStudent:
 
     def single_cdf(self) -> Array:
         """Return the probability of less of each measurement given its group's others, (W, M)."""
+        weight, distance = self._given_the_rest()
+        return np.asarray((weight * stdtr(self.freedom, distance)).sum(axis=0))
+
+    def draw_again(self, rng: np.random.Generator) -> Array:
+        """Draw by how much each measurement would be more if it alone were made again, (W, M).
+
+        Parameters
+        ----------
+        rng : Generator
+            Source of randomness.
+        """
+        weight, distance = self._given_the_rest()
+        below = (weight.cumsum(axis=0) < rng.uniform(size=weight.shape[1:])).sum(axis=0)
+        node = np.minimum(below, len(weight) - 1)[None]
+        centre = np.take_along_axis(distance, node, axis=0)[0]
+        again = rng.standard_t(self.freedom, centre.shape)
+        return np.asarray(np.sqrt(self.variance) * (again - centre))
+
+    def _given_the_rest(self) -> tuple[Array, Array]:
+        """Return the probability of each node given the others, and the distance, (Q, W, M)."""
         nodes = SINGLE_NODES[len(self.moved)]
         log_weight, single, distance = self._on_grid(nodes, leave_out=True)
         rest = (log_weight + self.groups.total(single))[..., self.groups.of_each] - single
         weight = np.exp(rest - rest.max(axis=0))
-        weight /= weight.sum(axis=0)
-        return np.asarray((weight * stdtr(self.freedom, distance)).sum(axis=0))
+        return weight / weight.sum(axis=0), distance
 
     def _on_grid(self, nodes: _Nodes, *, leave_out: bool) -> tuple[Array, Array, Array]:
         """Return the log weight of each node, (Q, W, G), and of measurements, (Q, W, M), two.

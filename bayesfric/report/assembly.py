@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from datetime import datetime
 
 from bayesfric.report.chapters.blind import blind_chapter, scored_from
+from bayesfric.report.chapters.calibration import calibrated_from, calibration
 from bayesfric.report.chapters.checks import checks, coverage_tables
 from bayesfric.report.chapters.claims import claims
 from bayesfric.report.chapters.data_quality import data_quality
@@ -42,6 +43,8 @@ def build_document(stored: StoredResults) -> Document:
     """
     subtitle = "The diagnosis on data whose effect is withheld"
     created = None if stored.scorecard is None else stored.scorecard.created
+    if stored.scorecard is None and stored.calibration is not None:
+        subtitle, created = "Simulation-based calibration", stored.calibration.created
     for file, record in list(stored.records.items())[:1]:
         subtitle, created = f"{SUBTITLES[file]} {record.recording.name}", record.created
     law = own_law(_rigs(stored))
@@ -81,6 +84,8 @@ def _blocks(stored: StoredResults) -> Iterator[Block]:
         yield from data_quality(fitted)
     if stored.scorecard is not None:
         yield from blind_chapter(stored.scorecard)
+    if stored.calibration is not None:
+        yield from calibration(stored.calibration)
     yield from methods(stored)
     if fitted is not None:
         yield from diagnostics(fitted)
@@ -91,6 +96,8 @@ def _blocks(stored: StoredResults) -> Iterator[Block]:
             yield made_from(record)
         if not stored.records and stored.scorecard is not None:
             yield scored_from(stored.scorecard)
+        elif not stored.records and stored.calibration is not None:
+            yield calibrated_from(stored.calibration)
     if fitted is not None or stored.diagnosis is not None:
         yield Heading(1, "Long tables")
     if stored.diagnosis is not None:

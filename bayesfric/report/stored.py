@@ -8,6 +8,7 @@ import xarray as xr
 from bayesfric.errors import Fault, InputError
 from bayesfric.results import read_beside, read_json
 from bayesfric.schemas import (
+    CalibrationFile,
     ClaimsFile,
     DiagnosisFile,
     FitFile,
@@ -88,6 +89,8 @@ class StoredResults:
         How well the diagnosis does where it is not told; of other recordings.
     margins : MarginsFile or None
         Of the loops that were given.
+    calibration : CalibrationFile or None
+        Whether posteriors of simulated recordings hold their truths.
     """
 
     fitted: StoredFit | None = None
@@ -95,6 +98,7 @@ class StoredResults:
     diagnosis: StoredDiagnosis | None = None
     scorecard: ScorecardFile | None = None
     margins: MarginsFile | None = None
+    calibration: CalibrationFile | None = None
 
     @property
     def records(self) -> dict[str, Provenance]:
@@ -140,9 +144,12 @@ def read_stored(folder: Path) -> StoredResults:
         _diagnosis(folder) if there("diagnosis.json") else None,
         read_json(ScorecardFile, folder / "scorecard.json") if there("scorecard.json") else None,
         read_json(MarginsFile, folder / "margins.json") if there("margins.json") else None,
+        read_json(CalibrationFile, folder / "calibration.json")
+        if there("calibration.json")
+        else None,
     )
     records = stored.records
-    if not records and stored.scorecard is None:
+    if not records and stored.scorecard is None and stored.calibration is None:
         expected = f"it in {folder}, or another result: run `bayesfric fit RECORDING -o {folder}`"
         raise InputError([Fault("fit.json", expected)])
     first = next(iter(records), "")

@@ -32,6 +32,10 @@ class GroupedLikelihood(ABC):
         """Return each trial's log density given the others, shape (W, N)."""
         return self.normal(theta).single_log_density()
 
+    def draw_again(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
+        """Return how much more each trial would read, made again given the others, (W, N)."""
+        return self.normal(theta).draw_again(rng)
+
     def trial_cdf(self, theta: Mapping[str, Array]) -> Array:
         """Return the probability of less friction of each trial given the others, (W, N)."""
         return self.normal(theta).single_cdf()

@@ -7,6 +7,11 @@
 from pydantic import BaseModel
 
 from bayesfric.schemas.base import Interval, Provenance, RecordingId
+from bayesfric.schemas.calibration import (
+    CalibratedQuantity,
+    CalibrationCase,
+    CalibrationFile,
+)
 from bayesfric.schemas.claims import (
     ClaimResult,
     ClaimsFile,
@@ -71,6 +76,9 @@ __all__ = [
     "Absorbed",
     "Agreement",
     "Axis",
+    "CalibratedQuantity",
+    "CalibrationCase",
+    "CalibrationFile",
     "Cause",
     "ClaimResult",
     "ClaimsFile",
@@ -130,6 +138,7 @@ SCHEMAS: dict[str, type[BaseModel]] = {
     "diagnosis": DiagnosisFile,
     "scorecard": ScorecardFile,
     "margins": MarginsFile,
+    "calibration": CalibrationFile,
     "timings": TimingsFile,
     "comparison": ComparisonFile,
 }

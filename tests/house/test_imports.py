@@ -27,6 +27,7 @@ ROWS = (
     ("simulate",),
     ("results",),
     ("fitting", "testing"),
+    ("calibration",),
     ("claims",),
     ("diagnosis",),
     ("margins",),

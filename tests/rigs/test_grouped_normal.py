@@ -1,5 +1,7 @@
 """Groups of measurements against SciPy's multivariate normal and against quadrature."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -76,6 +78,42 @@ def test_the_probability_of_less_is_that_of_the_conditional_normal(rank, shared)
     found = normal(rank, shared)
     assert found.single_cdf()[0] == pytest.approx(expected, abs=1e-11)
     assert found.single_cdf(-1.0)[0] == pytest.approx(1 - np.array(expected), abs=1e-11)
+
+
+def many_of(one, count):
+    """Return the same density so many times over."""
+    repeated = {
+        name: np.repeat(getattr(one, name), count, axis=0) for name in ("residual", "variance")
+    }
+    return replace(one, **repeated, moved=np.repeat(one.moved, count, axis=1))
+
+
+@pytest.mark.parametrize(("rank", "shared"), SHAPES)
+def test_a_measurement_made_again_is_the_conditional_normal(rank, shared):
+    noise = covariance(rank, shared)
+    again = RESIDUAL + many_of(normal(rank, shared), 20_000).draw_again(np.random.default_rng(3))
+    for one in range(6):
+        rest = np.setdiff1d(np.arange(6), [one])
+        gain = noise[one, rest] @ np.linalg.inv(noise[np.ix_(rest, rest)])
+        sd = np.sqrt(noise[one, one] - gain @ noise[rest, one])
+        expected = stats.norm(gain @ RESIDUAL[rest], sd)
+        assert stats.kstest(again[:, one], expected.cdf).pvalue > 1e-3
+
+
+@pytest.mark.parametrize("rank", [1, 2])
+def test_a_student_measurement_made_again_against_quadrature(rank):
+    again = many_of(student(rank, 4.0), 5_000).draw_again(np.random.default_rng(3))[:, 2]
+    scale = np.sqrt(VARIANCE[2])
+    for more in scale * np.array([-2.0, 0.0, 1.0]):
+        place = RESIDUAL[2] + more
+        below = by_quadrature(
+            [0, 1],
+            rank,
+            4.0,
+            lambda numbers, y=place: stats.t.cdf((y - MOVED[:rank, 2] @ numbers) / scale, 4.0),
+        ) / by_quadrature([0, 1], rank, 4.0)
+        error = np.sqrt(below * (1 - below) / again.size)
+        assert abs((again <= more).mean() - below) < 4 * error
 
 
 @pytest.mark.parametrize(("rank", "shared"), SHAPES)

@@ -152,6 +152,29 @@ def test_probability_of_less_friction_of_a_run_given_all_other_currents():
         assert found[run] == pytest.approx(stats.norm.cdf(sign * z), abs=1e-6), run
 
 
+def test_a_run_made_again_shows_the_friction_of_its_conditional_current():
+    """In newtons, against what was read: k_t ΔI / r, around what all other currents say."""
+    motor = board()
+    current, mean, covariance = dense(motor, VALUES)
+    likelihood = MotorLikelihood(motor, RIG, Analysis())
+    many = {name: np.full(4000, value) for name, value in VALUES.items()}
+    found = dict(
+        zip(
+            likelihood.trials["trial"],
+            likelihood.draw_again(many, np.random.default_rng(3)).T,
+            strict=True,
+        )
+    )
+    for place, run in enumerate(motor.runs["run"]):
+        rest = np.delete(np.arange(12), place)
+        gain = covariance[place, rest] @ np.linalg.inv(covariance[np.ix_(rest, rest)])
+        sd = np.sqrt(covariance[place, place] - gain @ covariance[rest, place])
+        middle = mean[place] + gain @ (current - mean)[rest] - current[place]
+        newtons = 0.0259 * VALUES["torque_constant_factor"] / 0.0065
+        expected = stats.norm(newtons * middle, newtons * sd)
+        assert stats.kstest(found[run], expected.cdf).pvalue > 1e-3, run
+
+
 def test_probabilities_of_recordings_made_again_are_uniform_and_dependent():
     """Scores of a normal given the rest have the covariance D^-1/2 Σ^-1 D^-1/2."""
     motor = board()

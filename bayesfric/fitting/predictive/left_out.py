@@ -25,7 +25,7 @@ from bayesfric.inference.evidence import (
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import Model, RigLikelihood
 
-__all__ = ["LeftOut", "Uniformity", "leave_out", "leave_setups_out", "uniformity"]
+__all__ = ["LeftOut", "Uniformity", "by_blocks", "leave_out", "leave_setups_out", "uniformity"]
 
 Array = NDArray[np.float64]
 Kind = Literal["trial", "setup"]
@@ -118,18 +118,18 @@ def leave_out(
     LeftOut
         With exact refits wherever a Pareto k is above its limit.
     """
-    trial = _by_blocks(model, likelihood.trial_log_likelihood, z)
-    setup = _by_blocks(model, likelihood.setup_log_likelihood, z)
+    trial = by_blocks(model, likelihood.trial_log_likelihood, z)
+    setup = by_blocks(model, likelihood.setup_log_likelihood, z)
     trials, without = _leave_out(model, likelihood, "trial", trial, start, seed)
     setups, _ = _leave_out(model, likelihood, "setup", setup, start, seed)
     pit, again = np.empty(0), np.empty((0, trial.shape[1]))
     if trials is not None:
-        pit = loo_pit(_by_blocks(model, likelihood.trial_cdf, z), trial)
+        pit = loo_pit(by_blocks(model, likelihood.trial_cdf, z), trial)
         for place, unseen in without.items():
-            pit[place] = _by_blocks(model, likelihood.trial_cdf, unseen)[:, place].mean()
+            pit[place] = by_blocks(model, likelihood.trial_cdf, unseen)[:, place].mean()
         some = z[np.linspace(0, len(z) - 1, min(AGAIN, len(z))).astype(int)]
         rng = np.random.default_rng(np.random.SeedSequence([seed, 3]))
-        again = _by_blocks(model, partial(likelihood.draw_trial_cdf, rng=rng), some)
+        again = by_blocks(model, partial(likelihood.draw_trial_cdf, rng=rng), some)
     return LeftOut(trial, setup, trials, setups, pit, again)
 
 
@@ -157,7 +157,7 @@ def leave_setups_out(model: Model, z: Array) -> ELPD:
     """
     parts = []
     for likelihood in model.likelihoods:
-        setup = _by_blocks(model, likelihood.setup_log_likelihood, z)
+        setup = by_blocks(model, likelihood.setup_log_likelihood, z)
         if not np.isfinite(setup).all():
             raise ValueError("the log density of an assembly is not finite")
         parts.append(elpd(setup))
@@ -245,7 +245,7 @@ def _leave_out(
 
     def refit(place: int) -> float | None:
         def conditional(points: Array) -> Array:
-            return _by_blocks(model, density, points)[:, place]
+            return by_blocks(model, density, points)[:, place]
 
         own = int(np.random.SeedSequence([seed, len(kind), place]).generate_state(1)[0])
         unseen = refit_without(model.log_posterior, conditional, start, model.scale(), own)
@@ -266,7 +266,7 @@ def _leave_out(
     return elpd(log_likelihood, refit), refits
 
 
-def _by_blocks(model: Model, function: Callable[..., Array], z: Array) -> Array:
+def by_blocks(model: Model, function: Callable[..., Array], z: Array) -> Array:
     """Return what a likelihood says of many points, some at a time, shape (S, …)."""
     blocks = (z[start : start + DRAWS_A_CALL] for start in range(0, len(z), DRAWS_A_CALL))
     return np.concatenate([function(model.by_name(model.natural(block))) for block in blocks])

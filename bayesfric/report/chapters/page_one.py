@@ -10,6 +10,7 @@ from bayesfric.plots.posterior import coefficients_relative_to_paper
 from bayesfric.plots.rig_tables import RigTable, rig_tables
 from bayesfric.plots.style import to_svg
 from bayesfric.report.chapters.blind import scorecard_line
+from bayesfric.report.chapters.calibration import calibration_line
 from bayesfric.report.chapters.claims import fallen
 from bayesfric.report.chapters.diagnosis import verdict_line
 from bayesfric.report.chapters.margins import gain_lines
@@ -53,6 +54,8 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
         yield from gain_lines(stored.margins)
     if stored.scorecard is not None and fitted is None:
         yield scorecard_line(stored.scorecard)
+    if stored.calibration is not None and fitted is None:
+        yield calibration_line(stored.calibration)
     if fitted is not None:
         yield from worries(fitted.fit)
 

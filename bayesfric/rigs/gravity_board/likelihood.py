@@ -195,6 +195,14 @@ class GravityLikelihood:
             return found
         return found + self._at_rest.trial_log_density(theta, _normal(scattered))
 
+    def draw_again(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
+        """Return how much more friction each trial would show, made again, (W, N) [N].
+
+        Given those of its assembly that moved, with new scatter of its own and new noise;
+        what trials at rest add to that is left out.
+        """
+        return self._scattered(theta)[0].draw_again(rng)
+
     def trial_cdf(self, theta: Mapping[str, Array]) -> Array:
         """Return the probability of less friction of each trial given the rest, shape (W, N)."""
         scattered, _ = self._scattered(theta)

@@ -290,6 +290,15 @@ class MotorLikelihood:
         """Return each run's log density given all other currents, shape (W, N)."""
         return self._currents(theta).single_log_density()[:, : self._runs]
 
+    def draw_again(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
+        """Return how much more friction each run would show, made again, (W, N) [N].
+
+        Signed, given all other currents, with new scatter of its own and new noise; read
+        with the median torque constant, as :meth:`draw_observed`.
+        """
+        more = self._currents(theta).draw_again(rng)[:, : self._runs]
+        return np.asarray(np.median(self._torque(theta)) / self._radius * more)
+
     def trial_cdf(self, theta: Mapping[str, Array]) -> Array:
         """Return the probability of less friction of each run given all else, shape (W, N)."""
         return self._friction_cdf(self._currents(theta))

@@ -1,0 +1,163 @@
+"""A campaign of cases to ``calibration.json``."""
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.calibration.case import RANKED_DRAWS, TENSION_N, Given, run_case
+from bayesfric.calibration.generating import SCATTER_AND_NOISE, generating_analysis
+from bayesfric.calibration.ranks import band_of
+from bayesfric.campaign import cluster, run_campaign, run_on_processes
+from bayesfric.inference.priors import describe
+from bayesfric.physics.friction import Coefficients
+from bayesfric.results import created_date, json_bytes, package_versions, replace_outputs
+from bayesfric.schemas import CalibratedQuantity, CalibrationCase, CalibrationFile
+
+__all__ = ["calibrate", "calibration_of"]
+
+CASES = "calibration"
+"""Folder of the cases beside ``calibration.json``."""
+LEVEL = 0.95  # of all quantities together
+MOST_STALLED = 0.01
+LARGEST_R_HAT = 1.05  # beyond, 99 draws are not those of the posterior
+
+
+def calibrate(
+    folder: Path | str,
+    *,
+    number: int = 50,
+    workers: int = 1,
+    scheduler: str | None = None,
+    analysis: Analysis | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> CalibrationFile:
+    """Rank truths among draws of their posteriors, and write ``calibration.json``.
+
+    Cases that are done are kept under ``calibration/``, so that a campaign that was killed
+    goes on where it stopped, and one of more cases continues one of fewer.
+
+    Parameters
+    ----------
+    folder : Path or str
+        Created if it is not there.
+    number : int
+        Of cases.
+    workers : int
+        Processes of this machine; any number gives the same ranks.
+    scheduler : str or None
+        Address of a Dask scheduler, whose workers take the place of processes.
+    analysis : Analysis or None
+        With its ``[calibration]``; its own priors of c1, c2, c3, scatter and noise do not
+        enter.
+    progress : callable or None
+        Called with the cases done and the cases in all.
+
+    Returns
+    -------
+    CalibrationFile
+        What was written.
+
+    Raises
+    ------
+    InputError
+        A scatter that is not simulated, a scheduler that does not answer, or a folder that
+        cannot be written.
+    """
+    folder = Path(folder)
+    analysis = Analysis() if analysis is None else analysis
+    generating = generating_analysis(analysis)
+    protocol = analysis.calibration.protocol
+    given = {f"{one:05d}": Given(generating, protocol, one) for one in range(number)}
+    key = json.dumps([analysis_sha256(analysis), package_versions()], sort_keys=True)
+    kept = folder.resolve() / CASES / hashlib.sha256(key.encode()).hexdigest()[:12]
+    if scheduler is not None:
+        with cluster(scheduler) as executor:
+            found = run_campaign(run_case, given, kept, executor, progress)
+    else:
+        found = run_on_processes(run_case, given, kept, workers, progress)
+    result = calibration_of(list(found.values()), analysis, planned=number)
+    replace_outputs(folder, {"calibration.json": lambda path: path.write_bytes(json_bytes(result))})
+    return result
+
+
+def calibration_of(
+    cases: Sequence[Mapping[str, Any]], analysis: Analysis, *, planned: int
+) -> CalibrationFile:
+    """Return what the cases say together.
+
+    Parameters
+    ----------
+    cases : sequence of mapping
+        As :func:`bayesfric.calibration.case.run_case` returns them; one at least.
+    analysis : Analysis
+        Of the campaign.
+    planned : int
+        Cases in all.
+    """
+    read = [CalibrationCase.model_validate(one) for one in cases]
+    names = list(read[0].ranks)
+    allowed = (1 - LEVEL) / len(names)  # Bonferroni: quantities depend on one another
+    band = band_of(len(read), RANKED_DRAWS + 1, 1 - allowed)
+    quantities = []
+    for name in names:
+        ranks = np.array([one.ranks[name] for one in read])
+        difference, p_value = band.difference(ranks), band.p_value(ranks)
+        quantities.append(
+            CalibratedQuantity(
+                name=name,
+                difference=tuple(difference.tolist()),
+                p_value=p_value,
+                inside=p_value >= allowed,
+            )
+        )
+    stalled = sum(one.stalled for one in read) / sum(one.trials for one in read)
+    r_hat = max(one.r_hat for one in read)
+    outside = [one.name for one in quantities if not one.inside]
+    attention = []
+    if outside:
+        attention.append(f"Not calibrated: the ranks of {', '.join(outside)} are not uniform")
+    if stalled > MOST_STALLED:
+        attention.append(
+            f"{stalled:.1%} of the trials stalled: truths are drawn from a prior of which the "
+            "recordings that are fitted are no fair sample; a smaller spread would move them"
+        )
+    if r_hat > LARGEST_R_HAT:
+        attention.append(f"R-hat of some fit is {r_hat:.3f}: its draws have not converged")
+    return CalibrationFile(
+        seed=analysis.seed,
+        versions=package_versions(),
+        analysis_sha256=analysis_sha256(analysis),
+        created=(created := created_date(None)),
+        created_why=None if created else "SOURCE_DATE_EPOCH is not set",
+        protocol=analysis.calibration.protocol,
+        priors=_stated(generating_analysis(analysis)),
+        tension_n=TENSION_N,
+        draws=RANKED_DRAWS,
+        planned=planned,
+        level=1 - allowed,
+        probability=tuple(band.probability.tolist()),
+        low=tuple(band.low.tolist()),
+        high=tuple(band.high.tolist()),
+        quantities=tuple(quantities),
+        stalled_share=stalled,
+        r_hat=r_hat,
+        calibrated=not outside and stalled <= MOST_STALLED,
+        attention=tuple(attention),
+        cases=tuple(read),
+    )
+
+
+def _stated(generating: Analysis) -> dict[str, str]:
+    """Return the generating prior in words, by parameter."""
+    priors = generating.priors
+    of_size = {
+        f"{name}[{size}]": describe(getattr(own, name))
+        for size, own in priors.pulleys.items()
+        for name in Coefficients._fields
+    }
+    return of_size | {name: describe(getattr(priors, name)) for name in SCATTER_AND_NOISE}

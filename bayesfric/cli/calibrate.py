@@ -1,0 +1,55 @@
+"""``bayesfric calibrate``: simulation-based calibration."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from bayesfric.cli.exits import exit_status, fail_on
+from bayesfric.cli.options import Config, FailOn, Folder, Quiet, Seed, Workers
+
+__all__ = ["calibrate"]
+
+
+@exit_status
+def calibrate(
+    output: Folder = Path("bayesfric-run"),
+    number: Annotated[
+        int, typer.Option("--n", min=1, help="Cases; with more, a campaign is continued.")
+    ] = 50,
+    workers: Workers = 1,
+    scheduler: Annotated[
+        str | None,
+        typer.Option("--scheduler", help="Of a Dask cluster that runs the cases: tcp://host:8786."),
+    ] = None,
+    seed: Seed = None,
+    config: Config = None,
+    quiet: Quiet = False,
+    fail_on_list: FailOn = "",
+) -> None:
+    """Fit recordings of known truth, rank the truths; write calibration.json.
+
+    Truths are drawn from the prior of [calibration], with which they are fitted too. Cases
+    that are done are kept under calibration/.
+
+    Example: bayesfric calibrate -o my-calibration --n 500 --workers 2
+    """
+    from bayesfric.analysis import read_analysis
+    from bayesfric.calibration.running import calibrate as run
+    from bayesfric.cli.progress import progress_bar
+
+    fail_on(fail_on_list, set())  # an unknown name is told before the work
+    with progress_bar("calibrate", quiet=quiet) as progress:
+        found = run(
+            output,
+            number=number,
+            workers=workers,
+            scheduler=scheduler,
+            analysis=read_analysis(config, seed=seed),
+            progress=progress,
+        )
+    inside = sum(one.inside for one in found.quantities)
+    typer.echo(f"{inside} of {len(found.quantities)} quantities have uniform ranks")
+    for line in found.attention:
+        typer.echo(f"attention: {line}", err=True)
+    fail_on(fail_on_list, set() if found.calibrated else {"uncalibrated"})

@@ -1,0 +1,241 @@
+"""Draws of a fit laid out as ArviZ, and everyone who reads its files, expects them.
+
+All groups but the prior's speak of the same draws. ``log_likelihood`` holds ``friction``, the
+density of each trial given all others, and ``assembly``, that of each assembly given all
+others: either can be left out. Neither adds up to the density of the whole, so a third,
+``overlap``, holds what is missing: the group as a whole sums to the log likelihood, which is
+what power-scaling (``psense``) makes of it.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
+
+from bayesfric.fitting.predictive.coverage import CELL
+from bayesfric.fitting.predictive.left_out import LeftOut, by_blocks
+from bayesfric.inference.model import Model
+from bayesfric.inference.priors import LOG_2PI, log_density
+from bayesfric.results import draws_tree
+from bayesfric.rigs.coefficients import sizes_of
+
+__all__ = ["Stored", "draws_of_fit", "write_csv"]
+
+Array = NDArray[np.float64]
+MOST_DRAWS = 4000
+MOST_NUMBERS = 2_400_000  # draws times trials: a file of 15 to 20 MB
+STEP = 2.0**-14  # of a trial's log density [nat]; what is left of its digits compresses
+LEAST_OF_CHAIN = 4  # for ArviZ to compute anything
+PRIOR_DRAWS = 1000
+CONDITION = ("setup_of_trial", *CELL)
+
+
+@dataclass(frozen=True)
+class Stored:
+    """Every so-many-th draw of each walker: what is written, and what trials are left out of.
+
+    Parameters
+    ----------
+    z, theta : ndarray, shape (chain, draw, D)
+        In the sampling space, and in the parameters' units; chain = ensemble × walker.
+    log_density : ndarray, shape (chain, draw)
+        Of `z`.
+    ensemble : ndarray of int, shape (chain,)
+        That of each chain.
+    """
+
+    z: Array
+    theta: Array
+    log_density: Array
+    ensemble: NDArray[np.int_]
+
+    @classmethod
+    def of(cls, z: Array, theta: Array, log_density: Array, trials: int) -> "Stored":
+        """Return at most 4,000 draws, evenly spaced; fewer of very many trials.
+
+        Parameters
+        ----------
+        z, theta : ndarray, shape (ensembles, draws, walkers, D)
+            All draws.
+        log_density : ndarray, shape (ensembles, draws, walkers)
+            Of `z`.
+        trials : int
+            Of the recording.
+        """
+        ensembles, kept, walkers = log_density.shape
+        chains = ensembles * walkers
+        most = min(MOST_DRAWS, MOST_NUMBERS // trials) // chains
+        stride = -(-kept // max(LEAST_OF_CHAIN, most))
+
+        def by_chain(values: Array) -> Array:
+            values = values[:, ::stride].swapaxes(1, 2)
+            return values.reshape(chains, *values.shape[2:])
+
+        ensemble = np.repeat(np.arange(ensembles), walkers)
+        return cls(by_chain(z), by_chain(theta), by_chain(log_density), ensemble)
+
+    @property
+    def flat(self) -> Array:
+        """The draws of all chains in the sampling space, shape (chain · draw, D)."""
+        return self.z.reshape(-1, self.z.shape[-1])
+
+
+def draws_of_fit(
+    model: Model,
+    rigs: Mapping[str, Array],
+    stored: Stored,
+    left_out: Mapping[str, LeftOut],
+    seed: int,
+    attributes: Mapping[str, Any],
+) -> xr.DataTree:
+    """Return what ``draws.nc`` holds.
+
+    Parameters
+    ----------
+    model : Model
+        Of the posterior.
+    rigs : mapping of str to ndarray, shape (N,)
+        Its rigs by name, each with the friction of its trials as measured [N]. Where there
+        are two, their names go before the ids of trials and assemblies.
+    stored : Stored
+        The draws.
+    left_out : mapping of str to LeftOut
+        Of these draws, by rig.
+    seed : int
+        Of predictions and of the draws of the prior.
+    attributes : mapping
+        Provenance.
+
+    Returns
+    -------
+    DataTree
+        ``posterior``, ``prior``, ``log_prior``: each parameter, what every size has over
+        ``pulley``. ``observed_data``, ``posterior_predictive``, ``prior_predictive``:
+        ``friction`` over ``trial`` [N]; the posterior's is that of one trial made again among
+        all others, as when it is left out, the prior's that of the whole recording made
+        anew. ``log_likelihood``: see the module; ``assembly`` is over ``setup``.
+        ``sample_stats``: ``lp``, the log posterior density up to a constant.
+        ``constant_data``: the condition of each trial.
+    """
+    rng = np.random.default_rng(np.random.SeedSequence([seed, 5]))
+    shape = stored.log_density.shape
+    observed = np.concatenate(list(rigs.values()))
+    again = [
+        by_blocks(model, partial(likelihood.draw_again, rng=rng), stored.flat)
+        for likelihood in model.likelihoods
+    ]
+    before = model.draw_prior(PRIOR_DRAWS, rng)
+    named = model.by_name(before)
+    anew = [
+        likelihood.draw_observed(named, likelihood.draw_scatter(named, rng, together=True), rng)
+        for likelihood in model.likelihoods
+    ]
+    trials = np.concatenate([left.trial_log_likelihood for left in left_out.values()], axis=-1)
+    setups = np.concatenate([left.setup_log_likelihood for left in left_out.values()], axis=-1)
+    # In the sampling space, where the draws have their density, every prior is N(0, 1).
+    whole = stored.log_density + 0.5 * (LOG_2PI + stored.z**2).sum(axis=-1)
+    trials = STEP * np.rint(trials.reshape(*shape, -1) / STEP)
+    setups = setups.reshape(*shape, -1)
+    parts = trials.sum(axis=-1) + setups.sum(axis=-1)
+    priors = np.stack(
+        [log_density(p.prior, stored.theta[..., k]) for k, p in enumerate(model.parameters)],
+        axis=-1,
+    )
+    posterior, sizes = _variables(model, stored.theta), sizes_of(model.names)
+    prefixes = [f"{name}/" if len(rigs) > 1 else "" for name in rigs]  # ids may be the same
+    table = pd.concat(
+        one.trials.assign(
+            trial=prefix + one.trials["trial"], setup_of_trial=prefix + one.trials["setup"]
+        )
+        for prefix, one in zip(prefixes, model.likelihoods, strict=True)
+    )
+    return draws_tree(
+        {
+            "posterior": posterior,
+            "prior": _variables(model, before[None]),
+            "posterior_predictive": {
+                "friction": _single(observed + np.concatenate(again, axis=-1), shape)
+            },
+            "prior_predictive": {
+                "friction": _single(np.concatenate(anew, axis=-1), (1, PRIOR_DRAWS))
+            },
+            "observed_data": {"friction": observed},
+            "constant_data": {name: table[name].to_numpy() for name in CONDITION if name in table},
+            "sample_stats": {"lp": whole + priors.sum(axis=-1)},
+            "log_likelihood": {
+                "friction": trials,
+                "assembly": setups,
+                "overlap": whole - parts,
+            },
+            "log_prior": _variables(model, priors),
+        },
+        dims={name: ["pulley"] for name, values in posterior.items() if values.ndim == 3}
+        | {"friction": ["trial"], "assembly": ["setup"]}
+        | {name: ["trial"] for name in CONDITION if name in table},
+        coords=({"pulley": list(sizes)} if sizes else {})
+        | {
+            "trial": table["trial"].to_numpy(),
+            "setup": [
+                prefix + setup
+                for prefix, one in zip(prefixes, model.likelihoods, strict=True)
+                for setup in one.setups
+            ],
+        },
+        ensemble=stored.ensemble,
+        attributes=_flat(attributes),
+        units={**{p.name.partition("[")[0]: p.unit for p in model.parameters}},
+    )
+
+
+def _single(values: Array, shape: tuple[int, ...]) -> NDArray[np.float32]:
+    """Return predictions in single precision: a thousandth of their noise, half the file."""
+    return values.reshape(*shape, -1).astype(np.float32)
+
+
+def _variables(model: Model, values: Array) -> dict[str, Array]:
+    """Gather ``c1[small]``, ``c1[medium]``, … of the last axis into ``c1`` over pulleys."""
+    columns = dict(zip(model.names, np.moveaxis(values, -1, 0), strict=True))
+    sizes = sizes_of(model.names)
+    variables: dict[str, Array] = {}
+    for name, column in columns.items():
+        stem = name.partition("[")[0]
+        everywhere = [f"{stem}[{size}]" for size in sizes]
+        if sizes and set(everywhere) <= set(columns):
+            variables[stem] = np.stack([columns[of_size] for of_size in everywhere], axis=-1)
+        else:
+            variables[name] = column
+    return variables
+
+
+def _flat(attributes: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Flatten provenance for netCDF attributes, which hold no mappings."""
+    flat: dict[str, Any] = {}
+    for key, value in attributes.items():
+        if isinstance(value, Mapping):
+            flat |= _flat(value, f"{prefix}{key}.")
+        else:
+            flat[f"{prefix}{key}"] = "" if value is None else value
+    return flat
+
+
+def write_csv(tree: xr.DataTree, path: Path) -> None:
+    """Write the posterior as a table, one row a draw."""
+    posterior = tree["posterior"].to_dataset()
+    posterior = posterior.stack(sample=("chain", "draw"))  # noqa: PD013 (not of pandas)
+    columns = {}
+    for name, variable in posterior.data_vars.items():
+        if "pulley" in variable.dims:
+            for size in posterior["pulley"].to_numpy():
+                columns[f"{name}[{size}]"] = variable.sel(pulley=size).to_numpy()
+        else:
+            columns[str(name)] = variable.to_numpy()
+    index = pd.MultiIndex.from_arrays(
+        [posterior["chain"].to_numpy(), posterior["draw"].to_numpy()], names=["chain", "draw"]
+    )
+    pd.DataFrame(columns, index=index).to_csv(path, lineterminator="\n")

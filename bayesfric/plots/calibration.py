@@ -1,0 +1,54 @@
+"""Distribution of ranks less the uniform one, with the band that uniform ranks stay within."""
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from bayesfric.plots.labels import parameter_label
+from bayesfric.plots.style import COLORS, NEUTRAL, figure
+from bayesfric.schemas import CalibrationFile
+
+__all__ = ["rank_differences"]
+
+COLUMNS = 5
+
+
+def rank_differences(found: CalibrationFile) -> Figure:
+    """Draw the difference of distribution functions, a panel a quantity.
+
+    Parameters
+    ----------
+    found : CalibrationFile
+        ``calibration.json``.
+
+    Returns
+    -------
+    Figure
+        A step line in a band; one that leaves it is vermilion.
+    """
+    names = [one.name for one in found.quantities]
+    columns = min(COLUMNS, len(names))
+    rows = -(-len(names) // columns)
+    low, high = np.array(found.low), np.array(found.high)
+    at = np.array(found.probability)
+    with figure(height=18.0 * rows + 14.0) as fig:
+        panels = np.reshape(fig.subplots(rows, columns, sharex=True, sharey=True), (rows, columns))
+        for place, (panel, one) in enumerate(zip(panels.flat, found.quantities, strict=False)):
+            panel.fill_between(at, low, high, color=NEUTRAL, alpha=0.18, linewidth=0)
+            panel.axhline(0.0, color=NEUTRAL, linewidth=0.6)
+            color = COLORS["blue" if one.inside else "vermilion"]
+            panel.step(at, one.difference, where="mid", color=color, linewidth=0.9)
+            panel.set_title(parameter_label(one.name))
+            panel.set_xticks([0, 0.5, 1], ["0", "0.5", "1"])
+            panel.tick_params(labelbottom=place + columns >= len(names))
+        for panel in panels.flat[len(names) :]:
+            panel.set_visible(False)
+        fig.supxlabel("rank of the truth among posterior draws, over the largest", fontsize=8)
+        fig.supylabel("share of truths below it, less it", fontsize=8)
+        keys: list[Line2D | Patch] = [
+            Line2D([], [], color=COLORS["blue"], label="truths"),
+            Patch(color=NEUTRAL, alpha=0.3, linewidth=0, label="uniform ranks, all quantities"),
+        ]
+        fig.legend(handles=keys, loc="outside upper center", ncols=2)
+        return fig

@@ -1,0 +1,112 @@
+"""Whether posteriors hold the truth as often as they say: ranks of simulated truths."""
+
+from collections.abc import Iterator
+
+from bayesfric.plots.calibration import rank_differences
+from bayesfric.plots.style import to_svg
+from bayesfric.report.content import (
+    Block,
+    Code,
+    Column,
+    Figure,
+    Heading,
+    Notice,
+    Paragraph,
+    Reference,
+    Table,
+)
+from bayesfric.report.quantities import (
+    MISSING,
+    format_count,
+    format_fixed,
+    format_probability,
+    format_share,
+)
+from bayesfric.schemas import CalibrationFile
+
+__all__ = ["calibrated_from", "calibration", "calibration_line"]
+
+
+def calibration_line(found: CalibrationFile) -> Notice:
+    """Return the outcome for a report's first page."""
+    outside = [one.name for one in found.quantities if not one.inside]
+    said = f"{len(found.quantities) - len(outside)} of {len(found.quantities)} quantities have"
+    of = f"uniform ranks in {format_count(len(found.cases))} simulated recordings"
+    which = f"; not {', '.join(outside)}" if outside else ""
+    return Notice(
+        "good" if found.calibrated else "attention",
+        [f"{said} {of}{which}. See ", Reference("calibration"), "."],
+        title="Simulation-based calibration",
+    )
+
+
+def calibration(found: CalibrationFile) -> Iterator[Block]:
+    """Yield what was drawn, the ranks, and what they say."""
+    yield Heading(1, "Simulation-based calibration", label="calibration")
+    yield Paragraph(
+        [
+            f"{format_count(len(found.cases))} of {format_count(found.planned)} cases are done. "
+            "In each, a truth is drawn from a prior, a recording of the protocol "
+            f"{found.protocol} is simulated from it and fitted with the same prior. Where prior, "
+            "simulator, likelihood and sampler agree, the truth ranks among "
+            f"{format_count(found.draws)} draws of the posterior as any of them. A line that "
+            "first rises and then falls says that posteriors are too narrow, its mirror image "
+            "that they are too wide, and a bow to one side that they are biased. "
+            f"{format_share(found.stalled_share)} of the trials stalled, and the largest R-hat "
+            f"is {format_fixed(found.r_hat, 3)}. The prior is that of ",
+            Code("[calibration]"),
+            ", narrow enough that boards move; it is not that of this report's fit.",
+        ]
+    )
+    for line in found.attention:
+        yield Notice("attention", [f"{line}."])
+    yield Figure(
+        to_svg(rank_differences(found)),
+        [
+            "Distribution function of the ranks of the truths, less that of uniform ones. The "
+            "bands are simultaneous: of a right computation all lines stay inside everywhere "
+            "with probability 0.95. From ",
+            Code("calibration.json"),
+            ".",
+        ],
+        "A panel for each quantity: a step line around zero, and a band that is widest in the "
+        "middle and vanishes at both ends.",
+        label="ranks-of-truths",
+    )
+    yield Table(
+        "What is ranked.",
+        [
+            "quantity",
+            Column("p", align="right"),
+            "ranks",
+            "prior",
+        ],
+        [
+            [
+                one.name,
+                format_probability(one.p_value),
+                "uniform" if one.inside else "not uniform",
+                found.priors.get(one.name, MISSING),
+            ]
+            for one in found.quantities
+        ],
+        label="ranked",
+        note="p is of as large a departure anywhere by chance, of this quantity alone; a "
+        f"quantity is outside its band below {format_probability(1 - found.level)}. T is "
+        f"{format_fixed(found.tension_n, 0)} N.",
+    )
+
+
+def calibrated_from(found: CalibrationFile) -> Table:
+    """Return the table of seed, hash and versions."""
+    return Table(
+        "What makes the same result again.",
+        ["", "value"],
+        [
+            ["seed", Code(str(found.seed))],
+            ["analysis, SHA-256", Code(found.analysis_sha256)],
+            ["date", found.created or MISSING],
+            ["versions", ", ".join(f"{name} {text}" for name, text in found.versions.items())],
+        ],
+        label="calibrated-from",
+    )

@@ -1,0 +1,191 @@
+"""``draws.nc`` in the hands of its users: ArviZ 0.23, ArviZ 1 and corner, as they come."""
+
+import json
+import subprocess
+import sys
+
+import arviz_stats as azs
+import numpy as np
+import pytest
+import xarray as xr
+
+from bayesfric.results import read_tree
+
+GROUPS = {
+    "posterior",
+    "prior",
+    "posterior_predictive",
+    "prior_predictive",
+    "observed_data",
+    "constant_data",
+    "sample_stats",
+    "log_likelihood",
+    "log_prior",
+}
+OF_ONE_TRIAL = {"var_name": "friction"}
+
+
+@pytest.fixture(scope="module")
+def folder(small_fit, tmp_path_factory):
+    place = tmp_path_factory.mktemp("fit")
+    small_fit.write(place, csv=True)
+    return place
+
+
+@pytest.fixture(scope="module")
+def draws(folder):
+    return read_tree(folder / "draws.nc")
+
+
+def test_all_groups_speak_of_the_same_draws(draws):
+    assert set(draws.children) == GROUPS
+    of_draws = GROUPS - {"prior", "prior_predictive", "observed_data", "constant_data"}
+    sizes = {(draws[name].sizes["chain"], draws[name].sizes["draw"]) for name in of_draws}
+    assert sizes == {(144, 26)}
+    assert draws["posterior"]["ensemble"].to_numpy().tolist() == np.repeat(range(4), 36).tolist()
+    trials = draws["observed_data"]["trial"].to_numpy()
+    for name in ("posterior_predictive", "prior_predictive", "log_likelihood"):
+        assert draws[name]["friction"]["trial"].to_numpy().tolist() == trials.tolist()
+    assert set(draws["posterior"]["c1"].dims) == {"chain", "draw", "pulley"}
+    assert draws["log_likelihood"]["assembly"].dims == ("chain", "draw", "setup")
+    assert draws["posterior"]["c3"].attrs["units"] == "1/deg"
+
+
+def test_many_draws_are_thinned_alike():
+    from bayesfric.fitting.inference_data import MOST_DRAWS, Stored
+
+    z = np.arange(4 * 200 * 36, dtype=float).reshape(4, 200, 36)  # the place of each
+    stored = Stored.of(z[..., None], -z[..., None], 2 * z, trials=600)
+    assert MOST_DRAWS / 2 < stored.log_density.size <= MOST_DRAWS
+    assert np.array_equal(stored.flat[:, 0], stored.log_density.ravel() / 2)
+    assert np.array_equal(stored.theta, -stored.z)
+    assert stored.z[37, :, 0].tolist() == z[1, :: 200 // 25, 1].tolist()
+    assert stored.ensemble[37] == 1
+    fewer = Stored.of(z[..., None], z[..., None], z, trials=2000)
+    assert fewer.log_density.size * 2000 <= 2_400_000
+
+
+def test_the_likelihood_adds_up_to_that_of_the_whole(draws, small_recording):
+    """What power-scaling adds up, beside the likelihood worked out again."""
+    from bayesfric.analysis import Analysis
+    from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
+    from bayesfric.rigs.gravity_board.screening import screen_trials
+
+    screened = screen_trials(small_recording.gravity, small_recording.rig)
+    likelihood = GravityLikelihood(screened.gravity, small_recording.rig, Analysis())
+    point = draws["posterior"].to_dataset().isel(chain=3, draw=[7])
+    theta = {}
+    for parameter in likelihood.parameters:
+        stem, _, size = parameter.name.removesuffix("]").partition("[")
+        theta[parameter.name] = (point[stem].sel(pulley=size) if size else point[stem]).to_numpy()
+    density = draws["log_likelihood"].to_dataset().isel(chain=3, draw=7)
+    total = sum(float(density[name].sum()) for name in density.data_vars)
+    assert total == pytest.approx(likelihood.log_likelihood(theta)[0], rel=1e-12)
+    assert density["friction"].to_numpy() == pytest.approx(
+        likelihood.trial_log_likelihood(theta)[0], rel=1e-7
+    )
+    prior = sum(float(one.isel(chain=3, draw=7).sum()) for one in draws["log_prior"].values())
+    lp = float(draws["sample_stats"]["lp"].isel(chain=3, draw=7))
+    assert lp == pytest.approx(total + prior, rel=1e-12)
+
+
+def test_psense_is_that_of_the_fit(draws, folder):
+    """The same method over ensembles instead of walkers: what the tail of weights is differs."""
+    fit = json.loads((folder / "fit.json").read_text())
+    found = azs.psense_summary(draws, round_to=12)
+    assert np.isfinite(found[["prior", "likelihood"]].to_numpy(float)).all()
+    for size, coefficients in fit["pulleys"].items():
+        for name, entry in coefficients.items():
+            row = found.loc[f"{name}[{size}]"]
+            assert float(row["prior"]) == pytest.approx(entry["prior_sensitivity"], abs=0.003)
+            assert float(row["likelihood"]) == pytest.approx(
+                entry["likelihood_sensitivity"], rel=0.03
+            )
+
+
+def test_leave_one_out_is_that_of_the_fit(draws, folder):
+    """Densities, and probabilities by drawing instead of by the normal distribution."""
+    (trials, _) = json.loads((folder / "fit.json").read_text())["prediction"]
+    assert trials["refitted"] == 0
+    assert azs.loo(draws, **OF_ONE_TRIAL).elpd == pytest.approx(trials["elpd"], abs=0.1)
+    pit = azs.loo_pit(draws)["friction"]
+    exact = read_tree(folder / "predictive.nc")["trials"]["loo_pit"]
+    error = np.sqrt(exact * (1 - exact) / 1000).to_numpy() + 1e-3  # effective draws, at least
+    assert (np.abs(pit.to_numpy() - exact.to_numpy()) < 4 * error).all()
+
+
+@pytest.mark.filterwarnings("ignore:The inplace keyword")  # of pandas, inside the library
+def test_compare_finds_the_worse_model(draws):
+    """Of two models, one whose every trial is less likely by 1 nat."""
+    worse = xr.DataTree.from_dict(
+        {name: node.to_dataset() for name, node in draws.children.items()}
+    )
+    worse["log_likelihood"] = xr.DataTree(draws["log_likelihood"].to_dataset() - 1.0)
+    table = azs.compare({"worse": worse, "ours": draws}, method="pseudo-bma", **OF_ONE_TRIAL)
+    assert list(table.index) == ["ours", "worse"]
+    count = draws["observed_data"].sizes["trial"]
+    assert abs(float(table.loc["worse", "elpd_diff"])) == pytest.approx(count, abs=0.1)
+
+
+def test_predictions_scatter_as_trials_do(draws):
+    """Trials made again lie around what was measured as far as leave-one-out says."""
+    again = draws["posterior_predictive"]["friction"]
+    observed = draws["observed_data"]["friction"]
+    score = (observed - again.mean(("chain", "draw"))) / again.std(("chain", "draw"))
+    assert 0.7 < float(score.std()) < 1.3  # 48 trials: 1 ± 0.1
+    before = draws["prior_predictive"]["friction"]
+    assert float(before.std()) > 20 * float(again.std(("chain", "draw")).mean())
+
+
+IN_ARVIZ_0_23 = """
+import matplotlib
+matplotlib.use("Agg")
+import warnings
+warnings.simplefilter("ignore", FutureWarning)
+import arviz as az
+import corner
+warnings.simplefilter("error", UserWarning)  # Pareto k, shapes that do not fit
+warnings.simplefilter("error", RuntimeWarning)  # NaN, overflow
+data = az.from_netcdf("draws.nc")
+axes = az.plot_ppc(data, num_pp_samples=20, random_seed=1)
+trace = az.plot_trace(data, var_names=["tau"])
+figure = corner.corner(data, var_names=["tau", "omega"])
+pit = az.loo_pit(data, y="friction")
+table = az.compare({"a": data, "b": data}, var_name="friction", method="BB-pseudo-BMA")
+print(
+    len(axes.lines), trace.shape[0], len(figure.axes), az.loo(data, var_name="friction").elpd_loo,
+    float(az.psens(data, component="prior", var_names=["omega"])), len(table), pit.sum(),
+)
+"""
+
+
+def test_arviz_0_23_and_corner(draws, folder):
+    """In a process of its own: on its first import of a day ArviZ 0.23 warns."""
+    done = subprocess.run(
+        [sys.executable, "-c", IN_ARVIZ_0_23],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    lines, panels, corners, elpd, sensitivity, compared, pit = map(float, done.stdout.split())
+    assert (lines, panels, corners, compared) == (23, 1, 4, 2)  # 20 draws and three more
+    assert elpd == pytest.approx(azs.loo(draws, **OF_ONE_TRIAL).elpd, abs=0.02)
+    modern = azs.psense_summary(draws, var_names=["omega"], round_to=12)
+    assert sensitivity == pytest.approx(float(modern.loc["omega", "prior"]), rel=0.05)
+    assert pit == pytest.approx(float(azs.loo_pit(draws)["friction"].sum()), abs=0.05)
+
+
+def test_csv_is_what_r_expects(folder, draws):
+    """Columns by which ``posterior::as_draws_df`` of R knows chains and iterations."""
+    header, *rows = (folder / "draws.csv").read_text().splitlines()
+    assert header.startswith("chain,draw,")
+    posterior = draws["posterior"]
+    assert len(rows) == posterior.sizes["chain"] * posterior.sizes["draw"]
+    names = header.split(",")
+    assert {"c1[small]", "c3[large]", "tau", "wander_length"} <= set(names)
+    numbers = [float(cell) for cell in rows[27].split(",")]
+    assert numbers[:2] == [1, 1]
+    column = names.index("c2[medium]")
+    assert numbers[column] == float(posterior["c2"].isel(chain=1, draw=1).sel(pulley="medium"))
