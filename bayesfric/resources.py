@@ -6,7 +6,13 @@ They stand beside the package in the source tree, and inside it, under
 
 from pathlib import Path
 
-__all__ = ["bundled_recording", "data_folder", "reference_folder"]
+__all__ = [
+    "bundled_loops",
+    "bundled_recording",
+    "data_folder",
+    "loop_template",
+    "reference_folder",
+]
 
 _PACKAGE = Path(__file__).resolve().parent
 
@@ -19,6 +25,17 @@ def data_folder() -> Path:
 def bundled_recording() -> Path:
     """Return the bundled synthetic recording of the paper's protocol."""
     return data_folder() / "recordings" / "synthetic-paper"
+
+
+def bundled_loops() -> dict[str, Path]:
+    """Return the bundled loop files by the names that they are asked for with."""
+    files = sorted((data_folder() / "loops").glob("*.toml"))
+    return {path.stem: path for path in files if path != loop_template()}
+
+
+def loop_template() -> Path:
+    """Return the loop file with every key and a comment on each."""
+    return data_folder() / "loops" / "template.toml"
 
 
 def reference_folder() -> Path:

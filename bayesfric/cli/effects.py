@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from bayesfric.cli.exits import exit_status
+from bayesfric.cli.new_file import write_new
 from bayesfric.cli.printing import say
 
 __all__ = ["effects"]
@@ -59,12 +60,5 @@ def _write(name: str) -> None:
     if name in all_effects(None):
         expected = "a name that no effect has yet"
         raise InputError([Fault("command line", expected, value=name)])
-    try:
-        with path.open("x", encoding="utf-8") as file:
-            file.write(template(name))
-    except FileExistsError:
-        raise InputError([Fault(str(path), "no file of this name; nothing is written")]) from None
-    except OSError as error:
-        expected = f"a folder that can be written ({error.strerror})"
-        raise InputError([Fault(str(path), expected)]) from None
+    write_new(path, template(name))
     say(f"{path}: change it, then bayesfric diagnose RECORDING --effect-module {path}")

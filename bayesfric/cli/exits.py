@@ -24,7 +24,7 @@ __all__ = ["FAILURES", "exit_status", "fail_on", "failures_of", "unprinted"]
 
 P = ParamSpec("P")
 SHOWN_FAULTS = 50
-FAILURES = ("refuted", "unconverged", "gap", "undecided", "changed", "uncalibrated")
+FAILURES = ("refuted", "unconverged", "gap", "undecided", "changed", "uncalibrated", "spec")
 """What ``--fail-on`` can name."""
 VERDICT_FAILURES = {
     "named": {"gap"},

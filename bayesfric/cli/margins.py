@@ -7,6 +7,7 @@ import typer
 
 from bayesfric.cli.exits import exit_status, fail_on
 from bayesfric.cli.locks import hold
+from bayesfric.cli.new_file import write_new
 from bayesfric.cli.options import Config, FailOn, Folder, Quiet, Seed
 from bayesfric.cli.printing import say
 from bayesfric.cli.progress import progress_bar
@@ -19,8 +20,13 @@ __all__ = ["margins", "margins_into"]
 
 @exit_status
 def margins(
-    loops: Annotated[list[Path], typer.Argument(help="Loop files; see docs/loop.md.")],
-    draws: Annotated[Path, typer.Option("--draws", help="The draws.nc of a fit.")],
+    loops: Annotated[
+        list[Path] | None,
+        typer.Argument(help="Loop files (docs/loop.md), or names of bundled loops."),
+    ] = None,
+    draws: Annotated[
+        Path | None, typer.Option("--draws", help="The draws.nc of a fit; loops need it.")
+    ] = None,
     output: Folder = Path("bayesfric-run"),
     diagnosis: Annotated[
         Path | None,
@@ -30,6 +36,13 @@ def margins(
         int,
         typer.Option("--verify", min=0, help="Draws of each loop to hold against the simulator."),
     ] = 0,
+    template: Annotated[
+        Path | None,
+        typer.Option("--template", help="Write a loop file to begin with here, and end."),
+    ] = None,
+    list_loops: Annotated[
+        bool, typer.Option("--list-loops", help="List the bundled loops, and end.")
+    ] = False,
     seed: Seed = None,
     config: Config = None,
     quiet: Quiet = False,
@@ -37,16 +50,27 @@ def margins(
 ) -> None:
     """Compute controller margins over the draws of a fit; write margins.json.
 
-    Example: bayesfric margins elbow.toml --draws my-results/draws.nc -o my-results
+    A loop that misses its spec, in the diagnosed law where there is one, is told, and is what
+    --fail-on spec means.
+
+    Example: bayesfric margins raven-elbow --draws my-results/draws.nc -o my-results
     """
     from bayesfric.analysis import read_analysis
+    from bayesfric.errors import Fault, InputError
 
     fail_on(fail_on_list, set())  # an unknown name is told before the work
+    if template is not None or list_loops:
+        _to_begin_with(template, list_loops, loops)
+        return
+    if not loops or draws is None:
+        expected = "loops and --draws draws.nc, or --template FILE, or --list-loops"
+        raise InputError([Fault("command line", expected)])
     analysis = read_analysis(config, seed=seed)
     with hold(output, "margins"):
-        margins_into(
+        happened = margins_into(
             loops, draws, output, analysis, diagnosis=diagnosis, verify=verify, quiet=quiet
         )
+    fail_on(fail_on_list, happened)
 
 
 def margins_into(
@@ -58,8 +82,8 @@ def margins_into(
     diagnosis: Path | None = None,
     verify: int = 0,
     quiet: bool,
-) -> None:
-    """Compute margins, write and print them."""
+) -> set[str]:
+    """Compute margins, write and print them; return what happened that ``--fail-on`` can name."""
     from bayesfric.margins import compute_margins
 
     with progress_bar("margins", quiet=quiet) as progress:
@@ -67,6 +91,7 @@ def margins_into(
             loops, draws, analysis, diagnosis=diagnosis, verify=verify, progress=progress
         )
     found.write(output)
+    happened = set[str]()
     for loop in found.summary.loops:
         say(f"{loop.name}: {loop.answer}")
         if loop.with_effects is not None:
@@ -81,6 +106,28 @@ def margins_into(
                     f"{metric.interval.q95:.3g}] {metric.unit if metric.unit != '1' else ''}"
                     f"  P(violates {metric.spec:.3g}) = {p:.3f}"
                 )
+        believed = loop.with_effects or loop
+        if believed.missed_specs:
+            happened.add("spec")
+            say(f"  misses its spec: {', '.join(believed.missed_specs)}")
         if not quiet:
             for warning in loop.warnings:
                 say(f"warning: {loop.name}: {warning}", err=True)
+    return happened
+
+
+def _to_begin_with(template: Path | None, list_loops: bool, loops: list[Path] | None) -> None:
+    """Write the template, list the bundled loops."""
+    from bayesfric.errors import Fault, InputError
+    from bayesfric.margins import read_loop
+    from bayesfric.resources import bundled_loops, loop_template
+
+    if loops:
+        expected = "no loop beside --template and --list-loops"
+        raise InputError([Fault("command line", expected, value=str(loops[0]))])
+    if template is not None:
+        write_new(template, loop_template().read_text(encoding="utf-8"))
+        say(f"{template}: change it, then bayesfric margins {template} --draws DRAWS")
+    if list_loops:
+        for name, path in bundled_loops().items():
+            say(f"{name}  {read_loop(path).title}")

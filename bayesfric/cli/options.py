@@ -50,7 +50,7 @@ FailOn = Annotated[
     typer.Option(
         "--fail-on",
         help="Exit with 1 if one of these happened: refuted, unconverged, gap, undecided, "
-        "changed, uncalibrated.",
+        "changed, uncalibrated, spec.",
     ),
 ]
 

@@ -37,7 +37,10 @@ def run(
     ] = None,
     output: Folder = Path("bayesfric-run"),
     loop: Annotated[
-        list[Path] | None, typer.Option("--loop", help="A loop file; its margins are computed.")
+        list[Path] | None,
+        typer.Option(
+            "--loop", help="A loop file, or the name of a bundled loop; its margins are computed."
+        ),
     ] = None,
     rigs: Rigs = None,
     baseline: Baseline = "paper",
@@ -52,18 +55,19 @@ def run(
     Example: bayesfric run my-board -o my-results --loop elbow.toml
     """
     from bayesfric.analysis import read_analysis
-    from bayesfric.margins import read_loop
+    from bayesfric.margins import loop_path, read_loop
     from bayesfric.resources import bundled_recording
 
     fail_on(fail_on_list, set())  # an unknown name is told before the work
-    for path in loop or []:  # a fault in one, likewise
+    loops = [loop_path(path) for path in loop or []]
+    for path in loops:  # a fault in one, likewise
         read_loop(path)
     with hold(output, "run"):
         happened = run_into(
             recording if recording is not None else bundled_recording(),
             output,
             read_analysis(config, seed=seed),
-            loops=loop or [],
+            loops=loops,
             rigs=named_rigs(rigs),
             baseline=baseline,
             workers=workers,
@@ -93,6 +97,6 @@ def run_into(
     happened |= claims_into(recording, output, analysis, rigs=rigs, workers=workers, **common)
     happened |= diagnose_into(recording, output, analysis, **common)
     if loops:
-        margins_into(loops, output / "draws.nc", output, analysis, quiet=quiet)
+        happened |= margins_into(loops, output / "draws.nc", output, analysis, quiet=quiet)
     write_report(output)
     return happened

@@ -1,6 +1,6 @@
 """Margins of a cable-driven control loop under the uncertainty of its friction."""
 
 from bayesfric.margins.computing import Margins, compute_margins
-from bayesfric.margins.loop_file import Loop, read_loop
+from bayesfric.margins.loop_file import Loop, loop_path, read_loop
 
-__all__ = ["Loop", "Margins", "compute_margins", "read_loop"]
+__all__ = ["Loop", "Margins", "compute_margins", "loop_path", "read_loop"]

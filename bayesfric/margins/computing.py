@@ -30,6 +30,7 @@ from bayesfric.margins.loop_at_shaft import LoopAtShaft, at_shaft
 from bayesfric.margins.loop_file import Loop, loop_sha256, read_loop
 from bayesfric.margins.metrics import Key, closed_forms, linear_of, metric_rows
 from bayesfric.margins.nyquist import nyquist_fans
+from bayesfric.margins.spec import missed_specs
 from bayesfric.margins.thresholds import Hunting, find_hunting
 from bayesfric.margins.variance import variance_shares
 from bayesfric.margins.verification import verify as verify_draws
@@ -89,7 +90,7 @@ def compute_margins(
     Parameters
     ----------
     loops : Path, str or Loop, or a sequence of them
-        Loop files, or loops read already; each name once.
+        Loop files, names of bundled loops, or loops read already; each name once.
     draws : Path or str
         ``draws.nc`` of a fit. ``claims.json`` beside it says how far rigs differ.
     analysis : Analysis, optional
@@ -219,6 +220,7 @@ def _one_loop(
     draws = posterior.effective_draws
     safe = largest_safe_gain(hunting, allowed, draws)
     beyond = beyond_the_draws(shaft, given, posterior)
+    rows = metric_rows(shaft, values, linear, hunting, draws)
     shares = variance_shares(evaluate, given.taken(some), other.taken(some))
     return LoopMargins(
         name=loop.name,
@@ -233,7 +235,9 @@ def _one_loop(
         ),
         compensation_signal=loop.compensation.signal,
         compensation_gain=float(np.median(shaft.gamma)),
-        metrics=metric_rows(shaft, values, linear, hunting, draws),
+        metrics=rows,
+        missed_specs=missed_specs(rows, float(hunting.now.mean()), loop.spec),
+        violation_probability_max=loop.spec.violation_probability_max,
         limit_cycle_probability=limit_cycle_curve(hunting, draws),
         limit_cycle_probability_why=None,
         limit_cycle_probability_max=allowed,
@@ -300,11 +304,13 @@ def _with_effects(
     allowed = shaft.loop.spec.limit_cycle_probability_max
     hunting = find_hunting(after, simulated, allowed)
     safe = largest_safe_gain(hunting, allowed, effective_draws)
+    rows = metric_rows(after, closed_forms(after, linear), linear, hunting, effective_draws)
     return WithEffects(
         effects=tuple(cause.effect for cause in carried.causes),
         left_out=carried.left_out,
         answer=which_gain(after, hunting, safe, allowed),
-        metrics=metric_rows(after, closed_forms(after, linear), linear, hunting, effective_draws),
+        metrics=rows,
+        missed_specs=missed_specs(rows, float(hunting.now.mean()), shaft.loop.spec),
         largest_safe_compensation_gain=safe.gamma,
         largest_safe_compensation_gain_why=safe.why,
     )

@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from bayesfric.errors import Fault, InputError
 from bayesfric.files import read_toml
 from bayesfric.margins.quantities import FAMILIES, NonNegative, Positive, Quantity
+from bayesfric.resources import bundled_loops
 
 __all__ = [
     "Cable",
@@ -26,6 +27,7 @@ __all__ = [
     "RevoluteJoint",
     "Spec",
     "Tool",
+    "loop_path",
     "loop_sha256",
     "read_loop",
 ]
@@ -265,6 +267,9 @@ class Spec(_Section):
     limit_cycle_probability_max: Share = Field(
         0.05, description="P(limit cycle) that decides the largest compensation gain."
     )
+    violation_probability_max: Share = Field(
+        0.05, description="P(violates) above which any other spec counts as missed."
+    )
 
 
 class Loop(_Section):
@@ -307,7 +312,29 @@ class Loop(_Section):
             raise ValueError("tool.lever_m for a revolute joint")
         if self.joint.kind == "prismatic" and self.tool.lever_m is not None:
             raise ValueError("no tool.lever_m for a prismatic joint")
+        if (
+            self.spec.headroom_continuous_min is not None
+            and self.drive.continuous_current_a is None
+        ):
+            raise ValueError("drive.continuous_current_a with spec.headroom_continuous_min")
         return self
+
+
+def loop_path(given: Path) -> Path:
+    """Return a loop file that a user names: one that is there, or a bundled one by its name.
+
+    Raises
+    ------
+    InputError
+        It is neither.
+    """
+    if given.exists():
+        return given
+    bundled = bundled_loops()
+    if str(given) not in bundled:
+        expected = f"a loop file that is there, or a bundled loop: {', '.join(bundled)}"
+        raise InputError([Fault(str(given), expected)])
+    return bundled[str(given)]
 
 
 def read_loop(path: Path) -> Loop:
@@ -316,13 +343,14 @@ def read_loop(path: Path) -> Loop:
     Parameters
     ----------
     path : Path
-        The TOML file.
+        The TOML file, or the name of a bundled loop.
 
     Raises
     ------
     InputError
         With every fault of the file: where, what was found, what was expected.
     """
+    path = loop_path(path)
     values = read_toml(path)
     try:
         return Loop.model_validate(values)

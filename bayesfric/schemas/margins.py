@@ -117,6 +117,7 @@ class WithEffects(Record):
     left_out: tuple[str, ...] = Field(description="Named, but not carried to a loop, and why.")
     answer: str = Field(description="Which compensation gain to set, in a sentence.")
     metrics: tuple[Metric, ...] = Field(description="As without the effects.")
+    missed_specs: tuple[str, ...] | None = Field(None, description="As without the effects.")
     largest_safe_compensation_gain: Number | None = Field(
         description="The largest γ with P(limit cycle) within the spec."
     )
@@ -135,6 +136,14 @@ class LoopMargins(Record):
     )
     compensation_gain: Number = Field(description="γ of the file; the median if uncertain.")
     metrics: tuple[Metric, ...] = Field(description="In the order of the contract.")
+    missed_specs: tuple[str, ...] | None = Field(
+        None,
+        description="Metrics, and `limit_cycle_probability`, that miss their spec with a "
+        "probability above the file's limit; null in files of earlier versions.",
+    )
+    violation_probability_max: Number | None = Field(
+        None, description="That limit for the metrics; null in files of earlier versions."
+    )
     limit_cycle_probability: tuple[GammaProbability, ...] = Field(
         description="Over γ; empty where the compensator cannot cause one."
     )

@@ -9,11 +9,13 @@ from margins.loops import write_draws
 from typer.testing import CliRunner
 
 from bayesfric.cli import app
-from bayesfric.resources import data_folder
+from bayesfric.errors import InputError
+from bayesfric.margins import read_loop
+from bayesfric.resources import loop_template
 from bayesfric.results import read_json
 from bayesfric.schemas import MarginsFile
 
-TEMPLATE = data_folder() / "loops" / "template.toml"
+TEMPLATE = loop_template()
 
 
 def bayesfric(*arguments, cwd):
@@ -82,3 +84,84 @@ def test_run_refuses_a_bad_loop_before_the_work(tmp_path):
     assert done.exit_code == 2
     assert "bad.toml, name" in done.stderr
     assert not output.exists()
+
+
+def with_bound(folder, name, metres):
+    """A loop whose only spec is its steady error, of a fraction of a millimetre."""
+    text = (folder / "joint.toml").read_text(encoding="utf-8").partition("[spec]")[0]
+    path = folder / name
+    path.write_text(f"{text}[spec]\nsteady_error_max_m = {metres}\n", encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(("metres", "status"), [(1e-6, 1), (1.0, 0)], ids=["missed", "met"])
+def test_fail_on_spec(folder, tmp_path, metres, status):
+    loop = with_bound(folder, "judged.toml", metres)
+    arguments = ["margins", loop, "--draws", folder / "draws.nc", "-o", tmp_path / "out"]
+    done = CliRunner().invoke(app, [*map(str, arguments), "--fail-on", "spec"])
+    assert done.exit_code == status, done.stderr
+    assert ("misses its spec: steady_error_servo" in done.stdout) == bool(status)
+    assert ("failed: spec" in done.stderr) == bool(status)
+    assert (tmp_path / "out" / "margins.json").is_file()
+    assert CliRunner().invoke(app, list(map(str, arguments))).exit_code == 0
+
+
+@pytest.mark.parametrize(("metres", "status"), [(1e-6, 1), (1.0, 0)], ids=["missed", "met"])
+def test_fail_on_spec_of_a_run(folder, tmp_path, monkeypatch, metres, status):
+    """The verbs before the margins stand still: they have tests of their own."""
+
+    def fitted(recording, output, analysis, **options):
+        write_draws(output / "draws.nc", n=200)
+        return set()
+
+    monkeypatch.setattr("bayesfric.cli.run.fit_into", fitted)
+    for name in ("claims_into", "diagnose_into"):
+        monkeypatch.setattr(f"bayesfric.cli.run.{name}", lambda *_, **__: set())
+    monkeypatch.setattr("bayesfric.report.writing.write_report", lambda folder: None)
+    loop = with_bound(folder, "judged.toml", metres)
+    arguments = ["run", "-o", tmp_path / "out", "--loop", loop, "--fail-on", "spec", "--quiet"]
+    assert CliRunner().invoke(app, list(map(str, arguments))).exit_code == status
+
+
+def test_a_template_is_written_once(tmp_path):
+    path = tmp_path / "mine.toml"
+    done = CliRunner().invoke(app, ["margins", "--template", str(path)])
+    assert done.exit_code == 0, done.stderr
+    assert path.read_bytes() == TEMPLATE.read_bytes()
+    path.write_text("changed\n", encoding="utf-8")
+    again = CliRunner().invoke(app, ["margins", "--template", str(path)])
+    assert again.exit_code == 2
+    assert "mine.toml" in again.stderr
+    assert path.read_text(encoding="utf-8") == "changed\n"
+
+
+def test_bundled_loops_are_listed_and_found_by_name(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # where no data/ is
+    listed = CliRunner().invoke(app, ["margins", "--list-loops"])
+    assert listed.exit_code == 0, listed.stderr
+    assert "raven-elbow  RAVEN II arm, elbow\n" in listed.stdout
+    assert "template" not in listed.stdout
+    assert read_loop(Path("raven-grasp")).title == "RAVEN II instrument, wrist or grasp, Kp only"
+    nameless = CliRunner().invoke(app, ["margins", "raven-grasp", "--draws", "nowhere.nc"])
+    assert nameless.stderr.startswith("error: nowhere.nc")  # the loop was found
+    Path("raven-grasp").write_text("name = 3\n", encoding="utf-8")
+    with pytest.raises(InputError, match="raven-grasp, name"):  # a file that is there comes first
+        read_loop(Path("raven-grasp"))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["nosuch", "--draws", "draws.nc"], "raven-elbow"),
+        (["raven-elbow"], "--draws"),
+        ([], "--template"),
+        (["raven-elbow", "--list-loops"], "no loop beside"),
+    ],
+    ids=["no such loop", "no draws", "nothing", "both"],
+)
+def test_what_is_missing_is_said(folder, tmp_path, arguments, said):
+    arguments = [str(folder / one) if one == "draws.nc" else one for one in arguments]
+    done = CliRunner().invoke(app, ["margins", *arguments, "-o", str(tmp_path / "out")])
+    assert done.exit_code == 2
+    assert said in done.stderr
+    assert not (tmp_path / "out").exists()

@@ -57,6 +57,7 @@ def refused(tmp_path, changes):
         ({"runs.0.tension_known_at": "middle"}, "runs.0.tension_known_at", "'mean'"),
         ({"runs.0.topology": None}, "runs.0.topology", "this key"),
         ({"runs.0.wrap_angle_deg": [85, 85]}, "runs.0", "5 values"),
+        ({"spec": {"headroom_continuous_min": 0.3}}, None, "drive.continuous_current_a"),
         ({"joint.inertia_kg_m2": {"family": "normal", "mean": 1.0, "sd": 0.5}},
          "joint.inertia_kg_m2", "log-normal"),
         ({"joint.inertia_kg_m2": {"family": "cauchy"}}, "joint.inertia_kg_m2", "family"),

@@ -117,11 +117,12 @@ def margins(found: MarginsFile) -> Iterator[Block]:
 def _kind(loop: LoopMargins) -> Literal["attention", "good", "info"]:
     hunts = [one for one in loop.metrics if one.name == "gamma_hunting"]
     p = hunts[0].probability_of_violation if hunts else None
-    missed = any(
-        (one.probability_of_violation or 0.0) > loop.limit_cycle_probability_max
-        for one in loop.metrics
-    )
-    if missed or (p is None and loop.largest_safe_compensation_gain is None):
+    missed = [loop.missed_specs]
+    if loop.with_effects is not None:
+        missed.append(loop.with_effects.missed_specs)
+    if any(one is None or one for one in missed):
+        return "attention"
+    if p is None and loop.largest_safe_compensation_gain is None:
         return "attention"
     # Green would cover what the loop's remarks say of its assumptions.
     return "info" if loop.warnings or loop.not_examined else "good"

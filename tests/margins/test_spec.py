@@ -1,0 +1,77 @@
+"""Which specs a loop misses: a bound at a known quantile, on both sides of the limit."""
+
+import numpy as np
+import pytest
+from margins.loops import loop, write_draws
+
+from bayesfric.margins import compute_margins
+from bayesfric.margins.loop_file import Spec
+from bayesfric.margins.spec import missed_specs
+from bayesfric.schemas import Metric
+
+
+@pytest.fixture(scope="module")
+def draws(tmp_path_factory):
+    return write_draws(tmp_path_factory.mktemp("draws") / "draws.nc", n=200)
+
+
+def missed(draws, changes):
+    return compute_margins([loop(changes)], draws).summary.loops[0].missed_specs
+
+
+@pytest.fixture(scope="module")
+def errors(draws):
+    """Steady error over the draws at 0.05 steps of probability, from 0.05 to 0.95."""
+    (row,) = [
+        one
+        for one in compute_margins([loop()], draws).summary.loops[0].metrics
+        if one.name == "steady_error_servo"
+    ]
+    return dict(zip(np.round(np.arange(0.05, 0.96, 0.05), 2), row.quantiles[1:-1], strict=True))
+
+
+@pytest.mark.parametrize(
+    ("at", "limit", "expected"),
+    [
+        (0.9, 0.05, ("steady_error_servo",)),  # a tenth of the draws is above it
+        (0.9, 0.2, ()),
+        (0.5, 0.2, ("steady_error_servo",)),
+        (0.5, 0.6, ()),
+    ],
+)
+def test_a_spec_is_missed_above_the_limit_of_the_file(draws, errors, at, limit, expected):
+    changes = {
+        "spec.steady_error_max_m": errors[at],
+        "spec.violation_probability_max": limit,
+        "compensation.gain": 0.1,
+    }
+    assert missed(draws, changes) == expected
+
+
+def test_the_default_limit_is_a_twentieth(draws, errors):
+    assert missed(draws, {"spec.steady_error_max_m": errors[0.9], "compensation.gain": 0.1})
+    lenient = {"spec.steady_error_max_m": 1.01 * errors[0.95], "compensation.gain": 0.1}
+    assert missed(draws, lenient) == ()
+
+
+def test_hunting_is_missed_by_its_own_limit(draws):
+    over = {"compensation.gain": 3.0}  # F/F̂ is 1.2, ζ 0.63: γ* = (F/F̂)(1 + πζ/2) = 2.3
+    assert missed(draws, over) == ("limit_cycle_probability",)
+    assert missed(draws, {"compensation.gain": 0.1}) == ()
+
+
+def test_a_margin_that_no_draw_has_misses_what_is_asked_of_it():
+    none = Metric(
+        name="gain_margin",
+        unit="1",
+        place="loop",
+        direction="driving",
+        interval=None,
+        interval_why="unstable in every draw",
+        spec=2.0,
+        sense="at least",
+        probability_of_violation_why="unstable in every draw",
+        monte_carlo_se_why="unstable in every draw",
+    )
+    assert missed_specs([none], 0.0, Spec()) == ("gain_margin driving",)
+    assert missed_specs([none.model_copy(update={"spec": None})], 0.0, Spec()) == ()
