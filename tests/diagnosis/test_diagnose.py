@@ -189,3 +189,19 @@ def test_accelerations_alone_of_one_assembly_are_diagnosed():
     found = diagnose(replace(recording, gravity=Gravity(trials, events.iloc[:0]))).summary
     assert not found.causes
     assert found.gap.trajectory is None
+
+
+@pytest.mark.nightly
+def test_eight_empty_boards():
+    """Bands that hold zero, no name, a floor that data held out agree with: as often as said."""
+    panels, outside, agree = 0, 0, 0
+    for seed in range(300, 308):
+        found = diagnose(simulate_recording(SMALL, seed=seed)).summary
+        assert found.verdict in ("no-gap", "undecided")
+        assert found.causes == ()
+        shapes = [axis.shape for axis in found.where if axis.shape is not None]
+        panels += len(shapes)
+        outside += sum(max(one.low_n) > 0 or min(one.high_n) < 0 for one in shapes)
+        agree += found.gap.floor_agrees
+    assert outside <= 0.05 * panels
+    assert agree >= 7
