@@ -73,7 +73,6 @@ def case(given):
         "gap": found.gap.systematic.q50 / friction,
         "floor": found.gap.floor.q50 / friction,
         "shrink": shrink,
-        "floor_agrees": found.gap.floor_agrees,
     }
     twins = {kind} | {name for one in alike if kind in one for name in one}
     return result | {"right": right(result, twins), "absurd": absurd(result)}

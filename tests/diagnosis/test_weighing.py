@@ -15,7 +15,7 @@ from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.weighing import Weighed, log_volume, weigh
 from bayesfric.effects.candidates import is_positive
 
-NAMES = ("viscous", "stribeck", "wear-drift", "fixed-drag", "mass-error")
+NAMES = ("viscous", "stribeck", "wear-drift", "fixed-drag", "mass-error", "cable-weight")
 
 
 def test_a_nested_effect_loses_no_more_than_its_own_width():
