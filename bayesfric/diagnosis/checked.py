@@ -85,7 +85,7 @@ def noise_checked(
     )
     total = logsumexp(weights)
     spread2 = float(np.exp(logsumexp(2 * weights) - 2 * total)) - 1 / DRAWS
-    off = float(total - np.log(DRAWS)) - value(mode) - log_volume(np.linalg.inv(covariance))
+    off = float(total - np.log(DRAWS)) - value(mode) - log_volume(curvature[np.ix_(drawn, drawn)])
     # Of its own noise, where another hypothesis' volume stood for it.
     noise = slice(len(model.noise))
     off += log_volume(curvature[noise, noise]) - (search.volume if volume is None else volume)
