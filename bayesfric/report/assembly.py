@@ -49,7 +49,7 @@ def build_document(stored: StoredResults) -> Document:
         subtitle, created = f"{SUBTITLES[file]} {record.recording.name}", record.created
     law = own_law(_rigs(stored))
     return Document(
-        title=f"Friction of a {rig_words(_rigs(stored)[0]).rig}"
+        title=f"Friction measured on a {rig_words(_rigs(stored)[0]).rig}"
         if law
         else "Cable-pulley friction",
         subtitle=subtitle,

@@ -43,7 +43,15 @@ class SteadyPoints:
 
     name: str = NAME
     motion: Motion = "steady"
-    words: Words = Words("friction bench", "point", "points")  # noqa: RUF009 (frozen)
+    words: Words = Words(  # noqa: RUF009 (frozen)
+        "friction bench",
+        "point",
+        "points",
+        "Friction of a point is n ((c1 + c3 (θ − 85°)) T + c2) as far as the recording says: "
+        "without pulleys c1 T + c2, and without a tension c2 alone. It scatters by a share of "
+        "itself from point to point and, where points share assemblies, from assembly to "
+        "assembly; a friction_sd_n is the error of a reading beside that.",
+    )
     tables: tuple[str, ...] = ("steady_friction.csv",)
     paper: bool = False
 
@@ -143,7 +151,7 @@ class SteadyTrials(PlainTrials):
     @property
     def unit(self) -> str:
         """Newton, or newton metre where it turns."""
-        return "N m" if self.bench.rotary else "N"
+        return self.bench.force_unit
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
