@@ -94,6 +94,8 @@ class At:
         On the numbers.
     mean, covariance : ndarray
         Of the numbers, given the data.
+    at_mode : bool
+        Whether a climb has found no more to gain.
     """
 
     psi: Array
@@ -102,6 +104,7 @@ class At:
     information: Information
     mean: Array
     covariance: Array
+    at_mode: bool = False
 
 
 def phase_name(law: Law) -> str:

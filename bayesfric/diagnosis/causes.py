@@ -1,14 +1,17 @@
 """Effects as they are reported: how large each is, how certain, and whether it is plausible."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bayesfric.diagnosis.checked import Checked, factor_error
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.search import Search
 from bayesfric.diagnosis.systematic import Posterior, inclusion, interval
+from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.verdict import Known, measures
+from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.effects import EffectParameter
 from bayesfric.inference.priors import describe
 from bayesfric.schemas import Cause, EffectNumber, Inclusion
@@ -17,7 +20,6 @@ __all__ = ["causes_of", "inclusion_of", "known_of"]
 
 Array = NDArray[np.float64]
 LN10 = float(np.log(10))
-ERROR = 0.5  # nat, of a Laplace approximation in the noise
 
 
 def known_of(
@@ -86,6 +88,7 @@ def causes_of(
     posterior: Posterior,
     practical: float,
     floor: float,
+    check: Callable[[Weighed | Unknown], Checked],
 ) -> tuple[Cause, ...]:
     """Return what is to be said of some effects.
 
@@ -97,6 +100,8 @@ def causes_of(
         As of :func:`known_of`.
     floor : float
         Rms of scatter over rms friction.
+    check : callable
+        Of a hypothesis to what importance draws say of its evidence.
     """
     chances = inclusion(search)
     found = []
@@ -115,16 +120,21 @@ def causes_of(
             parameters[effect.shape.name] = _number(effect.shape, shape)
         strengths = posterior.strengths[name]
         strength = float(np.median(strengths[strengths > 0])) if (strengths > 0).any() else 0.0
-        without = max(one.log_evidence for one in search.weighed.values() if name not in one.names)
+        rivals: list[Weighed | Unknown] = [
+            one for one in search.weighed.values() if name not in one.names
+        ]
         if search.unknown is not None:
-            without = max(without, search.unknown.log_evidence)
+            rivals.append(search.unknown)
+        rival = max(rivals, key=lambda one: one.log_evidence)
+        error, error_why = factor_error(check(best), check(rival))
         found.append(
             Cause(
                 effect=name,
                 sentence=effect.sentence,
                 inclusion_probability=chances.get(name, 0.0),
-                log10_bayes_factor=(best.log_evidence - without) / LN10,
-                log10_bayes_factor_se=ERROR / LN10,
+                log10_bayes_factor=(best.log_evidence - rival.log_evidence) / LN10,
+                log10_bayes_factor_se=None if error is None else error / LN10,
+                log10_bayes_factor_se_why=error_why,
                 law=law.law,
                 parameters=parameters,
                 plausible=low <= middle <= high,

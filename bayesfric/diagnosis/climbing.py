@@ -1,6 +1,7 @@
 """A hypothesis at the mode of its noise, and how sharp that mode is."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +10,7 @@ from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.discrepancy import Wide
 from bayesfric.diagnosis.model import LinearModel
 
-__all__ = ["climb", "curvature_at"]
+__all__ = ["at_bounds", "climb", "curvature_at"]
 
 Array = NDArray[np.float64]
 STEP = 0.02  # of a logarithm, for differences of the gradient
@@ -53,7 +54,7 @@ def climb(
             guess = np.diag(np.full(psi.size, 0.1))
             step = guess @ slope
         if step @ slope / 2 < ENOUGH:
-            break
+            return replace(at, at_mode=True)
         step *= min(1.0, LONGEST / np.abs(step).max())
         for _ in range(8):
             there = model.evaluate(
@@ -68,6 +69,12 @@ def climb(
         guess = _bfgs(guess, there.psi - at.psi, at.gradient - there.gradient)
         at = there
     return at
+
+
+def at_bounds(model: LinearModel, psi: Array) -> NDArray[np.bool_]:
+    """Return which logarithms of the noise a climb has left at the end of their range."""
+    low, high = _bounds(model, psi.size)
+    return np.asarray((psi <= low) | (psi >= high))
 
 
 def curvature_at(

@@ -13,6 +13,7 @@ from threadpoolctl import threadpool_limits
 from bayesfric.analysis import Analysis
 from bayesfric.diagnosis.acting import Acting, Law
 from bayesfric.diagnosis.causes import causes_of, inclusion_of, known_of
+from bayesfric.diagnosis.checked import Checked, noise_checked
 from bayesfric.diagnosis.classes import classes_of
 from bayesfric.diagnosis.climbing import climb, curvature_at
 from bayesfric.diagnosis.forms import other_forms
@@ -25,6 +26,7 @@ from bayesfric.diagnosis.search import NONE, UNKNOWN, Search, compare, search
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.stored import curves_of, gap_of
 from bayesfric.diagnosis.systematic import posterior_of
+from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.verdict import (
     decide,
     sentence_of,
@@ -169,8 +171,8 @@ def _diagnose(
     first_found = _first_look(first, psi)
     model, found = _finals(first, first_found)
     chances = found.probabilities()
-    fold_rng, gap_rng, where_rng, draw_rng = (
-        np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(4)
+    fold_rng, gap_rng, where_rng, draw_rng, check_rng = (
+        np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(5)
     )
     best = found.best()
     unknown = chances.get(UNKNOWN, 0.0) >= MOSTLY and found.unknown is not None
@@ -191,8 +193,16 @@ def _diagnose(
     where = where_it_lies(plain, held_out.before, held_out.fold, where_rng)
     floor = gap.floor.q50 / gap.friction_rms
 
+    checks: dict[str, Checked] = {}
+
+    def check(one: Weighed | Unknown) -> Checked:
+        label = UNKNOWN if isinstance(one, Unknown) else one.label
+        if label not in checks:
+            checks[label] = noise_checked(model, found, one, check_rng)
+        return checks[label]
+
     def told(names: list[str]) -> tuple[Cause, ...]:
-        return causes_of(names, model, found, posterior, practical, floor)
+        return causes_of(names, model, found, posterior, practical, floor, check)
 
     causes = told(named)
     unseparated = unseparated_of(found.classes, together if verdict == "unseparated" else ())

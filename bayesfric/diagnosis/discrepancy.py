@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.effects.candidates import Candidate, goes_to_and_fro
-from bayesfric.inference.smooths import NARROW, Smooth, Span, smooth_along
+from bayesfric.inference.smooths import KEPT, NARROW, SHARP, WHOLE, Smooth, Span, smooth_along
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.linear import LinearRows
 
@@ -59,11 +59,17 @@ def smooth_forces(rows: Sequence[LinearRows]) -> tuple[list[Smooth], list[Smooth
     shared = [
         smooth_along({axis: span[axis]}, relative=True, length=NARROW) for axis in SHARED_AXES
     ]
-    shared.append(smooth_along({axis: span[axis] for axis in ("velocity", "tension")}))
+    both = {axis: span[axis] for axis in ("velocity", "tension")}
+    shared.append(smooth_along(both, relative=True, length=NARROW))
     for one, here in zip(rows, where, strict=True):
         for axis in one.trial_axes:
             along = {axis: Span.of(here[axis])}
-            shared.append(smooth_along(along, one.name, relative=True, length=NARROW))
+            # Events tell where along the travel a force is to millimetres: a worn spot that the
+            # functions cannot have would be put together from others that are too large.
+            sharp = axis == "displacement"
+            length, kept = (SHARP, WHOLE) if sharp else (NARROW, KEPT)
+            smooth = smooth_along(along, one.name, relative=True, length=length, kept=kept)
+            shared.append(smooth)
     for one, here in zip(rows[1:], where[1:], strict=True):
         for axis in SHARED_AXES:
             shared.append(smooth_along({axis: Span.of(here[axis])}, one.name, relative=True))

@@ -1,11 +1,13 @@
 """How far simulation and reality are apart on data that the fit has not seen.
 
 Every parameter is refitted in both arms, before and with the causes: residual forces in
-windows, their sampling variance taken off, equal weight a condition. The floor is what
-friction's own scatter leaves, from its posterior. Intervals come from drawing assemblies anew.
+windows, equal weight a condition, what chance makes of them besides friction's scatter taken off:
+the windows' sampling variance, and the error of the refitted law, of the causes' amplitudes and
+of the rigs' own numbers. The floor is what friction's scatter leaves of a perfect law, from its
+posterior. Intervals come from drawing assemblies anew.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +19,7 @@ from bayesfric.diagnosis.residuals import (
     Residuals,
     numbers_of_laws,
     recalibrated,
+    refit_of,
     spread_numbers,
     used_of,
 )
@@ -26,7 +29,17 @@ from bayesfric.rigs.layout import COEFFICIENTS
 from bayesfric.rigs.linear import Run
 from bayesfric.schemas import GapRow, Interval
 
-__all__ = ["Arms", "HeldOut", "Squares", "extrapolated", "folds_of", "gap_row", "measure_gap"]
+__all__ = [
+    "Arms",
+    "Fitted",
+    "HeldOut",
+    "Squares",
+    "extrapolated",
+    "floor_draws",
+    "folds_of",
+    "gap_row",
+    "measure_gap",
+]
 
 Array = NDArray[np.float64]
 FOLDS = 5
@@ -35,6 +48,25 @@ SURE = 0.95  # probability that the gap before is above the floor
 MOST_SHRINK = 1.2  # above it held-out figures contradict themselves
 NEAR = 0.8  # of the range of tension, from which on a trial is extrapolated to
 EXAMPLES = 3
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """One arm, fitted to some windows.
+
+    Parameters
+    ----------
+    local : ndarray, shape (sizes, q)
+        Local numbers.
+    chance2 : ndarray, shape (R,)
+        Mean square that chance leaves in each window, friction's scatter included [N²].
+    spread : ndarray, shape (sizes, q, k)
+        Columns whose outer product is the covariance of the local numbers.
+    """
+
+    local: Array
+    chance2: Array
+    spread: Array
 
 
 @dataclass(frozen=True)
@@ -48,7 +80,7 @@ class Arms:
     known : LinearModel
         The same with discrepancy, from which the causes are known; trials can be left out.
     psi : ndarray
-        Logarithms of the noise, with amplitudes of phases.
+        Logarithms of the noise.
     causes : Acting
         The causes, by the laws of both models.
     shipped : mapping of str to Coefficients, or None
@@ -61,52 +93,71 @@ class Arms:
     causes: Acting
     shipped: Mapping[str, Coefficients] | None
 
-    def numbers(self, residuals: Residuals, out: NDArray[np.bool_]) -> Array:
-        """Return local numbers as shipped, before and after, (3, sizes, q), without windows.
+    def fitted(self, residuals: Residuals, out: NDArray[np.bool_]) -> tuple[Fitted, ...]:
+        """Return the arms as shipped, before and after, without the windows that are left out.
 
         The law is recalibrated before and after alike; after, with the causes as they are
         known without the trials of the windows that are left out.
         """
         used = used_of(self.known, residuals, out) if out.any() else None
-        noise = self.psi[: len(self.known.noise)]
-        before = self._refitted(Acting(), noise, residuals, out, used)
+        before = self._refitted(Acting(), residuals, out, used)
         after = before
         if self.causes.laws:
-            after = self._refitted(
-                Acting(self.causes.laws, self.causes.shapes), noise, residuals, out, used
-            )
+            acting = Acting(self.causes.laws, self.causes.shapes)
+            after = self._refitted(acting, residuals, out, used)
         shipped = before
         if self.shipped is not None:
-            shipped = numbers_of_laws(self.plain, self.shipped, before)
-        return np.stack([shipped, before, after])
+            local = numbers_of_laws(self.plain, self.shipped, before.local)
+            shipped = Fitted(local, residuals.chance2, np.zeros_like(before.spread))
+        return shipped, before, after
 
     def _refitted(
         self,
         acting: Acting,
-        noise: Array,
         residuals: Residuals,
         out: NDArray[np.bool_],
         used: Mapping[str, NDArray[np.bool_]] | None,
-    ) -> Array:
-        at = self.known.evaluate(noise, acting, used=used)
-        found = spread_numbers(self.known, at.mean, self.known.mixing(acting))
+    ) -> Fitted:
+        at = self.known.evaluate(self.psi, acting, used=used)
+        mixing = self.known.mixing(acting)
         layout, plain = self.known.layout, self.plain.layout
-        effects = found[:, layout.own : layout.own + layout.candidates]
-        nuisances = found[:, layout.local - sum(layout.nuisances) :]
-        local = np.zeros((len(layout.sizes), plain.local))
-        local[:, COEFFICIENTS : COEFFICIENTS + plain.candidates] = effects
-        local[:, plain.local - sum(plain.nuisances) :] = nuisances
-        return recalibrated(self.plain, residuals, ~out, local)
+
+        def held(numbers: Array) -> Array:
+            """Return local numbers of the plain model, those of the law left at zero."""
+            found = spread_numbers(self.known, numbers, mixing)
+            local = np.zeros((*found.shape[:-1], plain.local))
+            effects = found[..., layout.own : layout.own + layout.candidates]
+            local[..., COEFFICIENTS : COEFFICIENTS + plain.candidates] = effects
+            nuisances = sum(plain.nuisances)
+            local[..., plain.local - nuisances :] = found[..., layout.local - nuisances :]
+            return local
+
+        refit = refit_of(self.plain, residuals, ~out)
+        # What effects and nuisances are uncertain by, in columns of unit variance.
+        shared = slice(layout.own * len(layout.sizes), None)
+        values, vectors = np.linalg.eigh(at.covariance[shared, shared])
+        numbers = np.zeros((values.size, at.mean.size))
+        numbers[:, shared] = (vectors * np.sqrt(np.maximum(values, 0.0))).T
+        uncertain = held(numbers).transpose(1, 2, 0)
+        uncertain = uncertain[..., np.any(uncertain, axis=(0, 1))]
+        further = np.einsum("rq,rqk->rk", residuals.columns, uncertain[residuals.size])
+        moved = refit.spread(residuals, further).reshape(*uncertain.shape[:1], COEFFICIENTS, -1)
+        own = moved.shape[2] - uncertain.shape[2]
+        spread = np.concatenate([np.zeros((*uncertain.shape[:2], own)), uncertain], axis=2)
+        spread[:, :COEFFICIENTS] += moved
+        local = recalibrated(refit, residuals, held(at.mean))
+        return Fitted(local, refit.chance2(residuals, further), spread)
 
 
 @dataclass(frozen=True)
 class Squares:
-    """Weighted squares, sampling variance taken off, (R,) each.
+    """Weighted squares, chance taken off but for friction's scatter, (R,) each.
 
     Parameters
     ----------
     as_shipped, before, after, floor : ndarray or None
-        In the unit squared.
+        In the unit squared; the mean of `before` and `after` is the floor for a law that
+        is right.
     setup : ndarray of int
         Assembly of each.
     """
@@ -116,6 +167,11 @@ class Squares:
     after: Array
     floor: Array
     setup: NDArray[np.intp]
+
+    def by_setup(self, values: Array) -> Array:
+        """Return the sums of values, (R,), over each assembly that there is."""
+        _, inverse = np.unique(self.setup, return_inverse=True)
+        return np.asarray(np.bincount(inverse, values), dtype=np.float64)
 
     def of(self, rows: NDArray[np.bool_], weight: float) -> "Squares":
         """Return those of some rows, for weights that add up to 1 again."""
@@ -172,23 +228,26 @@ def measure_gap(arms: Arms, residuals: Residuals, rng: np.random.Generator) -> H
         Assigns assemblies to folds.
     """
     fold = folds_of(residuals.setup, rng)
-    left, numbers = np.full((3, fold.size), np.nan), []
-    for number in range(int(fold.max()) + 1):
-        rows = fold == number
-        numbers.append(arms.numbers(residuals, rows))
-        left[:, rows] = np.stack([residuals.left(one) for one in numbers[-1]])[:, rows]
     known = arms.shipped is not None
-    found = [("folds over assemblies", _squares(residuals, left, shipped=known))]
+
+    def squares(arm: Sequence[Fitted]) -> tuple[Array, Squares]:
+        left = np.stack([residuals.left(one.local) for one in arm])
+        return left, _squares(residuals, left, [one.chance2 for one in arm], shipped=known)
+
+    by_fold = [arms.fitted(residuals, fold == number) for number in range(int(fold.max()) + 1)]
+    place = np.arange(fold.size)
+    left, chance2 = np.empty((2, 3, fold.size))
+    for arm in range(3):
+        left[arm] = np.stack([residuals.left(one[arm].local) for one in by_fold])[fold, place]
+        chance2[arm] = np.stack([one[arm].chance2 for one in by_fold])[fold, place]
+    found = [("folds over assemblies", _squares(residuals, left, chance2, shipped=known))]
     for name, rows in extrapolated(residuals).items():
-        one = np.stack([residuals.left(n) for n in arms.numbers(residuals, rows)])
         weight = float(residuals.weight[rows].sum())
-        found.append((name, _squares(residuals, one, shipped=known).of(rows, weight)))
-    every = arms.numbers(residuals, np.zeros(fold.size, dtype=np.bool_))
-    within = np.stack([residuals.left(n) for n in every])
-    inside = _squares(residuals, within, shipped=known)
-    trajectory, examples = _free_running(arms, residuals, fold, np.stack(numbers))
+        found.append((name, squares(arms.fitted(residuals, rows))[1].of(rows, weight)))
+    every, inside = squares(arms.fitted(residuals, np.zeros(fold.size, dtype=np.bool_)))
+    trajectory, examples = _free_running(arms, residuals, fold, by_fold)
     return HeldOut(
-        residuals, fold, left[1], left[2], within, tuple(found), inside, trajectory, examples
+        residuals, fold, left[1], left[2], every, tuple(found), inside, trajectory, examples
     )
 
 
@@ -231,34 +290,41 @@ def extrapolated(residuals: Residuals) -> dict[str, NDArray[np.bool_]]:
     }
 
 
-def _squares(residuals: Residuals, left: Array, *, shipped: bool) -> Squares:
-    weight = residuals.weight
-    floor = weight * residuals.friction_n**2 * residuals.spread2
-    first, before, after = weight * (left**2 - residuals.variance)
+def _squares(
+    residuals: Residuals, left: Array, chance2: Sequence[Array] | Array, *, shipped: bool
+) -> Squares:
+    scatter2 = residuals.friction_n**2 * residuals.spread2
+    first, before, after = residuals.weight * (left**2 - np.asarray(chance2) + scatter2)
+    floor = residuals.weight * scatter2
     return Squares(first if shipped else None, before, after, floor, residuals.setup)
 
 
 def _free_running(
-    arms: Arms, residuals: Residuals, fold: NDArray[np.intp], numbers: Array
+    arms: Arms, residuals: Residuals, fold: NDArray[np.intp], by_fold: Sequence[Sequence[Fitted]]
 ) -> tuple[Squares | None, tuple[tuple[str, Run], ...]]:
     """Return squares of the deviation of each held-out trial [m²], and some examples."""
     first = np.unique(residuals.trial, return_index=True)[1]
     noise, start = arms.plain.named(arms.psi), 0
+    numbers = np.stack([[arm.local for arm in one] for one in by_fold])
     runs: dict[int, Run] = {}
+    squares: list[Array] = []
     for rig in arms.plain.rigs:
         count = len(rig.rows.table)
         mine = fold[first[start : start + count]]
         local = numbers[mine, :, rig.size].swapaxes(0, 1)
-        runs |= {start + trial: run for trial, run in rig.runs(noise, local).items()}
+        for trial, run in rig.runs(noise, local).items():
+            spread = [one.spread[rig.size[trial]] for one in by_fold[mine[trial]]]
+            of_law = [float(np.einsum("pk,pq,qk", s, run.columns2, s)) for s in spread]
+            squares.append((run.off**2).mean(axis=1) - run.error2 - np.array(of_law))
+            runs[start + trial] = run
         start += count
     if not runs:
         return None, ()
     trials = np.array(list(runs))
-    square = np.array([(run.off**2).mean(axis=1) - run.error2 for run in runs.values()]).T
     floor = np.array([run.floor2 for run in runs.values()])
     condition = residuals.condition[first[trials]]
     weight = 1 / np.bincount(condition)[condition] / np.unique(condition).size
-    shipped, before, after = square * weight
+    shipped, before, after = np.array(squares).T * weight
     chosen = trials[:: max(1, trials.size // EXAMPLES)][:EXAMPLES]
     return (
         Squares(
@@ -294,26 +360,13 @@ def gap_row(
         Why nothing was shipped.
     rng : Generator
         For the bootstrap over assemblies.
-
-    References
-    ----------
-    F. E. Satterthwaite, "An approximate distribution of estimates of variance
-    components", Biometrics Bulletin 2 (1946): degrees of freedom of a sum of squares.
     """
-    setups, inverse = np.unique(squares.setup, return_inverse=True)
-
-    def sums(values: Array) -> Array:
-        return np.asarray(np.bincount(inverse, values, setups.size), dtype=np.float64)
-
-    count = rng.multinomial(setups.size, np.full(setups.size, 1 / setups.size), DRAWS)
-    # What scatter left this time is not what it leaves on average: assemblies of much
-    # friction make most of it, so that fewer alike would count (Satterthwaite).
-    by_trial = sums(squares.floor)
-    freedom = by_trial.sum() ** 2 / max((by_trial**2).sum(), 1e-300)
-    floor2 = by_trial.sum() * rng.chisquare(freedom, DRAWS) / freedom
+    setups = np.unique(squares.setup).size
+    count = rng.multinomial(setups, np.full(setups, 1 / setups), DRAWS)
+    floor2 = floor_draws(squares, DRAWS, rng)
 
     def draws(values: Array) -> Array:
-        return np.asarray(count @ sums(values))
+        return np.asarray(count @ squares.by_setup(values))
 
     before2, after2 = draws(squares.before), draws(squares.after)
     gap2 = before2 - floor2
@@ -340,6 +393,22 @@ def gap_row(
         shrink=shrink,
         shrink_why=why,
     )
+
+
+def floor_draws(squares: Squares, count: int, rng: np.random.Generator) -> Array:
+    """Draw the mean square that scatter leaves of a perfect law, shape (count,).
+
+    What scatter left this time is not what it leaves on average: assemblies of much friction
+    make most of it, so that fewer alike would count.
+
+    References
+    ----------
+    F. E. Satterthwaite, "An approximate distribution of estimates of variance
+    components", Biometrics Bulletin 2 (1946): degrees of freedom of a sum of squares.
+    """
+    each = squares.by_setup(squares.floor)
+    freedom = each.sum() ** 2 / max((each**2).sum(), 1e-300)
+    return np.asarray(each.sum() * rng.chisquare(freedom, count) / freedom)
 
 
 def _root(values: Array) -> Array:

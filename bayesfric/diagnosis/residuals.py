@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.layout import COEFFICIENTS
 from bayesfric.rigs.linear import LinearRig
 
-__all__ = ["AXES", "CATEGORIES", "Residuals", "recalibrated", "residuals_of"]
+__all__ = ["AXES", "CATEGORIES", "Refit", "Residuals", "recalibrated", "refit_of", "residuals_of"]
 
 Array = NDArray[np.float64]
 AXES = {
@@ -85,19 +86,24 @@ class Residuals:
     shown: NDArray[np.bool_]
     axes: tuple[str, ...] = tuple(AXES)
 
-    @property
+    @cached_property
     def variance(self) -> Array:
         """Of each window's measurement error, shape (R,) [N²]."""
         return np.concatenate([np.diag(part) for part in self.covariance])
 
-    @property
+    @cached_property
     def spread2(self) -> Array:
         """Relative variance of friction that no law predicts, (R,)."""
         return np.asarray(
             self.scatter.sum(axis=1) + np.concatenate([np.diag(part) for part in self.wander])
         )
 
-    @property
+    @cached_property
+    def chance2(self) -> Array:
+        """Mean square that measurement and scatter leave of a perfect law, (R,) [N²]."""
+        return np.asarray(self.variance + self.friction_n**2 * self.spread2)
+
+    @cached_property
     def weight(self) -> Array:
         """Equal weight a condition, and a trial in it, adding up to 1; shape (R,)."""
         windows = np.bincount(self.trial)[self.trial]
@@ -105,7 +111,7 @@ class Residuals:
         trials = np.bincount(pairs[0])[self.condition]
         return np.asarray(1 / (windows * trials * np.unique(self.condition).size))
 
-    @property
+    @cached_property
     def friction_rms(self) -> float:
         """Of the reference law, by the weights [N]."""
         return float(np.sqrt((self.weight * self.friction_n**2).sum()))
@@ -113,6 +119,23 @@ class Residuals:
     def left(self, local: Array) -> Array:
         """Return what local numbers, (sizes, q), leave of the residual, shape (R,) [N]."""
         return np.asarray(self.residual_n - (self.columns * local[self.size]).sum(axis=1))
+
+    def scattered(self, values: Array) -> Array:
+        """Return the covariance of all windows times columns, shape (R, k).
+
+        It is that of measurement and of what no law predicts: wander, the scatter of trials
+        and that of assemblies.
+        """
+        tau, omega = (self.friction_n * np.sqrt(self.scatter)[:, place] for place in (0, 1))
+        found = omega[:, None] * _summed(self.setup, omega[:, None] * values)
+        found += tau[:, None] * _summed(self.trial, tau[:, None] * values)
+        start = 0
+        for error, wander in zip(self.covariance, self.wander, strict=True):
+            rows = slice(start, start + len(error))
+            friction = self.friction_n[rows]
+            found[rows] += (error + wander * np.outer(friction, friction)) @ values[rows]
+            start = rows.stop
+        return found
 
     def without_law(self, values: Array) -> Array:
         """Return forces, (R, …), less what a recalibrated law takes of them.
@@ -242,10 +265,58 @@ def numbers_of_laws(model: LinearModel, laws: Mapping[str, Coefficients], local:
     return found
 
 
-def recalibrated(
-    model: LinearModel, residuals: Residuals, rows: NDArray[np.bool_], local: Array
-) -> Array:
-    """Return local numbers with the law that fits the forces of some windows best.
+@dataclass(frozen=True)
+class Refit:
+    """How the law of a model follows the forces of some windows.
+
+    Parameters
+    ----------
+    design : ndarray, shape (R, p)
+        What the coefficients of all sizes do in each window, in units of their prior [N].
+    smoothing : ndarray, shape (p, R)
+        What turns residual forces into moves of these coefficients.
+    mean, sd : ndarray, shape (p,)
+        Of the coefficients before the data.
+    """
+
+    design: Array
+    smoothing: Array
+    mean: Array
+    sd: Array
+
+    def kept(self, values: Array) -> Array:
+        """Return what of forces, (R, k), the refitted law does not take up."""
+        return np.asarray(values - self.design @ (self.smoothing @ values))
+
+    def chance2(self, residuals: Residuals, further: Array) -> Array:
+        """Return the mean square that chance leaves in each window, shape (R,) [N²].
+
+        Measurement and friction's scatter are left in the window, and both have moved the
+        law. Where a window has moved the law by itself, less is left of it.
+
+        Parameters
+        ----------
+        residuals : Residuals
+            The windows.
+        further : ndarray, shape (R, k)
+            Forces of unit variance that the numbers beside the law are uncertain by [N].
+        """
+        moved = residuals.scattered(self.smoothing.T)
+        of_law = self.smoothing @ moved
+        found = residuals.chance2 - 2 * (self.design * moved).sum(axis=1)
+        found += ((self.design @ of_law) * self.design).sum(axis=1)
+        return np.asarray(found + (self.kept(further) ** 2).sum(axis=1))
+
+    def spread(self, residuals: Residuals, further: Array) -> Array:
+        """Return columns whose outer product is the covariance of the coefficients, (p, k)."""
+        covariance = self.smoothing @ residuals.scattered(self.smoothing.T)
+        values, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
+        own = vectors * np.sqrt(np.maximum(values, 0.0))
+        return np.asarray(self.sd[:, None] * np.hstack([own, -self.smoothing @ further]))
+
+
+def refit_of(model: LinearModel, residuals: Residuals, rows: NDArray[np.bool_]) -> Refit:
+    """Return how the law follows the forces of some windows.
 
     Least squares with the weights of the gap, less where the measurement is poor, and the
     prior of the law: what a force that the law does not have does within a trial does not
@@ -259,32 +330,51 @@ def recalibrated(
         Of its windows.
     rows : ndarray of bool, shape (R,)
         Those that enter; without any the law is that of the prior.
-    local : ndarray, shape (sizes, q)
-        The law's are left aside, the others held.
     """
     sizes = len(model.layout.sizes)
     mean, sd = (one[: COEFFICIENTS * sizes] for one in model.prior(()))
-    found = local.copy()
-    found[:, :COEFFICIENTS] = mean.reshape(sizes, COEFFICIENTS)
-    if not rows.any():
-        return found
-    spread2 = residuals.friction_n**2 * residuals.spread2
-    weight = residuals.weight * rows * spread2 / (spread2 + residuals.variance)
     design = np.zeros((rows.size, COEFFICIENTS * sizes))
     for size in range(sizes):
         mine = residuals.size == size
         place = slice(COEFFICIENTS * size, COEFFICIENTS * (size + 1))
         design[mine, place] = residuals.columns[mine, :COEFFICIENTS]
     design *= sd
+    if not rows.any():
+        return Refit(design, np.zeros(design.T.shape), mean, sd)
+    spread2 = residuals.friction_n**2 * residuals.spread2
+    weight = residuals.weight * rows * spread2 / (spread2 + residuals.variance)
     # An assembly's scatter enters once, however many windows there are of it.
     assemblies = np.unique(residuals.setup[rows]).size
     variance = (weight * (spread2 + residuals.variance)).sum()
     certainty = assemblies / variance * weight[:, None] * design
     precision = design.T @ certainty + np.eye(COEFFICIENTS * sizes)
-    slope = certainty.T @ residuals.left(found)
-    moved = (sd * np.linalg.solve(precision, slope)).reshape(sizes, COEFFICIENTS)
-    found[:, :COEFFICIENTS] += moved
+    return Refit(design, np.linalg.solve(precision, certainty.T), mean, sd)
+
+
+def recalibrated(refit: Refit, residuals: Residuals, local: Array) -> Array:
+    """Return local numbers with the law that fits the forces of some windows best.
+
+    Parameters
+    ----------
+    refit : Refit
+        How the law follows the windows.
+    residuals : Residuals
+        Of all windows.
+    local : ndarray, shape (sizes, q)
+        The law's are left aside, the others held.
+    """
+    found = local.copy()
+    found[:, :COEFFICIENTS] = refit.mean.reshape(-1, COEFFICIENTS)
+    moved = refit.sd * (refit.smoothing @ residuals.left(found))
+    found[:, :COEFFICIENTS] += moved.reshape(-1, COEFFICIENTS)
     return found
+
+
+def _summed(group: NDArray[np.intp], values: Array) -> Array:
+    """Return the sums of columns over each row's group, at every row, (R, k)."""
+    found = np.zeros((group.max() + 1, values.shape[1]))
+    np.add.at(found, group, values)
+    return np.asarray(found[group])
 
 
 def used_of(

@@ -21,7 +21,7 @@ from bayesfric.diagnosis.discrepancy import relative_rms
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.shapes import Quadratic
 from bayesfric.diagnosis.unknown import Unknown, unknown_force
-from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed, label, weigh
+from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed, label, log_volume, weigh
 
 __all__ = [
     "NONE",
@@ -43,6 +43,7 @@ BESIDE = 0.1  # of unknown forces, that come beside smaller effects
 GAIN = 0.5  # nat that a further effect has to gain to be gone on from
 FINALISTS = 8
 NEAREST = 4.0  # nat from the best, of a hypothesis whose own noise is integrated over
+NEARLY = 12.0  # nat from the best, of an unknown force whose own noise is
 LISTED = 1e-6  # probability below which a hypothesis is not listed
 
 
@@ -65,7 +66,7 @@ class Search:
     inverse : ndarray
         Of the curvature of the noise without effects.
     volume : float
-        Log Laplace volume of that noise.
+        Log Laplace volume of the noise, where a hypothesis has none of its own.
     """
 
     weighed: dict[str, Weighed]
@@ -214,15 +215,14 @@ def compare(model: LinearModel, first: Search) -> Search:
     )
     curvature = curvature_at(model, none.at, Acting())
     inverse = np.asarray(np.linalg.inv(curvature), dtype=np.float64)
-    values = np.linalg.eigvalsh(curvature)
-    volume = float(0.5 * (values.size * np.log(2 * np.pi) - np.log(values).sum()))
+    volume = log_volume(curvature)
     none = replace(none, log_evidence=none.log_evidence + volume, volume=volume)
     found: dict[str, Weighed] = {NONE: none}
     noise = leader.at.psi[: len(model.noise)]
     for one in finalists:
         if not one.names:
             continue
-        found[one.label] = weigh(
+        again = weigh(
             model,
             one.names,
             [one.at.psi, noise],
@@ -232,6 +232,11 @@ def compare(model: LinearModel, first: Search) -> Search:
             forms=FORM_SHARES,
             own_volume=found_near(first, one),
         )
+        found[one.label] = again
+        if one.label == leader.label and again.volume is not None:
+            # Where the leader's effects act, scatter is as little known as with them; the
+            # noise without them is inflated, and better known.
+            volume = again.volume
     result = Search(found, {}, None, first.classes, first.priors, inverse, volume)
     # Effects beside the leader: what is a form of one may have passed for another, or hidden it.
     best = result.best()
@@ -261,9 +266,10 @@ def compare(model: LinearModel, first: Search) -> Search:
         if name not in found
     }
     result = replace(result, rough=rough)
-    unknown = unknown_force(model, none, Acting(), inverse, volume, [noise])
+    near = best.log_evidence - NEARLY
+    unknown = unknown_force(model, none, Acting(), inverse, volume, [noise], near)
     if best.names and unknown is not None:
-        beside = unknown_force(model, best, best.acting, inverse, volume)
+        beside = unknown_force(model, best, best.acting, inverse, volume, (), near)
         if beside is not None and _outweighs(model, beside, best):
             weights = np.log([1 - BESIDE, BESIDE])
             parts = weights + np.array([unknown.log_evidence, beside.log_evidence])

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
+from bayesfric.diagnosis.discrepancy import Wide
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.rigs.layout import COEFFICIENTS
 
@@ -16,7 +17,7 @@ Array = NDArray[np.float64]
 SEEN = 0.02  # information beside a prior of 1, below which a number is left out
 
 
-def squeezed(model: LinearModel, psi: Array) -> LinearModel:
+def squeezed(model: LinearModel, psi: Array, wide: Wide | None = None) -> LinearModel:
     """Return the model with fewer numbers for what every hypothesis leaves open.
 
     Mixtures of smooth forces and small amounts that these data can tell nothing of, even
@@ -29,10 +30,12 @@ def squeezed(model: LinearModel, psi: Array) -> LinearModel:
         All rigs.
     psi : ndarray
         Logarithms of the noise.
+    wide : Wide or None
+        Smooth forces that are wider than the discrepancy; they are so in what is returned.
     """
     layout, sizes = model.layout, len(model.layout.sizes)
     information = model.said_of(model.quiet(psi[: len(model.noise)]), ())
-    _, sd = model.prior(())
+    _, sd = model.prior((), wide)
     whole = sd[:, None] * information.precision * sd
     forms = len(model.forms)
     smooths = np.arange(COEFFICIENTS, layout.own)

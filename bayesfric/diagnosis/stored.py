@@ -6,19 +6,19 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from bayesfric.diagnosis.held_out import Arms, HeldOut, gap_row
+from bayesfric.diagnosis.held_out import Arms, HeldOut, Squares, floor_draws, gap_row
 from bayesfric.diagnosis.residuals import AXES, Residuals
-from bayesfric.diagnosis.systematic import SMALLEST, Posterior, interval, shrink_of
+from bayesfric.diagnosis.systematic import SMALLEST, Posterior, interval, left_of, shrink_of
 from bayesfric.schemas import Gap
 
-__all__ = ["curves_of", "gap_of"]
+__all__ = ["curves_of", "floor_disagrees", "gap_of"]
 
 Array = NDArray[np.float64]
 NO_CAUSE = "no cause is named, so nothing was added that could shrink the gap"
 NO_PHASES = "where in its round the cause begins differs from trial to trial, unpredictably"
 NO_GAP = "the cause leaves no gap once the law is recalibrated, so that nothing can shrink"
 NO_SHIPPED = "no shipped values were given, and none are published"
-AGREES = 1.5  # ratio of what is left after the causes to the floor, within which they agree
+AGREES = 0.01  # probability of as much left by scatter or of as little, down to which they agree
 PLACES = ("velocity", "tension", "wrap_angle", "n_pulleys", "displacement", "order")
 
 
@@ -69,12 +69,14 @@ def gap_of(
             name, held_out.trajectory, no_shrink=why, shipped_why=NO_SHIPPED, rng=rng
         )
     friction = residuals.friction_rms
-    shrink, rest = None, None
+    shrink, rest, open2 = None, None, None
     if why is None:
         every = np.zeros(held_out.fold.size, dtype=np.bool_)
-        _, before, after = arms.numbers(held_out.residuals, every)
-        force = held_out.residuals.left(before) - held_out.residuals.left(after)
-        draws = shrink_of(residuals, posterior, residuals.without_law(force))
+        _, before, after = arms.fitted(held_out.residuals, every)
+        force = held_out.residuals.left(before.local) - held_out.residuals.left(after.local)
+        taken = residuals.without_law(force)
+        open2 = left_of(residuals, posterior, taken)
+        draws = shrink_of(residuals, posterior, taken)
         if draws is None or np.median(posterior.gap) < practical * friction / 2:
             why = NO_GAP
         else:
@@ -83,8 +85,9 @@ def gap_of(
             felt = np.sqrt(kept) * posterior.gap[posterior.gap > SMALLEST * friction] / friction
             rest = kept if np.quantile(felt, 0.05) >= practical else None
     first = rows[0]
-    left = first.after.q50 if arms.causes.laws else first.before.q50
-    agrees = bool(1 / AGREES < max(left, 1e-12) / max(first.floor.q50, 1e-12) < AGREES)
+    # Windows average over what goes round with the pulleys.
+    open2 = (posterior.gap**2 if open2 is None else open2) - posterior.hidden2
+    disagrees = floor_disagrees(held_out.rows[0][1], open2, rng)
     gap = Gap(
         **first.model_dump(exclude={"name", "shrink", "shrink_why", "below_floor"}),
         unit=unit,
@@ -92,7 +95,8 @@ def gap_of(
         shrink_why=why,
         systematic=interval(posterior.gap),
         probability_above_practical=float(np.mean(posterior.gap >= practical * friction)),
-        floor_agrees=agrees,
+        floor_agrees=disagrees is None,
+        floor_disagreement=disagrees,
         friction_rms=friction,
         held_out=tuple(rows),
         in_sample=inside,
@@ -100,6 +104,30 @@ def gap_of(
         trajectory_why=None if trajectory is not None else "no trial has events enough",
     )
     return gap, rest
+
+
+def floor_disagrees(squares: Squares, open2: Array, rng: np.random.Generator) -> str | None:
+    """Return in which way held-out data and the model contradict each other, if they do.
+
+    Parameters
+    ----------
+    squares : Squares
+        What is left of data held out.
+    open2 : ndarray, shape (S,)
+        Draws of the squared systematic gap that the causes leave [N²].
+    rng : Generator
+        For what scatter leaves.
+    """
+    left2 = float(squares.after.sum())
+    expected2 = floor_draws(squares, open2.size, rng) + open2
+    less = float(np.mean(expected2 < left2))
+    if AGREES <= less <= 1 - AGREES:
+        return None
+    left, expected = 1e3 * np.sqrt([max(left2, 0.0), np.median(expected2)])
+    return (
+        f"data held out leave {left:.3g} mN, {'less' if less < AGREES else 'more'} than friction's "
+        f"scatter and the gap that is left would make ({expected:.3g} mN)"
+    )
 
 
 def curves_of(held_out: HeldOut, amplitudes: Mapping[str, Array]) -> xr.DataTree:

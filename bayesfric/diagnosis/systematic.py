@@ -19,7 +19,7 @@ from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.effects.candidates import is_positive
 from bayesfric.schemas import Interval
 
-__all__ = ["SMALLEST", "Posterior", "interval", "posterior_of", "shrink_of"]
+__all__ = ["SMALLEST", "Posterior", "interval", "left_of", "posterior_of", "shrink_of"]
 
 Array = NDArray[np.float64]
 DRAWS = 1000
@@ -244,6 +244,18 @@ def _shape_draws(
     return np.asarray(from_normal(effect.shape.prior, np.clip(picked, -2.4, 2.4)))
 
 
+def left_of(residuals: Residuals, posterior: Posterior, taken: Array) -> Array:
+    """Return draws of the squared gap that a force leaves, shape (S,) [N²].
+
+    Parameters
+    ----------
+    residuals, posterior, taken
+        As of :func:`shrink_of`.
+    """
+    left = residuals.weight @ (posterior.force - taken[:, None]) ** 2
+    return np.asarray(left + posterior.hidden2)
+
+
 def shrink_of(residuals: Residuals, posterior: Posterior, taken: Array) -> Array | None:
     """Return draws of the part of the squared gap that a force takes away.
 
@@ -256,9 +268,7 @@ def shrink_of(residuals: Residuals, posterior: Posterior, taken: Array) -> Array
     taken : ndarray, shape (R,)
         What is predicted of it, the law recalibrated [N].
     """
-    weight = residuals.weight
-    whole = posterior.gap**2
-    left = weight @ (posterior.force - taken[:, None]) ** 2 + posterior.hidden2
+    whole, left = posterior.gap**2, left_of(residuals, posterior, taken)
     there = whole > (SMALLEST * residuals.friction_rms) ** 2
     return np.asarray(1 - left[there] / whole[there]) if there.any() else None
 

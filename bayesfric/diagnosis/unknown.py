@@ -9,14 +9,16 @@ from scipy.special import logsumexp
 from scipy.stats import halfnorm
 
 from bayesfric.diagnosis.acting import Acting, At
-from bayesfric.diagnosis.climbing import climb
+from bayesfric.diagnosis.climbing import climb, curvature_at
 from bayesfric.diagnosis.discrepancy import Wide
 from bayesfric.diagnosis.model import LinearModel
-from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.diagnosis.squeezing import squeezed
+from bayesfric.diagnosis.weighing import Weighed, log_volume
 
 __all__ = ["Unknown", "unknown_force"]
 
 Array = NDArray[np.float64]
+LIKELY = 50.0  # nat from the best, of an unknown force that is looked at again
 QUANTILES = (0.1, 0.3, 0.5, 0.7, 0.9)  # of the rms of an unknown force
 
 
@@ -57,6 +59,7 @@ def unknown_force(
     inverse: Array,
     volume: float,
     starts: Sequence[Array] = (),
+    near: float | None = None,
 ) -> Unknown | None:
     """Weigh a smooth force beyond the discrepancy, along all axes or any single one.
 
@@ -72,6 +75,8 @@ def unknown_force(
         Of the noise without effects.
     starts : sequence of ndarray
         Further noises to climb from.
+    near : float or None
+        Log evidence from which on the force's own noise is integrated over.
     """
     model = model.full
     axes = model.acting_axes
@@ -82,30 +87,37 @@ def unknown_force(
     nodes = tuple(Wide(share, axis) for axis in (None, *axes) for share in shares)
     form = without.forms
 
-    def values(psi: Array) -> Array:
+    def values(psi: Array, of: NDArray[np.intp]) -> Array:
         information = model.evaluate(psi, acting, nodes[0], form).information
         priors = [model.amplitude_prior(law) for law in acting.laws]
         nothing = np.array([], dtype=np.intp)
         log_prior, _ = model.log_prior(psi, acting)
         return log_prior + np.array(
             [
-                information.reduced(*model.prior(priors, one, form), nothing).log_evidence
-                for one in nodes
+                information.reduced(*model.prior(priors, nodes[n], form), nothing).log_evidence
+                for n in of
             ]
         )
 
     psi = without.at.psi
     tried = [psi, model.quiet(psi), *(s for s in starts if s.size == psi.size)]
-    rated = [values(one) for one in tried]
-    best = int(np.argmax([one.max() for one in rated]))
-    psi, found = tried[best], rated[best]
+    middling = np.arange(len(QUANTILES) // 2, len(nodes), len(QUANTILES))
+    psi = tried[int(np.argmax([values(one, middling).max() for one in tried]))]
+    found = values(psi, np.arange(len(nodes)))
     for _ in range(2):
-        at = climb(model, psi, acting, nodes[int(np.argmax(found))], form, inverse)
-        settled = bool(np.abs(at.psi - psi).max() < 0.05)
-        psi = at.psi
-        found = values(psi)
+        # The climb needs few of the numbers; the evidence has all of them.
+        small = squeezed(model, psi, nodes[int(np.argmax(found))])
+        there = climb(small, psi, acting, None, form, inverse)
+        settled = bool(np.abs(there.psi - psi).max() < 0.05)
+        psi = there.psi
+        likely = np.flatnonzero(found > found.max() - LIKELY)
+        found[likely] = values(psi, likely)
         if settled:
             break
+    at = model.evaluate(psi, acting, nodes[int(np.argmax(found))], form)
     total = float(logsumexp(found) - np.log(len(nodes))) + volume
+    if near is not None and total > near:
+        noise = slice(len(model.noise))
+        total += log_volume(curvature_at(small, there, acting, form)[noise, noise]) - volume
     # Along all axes is as likely as along any one.
     return Unknown(nodes, found - logsumexp(found), total, at, acting)

@@ -12,7 +12,7 @@ from bayesfric.diagnosis.climbing import climb, curvature_at
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.shapes import Choice, Quadratic, choose
 
-__all__ = ["FORM_SHARES", "Weighed", "label", "weigh"]
+__all__ = ["FORM_SHARES", "Weighed", "label", "log_volume", "weigh"]
 
 Array = NDArray[np.float64]
 NONE = "none"
@@ -139,7 +139,7 @@ def weigh(
     if own_volume:
         curvature = curvature_at(model, at, acting, share)
         known_noise = len(model.noise)
-        volume = _log_volume(curvature[:known_noise, :known_noise])
+        volume = log_volume(curvature[:known_noise, :known_noise])
     if phases:
         total += _over_amplitudes(model, at, acting, share)
     shares = np.exp(weights - logsumexp(weights))
@@ -152,6 +152,7 @@ def weigh(
         tuple(choices),
         form,
         tuple(float(one) for one in shares),
+        bound=not at.at_mode,
     )
 
 
@@ -188,7 +189,8 @@ def _same(one: Acting, other: Acting) -> bool:
     return bool(apart.max() < SETTLED) if apart.size else True
 
 
-def _log_volume(curvature: Array) -> float:
+def log_volume(curvature: Array) -> float:
+    """Return the log integral of a normal density's shape, by its negative Hessian."""
     values = np.linalg.eigvalsh(curvature)
     return float(0.5 * (values.size * np.log(2 * np.pi) - np.log(values).sum()))
 

@@ -10,7 +10,7 @@ from bayesfric.effects.base import Effect, EffectParameter, State
 
 Array = NDArray[np.float64]
 TRAVEL_M = 0.6  # of a trial
-CABLE_M = 2.0  # of cable on the board, all of which moves
+CABLE_M = 1.6  # of cable between the masses, all of which moves
 
 
 def _passing(p: Mapping[str, Array], state: State) -> Array:

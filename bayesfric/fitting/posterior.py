@@ -20,6 +20,7 @@ from bayesfric.fitting.predictive import predict
 from bayesfric.fitting.predictive.left_out import leave_out
 from bayesfric.fitting.predictive.reported import predictions, uniformities
 from bayesfric.fitting.summary import summarise, summarise_without_exclusions
+from bayesfric.fitting.tested import tested_conditions
 from bayesfric.inference.model import Model
 from bayesfric.inference.sampling import Progress
 from bayesfric.physics.laws import Baseline
@@ -205,6 +206,7 @@ def fit(
                 for one in data.rigs
             }
             origin = attributes.model_dump(mode="json", exclude={"analysis", "run_id"})
+            origin |= tested_conditions(data, summary.pulleys)
             tree = draws_of_fit(model, observed, stored, left_out, analysis.seed, origin)
     return Fit(identified(summary), tree, predictive, seconds)
 

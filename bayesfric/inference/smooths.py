@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline, make_interp_spline
 
-__all__ = ["BROAD", "NARROW", "Smooth", "Span", "smooth_along"]
+__all__ = ["BROAD", "KEPT", "NARROW", "SHARP", "WHOLE", "Smooth", "Span", "smooth_along"]
 
 Array = NDArray[np.float64]
 NODES = 25
-BROAD, NARROW = 1 / 3, 1 / 6  # length scales, as shares of the range
-KEPT = 0.99  # of a process' variance
+BROAD, NARROW, SHARP = 1 / 3, 1 / 6, 1 / 12  # length scales, as shares of the range
+KEPT, WHOLE = 0.99, 0.999  # of a process' variance, and where much is told of it
 FEW = 9  # values of a covariate that are taken one by one
 
 
@@ -119,6 +119,7 @@ def smooth_along(
     *,
     relative: bool = False,
     length: float = BROAD,
+    kept: float = KEPT,
 ) -> Smooth | None:
     """Return the process along covariates, or None where one of them does not vary.
 
@@ -132,6 +133,8 @@ def smooth_along(
         Whether it is a share of friction; else a force.
     length : float
         Length scale, as a share of each range.
+    kept : float
+        Part of the process' variance that the functions have.
     """
     if any(span.high <= span.low for span in spans.values()):
         return None
@@ -141,9 +144,9 @@ def smooth_along(
     for span in spans.values():
         share = np.multiply.outer(share, _values(span, length))
     order = np.argsort(share, axis=None)[::-1]
-    count = int(np.searchsorted(np.cumsum(share.ravel()[order]), KEPT)) + 1
-    kept = np.stack(np.unravel_index(order[:count], share.shape), axis=1)
-    return Smooth(tuple(spans), tuple(spans.values()), kept, length, rig, relative)
+    count = int(np.searchsorted(np.cumsum(share.ravel()[order]), kept)) + 1
+    chosen = np.stack(np.unravel_index(order[:count], share.shape), axis=1)
+    return Smooth(tuple(spans), tuple(spans.values()), chosen, length, rig, relative)
 
 
 def _functions(span: Span, length: float, at: Array) -> Array:

@@ -1,5 +1,6 @@
 """Which compensation gain to set."""
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,11 +13,20 @@ from bayesfric.margins.scanning import REST, Condition
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
 from bayesfric.schemas import GammaProbability
 
-__all__ = ["SafeGain", "largest_safe_gain", "limit_cycle_curve", "share_of", "which_gain"]
+__all__ = [
+    "SafeGain",
+    "largest_safe_gain",
+    "limit_cycle_curve",
+    "share_of",
+    "what_to_measure",
+    "which_gain",
+]
 
 Array = NDArray[np.float64]
 
 STEP = 0.05
+DECIDES = 0.5
+"""Share of a variance above which one number of the file is worth measuring first."""
 TOLERANCE = 0.01
 """A simulated threshold is at most this much too high."""
 
@@ -136,6 +146,19 @@ def _now(shaft: LoopAtShaft, hunting: Hunting) -> str:
         f"speed, in {share_of(hunting.hunts[int(by_speed.argmax())])} with "
         f"{_worded(worst, shaft)}."
     )
+
+
+def what_to_measure(shares: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
+    """Yield which number of the loop's file the friction's uncertainty rests on, if on one."""
+    of_friction = shares.get("gamma_necessary") or shares.get("steady_error_servo") or {}
+    own = {key: share for key, share in of_friction.items() if "." in key}
+    if own:
+        key = max(own, key=lambda one: own[one])
+        if own[key] >= DECIDES:
+            yield (
+                f"{own[key]:.0%} of the variance of the friction is the assumed {key}: "
+                "measure that."
+            )
 
 
 def share_of(happened: NDArray[np.bool_]) -> str:

@@ -7,8 +7,9 @@ machine that is built tomorrow scatters around that law as assemblies of the boa
 
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -61,6 +62,11 @@ class Posterior:
         The settings behind them.
     created : str or None
         Their date.
+    tested : mapping of str to mapping
+        Size to axis to the least and largest value at which friction was measured; empty
+        where the draws do not say.
+    informed : mapping of str to set of str
+        Size to the coefficients that the recording informs, likewise.
     """
 
     coefficients: Mapping[str, Coefficients]
@@ -69,6 +75,8 @@ class Posterior:
     recording: RecordingId
     analysis_sha256: str
     created: str | None
+    tested: Mapping[str, Mapping[str, tuple[float, float]]] = field(default_factory=dict)
+    informed: Mapping[str, frozenset[str]] = field(default_factory=dict)
 
     @property
     def count(self) -> int:
@@ -205,7 +213,25 @@ def read_posterior(path: Path) -> Posterior:
         ),
         str(attributes.get("analysis_sha256", "")),
         str(attributes.get("created", "")) or None,
+        _tested(attributes),
+        {
+            str(key).removeprefix("informed."): frozenset(str(value).split())
+            for key, value in attributes.items()
+            if str(key).startswith("informed.")
+        },
     )
+
+
+def _tested(attributes: Mapping[Any, Any]) -> dict[str, dict[str, tuple[float, float]]]:
+    """Return the tested ranges by size and axis, from the attributes of ``draws.nc``."""
+    found: dict[str, dict[str, tuple[float, float]]] = {}
+    for key, value in attributes.items():
+        head, _, rest = str(key).partition(".")
+        if head == "tested":
+            size, _, axis = rest.rpartition(".")
+            low, high = (float(one) for one in np.asarray(value, dtype=np.float64))
+            found.setdefault(size, {})[axis] = (low, high)
+    return found
 
 
 def _effective(table: xr.Dataset) -> float:

@@ -16,7 +16,7 @@ from bayesfric.physics.friction import (
     REFERENCE_WRAP_ANGLE_DEG,
     Coefficients,
     TensionLoss,
-    pulley_by_pulley,
+    in_a_row,
     recursive_friction,
 )
 
@@ -54,8 +54,10 @@ class RunFriction:
     lost_length: Array
 
 
-def losses(coefficients: Coefficients, factor: ArrayLike, angles_deg: ArrayLike) -> Array:
-    """Return a_i = f (c1 + c3 (θ_i − 85°)) of each pulley.
+def losses(
+    coefficients: Coefficients, factor: ArrayLike, angles_deg: ArrayLike, *, clipped: bool = True
+) -> Array:
+    """Return a_i = f (c1 + c3 (θ_i − 85°)) of each pulley, none negative.
 
     Parameters
     ----------
@@ -65,6 +67,8 @@ def losses(coefficients: Coefficients, factor: ArrayLike, angles_deg: ArrayLike)
         Friction of this assembly over that of the law [-].
     angles_deg : array_like, shape (n,)
         Wrap angles, from the motor to the load [deg].
+    clipped : bool
+        False returns what the law says, which may be below 0 far from its angles.
 
     Returns
     -------
@@ -73,7 +77,8 @@ def losses(coefficients: Coefficients, factor: ArrayLike, angles_deg: ArrayLike)
     """
     c1, c3 = (np.asarray(part, float)[:, None] for part in (coefficients.c1, coefficients.c3))
     wrap = np.asarray(angles_deg, float)[None, :] - REFERENCE_WRAP_ANGLE_DEG
-    return np.asarray(np.asarray(factor, float)[:, None] * (c1 + c3 * wrap))
+    a = np.asarray(np.asarray(factor, float)[:, None] * (c1 + c3 * wrap))
+    return np.maximum(a, 0.0) if clipped else a
 
 
 def run_friction(
@@ -103,15 +108,15 @@ def run_friction(
     RunFriction
         Of an antagonist pair, one side pulls while the other gives way; both rub.
     """
-    here = Coefficients(*(np.asarray(part) * factor for part in coefficients))
-    c2 = np.asarray(here.c2)
+    factor = np.maximum(factor, 0.0)
+    c2 = np.maximum(np.asarray(coefficients.c2) * factor, 0.0)
     angles = np.asarray(run.angles_deg)
     a = losses(coefficients, factor, angles)
     sides = 2.0 if run.topology == "antagonist-pair" else 1.0
     each = a * tension[:, None] + c2[:, None]
-    pulling = pulley_by_pulley(here, angles)
+    pulling = in_a_row(a, c2)
     # The load pulls at its own end, so its cable meets the pulleys in the other order.
-    giving = pulley_by_pulley(here, angles[::-1])
+    giving = in_a_row(a[:, ::-1], c2)
     recursive = sides / 2 * (_friction(pulling, run, tension, "driving")
                              + _friction(giving, run, tension, "overhauling"))  # fmt: skip
     nominal = sides * each.sum(axis=1)

@@ -9,7 +9,12 @@ from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
 from bayesfric.errors import Fault, InputError
-from bayesfric.margins.answer import largest_safe_gain, limit_cycle_curve, which_gain
+from bayesfric.margins.answer import (
+    largest_safe_gain,
+    limit_cycle_curve,
+    what_to_measure,
+    which_gain,
+)
 from bayesfric.margins.assembly import (
     Assembly,
     Posterior,
@@ -20,6 +25,7 @@ from bayesfric.margins.assembly import (
     rig_discrepancy,
 )
 from bayesfric.margins.diagnosed import Carried, carried_effects, with_effects
+from bayesfric.margins.inputs import beyond_the_draws, refused
 from bayesfric.margins.loop_at_shaft import LoopAtShaft, at_shaft
 from bayesfric.margins.loop_file import Loop, loop_sha256, read_loop
 from bayesfric.margins.metrics import Key, closed_forms, linear_of, metric_rows
@@ -69,7 +75,7 @@ class Margins:
 
 
 def compute_margins(
-    loops: Sequence[Path | str | Loop],
+    loops: Path | str | Loop | Sequence[Path | str | Loop],
     draws: Path | str,
     analysis: Analysis | None = None,
     *,
@@ -82,7 +88,7 @@ def compute_margins(
 
     Parameters
     ----------
-    loops : sequence of Path, str or Loop
+    loops : Path, str or Loop, or a sequence of them
         Loop files, or loops read already; each name once.
     draws : Path or str
         ``draws.nc`` of a fit. ``claims.json`` beside it says how far rigs differ.
@@ -110,7 +116,7 @@ def compute_margins(
         unstable, or two have one name.
     """
     analysis = Analysis() if analysis is None else analysis
-    read = _read_all(loops)
+    read = _read_all([loops] if isinstance(loops, Path | str | Loop) else loops)
     path = Path(draws)
     posterior = read_posterior(path)
     discrepancy = rig_discrepancy(path.parent)
@@ -169,6 +175,9 @@ def _refuse_unstable(loop: Loop, posterior: Posterior) -> None:
     if sizes:  # told with its place by the drawing
         draw_assembly(loop, posterior, RigDiscrepancy(0.0, ""), 0)
     shaft = at_shaft(loop, nominal_assembly(loop, posterior))
+    unknown = list(refused(loop, posterior))
+    if unknown:
+        raise InputError(unknown)
     faults = [
         Fault(
             loop.name,
@@ -209,11 +218,19 @@ def _one_loop(
 
     draws = posterior.effective_draws
     safe = largest_safe_gain(hunting, allowed, draws)
+    beyond = beyond_the_draws(shaft, given, posterior)
+    shares = variance_shares(evaluate, given.taken(some), other.taken(some))
     return LoopMargins(
         name=loop.name,
         title=loop.title,
         loop_sha256=loop_sha256(loop),
-        answer=which_gain(shaft, hunting, safe, allowed),
+        answer=" ".join(
+            [
+                *([f"Beyond what was measured: {'; '.join(beyond)}."] if beyond else []),
+                which_gain(shaft, hunting, safe, allowed),
+                *what_to_measure(shares),
+            ]
+        ),
         compensation_signal=loop.compensation.signal,
         compensation_gain=float(np.median(shaft.gamma)),
         metrics=metric_rows(shaft, values, linear, hunting, draws),
@@ -229,7 +246,7 @@ def _one_loop(
         if not hunting.map
         else None,
         not_examined=hunting.not_examined,
-        variance_share=variance_shares(evaluate, given.taken(some), other.taken(some)),
+        variance_share=shares,
         verification=verify_draws(shaft, verify) if verify else None,
         verification_why=None if verify else "it was not asked for (--verify N)",
         with_effects=None
@@ -237,7 +254,7 @@ def _one_loop(
         else _with_effects(shaft, given, carried, seed, simulated, draws),
         with_effects_why=_why_without(carried),
         nyquist=nyquist_fans(shaft),
-        warnings=loop_warnings(shaft, given, linear, discrepancy),
+        warnings=loop_warnings(shaft, given, linear, discrepancy, posterior),
     )
 
 

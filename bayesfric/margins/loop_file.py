@@ -276,6 +276,11 @@ class Loop(_Section):
         default_factory=list,
         description="What in the file is assumed, a sentence each; carried to the warnings.",
     )
+    extrapolate: list[Literal["wrap_angle", "tension"]] = Field(
+        default_factory=list,
+        description="Conditions for which draws are accepted that do not know them: of which the "
+        "recording informs no coefficient, and in which it tested nothing.",
+    )
     stiction_ratio: Positive = Field(
         1.0,
         description="Breakaway over moving friction, 1 at least; the paper says 1.",

@@ -4,9 +4,10 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from bayesfric.margins.assembly import Assembly, RigDiscrepancy
+from bayesfric.margins.assembly import Assembly, Posterior, RigDiscrepancy
 from bayesfric.margins.cable_run import Direction
 from bayesfric.margins.describing import natural_frequency
+from bayesfric.margins.inputs import beyond_the_draws
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.metrics import Linear
 from bayesfric.paper import paper
@@ -23,6 +24,7 @@ def loop_warnings(
     given: Assembly,
     linear: Mapping[Direction | None, Linear],
     discrepancy: RigDiscrepancy,
+    posterior: Posterior,
 ) -> tuple[str, ...]:
     """Return the assumptions of the file, and where the models or the data end.
 
@@ -36,11 +38,19 @@ def loop_warnings(
         Its linear margins by direction.
     discrepancy : RigDiscrepancy
         How far rigs differ.
+    posterior : Posterior
+        The draws, and where they were measured.
     """
     return (
         *(f"Assumed: {text}" for text in shaft.loop.assumptions),
         f"Friction differs between rigs by {discrepancy.sd:.1%} (sd): {discrepancy.source}.",
         *_beyond_the_data(shaft, given),
+        *beyond_the_draws(shaft, given, posterior),
+        *(
+            ()
+            if posterior.tested
+            else ("The draws do not say in which conditions friction was measured.",)
+        ),
         *_beyond_the_models(shaft, linear),
     )
 

@@ -21,6 +21,7 @@ __all__ = [
     "TensionLoss",
     "coulomb_friction",
     "equal_pulleys",
+    "in_a_row",
     "pulley_by_pulley",
     "recursive_friction",
     "tension_slope",
@@ -160,11 +161,29 @@ def pulley_by_pulley(coefficients: Coefficients, wrap_angles_deg: ArrayLike) -> 
         Of shape (...).
     """
     columns = Coefficients(*(_floats(value)[..., None] for value in coefficients))
-    log_kept = np.log1p(-tension_slope(columns, 1.0, wrap_angles_deg))
+    return in_a_row(tension_slope(columns, 1.0, wrap_angles_deg), coefficients.c2)
+
+
+def in_a_row(shares: ArrayLike, constant_n: ArrayLike) -> TensionLoss:
+    """Return the tension loss over pulleys that each take a share and a constant.
+
+    Parameters
+    ----------
+    shares : array_like, shape (..., n)
+        a_i of each pulley, below 1, from the drive to the load [-].
+    constant_n : array_like, shape (...)
+        c2, of every pulley [N].
+
+    Returns
+    -------
+    TensionLoss
+        Of shape (...).
+    """
+    log_kept = np.log1p(-_floats(shares))
     total = log_kept.sum(axis=-1)
     # what is lost at pulley i is pulled through the pulleys after it
     passes = np.exp(total[..., None] - np.cumsum(log_kept, axis=-1)).sum(axis=-1)
-    return TensionLoss(-np.expm1(total), _floats(coefficients.c2) * passes)
+    return TensionLoss(-np.expm1(total), _floats(constant_n) * passes)
 
 
 def recursive_friction(

@@ -96,6 +96,8 @@ class Run:
         What each arm leaves of each later event [m].
     error2, floor2 : float
         Mean variance of the measurement, and mean square that friction's scatter makes [m²].
+    columns2 : ndarray, shape (q, q)
+        Mean outer product of what the local numbers do to each later event [m²].
     time_s, measured_m, simulated_m : ndarray
         Of one sensor, for a figure; `simulated_m` has a row an arm.
     """
@@ -104,6 +106,7 @@ class Run:
     off: Array
     error2: float
     floor2: float
+    columns2: Array
     time_s: Array
     measured_m: Array
     simulated_m: Array

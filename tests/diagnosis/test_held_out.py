@@ -7,7 +7,8 @@ import pytest
 from diagnosis.boards import model_of
 
 from bayesfric.diagnosis.held_out import Squares, extrapolated, folds_of, gap_row
-from bayesfric.diagnosis.residuals import recalibrated, residuals_of
+from bayesfric.diagnosis.residuals import recalibrated, refit_of, residuals_of
+from bayesfric.diagnosis.stored import floor_disagrees
 from bayesfric.rigs.protocols import Protocol
 
 PROTOCOL = Protocol({(9, 85.0): 1, (15, 50.0): 2, (5, 140.3): 1}, (6.0, 16.0, 28.0), (6.0, 28.0), 2)
@@ -29,7 +30,8 @@ def test_a_law_that_explains_all_forces_is_found(boards):
     """Up to the prior, which counts as one assembly beside many."""
     model, residuals, local = boards
     everywhere = np.ones(residuals.size.size, dtype=bool)
-    found = recalibrated(model, residuals, everywhere, np.zeros_like(local))
+    refit = refit_of(model, residuals, everywhere)
+    found = recalibrated(refit, residuals, np.zeros_like(local))
     left = residuals.left(found)
     assert np.sqrt((residuals.weight * left**2).sum()) < 2e-3
     assert np.abs(residuals.without_law(residuals.residual_n)).max() < 1e-6
@@ -39,8 +41,9 @@ def test_windows_that_are_left_out_do_not_enter(boards):
     model, residuals, local = boards
     rows = residuals.setup % 3 > 0
     wild = replace(residuals, residual_n=np.where(rows, residuals.residual_n, 1e3))
+    refit = refit_of(model, residuals, rows)
     np.testing.assert_array_equal(
-        recalibrated(model, wild, rows, local), recalibrated(model, residuals, rows, local)
+        recalibrated(refit, wild, local), recalibrated(refit, residuals, local)
     )
 
 
@@ -91,3 +94,65 @@ def test_no_gap_no_shrink_and_never_more_than_there_was():
     assert row(squares(9.0, 1.0, 1.0), "nothing was named").shrink_why == "nothing was named"
     # More taken away than lies above the floor: the floor is not what it is said to be.
     assert "floor" in row(squares(9.0, 0.2, 3.0)).shrink_why
+
+
+@pytest.fixture(scope="module")
+def drawn():
+    """Residual forces of chance alone, drawn anew many times around the same board."""
+    model = model_of(protocol=PROTOCOL, discrepancy=False)
+    residuals = residuals_of(model, model.start)
+    rng = np.random.default_rng(11)
+    identity = np.eye(residuals.size.size)
+    covariance = residuals.scattered(identity)
+    root = np.linalg.cholesky(covariance + 1e-12 * np.trace(covariance) * identity)
+    return model, residuals, root @ rng.standard_normal((len(root), 4000))
+
+
+@pytest.mark.parametrize("where", ["a fold", "in sample", "top tension"])
+def test_a_law_that_is_right_leaves_the_floor(drawn, where):
+    """Held out, extrapolated to or fitted to: chance leaves what is said of each window."""
+    model, residuals, chance = drawn
+    out = {
+        "a fold": residuals.setup % 5 == 0,
+        "in sample": np.zeros(residuals.size.size, dtype=bool),
+        "top tension": extrapolated(residuals)["top tension"],
+    }[where]
+    refit = refit_of(model, residuals, ~out)
+    rows = out if out.any() else ~out
+    left2 = (refit.kept(chance)[rows] ** 2).mean(axis=1)
+    expected = refit.chance2(residuals, np.zeros((rows.size, 0)))[rows]
+    np.testing.assert_allclose(left2, expected, rtol=0.15)
+    assert left2.sum() == pytest.approx(expected.sum(), rel=0.03)
+    if where != "in sample":
+        assert expected.sum() > 1.05 * residuals.chance2[rows].sum()
+
+
+def test_what_the_law_is_uncertain_by_is_its_scatter_over_redrawn_boards(drawn):
+    model, residuals, chance = drawn
+    refit = refit_of(model, residuals, residuals.setup % 5 > 0)
+    further = residuals.columns[:, -1:]
+    spread = refit.spread(residuals, further)
+    moved = refit.smoothing @ (chance - further * np.random.default_rng(1).normal(size=4000))
+    expected = np.cov(refit.sd[:, None] * moved)
+    np.testing.assert_allclose(np.diag(spread @ spread.T), np.diag(expected), rtol=0.1)
+
+
+@pytest.mark.parametrize(("left", "word"), [(1.0, None), (4.0, "more"), (0.05, "less")])
+def test_data_and_floor_that_contradict_each_other_are_told(left, word):
+    """A floor of 1 and a gap of 0.2 that is left; sixty assemblies of like friction."""
+    count = 60
+    one = Squares(None, *np.full((3, count), [[9.0], [left], [1.0]]) / count, np.arange(count))
+    found = floor_disagrees(one, np.full(1000, 0.2), np.random.default_rng(4))
+    assert found is None if word is None else f", {word} than" in found
+
+
+def test_windows_scatter_as_the_parts_say(drawn):
+    """Two trials of an assembly share its scatter, those of two assemblies nothing."""
+    _, residuals, _ = drawn
+    whole = residuals.scattered(np.eye(residuals.size.size))
+    np.testing.assert_allclose(np.diag(whole), residuals.chance2)
+    one = 0
+    other = int(np.flatnonzero((residuals.setup == 0) & (residuals.trial != 0))[0])
+    shared = np.sqrt(residuals.scatter[[one, other], 1]) * residuals.friction_n[[one, other]]
+    assert whole[one, other] == pytest.approx(shared.prod())
+    assert not whole[residuals.setup == 0][:, residuals.setup != 0].any()

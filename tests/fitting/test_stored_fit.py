@@ -46,6 +46,24 @@ def test_written_files_say_what_the_fit_says(small_fit, tmp_path):
     assert json.loads(text)["schema"] == "bayesfric.fit/1"
 
 
+def test_draws_say_what_was_tested_and_informed(small_fit, small_recording, tmp_path):
+    small_fit.write(tmp_path)
+    attributes = read_tree(tmp_path / "draws.nc").attrs
+    trials = small_recording.gravity.trials
+    for size, coefficients in small_fit.summary.pulleys.items():
+        here = trials[trials["pulley_size"] == size]
+        for key, column in (("n_pulleys", "n_pulleys"), ("wrap_angle_deg", "wrap_angle_deg")):
+            low, high = attributes[f"tested.{size}.{key}"]
+            assert (low, high) == (here[column].min(), here[column].max())
+        # both masses hang in the cable: between their mean weight and a little beside it
+        low, high = attributes[f"tested.{size}.tension_n"]
+        weight = 9.81 * (here["mass_drive_kg"] + here["mass_load_kg"]) / 2
+        assert low == pytest.approx(weight.min(), rel=0.05)
+        assert high == pytest.approx(weight.max(), rel=0.05)
+        informed = " ".join(name for name, one in coefficients.items() if one.informed)
+        assert attributes[f"informed.{size}"] == informed
+
+
 def test_csv_has_the_draws(small_fit, tmp_path):
     import pandas as pd
 

@@ -235,6 +235,13 @@ def test_all_bad_loops_are_told_together(draws, tmp_path):
         compute_margins([loop(), loop()], draws)
 
 
+def test_one_loop_needs_no_list(draws, tmp_path):
+    with pytest.raises(InputError) as raised:  # and its name is not a list of letters
+        compute_margins(str(tmp_path / "own.toml"), draws)
+    assert [fault.file for fault in raised.value.faults] == ["own.toml"]
+    assert compute_margins(loop(), draws).summary.loops[0].name == "bench"
+
+
 def test_draws_without_the_pulley_size_are_refused(draws):
     with pytest.raises(InputError, match=r"runs\.0\.pulley_size: found 'large'"):
         computed(draws, {"runs.0.pulley_size": "large"})

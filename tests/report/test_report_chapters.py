@@ -6,6 +6,7 @@ import os
 import re
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import pytest
 import xarray as xr
@@ -13,8 +14,12 @@ from pypdf import PdfReader
 
 from bayesfric.errors import InputError
 from bayesfric.report.assembly import build_document
+from bayesfric.report.chapters.data_quality import data_quality
+from bayesfric.report.chapters.left_out import left_out
+from bayesfric.report.chapters.page_one import page_one
+from bayesfric.report.chapters.summary import summary
 from bayesfric.report.chapters.symbols import symbol
-from bayesfric.report.content import Notice, Table
+from bayesfric.report.content import Document, Notice, Table
 from bayesfric.report.markdown import render_markdown
 from bayesfric.report.stored import StoredFit, StoredResults, read_stored
 from bayesfric.report.typst import render_pdf
@@ -34,6 +39,16 @@ def document(stored):
 def table(document, label):
     (found,) = [b for b in document.blocks if isinstance(b, Table) and b.label == label]
     return found
+
+
+def chapter(blocks):
+    """Blocks of one chapter, for which the figures of the others need not be drawn."""
+    return SimpleNamespace(blocks=tuple(blocks))
+
+
+def first_page(stored):
+    pdf = render_pdf(Document("Page one", "", tuple(page_one(StoredResults(stored)))))
+    return PdfReader(io.BytesIO(pdf)).pages[0].extract_text()
 
 
 def changed(stored, **changes):
@@ -56,9 +71,7 @@ def test_table_of_coefficients_has_the_numbers_of_the_fit(document, stored):
 def test_an_uninformed_coefficient_is_marked(stored):
     pulleys = {size: dict(entries) for size, entries in stored.fit.pulleys.items()}
     pulleys["small"]["c3"] = pulleys["small"]["c3"].model_copy(update={"informed": False})
-    rows = table(
-        build_document(StoredResults(changed(stored, pulleys=pulleys))), "coefficients"
-    ).rows
+    rows = table(chapter(summary(changed(stored, pulleys=pulleys))), "coefficients").rows
     assert [row[-1] for row in rows].count("prior") == 1
     assert rows[2][-1] == "prior"
 
@@ -83,7 +96,7 @@ def test_sensitivity_is_that_of_the_fit(document, stored):
 def test_what_is_left_out_has_the_numbers_of_the_fit(stored):
     one, two = stored.fit.prediction
     bad = one.model_copy(update={"bad": 3, "refitted": 2, "elpd_se": None, "elpd_se_why": "one"})
-    rows = table(build_document(StoredResults(changed(stored, prediction=(bad, two)))), "elpd").rows
+    rows = table(chapter(left_out(changed(stored, prediction=(bad, two)))), "elpd").rows
     assert [row[0] for row in rows] == [
         "trial of the gravity board",
         "assembly of the gravity board",
@@ -131,21 +144,15 @@ def test_a_fit_of_an_earlier_version_has_a_report_without_these(stored):
 
 def test_unconverged_is_said_on_page_one(stored):
     lines = ("tau has not converged: R-hat 1.2000",)
-    poor = build_document(StoredResults(changed(stored, converged=False, attention=lines)))
-    first = PdfReader(io.BytesIO(render_pdf(poor))).pages[0].extract_text()
+    first = first_page(changed(stored, converged=False, attention=lines))
     assert "Unconverged" in first
     assert "R-hat 1.2000" in first
-    good = build_document(StoredResults(changed(stored, converged=True, attention=())))
-    assert not [block for block in good.blocks if isinstance(block, Notice)]
+    good = page_one(StoredResults(changed(stored, converged=True, attention=())))
+    assert not [block for block in good if isinstance(block, Notice)]
 
 
 def test_title_of_the_recording_is_on_page_one(stored):
-    first = (
-        PdfReader(io.BytesIO(render_pdf(build_document(StoredResults(stored)))))
-        .pages[0]
-        .extract_text()
-    )
-    assert "Synthetic pulley-board recording" in " ".join(first.split())
+    assert "Synthetic pulley-board recording" in " ".join(first_page(stored).split())
 
 
 def test_excluded_trials_are_listed_with_their_rule(stored):
@@ -154,7 +161,7 @@ def test_excluded_trials_are_listed_with_their_rule(stored):
     quality = stored.fit.data_quality.model_copy(
         update={"excluded": (Excluded(trial="g0007", rule="stalled", reason="it stopped"),)}
     )
-    listed = table(build_document(StoredResults(changed(stored, data_quality=quality))), "excluded")
+    listed = table(chapter(data_quality(changed(stored, data_quality=quality))), "excluded")
     assert listed.rows == [["g0007", "stalled", "it stopped"]]
 
 

@@ -70,13 +70,18 @@ def figures(stored):
     return {b.label: b for b in chapter(stored) if isinstance(b, Figure)}
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def fit_results(small_fit):
     """The results of a fit, with a diagnosis of the same recording."""
     record = diagnosis(recording=small_fit.summary.recording)
     found = StoredDiagnosis(record, curves())
     fitted = StoredFit(small_fit.summary, small_fit.draws, small_fit.predictive)
     return StoredResults(fitted, diagnosis=found)
+
+
+@pytest.fixture(scope="module")
+def document(fit_results):
+    return build_document(fit_results)
 
 
 def store(found, folder):
@@ -151,12 +156,11 @@ def test_an_unknown_board_says_that_no_effect_makes_it():
     assert told["Which effect causes it?"] == "a force that no effect of the list makes"
 
 
-def test_verdict_stands_on_page_one_and_leads_to_the_chapter(fit_results):
-    blocks = build_document(fit_results).blocks
-    (notice,) = [b for b in blocks if getattr(b, "title", "") == "Sim-to-real gap"]
+def test_verdict_stands_on_page_one_and_leads_to_the_chapter(document):
+    (notice,) = [b for b in document.blocks if getattr(b, "title", "") == "Sim-to-real gap"]
     assert words(notice.text).startswith("Named. Friction grows in proportion to the speed")
     assert Reference("diagnosis") in notice.text
-    page = PdfReader(io.BytesIO(render_pdf(build_document(fit_results)))).pages[0]
+    page = PdfReader(io.BytesIO(render_pdf(document))).pages[0]
     assert "Sim-to-real gap. Named." in " ".join(page.extract_text().split())
 
 
@@ -319,8 +323,7 @@ def test_remainder_effects_and_next_experiment_are_the_stored_ones():
     assert "It would be 50.0 [45.9, 54.1]\u202f% of gap²" in told
 
 
-def test_every_form_shows_it_with_words_for_the_figures(fit_results):
-    document = build_document(fit_results)
+def test_every_form_shows_it_with_words_for_the_figures(fit_results, document):
     html, markdown = render_html(document), render_markdown(document)
     for figure in figures(fit_results.diagnosis).values():
         assert figure.alt in markdown.replace("\\", "")

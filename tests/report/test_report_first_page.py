@@ -14,6 +14,7 @@ from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters import methods, page_one, provenance
 from bayesfric.report.content import (
     BulletList,
+    Document,
     Equation,
     Listing,
     Notice,
@@ -72,7 +73,8 @@ def test_many_remarks_stay_on_page_one(stored):
     poor = changed(stored, converged=False, attention=lines)
     (listed,) = [block for block in page_one.worries(poor.fit) if isinstance(block, BulletList)]
     assert listed.items == lines
-    first = PdfReader(io.BytesIO(render_pdf(build_document(StoredResults(poor))))).pages[0]
+    page = Document("Page one", "", tuple(page_one.page_one(StoredResults(poor))))
+    first = PdfReader(io.BytesIO(render_pdf(page))).pages[0]
     text = " ".join(first.extract_text().split())
     assert all(line in text for line in lines)
 

@@ -122,8 +122,13 @@ def causes(found: Sequence[Cause]) -> Iterator[Block]:
                 f": {cause.sentence}. Law: {cause.law}. Hypotheses that include it "
                 f"have probability {format_probability(cause.inclusion_probability)}. "
                 "Log₁₀ Bayes factor against the same without it: "
-                f"{format_fixed(cause.log10_bayes_factor, 1)} ± "
-                f"{format_fixed(cause.log10_bayes_factor_se, 3)}. Its force is "
+                f"{format_fixed(cause.log10_bayes_factor, 1)}"
+                + (
+                    f" ({cause.log10_bayes_factor_se_why})"
+                    if cause.log10_bayes_factor_se is None
+                    else f" ± {format_fixed(cause.log10_bayes_factor_se, 3)}"
+                )
+                + ". Its force is "
                 f"{format_share(cause.strength)} of that of friction (rms)"
                 + (", which is below the floor. " if cause.below_floor else ". "),
                 Strong("Plausible." if cause.plausible else "Not plausible."),
@@ -248,9 +253,8 @@ def gap_words(found: DiagnosisFile) -> Paragraph:
             " has every figure on data that the fit has not seen; every parameter is refitted "
             "both before and after.",
             ""
-            if gap.floor_agrees
-            else " On these data the floor does not agree with what is left once the causes act: "
-            "scatter, or a force that is not found, makes up the rest.",
+            if gap.floor_disagreement is None
+            else f" The two do not agree: {gap.floor_disagreement}.",
         ]
     )
 

@@ -136,11 +136,13 @@ def runs_of(
         measured = board.events.displacement[rows]
         start = left[:, first] @ (design @ np.linalg.pinv(design[first])).T
         tau = board.events.tau[rows][shown]
+        later = columns[rows][~first] - carry @ columns[rows][first]
         found[trial] = Run(
             trial,
             off,
             float(error.mean()),
             float(floor),
+            later.T @ later / len(later),
             tau - tau[0],
             measured[shown],
             (measured - (left - start))[:, shown],

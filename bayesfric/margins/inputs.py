@@ -1,0 +1,94 @@
+"""Where a loop asks for friction that was not measured: its pulleys, draws and tensions."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.errors import Fault
+from bayesfric.margins.assembly import Assembly, Posterior
+from bayesfric.margins.cable_run import losses
+from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.loop_file import Loop
+from bayesfric.margins.quantities import central
+
+__all__ = ["beyond_the_draws", "refused"]
+
+Array = NDArray[np.float64]
+Range = tuple[float, float]
+
+ROOM = 1e-6
+AXES = {"wrap_angle": ("wrap_angle_deg", "c3"), "tension": ("tension_n", "c1")}
+"""What a loop may extrapolate by name: the tested axis, and the coefficient that must be known."""
+
+
+def refused(loop: Loop, posterior: Posterior) -> Iterator[Fault]:
+    """Yield where the draws do not know the angle or the tension of a loop.
+
+    A coefficient that only its prior has shaped says nothing outside of the conditions in
+    which it was left unknown.
+    """
+    for place, run in enumerate(loop.runs):
+        tension = central(run.tension_n)
+        informed = posterior.informed.get(run.pulley_size)
+        tested = posterior.tested.get(run.pulley_size, {})
+        if informed is None:
+            continue
+        asked = {"wrap_angle": run.angles_deg, "tension": (tension,)}
+        for name, (axis, coefficient) in AXES.items():
+            outside = axis not in tested or any(_outside(one, tested[axis]) for one in asked[name])
+            if coefficient in informed or not outside or name in loop.extrapolate:
+                continue
+            yield Fault(
+                loop.name,
+                f"draws that know {coefficient} of {run.pulley_size} pulleys, which the recording "
+                f'does not inform; or extrapolate = ["{name}"]',
+                column=f"runs.{place}",
+            )
+
+
+def beyond_the_draws(shaft: LoopAtShaft, given: Assembly, posterior: Posterior) -> tuple[str, ...]:
+    """Return what of a loop lies outside of the tested conditions, counted, in words."""
+    found = []
+    for place, run in enumerate(shaft.loop.runs):
+        tested = posterior.tested.get(run.pulley_size, {})
+        angles = np.asarray(run.angles_deg)
+        if "wrap_angle_deg" in tested:
+            low, high = tested["wrap_angle_deg"]
+            count = int(_outside(angles, (low, high)).sum())
+            if count:
+                found.append(f"{count} of {run.count} pulleys of run {place + 1} are wrapped by "
+                             f"{angles.min():g}° to {angles.max():g}°, "
+                             f"tested {low:g}° to {high:g}°")  # fmt: skip
+        if "n_pulleys" in tested and run.count > tested["n_pulleys"][1]:
+            found.append(f"run {place + 1} has {run.count} pulleys, tested up to "
+                         f"{tested['n_pulleys'][1]:g}")  # fmt: skip
+        if "tension_n" in tested:
+            found += _tensions(shaft, place, tested["tension_n"])
+        law = given.coefficients[run.pulley_size]
+        share = losses(law, np.ones(given.draws), angles, clipped=False)
+        negative = float((share < 0).any(axis=1).mean())
+        if negative > 0:
+            found.append(f"in {negative:.1%} of the draws the law says negative friction for a "
+                         f"pulley of run {place + 1}, which is taken as none")  # fmt: skip
+    return tuple(found)
+
+
+def _tensions(shaft: LoopAtShaft, place: int, tested: Range) -> Iterator[str]:
+    low, high = tested
+    known = float(_outside(shaft.tension[place], tested).mean())
+    least, largest = shaft.side_tension
+    peak = float((largest > high + ROOM).mean())
+    if known > 0:
+        yield (
+            f"the tension of run {place + 1} is outside of the tested {low:.0f} to {high:.0f} N in "
+            f"{known:.0%} of the draws"
+        )
+    if peak > known:
+        yield f"its peak in the fastest motion is above {high:.0f} N in {peak:.0%}"
+    if (least < 0).any():
+        yield f"a side goes slack in the fastest motion in {(least < 0).mean():.1%}"
+
+
+def _outside(values: Array | float, tested: Range) -> NDArray[np.bool_]:
+    return np.asarray((values < tested[0] - ROOM) | (values > tested[1] + ROOM))
