@@ -3,7 +3,7 @@
 VENV ?= .venv
 python = "$(VENV)/bin/python"
 
-.PHONY: help setup report docs test quality test-nightly test-long bench clean
+.PHONY: help setup report docs test quality test-nightly test-long fuzz bench clean
 
 help:
 	@echo 'make report        the bundled recording to posteriors and a PDF, in reports/latest/'
@@ -12,6 +12,7 @@ help:
 	@echo 'make quality       lint, formatting, types, and how old the evidence is'
 	@echo 'make test-nightly  cases of the campaigns again, compared with reports/evidence/; an hour'
 	@echo 'make test-long     the campaigns, hours; results in reports/evidence/'
+	@echo 'make fuzz          altered files for ten minutes, from where it stopped'
 	@echo 'make bench         speed, held against what the project promises'
 	@echo 'make clean         remove caches, builds and reports/latest/ (and keep $(VENV)/)'
 	@echo
@@ -43,6 +44,9 @@ test-nightly: setup
 
 test-long: setup
 	$(python) -m pytest -m long --timeout=0
+
+fuzz: setup
+	PYTHONPATH=tests $(python) -m fuzzing.campaign
 
 bench: setup
 	$(python) -m pytest -m bench

@@ -7,42 +7,68 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from bayesfric.analysis import Analysis, HalfNormal, LogNormal, Normal, Uniform
     from bayesfric.blind.running import run_blind
-    from bayesfric.claims import check_claims
-    from bayesfric.diagnosis import diagnose
-    from bayesfric.fitting.posterior import fit
-    from bayesfric.margins import compute_margins
-    from bayesfric.recording import read_recording
+    from bayesfric.calibration.running import calibrate
+    from bayesfric.comparing import compare
+    from bayesfric.effects.base import Effect
+    from bayesfric.errors import InputError
+    from bayesfric.notebook import check_claims, compute_margins, diagnose, fit, load
+    from bayesfric.recording import Recording, read_recording, write_recording
     from bayesfric.simulate import simulate_recording
 
 __all__ = [
+    "Analysis",
+    "Effect",
+    "HalfNormal",
+    "InputError",
+    "LogNormal",
+    "Normal",
+    "Recording",
+    "Uniform",
     "calibrate",
     "check_claims",
+    "compare",
     "compute_margins",
     "diagnose",
     "fit",
+    "load",
     "read_recording",
     "run_blind",
     "simulate_recording",
+    "write_recording",
 ]
 
 _HOMES = {
+    "Analysis": "bayesfric.analysis",
+    "Effect": "bayesfric.effects.base",
+    "HalfNormal": "bayesfric.analysis",
+    "InputError": "bayesfric.errors",
+    "LogNormal": "bayesfric.analysis",
+    "Normal": "bayesfric.analysis",
+    "Recording": "bayesfric.recording",
+    "Uniform": "bayesfric.analysis",
     "calibrate": "bayesfric.calibration.running",
-    "check_claims": "bayesfric.claims",
-    "compute_margins": "bayesfric.margins",
-    "diagnose": "bayesfric.diagnosis",
-    "fit": "bayesfric.fitting.posterior",
+    "check_claims": "bayesfric.notebook",
+    "compare": "bayesfric.comparing",
+    "compute_margins": "bayesfric.notebook",
+    "diagnose": "bayesfric.notebook",
+    "fit": "bayesfric.notebook",
+    "load": "bayesfric.notebook",
     "read_recording": "bayesfric.recording",
     "run_blind": "bayesfric.blind.running",
     "simulate_recording": "bayesfric.simulate",
+    "write_recording": "bayesfric.recording",
 }
 
 
 def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        return import_module("importlib.metadata").version("bayesfric")
     if name not in _HOMES:
         raise AttributeError(f"module 'bayesfric' has no attribute {name!r}")
     return getattr(import_module(_HOMES[name]), name)
 
 
 def __dir__() -> list[str]:
-    return sorted(__all__)
+    return sorted([*__all__, "__version__"])

@@ -41,14 +41,24 @@ class _Section(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class HalfNormal(_Section):
+class _Family(_Section):
+    """A density whose numbers may be given in their order, as in ``HalfNormal(0.05)``."""
+
+    def __init__(self, *numbers: float, **named: Any) -> None:
+        names = [name for name in type(self).model_fields if name != "family"]
+        if len(numbers) > len(names):
+            raise TypeError(f"{type(self).__name__} takes {len(names)} numbers: {names}")
+        super().__init__(**dict(zip(names, numbers, strict=False)), **named)
+
+
+class HalfNormal(_Family):
     """Half-normal: values above zero, most of them below `scale`."""
 
     family: Literal["half-normal"] = "half-normal"
     scale: Positive = Field(description="Standard deviation of the normal that is folded at 0.")
 
 
-class LogNormal(_Section):
+class LogNormal(_Family):
     """Log-normal: values above zero around `median`."""
 
     family: Literal["log-normal"] = "log-normal"
@@ -56,7 +66,7 @@ class LogNormal(_Section):
     sd_log: Positive = Field(description="Standard deviation of the natural logarithm.")
 
 
-class Normal(_Section):
+class Normal(_Family):
     """Normal: any sign."""
 
     family: Literal["normal"] = "normal"
@@ -64,7 +74,7 @@ class Normal(_Section):
     sd: Positive = Field(description="Standard deviation, in the parameter's unit.")
 
 
-class Uniform(_Section):
+class Uniform(_Family):
     """Uniform between two bounds."""
 
     family: Literal["uniform"] = "uniform"

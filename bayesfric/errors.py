@@ -27,6 +27,8 @@ class Fault:
         Column of a table, or dotted key of a JSON or TOML file.
     value : str or None
         The value found, as written; None where something is missing.
+    like : int
+        Further faults like it, which are not listed.
     """
 
     file: str
@@ -34,6 +36,7 @@ class Fault:
     row: int | None = None
     column: str | None = None
     value: str | None = None
+    like: int = 0
 
     def __str__(self) -> str:
         place = self.file
@@ -42,7 +45,8 @@ class Fault:
         if self.column is not None:
             place += f", {self.column}"
         found = "" if self.value is None else f" found {_short(self.value)!r},"
-        return f"{place}:{found} expected {self.expected}"
+        more = f"; and {self.like:,} like it" if self.like else ""
+        return f"{place}:{found} expected {self.expected}{more}"
 
 
 def _short(value: str) -> str:

@@ -6,7 +6,9 @@ from typing import Annotated
 import typer
 
 from bayesfric.cli.exits import exit_status, fail_on
+from bayesfric.cli.locks import hold
 from bayesfric.cli.options import Config, FailOn, Folder, Quiet, Seed, Workers
+from bayesfric.cli.printing import say
 
 __all__ = ["calibrate"]
 
@@ -39,7 +41,7 @@ def calibrate(
     from bayesfric.cli.progress import progress_bar
 
     fail_on(fail_on_list, set())  # an unknown name is told before the work
-    with progress_bar("calibrate", quiet=quiet) as progress:
+    with hold(output, "calibrate"), progress_bar("calibrate", quiet=quiet) as progress:
         found = run(
             output,
             number=number,
@@ -49,7 +51,7 @@ def calibrate(
             progress=progress,
         )
     inside = sum(one.inside for one in found.quantities)
-    typer.echo(f"{inside} of {len(found.quantities)} quantities have uniform ranks")
+    say(f"{inside} of {len(found.quantities)} quantities have uniform ranks")
     for line in found.attention:
-        typer.echo(f"attention: {line}", err=True)
+        say(f"attention: {line}", err=True)
     fail_on(fail_on_list, set() if found.calibrated else {"uncalibrated"})

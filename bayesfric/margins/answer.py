@@ -98,7 +98,8 @@ def largest_safe_gain(hunting: Hunting, allowed: float, effective_draws: float) 
         return SafeGain(None, None, why, condition)
     error = standard_error(allowed, min(effective_draws, float(count)))
     low, high = at(max(allowed - error, 0.0)), at(min(allowed + error, 1.0))
-    return SafeGain(at(allowed), (high - low) / 2, None, condition)
+    coarse = TOLERANCE if hunting.method == "simulation" else 0.0
+    return SafeGain(at(allowed), max((high - low) / 2, coarse), None, condition)
 
 
 def which_gain(shaft: LoopAtShaft, hunting: Hunting, safe: SafeGain, allowed: float) -> str:

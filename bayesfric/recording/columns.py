@@ -9,6 +9,7 @@ from typing import Literal
 
 __all__ = ["BUILT_IN", "RIG_KEYS_NEEDED", "TABLES", "Column", "TableFormat"]
 
+MOST_PULLEYS = 1000  # the paper has 19
 LARGEST_INTEGER = 1_000_000_000  # far beyond any count or order, well inside int64
 
 
@@ -62,7 +63,7 @@ class Column:
         if self.kind == "choice":
             rule = " or ".join(self.choices)
         elif self.kind == "integer":
-            rule = f"an integer from 1 to {LARGEST_INTEGER}"
+            rule = f"an integer from 1 to {self.largest}"
         elif self.kind == "number":
             rule = "a finite number" + self._bounds()
             if self.unit:
@@ -70,6 +71,11 @@ class Column:
         else:
             rule = "text without line breaks or other control characters"
         return rule + (", or nothing" if self.may_be_empty else "")
+
+    @property
+    def largest(self) -> int:
+        """The largest integer that is allowed."""
+        return LARGEST_INTEGER if self.most is None else int(self.most)
 
     def _bounds(self) -> str:
         if self.above is not None:
@@ -117,7 +123,7 @@ ROLE = Column(
     choices=("calibrate", "test"),
 )
 SIZE = Column("pulley_size", "text", "pulley size")
-COUNT = Column("n_pulleys", "integer", "number of pulleys")
+COUNT = Column("n_pulleys", "integer", "number of pulleys", most=MOST_PULLEYS)
 WRAP = Column("wrap_angle_deg", "number", "mean individual wrap angle", "deg", least=0, most=180)
 TIME = Column("time_s", "number", "time", "s")
 VELOCITY = Column("velocity_m_s", "number", "cable speed, signed", "m/s", nonzero=True)
@@ -126,7 +132,7 @@ CURRENT = Column("current_a", "number", "mean motor current", "A")
 # Kind 3 has the same columns as kinds 1 and 2, none of them compulsory.
 STEADY_CONDITION = (
     Column("pulley_size", "text", "pulley size", required=False),
-    Column("n_pulleys", "integer", "number of pulleys", required=False),
+    Column("n_pulleys", "integer", "number of pulleys", required=False, most=MOST_PULLEYS),
     Column(
         "wrap_angle_deg",
         "number",

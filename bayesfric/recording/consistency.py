@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.errors import Fault
+from bayesfric.recording.csv_text import LISTED, with_rest
 from bayesfric.recording.frames import did_not_move, individual_angles
 from bayesfric.recording.schemas import Table
 from bayesfric.recording.spacing import printed_tolerance, spacing_counts
@@ -150,15 +151,17 @@ def _events(events: Table, rig: RigConstants) -> list[Fault]:
     keys = ["trial", "sensor"]
     if not events.has(*keys):
         return []
-    faults = []
+    faults: list[Fault] = []
     groups = events.frame.groupby(keys, sort=False)
     count = groups["trial"].transform("size")
     few = ~events.frame.duplicated(keys) & (count < MINIMUM_EVENTS)
-    for position in np.flatnonzero(few).tolist():
+    positions = np.flatnonzero(few)
+    for position in positions[:LISTED].tolist():
         trial, sensor = events.frame.loc[position, keys]
         expected = f"at least {MINIMUM_EVENTS} events of trial {trial!r} and sensor {sensor!r}"
         expected += f", there are {count[position]:.0f}"
         faults += events.text.faults_at([position], "trial", expected)
+    faults = with_rest(faults, len(positions) - len(faults))
     return faults + _not_increasing(events, keys, "time_s") + _displacements(events, rig)
 
 

@@ -1,8 +1,11 @@
 """Bytes of a CSV file → its cells as text, each with its line in the file."""
 
+import codecs
 import csv
 import io
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -10,7 +13,10 @@ import pandas as pd
 
 from bayesfric.errors import Fault, InputError
 
-__all__ = ["TextTable", "decode_utf8", "parse_csv"]
+__all__ = ["LISTED", "TextTable", "decode_utf8", "parse_csv", "with_rest"]
+
+LISTED = 20  # faults of one kind that are told one by one
+MOST_COLUMNS = 1000
 
 
 @dataclass(frozen=True)
@@ -40,14 +46,27 @@ class TextTable:
     ragged: frozenset[int]
     faults: tuple[Fault, ...]
 
-    def faults_at(self, positions: list[int], column: str, expected: str) -> list[Fault]:
-        """List one fault, at `column`, for each of these rows."""
-        lines = self.lines[positions].tolist()
-        values = self.cells[column].iloc[positions]
-        return [
+    def faults_at(
+        self,
+        positions: Sequence[int] | npt.NDArray[np.intp],
+        column: str,
+        expected: str,
+        most: int = LISTED,
+    ) -> list[Fault]:
+        """List a fault, at `column`, for each of these rows; the last stands for the rest."""
+        shown = [int(position) for position in positions[:most]]
+        lines = self.lines[shown].tolist()
+        values = self.cells[column].iloc[shown]
+        faults = [
             Fault(self.file, expected, line, column, value)
             for line, value in zip(lines, values, strict=True)
         ]
+        return with_rest(faults, len(positions) - len(shown))
+
+
+def with_rest(faults: list[Fault], rest: int) -> list[Fault]:
+    """Let the last fault stand for `rest` more that are like it."""
+    return [*faults[:-1], replace(faults[-1], like=rest)] if faults and rest else faults
 
 
 def decode_utf8(file: str, data: bytes) -> str:
@@ -63,7 +82,10 @@ def decode_utf8(file: str, data: bytes) -> str:
     except UnicodeDecodeError as error:
         row = error.object.count(b"\n", 0, error.start) + 1
         found = error.object[error.start : error.start + 1].hex()
-        raise InputError([Fault(file, "UTF-8 text", row=row, value=f"byte 0x{found}")]) from None
+        expected = "UTF-8 text"
+        if data[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
+            expected += " (this is UTF-16: is it a spreadsheet's “Unicode text”?)"
+        raise InputError([Fault(file, expected, row=row, value=f"byte 0x{found}")]) from None
     nul = text.find("\0")
     if nul >= 0:
         row = text.count("\n", 0, nul) + 1
@@ -80,31 +102,28 @@ def parse_csv(file: str, data: bytes) -> TextTable:
     Raises
     ------
     InputError
-        If there is no table to speak of: not UTF-8, empty, header only, bad quotes.
+        If there is no table to speak of: not UTF-8, empty, header only, bad quotes, cells
+        that commas do not separate, no row of the header's length.
     """
-    rows, lines = _split(file, decode_utf8(file, data))
-    if not rows or lines[0] != 1:
-        raise InputError([Fault(file, "a header in line 1 and at least one row")])
-    header = [name.strip() for name in rows[0]]
-    if len(rows) == 1:
-        raise InputError([Fault(file, "at least one row below the header", row=1)])
-    del rows[0], lines[0]
-
+    text = decode_utf8(file, data)
+    header, columns, lines, ragged = _split(file, text)
+    named = Counter(name for name in header if name)
     faults = [
         Fault(file, "a column name once only", row=1, column=name, value=name)
-        for name in dict.fromkeys(header)
-        if name and header.count(name) > 1
+        for name, count in named.items()
+        if count > 1
     ]
-    width, ragged = len(header), set()
-    for position, row in enumerate(rows):
-        if len(row) != width:
-            expected = f"{width} cells, as in the header"
-            faults.append(Fault(file, expected, row=lines[position], value=f"{len(row)} cells"))
-            ragged.add(position)
-            rows[position] = (row + [""] * width)[:width]
-
-    columns = zip(header, zip(*rows, strict=True), strict=True)
-    cells = {name: [cell.strip() for cell in column] for name, column in columns if name}
+    if ragged:
+        width = len(header)
+        if len(ragged) == len(lines):
+            raise InputError([_all_ragged(file, width, ragged, lines)])
+        expected = f"{width} cells, as in the header"
+        shown = [
+            Fault(file, expected, row=lines[position], value=f"{count} cells")
+            for position, count in list(ragged.items())[:LISTED]
+        ]
+        faults += with_rest(shown, len(ragged) - len(shown))
+    cells = {name: column for name, column in zip(header, columns, strict=True) if name}
     return TextTable(
         file,
         pd.DataFrame(cells, dtype=object),
@@ -115,19 +134,63 @@ def parse_csv(file: str, data: bytes) -> TextTable:
     )
 
 
-def _split(file: str, text: str) -> tuple[list[list[str]], list[int]]:
-    """Rows that hold anything, and the line on which each starts."""
+def _all_ragged(file: str, width: int, ragged: dict[int, int], lines: list[int]) -> Fault:
+    counts = set(ragged.values())
+    hint = " (are there commas in numbers? the decimal mark is a point)"
+    expected = f"{width} cells, as in the header, in each row"
+    expected += hint if min(counts) > width else ""
+    first = min(ragged)
+    fault = Fault(file, expected, row=lines[first], value=f"{ragged[first]} cells")
+    return replace(fault, like=len(ragged) - 1)
+
+
+def _check_header(file: str, header: list[str]) -> None:
+    """Refuse a header whose cells are not separated by commas, or that is endless."""
+    for mark, name in ((";", "semicolons"), ("\t", "tabs")):
+        if len(header) == 1 and mark in header[0]:
+            expected = f"commas between cells, not {name}; and a point as the decimal mark"
+            raise InputError([Fault(file, expected, row=1, value=header[0])])
+    if len(header) > MOST_COLUMNS:
+        expected = f"at most {MOST_COLUMNS:,} columns"
+        raise InputError([Fault(file, expected, row=1, value=f"{len(header):,} columns")])
+
+
+def _split(file: str, text: str) -> tuple[list[str], list[list[str]], list[int], dict[int, int]]:
+    """Return header, columns, the line on which each row starts, and rows of another length.
+
+    Rows that hold nothing are passed over. Equal cells share one string: ids and
+    displacements repeat, and a table may have a million rows.
+    """
     reader = csv.reader(io.StringIO(text, newline=""), strict=True)
-    rows: list[list[str]] = []
+    header: list[str] | None = None
+    columns: list[list[str]] = []
     lines: list[int] = []
+    ragged: dict[int, int] = {}
+    once: dict[str, str] = {}
     start = 1
     try:
         for row in reader:
-            if any(map(str.strip, row)):
-                rows.append(row)
-                lines.append(start)
+            stripped = [cell.strip() for cell in row]
+            if any(stripped):
+                if header is None:
+                    if start != 1:
+                        break
+                    _check_header(file, stripped)
+                    header = stripped
+                    columns = [[] for _ in header]
+                else:
+                    if len(stripped) != len(header):
+                        ragged[len(lines)] = len(stripped)
+                        stripped += [""] * (len(header) - len(stripped))
+                    lines.append(start)
+                    for column, cell in zip(columns, stripped, strict=False):
+                        column.append(once.setdefault(cell, cell))
             start = reader.line_num + 1
     except csv.Error as error:
         expected = f'comma-separated cells, quoted with pairs of " ({error})'
         raise InputError([Fault(file, expected, row=start)]) from None
-    return rows, lines
+    if header is None:
+        raise InputError([Fault(file, "a header in line 1 and at least one row")])
+    if not lines:
+        raise InputError([Fault(file, "at least one row below the header", row=1)])
+    return header, columns, lines, ragged

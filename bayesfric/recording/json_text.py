@@ -3,6 +3,7 @@
 import json
 import math
 import reprlib
+from collections import Counter
 from typing import Any
 
 from bayesfric.errors import Fault, InputError
@@ -35,8 +36,8 @@ def parse_json_object(file: str, data: bytes) -> tuple[dict[str, Any], list[Faul
     def unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         found = dict(pairs)
         if len(found) < len(pairs):
-            keys = [key for key, _ in pairs]
-            repeated.extend(key for key in found if keys.count(key) > 1)
+            counts = Counter(key for key, _ in pairs)
+            repeated.extend(key for key, count in counts.items() if count > 1)
         return found
 
     try:

@@ -1,9 +1,10 @@
 """``datapackage.json`` → what the reader needs of it, with every fault."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from datetime import datetime
+from difflib import get_close_matches
 from pathlib import PurePosixPath, PureWindowsPath
 from typing import Annotated, Any, Literal, TypeVar
 
@@ -11,6 +12,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 
 from bayesfric.errors import Fault
 from bayesfric.recording.columns import LARGEST_INTEGER
+from bayesfric.recording.csv_text import LISTED, with_rest
 from bayesfric.recording.json_text import dotted, parse_json_object, shown
 from bayesfric.recording.tables import STANDARD_GRAVITY, Pulley, RigConstants
 
@@ -33,6 +35,8 @@ KEPT = (
     "image",
     "simulation",
 )
+
+OWN = ("name", "title", "created", "resources", "rig", *KEPT)
 
 # What pydantic found wrong → what we expected.
 EXPECTED = {
@@ -87,7 +91,20 @@ def _inside(path: str) -> str:
     return PurePosixPath(path).as_posix()
 
 
+def _at_most(bound: float, unit: str, mistake: str) -> AfterValidator:
+    def check(value: float) -> float:
+        if value > bound:
+            raise ValueError(f"a number of at most {bound:g} {unit} (is it in {mistake}?)")
+        return value
+
+    return AfterValidator(check)
+
+
 Positive = Annotated[float, Field(gt=0)]
+Length = Annotated[float, Field(gt=0), _at_most(2.0, "m", "millimetres")]
+Mass = Annotated[float, Field(gt=0), _at_most(10.0, "kg", "grams")]
+Resolution = Annotated[float, Field(gt=0), _at_most(0.5, "s", "milliseconds or microseconds")]
+Gravity = Annotated[float, Field(gt=0), _at_most(100.0, "m/s²", "mm/s²")]
 Count = Annotated[int, BeforeValidator(_whole), Field(ge=1, le=LARGEST_INTEGER)]
 NotNegative = Annotated[float, Field(ge=0)]
 Angle = Annotated[float, Field(ge=0, le=180)]
@@ -111,8 +128,8 @@ class _Resource(_Strict):
 
 
 class _Pulley(_Strict):
-    radius_m: Positive | None = None
-    mass_kg: Positive | None = None
+    radius_m: Length | None = None
+    mass_kg: Mass | None = None
 
 
 class _Limits(_Strict):
@@ -125,12 +142,12 @@ class _Limits(_Strict):
 
 
 class _Rig(_Strict):
-    gravity_m_s2: Positive | None = None
-    hall_spacing_m: Positive | None = None
+    gravity_m_s2: Gravity | None = None
+    hall_spacing_m: Length | None = None
     magnets_per_revolution: Count | None = None
-    timer_resolution_s: Positive | None = None
+    timer_resolution_s: Resolution | None = None
     motor_torque_constant_n_m_per_a: Positive | None = None
-    capstan_radius_m: Positive | None = None
+    capstan_radius_m: Length | None = None
     pulleys: dict[str, _Pulley] | None = None
     limits: _Limits | None = None
     moving_mass_kg: Positive | None = None
@@ -203,8 +220,7 @@ def parse_package(data: bytes) -> Package:
         faults.append(Fault(PACKAGE_FILE, "an object", column="rig", value=shown(raw_rig)))
         raw_rig = {}
     rig = _rig(_checked(_Rig, raw_rig, ("rig",), faults))
-    own = {"name", "title", "created", "resources", "rig", *KEPT}
-    unknown = [key for key in content if key not in own] + _unknown_rig_keys(raw_rig)
+    unknown = [key for key in content if key not in OWN] + _unknown_rig_keys(raw_rig)
     return Package(
         name=header.get("name", ""),
         title=header.get("title", ""),
@@ -213,9 +229,31 @@ def parse_package(data: bytes) -> Package:
         rig=rig,
         rig_keys=frozenset(key for key, value in raw_rig.items() if value is not None),
         resources=_resources(content, faults),
-        faults=tuple(faults),
-        notes=tuple(f"{PACKAGE_FILE}: unknown key {key} kept out" for key in unknown),
+        faults=tuple(_folded(faults)),
+        notes=tuple(_notes(unknown)),
     )
+
+
+def _folded(faults: list[Fault]) -> list[Fault]:
+    """List the first faults of a kind, of which the last stands for the rest."""
+    kinds: dict[str, list[Fault]] = {}
+    for fault in faults:
+        kinds.setdefault(fault.expected, []).append(fault)
+    return [
+        fault
+        for found in kinds.values()
+        for fault in with_rest(found[:LISTED], len(found[LISTED:]))
+    ]
+
+
+def _notes(unknown: list[str]) -> Iterator[str]:
+    known = [*OWN, *(f"rig.{key}" for key in _Rig.model_fields)]
+    for key in unknown[:LISTED]:
+        near = get_close_matches(key, known, n=1, cutoff=0.8)
+        hint = f"; is {near[0]} meant?" if near else ""
+        yield f"{PACKAGE_FILE}: unknown key {key} kept out{hint}"
+    if len(unknown) > LISTED:
+        yield f"{PACKAGE_FILE}: and {len(unknown) - LISTED:,} unknown keys more kept out"
 
 
 def _checked(

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from bayesfric.errors import Fault, InputError
-from bayesfric.files import file_bytes
 from bayesfric.recording.columns import BUILT_IN, RIG_KEYS_NEEDED, TABLES
 from bayesfric.recording.consistency import check_across
 from bayesfric.recording.csv_text import parse_csv
 from bayesfric.recording.digest import tables_sha256
 from bayesfric.recording.frames import no_events, sorted_events, typed, with_setup
 from bayesfric.recording.package import PACKAGE_FILE, Package, Resource, parse_package
+from bayesfric.recording.plausibility import implausible
 from bayesfric.recording.schemas import Table, check_cells
 from bayesfric.recording.steady_signs import notes_on_signs
 from bayesfric.recording.tables import Axis, Gravity, Motor, Recording
@@ -107,6 +107,7 @@ def assemble(load: Load, in_folder: Collection[str] = ()) -> Recording:
     faults += _missing_parts(package, listed)
     with np.errstate(all="ignore"):  # numbers may be as large as floats go
         faults += check_across(tables, package.rig, frozenset(listed) - frozenset(tables))
+        faults += implausible(tables, package.rig, {fault.file for fault in faults})
         if faults:
             raise InputError(_in_file_order(faults, listed))
         recording = _recording(package, tables, tables_sha256(contents))
@@ -118,17 +119,18 @@ def assemble(load: Load, in_folder: Collection[str] = ()) -> Recording:
 def _read_inside(folder: Path, name: str) -> bytes:
     try:
         file = (folder / name).resolve()
-        inside = file.is_relative_to(folder.resolve())
-        there = file.exists()
-    except (OSError, RuntimeError, ValueError) as error:  # RuntimeError: a loop of symbolic links
+        if not file.is_relative_to(folder.resolve()):
+            raise InputError([Fault(name, "a file inside the recording's folder", value=name)])
+        if not file.is_file():  # a pipe or a device might never end
+            found = "a folder" if file.is_dir() else None
+            raise InputError([Fault(name, "a file of this name in the folder", value=found)])
+        if (size := file.stat().st_size) > LARGEST_FILE:
+            expected = f"a file of at most {LARGEST_FILE:,} bytes"
+            raise InputError([Fault(name, expected, value=f"{size:,} bytes")])
+        return file.read_bytes()
+    except (OSError, RuntimeError) as error:  # RuntimeError: a loop of symbolic links
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError([Fault(name, "a file that can be read", value=reason)]) from None
-    if not inside:
-        raise InputError([Fault(name, "a file inside the recording's folder", value=name)])
-    if not there or file.is_dir():
-        found = "a folder" if there else None
-        raise InputError([Fault(name, "a file of this name in the folder", value=found)])
-    return file_bytes(file, name, LARGEST_FILE)
 
 
 def _known_tables(package: Package, faults: list[Fault], notes: list[str]) -> dict[str, Resource]:

@@ -1,28 +1,29 @@
-"""Text cells → typed columns, checked one cell at a time with pandera.
+"""Text cells → typed columns, checked one cell at a time.
 
-A cell that is no number becomes NaN, and NaN is what the schema then refuses, so
+A cell that is no number becomes NaN, and NaN is what the rules then refuse, so
 that every fault keeps its line and its value as written.
 """
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import TYPE_CHECKING
+from difflib import get_close_matches
 
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
 from bayesfric.errors import Fault
-from bayesfric.recording.columns import LARGEST_INTEGER, Column, TableFormat
+from bayesfric.recording.columns import Column, TableFormat
 from bayesfric.recording.csv_text import TextTable
 
-if TYPE_CHECKING:
-    from pandera.pandas import Check, DataFrameSchema, Hypothesis
-
-__all__ = ["Table", "check_cells"]
+__all__ = ["Table", "check_cells", "meant"]
 
 DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+
+DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+", re.ASCII)
+SEARCHED = 1000  # cells that are searched for one
+NOTED = 10  # columns that are named where more are kept out
 
 CONTROL_CHARACTER = re.compile(r"[\x00-\x1f\x7f-\x9f]")
 
@@ -59,7 +60,7 @@ class Table:
 
     def faults_where(self, mask: npt.ArrayLike, column: str, expected: str) -> list[Fault]:
         """One fault, at `column`, for each row in which `mask` is true."""
-        return self.text.faults_at(np.flatnonzero(mask).tolist(), column, expected)
+        return self.text.faults_at(np.flatnonzero(mask), column, expected)
 
 
 def check_cells(text: TextTable, table: TableFormat) -> Table:
@@ -83,14 +84,23 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
     notes = []
     if text.unnamed:
         notes.append(f"{text.file}: {text.unnamed} column(s) without a name kept out")
-    names = {column.name for column in table.columns}
-    for name in text.cells.columns.difference(list(names), sort=False):
-        numbers = _numbers(text.cells[name])
-        if table.keeps_covariates and not numbers.isna().any():
+    names = [column.name for column in table.columns]
+    absent = [name for name in names if name not in text.cells]
+    kept_out = []
+    for name in text.cells.columns.difference(names, sort=False):
+        numbers = _numbers(text.cells[name]) if table.keeps_covariates else None
+        if numbers is not None and not numbers.isna().any():
             known[str(name)] = numbers
         else:
-            why = " (not a number in every row)" if table.keeps_covariates else ""
-            notes.append(f"{text.file}: unknown column {name!r} kept out{why}")
+            kept_out.append(str(name))
+    why = " (not a number in every row)" if table.keeps_covariates else ""
+    for name in kept_out[:NOTED]:
+        near = get_close_matches(name, absent, n=1, cutoff=0.75)
+        hint = f"; is {near[0]} meant?" if near else ""
+        notes.append(f"{text.file}: unknown column {name!r} kept out{why}{hint}")
+    if len(kept_out) > NOTED:
+        rest = len(kept_out) - NOTED
+        notes.append(f"{text.file}: and {rest:,} unknown columns more kept out{why}")
     frame = pd.DataFrame(known, index=text.cells.index)
     frame, faults = _checked(frame, text, table)
     return Table(table, text, frame, (*text.faults, *faults), tuple(notes))
@@ -117,80 +127,58 @@ def _checked(
     frame: pd.DataFrame, text: TextTable, table: TableFormat
 ) -> tuple[pd.DataFrame, list[Fault]]:
     """Blank the cells that break their column's rule, and say which they were."""
-    from pandera.errors import SchemaErrors
-
-    try:
-        return _schema(table).validate(frame, lazy=True), []
-    except SchemaErrors as error:
-        cases = error.failure_cases
     faults: list[Fault] = []
-    missing = set(cases.loc[cases["check"] == "column_in_dataframe", "failure_case"])
-    cells = cases[cases["index"].notna()]
+    names = {column.name for column in table.columns}
+    written = [str(name) for name in text.cells.columns if name not in names]
     for column in table.columns:
         name = column.name
-        if name in missing:
-            expected = f"this column, each cell {column.expected}"
-            faults.append(Fault(text.file, expected, row=1, column=name))
         if name not in frame:
+            if column.required:
+                expected = f"this column, each cell {column.expected}{meant(name, written)}"
+                faults.append(Fault(text.file, expected, row=1, column=name))
             continue
-        of_column = cells[cells["column"] == name]
-        repeats = of_column["check"] == "field_uniqueness"
-        wrong = _positions(of_column[~repeats])
-        repeated = _positions(of_column[repeats]) - wrong
-        # An empty cell is NaN like one that is no number; what is written tells them apart.
-        empty = set(np.flatnonzero(text.cells[name] == "")) if wrong else set()
-        excused = empty if column.may_be_empty else empty & text.ragged
-        faults += text.faults_at(sorted(wrong - excused), name, column.expected)
-        faults += text.faults_at(sorted(repeated), name, "a value that no other row has")
-        if wrong:
-            frame = frame.assign(**{name: frame[name].mask(frame.index.isin(list(wrong)))})
+        values, cells = frame[name], text.cells[name]
+        wrong = values.isna() | ~_obeys(values, column)
+        excused = (cells == "") & (column.may_be_empty or cells.index.isin(list(text.ragged)))
+        faults += text.faults_at(np.flatnonzero(wrong & ~excused), name, _expected(column, cells))
+        if column.unique:
+            repeated = values.duplicated() & ~wrong
+            positions = np.flatnonzero(repeated)
+            faults += text.faults_at(positions, name, "a value that no other row has")
+        if wrong.any():
+            frame = frame.assign(**{name: values.mask(wrong)})
     return frame, faults
 
 
-def _is_printable(cells: pd.Series) -> "pd.Series[bool]":
-    # Ids repeat: looking at each once is faster by far.
-    return ~cells.isin([cell for cell in cells.unique() if CONTROL_CHARACTER.search(cell)])
+def _expected(column: Column, cells: pd.Series) -> str:
+    if column.is_numeric and any(DECIMAL_COMMA.fullmatch(cell) for cell in cells.head(SEARCHED)):
+        return f"{column.expected}, with a point as the decimal mark"
+    return column.expected
 
 
-def _positions(cases: pd.DataFrame) -> set[int]:
-    return set(cases["index"].astype(int))
-
-
-@lru_cache
-def _schema(table: TableFormat) -> "DataFrameSchema":
-    from pandera.pandas import Column as Rule
-    from pandera.pandas import DataFrameSchema
-
-    rules = {
-        column.name: Rule(
-            checks=_checks(column),
-            # An optional empty cell is NaN too; _checked lets it pass.
-            nullable=False,
-            unique=column.unique,
-            report_duplicates="exclude_first",
-            required=column.required,
-        )
-        for column in table.columns
-    }
-    return DataFrameSchema(rules)
-
-
-def _checks(column: Column) -> "list[Check | Hypothesis]":
-    from pandera.pandas import Check
-
-    checks: list[Check | Hypothesis] = []
+def _obeys(values: pd.Series, column: Column) -> "pd.Series[bool]":
+    """Whether each value that is there obeys the rules of its column."""
+    obeys = pd.Series(True, index=values.index)
     if column.kind in ("id", "text"):
-        checks.append(Check(_is_printable))
+        # Ids repeat: looking at each once is faster by far.
+        unprintable = [c for c in values.dropna().unique() if CONTROL_CHARACTER.search(c)]
+        obeys &= ~values.isin(unprintable)
     if column.kind == "choice":
-        checks.append(Check.isin(column.choices))
+        obeys &= values.isin(column.choices)
     if column.kind == "integer":
-        checks.append(Check.in_range(1, LARGEST_INTEGER))
+        obeys &= (values >= 1) & (values <= column.largest)
     if column.above is not None:
-        checks.append(Check.gt(column.above))
+        obeys &= values > column.above
     if column.least is not None:
-        checks.append(Check.ge(column.least))
+        obeys &= values >= column.least
     if column.most is not None:
-        checks.append(Check.le(column.most))
+        obeys &= values <= column.most
     if column.nonzero:
-        checks.append(Check.ne(0))
-    return checks
+        obeys &= values != 0
+    return obeys
+
+
+def meant(name: str, among: Iterable[str]) -> str:
+    """Return the question whether one of these names, which is nearly `name`, is meant."""
+    near = get_close_matches(name, [other for other in among if other], n=1, cutoff=0.75)
+    return f"; is {near[0]!r} meant to be it?" if near else ""

@@ -36,6 +36,7 @@ ROWS = (
     ("blind",),
     ("plots",),
     ("report",),
+    ("notebook",),
     ("cli",),
     ("__init__", "__main__"),
 )
@@ -68,7 +69,7 @@ OWNERS = {
     "distributed": {"campaign", "cli"},
     "emcee": {"inference"},
     "jinja2": {"report"},
-    "matplotlib": {"plots"},
+    "matplotlib": {"plots", "notebook"},  # the latter names its Figure in annotations
     "mujoco": {"blind/engines"},
     "typer": {"cli"},
     "typst": {"report"},

@@ -202,23 +202,25 @@ def gravity_recordings(draw: st.DrawFn) -> Recording:
     clock = draw(st.sampled_from([1e-6, 4e-6, 1e-3, 0.25, 1e-9]))
     trials, events = [], []
     for name in names:
-        load = draw(st.floats(1e-3, 50.0))
+        load = draw(st.floats(1e-3, 10.0))
         trials.append(
             {
                 "trial": name,
                 "setup": name,
                 "pulley_size": draw(st.sampled_from(["small", "wide, flat", "x"])),
                 "n_pulleys": draw(st.integers(1, 30)),
-                "wrap_angle_deg": draw(st.floats(0, 180)),
+                "wrap_angle_deg": draw(st.floats(4, 180)),
                 "mass_drive_kg": load * draw(st.floats(1.01, 3.0)),
                 "mass_load_kg": load,
             }
         )
         for sensor in draw(st.sampled_from([("drive",), ("load",), ("drive", "load")])):
             steps = draw(st.lists(st.integers(1, 3), min_size=4, max_size=6))
-            ticks = draw(st.lists(st.integers(1, 10**6), min_size=len(steps), max_size=len(steps)))
-            for travel, tick in zip(np.cumsum([0, *steps]), np.cumsum([0, *ticks]), strict=True):
-                events.append((name, sensor, travel * spacing, tick * clock))
+            # At a constant speed, which weights can drive.
+            tick = max(1, round(spacing / draw(st.floats(0.05, 2.0)) / clock))
+            ticks = [step * tick for step in steps]
+            for travel, at in zip(np.cumsum([0, *steps]), np.cumsum([0, *ticks]), strict=True):
+                events.append((name, sensor, travel * spacing, at * clock))
     text = dict.fromkeys(("trial", "setup", "pulley_size"), "str")
     columns = ["trial", "sensor", "displacement_m", "time_s"]
     return Recording(

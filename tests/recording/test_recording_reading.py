@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from recording.mini import Mini
+from recording.mini import Mini, write_files
 
 from bayesfric.recording import Recording, describe_recording, read_recording, tables_sha256
 
@@ -228,12 +228,6 @@ def test_description(tmp_path: Path) -> None:
     )
 
 
-def test_import_leaves_pandera_alone() -> None:
-    """It is slow to import, and only a reader needs it."""
-    code = "import sys, bayesfric.recording; sys.exit('pandera' in sys.modules)"
-    subprocess.run([sys.executable, "-c", code], check=True)
-
-
 @pytest.mark.bench
 def test_72000_events_are_read_in_under_a_second_and_a_half(tmp_path: Path) -> None:
     mini = Mini().keep(TRIALS, EVENTS)
@@ -260,3 +254,37 @@ def test_72000_events_are_read_in_under_a_second_and_a_half(tmp_path: Path) -> N
     assert time.perf_counter() - start < 1.5
     assert recording.gravity is not None
     assert len(recording.gravity.events) == 72_000
+
+
+@pytest.mark.bench
+@pytest.mark.parametrize("good", [True, False])
+def test_a_million_rows_are_read_or_refused_in_20_s_and_1_gib(tmp_path: Path, good: bool) -> None:
+    """In processor time, and in a process of its own."""
+    mini = Mini().keep(TRIALS, EVENTS).drop(TRIALS, "acceleration_m_s2", "acceleration_sd_m_s2")
+    header = ",".join(mini.rows[TRIALS][0])
+    trials = [f"g{i},{i + 1},a{i},medium,9,85,1.60,1.30,left," for i in range(8000)]
+    files = mini.contents()
+    files[TRIALS] = "\n".join([header, *trials, ""]).encode()
+    rows = [
+        f"g{i},drive,{k * 0.0098:.4f},{0.1 + k * 0.02:.6f}" if good else f"g{i},drove,x{k},nan"
+        for i in range(8000)
+        for k in range(125)
+    ]
+    files[EVENTS] = "\n".join(["trial,sensor,displacement_m,time_s", *rows, ""]).encode()
+    write_files(tmp_path, files)
+    code = (
+        "import resource, sys, time\n"
+        "from bayesfric.recording import read_recording\n"
+        "from bayesfric.errors import InputError\n"
+        "began = time.process_time()\n"
+        "try: read_recording(sys.argv[1]); faults = 0\n"
+        "except InputError as error: faults = len(error.faults)\n"
+        "used = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
+        "print(faults, time.process_time() - began, used * 1024)"
+    )
+    command = [sys.executable, "-c", code, str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    faults, seconds, size = map(float, done.stdout.split())
+    assert faults == (0 if good else 60)
+    assert seconds < 20
+    assert size < 1024**3

@@ -81,7 +81,9 @@ def test_round_trip_of_each_kind_alone(tmp_path: Path, file: str) -> None:
 @pytest.mark.parametrize("spacing", [0.0098, 0.01, 1.0, np.pi / 320, 1 / 3, 1.2e-5])
 @pytest.mark.parametrize("clock", [4e-6, 1e-3, 2.5e-7])
 def test_any_spacing_and_clock(tmp_path: Path, spacing: float, clock: float) -> None:
-    ticks = np.array([25, 9000, 15000, 20000, 24000, 27000])
+    # Longer for a wider spacing, so that weights can drive the motion.
+    duration = 0.4 * np.sqrt(spacing / 0.0098)
+    ticks = np.rint(np.array([25, 9000, 15000, 20000, 24000, 27000]) * duration / 27000 / clock)
     one = gravity_recording(spacing, clock, ticks * clock)
     write_recording(one, tmp_path / "a")
     other = read_recording(tmp_path / "a")

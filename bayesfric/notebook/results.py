@@ -1,0 +1,239 @@
+"""Results that show themselves: in ten lines, as a table, as figures."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, fields
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+import pandas as pd
+
+from bayesfric.claims.checking import Checked
+from bayesfric.diagnosis.diagnosing import Diagnosed
+from bayesfric.fitting.posterior import Fit
+from bayesfric.margins.computing import Margins
+from bayesfric.report.stored import StoredResults
+from bayesfric.schemas import Interval, ScorecardFile
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["ClaimsResult", "DiagnosisResult", "FitResult", "MarginsResult", "Results"]
+
+SHOWN = 9  # lines below the first
+
+
+@dataclass(frozen=True, repr=False)
+class FitResult(Fit):
+    """A fit, at a prompt."""
+
+    @classmethod
+    def of(cls, found: Fit) -> "FitResult":
+        """Return the same fit as one that shows itself."""
+        return cls(**_as_is(found))
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return the coefficients: a row for each pulley size and coefficient."""
+        rows = {
+            (size, name): {**_numbers(one), "unit": one.unit, "informed": one.informed}
+            for size, entries in self.summary.pulleys.items()
+            for name, one in entries.items()
+        }
+        table = pd.DataFrame.from_dict(rows, orient="index")
+        table.index.names = ["pulley_size", "coefficient"]
+        return table
+
+    def plot_coefficients(self) -> "Figure":
+        """Draw each coefficient over the paper's."""
+        from bayesfric.plots.posterior import coefficients_relative_to_paper
+
+        return coefficients_relative_to_paper(self.predictive)
+
+    def plot_densities(self) -> "Figure":
+        """Draw prior and posterior of each parameter."""
+        from bayesfric.plots.densities import prior_and_posterior
+
+        return prior_and_posterior(self.predictive)
+
+    def plot_residuals(self) -> "Figure":
+        """Draw what the law misses of each trial, in the order of measuring."""
+        from bayesfric.plots.residuals import residuals_by_order
+
+        return residuals_by_order(self.predictive)
+
+    def __repr__(self) -> str:
+        converged = "converged" if self.summary.converged else "not converged"
+        lines = [
+            f"{size:<8} {name}  {one.mean:.4g} ± {one.sd:.2g} {'' if one.unit == '1' else one.unit}"
+            for size, entries in self.summary.pulleys.items()
+            for name, one in entries.items()
+        ]
+        return _lines(f"Fit of {self.summary.recording.name}, {converged}", lines)
+
+    def _repr_html_(self) -> str:
+        return _html(repr(self).splitlines()[0], self.to_dataframe())
+
+
+@dataclass(frozen=True, repr=False)
+class ClaimsResult(Checked):
+    """The paper's claims, judged, at a prompt."""
+
+    @classmethod
+    def of(cls, found: Checked) -> "ClaimsResult":
+        """Return the same verdicts as a result that shows itself."""
+        return cls(**_as_is(found))
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return the claims: a row each."""
+        names = ("verdict", "reason", "log10_bayes_factor", "elpd_difference", "statement")
+        rows = {one.id: {name: getattr(one, name) for name in names} for one in self.summary.claims}
+        return pd.DataFrame.from_dict(rows, orient="index").rename_axis("claim")
+
+    def __repr__(self) -> str:
+        lines = [f"{one.id:<24} {one.verdict}" for one in self.summary.claims]
+        return _lines(f"Claims on {self.summary.recording.name}", lines)
+
+    def _repr_html_(self) -> str:
+        return _html(repr(self).splitlines()[0], self.to_dataframe())
+
+
+@dataclass(frozen=True, repr=False)
+class DiagnosisResult(Diagnosed):
+    """A diagnosis, at a prompt."""
+
+    @classmethod
+    def of(cls, found: Diagnosed) -> "DiagnosisResult":
+        """Return the same diagnosis as one that shows itself."""
+        return cls(**_as_is(found))
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return the effects: a row each, the most probable first."""
+        rows = {
+            one.effect: {
+                "probability": one.probability,
+                "strength": None if one.strength is None else one.strength.q50,
+                "makes_a_gap": one.makes_a_gap,
+            }
+            for one in self.summary.inclusion
+        }
+        return pd.DataFrame.from_dict(rows, orient="index").rename_axis("effect")
+
+    def plot_effects(self) -> "Figure":
+        """Draw how probable each effect is, and how strong."""
+        from bayesfric.plots.diagnosis import what_acts
+
+        return what_acts(self.summary.inclusion, self.summary.practical_share)
+
+    def plot_where(self) -> "Figure":
+        """Draw what the law misses along each axis."""
+        from bayesfric.plots.diagnosis import where_it_lies
+
+        residuals = self.curves["residuals"].to_dataset()
+        return where_it_lies(self.summary.where, residuals)
+
+    def __repr__(self) -> str:
+        lines = [
+            self.summary.sentence,
+            *(f"{name:<28} {p:.3f}" for name, p in self.summary.probabilities.items()),
+        ]
+        return _lines(f"Diagnosis of {self.summary.recording.name}: {self.summary.verdict}", lines)
+
+    def _repr_html_(self) -> str:
+        return _html(" ".join(repr(self).splitlines()[:2]), self.to_dataframe())
+
+
+@dataclass(frozen=True, repr=False)
+class MarginsResult(Margins):
+    """Margins of loops, at a prompt."""
+
+    @classmethod
+    def of(cls, found: Margins) -> "MarginsResult":
+        """Return the same margins as a result that shows itself."""
+        return cls(**_as_is(found))
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return the metrics: a row for each loop and metric."""
+        return pd.DataFrame(
+            [
+                {
+                    "loop": loop.name,
+                    "metric": metric.name,
+                    "direction": metric.direction,
+                    **({} if metric.interval is None else _numbers(metric.interval)),
+                    "unit": metric.unit,
+                    "probability_of_violation": metric.probability_of_violation,
+                }
+                for loop in self.summary.loops
+                for metric in loop.metrics
+            ]
+        )
+
+    def __repr__(self) -> str:
+        lines = [f"{loop.name}: {loop.answer}" for loop in self.summary.loops]
+        return _lines("Margins", lines)
+
+    def _repr_html_(self) -> str:
+        return _html(repr(self), self.to_dataframe())
+
+
+@dataclass(frozen=True, repr=False)
+class Results:
+    """What is stored in a folder, None for what is not there.
+
+    Parameters
+    ----------
+    fit : FitResult or None
+        The posterior.
+    claims : ClaimsResult or None
+        The paper's claims, judged.
+    diagnosis : DiagnosisResult or None
+        Where the simulation misses.
+    margins : MarginsResult or None
+        Of controllers.
+    scorecard : ScorecardFile or None
+        How well the diagnosis does where it is not told.
+    """
+
+    fit: FitResult | None
+    claims: ClaimsResult | None
+    diagnosis: DiagnosisResult | None
+    margins: MarginsResult | None
+    scorecard: ScorecardFile | None
+
+    @classmethod
+    def of(cls, stored: StoredResults) -> "Results":
+        """Return stored results as ones that show themselves."""
+        fitted, claims, diagnosis = stored.fitted, stored.claims, stored.diagnosis
+        return cls(
+            FitResult(fitted.fit, fitted.draws, fitted.predictive, {}) if fitted else None,
+            ClaimsResult(claims.found, claims.curves, 0.0) if claims else None,
+            DiagnosisResult(diagnosis.found, diagnosis.curves, 0.0) if diagnosis else None,
+            MarginsResult(stored.margins) if stored.margins else None,
+            stored.scorecard,
+        )
+
+    def __repr__(self) -> str:
+        there = [one for one in (self.fit, self.claims, self.diagnosis, self.margins) if one]
+        return _lines("Results", [repr(one).splitlines()[0] for one in there])
+
+    def _repr_html_(self) -> str:
+        there = (self.fit, self.claims, self.diagnosis, self.margins)
+        return "".join(one._repr_html_() for one in there if one is not None)
+
+
+def _as_is(found: Any) -> dict[str, Any]:
+    return {field.name: getattr(found, field.name) for field in fields(found)}
+
+
+def _numbers(one: Interval) -> dict[str, float]:
+    return {name: getattr(one, name) for name in ("mean", "sd", "q05", "q50", "q95")}
+
+
+def _lines(first: str, lines: Iterable[str]) -> str:
+    rest = list(lines)
+    if len(rest) > SHOWN:
+        rest = [*rest[: SHOWN - 1], f"and {len(rest) - SHOWN + 1} more"]
+    return "\n".join([first, *(f"  {line}".rstrip() for line in rest)])
+
+
+def _html(title: str, table: pd.DataFrame) -> str:
+    return f"<p>{escape(title)}</p>{table.to_html()}"

@@ -1,0 +1,154 @@
+"""What physics forbids, and which mistake of unit it most likely is.
+
+One fault a table and mistake: where one row is in grams, all are.
+"""
+
+from collections.abc import Collection, Mapping
+
+import numpy as np
+import pandas as pd
+
+from bayesfric.errors import Fault
+from bayesfric.recording.schemas import Table
+from bayesfric.recording.tables import RigConstants
+
+__all__ = ["implausible"]
+
+CABLE_BEARS_N = 311.0  # the paper's 0.61 mm 7×19 stainless cable
+RADIANS_BELOW = 3.2  # wrap angles are tens of degrees, and never above π
+MINUTE_S = 60.0
+SLOWEST_M_S = 0.5 / MINUTE_S  # half a metre of travel takes seconds, not minutes
+FASTEST_M_S = 50.0  # of a cable on a bench
+STRAY = 3.0  # of g: a missed or doubled event makes an interval odd, and is no fault
+
+
+def implausible(
+    tables: Mapping[str, Table], rig: RigConstants, at_fault: Collection[str]
+) -> list[Fault]:
+    """Return the faults of tables whose numbers no rig on earth can show.
+
+    Parameters
+    ----------
+    tables : mapping of str to Table
+        Canonical file name to table; only those that could be parsed.
+    rig : RigConstants
+        The constants of the rig; ``limits.tension_n`` says what its cable bears.
+    at_fault : collection of str
+        Files with faults of another kind: of their motions nothing is concluded.
+    """
+    faults: list[Fault] = []
+    for file in ("gravity_trials.csv", "motor_runs.csv", "steady_friction.csv"):
+        if table := tables.get(file):
+            faults += _radians(table)
+    if trials := tables.get("gravity_trials.csv"):
+        if trials.has("mass_drive_kg", "mass_load_kg"):
+            mass = (trials.frame["mass_drive_kg"] + trials.frame["mass_load_kg"]) / 2
+            faults += _overloaded(trials, "mass_drive_kg", mass * rig.gravity_m_s2, rig, "grams")
+        faults += _faster_than_falling(trials, rig)
+    events = tables.get("gravity_events.csv")
+    if events and events.text.file not in at_fault:
+        faults += _motions(events, rig)
+    if runs := tables.get("motor_runs.csv"):
+        if runs.has("hanging_mass_kg"):
+            tension = runs.frame["hanging_mass_kg"] * rig.gravity_m_s2
+            faults += _overloaded(runs, "hanging_mass_kg", tension, rig, "grams")
+        faults += _too_fast(runs)
+    points = tables.get("steady_friction.csv")
+    if points and not rig.rotary:
+        # Without pulleys it may be a slide or a belt, which bears what its limits say.
+        on_pulleys = points.has("n_pulleys") or points.has("pulley_size")
+        if points.has("tension_n") and (on_pulleys or "tension_n" in rig.limits):
+            tension = points.frame["tension_n"]
+            faults += _overloaded(points, "tension_n", tension, rig, "millinewtons or grams")
+        faults += _too_fast(points)
+    return faults
+
+
+def _one(table: Table, mask: "pd.Series[bool]", column: str, expected: str) -> list[Fault]:
+    return table.text.faults_at(np.flatnonzero(mask), column, expected, most=1)
+
+
+def _radians(table: Table) -> list[Fault]:
+    column = "wrap_angle_deg"
+    if not table.has(column):
+        return []
+    angles = table.frame[column].dropna()
+    if angles.empty or not 0 < angles.max() < RADIANS_BELOW:
+        return []
+    expected = f"wrap angles in degrees; all are below {RADIANS_BELOW:g} (are they in radians?)"
+    return _one(table, table.frame[column].notna(), column, expected)
+
+
+def _overloaded(
+    table: Table, column: str, tension_n: pd.Series, rig: RigConstants, mistake: str
+) -> list[Fault]:
+    limit = rig.limits.get("tension_n")
+    bears = float(limit[1]) if limit else CABLE_BEARS_N
+    over = tension_n > bears
+    if not over.any():
+        return []
+    found = float(tension_n[over].iloc[0])
+    expected = (
+        f"a tension of at most {bears:g} N, what the cable bears (rig.limits.tension_n), "
+        f"and not {found:,.0f} N (are they {mistake}?)"
+    )
+    return _one(table, over, column, expected)
+
+
+def _faster_than_falling(trials: Table, rig: RigConstants) -> list[Fault]:
+    column = "acceleration_m_s2"
+    if not trials.has(column):
+        return []
+    expected = (
+        f"less than g, {rig.gravity_m_s2:g} m/s²: no cable accelerates faster than its weights "
+        "fall (is it in mm/s² or cm/s²?)"
+    )
+    return _one(trials, trials.frame[column].abs() >= rig.gravity_m_s2, column, expected)
+
+
+def _too_fast(table: Table) -> list[Fault]:
+    column = "velocity_m_s"
+    if not table.has(column):
+        return []
+    expected = f"a speed of at most {FASTEST_M_S:g} m/s (is it in mm/s?)"
+    return _one(table, table.frame[column].abs() > FASTEST_M_S, column, expected)
+
+
+def _motions(events: Table, rig: RigConstants) -> list[Fault]:
+    """Faults of whole trains of events, by their first, middle and last one."""
+    keys = ["trial", "sensor"]
+    if not events.has(*keys, "displacement_m", "time_s"):
+        return []
+    whole = events.frame.dropna(subset=[*keys, "displacement_m", "time_s"])
+    groups = whole.groupby(keys, sort=False)
+    place = pd.DataFrame({"row": groups.cumcount(), "size": groups["time_s"].transform("size")})
+    long_enough = place["size"] >= 3
+    first, middle, last = (
+        whole[long_enough & (place["row"] == row)].reset_index()
+        for row in (0, place["size"] // 2, place["size"] - 1)
+    )
+    if first.empty:
+        return []
+    x, t = (
+        [one[column].to_numpy() for one in (first, middle, last)]
+        for column in ("displacement_m", "time_s")
+    )
+    speed = (x[2] - x[0]) / (t[2] - t[0])
+    before, after = (x[1] - x[0]) / (t[1] - t[0]), (x[2] - x[1]) / (t[2] - t[1])
+    acceleration = 2 * (after - before) / (t[2] - t[0])
+
+    def at(wrong: np.ndarray, expected: str) -> list[Fault]:
+        rows = first["index"].to_numpy()[wrong]
+        return events.text.faults_at(rows, "time_s", expected, most=1)
+
+    slow = (t[2] - t[0] > MINUTE_S) & (speed < SLOWEST_M_S)
+    fast = np.abs(acceleration) > STRAY * rig.gravity_m_s2
+    return at(
+        slow,
+        "times in s: this trial would take minutes for half a metre (are they in milliseconds "
+        "or microseconds?)",
+    ) + at(
+        fast,
+        "a motion that weights can drive: this trial would change its speed faster than a "
+        f"weight falls, at {rig.gravity_m_s2:g} m/s² (are time and displacement in s and m?)",
+    )

@@ -1,0 +1,56 @@
+"""``make fuzz``: mutants from where the last campaign stopped, for some minutes.
+
+What was found stands in ``reports/evidence/fuzz.json``: cases by kind, and the seed of each
+mutant that was neither read nor refused.
+"""
+
+import argparse
+import json
+import sys
+import time
+from pathlib import Path
+
+from fuzzing.mutants import KINDS, outcome
+
+EVIDENCE = Path(__file__).parents[2] / "reports" / "evidence" / "fuzz.json"
+WHOLE = {"recording": 100_000, "toml": 20_000, "json": 5_000, "netcdf": 5_000}
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--minutes", type=float, default=10.0, help="of processor time")
+    minutes = parser.parse_args().minutes
+    kept = json.loads(EVIDENCE.read_text()) if EVIDENCE.exists() else {}
+    found = {kind: kept.get(kind, {"read": 0, "refused": 0, "faults": {}}) for kind in KINDS}
+    ends = time.process_time() + 60 * minutes
+    while time.process_time() < ends:
+        # The kind that is furthest behind its share.
+        kind = min(KINDS, key=lambda one: done(found[one]) / WHOLE[one])
+        if done(found[kind]) >= WHOLE[kind]:
+            break
+        seed = done(found[kind])
+        try:
+            found[kind][outcome(kind, seed)] += 1
+        except Exception as error:
+            found[kind]["faults"][str(seed)] = f"{type(error).__name__}: {error}"[:200]
+            sys.stdout.write(f"{kind} {seed}: {error!r}\n")
+        if seed % 500 == 0:
+            save(found)
+    save(found)
+    for kind, one in found.items():
+        sys.stdout.write(f"{kind}: {done(one)} of {WHOLE[kind]}, {len(one['faults'])} faults\n")
+    return 1 if any(one["faults"] for one in found.values()) else 0
+
+
+def done(one: dict) -> int:
+    return one["read"] + one["refused"] + len(one["faults"])
+
+
+def save(found: dict) -> None:
+    partial = EVIDENCE.with_suffix(".partial")
+    partial.write_text(json.dumps(found, indent=1) + "\n")
+    partial.replace(EVIDENCE)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

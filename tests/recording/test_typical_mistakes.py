@@ -1,0 +1,182 @@
+"""Twenty mistakes that people make: each is one line that names it, before any fit."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from recording.mini import Mini, write_files
+
+from bayesfric.errors import InputError
+from bayesfric.recording import read_recording
+
+TRIALS, EVENTS, RUNS = "gravity_trials.csv", "gravity_events.csv", "motor_runs.csv"
+STEADY = "steady_friction.csv"
+
+Files = dict[str, bytes]
+
+
+def scaled(file: str, *columns: str, by: float) -> Callable[[Mini], Files]:
+    """Write a column in another unit."""
+
+    def spoil(mini: Mini) -> Files:
+        for row in range(2, len(mini.rows[file]) + 1):
+            for column in columns:
+                place = mini.rows[file][0].index(column)
+                if text := mini.rows[file][row - 1][place]:
+                    mini.set(file, row, column, f"{float(text) * by:.10g}")
+        return mini.contents()
+
+    return spoil
+
+
+def rig(**keys: object) -> Callable[[Mini], Files]:
+    def spoil(mini: Mini) -> Files:
+        mini.package["rig"] |= keys
+        return mini.contents()
+
+    return spoil
+
+
+def as_text(
+    file: str, edit: Callable[[str], str], encoding: str = "utf-8"
+) -> Callable[[Mini], Files]:
+    def spoil(mini: Mini) -> Files:
+        files = mini.contents()
+        return files | {file: edit(files[file].decode()).encode(encoding)}
+
+    return spoil
+
+
+def renamed(file: str, old: str, new: str) -> Callable[[Mini], Files]:
+    return as_text(file, lambda text: text.replace(old, new, 1))
+
+
+def decimal_commas(text: str) -> str:
+    head, *rows = text.splitlines()
+    return "\n".join([head, *(row.replace(".", ",") for row in rows)]) + "\n"
+
+
+def quoted_decimal_commas(text: str) -> str:
+    head, *rows = text.splitlines()
+    cells = [row.split(",") for row in rows]
+    quoted = [[f'"{c.replace(".", ",")}"' if "." in c else c for c in row] for row in cells]
+    return "\n".join([head, *map(",".join, quoted)]) + "\n"
+
+
+MISTAKES = {
+    "grams on the gravity board": (
+        scaled(TRIALS, "mass_drive_kg", "mass_load_kg", by=1000),
+        TRIALS,
+        "grams",
+    ),
+    "grams on the motor board": (scaled(RUNS, "hanging_mass_kg", by=1000), RUNS, "grams"),
+    "millinewtons": (scaled(STEADY, "tension_n", by=1000), STEADY, "millinewtons"),
+    "milliseconds": (scaled(EVENTS, "time_s", by=1000), EVENTS, "milliseconds"),
+    "microseconds": (scaled(EVENTS, "time_s", by=1e6), EVENTS, "microseconds"),
+    "kiloseconds": (scaled(EVENTS, "time_s", by=1e-3), EVENTS, "a motion that weights can drive"),
+    "a spacing in millimetres": (rig(hall_spacing_m=9.8), "datapackage.json", "millimetres"),
+    "a radius in millimetres": (rig(capstan_radius_m=6.5), "datapackage.json", "millimetres"),
+    "a pulley in millimetres": (
+        rig(pulleys={"wide": {"radius_m": 20.0}}),
+        "datapackage.json",
+        "millimetres",
+    ),
+    "a pulley in grams": (rig(pulleys={"wide": {"mass_kg": 12.5}}), "datapackage.json", "grams"),
+    "a clock in microseconds": (rig(timer_resolution_s=4), "datapackage.json", "microseconds"),
+    "gravity in mm/s²": (rig(gravity_m_s2=9810), "datapackage.json", "mm/s²"),
+    "radians": (scaled(TRIALS, "wrap_angle_deg", by=np.pi / 180), TRIALS, "radians"),
+    "accelerations in mm/s²": (scaled(TRIALS, "acceleration_m_s2", by=1000), TRIALS, "mm/s²"),
+    "speeds in mm/s": (scaled(RUNS, "velocity_m_s", by=1000), RUNS, "mm/s"),
+    "semicolons": (as_text(TRIALS, lambda text: text.replace(",", ";")), TRIALS, "semicolons"),
+    "semicolons, decimal commas and a byte order mark": (
+        as_text(TRIALS, lambda text: decimal_commas(text.replace(",", ";")), "utf-8-sig"),
+        TRIALS,
+        "semicolons",
+    ),
+    "tabs": (as_text(TRIALS, lambda text: text.replace(",", "\t")), TRIALS, "tabs"),
+    "decimal commas": (as_text(EVENTS, decimal_commas), EVENTS, "the decimal mark is a point"),
+    "quoted decimal commas": (
+        as_text("motor_idle.csv", quoted_decimal_commas),
+        "motor_idle.csv",
+        "a point as the decimal mark",
+    ),
+    "a misspelt column": (
+        renamed(TRIALS, "wrap_angle_deg", "wrap_angel_deg"),
+        TRIALS,
+        "is 'wrap_angel_deg' meant",
+    ),
+    "a column named after another unit": (
+        renamed(TRIALS, "mass_load_kg", "mass_load_g"),
+        TRIALS,
+        "is 'mass_load_g' meant",
+    ),
+    "a spreadsheet's Unicode text": (as_text(TRIALS, str, "utf-16"), TRIALS, "UTF-16"),
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_a_mistake_is_one_line_that_names_it(tmp_path: Path, mistake: str) -> None:
+    spoil, file, said = MISTAKES[mistake]
+    folder = write_files(tmp_path, spoil(Mini()))
+    with pytest.raises(InputError) as caught:
+        read_recording(folder)
+    kinds = [fault for fault in caught.value.faults if fault.file == file]
+    lines = [str(fault) for fault in kinds if said in fault.expected]
+    assert lines, [str(fault) for fault in caught.value.faults]
+    assert "\n" not in lines[0]
+    if mistake != "quoted decimal commas":  # there two columns are at fault
+        assert len(kinds) == 1
+
+
+def test_a_missed_event_is_no_fault_of_motion(tmp_path: Path) -> None:
+    """One interval twice as long is data, whatever it does to an acceleration."""
+    mini = Mini()
+    for line, time in ((4, "0.23"), (5, "0.265"), (6, "0.295")):
+        mini.set(EVENTS, line, "time_s", time)
+    read_recording(mini.write(tmp_path))
+
+
+def test_angles_of_zero_alone_are_no_radians(tmp_path: Path) -> None:
+    mini = Mini().keep(STEADY)
+    for line in (2, 3):
+        mini.set(STEADY, line, "wrap_angle_deg", "0")
+    read_recording(mini.write(tmp_path))
+
+
+def test_a_stronger_cable_may_bear_more(tmp_path: Path) -> None:
+    mini = Mini().keep(STEADY).set(STEADY, 2, "tension_n", "400")
+    with pytest.raises(InputError, match="311 N"):
+        read_recording(mini.write(tmp_path))
+    mini.package["rig"]["limits"]["tension_n"] = [0, 500]
+    read_recording(mini.write(tmp_path))
+
+
+def test_what_is_wrong_throughout_is_told_in_few_lines(tmp_path: Path) -> None:
+    """5,000 rows with one mistake: the first are told, the rest counted."""
+    mini = Mini().keep(STEADY).drop(STEADY, "order", "setup", "role")
+    header, row, _ = mini.rows[STEADY]
+    mini.rows[STEADY] = [header, *([f"r{k}", *row[1:]] for k in range(5000))]
+    for line in range(2, 5002):
+        mini.set(STEADY, line, "friction_n", "high")
+    with pytest.raises(InputError) as caught:
+        read_recording(mini.write(tmp_path))
+    assert len(caught.value.faults) == 20
+    assert str(caught.value.faults[-1]).endswith("; and 4,980 like it")
+    assert caught.value.faults[-1].row == 21
+
+
+def test_sixty_thousand_keys_and_columns_are_told_in_few_lines(tmp_path: Path) -> None:
+    mini = Mini().keep(STEADY)
+    files = mini.contents()
+    keys = ",".join(f'"k{i}":1' for i in range(60_000)).encode()
+    write_files(tmp_path / "keys", files | {"datapackage.json": b"{%b,%b}" % (keys, keys)})
+    with pytest.raises(InputError) as caught:
+        read_recording(tmp_path / "keys")
+    repeated = [fault for fault in caught.value.faults if "once only" in fault.expected]
+    assert len(repeated) == 20
+    assert repeated[-1].like == 59_980
+    names = ",".join(f"c{i}" for i in range(60_000)).encode()
+    write_files(tmp_path / "columns", files | {STEADY: names + b"\n" + names + b"\n"})
+    with pytest.raises(InputError, match="at most 1,000 columns"):
+        read_recording(tmp_path / "columns")
