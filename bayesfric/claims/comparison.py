@@ -12,6 +12,7 @@ from bayesfric.claims.base import Case, Claim, Finding, Verdict
 from bayesfric.claims.studies import WIDTHS, Studied, Task, prior_ratios
 from bayesfric.fitting.hypothesis import Hypothesis
 from bayesfric.inference.evidence import difference
+from bayesfric.inference.power import amplitude_error, smallest_found
 
 __all__ = ["bayes_factor", "compare", "decide", "log_evidence", "odds", "share"]
 
@@ -19,6 +20,8 @@ Array = NDArray[np.float64]
 LN10 = float(np.log(10))
 SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹"
 LARGE = 2.0  # log10, from which on odds are a power of ten
+FOUND_WITH = 0.9  # probability of finding the smallest effect that would have been found
+TINY = 1e-12
 STABLE_OVER = (10**-0.5, 10**0.5)  # a tenfold change of the width
 
 
@@ -99,6 +102,7 @@ def compare(claim: Claim, case: Case) -> Finding:
         "elpd_reliable": predicted.reliable,
         "elpd_unreliable_for": "; ".join(predicted.unreliable),
     }
+    figures |= could_be_found(case, known)
     notes = [f"{one.label}: {found.why}" for one, found in known.items() if found.why]
     if notes:
         figures["disagreeing_evidence"] = "; ".join(notes)
@@ -152,6 +156,42 @@ def verdicts_over_widths(
         verdict, _ = decide(rules, here, (here, here), bound, beyond, elpd_errors, best.label)
         verdicts.append(verdict)
     return verdicts
+
+
+def could_be_found(case: Case, rivals: Mapping[Hypothesis, Studied]) -> dict[str, Any]:
+    """Return the smallest effect that these data would have shown, by rival.
+
+    It is the share of friction, where the effect matters most, that is favoured over the
+    claim at the odds which refute it, with a probability of 0.9 over recordings like this.
+
+    Parameters
+    ----------
+    case : Case
+        For rules and priors.
+    rivals : mapping of Hypothesis to Studied
+        All with an evidence.
+    """
+    threshold = -case.analysis.claims.refute_log10_bayes_factor * LN10
+    shares: dict[str, float] = {}
+    open_to_prior = []
+    for one, found in rivals.items():
+        if not found.size.size:
+            continue
+        effect = case.effects[one.effects[0][0]]
+        draws = found.theta[f"{effect.name}.{effect.amplitude.name}"]
+        prior = effect.amplitude.prior
+        error = amplitude_error(draws, prior)
+        if error is None:
+            open_to_prior.append(one.label)
+            continue
+        per_unit = float(np.median(found.size / np.maximum(np.abs(draws), TINY)))
+        smallest = smallest_found(error, prior, threshold, FOUND_WITH)
+        shares[one.label] = per_unit * smallest
+    figures: dict[str, Any] = {"smallest_found": shares, "smallest_found_with": FOUND_WITH}
+    if open_to_prior:
+        why = "these data leave the amplitude to its prior"
+        figures["smallest_found_why"] = f"{', '.join(open_to_prior)}: {why}"
+    return figures
 
 
 def same_around(verdicts: Sequence[Verdict], verdict: Verdict) -> tuple[float, float]:

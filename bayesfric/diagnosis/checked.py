@@ -81,7 +81,8 @@ def noise_checked(
     stood_for = log_volume(curvature[noise, noise]) - (search.volume if volume is None else volume)
     if drawn.size == 0:
         return Checked(stood_for, 0.0, 0.0)  # readings whose errors are known: nothing to draw
-    covariance = np.asarray(np.linalg.inv(curvature[np.ix_(drawn, drawn)]), dtype=np.float64)
+    precision = curvature[np.ix_(drawn, drawn)]
+    covariance = np.asarray(np.linalg.inv(precision), dtype=np.float64)
     proposal = Proposal(mode[drawn], INFLATION * covariance, FREEDOM)
     points = np.tile(mode, (DRAWS, 1))
     points[:, drawn] = proposal.draw(DRAWS, rng)
@@ -90,7 +91,7 @@ def noise_checked(
     )
     total = logsumexp(weights)
     spread2 = float(np.exp(logsumexp(2 * weights) - 2 * total)) - 1 / DRAWS
-    off = float(total - np.log(DRAWS)) - value(mode) - log_volume(np.linalg.inv(covariance))
+    off = float(total - np.log(DRAWS)) - value(mode) - log_volume(precision)
     return Checked(off + stood_for, float(np.sqrt(max(spread2, 0.0))), float(k))
 
 

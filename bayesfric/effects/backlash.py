@@ -23,7 +23,8 @@ def _gap_with_mass(p: Mapping[str, Array], state: State) -> Array:
 def _loose(p: Mapping[str, Array], state: State) -> Array:
     """Return 1 inside the gap and 0 beyond it, over a tenth of the gap."""
     way = np.asarray(state.travel_m) / p["gap"]
-    return np.asarray(0.5 * (1 - np.tanh(10 * (way - 1))))
+    inside = 0.5 * (1 - np.tanh(10 * (way - 1)))
+    return np.asarray(inside * np.abs(np.asarray(state.direction)))
 
 
 EFFECT = Effect(

@@ -13,7 +13,10 @@ Array = NDArray[np.float64]
 
 def _beyond(p: Mapping[str, Array], state: State) -> Array:
     drive = np.asarray(state.drive_force_n)
-    lost = np.sign(drive) * np.maximum(np.abs(drive) - p["limit"], 0.0)
+    # A drive that could not overcome friction would move nothing: its limit lies above. Else
+    # a force that only follows friction would be explained by itself.
+    limit = state.friction_n + p["reserve"]
+    lost = np.sign(drive) * np.maximum(np.abs(drive) - limit, 0.0)
     return np.asarray(p["share"] * lost * np.asarray(state.direction))
 
 
@@ -30,13 +33,13 @@ EFFECT = Effect(
         reference="by definition: none or all of it is lost",
     ),
     shape=EffectParameter(
-        name="limit",
+        name="reserve",
         unit="N",
-        meaning="force from which on it is lost",
-        prior=LogNormal(median=2.0, sd_log=0.6),
+        meaning="force beyond friction from which on it is lost",
+        prior=LogNormal(median=1.0, sd_log=0.6),
         plausible=(0.1, 20.0),
         reference="argued: drives are chosen for some times the friction",
-        typical=2.0,
+        typical=1.0,
     ),
     laws={"beyond": _beyond},
     along_path=True,

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from bayesfric.plots.style import COLORS, LINES, MARKERS, NEUTRAL, figure
 
-__all__ = ["against_rivals", "over_prior_width"]
+__all__ = ["against_rivals", "over_prior_width", "smallest_found"]
 
 SHADES = tuple(COLORS[name] for name in ("blue", "vermilion", "green", "purple", "orange", "sky"))
 FURTHEST = 8.0  # log10; what lies beyond is drawn there, with an arrow
@@ -86,4 +86,29 @@ def against_rivals(factors: Mapping[str, Mapping[str, float]]) -> Figure:
         axes.set_ylim(row - 0.4, -0.8)
         axes.set_xlim(-1.06 * FURTHEST, 1.06 * FURTHEST)
         axes.set_xlabel("log$_{10}$ Bayes factor in favour of the claim")
+    return fig
+
+
+def smallest_found(shares: Mapping[str, Mapping[str, float]], matters: float) -> Figure:
+    """Draw the smallest effect that would have been found, a dot for each rival of a claim.
+
+    Parameters
+    ----------
+    shares : mapping of str to mapping of str to float
+        Claim to rival to share of friction.
+    matters : float
+        Share from which on an effect matters, drawn as a line.
+    """
+    rows = [(claim, rival, share) for claim, own in shares.items() for rival, share in own.items()]
+    claims = list(shares)
+    with figure(height=16.0 + 3.4 * len(rows)) as fig:
+        axes = fig.subplots()
+        for row, (claim, _, share) in enumerate(rows):
+            shade = SHADES[claims.index(claim) % len(SHADES)]
+            axes.plot(100 * share, row, "o", color=shade, markersize=4.0)
+        axes.axvline(100 * matters, color=NEUTRAL, linewidth=0.8, linestyle="--", zorder=1)
+        axes.set_xscale("log")
+        axes.set_yticks(range(len(rows)), [f"{claim}: {rival}" for claim, rival, _ in rows])
+        axes.set_ylim(len(rows) - 0.4, -0.6)
+        axes.set_xlabel("smallest effect found with probability 0.9 [% of friction]")
     return fig

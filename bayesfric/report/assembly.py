@@ -47,7 +47,8 @@ def build_document(stored: StoredResults) -> Document:
         subtitle, created = "Simulation-based calibration", stored.calibration.created
     for file, record in list(stored.records.items())[:1]:
         subtitle, created = f"{SUBTITLES[file]} {record.recording.name}", record.created
-    law = own_law(_rigs(stored))
+    pulleys = stored.fitted is not None and bool(stored.fitted.fit.pulleys)
+    law = "" if pulleys else own_law(_rigs(stored))
     return Document(
         title=f"Friction measured on a {rig_words(_rigs(stored)[0]).rig}"
         if law

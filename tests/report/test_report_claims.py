@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from bayesfric.errors import InputError
-from bayesfric.plots.claims import against_rivals, over_prior_width
+from bayesfric.plots.claims import against_rivals, over_prior_width, smallest_found
 from bayesfric.report.chapters.claims import claims, fallen
 from bayesfric.report.content import Heading, Paragraph, Table
 from bayesfric.report.stored import StoredClaims, read_stored
@@ -137,3 +137,12 @@ def test_what_is_beyond_the_axis_is_written(stored):
     dots = [line.get_xdata()[0] for line in axes.lines if len(line.get_xdata()) == 1]
     assert dots == [-2.6, 8.0]
     assert "99" in [text.get_text() for text in axes.texts]
+
+
+def test_the_smallest_effects_are_drawn_in_per_cent():
+    shares = {"linear-in-tension": {"a/b": 0.02}, "no-stribeck": {"c/d": 0.2, "e/f": 0.01}}
+    (axes,) = smallest_found(shares, 0.05).axes
+    *dots, line = axes.lines
+    assert [dot.get_xdata()[0] for dot in dots] == pytest.approx([2.0, 20.0, 1.0])
+    assert line.get_xdata()[0] == pytest.approx(5.0)
+    assert [text.get_text() for text in axes.get_yticklabels()][1] == "no-stribeck: c/d"

@@ -109,6 +109,16 @@ def test_readings_whose_errors_are_known_leave_no_noise_to_draw(tmp_path):
     assert " N m rms" in found.sentence
 
 
+def test_a_joint_that_rubs_more_one_way_is_named_so_whatever_makes_it(tmp_path):
+    """A share of friction and a constant force are one where friction is the same everywhere."""
+    table = joint(0.0)
+    table["friction_n"] = table["friction_n"] * np.where(table["velocity_m_s"] > 0, 1.15, 0.85)
+    found = bf.diagnose(recorded(tmp_path, table)).summary
+    assert found.verdict == "named"
+    (alike,) = (one for one in found.unseparated if found.causes[0].effect in one.effects)
+    assert {*alike.effects} >= {"direction-asymmetry", "axis-bias"} - {found.causes[0].effect}
+
+
 def test_a_joint_with_nothing_is_not_accused(tmp_path):
     found = bf.diagnose(recorded(tmp_path, joint(0.0))).summary
     assert found.verdict == "no-gap"

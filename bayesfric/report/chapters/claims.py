@@ -5,7 +5,7 @@ from typing import Literal, TypeAlias
 
 import xarray as xr
 
-from bayesfric.plots.claims import against_rivals, over_prior_width
+from bayesfric.plots.claims import against_rivals, over_prior_width, smallest_found
 from bayesfric.plots.style import to_svg
 from bayesfric.report.content import (
     Block,
@@ -220,6 +220,7 @@ def _figures(found: ClaimsFile, curves: xr.DataTree) -> Iterator[Block]:
         "Horizontal lines from zero to a dot, one for each rival, in groups by claim.",
         label="rivals",
     )
+    yield from _power(found)
     rule = found.rules
     yield Figure(
         to_svg(
@@ -238,6 +239,31 @@ def _figures(found: ClaimsFile, curves: xr.DataTree) -> Iterator[Block]:
         "A line for each claim over the relative width of the prior from a tenth to ten, on a "
         "logarithmic axis; lines rise with the width where the effect is small.",
         label="prior-width",
+    )
+
+
+def _power(found: ClaimsFile) -> Iterator[Block]:
+    """Yield the smallest effects that would have been found."""
+    shares = {
+        one.id: rivals
+        for one in found.claims
+        if isinstance(rivals := one.figures.get("smallest_found"), dict) and rivals
+    }
+    if not shares:
+        return
+    yield Figure(
+        to_svg(smallest_found(shares, found.rules["region_of_equivalence"])),
+        [
+            "The smallest effect that data like these would show, at the odds that refute a claim "
+            "and with a probability of 0.9, as a share of friction where it matters most. It "
+            "follows from how well these data know the effect's amplitude and from its prior. "
+            "Right of the dashed line an effect that matters could be missed. From ",
+            Code("claims.json"),
+            ".",
+        ],
+        "A dot for each rival on a logarithmic axis of per cent of friction, and a dashed line "
+        "at the share from which on an effect matters.",
+        label="smallest-found",
     )
 
 

@@ -25,7 +25,7 @@ def methods(stored: StoredResults) -> Iterator[Block]:
 def _fit(fit: FitFile) -> Iterator[Block]:
     """Yield the law, the likelihood of what was measured, and the sampler."""
     yield Heading(2, "The fit")
-    if law := own_law(fit.rigs):
+    if not fit.pulleys and (law := own_law(fit.rigs)):
         yield Paragraph(law)
     else:
         yield from _law()

@@ -97,10 +97,10 @@ class Bench:
         return dict.fromkeys(sorted(sizes), own)
 
     def coefficients_without(self) -> frozenset[str]:
-        """Return the coefficients of which nothing could show, where there is no pulley."""
-        if self.has_pulleys:
-            return frozenset()
-        return frozenset({"c3"} if "tension_n" in self.given else {"c1", "c3"})
+        """Return the coefficients that make no sense: of no tension, or of no pulley."""
+        if "tension_n" not in self.given:
+            return frozenset({"c1", "c3"})
+        return frozenset() if self.has_pulleys else frozenset({"c3"})
 
 
 def bench_of(points: pd.DataFrame, *, rotary: bool) -> Bench:

@@ -20,7 +20,7 @@ from bayesfric.rigs.steady_points.errors import (
     known_errors,
     rough_error,
 )
-from bayesfric.rigs.steady_points.places import CONDITION, covariates_of, state_of
+from bayesfric.rigs.steady_points.places import CONDITION, DIRECTION, covariates_of, state_of
 
 __all__ = ["points_rows"]
 
@@ -77,5 +77,6 @@ def points_rows(
         still_curve=np.zeros((0, 0)),
         still=np.zeros(0),
         known_error=np.nan_to_num(known),
-        further=covariates_of(bench),
+        # Two directions leave a smooth force nothing that an effect of them does not say.
+        further={name: at for name, at in covariates_of(bench).items() if name != DIRECTION},
     )

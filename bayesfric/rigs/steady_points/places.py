@@ -10,7 +10,7 @@ from bayesfric.rigs.base import Unsupported, why_inert
 from bayesfric.rigs.linear import rank
 from bayesfric.rigs.steady_points.bench import Bench
 
-__all__ = ["CONDITION", "covariates_of", "state_of", "supported"]
+__all__ = ["CONDITION", "DIRECTION", "covariates_of", "state_of", "supported"]
 
 Array = NDArray[np.float64]
 CONDITION = ("n_pulleys", "wrap_angle_deg", "tension_n")
@@ -32,6 +32,7 @@ def state_of(bench: Bench, law: Coefficients) -> State:
         tension_n=np.maximum(tension, least),
         pulley_friction_n=coulomb_friction(law, 1.0, REFERENCE_WRAP_ANGLE_DEG, middle),
         covariates=covariates_of(bench),
+        direction=covariates_of(bench).get(DIRECTION, 0.0),
     )
 
 

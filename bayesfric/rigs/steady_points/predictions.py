@@ -27,8 +27,9 @@ def points_dataset(bench: Bench, recorded: pd.DataFrame, view: Predictive) -> xr
         The fit.
     """
     table, law = bench.table, view.likelihood.law(view.named)  # type: ignore[attr-defined]
-    kept = ["pulley_size", "setup", *CONDITION, "friction_n"]
-    kept += [name for name in ("velocity_m_s", *bench.covariates) if name in table]
+    # What nobody recorded is not shown: where there is no pulley, none is spoken of.
+    shown = ("pulley_size", *CONDITION, "velocity_m_s", *bench.covariates)
+    kept = ["setup", "friction_n", *(name for name in shown if name in bench.given)]
     columns: dict[str, Any] = {name: ("point", table[name].to_numpy()) for name in kept}
     columns["law_n"] = (("point", "quantile"), bands(law))
     columns["predicted_n"] = (("point", "quantile"), bands(law * view.factor))

@@ -34,7 +34,17 @@ __all__ = ["RIG", "SteadyPoints", "SteadyTrials"]
 Array = NDArray[np.float64]
 NOT_PULLEY_BY_PULLEY = Unsupported("Without pulleys, nothing goes pulley by pulley.")
 VISCOUS_IS_AN_EFFECT = Unsupported("Viscous friction of points is an effect, which is diagnosed.")
+VISCOUS_IS_AN_EFFECT = Unsupported("Here viscous friction is an effect, which is diagnosed.")
 NO_TENSION = Unsupported("No tension_n was recorded to which friction could be proportional.")
+WORDS = Words(
+    "bench",
+    "point",
+    "points",
+    "The law of friction is c1 T + c2 at a load T, of which c2 alone is left where no load was "
+    "recorded. A reading is the law's friction times 1 + η + ε, of its assembly and its own, both "
+    "normal, and an error with the standard error that was recorded or, where there is none, "
+    "with one that is estimated.",
+)
 
 
 @dataclass(frozen=True)
@@ -43,15 +53,7 @@ class SteadyPoints:
 
     name: str = NAME
     motion: Motion = "steady"
-    words: Words = Words(  # noqa: RUF009 (frozen)
-        "friction bench",
-        "point",
-        "points",
-        "Friction of a point is n ((c1 + c3 (θ − 85°)) T + c2) as far as the recording says: "
-        "without pulleys c1 T + c2, and without a tension c2 alone. It scatters by a share of "
-        "itself from point to point and, where points share assemblies, from assembly to "
-        "assembly; a friction_sd_n is the error of a reading beside that.",
-    )
+    words: Words = WORDS
     tables: tuple[str, ...] = ("steady_friction.csv",)
     paper: bool = False
 
@@ -140,6 +142,8 @@ class SteadyTrials(PlainTrials):
             return VISCOUS_IS_AN_EFFECT
         if law.name == "recursive" and not self.bench.has_pulleys:
             return NOT_PULLEY_BY_PULLEY
+        if why := super().refuses(law):
+            return VISCOUS_IS_AN_EFFECT if not self.bench.has_pulleys else why
         lacks_slope = "tension_n" not in self.bench.given
         return NO_TENSION if lacks_slope and "c2" in law.without else None
 

@@ -1,0 +1,64 @@
+"""Diagnoses of driven axes that a script of the tests simulated, one withheld effect each.
+
+The controller sees the position two milliseconds late, through a quantised encoder. Sizes of
+the effects were fixed before the first run: about a tenth of friction, rms.
+"""
+
+import tempfile
+from pathlib import Path
+
+from rigs.driven_mass import Machine, simulate, write
+
+from bayesfric.diagnosis import diagnose
+from bayesfric.recording import read_recording
+
+TEST_RUNS = (3, 4, 5)
+EFFECTS = {
+    "viscous": {"viscous": 0.8},
+    "air-drag": {"air_drag": 2.0},
+    "stribeck": {"stribeck": (0.4, 0.05)},
+    "presliding": {"presliding": (0.6, 0.01)},
+    "wear-drift": {"drift": 0.3},
+    "direction-asymmetry": {"asymmetry": 0.1},
+    "axis-bias": {"bias": 0.15},
+    "payload": {"payload": 0.3, "test_runs": TEST_RUNS},
+    "spring": {"spring": 2.0},
+    "delay": {"delay_s": 0.008},
+    "actuator-lag": {"lag_s": 0.010},
+    "torque-saturation": {"limit": 3.5},
+    "backlash": {"backlash": 0.002},
+    "transmission-compliance": {"compliance": (8000.0, 0.05, 0.3)},
+    "gravity-torque": {"gravity": (0.6, 0.4), "stroke": 1.0, "top_speed": 2.5},
+    "empty": {},
+}
+SEEDS = {name: range(100, 106) for name in EFFECTS} | {"empty": range(100, 110)}
+"""A hundred recordings."""
+LATENCY = {"delay", "actuator-lag"}
+
+
+def cases():
+    """Return effect and seed of every case, by name."""
+    return {f"{name}-{seed}": (name, seed) for name, seeds in SEEDS.items() for seed in seeds}
+
+
+def case(given):
+    """Diagnose one axis; say what was named, and how far mass and friction are off."""
+    name, seed = given
+    machine = Machine(**EFFECTS[name])
+    table, samples = simulate(machine, runs=6, seconds=8.0, seed=seed)
+    rotary = {"rotary": True} if name == "gravity-torque" else {}
+    with tempfile.TemporaryDirectory() as folder:
+        written = write(Path(folder) / "axis", machine, table, samples, **rotary)
+        found = diagnose(read_recording(written)).summary
+    named = [cause.effect for cause in found.causes]
+    twins = [set(one.effects) for one in found.unseparated if one.reason.startswith("identical")]
+    alike = {name}.union(*(one for one in twins if name in one))
+    right = not named if name == "empty" else bool(alike & set(named))
+    return {
+        "effect": name,
+        "seed": seed,
+        "verdict": found.verdict,
+        "causes": named,
+        "right": right,
+        "falsely_viscous": name != "viscous" and "viscous" in named,
+    }

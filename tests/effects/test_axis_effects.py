@@ -1,0 +1,59 @@
+"""What an axis' effects add, against numbers worked out by hand."""
+
+import numpy as np
+import pytest
+
+from bayesfric.effects import State, all_effects
+
+EFFECTS = all_effects(None)
+AT = State(
+    n_pulleys=1.0,
+    wrap_angle_deg=85.0,
+    tension_n=15.0,
+    speed_m_s=0.4,
+    tension_friction_n=0.0,
+    constant_friction_n=1.5,
+    pulley_friction_n=1.5,
+    travel_m=0.002,
+    acceleration_m_s2=-3.0,
+    position_m=0.2,
+    direction=-1.0,
+    drive_force_n=-4.0,
+    force_rate_n_s=20.0,
+    force_curvature_n_s2=500.0,
+    tested=1.0,
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "law", "values", "expected"),
+    [
+        ("axis-bias", "constant", {"force": 0.3}, -0.3),
+        ("direction-asymmetry", "relative", {"share": 0.2}, -0.3),
+        ("payload", "carried", {"mass": 0.5}, -1.5),
+        ("gravity-torque", "lever", {"torque": 2.0, "angle": 0.1}, -2.0 * np.sin(0.3)),
+        ("spring", "linear", {"stiffness": 5.0, "rest": 0.05}, -0.75),
+        ("delay", "late", {"time": 0.005}, 0.1),
+        ("actuator-lag", "first-order", {"time": 0.005}, 0.1),
+        ("transmission-compliance", "two-masses", {"square": 2e-4}, -0.1),
+        # 4 N is commanded, 1.5 + 1 N is the limit: 1.5 N is lost, against the way it runs.
+        ("torque-saturation", "beyond", {"share": 1.0, "reserve": 1.0}, 1.5),
+        ("torque-saturation", "beyond", {"share": 1.0, "reserve": 3.0}, 0.0),
+        ("backlash", "friction", {"share": 0.4, "gap": 0.02}, -0.6),
+        ("backlash", "friction", {"share": 0.4, "gap": 0.0002}, 0.0),
+        ("backlash", "force", {"share": 0.5, "gap": 0.02}, -2.0),
+    ],
+)
+def test_it_is_the_force_against_the_motion(name, law, values, expected):
+    assert EFFECTS[name].laws[law](values, AT) == pytest.approx(expected, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "name", [name for name, effect in EFFECTS.items() if effect.needs - {"pulleys"}]
+)
+def test_a_board_feels_nothing_of_it(name):
+    """A board offers no direction, no drive force and no test runs: nothing acts there."""
+    board = State(9.0, 85.0, 15.0, 0.4, 1.0, 0.5, 0.1, travel_m=0.3)
+    for law in EFFECTS[name].laws.values():
+        values = {one.name: 0.5 for one in EFFECTS[name].parameters}
+        assert not np.any(law(values, board))

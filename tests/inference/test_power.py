@@ -1,0 +1,53 @@
+"""The smallest amplitude that is found, against closed forms and simulated estimates."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from bayesfric.analysis import HalfNormal, Normal
+from bayesfric.inference.power import amplitude_error, log_bayes_factor, smallest_found
+
+ERROR, WIDTH, TEN = 0.03, 0.2, float(np.log(10))
+
+
+def closed_form(estimate, width, error):
+    """N(Â; 0, σ² + p²) over N(Â; 0, σ²)."""
+    wide = stats.norm.logpdf(estimate, 0, np.hypot(width, error))
+    return wide - stats.norm.logpdf(estimate, 0, error)
+
+
+@pytest.mark.parametrize("estimate", [0.0, 0.05, 0.4])
+def test_bayes_factor_of_an_estimate(estimate):
+    found = log_bayes_factor(estimate, ERROR, Normal(mean=0.0, sd=WIDTH))
+    assert found == pytest.approx(closed_form(estimate, WIDTH, ERROR), abs=1e-6)
+    # A half-normal has twice the density, on the side that the estimate leaves to it.
+    half = log_bayes_factor(estimate, ERROR, HalfNormal(scale=WIDTH))
+    shrunk = estimate * WIDTH / (ERROR * np.hypot(WIDTH, ERROR))
+    expected = closed_form(estimate, WIDTH, ERROR) + np.log(2 * stats.norm.cdf(shrunk))
+    assert half == pytest.approx(expected, abs=0.02)  # half a node at the cut
+
+
+@pytest.mark.parametrize("prior", [Normal(mean=0.0, sd=WIDTH), HalfNormal(scale=WIDTH)])
+def test_nine_of_ten_such_effects_are_found(prior):
+    amplitude = smallest_found(ERROR, prior, TEN, 0.9)
+    estimates = amplitude + ERROR * np.random.default_rng(1).standard_normal(4000)
+    found = np.mean([log_bayes_factor(one, ERROR, prior) >= TEN for one in estimates])
+    assert found == pytest.approx(0.9, abs=4 * np.sqrt(0.09 / 4000))
+
+
+@pytest.mark.parametrize("centre", [0.1, 0.0, -0.04])
+def test_error_from_draws_of_a_posterior(centre):
+    """Draws of likelihood times prior, on a grid: whole, and cut at zero."""
+    rng = np.random.default_rng(2)
+    precision = 1 / ERROR**2 + 1 / WIDTH**2
+    mean, sd = centre / ERROR**2 / precision, precision**-0.5
+    whole = rng.normal(mean, sd, 40_000)
+    assert amplitude_error(whole, Normal(mean=0.0, sd=WIDTH)) == pytest.approx(ERROR, rel=0.03)
+    cut = stats.truncnorm(-mean / sd, np.inf, mean, sd).rvs(40_000, random_state=rng)
+    assert amplitude_error(cut, HalfNormal(scale=WIDTH)) == pytest.approx(ERROR, rel=0.12)
+
+
+def test_an_amplitude_that_rests_on_its_prior_has_no_error():
+    rng = np.random.default_rng(3)
+    prior = Normal(mean=0.0, sd=WIDTH)
+    assert amplitude_error(rng.normal(0.0, 0.99 * WIDTH, 5000), prior) is None
