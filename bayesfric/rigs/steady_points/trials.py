@@ -40,7 +40,8 @@ WORDS = Words(
     "point",
     "points",
     "The law of friction is c1 T + c2 at a load T, of which c2 alone is left where no load was "
-    "recorded; of n pulleys of wrap angle θ it is n ((c1 + c3 (θ − 85°)) T + c2). A reading is the law's friction times 1 + η + ε, of its assembly and its own, both "
+    "recorded; of n pulleys of wrap angle θ it is n ((c1 + c3 (θ − 85°)) T + c2). A reading is "
+    "the law's friction times 1 + η + ε, of its assembly and its own, both "
     "normal, and an error with the standard error that was recorded or, where there is none, "
     "with one that is estimated.",
 )
