@@ -57,6 +57,11 @@ class Bench:
         return any(name in self.given for name in PULLEYS)
 
     @property
+    def force_unit(self) -> str:
+        """Newton, or newton metre where it turns."""
+        return "N m" if self.rotary else "N"
+
+    @property
     def is_of_paper(self) -> bool:
         """Whether all pulleys are of the paper's sizes, which priors were argued for."""
         return bool(self.table["pulley_size"].isin(list(table1())).all())
