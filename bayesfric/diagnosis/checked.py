@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 DRAWS = 64
 FREEDOM, INFLATION = 5, 1.3  # of the Student-t that is drawn from
 LIMIT_K = 0.7  # Pareto k above which importance weights settle nothing
-TOLD = 3.0  # curvature by the logarithm of a noise that the data tell to a factor of two
+TOLD = 8.0  # curvature by the logarithm of a noise that the data tell to a third
 
 
 @dataclass(frozen=True)

@@ -55,8 +55,8 @@ class Density:
 
     def evaluate(self, psi, acting, wide, form, *, gradient=False):
         first, second = psi
-        value = -8 * first**2 - 3 * second**2 - self.skew * np.exp(second) + self.skew * second
-        slope = np.array([-16 * first, -6 * second - self.skew * (np.exp(second) - 1)])
+        value = -8 * first**2 - 5 * second**2 - self.skew * np.exp(second) + self.skew * second
+        slope = np.array([-16 * first, -10 * second - self.skew * (np.exp(second) - 1)])
         return At(psi, value, slope if gradient else None, None, None, None)
 
 
@@ -79,7 +79,7 @@ def test_draws_say_how_far_the_closed_form_is_off(skew):
     one = Weighed((), 0.0, own, Acting(), at)
     found = noise_checked(model, Volume(0.0), one, np.random.default_rng(7))
     normal = 0.5 * np.log(2 * np.pi / 16)
-    truth = np.log(quad(lambda s: np.exp(-3 * s**2 - skew * (np.exp(s) - s)), -5, 3)[0])
+    truth = np.log(quad(lambda s: np.exp(-5 * s**2 - skew * (np.exp(s) - s)), -5, 3)[0])
     off = normal + truth - own - at.value
     assert abs(found.off - off) < 4 * found.error
     assert 0 < found.error < 0.3
