@@ -37,7 +37,7 @@ def test_types(tmp_path: Path) -> None:
         recording.axis.runs,
         recording.axis.samples,
     ]
-    text = {"trial", "run", "setup", "sensor", "pulley_size", "role", "drive_end"}
+    text = {"trial", "run", "setup", "sensor", "pulley_size", "role", "drive_end", "did_not_move"}
     for frame in frames:
         assert list(frame.index) == list(range(len(frame)))
         for name in frame:
