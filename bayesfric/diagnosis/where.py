@@ -177,6 +177,8 @@ def _tests(
     rng: np.random.Generator,
 ) -> tuple[dict[str, float], dict[str, tuple[Array, Array]]]:
     """Return adjusted p-values, and each shape with the half width of its band."""
+    if not designs:  # a single trial varies along no axis
+        return {}, {}
     drawn = _redrawn(residuals, rng)
     refit = _refitting(residuals, precision)
     drawn, observed = drawn - refit(drawn), relative - refit(relative[:, None])[:, 0]
