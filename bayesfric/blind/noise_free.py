@@ -80,7 +80,7 @@ class CleanCase:
             return None
         if any(name not in known or known[name].components for name, _ in causes):
             return None
-        each = [[c for c in candidates_of(known[name]) if c.law == law] for name, law in causes]
+        each = [_candidates(name, law) for name, law in causes]
         every: list[Candidate] = [candidate for own in each for candidate in own]
         model = self._model.around(self._model.laws, every, discrepancy=False)
         residuals = residuals_of(model, self._psi)
@@ -91,7 +91,11 @@ class CleanCase:
             for law in each_law
             for place, node in zip(law.places, law.nodes, strict=True)
         ]
-        own_laws = [[law for law in laws if law.effect == name] for name, _ in causes]
+        ends = np.cumsum([len(own) for own in each])
+        own_laws = [
+            [law for law in laws if end - len(own) <= law.places[0] < end]
+            for own, end in zip(each, ends, strict=True)
+        ]
         left = min(
             self._left(model, residuals, Acting(choice, (0.0,) * len(choice)))
             for choice in product(*own_laws)
@@ -129,3 +133,10 @@ class CleanCase:
     def _left(self, model: LinearModel, residuals: Residuals, acting: Acting) -> float:
         rest = self._rest(model, residuals, acting)
         return float(np.sqrt((residuals.weight * rest**2).sum()))
+
+
+def _candidates(name: str, law: str) -> list[Candidate]:
+    """Return the shapes of a cause's law; of a twin on this rig it is called ``law (twin)``."""
+    own, _, twin = law.partition(" (")
+    effect = all_effects()[twin.removesuffix(")") or name]
+    return [one for one in candidates_of(effect) if one.law == own]

@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 DRAWS = 64
 FREEDOM, INFLATION = 5, 1.3  # of the Student-t that is drawn from
 LIMIT_K = 0.7  # Pareto k above which importance weights settle nothing
-TOLD = 3.0  # curvature by the logarithm of a noise that the data tell to a factor of two
+TOLD = 8.0  # curvature by the logarithm of a noise that the data tell to a third
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,13 @@ def noise_checked(
     mode, curvature = one.at.psi, curvature_at(model, one.at, one.acting, forms)
     # What the data hardly tell is far from normal in any hypothesis, alike, and is held.
     drawn = np.flatnonzero((np.diag(curvature) > TOLD) & ~at_bounds(model, mode))
-    covariance = np.asarray(np.linalg.inv(curvature[np.ix_(drawn, drawn)]), dtype=np.float64)
+    # Of its own noise, where another hypothesis' volume stood for it.
+    noise = slice(len(model.noise))
+    stood_for = log_volume(curvature[noise, noise]) - (search.volume if volume is None else volume)
+    if drawn.size == 0:
+        return Checked(stood_for, 0.0, 0.0)  # readings whose errors are known: nothing to draw
+    precision = curvature[np.ix_(drawn, drawn)]
+    covariance = np.asarray(np.linalg.inv(precision), dtype=np.float64)
     proposal = Proposal(mode[drawn], INFLATION * covariance, FREEDOM)
     points = np.tile(mode, (DRAWS, 1))
     points[:, drawn] = proposal.draw(DRAWS, rng)
@@ -85,11 +91,8 @@ def noise_checked(
     )
     total = logsumexp(weights)
     spread2 = float(np.exp(logsumexp(2 * weights) - 2 * total)) - 1 / DRAWS
-    off = float(total - np.log(DRAWS)) - value(mode) - log_volume(np.linalg.inv(covariance))
-    # Of its own noise, where another hypothesis' volume stood for it.
-    noise = slice(len(model.noise))
-    off += log_volume(curvature[noise, noise]) - (search.volume if volume is None else volume)
-    return Checked(off, float(np.sqrt(max(spread2, 0.0))), float(k))
+    off = float(total - np.log(DRAWS)) - value(mode) - log_volume(precision)
+    return Checked(off + stood_for, float(np.sqrt(max(spread2, 0.0))), float(k))
 
 
 def factor_error(one: Checked, other: Checked) -> tuple[float | None, str | None]:

@@ -14,8 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.diagnosis.acting import Acting
+from bayesfric.diagnosis.chance import redrawn
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import (
+    Refit,
     Residuals,
     numbers_of_laws,
     recalibrated,
@@ -35,7 +37,6 @@ __all__ = [
     "HeldOut",
     "Squares",
     "extrapolated",
-    "floor_draws",
     "folds_of",
     "gap_row",
     "measure_gap",
@@ -62,11 +63,17 @@ class Fitted:
         Mean square that chance leaves in each window, friction's scatter included [N²].
     spread : ndarray, shape (sizes, q, k)
         Columns whose outer product is the covariance of the local numbers.
+    refit : Refit or None
+        How the law follows the windows; None where it does not.
+    further : ndarray, shape (R, k)
+        Forces of unit variance that the numbers beside the law are uncertain by [N].
     """
 
     local: Array
     chance2: Array
     spread: Array
+    refit: Refit | None
+    further: Array
 
 
 @dataclass(frozen=True)
@@ -108,7 +115,9 @@ class Arms:
         shipped = before
         if self.shipped is not None:
             local = numbers_of_laws(self.plain, self.shipped, before.local)
-            shipped = Fitted(local, residuals.chance2, np.zeros_like(before.spread))
+            nothing = np.zeros((len(residuals.chance2), 0))
+            spread = np.zeros_like(before.spread)
+            shipped = Fitted(local, residuals.chance2, spread, None, nothing)
         return shipped, before, after
 
     def _refitted(
@@ -146,7 +155,7 @@ class Arms:
         spread = np.concatenate([np.zeros((*uncertain.shape[:2], own)), uncertain], axis=2)
         spread[:, :COEFFICIENTS] += moved
         local = recalibrated(refit, residuals, held(at.mean))
-        return Fitted(local, refit.chance2(residuals, further), spread)
+        return Fitted(local, refit.chance2(residuals, further), spread, refit, further)
 
 
 @dataclass(frozen=True)
@@ -202,6 +211,8 @@ class HeldOut:
         In metres, from the first five events to the end of travel.
     examples : tuple of (str, Run)
         Trials that run freely, with their ids.
+    by_chance : ndarray, shape (B,)
+        Draws of the squares that a right law would leave in folds after [N²].
     """
 
     residuals: Residuals
@@ -213,6 +224,7 @@ class HeldOut:
     in_sample: Squares
     trajectory: Squares | None
     examples: tuple[tuple[str, Run], ...]
+    by_chance: Array
 
 
 def measure_gap(arms: Arms, residuals: Residuals, rng: np.random.Generator) -> HeldOut:
@@ -247,7 +259,16 @@ def measure_gap(arms: Arms, residuals: Residuals, rng: np.random.Generator) -> H
     every, inside = squares(arms.fitted(residuals, np.zeros(fold.size, dtype=np.bool_)))
     trajectory, examples = _free_running(arms, residuals, fold, by_fold)
     return HeldOut(
-        residuals, fold, left[1], left[2], every, tuple(found), inside, trajectory, examples
+        residuals,
+        fold,
+        left[1],
+        left[2],
+        every,
+        tuple(found),
+        inside,
+        trajectory,
+        examples,
+        _by_chance(residuals, fold, [one[2] for one in by_fold], rng),
     )
 
 
@@ -288,6 +309,26 @@ def extrapolated(residuals: Residuals) -> dict[str, NDArray[np.bool_]]:
         for name, rows in found.items()
         if rows.any() and all((~rows & mine).any() for mine in sizes)
     }
+
+
+def _by_chance(
+    residuals: Residuals,
+    fold: NDArray[np.intp],
+    after: Sequence[Fitted],
+    rng: np.random.Generator,
+) -> Array:
+    """Draw the squares that chance makes in folds where the law is right, (DRAWS,) [N²]."""
+    drawn = redrawn(residuals, DRAWS, rng)
+    scatter2 = residuals.friction_n**2 * residuals.spread2
+    found = np.zeros(DRAWS)
+    for number, one in enumerate(after):
+        rows = fold == number
+        assert one.refit is not None
+        off = one.further @ rng.standard_normal((one.further.shape[1], DRAWS))
+        left2 = one.refit.kept(drawn + off)[rows] ** 2
+        expected = (scatter2 - one.chance2)[rows, None]
+        found += residuals.weight[rows] @ (left2 + expected)
+    return found
 
 
 def _squares(
@@ -363,7 +404,7 @@ def gap_row(
     """
     setups = np.unique(squares.setup).size
     count = rng.multinomial(setups, np.full(setups, 1 / setups), DRAWS)
-    floor2 = floor_draws(squares, DRAWS, rng)
+    floor2 = _floor_draws(squares, DRAWS, rng)
 
     def draws(values: Array) -> Array:
         return np.asarray(count @ squares.by_setup(values))
@@ -395,7 +436,7 @@ def gap_row(
     )
 
 
-def floor_draws(squares: Squares, count: int, rng: np.random.Generator) -> Array:
+def _floor_draws(squares: Squares, count: int, rng: np.random.Generator) -> Array:
     """Draw the mean square that scatter leaves of a perfect law, shape (count,).
 
     What scatter left this time is not what it leaves on average: assemblies of much friction

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from bayesfric.diagnosis.held_out import Arms, HeldOut, Squares, floor_draws, gap_row
+from bayesfric.diagnosis.held_out import Arms, HeldOut, gap_row
 from bayesfric.diagnosis.residuals import AXES, Residuals
 from bayesfric.diagnosis.systematic import SMALLEST, Posterior, interval, left_of, shrink_of
 from bayesfric.schemas import Gap
@@ -87,7 +87,8 @@ def gap_of(
     first = rows[0]
     # Windows average over what goes round with the pulleys.
     open2 = (posterior.gap**2 if open2 is None else open2) - posterior.hidden2
-    disagrees = floor_disagrees(held_out.rows[0][1], open2, rng)
+    left2 = float(held_out.rows[0][1].after.sum())
+    disagrees = floor_disagrees(left2, held_out.by_chance, open2)
     gap = Gap(
         **first.model_dump(exclude={"name", "shrink", "shrink_why", "below_floor"}),
         unit=unit,
@@ -106,24 +107,23 @@ def gap_of(
     return gap, rest
 
 
-def floor_disagrees(squares: Squares, open2: Array, rng: np.random.Generator) -> str | None:
+def floor_disagrees(left2: float, by_chance: Array, open2: Array) -> str | None:
     """Return in which way held-out data and the model contradict each other, if they do.
 
     Parameters
     ----------
-    squares : Squares
-        What is left of data held out.
+    left2 : float
+        Mean square of what is left of data held out, once the causes act [N²].
+    by_chance : ndarray, shape (B,)
+        Draws of it for a law that is right [N²].
     open2 : ndarray, shape (S,)
         Draws of the squared systematic gap that the causes leave [N²].
-    rng : Generator
-        For what scatter leaves.
     """
-    left2 = float(squares.after.sum())
-    expected2 = floor_draws(squares, open2.size, rng) + open2
+    expected2 = np.add.outer(by_chance, open2)
     less = float(np.mean(expected2 < left2))
     if AGREES <= less <= 1 - AGREES:
         return None
-    left, expected = 1e3 * np.sqrt([max(left2, 0.0), np.median(expected2)])
+    left, expected = 1e3 * np.sqrt([max(left2, 0.0), max(float(np.median(expected2)), 0.0)])
     return (
         f"data held out leave {left:.3g} mN, {'less' if less < AGREES else 'more'} than friction's "
         f"scatter and the gap that is left would make ({expected:.3g} mN)"

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bayesfric.diagnosis.chance import redrawn
 from bayesfric.diagnosis.residuals import AXES, CATEGORIES, Residuals
 from bayesfric.inference.smooths import Span, smooth_along
 from bayesfric.rigs.layout import COEFFICIENTS
@@ -179,7 +180,7 @@ def _tests(
     """Return adjusted p-values, and each shape with the half width of its band."""
     if not designs:  # a single trial varies along no axis
         return {}, {}
-    drawn = _redrawn(residuals, rng)
+    drawn = redrawn(residuals, DRAWS, rng) / residuals.friction_n[:, None]
     refit = _refitting(residuals, precision)
     drawn, observed = drawn - refit(drawn), relative - refit(relative[:, None])[:, 0]
     statistics, null, shapes, off = {}, {}, {}, {}
@@ -202,25 +203,6 @@ def _tests(
         name: float((1 + np.count_nonzero(largest >= value)) / (1 + DRAWS))
         for name, value in statistics.items()
     }, {name: (found, width * sd) for name, (found, sd) in shapes.items()}
-
-
-def _redrawn(residuals: Residuals, rng: np.random.Generator) -> Array:
-    """Draw relative residuals of the baseline: measurement, trials and assemblies, (R, B)."""
-    count = residuals.residual_n.size
-    tau, omega = np.sqrt(residuals.scatter[:, :1]), np.sqrt(residuals.scatter[:, 1:])
-    setups, trials = residuals.setup.max() + 1, residuals.trial.max() + 1
-    drawn = omega * rng.standard_normal((setups, DRAWS))[residuals.setup]
-    drawn += tau * rng.standard_normal((trials, DRAWS))[residuals.trial]
-    start = 0
-    error = np.empty((count, DRAWS))
-    for part, wander in zip(residuals.covariance, residuals.wander, strict=True):
-        rows = slice(start, start + len(part))
-        friction = residuals.friction_n[rows]
-        values, vectors = np.linalg.eigh(part + wander * np.outer(friction, friction))
-        root = vectors * np.sqrt(np.maximum(values, 0.0))
-        error[rows] = root @ rng.standard_normal((len(part), DRAWS))
-        start = rows.stop
-    return np.asarray(drawn + error / residuals.friction_n[:, None])
 
 
 def _refitting(residuals: Residuals, precision: Array) -> Callable[[Array], Array]:

@@ -33,7 +33,7 @@ def _with_friction(p: Mapping[str, Array], state: State) -> Array:
 EFFECT = Effect(
     name="viscous",
     acts_on="friction",
-    sentence="friction grows in proportion to the speed of the cable",
+    sentence="friction grows in proportion to speed",
     amplitude=EffectParameter(
         name="slope",
         unit="s/m",

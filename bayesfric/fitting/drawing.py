@@ -5,7 +5,7 @@ from bayesfric.checkpoint import Checkpoint
 from bayesfric.errors import Fault, InputError
 from bayesfric.fitting.hypothesis import chart_of
 from bayesfric.inference.diagnostics import diagnose_all
-from bayesfric.inference.laplace import Laplace, NoMode, laplace_approximation
+from bayesfric.inference.laplace import Laplace, NoModeError, laplace_approximation
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import quantile
 from bayesfric.inference.sampling import Draws, Progress, sample
@@ -64,7 +64,7 @@ def _mode(model: Model, recording: str) -> Laplace:
     """Return the mode of a posterior that has one."""
     try:
         laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
-    except NoMode as error:
+    except NoModeError as error:
         raise InputError([Fault(recording, SCATTER)]) from error
     vanished = [
         parameter.name

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize
 
-__all__ = ["Laplace", "NoMode", "curvature_steps", "finite_hessian", "laplace_approximation"]
+__all__ = ["Laplace", "NoModeError", "curvature_steps", "finite_hessian", "laplace_approximation"]
 
 Array = NDArray[np.float64]
 LogDensity = Callable[[Array], Array]
@@ -20,7 +20,7 @@ DROP = 0.02  # step of a difference, in curvature standard deviations squared
 LEAST_CURVATURE = 1e-3  # of the whitened Hessian; flatter directions are cut off here
 
 
-class NoMode(ValueError):
+class NoModeError(ValueError):
     """A log density that has no finite curvature where it was climbed to."""
 
 
@@ -64,7 +64,7 @@ def laplace_approximation(log_density: LogDensity, start: Array, scale: Array) -
     ------
     ValueError
         The density at `start` is not finite.
-    NoMode
+    NoModeError
         Its curvature is not finite on the way up.
     """
     best = float(log_density(start[None])[0])
@@ -107,7 +107,7 @@ def _whitened(log_density: LogDensity, point: Array, unit: Array) -> Array:
     """Return minus the Hessian in units of each coordinate, (D, D)."""
     bent: Array = -finite_hessian(log_density, point, unit) * np.outer(unit, unit)
     if not np.isfinite(bent).all():
-        raise NoMode("the log density has no finite curvature where it was climbed to")
+        raise NoModeError("the log density has no finite curvature where it was climbed to")
     return bent
 
 

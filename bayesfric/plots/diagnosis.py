@@ -25,7 +25,7 @@ CATEGORIES = ("pulley_size", "rig", "drive_end", "setup", "sensor")  # not numbe
 UNITS = {"": "", "1": "", "-": "", "deg": "°", "1/deg": "deg⁻¹", "1/m": "m⁻¹", "m/s^2": "m/s²"}
 
 
-def where_it_lies(axes: Sequence[Axis], residuals: xr.Dataset | None) -> Figure:
+def where_it_lies(axes: Sequence[Axis], residuals: xr.Dataset | None, unit: str = "N") -> Figure:
     """Draw the share of each axis that varied, and the residual force along those that matter most.
 
     Parameters
@@ -35,6 +35,8 @@ def where_it_lies(axes: Sequence[Axis], residuals: xr.Dataset | None) -> Figure:
     residuals : Dataset or None
         Group ``residuals`` of ``diagnosis.nc``: its dots stand behind the shapes of the
         axes that it holds.
+    unit : str
+        Of the force.
 
     Returns
     -------
@@ -62,7 +64,7 @@ def where_it_lies(axes: Sequence[Axis], residuals: xr.Dataset | None) -> Figure:
                 _shape(panel, axis, residuals)
             for panel in panels[len(shapes) :]:
                 panel.set_visible(False)
-            right.supylabel("residual force [N]", fontsize=8)
+            right.supylabel(f"residual force [{unit}]", fontsize=8)
         return fig
 
 

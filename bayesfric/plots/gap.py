@@ -44,7 +44,7 @@ def how_far(
         Left a panel in newtons and, where trajectories were run, one in millimetres; right
         a pair of panels a trial: its path, and simulated minus measured.
     """
-    kinds: list[tuple[Gap | GapRow, float, str]] = [(gap, 1.0, "force [N]")]
+    kinds: list[tuple[Gap | GapRow, float, str]] = [(gap, 1.0, f"force [{gap.unit}]")]
     if gap.trajectory is not None:
         kinds.append((gap.trajectory, 1e3, "trajectory [mm]"))
     with figure(height=57.0 if len(kinds) > 1 or trajectories is not None else 38.0) as fig:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from bayesfric.errors import Fault, InputError
+from bayesfric.recording.axis_notes import notes_on_axis
 from bayesfric.recording.columns import BUILT_IN, RIG_KEYS_NEEDED, TABLES
 from bayesfric.recording.consistency import check_across
 from bayesfric.recording.csv_text import parse_csv
@@ -113,6 +114,8 @@ def assemble(load: Load, in_folder: Collection[str] = ()) -> Recording:
         recording = _recording(package, tables, tables_sha256(contents))
         if recording.steady is not None:
             notes += notes_on_signs(recording.steady)
+        if recording.axis is not None:
+            notes += notes_on_axis(recording.axis)
         return replace(recording, notes=(*notes, *notes_on_range(recording)))
 
 

@@ -50,7 +50,7 @@ def build_document(stored: StoredResults) -> Document:
     pulleys = stored.fitted is not None and bool(stored.fitted.fit.pulleys)
     law = "" if pulleys else own_law(_rigs(stored))
     return Document(
-        title=f"Friction of a {rig_words(_rigs(stored)[0]).rig}"
+        title=f"Friction measured on a {rig_words(_rigs(stored)[0]).rig}"
         if law
         else "Cable-pulley friction",
         subtitle=subtitle,

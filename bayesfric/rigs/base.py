@@ -222,7 +222,7 @@ class RigTrials(Protocol):
 
     @property
     def unit(self) -> str:
-        """Of its forces: N, or N m where it turns."""
+        """Of its forces: N, or N·m where it turns."""
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:

@@ -22,6 +22,7 @@ __all__ = [
 
 Array = NDArray[np.float64]
 UNITS = {"c1": "1", "c2": "N", "c3": "1/deg"}
+FORCE = "c2"  # is one
 PAPER_SIZES = ("small", "medium", "large")
 LEAST_C1 = 1e-4  # a start above zero, where least squares does not give one
 LEAST_C2_N = 1e-3
@@ -125,7 +126,10 @@ class SizeIndex:
 
 
 def coefficient_parameters(
-    sizes: tuple[str, ...], analysis: Analysis, without: Collection[str] = ()
+    sizes: tuple[str, ...],
+    analysis: Analysis,
+    without: Collection[str] = (),
+    force_unit: str = "N",
 ) -> tuple[Parameter, ...]:
     """Return c1, c2, c3 of each size, with the priors of the analysis.
 
@@ -137,6 +141,8 @@ def coefficient_parameters(
         Its priors, and those of single sizes.
     without : collection of str
         Coefficients that the law lacks.
+    force_unit : str
+        Newton, or newton metre on a rig that turns.
     """
     priors = analysis.priors
     parameters = []
@@ -147,5 +153,6 @@ def coefficient_parameters(
             override = getattr(priors.pulleys.get(size), name, None)
             prior = override or getattr(priors, name)
             called = coefficient_name(name, size)
-            parameters.append(Parameter(called, unit, prior, "coefficient", linear=True))
+            here = force_unit if name == FORCE else unit
+            parameters.append(Parameter(called, here, prior, "coefficient", linear=True))
     return tuple(parameters)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from diagnosis.boards import model_of
 
+from bayesfric.diagnosis.chance import redrawn
 from bayesfric.diagnosis.held_out import Squares, extrapolated, folds_of, gap_row
 from bayesfric.diagnosis.residuals import recalibrated, refit_of, residuals_of
 from bayesfric.diagnosis.stored import floor_disagrees
@@ -96,6 +97,15 @@ def test_no_gap_no_shrink_and_never_more_than_there_was():
     assert "floor" in row(squares(9.0, 0.2, 3.0)).shrink_why
 
 
+def test_forces_are_redrawn_with_the_covariance_that_is_said(drawn):
+    _, residuals, _ = drawn
+    again = redrawn(residuals, 4000, np.random.default_rng(2))
+    whole = residuals.scattered(np.eye(residuals.size.size))
+    sd = np.sqrt(np.diag(whole))
+    off = (np.cov(again) - whole) / np.outer(sd, sd)
+    assert np.abs(off).max() < 5.5 * np.sqrt(2 / 4000)
+
+
 @pytest.fixture(scope="module")
 def drawn():
     """Residual forces of chance alone, drawn anew many times around the same board."""
@@ -140,9 +150,8 @@ def test_what_the_law_is_uncertain_by_is_its_scatter_over_redrawn_boards(drawn):
 @pytest.mark.parametrize(("left", "word"), [(1.0, None), (4.0, "more"), (0.05, "less")])
 def test_data_and_floor_that_contradict_each_other_are_told(left, word):
     """A floor of 1 and a gap of 0.2 that is left; sixty assemblies of like friction."""
-    count = 60
-    one = Squares(None, *np.full((3, count), [[9.0], [left], [1.0]]) / count, np.arange(count))
-    found = floor_disagrees(one, np.full(1000, 0.2), np.random.default_rng(4))
+    by_chance = np.random.default_rng(4).chisquare(60, 400) / 60
+    found = floor_disagrees(left, by_chance, np.full(100, 0.2))
     assert found is None if word is None else f", {word} than" in found
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bayesfric.inference.smooths import NARROW, Span, smooth_along
+from bayesfric.inference.smooths import NARROW, SHARP, WHOLE, Span, smooth_along
 
 PLACES = np.linspace(2.0, 5.0, 40)
 
@@ -59,3 +59,20 @@ def test_few_values_are_taken_one_by_one():
     assert smooth.count <= 4
     kernel = np.exp(-0.5 * ((values[:, None] - values) / (14.0 / 3)) ** 2)
     np.testing.assert_allclose(columns.T @ columns, kernel, atol=0.1)
+
+
+def test_a_worn_spot_is_had_without_forces_that_cancel():
+    """A twentieth of the travel long: functions too wide would need large ones that cancel."""
+    travel = np.linspace(0.0, 0.6, 200)
+    spot = np.exp(-0.5 * ((travel - 0.28) / 0.03) ** 2)
+
+    def fitted(smooth):
+        columns = smooth.columns({"displacement": travel})
+        numbers = np.linalg.lstsq(columns.T, spot, rcond=None)[0]
+        return np.linalg.norm(numbers), (spot - numbers @ columns).std() / spot.std()
+
+    along = {"displacement": Span(0.0, 0.6)}
+    size, left = fitted(smooth_along(along, relative=True, length=SHARP, kept=WHOLE))
+    assert size < 2.0
+    assert left < 0.1
+    assert fitted(smooth_along(along, relative=True, length=NARROW))[1] > 0.4

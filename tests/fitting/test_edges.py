@@ -55,7 +55,7 @@ def test_accelerations_that_fit_exactly_are_refused(small_recording, tmp_path):
 
 def test_a_frictionless_board_without_errors_is_refused(small_recording):
     nothing = dict.fromkeys(table1_coefficients(), FRICTIONLESS)
-    with pytest.raises(InputError, match="small-recording: .* or their standard errors"):
+    with pytest.raises(InputError, match=r"small-recording: .* or their standard errors"):
         fit(exact(small_recording, nothing), QUICK)
 
 

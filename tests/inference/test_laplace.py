@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bayesfric.inference.laplace import (
-    NoMode,
+    NoModeError,
     curvature_steps,
     finite_hessian,
     laplace_approximation,
@@ -64,5 +64,5 @@ def test_density_without_a_bound_has_no_mode():
         with np.errstate(divide="ignore"):
             return -np.log(np.maximum(np.abs(z[:, 0]) - 0.5, 0.0))
 
-    with pytest.raises(NoMode, match="no finite curvature"):
+    with pytest.raises(NoModeError, match="no finite curvature"):
         laplace_approximation(cusp, np.array([0.6]), np.ones(1))

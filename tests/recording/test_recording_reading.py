@@ -7,10 +7,13 @@ import time
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from recording.mini import Mini, write_files
 
 from bayesfric.recording import Recording, describe_recording, read_recording, tables_sha256
+from bayesfric.recording.axis_notes import notes_on_axis
+from bayesfric.recording.tables import Axis
 
 TRIALS, EVENTS = "gravity_trials.csv", "gravity_events.csv"
 
@@ -34,7 +37,7 @@ def test_types(tmp_path: Path) -> None:
         recording.axis.runs,
         recording.axis.samples,
     ]
-    text = {"trial", "run", "setup", "sensor", "pulley_size", "role", "drive_end"}
+    text = {"trial", "run", "setup", "sensor", "pulley_size", "role", "drive_end", "did_not_move"}
     for frame in frames:
         assert list(frame.index) == list(range(len(frame)))
         for name in frame:
@@ -44,6 +47,15 @@ def test_types(tmp_path: Path) -> None:
     assert trials["role"].isna().tolist() == [False, False, True]
     assert trials["acceleration_m_s2"].isna().tolist() == [True, True, False]
     assert recording.axis.runs["payload_kg"].tolist() == [0.0, 1.5]
+
+
+def test_a_simulated_position_is_said_not_to_be_used():
+    def notes(**columns):
+        samples = pd.DataFrame({"run": ["a"], "position_m": [0.0], **columns})
+        return notes_on_axis(Axis(pd.DataFrame(), samples))
+
+    assert "sim_position_m" in " ".join(notes(sim_position_m=[0.0]))
+    assert notes() == notes(sim_force_n=[0.0]) == ()
 
 
 def test_columns_come_in_the_order_of_the_format(tmp_path: Path) -> None:

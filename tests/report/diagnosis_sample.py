@@ -60,7 +60,7 @@ def cause(effect: str, **changes: object) -> Cause:
     slope = interval(0.123)
     fields: dict[str, object] = {
         "effect": effect,
-        "sentence": "friction grows in proportion to the speed of the cable",
+        "sentence": "friction grows in proportion to speed",
         "inclusion_probability": 0.987,
         "log10_bayes_factor": 12.34,
         "log10_bayes_factor_se": 0.056,

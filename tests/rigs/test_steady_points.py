@@ -94,6 +94,21 @@ def test_a_joint_with_viscous_friction_is_named_with_its_slope(tmp_path):
     assert "cable" not in cause.sentence
 
 
+def test_readings_whose_errors_are_known_leave_no_noise_to_draw(tmp_path):
+    """All that scatters is the reading, as its error says: a diagnosis still has its answer."""
+    velocity = np.tile(np.linspace(0.2, 3.0, 12), 2) * np.repeat([1.0, -1.0], 12)
+    error = 0.01 * np.random.default_rng(5).standard_normal(24)
+    table = {
+        "velocity_m_s": velocity,
+        "friction_n": np.sign(velocity) * (0.8 + 0.1 * np.abs(velocity) + error),
+        "friction_sd_n": np.full(24, 0.01),
+    }
+    found = bf.diagnose(recorded(tmp_path, table, rotary=True)).summary
+    assert [cause.effect for cause in found.causes] == ["viscous"]
+    assert found.gap.unit == "N·m"
+    assert " N·m rms" in found.sentence
+
+
 def test_a_joint_that_rubs_more_one_way_is_named_so_whatever_makes_it(tmp_path):
     """A share of friction and a constant force are one where friction is the same everywhere."""
     table = joint(0.0)

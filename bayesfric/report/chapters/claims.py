@@ -49,6 +49,8 @@ def fallen(found: ClaimsFile) -> Notice:
     by_verdict = {
         verdict: [one for one in found.claims if one.verdict == verdict] for verdict in SIGNS
     }
+    if _untestable(found):
+        return Notice("info", _none_testable(found), title="The paper's claims")
     counts = ", ".join(f"{len(ones)} {verdict}" for verdict, ones in by_verdict.items() if ones)
     said: list[Inline] = [f"{counts} (see ", Reference("claims"), ")."]
     for one in by_verdict["refuted"]:
@@ -62,6 +64,16 @@ def fallen(found: ClaimsFile) -> Notice:
     all_hold = len(by_verdict["supported"]) == len(found.claims)
     kind: Kind = "attention" if by_verdict["refuted"] else "good" if all_hold else "info"
     return Notice(kind, said, title="The paper's claims")
+
+
+def _untestable(found: ClaimsFile) -> bool:
+    """Tell whether these data can test none of the claims, and all for one reason."""
+    verdicts = {one.verdict for one in found.claims}
+    return verdicts == {"not-testable"} and len({one.reason for one in found.claims}) == 1
+
+
+def _none_testable(found: ClaimsFile) -> str:
+    return f"None of the {len(found.claims)} claims is testable here. {found.claims[0].reason}"
 
 
 def _verdicts(found: ClaimsFile) -> Table:
@@ -100,6 +112,9 @@ def claims(stored: StoredClaims) -> Iterator[Block]:
     found = stored.found
     by_name = {one.id: one for one in found.claims}
     yield Heading(1, "The paper's claims", label="claims")
+    if _untestable(found):
+        yield Paragraph(_none_testable(found))
+        return
     yield Paragraph(_rules(found))
     yield _verdicts(found)
     for family, names in FAMILIES.items():

@@ -91,8 +91,9 @@ def diagnosis(stored: StoredDiagnosis) -> Iterator[Block]:
 
 def _at_a_glance(found: DiagnosisFile) -> Table:
     gap = found.gap
-    large = f"{_newtons(gap.systematic)}, where friction is {format_number(gap.friction_rms)}"
-    large += f"\u202fN; below {format_share(found.practical_share)} of that none would care"
+    friction = format_number(gap.friction_rms, unit=gap.unit)
+    large = f"{_force(gap.systematic, gap.unit)}, where friction is {friction}; below "
+    large += f"{format_share(found.practical_share)} of that none would care"
     rows: list[list[Text]] = [
         ["How large is the systematic gap?", large],
         ["Which effect causes it?", _caused(found)],
@@ -141,7 +142,7 @@ def _where(stored: StoredDiagnosis) -> Figure:
     residuals = stored.group("residuals")
     shapes = any(axis.shape is not None for axis in axes)
     return Figure(
-        to_svg(where_it_lies(axes, residuals)),
+        to_svg(where_it_lies(axes, residuals, stored.found.gap.unit)),
         [
             Strong("Where."),
             " ",
@@ -230,7 +231,7 @@ def _how_far(stored: StoredDiagnosis) -> Figure:
             ),
         ],
         "Left, horizontal bars: "
-        + "; ".join(f"{name} {_newtons(number)}" for name, number in _arms(gap, named))
+        + "; ".join(f"{name} {_force(number, gap.unit)}" for name, number in _arms(gap, named))
         + "."
         + (
             " Right, for each of three held-out trials, its path and how far simulation is from it"
@@ -246,7 +247,8 @@ def _tuning(gap: Gap) -> list[str]:
     """Return what recalibration alone does; never mixed with what the effect does."""
     if gap.as_shipped is None:
         return [f"As shipped: none ({gap.as_shipped_why}). "]
-    return [f"Recalibration alone: {_newtons(gap.as_shipped)} to {_newtons(gap.before)}. "]
+    shipped, before = _force(gap.as_shipped, gap.unit), _force(gap.before, gap.unit)
+    return [f"Recalibration alone: {shipped} to {before}. "]
 
 
 def _shrink(gap: Gap, named: bool) -> list[str]:
@@ -275,5 +277,5 @@ def _percent(number: Interval) -> str:
     return format_interval(100 * number.q50, 100 * number.q05, 100 * number.q95) + "\u202f%"
 
 
-def _newtons(number: Interval) -> str:
-    return format_interval(number.q50, number.q05, number.q95, "N")
+def _force(number: Interval, unit: str) -> str:
+    return format_interval(number.q50, number.q05, number.q95, unit)

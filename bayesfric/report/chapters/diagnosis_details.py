@@ -242,11 +242,12 @@ def _axes(found: DiagnosisFile) -> Table:
 def gap_words(found: DiagnosisFile) -> Paragraph:
     """Return how large the gap is, and where every figure of it stands."""
     gap = found.gap
+    milli = f"m{gap.unit}"
     return Paragraph(
         [
             "The systematic gap, rms of the force that the recalibrated baseline leaves out, is ",
-            f"{_thousandths(gap.systematic)} mN, where "
-            f"friction is {format_number(gap.friction_rms, unit='N')} (rms); below "
+            f"{_thousandths(gap.systematic)} {milli}, where "
+            f"friction is {format_number(gap.friction_rms, unit=gap.unit)} (rms); below "
             f"{format_share(found.practical_share)} of friction none would care. ",
             Reference("gap"),
             " has every figure on data that the fit has not seen; every parameter is refitted "
@@ -262,8 +263,8 @@ def gap_table(found: DiagnosisFile) -> Table:
     """Return every figure of the gap on data that the fit has not seen."""
     gap = found.gap
     rows: list[tuple[str, str, Gap | GapRow]] = [
-        *((row.name, "mN", row) for row in gap.held_out),
-        ("not held out: the data of the fit", "mN", gap.in_sample),
+        *((row.name, f"m{gap.unit}", row) for row in gap.held_out),
+        ("not held out: the data of the fit", f"m{gap.unit}", gap.in_sample),
     ]
     if gap.trajectory is not None:
         rows.append(("free-running trajectory", "mm", gap.trajectory))

@@ -14,7 +14,7 @@ from bayesfric.report.chapters.calibration import calibration_line
 from bayesfric.report.chapters.claims import fallen
 from bayesfric.report.chapters.diagnosis import verdict_line
 from bayesfric.report.chapters.margins import gain_lines
-from bayesfric.report.chapters.plain_law import in_a_sentence
+from bayesfric.report.chapters.plain_law import force_unit, in_a_sentence
 from bayesfric.report.content import (
     Block,
     BulletList,
@@ -26,8 +26,9 @@ from bayesfric.report.content import (
     Strong,
     Table,
 )
-from bayesfric.report.quantities import format_count, interval_cells
+from bayesfric.report.quantities import format_count, format_unit, interval_cells
 from bayesfric.report.stored import StoredFit, StoredResults
+from bayesfric.rigs.coefficients import NO_PULLEY
 from bayesfric.schemas import FitFile, RecordingId
 
 __all__ = ["coefficients_figure", "convergence", "page_one", "recorded", "worries"]
@@ -105,19 +106,20 @@ def convergence(fit: FitFile) -> Iterator[Notice]:
 
 def expected(stored: StoredFit) -> Iterator[Block]:
     """Yield friction of a run of the recording's own conditions, one a pulley size."""
-    rows = [row for one in rig_tables(stored.predictive)[:1] for row in _conditions(one)]
+    unit = force_unit(stored.fit)
+    rows = [row for one in rig_tables(stored.predictive)[:1] for row in _conditions(one, unit)]
     if rows:
         yield Table(
             "What friction to expect of a run, at the recording's own conditions.",
             ["condition", "friction", "on a new assembly"],
             rows,
             label="expected",
-            note="The friction law at each size's most frequent condition and its middle tension, "
+            note="The friction law at the most frequent condition and its middle tension, "
             "± half of the 90 % interval. On a new assembly: nine runs in ten, scatter included.",
         )
 
 
-def _conditions(one: RigTable) -> Iterator[list[Inline]]:
+def _conditions(one: RigTable, unit: str) -> Iterator[list[Inline]]:
     """Yield, of each size, the measured trial in the middle of its most frequent condition."""
     if not {*CONDITION, "tension_n", "law_n", "predicted_n"} <= set(one.table.data_vars):
         return
@@ -131,23 +133,31 @@ def _conditions(one: RigTable) -> Iterator[list[Inline]]:
         row = one.table.isel({one.id: int(np.flatnonzero(here & (tension == middle))[0])})
         _, n, angle = usual
         yield [
-            f"{format_count(int(n))} {size} pulleys, {angle:g}°, at {middle:.3g}\u202fN",
-            Strong(_plus_minus(row["law_n"])),
-            _range(row["predicted_n"]),
+            _condition(int(n), size, angle, float(middle), unit),
+            Strong(f"{_plus_minus(row['law_n'])}\u202f{format_unit(unit)}"),
+            f"{_range(row['predicted_n'])}\u202f{format_unit(unit)}",
         ]
+
+
+def _condition(n: int, size: str, angle: float, tension: float, unit: str) -> str:
+    """Return a condition in words; a machine may have no pulleys, or no tension."""
+    at = f"at {tension:.3g}\u202f{format_unit(unit)}"
+    if size == NO_PULLEY:
+        return at if tension else "as recorded"
+    return f"{format_count(n)} {size} {'pulley' if n == 1 else 'pulleys'}, {angle:g}°, {at}"
 
 
 def _plus_minus(quantiles: xr.DataArray) -> str:
     low, middle, high = sorted(abs(float(value)) for value in quantiles)
     decimals = len(interval_cells(middle, low, high)[0].partition(".")[2])
     half = max((high - low) / 2, 10.0**-decimals)
-    return f"{middle:.{decimals}f} ± {half:.{decimals}f}\u202fN"
+    return f"{middle:.{decimals}f} ± {half:.{decimals}f}"
 
 
 def _range(quantiles: xr.DataArray) -> str:
     low, middle, high = sorted(abs(float(value)) for value in quantiles)
     _, low_shown, high_shown = interval_cells(middle, low, high)
-    return f"{low_shown} to {high_shown}\u202fN"
+    return f"{low_shown} to {high_shown}"
 
 
 def coefficients_figure(stored: StoredFit) -> Iterator[Figure]:

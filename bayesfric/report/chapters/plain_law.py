@@ -7,7 +7,7 @@ from bayesfric.report.quantities import format_number, interval_cells
 from bayesfric.report.rig_words import rig_words
 from bayesfric.schemas import FitFile, ParameterSummary
 
-__all__ = ["in_a_sentence", "own_law", "plain_coefficients", "plain_table"]
+__all__ = ["force_unit", "in_a_sentence", "own_law", "plain_coefficients", "plain_table"]
 
 
 def plain_coefficients(fit: FitFile) -> dict[str, ParameterSummary]:
@@ -18,6 +18,12 @@ def plain_coefficients(fit: FitFile) -> dict[str, ParameterSummary]:
     return {
         name: entry for name, entry in fit.parameters.items() if entry.prior_sensitivity is not None
     }
+
+
+def force_unit(fit: FitFile) -> str:
+    """Return the unit of friction: that of its constant part, where the machine has no pulleys."""
+    constant = fit.parameters.get("c2")
+    return "N" if constant is None else constant.unit
 
 
 def own_law(rigs: Sequence[str]) -> str:
@@ -54,7 +60,7 @@ def plain_table(fit: FitFile) -> Table:
         for name, entry in plain_coefficients(fit).items()
     ]
     return Table(
-        "Posterior of mass and friction.",
+        "Posterior of the law's coefficients.",
         [
             "coefficient",
             "unit",
@@ -71,4 +77,9 @@ def plain_table(fit: FitFile) -> Table:
 
 
 def _called(name: str) -> str:
-    return {"coulomb": "Coulomb friction", "viscous": "viscous friction"}.get(name, name)
+    return {
+        "coulomb": "Coulomb friction",
+        "viscous": "viscous friction",
+        "c1": "friction per tension",
+        "c2": "constant friction",
+    }.get(name, name)

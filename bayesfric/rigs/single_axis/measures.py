@@ -9,13 +9,13 @@ from dataclasses import dataclass, replace
 
 from bayesfric.analysis import HalfNormal, LogNormal, Normal, Prior, PriorOverrides, Uniform
 from bayesfric.effects import Effect, EffectParameter
+from bayesfric.rigs.rotary import rotary_unit
 
 __all__ = ["Measures"]
 
 BOARD_M, BOARD_M_S = 0.6, 1.3
 KNOWN_MASS = 0.2  # relative error of a moving mass that somebody wrote down
 WIDE = 3.0  # times the rough value, of a prior that says little
-ROTARY = {"N": "N·m", "m": "rad", "kg": "kg·m²"}
 
 
 @dataclass(frozen=True)
@@ -44,9 +44,7 @@ class Measures:
 
     def unit(self, unit: str) -> str:
         """Return a unit as it is here, radians for metres where the axis turns."""
-        if not self.rotary:
-            return unit
-        return "".join(ROTARY.get(part, part) for part in _split(unit))
+        return rotary_unit(unit) if self.rotary else unit
 
     def scale(self, unit: str) -> float:
         """Return by what a value in a unit is larger here than on the board."""
@@ -111,14 +109,3 @@ def scaled(prior: Prior, factor: float) -> Prior:
             return LogNormal(median=median * factor, sd_log=sd)
         case Uniform(low=low, high=high):
             return Uniform(low=low * factor, high=high * factor)
-
-
-def _split(unit: str) -> list[str]:
-    parts, word = [], ""
-    for letter in unit:
-        if letter.isalpha():
-            word += letter
-            continue
-        parts += [word, letter]
-        word = ""
-    return [*parts, word]

@@ -142,6 +142,11 @@ class AxisRuns(PlainTrials):
         return frozenset(found)
 
     @property
+    def unit(self) -> str:
+        """Newton, or newton metre where it turns."""
+        return self.measures.unit("N")
+
+    @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
         """Priors of the law, in the machine's measures."""
         return {SIZE: self.measures.priors}

@@ -11,6 +11,7 @@ from bayesfric.paper import table1
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
 from bayesfric.recording.steady_signs import against_motion
 from bayesfric.rigs.coefficients import NO_PULLEY
+from bayesfric.rigs.rotary import rotary_unit
 from bayesfric.rigs.steady_points.scale import Scale
 
 __all__ = ["Bench", "bench_of"]
@@ -55,6 +56,11 @@ class Bench:
     def has_pulleys(self) -> bool:
         """Whether anything is said of pulleys."""
         return any(name in self.given for name in PULLEYS)
+
+    @property
+    def force_unit(self) -> str:
+        """Newton, or newton metre where it turns."""
+        return rotary_unit("N") if self.rotary else "N"
 
     @property
     def is_of_paper(self) -> bool:

@@ -75,11 +75,11 @@ class PointsLikelihood(GroupedLikelihood):
         self._reading = self.trials["friction_n"].to_numpy(dtype=np.float64)
         priors = analysis.priors
         self.parameters = (
-            *coefficient_parameters(self.sizes, analysis, self._without),
+            *coefficient_parameters(self.sizes, analysis, self._without, bench.force_unit),
             Parameter(TAU, "1", priors.tau, "scatter"),
             *([Parameter(OMEGA, "1", priors.omega, "scatter")] if bench.shared else []),
             *(
-                [Parameter(SIGMA, "N", error_prior(bench, priors), "noise")]
+                [Parameter(SIGMA, bench.force_unit, error_prior(bench, priors), "noise")]
                 if np.isnan(self._known_sd).any()
                 else []
             ),

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from bayesfric.analysis import HalfNormal, LogNormal, Normal, Prior
 from bayesfric.effects import Effect, EffectParameter, Law, State
+from bayesfric.rigs.rotary import rotary_unit
 
 __all__ = ["Scale"]
 
@@ -22,7 +23,6 @@ Array = NDArray[np.float64]
 WIDER = 3.0  # priors of amplitudes that are shares; a force is one pulley's, not a board's
 IN_PROPORTION = "in proportion to this machine's friction, tension and speed; on a board "
 SENTENCES = {
-    "viscous": "friction grows in proportion to speed",
     "fixed-drag": "a force opposes the motion, whatever the load",
 }
 """Of effects whose own sentence speaks of cables and pulleys."""
@@ -95,21 +95,12 @@ class Scale:
         low, high = one.plausible
         return replace(
             one,
-            unit=_rotary(one.unit) if rotary else one.unit,
+            unit=rotary_unit(one.unit) if rotary else one.unit,
             prior=_scaled(one.prior, unit, wider),
             plausible=(wider * unit * low, wider * unit * high),
             reference=IN_PROPORTION + one.reference,
             typical=None if one.typical is None else unit * one.typical,
         )
-
-
-def _rotary(unit: str) -> str:
-    return (
-        unit.replace("N", "N m")
-        .replace("s/m", "s/rad")
-        .replace("m/s", "rad/s")
-        .replace("s²/m²", "s²/rad²")
-    )
 
 
 def _scaled(prior: Prior, unit: float, wider: float) -> Prior:

@@ -33,7 +33,6 @@ __all__ = ["RIG", "SteadyPoints", "SteadyTrials"]
 
 Array = NDArray[np.float64]
 NOT_PULLEY_BY_PULLEY = Unsupported("Without pulleys, nothing goes pulley by pulley.")
-VISCOUS_IS_AN_EFFECT = Unsupported("Viscous friction of points is an effect, which is diagnosed.")
 VISCOUS_IS_AN_EFFECT = Unsupported("Here viscous friction is an effect, which is diagnosed.")
 NO_TENSION = Unsupported("No tension_n was recorded to which friction could be proportional.")
 WORDS = Words(
@@ -41,7 +40,8 @@ WORDS = Words(
     "point",
     "points",
     "The law of friction is c1 T + c2 at a load T, of which c2 alone is left where no load was "
-    "recorded. A reading is the law's friction times 1 + η + ε, of its assembly and its own, both "
+    "recorded; of n pulleys of wrap angle θ it is n ((c1 + c3 (θ − 85°)) T + c2). A reading is "
+    "the law's friction times 1 + η + ε, of its assembly and its own, both "
     "normal, and an error with the standard error that was recorded or, where there is none, "
     "with one that is estimated.",
 )
@@ -155,7 +155,7 @@ class SteadyTrials(PlainTrials):
     @property
     def unit(self) -> str:
         """Newton, or newton metre where it turns."""
-        return "N m" if self.bench.rotary else "N"
+        return self.bench.force_unit
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:

@@ -1,0 +1,38 @@
+"""Residual forces redrawn: what measurement and friction's scatter make of a right law."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.diagnosis.residuals import Residuals
+
+__all__ = ["redrawn"]
+
+Array = NDArray[np.float64]
+
+
+def redrawn(residuals: Residuals, count: int, rng: np.random.Generator) -> Array:
+    """Draw residual forces of a perfect law, shape (R, count) [N].
+
+    Parameters
+    ----------
+    residuals : Residuals
+        For the covariances of measurement and wander, and the scatter of trials and assemblies.
+    count : int
+        Draws.
+    rng : Generator
+        Source of randomness.
+    """
+    tau, omega = np.sqrt(residuals.scatter[:, :1]), np.sqrt(residuals.scatter[:, 1:])
+    setups, trials = residuals.setup.max() + 1, residuals.trial.max() + 1
+    drawn = omega * rng.standard_normal((setups, count))[residuals.setup]
+    drawn += tau * rng.standard_normal((trials, count))[residuals.trial]
+    drawn *= residuals.friction_n[:, None]
+    start = 0
+    for part, wander in zip(residuals.covariance, residuals.wander, strict=True):
+        rows = slice(start, start + len(part))
+        friction = residuals.friction_n[rows]
+        values, vectors = np.linalg.eigh(part + wander * np.outer(friction, friction))
+        root = vectors * np.sqrt(np.maximum(values, 0.0))
+        drawn[rows] += root @ rng.standard_normal((len(part), count))
+        start = rows.stop
+    return np.asarray(drawn)

@@ -1,0 +1,93 @@
+"""Bayes factors against what they cannot be, and the closed form over the noise against draws."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from diagnosis.boards import model_of
+from scipy.integrate import quad
+from scipy.stats import norm
+
+from bayesfric.diagnosis.acting import Acting, At
+from bayesfric.diagnosis.checked import Checked, factor_error, noise_checked
+from bayesfric.diagnosis.climbing import climb, curvature_at
+from bayesfric.diagnosis.squeezing import squeezed
+from bayesfric.diagnosis.weighing import Weighed, log_volume, weigh
+from bayesfric.effects.candidates import is_positive
+
+NAMES = ("viscous", "stribeck", "wear-drift", "fixed-drag", "mass-error", "cable-weight")
+
+
+def test_a_nested_effect_loses_no_more_than_its_own_width():
+    """Posterior over prior width of its amplitude, at the noise without it, of its worst shape.
+
+    A sign that the prior forbids costs more, by the mass that the data leave to the other.
+    """
+    whole = model_of(NAMES)
+    none_at = climb(whole, whole.start, Acting())
+    model = squeezed(whole, none_at.psi)
+    inverse = np.linalg.inv(curvature_at(model, none_at, Acting()))
+    none = weigh(model, (), [none_at.psi], inverse, 0.0)
+    reduced = model.reduced(none.at.psi, Acting())
+    for name in NAMES:
+        least = []
+        for place in (place for law in model.lawbook[name] for place in law.places):
+            information = 1 + reduced.precision[place, place]
+            z = reduced.slope[place] / np.sqrt(information)
+            factor = -0.5 * np.log(information) + z**2 / 2
+            if is_positive(model.candidates[place].effect.amplitude.prior):
+                factor += np.log(2) + norm.logcdf(z)
+            least.append(factor)
+        one = weigh(model, (name,), [none.at.psi], inverse, 0.0)
+        assert one.log_evidence - none.log_evidence > min(least) - 0.1, name
+        assert not one.bound, name
+
+
+@dataclass
+class Density:
+    """A model of two numbers of noise whose log density is known, of one kind or another."""
+
+    skew: float
+    noise: tuple = ()
+
+    def __post_init__(self):
+        self.noise = (Bounded(), Bounded())
+
+    def evaluate(self, psi, acting, wide, form, *, gradient=False):
+        first, second = psi
+        value = -8 * first**2 - 5 * second**2 - self.skew * np.exp(second) + self.skew * second
+        slope = np.array([-16 * first, -10 * second - self.skew * (np.exp(second) - 1)])
+        return At(psi, value, slope if gradient else None, None, None, None)
+
+
+@dataclass
+class Bounded:
+    bounds: tuple = (1e-6, 1e6)
+
+
+@dataclass
+class Volume:
+    volume: float
+
+
+@pytest.mark.parametrize("skew", [0.0, 20.0])
+def test_draws_say_how_far_the_closed_form_is_off(skew):
+    """Against quadrature, for a normal density and for one with a heavy side."""
+    model = Density(skew)
+    at = model.evaluate(np.zeros(2), Acting(), None, None)
+    own = log_volume(curvature_at(model, at, Acting()))
+    one = Weighed((), 0.0, own, Acting(), at)
+    found = noise_checked(model, Volume(0.0), one, np.random.default_rng(7))
+    normal = 0.5 * np.log(2 * np.pi / 16)
+    truth = np.log(quad(lambda s: np.exp(-5 * s**2 - skew * (np.exp(s) - s)), -5, 3)[0])
+    off = normal + truth - own - at.value
+    assert abs(found.off - off) < 4 * found.error
+    assert 0 < found.error < 0.3
+    assert found.pareto_k < 0.7
+
+
+def test_the_error_of_a_factor_is_of_both_and_null_where_draws_settle_nothing():
+    assert factor_error(Checked(0.5, 0.3, 0.1), Checked(0.1, 0.0, 0.2))[0] == pytest.approx(0.5)
+    value, why = factor_error(Checked(0.5, 0.3, 0.1), Checked(0.1, 0.0, 0.9))
+    assert value is None
+    assert "Pareto k of 0.90" in why
