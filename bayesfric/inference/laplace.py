@@ -105,7 +105,8 @@ def laplace_approximation(log_density: LogDensity, start: Array, scale: Array) -
 
 def _whitened(log_density: LogDensity, point: Array, unit: Array) -> Array:
     """Return minus the Hessian in units of each coordinate, (D, D)."""
-    bent: Array = -finite_hessian(log_density, point, unit) * np.outer(unit, unit)
+    with np.errstate(invalid="ignore"):  # told below
+        bent: Array = -finite_hessian(log_density, point, unit) * np.outer(unit, unit)
     if not np.isfinite(bent).all():
         raise NoModeError("the log density has no finite curvature where it was climbed to")
     return bent
