@@ -178,6 +178,8 @@ def _tests(
     rng: np.random.Generator,
 ) -> tuple[dict[str, float], dict[str, tuple[Array, Array]]]:
     """Return adjusted p-values, and each shape with the half width of its band."""
+    if not designs:  # a single trial varies along no axis
+        return {}, {}
     drawn = redrawn(residuals, DRAWS, rng) / residuals.friction_n[:, None]
     refit = _refitting(residuals, precision)
     drawn, observed = drawn - refit(drawn), relative - refit(relative[:, None])[:, 0]

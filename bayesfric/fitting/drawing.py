@@ -2,13 +2,21 @@
 
 from bayesfric.analysis import Analysis
 from bayesfric.checkpoint import Checkpoint
+from bayesfric.errors import Fault, InputError
 from bayesfric.fitting.hypothesis import chart_of
 from bayesfric.inference.diagnostics import diagnose_all
-from bayesfric.inference.laplace import laplace_approximation
+from bayesfric.inference.laplace import Laplace, NoModeError, laplace_approximation
 from bayesfric.inference.model import Model
+from bayesfric.inference.priors import quantile
 from bayesfric.inference.sampling import Draws, Progress, sample
 
 __all__ = ["draw_posterior"]
+
+EXACT = 1e-9  # of the median of a noise's prior: less is rounding
+SCATTER = (
+    "readings that scatter about the law, or their standard errors; these fit it exactly, so "
+    "that no error of theirs can be told"
+)
 
 
 def draw_posterior(
@@ -16,6 +24,8 @@ def draw_posterior(
     analysis: Analysis,
     progress: Progress | None = None,
     checkpoint: Checkpoint | None = None,
+    *,
+    recording: str = "recording",
 ) -> Draws:
     """Find the mode of a posterior and draw from it.
 
@@ -29,8 +39,15 @@ def draw_posterior(
         Called with the sampler's steps done and steps in all.
     checkpoint : Checkpoint or None
         Keeps the draws on the way.
+    recording : str
+        Its name, for a refusal.
+
+    Raises
+    ------
+    InputError
+        The data fit exactly and their noise is unknown: nothing bounds the density.
     """
-    laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
+    laplace = _mode(model, recording)
     return sample(
         model.log_posterior,
         laplace,
@@ -41,3 +58,19 @@ def draw_posterior(
         converged=lambda z: all(one.converged for one in diagnose_all(model.natural(z))),
         chart=chart_of(model),
     )
+
+
+def _mode(model: Model, recording: str) -> Laplace:
+    """Return the mode of a posterior that has one."""
+    try:
+        laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
+    except NoModeError as error:
+        raise InputError([Fault(recording, SCATTER)]) from error
+    vanished = [
+        parameter.name
+        for parameter, value in zip(model.parameters, model.natural(laplace.mode), strict=True)
+        if parameter.kind == "noise" and value < EXACT * float(quantile(parameter.prior, 0.5))
+    ]
+    if vanished:
+        raise InputError([Fault(recording, f"{SCATTER} ({', '.join(vanished)} vanishes)")])
+    return laplace

@@ -152,7 +152,9 @@ def fit(
             model = _model(data, analysis, law)
         key = ",".join([*chosen, baseline]) + attributes.model_dump_json()
         with _timed(seconds, "draws"):
-            draws = draw_posterior(model, analysis, progress, Checkpoint(checkpoint, key))
+            draws = draw_posterior(
+                model, analysis, progress, Checkpoint(checkpoint, key), recording=recording.name
+            )
         with _timed(seconds, "without_exclusions"):
             whole, why = _all_that_can_enter(recording, data)
             without = None

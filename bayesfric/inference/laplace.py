@@ -11,13 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize
 
-__all__ = ["Laplace", "curvature_steps", "finite_hessian", "laplace_approximation"]
+__all__ = ["Laplace", "NoModeError", "curvature_steps", "finite_hessian", "laplace_approximation"]
 
 Array = NDArray[np.float64]
 LogDensity = Callable[[Array], Array]
 
 DROP = 0.02  # step of a difference, in curvature standard deviations squared
 LEAST_CURVATURE = 1e-3  # of the whitened Hessian; flatter directions are cut off here
+
+
+class NoModeError(ValueError):
+    """A log density that has no finite curvature where it was climbed to."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +64,8 @@ def laplace_approximation(log_density: LogDensity, start: Array, scale: Array) -
     ------
     ValueError
         The density at `start` is not finite.
+    NoModeError
+        Its curvature is not finite on the way up.
     """
     best = float(log_density(start[None])[0])
     if not np.isfinite(best):
@@ -76,7 +82,7 @@ def laplace_approximation(log_density: LogDensity, start: Array, scale: Array) -
             return -_gradient(log_density, origin + u * unit, unit) * unit
 
         def hessian(u: Array, origin: Array = point, unit: Array = steps) -> Array:
-            return -finite_hessian(log_density, origin + u * unit, unit) * np.outer(unit, unit)
+            return _whitened(log_density, origin + u * unit, unit)
 
         found = optimize.minimize(
             objective,
@@ -92,10 +98,18 @@ def laplace_approximation(log_density: LogDensity, start: Array, scale: Array) -
         if gain < 1e-4:
             break
     steps = curvature_steps(log_density, point, scale)
-    whitened = -finite_hessian(log_density, point, steps) * np.outer(steps, steps)
-    values, vectors = np.linalg.eigh(whitened)
+    values, vectors = np.linalg.eigh(_whitened(log_density, point, steps))
     inverse = (vectors / np.maximum(values, LEAST_CURVATURE)) @ vectors.T
     return Laplace(point, inverse * np.outer(steps, steps), best)
+
+
+def _whitened(log_density: LogDensity, point: Array, unit: Array) -> Array:
+    """Return minus the Hessian in units of each coordinate, (D, D)."""
+    with np.errstate(invalid="ignore"):  # told below
+        bent: Array = -finite_hessian(log_density, point, unit) * np.outer(unit, unit)
+    if not np.isfinite(bent).all():
+        raise NoModeError("the log density has no finite curvature where it was climbed to")
+    return bent
 
 
 def finite_hessian(log_density: LogDensity, point: Array, unit: Array) -> Array:

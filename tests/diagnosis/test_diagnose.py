@@ -1,9 +1,11 @@
 """Whole diagnoses: what must be found, and what must not be."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from altered import by_acceleration, with_trials
 
 from bayesfric.analysis import Analysis
 from bayesfric.diagnosis import diagnose
@@ -165,6 +167,18 @@ def test_a_wider_prior_is_the_users(nothing, empty):
         return next(o.log10_bayes_factor for o in summary.effects if o.effect == "wear-drift")
 
     assert factor(empty) - factor(wide) == pytest.approx(2.0, abs=0.3)
+
+
+def test_one_acceleration_alone_tells_of_no_axis(small_recording):
+    """It varies along none; what it leaves open is wide, and no cause is named."""
+    recording = by_acceleration(small_recording)
+    alone = with_trials(recording, recording.gravity.trials["trial"] == "g0007")
+    found = diagnose(alone).summary
+    assert not found.causes
+    assert found.verdict == "undecided"
+    assert found.where
+    assert all(axis.blind and axis.p_value is None for axis in found.where)
+    json.loads(found.model_dump_json(), parse_constant=pytest.fail)
 
 
 def test_accelerations_alone_of_one_assembly_are_diagnosed():

@@ -1,15 +1,18 @@
 """A stored fit: what it says, that ArviZ opens it, that it is whole and repeats."""
 
+import csv
 import dataclasses
 import json
 
 import numpy as np
 import pytest
+import xarray as xr
 from altered import by_acceleration, of_size, with_trials
 
 import bayesfric as bf
 from bayesfric.analysis import Analysis, Sampler
 from bayesfric.errors import InputError
+from bayesfric.fitting.inference_data import write_csv
 from bayesfric.results import read_json, read_tree
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.schemas import FitFile
@@ -74,6 +77,20 @@ def test_csv_has_the_draws(small_fit, tmp_path):
     last = posterior["c2"].isel(chain=-1, draw=-1).sel(pulley="medium").item()
     assert table["c2[medium]"].iloc[-1] == last
     assert table["tau"].iloc[0] == posterior["tau"].isel(chain=0, draw=0).item()
+
+
+@pytest.mark.parametrize("size", ["=cmd()", "+1", "-2", "@SUM(A1)", 'a",=1+1,"'])
+def test_no_cell_of_the_csv_starts_a_formula(size, small_fit, tmp_path):
+    """Not even where a size is named like one: a header is a parameter with its size after."""
+    draws = small_fit.draws.copy()
+    posterior = draws["posterior"].to_dataset()
+    draws["posterior"] = xr.DataTree(posterior.assign_coords(pulley=[size, "medium", "large"]))
+    write_csv(draws, tmp_path / "draws.csv")
+    with (tmp_path / "draws.csv").open(newline="") as file:
+        header, *rows = csv.reader(file)
+    assert f"c1[{size}]" in header
+    assert not [name for name in header if name.startswith(("=", "+", "-", "@", "\t", "\r"))]
+    assert np.isfinite(np.array(rows, dtype=np.float64)).all()  # numbers alone, signs and all
 
 
 def test_pointwise_likelihood_is_that_of_the_draws(small_fit, small_recording):

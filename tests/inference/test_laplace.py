@@ -3,7 +3,12 @@
 import numpy as np
 import pytest
 
-from bayesfric.inference.laplace import curvature_steps, finite_hessian, laplace_approximation
+from bayesfric.inference.laplace import (
+    NoModeError,
+    curvature_steps,
+    finite_hessian,
+    laplace_approximation,
+)
 
 PRECISION = np.array([[4.0, 1.0, 0.0], [1.0, 900.0, -20.0], [0.0, -20.0, 1e8]])
 MODE = np.array([1.0, -2.0, 3e-4])
@@ -50,3 +55,14 @@ def test_flat_direction_keeps_a_finite_width():
 def test_impossible_start_is_an_error():
     with pytest.raises(ValueError, match="not finite"):
         laplace_approximation(lambda z: np.full(len(z), -np.inf), np.zeros(1), np.ones(1))
+
+
+def test_density_without_a_bound_has_no_mode():
+    """Of noise that vanishes: finite at every point but the one that is climbed to."""
+
+    def cusp(z):
+        with np.errstate(divide="ignore"):
+            return -np.log(np.maximum(np.abs(z[:, 0]) - 0.5, 0.0))
+
+    with pytest.raises(NoModeError, match="no finite curvature"):
+        laplace_approximation(cusp, np.array([0.6]), np.ones(1))

@@ -41,7 +41,12 @@ class Proposal:
         self.freedom = freedom
         self._size = mean.size
         shape = covariance * (freedom - 2) / freedom
-        self._student = cast(_Frozen, stats.multivariate_t(mean, shape, df=freedom))
+        self._mean, self._unit = mean, np.sqrt(np.diag(shape))
+        # Whether it is singular is asked of its correlations: widths may differ by any factor.
+        correlation = shape / np.outer(self._unit, self._unit)
+        self._white = cast(_Frozen, stats.multivariate_t(None, correlation, df=freedom))
+        student = stats.multivariate_t(mean, shape, df=freedom, allow_singular=True)
+        self._student = cast(_Frozen, student)
 
     def draw(self, size: int, rng: np.random.Generator) -> Array:
         """Return draws, shape (size, D)."""
@@ -50,7 +55,8 @@ class Proposal:
     def log_density(self, points: Array) -> Array:
         """Return the log density of points of shape (W, D), shape (W,)."""
         # One point would come back as a number.
-        return self._student.logpdf(points).reshape(len(points))
+        density = self._white.logpdf((points - self._mean) / self._unit).reshape(len(points))
+        return np.asarray(density - np.log(self._unit).sum())
 
 
 def fit_proposal(draws: Array) -> Proposal:

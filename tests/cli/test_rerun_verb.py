@@ -1,0 +1,55 @@
+"""`bayesfric rerun`: a stored run once more, and what differs."""
+
+import json
+import shutil
+
+import pytest
+from altered import by_acceleration, of_size, with_trials
+from typer.testing import CliRunner
+
+from bayesfric.cli import app
+from bayesfric.recording import write_recording
+
+SHORT = "seed = 5\n[sampler]\nburn = 10\nsteps = 50\nthin = 2\nwalkers = 36\nextensions = 0\n"
+
+
+def bayesfric(*arguments):
+    return CliRunner().invoke(app, [str(one) for one in arguments])
+
+
+@pytest.fixture(scope="module")
+def ran(small_recording, tmp_path_factory):
+    """A folder with the fit of one size."""
+    folder = tmp_path_factory.mktemp("rerun")
+    small = with_trials(small_recording, of_size(small_recording, "small"))
+    write_recording(by_acceleration(small), folder / "board")
+    (folder / "short.toml").write_text(SHORT)
+    done = bayesfric("fit", folder / "board", "--config", folder / "short.toml", "-o", folder / "a")
+    assert done.exit_code == 0, done.stderr
+    return folder
+
+
+def test_a_run_repeats_itself(ran, tmp_path):
+    done = bayesfric("rerun", ran / "a", "-o", tmp_path / "b", "--fail-on", "changed")
+    assert done.exit_code == 0, done.stderr
+    assert "no difference: fit.json" in done.stdout
+    for name in ("draws.nc", "predictive.nc"):
+        assert f"{name}: the same bytes" in done.stdout
+    assert (tmp_path / "b" / "fit.json").read_bytes() == (ran / "a" / "fit.json").read_bytes()
+
+
+def test_results_that_do_not_come_out_again_are_told(ran, tmp_path):
+    """A number that somebody moved, and draws of which a byte is not the run's."""
+    shutil.copytree(ran / "a", ran / "moved")  # beside the board, where the run looks for it
+    stored = json.loads((ran / "moved" / "fit.json").read_text())
+    stored["pulleys"]["small"]["c1"]["mean"] += 1.0
+    (ran / "moved" / "fit.json").write_text(json.dumps(stored))
+    with (ran / "moved" / "draws.nc").open("ab") as draws:
+        draws.write(b"\0")
+    done = bayesfric("rerun", ran / "moved", "--fail-on", "changed")
+    assert done.exit_code == 1
+    assert "no difference" not in done.stdout
+    assert "1 of " in done.stdout
+    assert "fit.json  pulleys.small.c1" in done.stdout
+    assert "draws.nc: other bytes" in done.stdout
+    assert "predictive.nc: the same bytes" in done.stdout
