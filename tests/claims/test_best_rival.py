@@ -7,6 +7,7 @@ from bayesfric.claims import checking
 from bayesfric.claims.checking import registered
 from bayesfric.claims.entered import Entered
 from bayesfric.claims.studies import Studied
+from bayesfric.effects import all_effects
 from bayesfric.inference.evidence import ELPD, Evidence
 from bayesfric.simulate import simulate_recording
 
@@ -32,7 +33,7 @@ def test_the_next_best_is_sampled_where_draws_of_the_best_sit_apart(monkeypatch)
     (claim,) = (one for one in registered() if one.name == "no-stribeck")
     recording = simulate_recording("quick", seed=1, rigs=("gravity",))
     entered = Entered.of(recording).whole()
-    studied = checking._studied([claim], entered, Analysis(), None)
+    studied = checking._studied([claim], entered, Analysis(), all_effects(), None)
     found = {task.hypothesis.label: one for task, one in studied.items() if task.whole}
     assert found["stribeck/gaussian"].evidence is None
     assert found["stribeck/exponential"].prediction is PREDICTION
