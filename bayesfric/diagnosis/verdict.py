@@ -169,7 +169,7 @@ def sentence_of(
             f"{acting}; whether more than {share:.1%} of friction is left once the law is "
             "recalibrated stays open."
             if causes
-            else "no cause is sure, and neither is that there is none."
+            else "no cause is sure."
         )
         return (
             f"These data leave a gap of up to {gap.systematic.q95 / friction:.1%} of friction "

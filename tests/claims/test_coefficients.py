@@ -77,12 +77,6 @@ def test_a_single_cell_supports_nothing(one_cell):
     assert "to the prior" in found.reason
 
 
-def test_draws_that_do_not_meet_decide_nothing(one_cell):
-    (found,) = check_claims(one_cell, Analysis(seed=1), only=["coefficients"]).summary.claims
-    assert found.verdict == "undecided"
-    assert "different places" in found.reason
-
-
 def test_an_informed_recording_supports_table_1_and_refutes_another():
     known = simulate_recording("quick", seed=6, rigs=("gravity",))
     laws = {

@@ -42,7 +42,7 @@ def test_an_effect_that_data_exclude_is_supported_from_that_width_on_that_gives_
     found = rival(sd)
     own = np.log(2 * stats.norm(0, sd).pdf(0))
     log10 = (own - found.widths - found.evidence.log_evidence) / np.log(10)
-    case = Case(None, Analysis(priors=PRIORS), Entered({}), {})
+    case = Case(None, Analysis(priors=PRIORS), Entered({}), {}, all_effects())
     verdicts = verdicts_over_widths(case, {RIVAL: found}, log10, 0.0)
     # 10 to 1 where the prior is ten times wider than what data leave.
     exact = [np.hypot(sd, SCALE * width) / sd >= 10 for width in WIDTHS]

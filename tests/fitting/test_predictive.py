@@ -171,9 +171,9 @@ def test_coverage_counts_trials_and_expects_assemblies_to_move_together(wrap_fit
     inside = (np.abs(z) < stats.norm.ppf(0.95)).mean()
     assert float(trials["covered_share"]) == pytest.approx(inside, abs=2 / len(z))
     rng = np.random.default_rng(0)
-    tau, omega = (values[:4000, None] for values in map(rng.permutation, scatter_draws(wrap_fit)))
+    tau, omega = (values[:, None] for values in map(rng.permutation, scatter_draws(wrap_fit)))
     _, setup = np.unique(trials["setup"].to_numpy(), return_inverse=True)
-    shift = omega * rng.standard_normal((4000, setup.max() + 1))[:, setup]
+    shift = omega * rng.standard_normal((len(omega), setup.max() + 1))[:, setup]
     deviation = shift + tau * rng.standard_normal(shift.shape)
     low, high = np.quantile(deviation, (0.05, 0.95))
     share = ((low < deviation) & (deviation < high)).mean(axis=1)

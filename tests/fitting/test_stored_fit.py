@@ -24,7 +24,7 @@ SHORT = Sampler(burn=60, steps=80, thin=3, extensions=0)
 
 
 def test_public_names_are_the_functions():
-    assert bf.fit.__module__ == "bayesfric.fitting.posterior"
+    assert bf.fit.__module__ == "bayesfric.notebook.calls"
     assert set(bf.__all__) <= set(dir(bf))
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         bf.nothing  # noqa: B018

@@ -66,7 +66,9 @@ def test_columns_come_in_the_order_of_the_format(tmp_path: Path) -> None:
     other = read(Mini(), tmp_path / "straight").gravity
     assert one is not None
     assert other is not None
-    assert list(one.trials.columns) == list(other.trials.columns) == Mini().rows[TRIALS][0]
+    empty = "wrap_angles_deg"  # from top to bottom, which counts as left out
+    expected = [name for name in Mini().rows[TRIALS][0] if name != empty]
+    assert list(one.trials.columns) == list(other.trials.columns) == expected
 
 
 @pytest.mark.parametrize("file", [TRIALS, "motor_runs.csv"])

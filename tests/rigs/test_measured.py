@@ -28,10 +28,10 @@ def line():
 
 
 def test_ball_rejects_friction_in_proportion_to_load(proportional):
-    assert proportional.verdict in ("named", "unseparated")
-    (together,) = proportional.unseparated
-    assert set(together.effects) == {"fixed-drag", "tension-curvature"}
+    assert proportional.verdict != "no-gap"
     assert proportional.probabilities["none"] < 0.01
+    likeliest = sorted(proportional.probabilities, key=proportional.probabilities.get)[-2:]
+    assert set(likeliest) <= {"fixed-drag", "tension-curvature", "unknown"}
 
 
 @pytest.mark.xfail(strict=True, reason="16 points do not tell a constant from a curve")
