@@ -1,18 +1,17 @@
 """``make fuzz``: mutants from where the last campaign stopped, for some minutes.
 
 What was found stands in ``reports/evidence/fuzz.json``: cases by kind, and the seed of each
-mutant that was neither read nor refused.
+mutant that was neither read nor refused. Where the code has changed since, it begins anew.
 """
 
 import argparse
-import json
 import sys
 import time
-from pathlib import Path
 
+from campaigns import evidence
 from fuzzing.mutants import KINDS, outcome
 
-EVIDENCE = Path(__file__).parents[2] / "reports" / "evidence" / "fuzz.json"
+NAME = "fuzz"
 WHOLE = {"recording": 100_000, "toml": 20_000, "json": 5_000, "netcdf": 5_000}
 
 
@@ -20,7 +19,8 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--minutes", type=float, default=10.0, help="of processor time")
     minutes = parser.parse_args().minutes
-    kept = json.loads(EVIDENCE.read_text()) if EVIDENCE.exists() else {}
+    kept = evidence.read(NAME) if NAME in evidence.names() else {}
+    kept = {} if evidence.changed(kept) else kept["figures"]
     found = {kind: kept.get(kind, {"read": 0, "refused": 0, "faults": {}}) for kind in KINDS}
     ends = time.process_time() + 60 * minutes
     while time.process_time() < ends:
@@ -47,9 +47,9 @@ def done(one: dict) -> int:
 
 
 def save(found: dict) -> None:
-    partial = EVIDENCE.with_suffix(".partial")
-    partial.write_text(json.dumps(found, indent=1) + "\n")
-    partial.replace(EVIDENCE)
+    last = max(done(one) for one in found.values()) - 1
+    this = sys.modules[__name__]
+    evidence.write(NAME, this, seeds=[0, last], figures=found, cases={}, command="make fuzz")
 
 
 if __name__ == "__main__":

@@ -1,16 +1,13 @@
 """Some seconds of what `make fuzz` does for hours."""
 
-import json
-from pathlib import Path
-
 import pytest
+from campaigns import evidence
 from fuzzing import mutants
 from fuzzing.mutants import KINDS, outcome
 
 from bayesfric.errors import InputError
 
 CASES = {"recording": 40, "toml": 100, "json": 100, "netcdf": 30}
-EVIDENCE = Path(__file__).parents[2] / "reports" / "evidence" / "fuzz.json"
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -49,5 +46,5 @@ def test_a_refusal_of_many_lines_is_noticed(monkeypatch):
 
 
 def test_the_campaign_found_no_fault():
-    found = json.loads(EVIDENCE.read_text())
+    found = evidence.read("fuzz")["figures"]
     assert {kind: one["faults"] for kind, one in found.items()} == {kind: {} for kind in KINDS}
