@@ -190,7 +190,7 @@ def could_be_found(case: Case, rivals: Mapping[Hypothesis, Studied]) -> dict[str
     figures: dict[str, Any] = {"smallest_found": shares, "smallest_found_with": FOUND_WITH}
     if open_to_prior:
         why = "these data leave the amplitude to its prior"
-        figures["smallest_found_why"] = f"{', '.join(open_to_prior)}: {why}"
+        figures["smallest_found_open_for"] = f"{', '.join(open_to_prior)}: {why}"
     return figures
 
 

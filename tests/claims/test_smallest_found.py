@@ -32,7 +32,7 @@ def test_it_is_that_of_the_error_times_what_a_unit_makes_of_friction():
     expected = SHARE * smallest_found(error, PRIOR, np.log(10), 0.9)
     figures = found(draws)
     assert figures["smallest_found"] == {"wrap-intercept/linear": pytest.approx(expected, rel=0.02)}
-    assert "smallest_found_why" not in figures
+    assert "smallest_found_open_for" not in figures
     # Stricter odds ask for a larger effect.
     assert found(draws, -3.0)["smallest_found"]["wrap-intercept/linear"] > 1.2 * expected
 
@@ -40,4 +40,4 @@ def test_it_is_that_of_the_error_times_what_a_unit_makes_of_friction():
 def test_an_amplitude_left_to_its_prior_has_a_reason_in_its_place():
     figures = found(np.random.default_rng(2).normal(0.0, PRIOR.sd, 5000))
     assert figures["smallest_found"] == {}
-    assert "wrap-intercept/linear: these data leave" in figures["smallest_found_why"]
+    assert "wrap-intercept/linear: these data leave" in figures["smallest_found_open_for"]
