@@ -8,14 +8,37 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
+from bayesfric.effects import Effect
 from bayesfric.physics.compliant import Cable
-from bayesfric.rigs.base import Predictive, Resting, Unsupported
+from bayesfric.recording.tables import RigConstants
+from bayesfric.rigs.base import Predictive, Resting, Simulated, Unsupported
+from bayesfric.rigs.changes import Change
+from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.pulleys import PulleyTrials
+from bayesfric.rigs.truth import Truth
 from bayesfric.schemas import PointEstimate
 
-__all__ = ["PlainTrials"]
+__all__ = ["PlainRig", "PlainTrials"]
 
 Array = NDArray[np.float64]
+
+
+class PlainRig:
+    """A rig that no protocol lays out; see :class:`bayesfric.rigs.base.Rig`."""
+
+    def change(
+        self, effect: Effect, design: Protocol, constants: RigConstants, truth: Truth
+    ) -> Change | None:
+        """Return None: protocols lay out the paper's boards alone."""
+        del effect, design, constants, truth
+        return None
+
+    def simulate(
+        self, design: Protocol, constants: RigConstants, truth: Truth, seed: int
+    ) -> Simulated:
+        """Record nothing: protocols lay out the paper's boards alone."""
+        del design, constants, truth, seed
+        return Simulated({}, 0)
 
 
 class PlainTrials(PulleyTrials):

@@ -18,11 +18,9 @@ from bayesfric.physics.axis import AxisLaw
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, VISCOUS, Baseline
 from bayesfric.recording.tables import Axis, Recording, RigConstants
-from bayesfric.rigs.base import Motion, Predictive, Simulated, Unsupported, Words, why_inert
-from bayesfric.rigs.changes import Change
+from bayesfric.rigs.base import Motion, Predictive, Unsupported, Words, why_inert
 from bayesfric.rigs.linear import rank
-from bayesfric.rigs.plain import PlainTrials
-from bayesfric.rigs.protocols import Protocol
+from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.single_axis.likelihood import AxisLikelihood
 from bayesfric.rigs.single_axis.linear import AxisRows
 from bayesfric.rigs.single_axis.measures import Measures
@@ -30,7 +28,6 @@ from bayesfric.rigs.single_axis.motion import Motion as Log
 from bayesfric.rigs.single_axis.motion import even_grid
 from bayesfric.rigs.single_axis.predictions import runs as runs_dataset
 from bayesfric.rigs.single_axis.readings import Readings, readings_of, rough_law
-from bayesfric.rigs.truth import Truth
 
 __all__ = ["RIG", "AxisRuns", "SingleAxis"]
 
@@ -57,7 +54,7 @@ NOTHING = 1e-12
 
 
 @dataclass(frozen=True)
-class SingleAxis:
+class SingleAxis(PlainRig):
     """A mass, or a joint, that one drive moves along or about one axis."""
 
     name: str = "single-axis"
@@ -70,20 +67,6 @@ class SingleAxis:
         """Return the runs in which the axis moves; no rule keeps another out."""
         del exclude
         return None if recording.axis is None else _opened(self, recording.axis, recording.rig)
-
-    def change(
-        self, effect: Effect, design: Protocol, constants: RigConstants, truth: Truth
-    ) -> Change | None:
-        """Return None: an axis is simulated by its own script, not by a protocol."""
-        del effect, design, constants, truth
-        return None
-
-    def simulate(
-        self, design: Protocol, constants: RigConstants, truth: Truth, seed: int
-    ) -> Simulated:
-        """Return no runs: the paper's protocols have no axis."""
-        del design, constants, truth, seed
-        return Simulated({}, 0)
 
 
 RIG = SingleAxis()

@@ -15,19 +15,16 @@ from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, VISCOUS, Baseline
-from bayesfric.recording.tables import Recording, RigConstants
-from bayesfric.rigs.base import Motion, Predictive, Simulated, Unsupported, Words
-from bayesfric.rigs.changes import Change
-from bayesfric.rigs.plain import PlainTrials
+from bayesfric.recording.tables import Recording
+from bayesfric.rigs.base import Motion, Predictive, Unsupported, Words
+from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.points import PointRows
-from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.steady_points.bench import Bench, bench_of
 from bayesfric.rigs.steady_points.errors import NAME
 from bayesfric.rigs.steady_points.likelihood import PointsLikelihood
 from bayesfric.rigs.steady_points.linear import points_rows
 from bayesfric.rigs.steady_points.places import covariates_of, supported
 from bayesfric.rigs.steady_points.predictions import points_dataset
-from bayesfric.rigs.truth import Truth
 
 __all__ = ["RIG", "SteadyPoints", "SteadyTrials"]
 
@@ -48,7 +45,7 @@ WORDS = Words(
 
 
 @dataclass(frozen=True)
-class SteadyPoints:
+class SteadyPoints(PlainRig):
     """Anybody's bench, joint or slide on which friction was measured at steady motion."""
 
     name: str = NAME
@@ -64,20 +61,6 @@ class SteadyPoints:
             return None
         bench = bench_of(recording.steady, rotary=recording.rig.rotary)
         return SteadyTrials(bench, recording.steady.rename(columns={"run": "trial"}))
-
-    def change(
-        self, effect: Effect, design: Protocol, constants: RigConstants, truth: Truth
-    ) -> Change | None:
-        """Return None: the paper's protocols lay out no such points."""
-        del effect, design, constants, truth
-        return None
-
-    def simulate(
-        self, design: Protocol, constants: RigConstants, truth: Truth, seed: int
-    ) -> Simulated:
-        """Record nothing: the paper's protocols lay out no such points."""
-        del design, constants, truth, seed
-        return Simulated({}, 0)
 
 
 RIG = SteadyPoints()
