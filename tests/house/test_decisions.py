@@ -11,7 +11,7 @@ PAGES = sorted(page for page in DECISIONS.glob("*.md") if page.name != "README.m
 FILES = {
     f"/{path.relative_to(ROOT).as_posix()}": path
     for folder in ("bayesfric", "tests", "docs", "data", "reports")
-    for path in (ROOT / folder).rglob("*")
+    for path in [ROOT / folder, *(ROOT / folder).rglob("*")]
     if "__pycache__" not in path.parts
 }
 
