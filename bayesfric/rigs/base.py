@@ -27,6 +27,7 @@ from bayesfric.rigs.protocols import Protocol as Design
 from bayesfric.rigs.remaking import Remade
 from bayesfric.rigs.truth import Truth
 from bayesfric.schemas import PointEstimate
+from bayesfric.simulators import SimulatorCalls
 
 __all__ = [
     "Motion",
@@ -230,6 +231,13 @@ class RigTrials(Protocol):
 
     def suited(self, effect: Effect) -> Effect:
         """Return an effect in the rig's words, with priors in its own measures."""
+
+    @property
+    def own_law(self) -> Baseline | None:
+        """What has the place of a law in a diagnosis: a user's simulator; None without one."""
+
+    def beside(self, simulator: SimulatorCalls) -> "RigTrials | Unsupported":
+        """Return the trials beside a user's simulator of them, or why there can be none."""
 
     def under(self, law: Baseline) -> "RigTrials":
         """Return the same trials, which a diagnosis makes linear around another law."""
