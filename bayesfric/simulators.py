@@ -28,7 +28,7 @@ ExtraForce = Callable[[float, float, float], float]
 """(time [s], position, velocity) to a force that is added to the generalised force."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SimulatorRun:
     """A run, as a simulator is given it.
 
@@ -105,7 +105,7 @@ class Task:
     theta : tuple of float
         Values of the parameters, in their order.
     extra_force : callable
-        Added to the generalised force; equal where it is the same.
+        Added to the generalised force.
     """
 
     run: SimulatorRun
@@ -144,7 +144,7 @@ class SimulatorCalls:
         self.parameters = _parameters(self.simulator, self.name)
         self.made = 0
         self._executor, self._announce = executor, announce
-        self._known: dict[tuple[str, tuple[float, ...], Any], Array] = {}
+        self._known: dict[tuple[SimulatorRun, tuple[float, ...], ExtraForce], Array] = {}
 
     def announce(self, most: int, why: str) -> None:
         """Say how many calls are coming, at most."""
@@ -161,12 +161,12 @@ class SimulatorCalls:
             asked for no extra force.
         """
         asked = list(tasks)
-        keys = [(one.run.name, one.theta, one.extra_force) for one in asked]
+        keys = [(one.run, one.theta, one.extra_force) for one in asked]
         new = {key: one for key, one in zip(keys, asked, strict=True) if key not in self._known}
         names = [one.name for one in self.parameters]
         work = [
-            (self._given, self.name, one.run, dict(zip(names, one.theta, strict=True)), push)
-            for one, push in ((one, one.extra_force) for one in new.values())
+            (self._given, self.name, one, dict(zip(names, one.theta, strict=True)))
+            for one in new.values()
         ]
         run = map if self._executor is None else self._executor.map
         self._known |= dict(zip(new, run(_called, work), strict=True))
@@ -174,14 +174,15 @@ class SimulatorCalls:
         return [self._known[key] for key in keys]
 
 
-def _called(work: tuple[Any, str, SimulatorRun, dict[str, float], ExtraForce]) -> Array:
+def _called(work: tuple[Any, str, Task, dict[str, float]]) -> Array:
     """Make one call and check what comes back; in a process of its own, perhaps."""
-    given, name, run, theta, push = work
+    given, name, task, theta = work
+    run = task.run
     expected = f"predict to return {run.time_s.size} finite positions, of run {run.name}"
     acted: list[tuple[float, float]] = []
 
     def noted(t: float, q: float, v: float) -> float:
-        force = push(t, q, v)
+        force = task.extra_force(t, q, v)
         acted.append((float(t), force))
         return force
 

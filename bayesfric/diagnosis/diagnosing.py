@@ -24,6 +24,7 @@ from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.remainder import remainder_of
 from bayesfric.diagnosis.residuals import residuals_of
 from bayesfric.diagnosis.search import NONE, UNKNOWN, Search, compare, search
+from bayesfric.diagnosis.simulated import absorbed_by, own_law_of, simulator_used
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.stored import curves_of, gap_of
 from bayesfric.diagnosis.systematic import posterior_of
@@ -169,6 +170,7 @@ def _diagnose(
     simulator: SimulatorCalls | None,
 ) -> tuple[DiagnosisFile, xr.DataTree]:
     data, law = _data(recording, baseline, simulator)
+    own = own_law_of(data)
     asked, analysis = analysis, with_own_priors(analysis, data.rigs)
     practical = analysis.diagnosis.practical_share
     if shipped is None:
@@ -233,6 +235,7 @@ def _diagnose(
         **attributes.model_dump(),
         rigs=tuple(one.rig.name for one in data.rigs),
         baseline=law.name,
+        simulator=simulator_used(own, model, settled),
         fixed=tuple(sorted(held)),
         stray_trials=stray,
         practical_share=practical,
@@ -254,7 +257,7 @@ def _diagnose(
         unseparated=unseparated,
         absorbed=tuple(
             Absorbed(effect=one.effect, by=one.by, bias=one.bias, unit=one.unit)
-            for one in found.classes.absorbed
+            for one in (absorbed_by(own, one, data.sizes[0]) for one in found.classes.absorbed)
         ),
         remainder=remainder_of(
             model, found, best, float(np.median(posterior.gap)) / friction, left

@@ -142,10 +142,10 @@ def diagnosed_law(name: str, rigs: Sequence[RigTrials]) -> Baseline:
     InputError
         A law is asked for where a simulator has its place, or it is unknown, or makes no sense.
     """
-    own = {one.rig.words.rig: law for one in rigs if (law := one.own_law) is not None}
+    own = [(one.rig.words.rig, own.law) for one in rigs if (own := one.own_law) is not None]
     if not own:
         return baseline_of(name, rigs)
-    (rig, law), *_ = own.items()
+    rig, law = own[0]
     faults = []
     if name != DEFAULT:
         expected = f"no law to be asked for: {law.name} is the baseline"

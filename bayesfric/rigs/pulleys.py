@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from bayesfric.analysis import PriorOverrides
 from bayesfric.effects import PULLEYS, Effect
 from bayesfric.physics.laws import VISCOUS, Baseline
-from bayesfric.rigs.base import RigTrials, Unsupported
+from bayesfric.rigs.base import OwnLaw, RigTrials, Unsupported
 from bayesfric.simulators import SimulatorCalls
 
 __all__ = ["PulleyTrials"]
@@ -41,7 +41,7 @@ class PulleyTrials:
         return {}
 
     @property
-    def own_law(self) -> Baseline | None:
+    def own_law(self) -> OwnLaw | None:
         """None: the baseline is a law of the package."""
         return None
 

@@ -32,6 +32,7 @@ from bayesfric.schemas.diagnosis import (
     NextExperiment,
     Remainder,
     Shape,
+    SimulatorUsed,
     Unseparated,
 )
 from bayesfric.schemas.fit import (
@@ -122,6 +123,7 @@ __all__ = [
     "Setting",
     "Shape",
     "Shift",
+    "SimulatorUsed",
     "Target",
     "TimingsFile",
     "Uniformity",

@@ -147,8 +147,7 @@ class AxisRows:
         if effect.components:
             return UNKNOWN_PHASE
         values, small = unit_values(candidate)
-        force = self.mean(np.asarray(effect.laws[candidate.law](values, self.state)) / small)
-        return force if self.simulated is None else force * self.simulated.answer(self.readings)
+        return self.mean(np.asarray(effect.laws[candidate.law](values, self.state)) / small)
 
     def relative_force(self, candidate: Candidate) -> Array | Unsupported:
         """Return what amplitude 1 adds to friction as a share of it, (1, 1, W)."""

@@ -33,7 +33,7 @@ class Motion:
     further : dict of str to ndarray, shape (N,)
         Further columns of the log.
     forces : tuple of WeakForce
-        What a simulator says of the force: needed, by each parameter, by a force more.
+        What a simulator says of the force: what it needs, and more by each parameter.
     """
 
     time_s: Array

@@ -9,13 +9,17 @@ together are the force that the simulator needs for the measured motion:
     needed(t) = F(t) + k (q(t) − s(t)) + d (v(t) − ṡ(t)),
 
 s being the simulated position. What is counted is the pull that the simulator was given, at
-the times when it asked for it. To first order it is not late, whatever k: what follows with a
-spring and a damper has a gain of 1 + O(ω²/ω₀²). How the needed force answers to a parameter is a difference of two simulations,
-and so is how it answers to a force: a constant force more, and that much less has to be pulled.
+the times when it asked for it. It answers to what lacks with a gain of 1 − s²/ω₀² + O(s³/ω₀³),
+not late to first order; the second order is made good under the test functions. After a reversal
+it takes some 1/ω₀ to follow again, and that time does not count.
+
+How the needed force answers to a parameter is a difference of two simulations. An effect is a
+force at the place of the pull, so that the pull answers to it with as much less, whatever the
+simulator is; that a pull counts as much as a drive force is seen by a difference too.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,8 +42,9 @@ STEP = 0.02  # of a prior's width, over which a difference is taken
 FASTEST = 0.4  # rad a sample of the log: a simulator that steps so can follow
 WINDOW = 8.0  # rad in half a window: what is slower than a window is followed
 GUIDED = 5  # samples on either side, of which the guide takes its speed
-ANSWERED = 0.05  # by which the answer to a force may be off
-PROBE = 0.2  # of the rough friction, a force more
+SETTLING = 6.0  # over the rate: the time after a reversal that does not count; 2 % are left then
+ANSWERED = 0.25  # by which a pull may count for less or more than a drive force
+PROBE = 0.2  # of the rough friction, a drive force more
 
 
 @dataclass(frozen=True)
@@ -76,17 +81,10 @@ class SimulatedBaseline:
         moved[: len(self.centre)] = np.array(theta[: len(self.centre)]) - self.centre
         return np.asarray(readings.simulated[:, 0] + self.columns(readings) @ moved)
 
-    def answer(self, readings: Readings) -> Array | float:
-        """Return by how much less force is needed where a force of 1 is added, (W,)."""
-        count = len(self.parameters)
-        if readings.simulated.shape[1] == count + 1:
-            return 1.0  # a table: nobody can ask
-        return np.asarray(-readings.simulated[:, count + 1] * readings.way)
-
 
 @dataclass(frozen=True, eq=False)
 class Guide:
-    """A spring and a damper to the measured path, and a constant force; (t, q, v) to a force.
+    """A spring and a damper to the measured path; (t, q, v) to a force.
 
     Parameters
     ----------
@@ -94,24 +92,32 @@ class Guide:
         Of the log.
     position, velocity : ndarray, shape (N,)
         The measured path.
-    stiffness, damping, constant : float
-        Force per distance and per speed, and a force.
+    mass, rate : float
+        Rough mass, and the frequency of that mass on the spring [rad/s].
     """
 
     start_s: float
     interval_s: float
     position: Array
     velocity: Array
-    stiffness: float
-    damping: float
-    constant: float = 0.0
+    mass: float
+    rate: float
 
     def __call__(self, t: float, q: float, v: float) -> float:
         """Return the force."""
         place = (float(t) - self.start_s) / self.interval_s
         behind = between(self.position, place) - float(q)
         slower = between(self.velocity, place) - float(v)
-        return self.stiffness * behind + self.damping * slower + self.constant
+        return self.mass * (self.rate**2 * behind + 2 * self.rate * slower)
+
+    @property
+    def followed(self) -> NDArray[np.bool_]:
+        """Return where the guided axis follows: not right after the start or a reversal, (N,)."""
+        long = int(np.ceil(SETTLING / self.rate / self.interval_s))
+        found = np.ones(self.velocity.size, dtype=np.bool_)
+        for begin in (0, *np.flatnonzero(np.diff(np.sign(self.velocity)))):
+            found[begin : begin + long] = False
+        return found
 
 
 def recorded_forces(log: Motion, mass: float | None) -> Forces:
@@ -139,7 +145,7 @@ def linearised(
     calls: SimulatorCalls,
     logs: Sequence[Motion],
     rows: Sequence[Mapping[str, object]],
-    readings: Callable[[Sequence[Forces]], Readings],
+    readings: Callable[[Sequence[Motion]], Readings],
     measures: Measures,
     half_s: float,
     fits: NDArray[np.bool_],
@@ -155,7 +161,7 @@ def linearised(
     rows : sequence of mapping
         Of each, its row of ``axis_runs.csv``.
     readings : callable
-        Forces of each run to rows that have them.
+        Runs with forces to rows that have them.
     measures : Measures
         Rough mass and friction.
     half_s : float
@@ -177,31 +183,32 @@ def linearised(
     each = 1 + len(parameters)
     rounds = ROUNDS if parameters else 1
     calls.announce(
-        len(runs) * (rounds * each + 1),
-        f"{rounds} × {each} for each of {len(runs)} runs, and one for how it answers to a force",
+        len(runs) * rounds * each + 1,
+        f"{rounds} × {each} for each of {len(runs)} runs, and one for what a pull counts",
     )
     made = calls.made
     theta = np.array([float(from_normal(one.prior, 0.0)) for one in parameters])
-    probed = _differences(calls, runs, logs, guides, theta, np.zeros(0), PROBE * measures.friction)
-    _check_answer(calls.name, readings(probed))
     steps = np.array([STEP * _width(one) for one in parameters])
+    _check_pull(calls, runs[0], guides[0], theta, PROBE * measures.friction)
     for left in reversed(range(rounds)):
-        forces = _differences(calls, runs, logs, guides, theta, steps, None)
+        forces = _needed(calls, runs, guides, theta, steps)
+        found = readings(
+            [
+                replace(log, forces=own, further={}, known=log.known & guide.followed)
+                for log, own, guide in zip(logs, forces, guides, strict=True)
+            ]
+        )
         if left:
-            theta = _best(readings(forces), parameters, theta, fits)
-    whole = [(*one, probe[-1]) for one, probe in zip(forces, probed, strict=True)]
+            theta = _best(found, parameters, theta, fits)
     centre = tuple(float(value) for value in theta)
-    return SimulatedBaseline(
-        calls.name, parameters, centre, calls.made - made
-    ), readings(whole)
+    return SimulatedBaseline(calls.name, parameters, centre, calls.made - made), found
 
 
 def _guide(log: Motion, mass: float, half_s: float) -> Guide:
     rate = min(WINDOW / half_s, FASTEST / log.interval_s)
     velocity = smooth_motion(log, GUIDED, 0.0)[1]
     start = float(log.time_s[0])
-    stiffness, damping = mass * rate**2, 2 * mass * rate
-    return Guide(start, log.interval_s, log.position, velocity, stiffness, damping)
+    return Guide(start, log.interval_s, log.position, velocity, mass, rate)
 
 
 def _run(log: Motion, guide: Guide, row: Mapping[str, object]) -> SimulatorRun:
@@ -215,60 +222,46 @@ def _width(parameter: Parameter) -> float:
     return 0.5 * (high - low)
 
 
-def _differences(
+def _needed(
     calls: SimulatorCalls,
     runs: Sequence[SimulatorRun],
-    logs: Sequence[Motion],
     guides: Sequence[Guide],
     theta: Array,
     steps: Array,
-    probe: float | None,
 ) -> list[Forces]:
-    """Return of each run the needed force, its differences by parameters, and by a force."""
+    """Return of each run the needed force, and its differences by the parameters."""
     moved = [theta, *(theta + step for step in np.diag(steps))]
-    tasks = [
+    pulls = calls.pulled(
         Task(run, tuple(float(one) for one in at), guide)
         for run, guide in zip(runs, guides, strict=True)
         for at in moved
-    ]
-    if probe is not None:
-        at = tuple(float(one) for one in theta)
-        pushed = [_pushed(guide, probe) for guide in guides]
-        tasks += [Task(run, at, push) for run, push in zip(runs, pushed, strict=True)]
-    pulls = calls.pulled(tasks)
+    )
     found = []
-    for place, log in enumerate(logs):
+    for place, (run, guide) in enumerate(zip(runs, guides, strict=True)):
         first, *others = pulls[place * len(moved) : (place + 1) * len(moved)]
-        parts = [log.force + first]
-        parts += [(other - first) / step for other, step in zip(others, steps, strict=True)]
-        if probe is not None:
-            pull = pulls[len(runs) * len(moved) + place] - probe
-            parts.append((pull - first) / probe)
-        found.append(tuple(WeakForce(value=part) for part in parts))
+        parts = [WeakForce(run.force_n + first, first / guide.rate**2)]
+        for other, step in zip(others, steps, strict=True):
+            more = (other - first) / step
+            parts.append(WeakForce(more, more / guide.rate**2))
+        found.append(tuple(parts))
     return found
 
 
-def _pushed(guide: Guide, force: float) -> Guide:
-    return Guide(
-        guide.start_s,
-        guide.interval_s,
-        guide.position,
-        guide.velocity,
-        guide.stiffness,
-        guide.damping,
-        force,
-    )
-
-
-def _check_answer(name: str, readings: Readings) -> None:
-    """Refuse a simulator that does not add the force that it is given."""
-    answer = float(np.median(-readings.simulated[:, 1] * readings.way))
-    if abs(answer - 1) > ANSWERED:
+def _check_pull(
+    calls: SimulatorCalls, run: SimulatorRun, guide: Guide, theta: Array, force: float
+) -> None:
+    """Refuse a simulator in which a pull does not count as the same drive force does."""
+    at = tuple(float(one) for one in theta)
+    pushed = replace(run, force_n=run.force_n + force)
+    plain, less = calls.pulled([Task(run, at, guide), Task(pushed, at, guide)])
+    counted = float(np.median((plain - less)[guide.followed])) / force
+    if abs(counted - 1) > ANSWERED:
         expected = (
-            "extra_force(t, q, v) to be added to the generalised force, at the time, the position "
-            "and the velocity of the simulated axis, so that a force of 1 counts as 1"
+            "extra_force(t, q, v), at the time, the position and the velocity of the simulated "
+            "axis, to be added to the generalised force as the drive force is"
         )
-        raise InputError([Fault(name, expected, value=f"{answer:.3g}")])
+        told = f"{counted:.3g} of a pull in the place of a drive force of 1"
+        raise InputError([Fault(calls.name, expected, value=told)])
 
 
 def _best(

@@ -18,7 +18,7 @@ from bayesfric.physics.axis import AxisLaw
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, VISCOUS, Baseline
 from bayesfric.recording.tables import Axis, Recording, RigConstants
-from bayesfric.rigs.base import Motion, Predictive, Unsupported, Words, why_inert
+from bayesfric.rigs.base import Motion, OwnLaw, Predictive, Unsupported, Words, why_inert
 from bayesfric.rigs.linear import rank
 from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.single_axis.likelihood import AxisLikelihood
@@ -29,7 +29,6 @@ from bayesfric.rigs.single_axis.motion import even_grid
 from bayesfric.rigs.single_axis.predictions import runs as runs_dataset
 from bayesfric.rigs.single_axis.readings import Readings, readings_of, rough_law
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline, linearised, recorded_forces
-from bayesfric.rigs.single_axis.weak_form import WeakForce
 from bayesfric.simulators import SimulatorCalls
 
 __all__ = ["RIG", "AxisRuns", "SingleAxis"]
@@ -147,12 +146,14 @@ class AxisRuns(PlainTrials):
         return {SIZE: PriorOverrides(**dict(zip(Coefficients._fields, priors, strict=False)))}
 
     @property
-    def own_law(self) -> Baseline | None:
+    def own_law(self) -> OwnLaw | None:
         """A simulator that was named, or left its force in the recording; None without one."""
-        if self.simulated is None:
+        own = self.simulated
+        if own is None:
             return None
-        without = Coefficients._fields[len(self.simulated.parameters) :]
-        return replace(BASELINES["paper"], name=self.simulated.name, without=without)
+        without = Coefficients._fields[len(own.parameters) :]
+        law = replace(BASELINES["paper"], name=own.name, without=without)
+        return OwnLaw(law, own.parameters, own.calls)
 
     @property
     def _beside(self) -> SimulatedBaseline | None:
@@ -315,7 +316,7 @@ def _opened(
     rig: SingleAxis, axis: Axis, constants: RigConstants, simulator: SimulatorCalls | None = None
 ) -> AxisRuns | None:
     parts = max(1, -(-ENOUGH // len(axis.runs)))
-    logs, starts, rows, runs = [], [], [], []
+    logs, starts, rows, runs = [], [], [], list[Mapping[str, object]]()
     by_run = dict(iter(axis.samples.groupby("run", sort=False)))
     still = []
     for _, run in axis.runs.iterrows():
@@ -324,7 +325,7 @@ def _opened(
             still.append(str(run["run"]))
             continue
         logs.append(log)
-        runs.append(run.to_dict())
+        runs.append({str(name): value for name, value in run.items()})
         starts.append(np.arange(parts) * (log.time_s.size // parts))
         for part in range(parts):
             name = run["run"] if parts == 1 else f"{run['run']}/{part + 1}"
@@ -336,15 +337,13 @@ def _opened(
     measures, beside = _measures(readings, logs, constants), None
     if simulator is not None:
 
-        def with_forces(forces: Sequence[tuple[WeakForce, ...]]) -> Readings:
-            each = zip(logs, forces, strict=True)
-            told = [replace(log, forces=own, further={}) for log, own in each]
+        def again(told: Sequence[Log]) -> Readings:
             found = readings_of(told, starts, constants.encoder_resolution)
             assert found is not None
             return found
 
         beside, readings = linearised(
-            simulator, logs, runs, with_forces, measures, readings.half_s, _fitting(table)
+            simulator, logs, runs, again, measures, readings.half_s, _fitting(table)
         )
     elif readings.simulated.shape[1]:
         named = {"sim_force": "sim_force_n", "sim_position": "sim_position_m"}
