@@ -111,10 +111,14 @@ class NyquistFan(Record):
 
 
 class WithEffects(Record):
-    """The same loop with the effects on friction that a diagnosis has named."""
+    """The same loop with the law and the effects on friction of a diagnosis."""
 
-    effects: tuple[str, ...] = Field(description="Added to the law.")
-    left_out: tuple[str, ...] = Field(description="Named, but not carried to a loop, and why.")
+    effects: tuple[str, ...] = Field(
+        description="Added to the law, each in the draws of the hypotheses that have it."
+    )
+    left_out: tuple[str, ...] = Field(
+        description="Those that stay with the board, and why; the law was fitted beside them."
+    )
     answer: str = Field(description="Which compensation gain to set, in a sentence.")
     metrics: tuple[Metric, ...] = Field(description="As without the effects.")
     missed_specs: tuple[str, ...] | None = Field(None, description="As without the effects.")

@@ -301,7 +301,7 @@ def _before_and_after(loop: LoopMargins) -> Iterator[Block]:
         return
     yield Paragraph(
         [
-            Strong(f"With {', '.join(after.effects)}, as diagnosed. "),
+            Strong(f"With {', '.join(after.effects) or 'the law refitted'}, as diagnosed. "),
             after.answer,
             *(f" Left out: {text}." for text in after.left_out),
         ]
