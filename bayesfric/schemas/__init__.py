@@ -51,6 +51,7 @@ from bayesfric.schemas.fit import (
 )
 from bayesfric.schemas.margins import (
     GammaProbability,
+    Held,
     HuntingMap,
     LoopMargins,
     MarginsFile,
@@ -97,6 +98,7 @@ __all__ = [
     "GammaProbability",
     "Gap",
     "GapRow",
+    "Held",
     "HuntingMap",
     "Inclusion",
     "Interval",
