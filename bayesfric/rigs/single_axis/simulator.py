@@ -163,7 +163,8 @@ def _wander(path: Path, length: float, rng: np.random.Generator) -> Array:
     low, extent = path.position.min(), float(np.ptp(path.position))
     size = np.sqrt(cosine_variances(length / extent, MODES))
     each = size[:, None] * rng.standard_normal((MODES, RUNS))
-    return np.einsum("kr,krt->rt", each, cosines((path.position - low) / extent, MODES))
+    found = np.einsum("kr,krt->rt", each, cosines((path.position - low) / extent, MODES))
+    return np.asarray(found)
 
 
 DESIGN = OwnDesign(
