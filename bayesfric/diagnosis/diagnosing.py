@@ -18,6 +18,7 @@ from bayesfric.diagnosis.classes import classes_of
 from bayesfric.diagnosis.climbing import climb, curvature_at
 from bayesfric.diagnosis.forms import other_forms
 from bayesfric.diagnosis.held_out import Arms, measure_gap
+from bayesfric.diagnosis.law import law_of_diagnosis
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.remainder import remainder_of
@@ -235,6 +236,7 @@ def _diagnose(
         present=told(present),
         possible=told(possible),
         scatter=model.named(settled.psi),
+        law=law_of_diagnosis(model, psi, posterior),
         unseparated=unseparated,
         absorbed=tuple(
             Absorbed(effect=one.effect, by=one.by, bias=one.bias, unit=one.unit)

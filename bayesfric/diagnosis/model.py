@@ -388,6 +388,13 @@ class LinearModel:
             laws[size] = Coefficients(*values)
         return laws
 
+    def laws_of(self, numbers: Array) -> Array:
+        """Return the coefficients of each size at draws of the numbers, (S, sizes, 3)."""
+        sizes = len(self.layout.sizes)
+        own = numbers[:, : sizes * self.layout.own].reshape(len(numbers), sizes, -1)
+        origin = np.array([self.laws[size] for size in self.layout.sizes], dtype=np.float64)
+        return np.asarray(origin + own[:, :, :COEFFICIENTS] * self.scales[:COEFFICIENTS])
+
     def candidate(self, law: Law, shape: float) -> Candidate:
         """Return the candidate of a law at a shape."""
         return replace(self.candidates[law.places[0]], node=shape)

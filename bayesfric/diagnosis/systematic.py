@@ -48,6 +48,8 @@ class Posterior:
         mean.
     amplitudes, shapes : dict of str to ndarray
         By effect, of the draws in which it acts.
+    coefficients : ndarray, shape (S, sizes, 3)
+        Of the law.
     """
 
     hypothesis: NDArray[np.str_]
@@ -58,6 +60,7 @@ class Posterior:
     left: dict[str, float]
     amplitudes: dict[str, Array]
     shapes: dict[str, Array]
+    coefficients: Array
 
 
 def posterior_of(
@@ -86,7 +89,7 @@ def posterior_of(
     counts = rng.multinomial(DRAWS, weights / weights.sum())
     rms = residuals.friction_rms
     weight, full = residuals.weight, model.full.layout
-    labels, forces, hidden = [], [], []
+    labels, forces, hidden, coefficients = [], [], [], []
     strengths: dict[str, Array] = {}
     lefts: dict[str, list[float]] = {}
     amplitudes: dict[str, list[Array]] = {}
@@ -102,6 +105,7 @@ def posterior_of(
             one = replace(one, acting=search.unknown.acting, at=at)
         own = model.full if name == UNKNOWN else model
         drawn = _numbers(own, one, at, int(count), rng)
+        coefficients.append(own.laws_of(drawn))
         acting = one.acting
         places = own.places(len(acting.laws))
         local = spread_numbers(own, drawn, own.mixing(acting))
@@ -153,6 +157,7 @@ def posterior_of(
         {name: float(np.mean(values)) for name, values in lefts.items()},
         {name: np.concatenate(values) for name, values in amplitudes.items()},
         {name: np.concatenate(values) for name, values in shapes.items()},
+        np.concatenate(coefficients),
     )
 
 

@@ -129,6 +129,13 @@ class AxisRuns(PlainTrials):
         """Newton, or newton metre where it turns."""
         return self.measures.unit("N")
 
+    def law_numbers(self, size: str) -> tuple[tuple[str, str], ...]:
+        """Return mass, Coulomb friction and, if the law has it, viscous friction, with units."""
+        del size
+        unit = self.measures.unit
+        viscous = (("viscous", unit("N s/m")),) if self.law.name == VISCOUS else ()
+        return (("mass", unit("kg")), ("coulomb", unit("N")), *viscous)
+
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
         """Priors of the law, in the machine's measures."""
