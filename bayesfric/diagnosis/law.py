@@ -30,7 +30,7 @@ def law_of_diagnosis(model: LinearModel, psi: Array, posterior: Posterior) -> di
     # Friction that scatters as that of some effect would take its place.
     alone = model.around(model.laws, (), discrepancy=False, scattering=())
     at = climb(alone, psi, Acting())
-    before = alone.laws_of(at.mean[None])[0]
+    fitted = alone.fitted_laws(at)
     found = {}
     for place, size in enumerate(alone.layout.sizes):
         for column, (name, unit) in enumerate(alone.data.law_numbers(size)):
@@ -38,12 +38,12 @@ def law_of_diagnosis(model: LinearModel, psi: Array, posterior: Posterior) -> di
                 continue
             number = place * alone.layout.own + column
             sd = float(np.sqrt(at.covariance[number, number])) * float(alone.scales[column])
-            mean = float(before[place, column])
+            mean = float(np.asarray(fitted[size][column]))
             found[name] = LawNumber(
                 unit=unit,
                 before=Interval(
                     mean=mean, sd=sd, q05=mean + LOW * sd, q50=mean, q95=mean + HIGH * sd
                 ),
-                after=interval(posterior.coefficients[:, place, column]),
+                after=interval(posterior.law.coefficients[:, place, column]),
             )
     return found

@@ -7,6 +7,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bayesfric.diagnosis.held_out import Arms, HeldOut, gap_row
+from bayesfric.diagnosis.refitted import RefittedLaw
 from bayesfric.diagnosis.residuals import AXES, Residuals
 from bayesfric.diagnosis.systematic import SMALLEST, Posterior, interval, left_of, shrink_of
 from bayesfric.schemas import Gap
@@ -130,7 +131,7 @@ def floor_disagrees(left2: float, by_chance: Array, open2: Array) -> str | None:
     )
 
 
-def curves_of(held_out: HeldOut, amplitudes: Mapping[str, Array]) -> xr.DataTree:
+def curves_of(held_out: HeldOut, amplitudes: Mapping[str, Array], law: RefittedLaw) -> xr.DataTree:
     """Return what ``diagnosis.nc`` holds."""
     residuals = held_out.residuals
     measured = residuals.friction_n + residuals.residual_n
@@ -180,4 +181,5 @@ def curves_of(held_out: HeldOut, amplitudes: Mapping[str, Array]) -> xr.DataTree
         groups["amplitudes"] = xr.Dataset(
             {"amplitude": (("cause", "draw"), table)}, coords={"cause": list(amplitudes)}
         )
+    groups["law"] = law.dataset()
     return xr.DataTree.from_dict(groups)

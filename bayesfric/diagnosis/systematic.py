@@ -13,6 +13,7 @@ from scipy.stats import truncnorm
 
 from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis.refitted import RefittedLaw
 from bayesfric.diagnosis.residuals import Residuals, spread_numbers
 from bayesfric.diagnosis.search import NONE, UNKNOWN, Search
 from bayesfric.diagnosis.weighing import Weighed
@@ -48,8 +49,8 @@ class Posterior:
         mean.
     amplitudes, shapes : dict of str to ndarray
         By effect, of the draws in which it acts.
-    coefficients : ndarray, shape (S, sizes, 3)
-        Of the law.
+    law : RefittedLaw
+        Coefficients and amplitudes, drawn together.
     """
 
     hypothesis: NDArray[np.str_]
@@ -60,7 +61,7 @@ class Posterior:
     left: dict[str, float]
     amplitudes: dict[str, Array]
     shapes: dict[str, Array]
-    coefficients: Array
+    law: RefittedLaw
 
 
 def posterior_of(
@@ -89,11 +90,12 @@ def posterior_of(
     counts = rng.multinomial(DRAWS, weights / weights.sum())
     rms = residuals.friction_rms
     weight, full = residuals.weight, model.full.layout
-    labels, forces, hidden, coefficients = [], [], [], []
+    labels, forces, hidden = [], [], []
     strengths: dict[str, Array] = {}
     lefts: dict[str, list[float]] = {}
     amplitudes: dict[str, list[Array]] = {}
     shapes: dict[str, list[Array]] = {}
+    refitted = RefittedLaw(model.layout.sizes, DRAWS)
     start = 0
     for name, count in zip(names, counts, strict=True):
         if not count:
@@ -105,10 +107,11 @@ def posterior_of(
             one = replace(one, acting=search.unknown.acting, at=at)
         own = model.full if name == UNKNOWN else model
         drawn = _numbers(own, one, at, int(count), rng)
-        coefficients.append(own.laws_of(drawn))
         acting = one.acting
         places = own.places(len(acting.laws))
         local = spread_numbers(own, drawn, own.mixing(acting))
+        rows = slice(start, start + int(count))
+        refitted.take(rows, own, acting, at.psi, drawn, local[:, :, :3])
         local[:, :, :3] = 0.0
         local[:, :, local.shape[2] - sum(model.layout.nuisances) :] = 0.0
         force = np.empty((residuals.size.size, int(count)))
@@ -117,7 +120,6 @@ def posterior_of(
             force[mine] = residuals.columns[mine] @ local[:, size].T
         forces.append(force)
         hidden.append(np.zeros(int(count)))
-        rows = slice(start, start + int(count))
         for column, law in enumerate(acting.laws):
             values = drawn[:, places[column]]
             mixed = (
@@ -157,7 +159,7 @@ def posterior_of(
         {name: float(np.mean(values)) for name, values in lefts.items()},
         {name: np.concatenate(values) for name, values in amplitudes.items()},
         {name: np.concatenate(values) for name, values in shapes.items()},
-        np.concatenate(coefficients),
+        refitted,
     )
 
 

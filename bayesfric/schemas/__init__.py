@@ -33,6 +33,7 @@ from bayesfric.schemas.diagnosis import (
     NextExperiment,
     Remainder,
     Shape,
+    SimulatorUsed,
     Unseparated,
 )
 from bayesfric.schemas.fit import (
@@ -51,6 +52,7 @@ from bayesfric.schemas.fit import (
 )
 from bayesfric.schemas.margins import (
     GammaProbability,
+    Held,
     HuntingMap,
     LoopMargins,
     MarginsFile,
@@ -97,6 +99,7 @@ __all__ = [
     "GammaProbability",
     "Gap",
     "GapRow",
+    "Held",
     "HuntingMap",
     "Inclusion",
     "Interval",
@@ -124,6 +127,7 @@ __all__ = [
     "Setting",
     "Shape",
     "Shift",
+    "SimulatorUsed",
     "Target",
     "TimingsFile",
     "Uniformity",

@@ -70,6 +70,7 @@ class AxisLikelihood(GroupedLikelihood):
         self.setups = tuple(str(setup) for setup in setups)
         self._groups = Groups(np.flatnonzero(np.diff(codes, prepend=-1)), codes.size)
         self._rough, self._viscous = rows.law, viscous
+        self._theta = None if rows.simulated is None else rows.theta
         self._speed = np.bincount(
             rows.readings.trial, rows.mean(rows.readings.speed), len(table)
         ) / np.bincount(rows.readings.trial)
@@ -223,7 +224,8 @@ class AxisLikelihood(GroupedLikelihood):
             "row_error": 1.0,
             "latency": 0.0,
         }
-        places = dict(zip(("c1", "c2", "c3"), rough, strict=True))
+        reference = rough if self._theta is None else self._theta
+        places = dict(zip(("c1", "c2", "c3"), reference, strict=True))
         return found | {f"{name}[{size}]": float(value) for name, value in places.items()}
 
 
@@ -238,7 +240,7 @@ def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float, float]:
     columns = np.column_stack([rows.coefficient_columns(), readings.force_rate])
     columns = columns / np.sqrt((columns**2).mean(axis=0)).clip(1e-12)
     uneven = friction * map_columns(rows.mean(readings.position))[:, 1:]
-    data = np.column_stack([uneven, columns, readings.force])
+    data = np.column_stack([uneven, columns, rows.residual()])
     ends = [*np.flatnonzero(np.diff(readings.trial, prepend=-1)), readings.count]
     every = np.ones(readings.count, dtype=np.bool_)
     start = np.log([readings.position_sd, 0.01 * friction, 0.01, 0.1 * rows.stroke, 0.01])
