@@ -34,7 +34,9 @@ def margins(
     ] = None,
     verify: Annotated[
         int,
-        typer.Option("--verify", min=0, help="Draws of each loop to hold against the simulator."),
+        typer.Option(
+            "--verify", min=0, help="Draws of each loop to hold against an elastic cable."
+        ),
     ] = 0,
     template: Annotated[
         Path | None,

@@ -99,7 +99,7 @@ def compute_margins(
         A ``diagnosis.json``, with its ``diagnosis.nc`` beside it: margins with the law that
         it refitted and its effects on friction stand beside those without.
     verify : int
-        Draws of each loop in which the closed forms are held against the simulator.
+        Draws of each loop that are held against motor and joint on an elastic cable.
     simulated : int
         Draws in which hunting is simulated where no closed form holds.
     progress : callable
@@ -251,7 +251,7 @@ def _one_loop(
         else None,
         not_examined=hunting.not_examined,
         variance_share=shares,
-        verification=verify_draws(shaft, verify) if verify else None,
+        verification=verify_draws(shaft, hunting, verify) if verify else None,
         verification_why=None if verify else "it was not asked for (--verify N)",
         with_effects=None
         if diagnosed is None or not diagnosed.finds_something

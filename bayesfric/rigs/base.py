@@ -18,6 +18,7 @@ from bayesfric.analysis import Analysis, PriorOverrides
 from bayesfric.effects import Effect
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.inference.model import RigLikelihood
+from bayesfric.inference.priors import Parameter
 from bayesfric.physics.compliant import Cable
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, Baseline
@@ -27,9 +28,11 @@ from bayesfric.rigs.protocols import Protocol as Design
 from bayesfric.rigs.remaking import Remade
 from bayesfric.rigs.truth import Truth
 from bayesfric.schemas import PointEstimate
+from bayesfric.simulators import SimulatorCalls
 
 __all__ = [
     "Motion",
+    "OwnLaw",
     "Predictive",
     "Resting",
     "Rig",
@@ -92,6 +95,25 @@ class Words:
     trial: str
     trials: str
     law: str = ""
+
+
+@dataclass(frozen=True)
+class OwnLaw:
+    """A user's simulator in the place of a law, in a diagnosis.
+
+    Parameters
+    ----------
+    law : Baseline
+        By the simulator's name, without the coefficients that it has no parameter for.
+    parameters : tuple of Parameter
+        In the places of c1, c2 and c3.
+    calls : int
+        Of the simulator; 0 of what it left in a recording.
+    """
+
+    law: Baseline
+    parameters: tuple[Parameter, ...]
+    calls: int
 
 
 class Rig(Protocol):
@@ -230,6 +252,13 @@ class RigTrials(Protocol):
 
     def suited(self, effect: Effect) -> Effect:
         """Return an effect in the rig's words, with priors in its own measures."""
+
+    @property
+    def own_law(self) -> "OwnLaw | None":
+        """What has the place of a law in a diagnosis: a user's simulator; None without one."""
+
+    def beside(self, simulator: SimulatorCalls) -> "RigTrials | Unsupported":
+        """Return the trials beside a user's simulator of them, or why there can be none."""
 
     def under(self, law: Baseline) -> "RigTrials":
         """Return the same trials, which a diagnosis makes linear around another law."""

@@ -32,6 +32,7 @@ from bayesfric.schemas.diagnosis import (
     NextExperiment,
     Remainder,
     Shape,
+    SimulatorUsed,
     Unseparated,
 )
 from bayesfric.schemas.fit import (
@@ -50,6 +51,7 @@ from bayesfric.schemas.fit import (
 )
 from bayesfric.schemas.margins import (
     GammaProbability,
+    Held,
     HuntingMap,
     LoopMargins,
     MarginsFile,
@@ -96,6 +98,7 @@ __all__ = [
     "GammaProbability",
     "Gap",
     "GapRow",
+    "Held",
     "HuntingMap",
     "Inclusion",
     "Interval",
@@ -122,6 +125,7 @@ __all__ = [
     "Setting",
     "Shape",
     "Shift",
+    "SimulatorUsed",
     "Target",
     "TimingsFile",
     "Uniformity",

@@ -20,6 +20,7 @@ __all__ = [
     "NextExperiment",
     "Remainder",
     "Shape",
+    "SimulatorUsed",
     "Unseparated",
 ]
 
@@ -209,12 +210,25 @@ class NextExperiment(Record):
     log10_bayes_factor: Number = Field(description="Expected.")
 
 
+class SimulatorUsed(Record):
+    """A simulator of the user's own, which had the place of the law."""
+
+    name: str = Field(description="module:object, or the columns that it left in the recording.")
+    calls: int = Field(description="Of the simulator; 0 where its output was recorded.")
+    parameters: dict[str, EffectNumber] = Field(
+        description="Free in it, given the data and the most probable hypothesis."
+    )
+
+
 class DiagnosisFile(Provenance):
     """``diagnosis.json``: where the simulation misses, why, and how far that shrinks."""
 
     schema_: Literal["bayesfric.diagnosis/1"] = Field("bayesfric.diagnosis/1", alias="schema")
     rigs: tuple[str, ...] = Field(description="Rigs whose data entered.")
     baseline: str = Field(description="Friction law that was examined.")
+    simulator: SimulatorUsed | None = Field(
+        None, description="In the place of the law; null where a law of the package is examined."
+    )
     fixed: tuple[str, ...] = Field((), description="Parameters held at their shipped values.")
     stray_trials: tuple[str, ...] = Field(
         (), description="Trials left out: each lies far from the others of its own assembly."

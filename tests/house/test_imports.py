@@ -22,7 +22,7 @@ ROWS = (
     ("physics",),
     ("campaign", "checkpoint"),
     ("inference",),
-    ("effects",),
+    ("effects", "simulators"),
     ("rigs",),
     ("simulate",),
     ("results",),

@@ -66,6 +66,7 @@ class AxisLikelihood(GroupedLikelihood):
         self.setups = tuple(str(setup) for setup in setups)
         self._groups = Groups(np.flatnonzero(np.diff(codes, prepend=-1)), codes.size)
         self._rough, self._viscous = rows.law, viscous
+        self._theta = None if rows.simulated is None else rows.theta
         self._speed = np.bincount(
             rows.readings.trial, rows.mean(rows.readings.speed), len(table)
         ) / np.bincount(rows.readings.trial)
@@ -216,7 +217,8 @@ class AxisLikelihood(GroupedLikelihood):
             "row_error": 1.0,
             "latency": 0.0,
         }
-        places = dict(zip(("c1", "c2", "c3"), rough, strict=True))
+        reference = rough if self._theta is None else self._theta
+        places = dict(zip(("c1", "c2", "c3"), reference, strict=True))
         return found | {f"{name}[{size}]": float(value) for name, value in places.items()}
 
 
@@ -227,6 +229,7 @@ def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float]:
     pieces = Pieces.of(readings, rows.law.mass, np.full(readings.count, friction))
     columns = np.column_stack([rows.coefficient_columns(), readings.force_rate])
     columns = columns / np.sqrt((columns**2).mean(axis=0)).clip(1e-12)
+    left = rows.residual()
     start = np.log([readings.position_sd, 0.01 * friction, 0.01, 0.1 * rows.stroke])
     width = np.array([0.5, 2.0, 1.5, 1.0])
 
@@ -234,8 +237,8 @@ def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float]:
         solved = pieces.solved(*np.exp(start + width * z))
         weighted = solved.times(columns)
         information = columns.T @ weighted + 1e-9 * np.eye(columns.shape[1])
-        along = readings.force @ weighted
-        square = readings.force @ solved.times(readings.force)
+        along = left @ weighted
+        square = left @ solved.times(left)
         square -= along @ np.linalg.solve(information, along)
         every = np.ones(readings.count, dtype=np.bool_)
         return 0.5 * float(square + solved.log_determinant(every) + z @ z)

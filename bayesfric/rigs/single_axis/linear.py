@@ -21,6 +21,7 @@ from bayesfric.rigs.linear import Evaluated, LinearRig, NoiseParameter, Run, noi
 from bayesfric.rigs.shared_deviation import SharedDeviation, second_moments
 from bayesfric.rigs.single_axis.covariance import Pieces
 from bayesfric.rigs.single_axis.readings import Readings
+from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
 from bayesfric.rigs.windows import Windows
 
 __all__ = ["AxisPart", "AxisRows"]
@@ -64,6 +65,10 @@ class AxisRows:
         off.
     viscous : bool
         Whether the law has viscous friction.
+    simulated : SimulatedBaseline or None
+        A simulator in the place of the law, which then is only a scale.
+    theta : tuple of float
+        The simulator's parameters at the reference.
     """
 
     name: str
@@ -74,6 +79,8 @@ class AxisRows:
     stroke: float
     latency_s: float
     viscous: bool = False
+    simulated: SimulatedBaseline | None = None
+    theta: tuple[float, ...] = ()
     loads: tuple[str, ...] = ()
     trial_axes: tuple[str, ...] = ("displacement", "acceleration")
 
@@ -118,14 +125,18 @@ class AxisRows:
         return self.state if acts_on in ("friction", "drive") else NO_SENSOR
 
     def coefficient_columns(self) -> Array:
-        """Return what mass, Coulomb and viscous friction add to each row, (W, 3)."""
+        """Return what each number of the law, or of the simulator, adds to each row, (W, 3)."""
         rows = self.readings
+        if self.simulated is not None:
+            return self.simulated.columns(rows)
         return np.stack(
             [rows.acceleration, np.ones(rows.count), self.viscous * self.mean(rows.speed)], axis=1
         )
 
     def residual(self) -> Array:
-        """Return the rows less the reference law, (W,) [N]."""
+        """Return the rows less the reference law, or the simulator at its reference, (W,) [N]."""
+        if self.simulated is not None:
+            return self.readings.force - self.simulated.needed(self.readings, self.theta)
         return np.asarray(self.readings.force - self.coefficient_columns() @ np.array(self.law))
 
     def candidate_column(self, candidate: Candidate) -> Array | Unsupported:
