@@ -317,13 +317,11 @@ def _widened(effect: Effect, analysis: Analysis) -> Effect:
     prior = effect.amplitude.prior
     if factor == 1.0:
         return effect
-    key = {"half-normal": "scale", "normal": "sd", "log-normal": "sd_log"}.get(prior.family)
-    if key is None:
+    if prior.width is None:
         raise InputError(
             [Fault("analysis.toml", "an effect whose prior has a width", column=effect.name)]
         )
-    wider = prior.model_copy(update={key: factor * getattr(prior, key)})
-    return replace(effect, amplitude=replace(effect.amplitude, prior=wider))
+    return replace(effect, amplitude=replace(effect.amplitude, prior=prior.widened(factor)))
 
 
 def _baseline(
