@@ -251,6 +251,9 @@ class RigTrials(Protocol):
     def unit(self) -> str:
         """Of its forces: N, or N·m where it turns."""
 
+    def law_numbers(self, size: str) -> tuple[tuple[str, str], ...]:
+        """Return name and unit of what stands for c1, c2 and c3 of a pulley size."""
+
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
         """Priors of its law in its own measures, by size; empty where those of all do."""

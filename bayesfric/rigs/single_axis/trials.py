@@ -140,6 +140,18 @@ class AxisRuns(PlainTrials):
         """Newton, or newton metre where it turns."""
         return self.measures.unit("N")
 
+    def law_numbers(self, size: str) -> tuple[tuple[str, str], ...]:
+        """Return mass, Coulomb friction and, if the law has it, viscous friction, with units.
+
+        Where a simulator has the place of the law, they are its parameters.
+        """
+        del size
+        if self._beside is not None:
+            return tuple((one.name, one.unit) for one in self._beside.parameters)
+        unit = self.measures.unit
+        viscous = (("viscous", unit("N s/m")),) if self.law.name == VISCOUS else ()
+        return (("mass", unit("kg")), ("coulomb", unit("N")), *viscous)
+
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
         """Priors of the law, in the machine's measures, or of the simulator in its place."""
