@@ -45,7 +45,8 @@ def test_each_simulator_of_the_page_is_told_what_it_lacks(tmp_path):
 
     for language, text in blocks(PAGE, "sh", "python"):
         shell = ["bash", "-euc"] if language == "sh" else [sys.executable, "-c"]
-        text = text.replace("bayesfric ", f"{sys.executable} -m bayesfric ", 1)
+        if language == "sh":
+            text = text.replace("bayesfric ", f"{sys.executable} -m bayesfric ", 1)
         subprocess.run([*shell, text], cwd=tmp_path, check=True, capture_output=True)
     for folder, parameters in (("with-arm", 2), ("with-slide", 2), ("with-table", 0)):
         found = json.loads((tmp_path / folder / "diagnosis.json").read_text(encoding="utf-8"))
