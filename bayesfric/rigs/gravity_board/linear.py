@@ -23,7 +23,6 @@ from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.gravity_board.linear_scatter import (
     ALWAYS,
     ELSEWHERE,
-    SLOPE_AND_INTERCEPT,
     TRIAL,
     WANDER,
     WAVES,
@@ -270,9 +269,8 @@ class GravityPart:
         left = np.eye(sd.size) - inner @ gain
         across_left, right_left = left @ across / kappa, (left @ right[:, :, None])[:, :, 0] / kappa
         inner_left = left @ inner / kappa
-        # Of slope and intercept, which the assembly shares.
-        h = np.zeros((chosen.size, 2))
-        h[:2] = SLOPE_AND_INTERCEPT.T
+        # Of all friction and of its intercept alone, which the assembly shares.
+        h = np.eye(chosen.size, 2)
         member = self._member[:, trials]
         summed = np.einsum("ra,nrk->nak", h[:2], across_left[:, :2])
         flat = member @ summed.reshape(len(summed), summed.shape[1] * summed.shape[2])
@@ -382,8 +380,8 @@ class GravityPart:
 
     def scatter(self, noise: Mapping[str, float]) -> Array:
         """Return the relative variance of trials' and assemblies' friction, (N, 2)."""
-        part = np.asarray(self.rows.state.constant_friction_n)[:, 0] / self.rows.friction_n
-        assembly = (noise["omega"] * (1 - part)) ** 2 + (noise["omega_intercept"] * part) ** 2
+        part = self.rows.intercept_n / self.rows.friction_n
+        assembly = noise["omega"] ** 2 + (noise["omega_intercept"] * part) ** 2
         return np.stack([np.full_like(part, noise["tau"] ** 2), assembly], axis=1)
 
     def windows(self, noise: Mapping[str, float]) -> Windows:

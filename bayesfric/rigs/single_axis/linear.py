@@ -18,7 +18,7 @@ from bayesfric.physics.axis import AxisLaw
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.layout import COEFFICIENTS, Layout
 from bayesfric.rigs.linear import Evaluated, LinearRig, NoiseParameter, Run, noise_parameter
-from bayesfric.rigs.shared_deviation import SharedDeviation, second_moments
+from bayesfric.rigs.shared_deviation import NestedDeviations, indicator, second_moments
 from bayesfric.rigs.single_axis.covariance import Pieces
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.windows import Windows
@@ -262,30 +262,18 @@ class AxisPart:
         weighted, pull, lent = solved.times(x), solved.times(moved), solved.times(y)
         trials = len(self.size)
 
-        starts = np.flatnonzero(np.diff(trial, prepend=-1))
-
-        def by_trial(values: Array) -> Array:
-            return np.asarray(np.add.reduceat(values, starts, axis=0))
-
-        def by_setup(values: Array) -> Array:
-            found = np.zeros((int(self.setup.max()) + 1, *values.shape[1:]))
-            np.add.at(found, self.setup, values)
-            return found
-
-        own = SharedDeviation.of(
-            by_trial(pull[:, None] * x), by_trial(pull * y), by_trial(pull * moved), noise[NAMES[4]]
+        nested = NestedDeviations.of(
+            moved[:, None],
+            pull[:, None],
+            weighted,
+            lent,
+            indicator(trial, trials),
+            indicator(self.setup, int(self.setup.max()) + 1),
+            ([noise[NAMES[4]]], [noise[NAMES[5]]]),
         )
-        setup = SharedDeviation.of(
-            by_setup(own.left(own.columns)),
-            by_setup(own.left(own.response)),
-            by_setup(own.left(own.stiffness)),
-            noise[NAMES[5]],
-        )
-        part, slope_here = weighted.T @ x, weighted.T @ y
-        for one in (own, setup):
-            taken = one.taken[:, None] * one.columns
-            part -= taken.T @ one.columns
-            slope_here -= taken.T @ one.response
+        every = np.ones(trials, dtype=bool), np.ones(nested.setup.taken.shape[0], dtype=bool)
+        taken = nested.told(*every)
+        part, slope_here = weighted.T @ x - taken[0], weighted.T @ y - taken[1]
         k = x.shape[1]
         total = self.layout.total(k)
         precision, slope = np.zeros((total, total)), np.zeros(total)
@@ -293,39 +281,23 @@ class AxisPart:
         precision[np.ix_(place, place)] = part
         slope[place] = slope_here
         constant = -0.5 * (kept.sum() * LOG_2PI + solved.log_determinant(kept) + y @ lent)
-        constant += own.constant + setup.constant
+        constant += nested.constant
         information = Information(precision, slope, float(constant))
 
         def gradient(mean: Sequence[Array], covariance: Sequence[Array]) -> dict[str, float]:
             """Return derivatives of the log evidence by the logarithms of the noise."""
             m, v = mean[self._which], covariance[self._which]
-            along = own.left(own.stiffness)
-            rest = np.zeros(trials, dtype=np.intp)
-            columns = (
-                own.left(own.columns)
-                - along[:, None] * ((setup.taken[:, None] * setup.columns)[self.setup])
-            )
-            response = own.left(own.response) - along * (setup.taken * setup.response)[self.setup]
-            stiff = along - along**2 * setup.taken[self.setup]
-            found = {
-                NAMES[4]: noise[NAMES[4]] ** 2
-                * float(second_moments(columns, response, stiff, rest, [m], [v]).sum())
-            }
-            columns, response = setup.left(setup.columns), setup.left(setup.response)
-            stiff = setup.left(setup.stiffness)
-            rest = np.zeros(stiff.size, dtype=np.intp)
-            found[NAMES[5]] = noise[NAMES[5]] ** 2 * float(
-                second_moments(columns, response, stiff, rest, [m], [v]).sum()
-            )
-            free = own.left(np.ones_like(own.taken))[trial]
-            above = setup.taken[self.setup][trial]
-            shares = (own.taken[:, None] * own.columns)[trial]
-            shares = shares + (free * above)[:, None] * setup.columns[self.setup][trial]
-            pulls = (own.taken * own.response)[trial]
-            pulls = pulls + free * above * setup.response[self.setup][trial]
-            left = lent - pull * pulls - (weighted - pull[:, None] * shares) @ m
-            root = (weighted - pull[:, None] * shares) @ _root(v)
-            deviation = own.taken[trial] + free**2 * above
+            found = {}
+            for name, sums in ((NAMES[4], nested.of_groups()), (NAMES[5], nested.of_setups())):
+                columns, response, stiff = (one[:, 0] for one in sums)
+                alike = np.zeros(stiff.size, dtype=np.intp)
+                each = second_moments(columns, response, stiff, alike, [m], [v])
+                found[name] = noise[name] ** 2 * float(each.sum())
+            columns, response, deviation = (one[trial] for one in nested.of_rows())
+            shares = weighted - pull[:, None] * columns[:, 0]
+            left = lent - pull * response[:, 0] - shares @ m
+            root = shares @ _root(v)
+            deviation = deviation[:, 0, 0]
             for name, value in solved.gradient(left, root, pull, deviation, kept).items():
                 found[name] = value
             return found
