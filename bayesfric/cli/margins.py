@@ -30,11 +30,13 @@ def margins(
     output: Folder = Path("bayesfric-run"),
     diagnosis: Annotated[
         Path | None,
-        typer.Option("--diagnosis", help="A diagnosis.json whose effects on friction are added."),
+        typer.Option("--diagnosis", help="A diagnosis.json, its diagnosis.nc beside it."),
     ] = None,
     verify: Annotated[
         int,
-        typer.Option("--verify", min=0, help="Draws of each loop to hold against the simulator."),
+        typer.Option(
+            "--verify", min=0, help="Draws of each loop to hold against an elastic cable."
+        ),
     ] = 0,
     template: Annotated[
         Path | None,
@@ -95,7 +97,7 @@ def margins_into(
     for loop in found.summary.loops:
         say(f"{loop.name}: {loop.answer}")
         if loop.with_effects is not None:
-            effects = ", ".join(loop.with_effects.effects)
+            effects = ", ".join(loop.with_effects.effects) or "the law refitted"
             say(f"{loop.name} with {effects}: {loop.with_effects.answer}")
         for metric in loop.metrics:
             p = metric.probability_of_violation

@@ -69,7 +69,7 @@ class Diagnosed:
     summary : DiagnosisFile
         What ``diagnosis.json`` says.
     curves : DataTree
-        What ``diagnosis.nc`` holds: ``residuals``, and where there are any
+        What ``diagnosis.nc`` holds: ``residuals``, ``law``, and where there are any
         ``trajectories`` and ``amplitudes``.
     seconds : float
         Wall time.
@@ -250,7 +250,7 @@ def _diagnose(
         next_experiment_why=no_proposal,
     )
     amplitudes = {name: posterior.amplitudes[name] for name in named}
-    return summary, curves_of(held_out, amplitudes)
+    return summary, curves_of(held_out, amplitudes, posterior.law)
 
 
 def _data(recording: Recording, baseline: str) -> tuple[Data, Baseline]:

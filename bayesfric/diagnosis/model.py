@@ -377,16 +377,20 @@ class LinearModel:
 
     def fitted_laws(self, at: At) -> dict[str, Coefficients]:
         """Return the law of each size given the data, at the posterior mean."""
-        laws = {}
-        for place, size in enumerate(self.layout.sizes):
-            start = place * self.layout.own
-            values = []
-            for column, name in enumerate(Coefficients._fields):
-                origin = float(np.asarray(self.laws[size][column]))
-                moved = origin + float(at.mean[start + column]) * self.scales[column]
-                values.append(max(moved, LEAST[name]) if self.free[place, column] else origin)
-            laws[size] = Coefficients(*values)
-        return laws
+        own, sizes = self.layout.own, self.layout.sizes
+        moves = at.mean[: own * len(sizes)].reshape(len(sizes), own)
+        found = self.coefficients_of(moves[:, : len(Coefficients._fields)])
+        return {
+            size: Coefficients(*map(float, one)) for size, one in zip(sizes, found, strict=True)
+        }
+
+    def coefficients_of(self, moves: Array) -> Array:
+        """Return coefficients that are so far from the model's, in its scales, (…, sizes, 3)."""
+        origin = np.array([[float(np.asarray(one)) for one in self.laws[size]]
+                           for size in self.layout.sizes])  # fmt: skip
+        least = np.array([LEAST[name] for name in Coefficients._fields])
+        moved = np.maximum(origin + moves * self.scales[: least.size], least)
+        return np.asarray(np.where(self.free, moved, origin))
 
     def candidate(self, law: Law, shape: float) -> Candidate:
         """Return the candidate of a law at a shape."""

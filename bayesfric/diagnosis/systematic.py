@@ -13,9 +13,10 @@ from scipy.stats import truncnorm
 
 from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis.refitted import RefittedLaw
 from bayesfric.diagnosis.residuals import Residuals, spread_numbers
 from bayesfric.diagnosis.search import NONE, UNKNOWN, Search
-from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed
 from bayesfric.effects.candidates import is_positive
 from bayesfric.schemas import Interval
 
@@ -48,6 +49,8 @@ class Posterior:
         mean.
     amplitudes, shapes : dict of str to ndarray
         By effect, of the draws in which it acts.
+    law : RefittedLaw
+        Coefficients and amplitudes, drawn together.
     """
 
     hypothesis: NDArray[np.str_]
@@ -58,6 +61,7 @@ class Posterior:
     left: dict[str, float]
     amplitudes: dict[str, Array]
     shapes: dict[str, Array]
+    law: RefittedLaw
 
 
 def posterior_of(
@@ -91,6 +95,7 @@ def posterior_of(
     lefts: dict[str, list[float]] = {}
     amplitudes: dict[str, list[Array]] = {}
     shapes: dict[str, list[Array]] = {}
+    refitted = RefittedLaw(model.layout.sizes, DRAWS)
     start = 0
     for name, count in zip(names, counts, strict=True):
         if not count:
@@ -101,10 +106,15 @@ def posterior_of(
             at = search.unknown.at
             one = replace(one, acting=search.unknown.acting, at=at)
         own = model.full if name == UNKNOWN else model
-        drawn = _numbers(own, one, at, int(count), rng)
+        if name == UNKNOWN:
+            drawn = _numbers(own, one, at, int(count), rng)
+        else:
+            drawn = _over_forms(own, one, int(count), rng)
         acting = one.acting
         places = own.places(len(acting.laws))
         local = spread_numbers(own, drawn, own.mixing(acting))
+        rows = slice(start, start + int(count))
+        refitted.take(rows, own, acting, at.psi, drawn, local[:, :, :3])
         local[:, :, :3] = 0.0
         local[:, :, local.shape[2] - sum(model.layout.nuisances) :] = 0.0
         force = np.empty((residuals.size.size, int(count)))
@@ -113,7 +123,6 @@ def posterior_of(
             force[mine] = residuals.columns[mine] @ local[:, size].T
         forces.append(force)
         hidden.append(np.zeros(int(count)))
-        rows = slice(start, start + int(count))
         for column, law in enumerate(acting.laws):
             values = drawn[:, places[column]]
             mixed = (
@@ -153,7 +162,22 @@ def posterior_of(
         {name: float(np.mean(values)) for name, values in lefts.items()},
         {name: np.concatenate(values) for name, values in amplitudes.items()},
         {name: np.concatenate(values) for name, values in shapes.items()},
+        refitted,
     )
+
+
+def _over_forms(
+    model: LinearModel, one: Weighed, count: int, rng: np.random.Generator
+) -> Array:
+    """Draw the numbers of a hypothesis over the shares by which its laws may be wrong, (S, p)."""
+    counts = rng.multinomial(count, one.form_weights)
+    drawn = []
+    for share, number in zip(FORM_SHARES, counts, strict=False):
+        if number:
+            form = dict.fromkeys(one.names, share)
+            at = model.evaluate(one.at.psi, one.acting, None, form)
+            drawn.append(_numbers(model, one, at, int(number), rng))
+    return np.concatenate(drawn)
 
 
 def _numbers(
@@ -249,15 +273,23 @@ def left_of(residuals: Residuals, posterior: Posterior, taken: Array) -> Array:
 
     Parameters
     ----------
-    residuals, posterior, taken
-        As of :func:`shrink_of`.
+    residuals : Residuals
+        For the weights.
+    posterior : Posterior
+        Draws of the gap.
+    taken : ndarray, shape (R,) or (R, S)
+        What is predicted of it, the law recalibrated [N].
     """
-    left = residuals.weight @ (posterior.force - taken[:, None]) ** 2
+    taken = taken.reshape(len(taken), -1)
+    left = residuals.weight @ (posterior.force - taken) ** 2
     return np.asarray(left + posterior.hidden2)
 
 
-def shrink_of(residuals: Residuals, posterior: Posterior, taken: Array) -> Array | None:
-    """Return draws of the part of the squared gap that a force takes away.
+def shrink_of(residuals: Residuals, posterior: Posterior, columns: Array) -> Array | None:
+    """Return draws of the part of the squared gap that causes take away.
+
+    In each draw they have the amplitudes that take most of it: what their laws cannot have is
+    left, and what phases hide. That amplitudes are known with an error shows in held-out data.
 
     Parameters
     ----------
@@ -265,10 +297,12 @@ def shrink_of(residuals: Residuals, posterior: Posterior, taken: Array) -> Array
         For the weights.
     posterior : Posterior
         Draws of the gap.
-    taken : ndarray, shape (R,)
-        What is predicted of it, the law recalibrated [N].
+    columns : ndarray, shape (R, k)
+        Force of each cause at amplitude 1, the law recalibrated [N].
     """
-    whole, left = posterior.gap**2, left_of(residuals, posterior, taken)
+    root = np.sqrt(residuals.weight)[:, None]
+    amplitudes = np.linalg.lstsq(root * columns, root * posterior.force, rcond=None)[0]
+    whole, left = posterior.gap**2, left_of(residuals, posterior, columns @ amplitudes)
     there = whole > (SMALLEST * residuals.friction_rms) ** 2
     return np.asarray(1 - left[there] / whole[there]) if there.any() else None
 

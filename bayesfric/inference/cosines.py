@@ -1,9 +1,10 @@
-"""A smooth process of zero mean along an interval, as a few cosines.
+"""A smooth process of zero mean along an interval: a sum of a few cosines.
 
-Its correlation is the Matérn form of order 3/2: the spectral density at the wavenumber ω is
-in proportion to (1 + (ω ℓ)² / 3)⁻², ℓ being the correlation length. Along an interval of
-extent X the cosines of wavenumber k π / X, k ≥ 1, have independent coefficients, their
-variances in proportion to the density there; the constant, k = 0, is left out.
+Along an interval of extent X the cosines of wavenumber k π / X, k ≥ 1, have independent normal
+coefficients. Their variances are in proportion to the spectral density of the Matérn form of
+order 3/2, (1 + (ω ℓ)² / 3)⁻², at their wavenumbers ω, and add up to the square of the process'
+rms; ℓ is the correlation length. The constant, k = 0, is left out. The sum *is* the process:
+what is simulated is what a likelihood follows.
 
 References
 ----------
@@ -14,11 +15,10 @@ Statistics and Computing 30 (2020).
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["MODES", "WHOLE", "cosine_variances", "cosines"]
+__all__ = ["MODES", "cosine_variances", "cosines", "log_variance_slopes"]
 
 Array = NDArray[np.float64]
 MODES = 6  # whose double integral stands out of the noise of events where the rms is 2 %
-WHOLE = 64  # cosines that make up the process, and its rms
 
 
 def cosines(place: ArrayLike, count: int) -> Array:
@@ -48,13 +48,33 @@ def cosine_variances(length: ArrayLike, count: int) -> Array:
     length : array_like
         Correlation length over the interval's extent.
     count : int
-        How many, at most :data:`WHOLE`.
+        How many cosines make the process.
 
     Returns
     -------
     ndarray, shape (count, …)
-        Of the first cosines; they add up to 1 over all :data:`WHOLE`.
+        They add up to 1.
     """
-    order = np.arange(1, WHOLE + 1).reshape(-1, *(1,) * np.ndim(length))
+    order = np.arange(1, count + 1).reshape(-1, *(1,) * np.ndim(length))
     density = (1 + (np.pi * order * np.asarray(length)) ** 2 / 3) ** -2
-    return np.asarray(density[:count] / density.sum(axis=0))
+    return np.asarray(density / density.sum(axis=0))
+
+
+def log_variance_slopes(length: float, count: int) -> Array:
+    """Return how the logarithms of :func:`cosine_variances` grow with that of the length.
+
+    Parameters
+    ----------
+    length : float
+        Correlation length over the interval's extent.
+    count : int
+        How many cosines make the process.
+
+    Returns
+    -------
+    ndarray, shape (count,)
+        d log variance / d log length.
+    """
+    turned = (np.pi * np.arange(1, count + 1) * length) ** 2 / 3
+    slope = -4 * turned / (1 + turned)
+    return np.asarray(slope - cosine_variances(length, count) @ slope)

@@ -24,7 +24,7 @@ from bayesfric.margins.assembly import (
     read_posterior,
     rig_discrepancy,
 )
-from bayesfric.margins.diagnosed import Carried, carried_effects, with_effects
+from bayesfric.margins.diagnosed import Diagnosed, read_diagnosed, with_effects
 from bayesfric.margins.inputs import beyond_the_draws, refused
 from bayesfric.margins.loop_at_shaft import LoopAtShaft, at_shaft
 from bayesfric.margins.loop_file import Loop, loop_sha256, read_loop
@@ -35,8 +35,8 @@ from bayesfric.margins.thresholds import Hunting, find_hunting
 from bayesfric.margins.variance import variance_shares
 from bayesfric.margins.verification import verify as verify_draws
 from bayesfric.margins.warnings import loop_warnings
-from bayesfric.results import identified, json_bytes, provenance, read_json, replace_outputs
-from bayesfric.schemas import DiagnosisFile, HuntingMap, LoopMargins, MarginsFile, WithEffects
+from bayesfric.results import identified, json_bytes, provenance, replace_outputs
+from bayesfric.schemas import HuntingMap, LoopMargins, MarginsFile, WithEffects
 
 __all__ = ["Margins", "compute_margins"]
 
@@ -96,10 +96,10 @@ def compute_margins(
     analysis : Analysis, optional
         Its seed is used.
     diagnosis : Path or str, optional
-        A ``diagnosis.json``: the effects on friction that it names are added, and the
-        margins with them stand beside those without.
+        A ``diagnosis.json``, with its ``diagnosis.nc`` beside it: margins with the law that
+        it refitted and its effects on friction stand beside those without.
     verify : int
-        Draws of each loop in which the closed forms are held against the simulator.
+        Draws of each loop that are held against motor and joint on an elastic cable.
     simulated : int
         Draws in which hunting is simulated where no closed form holds.
     progress : callable
@@ -121,9 +121,9 @@ def compute_margins(
     path = Path(draws)
     posterior = read_posterior(path)
     discrepancy = rig_discrepancy(path.parent)
-    carried = None
+    diagnosed = None
     if diagnosis is not None:
-        carried = carried_effects(read_json(DiagnosisFile, Path(diagnosis)))
+        diagnosed = read_diagnosed(Path(diagnosis), posterior, analysis.seed)
     for loop in read:
         _refuse_unstable(loop, posterior)
     found = []
@@ -131,7 +131,7 @@ def compute_margins(
         progress(place, len(read))
         found.append(
             _one_loop(
-                loop, posterior, discrepancy, carried, analysis.seed, verify, max(simulated, 2)
+                loop, posterior, discrepancy, diagnosed, analysis.seed, verify, max(simulated, 2)
             )
         )
     progress(len(read), len(read))
@@ -198,7 +198,7 @@ def _one_loop(
     loop: Loop,
     posterior: Posterior,
     discrepancy: RigDiscrepancy,
-    carried: Carried | None,
+    diagnosed: Diagnosed | None,
     seed: int,
     verify: int,
     simulated: int,
@@ -251,12 +251,12 @@ def _one_loop(
         else None,
         not_examined=hunting.not_examined,
         variance_share=shares,
-        verification=verify_draws(shaft, verify) if verify else None,
+        verification=verify_draws(shaft, hunting, verify) if verify else None,
         verification_why=None if verify else "it was not asked for (--verify N)",
         with_effects=None
-        if carried is None or not carried.causes
-        else _with_effects(shaft, given, carried, seed, simulated, draws),
-        with_effects_why=_why_without(carried),
+        if diagnosed is None or not diagnosed.finds_something
+        else _with_effects(loop, diagnosed, discrepancy, seed, simulated),
+        with_effects_why=_why_without(diagnosed),
         nyquist=nyquist_fans(shaft),
         warnings=loop_warnings(shaft, given, linear, discrepancy, posterior),
     )
@@ -282,35 +282,29 @@ def _rows(table: Array) -> tuple[tuple[float, ...], ...]:
     return tuple(tuple(float(value) for value in row) for row in table)
 
 
-def _why_without(carried: Carried | None) -> str | None:
-    if carried is None:
+def _why_without(diagnosed: Diagnosed | None) -> str | None:
+    if diagnosed is None:
         return "no diagnosis was given"
-    if carried.causes:
-        return None
-    left = "; ".join(carried.left_out)
-    return f"the diagnosis names no effect on friction{f' ({left})' if left else ''}"
+    return None if diagnosed.finds_something else "the diagnosis finds no effect that may act"
 
 
 def _with_effects(
-    shaft: LoopAtShaft,
-    given: Assembly,
-    carried: Carried,
-    seed: int,
-    simulated: int,
-    effective_draws: float,
+    loop: Loop, diagnosed: Diagnosed, discrepancy: RigDiscrepancy, seed: int, simulated: int
 ) -> WithEffects:
-    after = with_effects(shaft, given, carried.causes, seed)
+    given = draw_assembly(loop, diagnosed.posterior, discrepancy, seed)
+    after = with_effects(at_shaft(loop, given), given, diagnosed.acting)
     linear = linear_of(after)
-    allowed = shaft.loop.spec.limit_cycle_probability_max
+    allowed = loop.spec.limit_cycle_probability_max
     hunting = find_hunting(after, simulated, allowed)
-    safe = largest_safe_gain(hunting, allowed, effective_draws)
-    rows = metric_rows(after, closed_forms(after, linear), linear, hunting, effective_draws)
+    draws = diagnosed.posterior.effective_draws
+    safe = largest_safe_gain(hunting, allowed, draws)
+    rows = metric_rows(after, closed_forms(after, linear), linear, hunting, draws)
     return WithEffects(
-        effects=tuple(cause.effect for cause in carried.causes),
-        left_out=carried.left_out,
+        effects=tuple(one.effect.name for one in diagnosed.acting),
+        left_out=diagnosed.left_out,
         answer=which_gain(after, hunting, safe, allowed),
         metrics=rows,
-        missed_specs=missed_specs(rows, float(hunting.now.mean()), shaft.loop.spec),
+        missed_specs=missed_specs(rows, float(hunting.now.mean()), loop.spec),
         largest_safe_compensation_gain=safe.gamma,
         largest_safe_compensation_gain_why=safe.why,
     )

@@ -51,8 +51,11 @@ def natural_frequency(shaft: LoopAtShaft) -> Array:
 
 
 def effective_damping(shaft: LoopAtShaft) -> Array:
-    """Return b_eff = kd + b − kp τ [N·m·s/rad], shape (draws,)."""
-    return shaft.kd + shaft.viscous - shaft.kp * shaft.lag
+    """Return b_eff = kd + b − kp τ [N·m·s/rad], shape (draws,).
+
+    Friction that falls with speed takes its first slope from it.
+    """
+    return shaft.kd + shaft.viscous + shaft.slope - shaft.kp * shaft.lag
 
 
 def amplitude_margin(shaft: LoopAtShaft) -> Array:
@@ -61,7 +64,7 @@ def amplitude_margin(shaft: LoopAtShaft) -> Array:
     Infinite where b_eff ≥ 0. What a compensator of the measured velocity feeds forward is
     taken from friction first.
     """
-    net = shaft.friction
+    net = shaft.friction + shaft.falling
     if shaft.loop.compensation.signal == "measured":
         net = np.maximum(net - shaft.gamma * shaft.estimate, 0.0)
     damping = effective_damping(shaft)
@@ -104,7 +107,8 @@ def formula_conditions(shaft: LoopAtShaft) -> tuple[NDArray[np.bool_], tuple[str
         "it is off at rest": everywhere & (compensation.at_rest == "off"),
         "it has no boundary layer": shaft.boundary == 0,
         "there is no integral action": shaft.ki == 0,
-        "breakaway is no more than moving friction": shaft.stiction_ratio <= MOST_STICTION,
+        "breakaway is no more than moving friction": shaft.breakaway
+        <= MOST_STICTION * shaft.friction,
         "the velocity is a raw first difference": everywhere & (shaft.cutoff is None),
         "no load is left to the loop": np.abs(shaft.net_load) <= LEAST_LOAD * shaft.friction,
         "the reference rests": shaft.reference_speed == 0,

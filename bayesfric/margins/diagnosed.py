@@ -1,120 +1,248 @@
-"""A loop with the effects that a diagnosis has named, beside the law.
+"""A loop with the law that a diagnosis refitted, and the effects on friction beside it.
 
-Only effects on friction come with the pulleys to another machine; those on the drive, the
-sensors or the currents of a board stay with the board. What an effect adds at rest and at
-speed becomes Coulomb friction, breakaway and viscous friction of the loop: friction that
-grows with speed is viscous, friction that falls is breakaway. The law's coefficients are
-those of the fit, which did not know of the effects.
+Coefficients and amplitudes are drawn together over all hypotheses, so that nothing counts
+twice and an effect weighs as much as it is probable. Only effects on friction come with the
+pulleys to another machine; those on the drive, the sensors or the currents of a board stay
+with the board, and what the law was mistaken for on their account goes with them.
+
+What an effect adds becomes friction of the loop: what is there at every speed is Coulomb
+friction, what grows with speed viscous, and what falls is extra friction at rest that dies
+out with speed.
 """
 
-import zlib
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from bayesfric.effects import all_effects
 from bayesfric.effects.base import Effect, State
-from bayesfric.margins.assembly import Assembly
+from bayesfric.errors import Fault, InputError
+from bayesfric.margins.assembly import Assembly, Posterior
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.physics.friction import Coefficients
-from bayesfric.schemas import Cause, DiagnosisFile
+from bayesfric.results import read_beside, read_json
+from bayesfric.schemas import DiagnosisFile
 
-__all__ = ["Carried", "carried_effects", "with_effects"]
+__all__ = ["Acting", "Diagnosed", "read_diagnosed", "with_effects"]
 
 Array = NDArray[np.float64]
 
 LEAST_SPEED = 0.1
-"""Cable speed at which an effect on speed is looked at where the file has no peak speed [m/s]."""
+"""Cable speed up to which an effect is looked at where the file has no peak speed [m/s]."""
+SPEEDS = 60
 
 
 @dataclass(frozen=True)
-class Carried:
-    """Which named effects a loop can have.
+class Acting:
+    """One effect on friction, as drawn.
 
     Parameters
     ----------
-    causes : tuple of Cause
-        Those on friction.
-    left_out : tuple of str
-        The others, with the reason.
+    effect : Effect
+        What it is.
+    amplitude, shape : ndarray, shape (draws,)
+        0 where it does not act, or has no shape.
+    variant : ndarray of str, shape (draws,)
+        The law that it follows; empty where it does not act.
     """
 
-    causes: tuple[Cause, ...]
+    effect: Effect
+    amplitude: Array
+    shape: Array
+    variant: NDArray[np.str_]
+
+    def force(self, state: State) -> Array:
+        """Return what it adds to friction [N], shape (draws,)."""
+        found = np.zeros(self.amplitude.shape)
+        for name in np.unique(self.variant[self.variant != ""]):
+            mine = self.variant == name
+            p = {self.effect.amplitude.name: np.where(mine, self.amplitude, 0.0)}
+            if self.effect.shape is not None:
+                p[self.effect.shape.name] = np.where(mine, self.shape, 1.0)
+            found += np.where(mine, self.effect.laws[str(name)](p, state), 0.0)
+        return found
+
+
+@dataclass(frozen=True)
+class Diagnosed:
+    """What a diagnosis makes of the friction of a loop.
+
+    Parameters
+    ----------
+    posterior : Posterior
+        The refitted law, in as many draws as the fit's.
+    acting : tuple of Acting
+        Effects on friction, in step with it.
+    left_out : tuple of str
+        Effects that stay behind, with the reason.
+    """
+
+    posterior: Posterior
+    acting: tuple[Acting, ...]
     left_out: tuple[str, ...]
 
+    @property
+    def finds_something(self) -> bool:
+        """Whether any effect is named, or may act."""
+        return bool(self.acting or self.left_out)
 
-def carried_effects(diagnosis: DiagnosisFile) -> Carried:
-    """Return which causes of a diagnosis act on friction, and so come with the pulleys."""
-    known = all_effects()
-    causes, left_out = [], []
-    for cause in diagnosis.causes:
-        effect = known.get(cause.effect)
-        if effect is None or cause.law not in effect.laws:
-            left_out.append(f"{cause.effect}: not an effect of this version")
-        elif effect.acts_on != "friction":
-            left_out.append(f"{cause.effect}: acts on the board's {effect.acts_on}, not friction")
-        elif effect.components:
-            left_out.append(f"{cause.effect}: its phase differs from trial to trial")
+
+def read_diagnosed(path: Path, fitted: Posterior, seed: int) -> Diagnosed:
+    """Read the law that a diagnosis refitted.
+
+    Parameters
+    ----------
+    path : Path
+        ``diagnosis.json``; ``diagnosis.nc`` lies beside it.
+    fitted : Posterior
+        Of the fit: how many draws, and where friction was measured.
+    seed : int
+        Of the analysis.
+
+    Raises
+    ------
+    InputError
+        A file is missing, they are of two runs, or have no refitted law.
+    """
+    record = read_json(DiagnosisFile, path)
+    tree = read_beside(record, path.with_suffix(".nc"))
+    if "law" not in tree.children:
+        expected = "the refitted law: run `bayesfric diagnose` again"
+        raise InputError([Fault(str(path.with_suffix(".nc")), expected)])
+    table = tree["law"].to_dataset()
+    order = np.random.default_rng([seed, 9]).permutation(
+        np.resize(np.arange(table.sizes["draw"]), fitted.count)
+    )
+    table = table.isel(draw=order)
+    told = [one.effect for one in (*record.causes, *record.present, *record.possible)]
+    acting, left_out = [], []
+    for name in told:
+        one = _acting(table, name)
+        if isinstance(one, str):
+            left_out.append(f"{name}: {one}")
         else:
-            causes.append(cause)
-    return Carried(tuple(causes), tuple(left_out))
+            acting.append(one)
+    return Diagnosed(_refitted(table, fitted), tuple(acting), tuple(left_out))
 
 
-def with_effects(
-    shaft: LoopAtShaft, given: Assembly, causes: tuple[Cause, ...], seed: int
-) -> LoopAtShaft:
+def _refitted(table: xr.Dataset, fitted: Posterior) -> Posterior:
+    sizes = [str(size) for size in table["pulley"].to_numpy()]
+    scatter = "omega" if "omega" in table else "omega_motor"
+    return replace(
+        fitted,
+        coefficients={
+            size: Coefficients(*(_values(table[name].sel(pulley=size)) for name in COLUMNS))
+            for size in sizes
+        },
+        omega={
+            size: _values(table[own if (own := f"omega[{size}]") in table else scatter])
+            for size in sizes
+        },
+        effective_draws=min(fitted.effective_draws, float(np.unique(_values(table["c1"])).size)),
+    )
+
+
+COLUMNS = Coefficients._fields
+
+
+def _values(column: xr.DataArray) -> Array:
+    return np.asarray(column.to_numpy(), dtype=np.float64)
+
+
+def _acting(table: xr.Dataset, name: str) -> Acting | str:
+    """Return an effect as drawn, or why it stays behind."""
+    effect = all_effects().get(name)
+    if effect is None:
+        return "not an effect of this version"
+    if effect.acts_on != "friction":
+        return f"acts on the board's {effect.acts_on}, not friction"
+    if effect.components:
+        return "its phase differs from trial to trial"
+    if "effect" not in table.coords or name not in table["effect"]:
+        return "its amplitude was not drawn"
+    own = table.sel(effect=name)
+    variant = own["variant"].to_numpy().astype(str)
+    if unknown := set(variant) - {"", *effect.laws}:
+        return f"{', '.join(sorted(unknown))}: not a law of this version"
+    return Acting(effect, _values(own["amplitude"]), _values(own["shape"]), variant)
+
+
+def with_effects(shaft: LoopAtShaft, given: Assembly, acting: tuple[Acting, ...]) -> LoopAtShaft:
     """Return a loop with effects added to its friction.
+
+    A compensator that takes its estimate from the law takes it from the law with the effects.
 
     Parameters
     ----------
     shaft : LoopAtShaft
-        The loop without them.
+        The loop with the refitted law.
     given : Assembly
         What it was made from.
-    causes : tuple of Cause
-        On friction; their parameters are drawn from the posterior's 5 to 95 % as normal,
-        and an amplitude that cannot be negative is kept at 0 or more.
-    seed : int
-        Of the analysis.
+    acting : tuple of Acting
+        In as many draws.
     """
-    rest, moving = np.zeros(given.draws), np.zeros(given.draws)
-    speed = np.maximum(shaft.peak_velocity * shaft.cable_per_rad, LEAST_SPEED)
-    for cause in causes:
-        effect = all_effects()[cause.effect]
-        p = _parameters(cause, effect, given.draws, seed, shaft.loop.name)
-        for place, run in enumerate(shaft.loop.runs):
-            sides = 2 if run.topology == "antagonist-pair" else 1
-            law = given.coefficients[run.pulley_size]
-            here = Coefficients(*(np.asarray(part) * given.factor[place] for part in law))
-            for at, total in ((np.zeros(given.draws), rest), (speed, moving)):
-                state = State.of(here, run.count, float(np.mean(run.angles_deg)),
-                                 given[f"runs.{place}.tension_n"], at, steady=True)  # fmt: skip
-                total += sides * effect.laws[cause.law](p, state)
-    rest, moving = shaft.cable_per_rad * rest, shaft.cable_per_rad * moving
-    friction = np.maximum(shaft.friction + np.minimum(rest, moving), 0.0)
-    rising = np.maximum(moving - rest, 0.0) / (speed / shaft.cable_per_rad)
-    # an effect may ease friction at rest; breakaway is never below moving friction
-    breakaway = np.maximum(shaft.breakaway + rest, friction)
-    ratio = np.divide(breakaway, friction, out=np.ones_like(friction), where=friction > 0)
-    return replace(
+    rho, rest = shaft.cable_per_rad, np.zeros(given.draws)
+    top = np.maximum(shaft.peak_velocity * rho, LEAST_SPEED)
+    rising, falling, slope = np.zeros((3, given.draws))
+    for one in acting:
+        low, high, fallen_at = _curve(partial(_force, one, shaft, given), top)
+        rest += np.minimum(low, high)
+        rising += np.maximum(high - low, 0.0) / (top / rho)
+        fall = np.maximum(low - high, 0.0)
+        falling += fall
+        slope += fall / (fallen_at / rho)
+    cable = np.maximum(shaft.friction - shaft.drive_friction + rho * rest, 0.0)
+    friction = cable + shaft.drive_friction
+    falling = rho * falling
+    before = np.divide(cable, shaft.friction - shaft.drive_friction, out=np.ones_like(cable),
+                       where=shaft.friction > shaft.drive_friction)  # fmt: skip
+    after = replace(
         shaft,
         friction=friction,
-        stiction_ratio=ratio,
-        motor_viscous=shaft.motor_viscous + rising,
-        kick=shaft.kick * breakaway / shaft.breakaway,
+        falling=falling,
+        falling_speed=np.divide(falling, rho * slope, out=np.ones_like(falling), where=slope > 0),
+        motor_viscous=shaft.motor_viscous + rho * rising,
+        lost_motion=shaft.lost_motion * before,
+        estimate=shaft.estimate
+        if shaft.loop.compensation.estimate_n_m is not None
+        else np.full(given.draws, float(friction.mean())),
     )
+    return replace(after, kick=shaft.kick * after.breakaway / shaft.breakaway)
 
 
-def _parameters(cause: Cause, effect: Effect, draws: int, seed: int, loop: str) -> dict[str, Array]:
-    drawn = {}
-    for name, entry in cause.parameters.items():
-        stream = zlib.crc32(f"{loop}/{cause.effect}/{name}".encode())
-        z = np.random.default_rng([seed, 8, stream]).standard_normal(draws)
-        values = entry.mean + entry.sd * z
-        if name != effect.amplitude.name:  # a shape: a speed, a length, an exponent
-            values = np.maximum(values, 0.05 * abs(entry.mean))
-        elif effect.amplitude.plausible[0] >= 0:
-            values = np.maximum(values, 0.0)
-        drawn[name] = values
-    return drawn
+def _curve(force: Callable[[Array], Array], top: Array) -> tuple[Array, Array, Array]:
+    """Return a force at rest and at top speed, and where it has come 1 − 1/e of the way.
+
+    Parameters
+    ----------
+    force : callable
+        Of cable speeds, shape (draws,), to forces [N].
+    top : ndarray, shape (draws,)
+        Top speed of the cable [m/s].
+    """
+    low, high = force(np.zeros_like(top)), force(top)
+    left = low - (low - high) * (1 - np.exp(-1.0))
+    fallen_at = top.copy()
+    for share in np.geomspace(1.0, 1e-4, SPEEDS):
+        fallen_at = np.where(force(share * top) <= left, share * top, fallen_at)
+    return low, high, fallen_at
+
+
+def _force(one: Acting, shaft: LoopAtShaft, given: Assembly, speed: Array) -> Array:
+    """Return what an effect adds to the friction of the cable at a speed of it [N]."""
+    total = np.zeros(given.draws)
+    for place, run in enumerate(shaft.loop.runs):
+        sides = 2 if run.topology == "antagonist-pair" else 1
+        law = given.coefficients[run.pulley_size]
+        here = Coefficients(*(np.asarray(part) * given.factor[place] for part in law))
+        tension = given[f"runs.{place}.tension_n"]
+        state = State.of(
+            here, run.count, float(np.mean(run.angles_deg)), tension, speed, steady=True
+        )
+        total += sides * one.force(state)
+    return total

@@ -95,7 +95,7 @@ def run_length(loop: SampledLoop, reference_speed: ArrayLike = 0.0) -> RunLength
     friction, ki = loop.array("friction"), np.abs(loop.array("ki"))
     lag = loop.array("delay") + loop.array("sample_time") / 2.0
     damping = np.abs(loop.array("kd") + loop.array("viscous") - kp * lag)
-    breakaway = friction * loop.array("stiction_ratio")
+    breakaway = loop.breakaway
     excess = breakaway - friction
     if loop.compensation_signal == "measured" and loop.at_rest == "off":
         # a compensator that is off at rest leaves more friction there

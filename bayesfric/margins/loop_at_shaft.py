@@ -36,7 +36,10 @@ class LoopAtShaft:
     drive_friction : ndarray
         Its part that is the motor's and gearbox's [N·m].
     stiction_ratio : ndarray
-        Breakaway over F, at least 1 [-].
+        Breakaway over friction at rest, at least 1 [-].
+    falling, falling_speed : ndarray
+        Friction beyond F at the lowest speed, and the speed at which it has fallen to 1/e of
+        that [N·m, rad/s].
     kp, kd, ki : ndarray
         Gains [N·m/rad, N·m·s/rad, N·m/(rad·s)].
     sample_time, delay : ndarray
@@ -83,6 +86,8 @@ class LoopAtShaft:
     friction: Array
     drive_friction: Array
     stiction_ratio: Array
+    falling: Array
+    falling_speed: Array
     kp: Array
     kd: Array
     ki: Array
@@ -120,8 +125,13 @@ class LoopAtShaft:
 
     @property
     def breakaway(self) -> Array:
-        """F times the stiction ratio [N·m]."""
-        return self.friction * self.stiction_ratio
+        """Friction at the lowest speed times the stiction ratio [N·m]."""
+        return (self.friction + self.falling) * self.stiction_ratio
+
+    @property
+    def slope(self) -> Array:
+        """How friction begins to change with speed, besides what is viscous [N·m·s/rad]."""
+        return -self.falling / self.falling_speed
 
     @property
     def lag(self) -> Array:
@@ -194,6 +204,8 @@ class LoopAtShaft:
             viscous=self.viscous,
             friction=self.friction,
             stiction_ratio=self.stiction_ratio,
+            falling=self.falling,
+            falling_speed=self.falling_speed,
             load_torque=self.net_load,
             velocity_cutoff=np.inf if self.cutoff is None else self.cutoff,
             kp=self.kp,
@@ -280,6 +292,8 @@ def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> Loop
         friction=friction,
         drive_friction=drive,
         stiction_ratio=stiction,
+        falling=np.zeros(given.draws),
+        falling_speed=np.ones(given.draws),
         kp=to_shaft * given["controller.kp_n_m_per_rad"],
         kd=to_shaft * given["controller.kd_n_m_s_per_rad"],
         ki=to_shaft * given["controller.ki_n_m_per_rad_s"],

@@ -153,7 +153,7 @@ def closed_forms(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) 
         + shaft.inertia * shaft.peak_acceleration
         + shaft.viscous * shaft.peak_velocity
     )
-    backdrive = (shaft.friction - drive + drive / shaft.efficiency) * shaft.stiction_ratio
+    backdrive = shaft.breakaway + drive * (1 / shaft.efficiency - 1) * shaft.stiction_ratio
     backdrive = backdrive + np.abs(shaft.load_torque)
     least, largest = shaft.side_tension
     step = np.maximum(stuck, 2 * np.pi / shaft.counts)

@@ -36,7 +36,9 @@ class OpenLoop:
     def __init__(self, shaft: LoopAtShaft, direction: Direction | None = None) -> None:
         share = shaft.load_share(direction)
         self.motor_inertia, self.load_inertia = shaft.motor_inertia, share * shaft.load_inertia
-        self.motor_viscous, self.load_viscous = shaft.motor_viscous, share * shaft.load_viscous
+        # friction that falls with speed has its first slope: that of slow motion
+        self.motor_viscous = shaft.motor_viscous + shaft.slope
+        self.load_viscous = share * shaft.load_viscous
         self.stiffness, self.damping = share * shaft.stiffness, share * shaft.damping
         self.kp, self.kd, self.ki = shaft.kp.copy(), shaft.kd, shaft.ki
         if shaft.loop.compensation.signal == "error":

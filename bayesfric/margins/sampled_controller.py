@@ -38,7 +38,7 @@ class Controller:
         self.period = loop.array("sample_time")
         self.limit = loop.array("torque_limit")
         self.load = loop.array("load_torque")
-        self.breakaway = loop.array("friction") * loop.array("stiction_ratio")
+        self.breakaway = loop.breakaway
         self.feed = loop.array("compensation_gain") * loop.array("compensation_estimate")
         self.boundary = loop.array("boundary")
         cutoff = loop.array("velocity_cutoff")

@@ -12,7 +12,7 @@ Floats = NDArray[np.float64]
 CompensationSignal = Literal["none", "reference", "measured", "error"]
 AtRest = Literal["off", "hold"]
 
-_POSITIVE = ("inertia", "sample_time", "torque_limit", "velocity_cutoff")
+_POSITIVE = ("inertia", "sample_time", "torque_limit", "velocity_cutoff", "falling_speed")
 _SIGNED = ("kp", "kd", "ki", "load_torque")
 _MAY_BE_INFINITE = ("torque_limit", "velocity_cutoff")
 _CHOICES = {
@@ -47,7 +47,10 @@ class SampledLoop:
         From reading the encoder to the torque acting [s]. The half sample that the hold
         adds on average is not part of it: it comes from the simulation.
     stiction_ratio : array_like
-        Breakaway torque over Coulomb torque, at least 1 [-].
+        Breakaway torque over that of friction at the lowest speed, at least 1 [-].
+    falling, falling_speed : array_like
+        Friction beyond F at the lowest speed, and the speed at which it has fallen to 1/e of
+        that [N·m, rad/s].
     counts_per_revolution : array_like
         Encoder counts a revolution of the shaft; 0 is an encoder without steps.
     torque_limit : array_like
@@ -87,6 +90,8 @@ class SampledLoop:
     ki: ArrayLike = 0.0
     delay: ArrayLike = 0.0
     stiction_ratio: ArrayLike = 1.0
+    falling: ArrayLike = 0.0
+    falling_speed: ArrayLike = 1.0
     counts_per_revolution: ArrayLike = 0.0
     torque_limit: ArrayLike = np.inf
     velocity_cutoff: ArrayLike = np.inf
@@ -126,6 +131,11 @@ class SampledLoop:
     def numbers(cls) -> tuple[str, ...]:
         """Return the names of the fields that hold a number a draw."""
         return tuple(field.name for field in fields(cls) if field.name not in _CHOICES)
+
+    @property
+    def breakaway(self) -> Floats:
+        """Torque that a shaft at rest withstands, shape (draws,) [N·m]."""
+        return (self.array("friction") + self.array("falling")) * self.array("stiction_ratio")
 
     @property
     def draws(self) -> int:

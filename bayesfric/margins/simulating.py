@@ -3,7 +3,8 @@
 At each sample time t_k = k T the controller reads the encoder and commands a torque, which
 acts from t_k + delay until the next command does. Between two changes of torque the motion
 is a closed form (:mod:`bayesfric.margins.shaft`), so a run has no step size: any delay is
-met exactly, whatever its ratio to the sample time. A shaft that stands still is taken at
+met exactly, whatever its ratio to the sample time. Friction that falls with speed alone is
+taken at the speed with which such an interval begins. A shaft that stands still is taken at
 once to the sample before its torque reaches breakaway, which is a closed form too: slow
 hunting, in which the shaft mostly stands, costs little. A shaft that has moved, or stood only
 briefly, for as long as its linear loop takes to settle is judged by what follows at once.
@@ -160,6 +161,7 @@ class _Run:
         self.shaft = Shaft(
             loop.array("inertia"), loop.array("viscous"), friction, self.controller.breakaway
         )
+        self.falling, self.falling_speed = loop.array("falling"), loop.array("falling_speed")
         # Command k − whole − 1 acts until `late` after t_k, that of k − whole from there.
         samples_late = loop.array("delay") / period
         self.whole = np.floor(samples_late + 1e-9).astype(np.intp)
@@ -201,7 +203,7 @@ class _Run:
         for older, interval in self.intervals:
             acting = self._acting(older) - self.controller.load
             for _ in range(self.substeps):
-                position, speed = turn(self.shaft, acting, self.position, self.speed, interval)
+                position, speed = turn(self._rubbed(), acting, self.position, self.speed, interval)
                 if all_run:
                     self.position, self.speed = position, speed
                 else:
@@ -214,6 +216,13 @@ class _Run:
         self.moving = np.where(BRIEFLY * self.quiet > self.settling, 0, self.moving + 1)
         error = self._error()
         self.swing.see(self.k, error, self.speed - self.controller.reference, running)
+
+    def _rubbed(self) -> Shaft:
+        """Return the shafts with friction as it is at their speeds."""
+        if not self.falling.any():
+            return self.shaft
+        more = self.falling * np.exp(-np.abs(self.speed) / self.falling_speed)
+        return self.shaft._replace(friction=self.shaft.friction + more)
 
     def _error(self) -> Floats:
         controller = self.controller

@@ -1,65 +1,81 @@
-"""The closed forms against the time-domain simulator, draw by draw."""
+"""The figures of a loop against motor and joint on an elastic cable, draw by draw.
+
+Figures and simulator take the cable as stiff where they look for hunting, and the errors come
+from closed forms. :mod:`bayesfric.margins.two_masses` has the cable, friction behind it and the
+whole load, so that agreement says something of the joint and not of the algebra.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import beta
 
-from bayesfric.margins.describing import formula_conditions, formula_threshold, steady_error
-from bayesfric.margins.hunting import hunting_threshold, run_length
+from bayesfric.margins.describing import formula_conditions, steady_error
+from bayesfric.margins.hunting import run_length
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.metrics import interval_of
-from bayesfric.margins.simulating import simulate
-from bayesfric.margins.thresholds import GAMMA_MAX
-from bayesfric.schemas import Verification, VerifiedDraw
+from bayesfric.margins.scanning import REST, run
+from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
+from bayesfric.margins.two_masses import CableMotion, simulate_two_masses
+from bayesfric.schemas import Held, Verification, VerifiedDraw
 
 __all__ = ["TOLERANCE", "verify"]
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 TOLERANCE = 0.10
-"""Relative difference of γ up to which formula and simulator agree."""
+"""Relative difference up to which a figure and the simulation agree."""
+LONGEST_S = 20.0
+"""Of a run; what takes longer is not held against the simulation."""
+TOO_LONG = f"a run that shows it takes longer than {LONGEST_S:g} s"
+SHARES = (0.0, 0.5, 0.7, 0.9, 1.1, 1.3, 1.6)
+"""Of the γ that hunts, at which it is tried whether it does."""
+KICKS = (-1.5, -0.75, 0.75, 1.5)
+"""Over the file's, after which errors at rest are looked at."""
 
 
-def verify(shaft: LoopAtShaft, count: int) -> Verification:
-    """Simulate some draws and compare them with what the closed forms say.
-
-    Compared are the γ at which the loop begins to hunt, and whether the loop without
-    compensation comes to rest inside the band of the steady error.
+def verify(shaft: LoopAtShaft, hunting: Hunting, count: int) -> Verification:
+    """Simulate some draws on an elastic cable and compare them with the loop's figures.
 
     Parameters
     ----------
     shaft : LoopAtShaft
         The loop, all draws.
+    hunting : Hunting
+        What was found of them.
     count : int
-        Draws to simulate, taken evenly.
+        Draws to simulate, taken evenly from those in which hunting was looked for.
 
     Returns
     -------
     Verification
         With each draw.
     """
-    rows = np.unique(np.linspace(0, shaft.friction.size - 1, count).astype(np.intp))
+    places = np.unique(np.linspace(0, hunting.rows.size - 1, count).astype(np.intp))
+    rows = hunting.rows[places]
     some = shaft.taken(rows)
-    sampled = some.sampled()
-    found = hunting_threshold(sampled, kick=some.kick, reference_speed=some.reference_speed).gamma
-    if shaft.loop.compensation.signal in ("none", "reference"):
-        inside = np.ones(rows.size, dtype=bool)
-        predicted = np.full(rows.size, np.inf)
-    else:
-        inside, _ = formula_conditions(some)
-        predicted = formula_threshold(some)
-        predicted = np.where(predicted <= GAMMA_MAX, predicted, np.inf)
-    agrees = _agree(predicted, found)
-    free = some.sampled(gamma=np.zeros(rows.size))
-    motion = simulate(free, kick=some.kick, duration=2 * run_length(free).duration)
-    band = np.where(some.ki > 0, np.inf, steady_error(some)) + 2 * np.pi / some.counts
-    within = np.abs(motion.final_error) <= band
+    inside, _ = formula_conditions(some)
+    predicted = hunting.threshold[places]
+    simulated, tried = _thresholds(some, hunting, places)
+    agrees = np.isclose(simulated, predicted, rtol=TOLERANCE, atol=1e-9)
+    within, rest = _at_rest(some)
+    ratio = _ratio(simulated[tried], predicted[tried])
+    held = (
+        _held("γ that hunts", agrees[tried], ratio, TOO_LONG),
+        *_at_own_gain(some, hunting),
+        *rest,
+    )
     return Verification(
         draws=rows.size,
         tolerance=TOLERANCE,
         inside_conditions=int(inside.sum()),
-        agreement=float(agrees[inside].mean()) if inside.any() else None,
-        agreement_why=None if inside.any() else "no draw is inside the formula's conditions",
+        agreement=held[0].share,
+        agreement_why=held[0].share_why,
         steady_error_agreement=float(within.mean()),
+        held=held,
         kick=interval_of(some.kick),
         reference_speed=interval_of(some.reference_speed),
         by_draw=tuple(
@@ -67,8 +83,8 @@ def verify(shaft: LoopAtShaft, count: int) -> Verification:
                 draw=int(row),
                 inside_conditions=bool(inside[place]),
                 predicted=_number(predicted[place]),
-                simulated=_number(found[place]),
-                agrees=bool(agrees[place]),
+                simulated=_number(simulated[place]) if tried[place] else None,
+                agrees=bool(agrees[place]) and bool(tried[place]),
                 stays_within=bool(within[place]),
             )
             for place, row in enumerate(rows)
@@ -76,11 +92,120 @@ def verify(shaft: LoopAtShaft, count: int) -> Verification:
     )
 
 
-def _agree(predicted: Array, found: Array) -> NDArray[np.bool_]:
-    none = np.isinf(predicted) & np.isinf(found)
-    both = np.isfinite(predicted) & np.isfinite(found)
-    apart = np.abs(np.where(both, found, 0.0) - np.where(both, predicted, 1.0))
-    return np.asarray(none | (both & (apart <= TOLERANCE * np.where(both, predicted, 1.0))))
+def _thresholds(
+    some: LoopAtShaft, hunting: Hunting, places: NDArray[np.intp]
+) -> tuple[Array, Flags]:
+    """Return the γ that hunts on the elastic cable, and which draws were tried.
+
+    Each draw is run in the condition that decides it, or in that which decides most.
+    """
+    conditions = hunting.conditions or (REST,)
+    own = hunting.condition[places]
+    decided = hunting.condition[hunting.condition >= 0]
+    usual = int(np.bincount(decided).argmax()) if decided.size else 0
+    own = np.where(own >= 0, own, usual)
+    draws = np.arange(own.size)
+    speed = np.array([one.speed_of(some) for one in conditions])[own, draws]
+    kick = np.array([one.kick_of(some) for one in conditions])[own, draws]
+    predicted = hunting.threshold[places]
+    top = np.where(np.isfinite(predicted), predicted, GAMMA_MAX / SHARES[-1])
+    wanted = run_length(some.sampled(), speed).wanted
+    tried = wanted <= LONGEST_S
+    if not tried.any():
+        return np.full(own.size, np.inf), tried
+    gamma = np.array(SHARES)[:, None] * top
+    hunts = _run(some, gamma, np.tile(kick, (len(SHARES), 1)), np.tile(speed, (len(SHARES), 1)),
+                 float(wanted[tried].max())).hunts.reshape(gamma.shape)  # fmt: skip
+    first = hunts.argmax(axis=0)
+    between = (gamma[first, draws] + gamma[np.maximum(first - 1, 0), draws]) / 2
+    return np.where(hunts.any(axis=0), between, np.inf), tried
+
+
+def _at_own_gain(some: LoopAtShaft, hunting: Hunting) -> Iterator[Held]:
+    """Yield whether draws hunt at the file's γ at some speed, and how widely and how fast.
+
+    Swings are compared at the speed at which the stiff loop swings most widely.
+    """
+    wanted = {one: run_length(some.sampled(), one.speed_of(some)).wanted.max()
+              for one in hunting.speeds}  # fmt: skip
+    short = tuple(one for one, length in wanted.items() if length <= LONGEST_S)
+    if not short:
+        yield _held("hunting at the file's γ", np.zeros(0, dtype=bool), None, TOO_LONG)
+        return
+    shape = (len(short), some.gamma.size)
+    speeds = np.array([one.speed_of(some) for one in short])
+    found = _run(some, np.tile(some.gamma, (shape[0], 1)), np.tile(some.kick, (shape[0], 1)),
+                 speeds, max(wanted[one] for one in short))  # fmt: skip
+    stiff = run(some, short, some.gamma)
+    own, theirs = stiff.hunts.reshape(shape), found.hunts.reshape(shape)
+    yield _held("hunting at the file's γ", own.any(axis=0) == theirs.any(axis=0), None, "")
+    wide = np.where(own & theirs, stiff.amplitude.reshape(shape), -1.0)
+    at = wide.argmax(axis=0), np.arange(shape[1])
+    both = wide[at] > 0
+    for what in ("amplitude", "frequency"):
+        values, other = (getattr(one, what).reshape(shape)[at][both] for one in (stiff, found))
+        ratio = other / values
+        yield _held(f"limit cycle, {what}", np.abs(ratio - 1) <= TOLERANCE, ratio,
+                    "no draw hunts in both")  # fmt: skip
+
+
+def _at_rest(some: LoopAtShaft) -> tuple[Flags, tuple[Held, ...]]:
+    """Return which draws rest within the steady error, and how errors at rest hold.
+
+    The servo is alone, without compensation and integral. A bound holds where no kick ends
+    beyond it, an encoder count added; how near it the farthest of them comes is the ratio.
+    """
+    shape = (len(KICKS), some.friction.size)
+    none = np.zeros(shape)
+    alone = replace(some, ki=none[0])
+    wanted = run_length(alone.sampled(none[0])).wanted
+    found = _run(alone, none, np.array(KICKS)[:, None] * some.kick, none,
+                 min(float(wanted.max()), LONGEST_S))  # fmt: skip
+    farthest = np.abs(found.error).reshape(shape).max(axis=0)
+    band = steady_error(some)
+    within = farthest <= band + 2 * np.pi / some.counts
+    stored = found.twist - np.tile(some.load_torque / some.stiffness, shape[0])
+    twisted = np.abs(stored).reshape(shape).max(axis=0)
+    there = some.lost_motion > 0
+    ratio = twisted[there] / some.lost_motion[there]
+    return within, (
+        _held("steady error", within, farthest / band, ""),
+        _held("lost motion", ratio <= 1 + TOLERANCE, ratio, "no friction is behind the cable"),
+    )
+
+
+def _run(
+    some: LoopAtShaft, gamma: Array, kick: Array, speed: Array, duration: float
+) -> CableMotion:
+    """Simulate all draws in several cases, each of shape (cases, draws)."""
+    rows = np.tile(np.arange(gamma.shape[1]), gamma.shape[0])
+    return simulate_two_masses(
+        some.taken(rows),
+        gamma=gamma.ravel(),
+        kick=kick.ravel(),
+        reference_speed=speed.ravel(),
+        duration=duration,
+    )
+
+
+def _ratio(simulated: Array, predicted: Array) -> Array:
+    both = np.isfinite(simulated) & np.isfinite(predicted) & (predicted > 0)
+    return np.asarray(simulated[both] / predicted[both])
+
+
+def _held(what: str, holds: Flags, ratio: Array | None, why: str) -> Held:
+    """Return the share in which something holds, with Jeffreys' interval of 95 %."""
+    count, hits = holds.size, int(holds.sum())
+    if count == 0:
+        return Held(what=what, draws=0, share=None, share_why=why, low=0.0, high=1.0)
+    return Held(
+        what=what,
+        draws=count,
+        share=hits / count,
+        low=float(beta.ppf(0.025, hits + 0.5, count - hits + 0.5)) if hits else 0.0,
+        high=float(beta.ppf(0.975, hits + 0.5, count - hits + 0.5)) if hits < count else 1.0,
+        ratio=None if ratio is None or not ratio.size else interval_of(ratio),
+    )
 
 
 def _number(value: float) -> float | None:

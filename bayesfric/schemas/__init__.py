@@ -50,6 +50,7 @@ from bayesfric.schemas.fit import (
 )
 from bayesfric.schemas.margins import (
     GammaProbability,
+    Held,
     HuntingMap,
     LoopMargins,
     MarginsFile,
@@ -96,6 +97,7 @@ __all__ = [
     "GammaProbability",
     "Gap",
     "GapRow",
+    "Held",
     "HuntingMap",
     "Inclusion",
     "Interval",

@@ -8,6 +8,7 @@ from bayesfric.schemas.base import Interval, Number, Provenance, Record, Why
 
 __all__ = [
     "GammaProbability",
+    "Held",
     "HuntingMap",
     "LoopMargins",
     "MarginsFile",
@@ -70,30 +71,47 @@ class HuntingMap(Record):
 
 
 class VerifiedDraw(Record):
-    """One draw, by formula and simulated."""
+    """One draw: what was found of it, and on the elastic cable."""
 
     draw: int = Field(description="Number of the draw.")
     inside_conditions: bool = Field(description="Whether the formula claims to hold there.")
-    predicted: Number | None = Field(description="γ that hunts by formula; null: none.")
-    simulated: Number | None = Field(description="γ that hunts in the simulator; null: none.")
+    predicted: Number | None = Field(description="γ that hunts, as reported; null: none.")
+    simulated: Number | None = Field(
+        description="γ that hunts on the elastic cable, between two that were tried; null: none."
+    )
     agrees: bool = Field(description="Both none, or within the tolerance.")
     stays_within: bool = Field(
-        description="Without compensation, the simulated loop comes to rest inside the band of "
-        "the steady error, one encoder count added."
+        description="Without compensation and integral, the simulated loop comes to rest inside "
+        "the band of the steady error, one encoder count added."
+    )
+
+
+class Held(Record):
+    """How often a figure holds where motor and joint are simulated on the elastic cable."""
+
+    what: str = Field(description="The figure.")
+    draws: int = Field(description="In which it was looked at.")
+    share: Number | None = Field(description="Of them in which it holds.")
+    share_why: Why = None
+    low: Number = Field(description="Lower end of the share's 95 % interval (Jeffreys).")
+    high: Number = Field(description="Upper end.")
+    ratio: Interval | None = Field(
+        None, description="Simulated over reported; of a bound, how near it the farthest came."
     )
 
 
 class Verification(Record):
-    """The closed forms against the time-domain simulator, draw by draw."""
+    """The figures against motor and joint on an elastic cable with friction, draw by draw."""
 
     draws: int = Field(description="Draws that were simulated.")
     tolerance: Number = Field(description="Relative, of γ.")
     inside_conditions: int = Field(description="Draws inside the formula's conditions.")
-    agreement: Number | None = Field(description="Share of those that agree.")
+    agreement: Number | None = Field(description="Share of the draws whose γ agrees.")
     agreement_why: Why = None
     steady_error_agreement: Number = Field(
         description="Share of the draws that come to rest within the steady error."
     )
+    held: tuple[Held, ...] = Field((), description="Each figure; empty in earlier versions.")
     kick: Interval = Field(description="At the motor [rad].")
     reference_speed: Interval = Field(description="At the motor [rad/s].")
     by_draw: tuple[VerifiedDraw, ...] = Field(description="Each draw.")
@@ -111,10 +129,14 @@ class NyquistFan(Record):
 
 
 class WithEffects(Record):
-    """The same loop with the effects on friction that a diagnosis has named."""
+    """The same loop with the law and the effects on friction of a diagnosis."""
 
-    effects: tuple[str, ...] = Field(description="Added to the law.")
-    left_out: tuple[str, ...] = Field(description="Named, but not carried to a loop, and why.")
+    effects: tuple[str, ...] = Field(
+        description="Added to the law, each in the draws of the hypotheses that have it."
+    )
+    left_out: tuple[str, ...] = Field(
+        description="Those that stay with the board, and why; the law was fitted beside them."
+    )
     answer: str = Field(description="Which compensation gain to set, in a sentence.")
     metrics: tuple[Metric, ...] = Field(description="As without the effects.")
     missed_specs: tuple[str, ...] | None = Field(None, description="As without the effects.")

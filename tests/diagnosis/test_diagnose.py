@@ -50,6 +50,20 @@ def test_a_cause_is_named_with_its_size(named):
     assert named[0].summary.stray_trials == ()
 
 
+def test_the_law_is_drawn_together_with_what_acts(named):
+    law = named[0].curves["law"].to_dataset()
+    assert list(law["effect"]) == ["viscous"]
+    assert (law["variant"] != "").mean() == pytest.approx(named[0].summary.inclusion[0].probability)
+    # friction at rest, 15 N and 85°: a law that was fitted alone has 5 % too much
+    for size, true in table1_coefficients().items():
+        own = law.sel(pulley=size)
+        at_rest = np.asarray(own["c1"] * 15 + own["c2"])
+        expected = float(true.c1) * 15 + float(true.c2)
+        assert abs(at_rest.mean() - expected) < 4 * at_rest.std()
+        assert at_rest.std() < 0.01 * expected
+    assert float(law["omega"].mean()) == pytest.approx(named[0].summary.scatter["omega"])
+
+
 def test_what_is_known_of_each_effect(named):
     summary = named[0].summary
     first, *rest = summary.inclusion

@@ -9,6 +9,7 @@ from scipy.stats import multivariate_normal
 from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.climbing import climb, curvature_at
 from bayesfric.diagnosis.squeezing import squeezed
+from bayesfric.inference.cosines import cosines
 from bayesfric.rigs.gravity_board.linear_scatter import (
     ALWAYS,
     INTERCEPT,
@@ -175,8 +176,7 @@ def test_a_climb_ends_where_no_derivative_is_left(model):
 
 def test_wander_has_its_rms():
     weights, slope = wander_weights(0.1, 0.6)
-    travel = np.linspace(0, 1, 4001)
-    waves = np.cos(np.pi * np.arange(1, weights.size + 1)[:, None] * travel)
+    waves = cosines(np.linspace(0, 1, 4001), weights.size)
     assert (weights @ waves**2).mean() == pytest.approx(1.0, rel=1e-3)
     longer, _ = wander_weights(0.1 * np.exp(1e-5), 0.6)
     np.testing.assert_allclose(np.log(longer / weights) / 1e-5, slope, rtol=1e-4, atol=1e-6)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 from bayesfric.margins.sampled_loop import SampledLoop
 from bayesfric.margins.simulating import simulate
@@ -44,6 +45,27 @@ def random_loop(rng, draws, **changes):
         "boundary": rng.choice([0.0, 2.0], draws),
     }
     return SampledLoop(**(usual | changes))
+
+
+# --- friction that falls with speed -----------------------------------------------------
+
+
+def test_a_shaft_that_coasts_against_falling_friction_stops_where_it_must():
+    # J v dv/dx = −(F + G e^(−v/vs)): travel ∫ J v/(F + G e^(−v/vs)) dv, by quadrature
+    speed, more, own = np.array([2.0, 20.0, 60.0]), 0.004, 8.0
+    loop = a_loop(kp=0, kd=0, falling=np.full(3, more), falling_speed=own)
+    motion = simulate(loop, kick=0.0, duration=0.5, reference_speed=speed, traces=True, substeps=20)
+    for place, first in enumerate(speed):
+        travel, _ = quad(lambda v: INERTIA * v / (0.005 + more * np.exp(-v / own)), 0, first)
+        assert motion.traces.position[-1, place] == pytest.approx(travel, rel=5e-3)
+
+
+def test_falling_friction_holds_what_it_has_at_rest_and_no_more():
+    # a torque between F and F + G leaves a shaft at rest where it is, one above moves it
+    loop = a_loop(kd=0, falling=np.full(2, 0.004), falling_speed=1.0)
+    motion = simulate(loop, kick=np.array([0.0089, 0.0091]) / KP, duration=0.05)
+    assert motion.final_error[0] == pytest.approx(-0.0089 / KP)
+    assert abs(motion.final_error[1]) < 0.9 * 0.0091 / KP
 
 
 # --- energy -------------------------------------------------------------------------------

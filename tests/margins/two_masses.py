@@ -21,6 +21,8 @@ class Plant:
     ki: float = 0.0
     viscous: float = 0.0
     stiction: float = 1.0
+    falling: float = 0.0  # friction beyond it at rest, and the speed where 1/e of that is left
+    falling_speed: float = 1.0
     stiffness: float | None = None
     damping: float = 0.0
     behind: float = 0.0  # share of the friction at the joint's end of the cable
@@ -68,10 +70,11 @@ def run(plant, *, kick, speed, duration, steps=10):
             pull = plant.stiffness * (x[0] - x[1]) + plant.damping * (v[0] - v[1])
         ends = [torque - plant.load] if stiff else [torque - pull, pull - plant.load]
         for end, push in enumerate(ends):
-            if v[end] == 0 and abs(push) <= rub[end] * plant.stiction:
+            more = 1 + plant.falling / plant.friction * math.exp(-abs(v[end]) / plant.falling_speed)
+            if v[end] == 0 and abs(push) <= rub[end] * more * plant.stiction:
                 continue
             free = v[end] + dt * (push - drag[end] * v[end]) / inertia[end]
-            after = math.copysign(max(abs(free) - dt * rub[end] / inertia[end], 0.0), free)
+            after = math.copysign(max(abs(free) - dt * rub[end] * more / inertia[end], 0.0), free)
             v[end] = 0.0 if after * v[end] < 0 else after
             x[end] += dt * v[end]
     times = np.arange(len(errors)) * plant.sample_time
@@ -97,6 +100,8 @@ def of(shaft, **changes):
         "ki": shaft.ki[0],
         "viscous": shaft.viscous[0],
         "stiction": shaft.stiction_ratio[0],
+        "falling": shaft.falling[0],
+        "falling_speed": shaft.falling_speed[0],
         "clip": shaft.clip[0],
         "signal": shaft.loop.compensation.signal,
         "feed": shaft.gamma[0] * shaft.estimate[0],

@@ -54,7 +54,7 @@ def test_why_a_figure_is_missing_is_said(computed):
     )
     assert "drive.continuous_current_a is not given" in text
     assert "Coulomb friction is not in the linear loop" in text
-    assert re.search(r"2 draws, .* of the 2 inside the formula's", text)
+    assert re.search(r"steady error \| 2 \| 100\s% \| 33\s% to 100\s%", text)
 
 
 def test_a_folder_with_margins_alone_becomes_a_report(computed, tmp_path):

@@ -9,7 +9,7 @@ from bayesfric.analysis import Analysis, Scatter
 from bayesfric.effects import State, all_effects
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.errors import InputError
-from bayesfric.inference.cosines import WHOLE, cosine_variances, cosines
+from bayesfric.inference.cosines import MODES, cosine_variances, cosines
 from bayesfric.inference.thresholds import Thresholds, log_probability_above
 from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.gravity import Condition, board_friction
@@ -185,7 +185,7 @@ def test_friction_that_wanders_is_widest_where_a_trial_is_released():
     size = SizeIndex.of(moving.trials["pulley_size"])
     friction = np.linspace(1.0, 5.0, len(moving.trials))[None]
     theta = {"wander": np.array([0.02]), "wander_length": np.array([0.07])}
-    crest = cosine_variances(0.12, WHOLE) @ cosines(0.0, WHOLE) ** 2
+    crest = cosine_variances(0.12, MODES) @ cosines(0.0, MODES) ** 2
     expected = crest * (0.02 * friction) ** 2
     assert wander.at_release(theta, size, friction) == pytest.approx(expected, rel=1e-12)
 

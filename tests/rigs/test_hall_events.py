@@ -9,7 +9,7 @@ from rigs.hall import SPACING, few_trials, likelihood_of, one_point, truth_by_na
 from scipy import integrate, linalg, stats
 
 from bayesfric.analysis import Analysis
-from bayesfric.inference.cosines import WHOLE, cosine_variances, cosines
+from bayesfric.inference.cosines import cosine_variances, cosines
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.hall_events import reduce_events
 from bayesfric.rigs.gravity_board.places import TrialPlaces
@@ -147,7 +147,7 @@ def test_a_newton_along_a_cosine_adds_its_double_integral():
     rig = RigConstants(hall_spacing_m=spacing, timer_resolution_s=TICK)
     wander = Wander(TrialPlaces(Gravity(trials, events), rig), Analysis())
     fine = np.linspace(0, time[-1], 40_001)
-    travel = speed * fine + rate * fine**2 / 2
+    travel = speed * fine + rate * fine**2 / 2 + min(speed**2 / (2 * rate), spacing)
     for k, column in enumerate(wander.columns.travel, start=1):
         force = np.sqrt(2) * np.cos(k * np.pi * travel / travel[-1])
         once = integrate.cumulative_trapezoid(-force / mass, fine, initial=0)
@@ -157,30 +157,30 @@ def test_a_newton_along_a_cosine_adds_its_double_integral():
 
 
 def test_the_wander_has_its_rms_and_its_correlation():
-    """Of the whole process against the Matérn form, away from the ends of the interval."""
-    length, place = 0.05, np.linspace(0.25, 0.75, 101)
-    variance = cosine_variances(length, WHOLE)
+    """Of many cosines against the Matérn form, away from the ends of the interval."""
+    length, place, many = 0.05, np.linspace(0.25, 0.75, 101), 64
+    variance = cosine_variances(length, many)
     assert variance.sum() == pytest.approx(1.0, abs=1e-12)
-    shapes = cosines(place, WHOLE)
+    shapes = cosines(place, many)
     covariance = (shapes * variance[:, None]).T @ shapes
     apart = np.sqrt(3) * np.abs(place - 0.5) / length
     matern = (1 + apart) * np.exp(-apart)
     # Without its mean over the interval, and with what is reflected at the ends.
     assert covariance[50] / covariance[50, 50] == pytest.approx(matern, abs=0.15)
     assert np.diff(covariance[50, 50:]).max() < 0
-    middle = cosines((np.arange(1000) + 0.5) / 1000, WHOLE)
-    assert middle.mean(axis=1) == pytest.approx(np.zeros(WHOLE), abs=1e-12)
-    assert (middle**2).mean(axis=1) == pytest.approx(np.ones(WHOLE), abs=1e-9)
+    middle = cosines((np.arange(1000) + 0.5) / 1000, many)
+    assert middle.mean(axis=1) == pytest.approx(np.zeros(many), abs=1e-12)
+    assert (middle**2).mean(axis=1) == pytest.approx(np.ones(many), abs=1e-9)
 
 
 def dense_assembly(recording, values):
     """Return the log density of all events of trials of one assembly, as one normal."""
     likelihood = likelihood_of(recording)
     columns_of_wander = likelihood._wander.columns.travel
-    extent = np.median(likelihood._places.paths.travel_m[:, -1])
-    order = np.arange(1, WHOLE + 1)
+    extent = likelihood._places.travel_m.max()
+    order = np.arange(1, len(columns_of_wander) + 1)
     share = (1 + (order * np.pi * values["wander_length"] / extent) ** 2 / 3) ** -2.0
-    share = (share / share.sum())[: len(columns_of_wander)]
+    share = share / share.sum()
     g, clock2 = 9.80665, values["sigma_t"] ** 2 + TICK**2 / 12
     means, noise, loads, intercepts, nuisances, travels, wanders = ([] for _ in range(7))
     log_factor, done = 0.0, 0

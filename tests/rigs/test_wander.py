@@ -4,10 +4,14 @@ import numpy as np
 import pytest
 
 from bayesfric.analysis import Analysis
+from bayesfric.inference.cosines import MODES, cosines
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import Model
 from bayesfric.rigs import all_rigs
-from bayesfric.rigs.protocols import Protocol
+from bayesfric.rigs.gravity_board import simulator
+from bayesfric.rigs.gravity_board.places import TrialPlaces
+from bayesfric.rigs.gravity_board.wander import Wander
+from bayesfric.rigs.protocols import TRAVEL_M, Protocol
 from bayesfric.simulate import Truth, simulate_recording
 
 DESIGN = Protocol({(9, 85.0): 2, (15, 50.0): 1, (5, 135.0): 1}, (6.0, 16.0), (6.0, 16.0), 3)
@@ -62,3 +66,28 @@ def test_a_push_is_no_wander():
     for name in ("tau", "omega", "sigma_x"):
         assert values[1][quiet[2][name]] == pytest.approx(values[0][quiet[2][name]], rel=0.15)
     assert values[1][quiet[2]["wander"]] < 1.5e-3
+
+
+def test_the_likelihood_follows_the_cosines_that_are_simulated(monkeypatch):
+    """Each cosine of the simulator is that of the likelihood, but for the clock's rounding."""
+    amplitude = 0.02
+
+    def one_cosine(truth, count, rng):
+        trial = np.arange(count)
+        return lambda travel: amplitude * cosines(travel / TRAVEL_M, MODES)[trial % MODES, trial]
+
+    monkeypatch.setattr(simulator, "_draw_wander", one_cosine)
+    truth = Truth(tau=0.0, omega=0.0, sigma_x=1e-9, sigma_t=1e-9)
+    recording = simulate_recording(DESIGN, seed=8, truth=truth, rigs=("gravity",))
+    places = TrialPlaces(recording.gravity, recording.rig)
+    columns = Wander(places, Analysis()).columns.travel
+    shown = places.condition.drive_force_n - places.condition.total_mass_kg * places.acceleration
+    off = []
+    for trial, friction in enumerate(shown):
+        rows = places.events.trial == trial
+        motion = places.events.regressors[:, rows]
+        design = np.vstack([columns[:, rows] * friction, motion]).T
+        size = np.linalg.norm(design, axis=0)
+        solved = np.linalg.lstsq(design / size, places.events.displacement[rows])[0] / size
+        off.append(solved[:MODES] / amplitude - (np.arange(MODES) == trial % MODES))
+    assert np.sqrt(np.mean(np.square(off), axis=0)).max() < 0.03

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Prior, Priors
+from bayesfric.inference.cosines import cosine_variances, log_variance_slopes
 from bayesfric.rigs.linear import NoiseParameter, noise_parameter
 
 __all__ = [
@@ -28,7 +29,8 @@ KAPPA_SD_LOG = 0.3  # of the events' variance over its first estimate
 def wander_weights(length_m: float, travel_m: float) -> tuple[Array, Array]:
     """Return the variance of each cosine of a wander of unit rms, and how its log grows.
 
-    The spectrum is that of a squared exponential process along the travel.
+    The process is that of :mod:`bayesfric.inference.cosines`, cut later than in a fit: boards
+    of other hands wander on shorter lengths too.
 
     Parameters
     ----------
@@ -44,10 +46,8 @@ def wander_weights(length_m: float, travel_m: float) -> tuple[Array, Array]:
     slope : ndarray, shape (WAVES,)
         Derivative of its logarithm by the logarithm of the length.
     """
-    turned = (np.pi * np.arange(1, WAVES + 1) * length_m / travel_m) ** 2
-    weight = np.exp(-0.5 * (turned - turned[0]))
-    share = weight / weight.sum()
-    return 2 * share, share @ turned - turned
+    length = length_m / travel_m
+    return cosine_variances(length, WAVES), log_variance_slopes(length, WAVES)
 
 
 def noise_of(priors: Priors, variance_m2: float) -> tuple[NoiseParameter, ...]:

@@ -138,7 +138,7 @@ class TrialPlaces:
             column.wrap_angle_deg,
             nominal_tension(column, paths.acceleration_m_s2),
             paths.speed_m_s,
-            travel_m=self._travel(),
+            travel_m=self.travel_m,
             acceleration_m_s2=paths.acceleration_m_s2,
             **around,
         )
@@ -200,14 +200,17 @@ class TrialPlaces:
         along = {**self._around, "acceleration_m_s2": acceleration}
         return State.of(law, n, wrap, tension, speed, **along)
 
-    def _travel(self) -> Array:
-        """Return the travel since the release along the paths, (N, P) [m].
+    @cached_property
+    def travel_m(self) -> Array:
+        """Travel since the release along the paths, (N, P) [m].
 
-        The board is taken to have come to its first speed at its first acceleration.
+        The board is taken to have come to its first speed at its first acceleration, over one
+        spacing of the magnets at most: a push spares some travel.
         """
         speed, acceleration = self.paths.speed_m_s[:, :1], self.paths.acceleration_m_s2[:, :1]
         start = speed**2 / (2 * np.maximum(acceleration, LEAST))
-        return np.asarray(start + self.paths.travel_m)
+        most = self._rig.hall_spacing_m or np.inf
+        return np.asarray(np.minimum(start, most) + self.paths.travel_m)
 
     @cached_property
     def _reading(self) -> Reading:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from bayesfric.inference.cosines import cosines
 from bayesfric.rigs.gravity_board.linear_scatter import TRIAL, WANDER, WAVES, wander_weights
 from bayesfric.rigs.gravity_board.rows import GravityRows
 from bayesfric.rigs.linear import Run
@@ -74,8 +75,8 @@ def windows_of(
         mean = joined / joined.sum(axis=0)
         where = {name: values[trial] @ mean for name, values in places.items()}
         travel = np.atleast_1d(where["displacement"]) / travel_m
-        waves = np.cos(np.pi * np.arange(1, WAVES + 1) * travel[:, None])
-        wander = (waves * variance) @ waves.T * noise["wander"] ** 2
+        waves = cosines(travel, WAVES)
+        wander = (waves.T * variance) @ waves * noise["wander"] ** 2
         covariance = np.asarray(np.linalg.pinv(design.T @ design) * noise["kappa"], np.float64)
         found.append((trial, solved, covariance, where, wander))
     return Windows(

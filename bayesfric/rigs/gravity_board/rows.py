@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from bayesfric.analysis import Priors
 from bayesfric.effects import ActsOn, Law, Reading, State
 from bayesfric.effects.candidates import Candidate, unit_values
+from bayesfric.inference.cosines import cosines
 from bayesfric.inference.smooths import Smooth
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.physics.gravity import nominal_tension, tension_feedback
@@ -188,7 +189,7 @@ class GravityRows:
     def wander_columns(self, count: int) -> Array:
         """Return what relative cosines along the travel do to each row, shape (E, count) [m]."""
         travel = self._travel / self._travel.max()
-        waves = np.cos(np.pi * np.arange(1, count + 1)[:, None, None] * travel)
+        waves = cosines(travel, count)
         return self.forces(self.friction_n[:, None] * waves / self._feedback)
 
     def late_column(self) -> Array:

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from bayesfric.inference.cosines import WHOLE, cosine_variances, cosines
+from bayesfric.inference.cosines import MODES, cosine_variances, cosines
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import Condition, board_friction, trajectory
 from bayesfric.recording.tables import RigConstants
@@ -128,9 +128,9 @@ def _draw_wander(
     """Return ζ of each trial at its travel, shape (N,); None where friction does not wander."""
     if not truth.wander:
         return None
-    variance = cosine_variances(truth.wander_length / TRAVEL_M, WHOLE)
-    drawn = truth.wander * np.sqrt(variance)[:, None] * rng.standard_normal((WHOLE, count))
-    return lambda travel: np.asarray((drawn * cosines(travel / TRAVEL_M, WHOLE)).sum(axis=0))
+    variance = cosine_variances(truth.wander_length / TRAVEL_M, MODES)
+    drawn = truth.wander * np.sqrt(variance)[:, None] * rng.standard_normal((MODES, count))
+    return lambda travel: np.asarray((drawn * cosines(travel / TRAVEL_M, MODES)).sum(axis=0))
 
 
 def _motion(

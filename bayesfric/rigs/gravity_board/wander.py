@@ -1,9 +1,10 @@
 """Friction that wanders along the travel of a trial: the third level of scatter.
 
 Beside its assembly's and its own deviation, the friction of a trial deviates by ζ(x), a
-smooth process of zero mean along its travel that is drawn anew in each trial
-(:mod:`bayesfric.inference.cosines`). Each cosine adds a travel of its own, linear in its
-coefficient, and the coefficients are integrated out of the trial in closed form.
+smooth process of zero mean along the travel of the board that is drawn anew in each trial
+(:mod:`bayesfric.inference.cosines`); a short trial sees the first part of it. Each cosine
+adds a travel of its own, linear in its coefficient, and the coefficients are integrated out
+of the trial in closed form.
 """
 
 from collections.abc import Mapping
@@ -60,9 +61,9 @@ class Wander:
             ),
             Parameter("wander_length", "m", priors.wander_length, "scatter"),
         )
-        travel = places.paths.travel_m
-        self._extent_m = float(np.median(travel[places.with_events, -1]))
-        shape = cosines(travel / travel[:, -1:], MODES)
+        travel = places.travel_m
+        self._extent_m = float(travel[places.with_events].max())
+        shape = cosines(np.minimum(travel / self._extent_m, 1.0), MODES)
         self.columns = places.columns(list(-shape / places.condition.total_mass_kg[:, None]))
 
     def at_release(

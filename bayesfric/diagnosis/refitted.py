@@ -1,0 +1,109 @@
+"""The law refitted together with whatever acts: joint draws over all hypotheses.
+
+A law that was fitted alone has taken up part of what an effect does; adding the effect to
+it counts that part twice. Here coefficients and amplitudes are drawn together, a hypothesis
+as often as it is probable, so that an effect is 0 in the draws of hypotheses without it.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from bayesfric.diagnosis.acting import Acting
+from bayesfric.diagnosis.model import LinearModel
+from bayesfric.inference.priors import from_normal
+from bayesfric.physics.friction import Coefficients
+
+__all__ = ["RefittedLaw"]
+
+Array = NDArray[np.float64]
+
+
+class RefittedLaw:
+    """Draws of coefficients, scatter and effects, laid out hypothesis by hypothesis.
+
+    Parameters
+    ----------
+    sizes : sequence of str
+        Of pulleys.
+    draws : int
+        S of them.
+    """
+
+    def __init__(self, sizes: Sequence[str], draws: int) -> None:
+        self.sizes, self.draws = tuple(sizes), draws
+        self.coefficients = np.zeros((draws, len(sizes), len(Coefficients._fields)))
+        self.scatter: dict[str, Array] = {}
+        self.amplitude: dict[str, Array] = {}
+        self.shape: dict[str, Array] = {}
+        self.variant: dict[str, NDArray[np.str_]] = {}
+
+    def take(
+        self,
+        rows: slice,
+        model: LinearModel,
+        acting: Acting,
+        psi: Array,
+        numbers: Array,
+        own: Array,
+    ) -> None:
+        """Take the draws of one hypothesis.
+
+        Parameters
+        ----------
+        rows : slice
+            Where they go; n of them.
+        model : LinearModel
+            Of the hypothesis.
+        acting : Acting
+            What acts in it. A shape is that at which the amplitudes were drawn.
+        psi : ndarray
+            Logarithms of its noise.
+        numbers : ndarray, shape (n, p)
+            Its numbers.
+        own : ndarray, shape (n, sizes, 3)
+            How far the coefficients are from the model's, in its scales.
+        """
+        self.coefficients[rows] = model.coefficients_of(own)
+        for name, value in model.named(psi).items():
+            if name.startswith("omega"):
+                self.scatter.setdefault(name, np.zeros(self.draws))[rows] = value
+        places = model.places(len(acting.laws))
+        for law, shape, place in zip(acting.laws, acting.shapes, places, strict=True):
+            effect = model.candidates[law.places[0]].effect
+            self._begun(law.effect)
+            self.amplitude[law.effect][rows] = numbers[:, place] * model.amplitude_scale(law)
+            self.variant[law.effect][rows] = law.law
+            if effect.shape is not None:
+                self.shape[law.effect][rows] = from_normal(effect.shape.prior, shape)
+
+    def _begun(self, effect: str) -> None:
+        if effect not in self.amplitude:
+            self.amplitude[effect], self.shape[effect] = np.zeros((2, self.draws))
+            self.variant[effect] = np.full(self.draws, "", dtype="<U40")
+
+    def dataset(self) -> xr.Dataset:
+        """Return the draws as they are stored.
+
+        An effect that does not act in a draw has amplitude 0 and no variant there; one without
+        a shape has shape 0.
+        """
+        effects = list(self.amplitude)
+        tables: dict[str, tuple[tuple[str, ...], NDArray[Any]]] = {
+            name: (("draw", "pulley"), self.coefficients[:, :, column])
+            for column, name in enumerate(Coefficients._fields)
+        }
+        tables |= {name: (("draw",), values) for name, values in self.scatter.items()}
+        drawn: dict[str, dict[str, Any]] = {
+            "amplitude": self.amplitude,
+            "shape": self.shape,
+            "variant": self.variant,
+        }
+        for name, by_effect in drawn.items() if effects else ():
+            columns = np.stack([by_effect[effect] for effect in effects], axis=1)
+            tables[name] = ("draw", "effect"), columns
+        coords = {"pulley": list(self.sizes)} | ({"effect": effects} if effects else {})
+        return xr.Dataset(tables, coords=coords)
