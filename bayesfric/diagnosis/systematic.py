@@ -170,7 +170,8 @@ def _over_forms(
     model: LinearModel, one: Weighed, count: int, rng: np.random.Generator
 ) -> Array:
     """Draw the numbers of a hypothesis over the shares by which its laws may be wrong, (S, p)."""
-    counts = rng.multinomial(count, one.form_weights)
+    weights = np.array(one.form_weights)
+    counts = rng.multinomial(count, weights / weights.sum())
     drawn = []
     for share, number in zip(FORM_SHARES, counts, strict=False):
         if number:
