@@ -270,14 +270,12 @@ class GravityPart:
         across_left, right_left = left @ across / kappa, (left @ right[:, :, None])[:, :, 0] / kappa
         inner_left = left @ inner / kappa
         # Of all friction and of its intercept alone, which the assembly shares.
-        h = np.eye(chosen.size, 2)
         member = self._member[:, trials]
-        summed = np.einsum("ra,nrk->nak", h[:2], across_left[:, :2])
-        flat = member @ summed.reshape(len(summed), summed.shape[1] * summed.shape[2])
-        summed = flat.reshape(len(self.setups), *summed.shape[1:])
-        pulled = member @ (right_left[:, :2] @ h[:2])
-        stiff = np.einsum("ra,nrs,sb->nab", h[:2], inner_left[:, :2, :2], h[:2])
-        stiff = (member @ stiff.reshape(len(stiff), 4)).reshape(-1, 2, 2)
+        columns = across.shape[2]
+        flat = member @ across_left[:, :2].reshape(len(across), 2 * columns)
+        summed = flat.reshape(len(self.setups), 2, columns)
+        pulled = member @ right_left[:, :2]
+        stiff = (member @ inner_left[:, :2, :2].reshape(len(across), 4)).reshape(-1, 2, 2)
         omega = np.array([noise["omega"], noise["omega_intercept"]])
         shared = np.eye(2) + omega[:, None] * stiff * omega
         taken = omega[:, None] * np.linalg.inv(shared) * omega
@@ -285,7 +283,6 @@ class GravityPart:
         constant += -0.5 * np.linalg.slogdet(shared)[1].sum()
         square -= (pulled * pull).sum()
         constant -= 0.5 * square
-        columns = across.shape[2]
         total = self.layout.total(columns)
         precision, slope = np.zeros((total, total)), np.zeros(total)
         locals_ = []
@@ -304,7 +301,7 @@ class GravityPart:
         def gradient(mean: Sequence[Array], covariance: Sequence[Array]) -> dict[str, float]:
             """Return derivatives of the log evidence by the logarithms of the noise."""
             setup = self.setup[trials]
-            along = inner_left @ h
+            along = inner_left[:, :, :2]
             trial_q, setup_q = np.zeros(chosen.size), np.zeros(2)
             scale = square - freedom
             for size in range(len(self.layout.sizes)):
