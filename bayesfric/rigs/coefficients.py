@@ -16,6 +16,7 @@ __all__ = [
     "SizeIndex",
     "coefficient_name",
     "coefficient_parameters",
+    "coefficient_units",
     "intercept_of",
     "law_of",
     "sizes_of",
@@ -36,6 +37,11 @@ NO_PULLEY = ""
 def coefficient_name(name: str, size: str) -> str:
     """Return what a coefficient is called: ``c1[small]``, or ``c1`` where there is no pulley."""
     return f"{name}[{size}]" if size != NO_PULLEY else name
+
+
+def coefficient_units(force_unit: str = "N") -> dict[str, str]:
+    """Return the unit of each coefficient where forces have a unit."""
+    return UNITS | {FORCE: force_unit}
 
 
 def sizes_of(names: Iterable[str]) -> tuple[str, ...]:
