@@ -166,9 +166,7 @@ def posterior_of(
     )
 
 
-def _over_forms(
-    model: LinearModel, one: Weighed, count: int, rng: np.random.Generator
-) -> Array:
+def _over_forms(model: LinearModel, one: Weighed, count: int, rng: np.random.Generator) -> Array:
     """Draw the numbers of a hypothesis over the shares by which its laws may be wrong, (S, p)."""
     weights = np.array(one.form_weights)
     counts = rng.multinomial(count, weights / weights.sum())
