@@ -37,9 +37,11 @@ from bayesfric.schemas.diagnosis import (
 )
 from bayesfric.schemas.fit import (
     Agreement,
+    AssemblyCheck,
     DataQuality,
     Excluded,
     FitFile,
+    OutlyingAssembly,
     ParameterSummary,
     PointEstimate,
     Prediction,
@@ -77,6 +79,7 @@ __all__ = [
     "SCHEMAS",
     "Absorbed",
     "Agreement",
+    "AssemblyCheck",
     "Axis",
     "CalibratedQuantity",
     "CalibrationCase",
@@ -108,6 +111,7 @@ __all__ = [
     "NextExperiment",
     "NyquistFan",
     "Oracle",
+    "OutlyingAssembly",
     "ParameterSummary",
     "PointEstimate",
     "Prediction",
