@@ -19,12 +19,13 @@ from bayesfric.diagnosis.classes import classes_of
 from bayesfric.diagnosis.climbing import climb, curvature_at
 from bayesfric.diagnosis.forms import other_forms
 from bayesfric.diagnosis.held_out import Arms, measure_gap
+from bayesfric.diagnosis.law import law_of_diagnosis
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.remainder import remainder_of
 from bayesfric.diagnosis.residuals import residuals_of
 from bayesfric.diagnosis.search import NONE, UNKNOWN, Search, compare, search
-from bayesfric.diagnosis.simulated import absorbed_by, own_law_of, simulator_used
+from bayesfric.diagnosis.simulated import own_law_of, simulator_used
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.stored import curves_of, gap_of
 from bayesfric.diagnosis.systematic import posterior_of
@@ -254,10 +255,11 @@ def _diagnose(
         present=told(present),
         possible=told(possible),
         scatter=model.named(settled.psi),
+        law=law_of_diagnosis(model, psi, posterior),
         unseparated=unseparated,
         absorbed=tuple(
             Absorbed(effect=one.effect, by=one.by, bias=one.bias, unit=one.unit)
-            for one in (absorbed_by(own, one, data.sizes[0]) for one in found.classes.absorbed)
+            for one in found.classes.absorbed
         ),
         remainder=remainder_of(
             model, found, best, float(np.median(posterior.gap)) / friction, left

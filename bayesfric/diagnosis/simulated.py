@@ -1,20 +1,15 @@
 """What a diagnosis says of a user's simulator that had the place of the law."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from bayesfric.diagnosis.acting import At
-from bayesfric.diagnosis.classes import AbsorbedEffect
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.inference.priors import describe
-from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.base import OwnLaw
-from bayesfric.rigs.coefficients import coefficient_name
 from bayesfric.rigs.data import Data
 from bayesfric.schemas import EffectNumber, SimulatorUsed
 
-__all__ = ["absorbed_by", "own_law_of", "simulator_used"]
+__all__ = ["own_law_of", "simulator_used"]
 
 FIVE = 1.6448536269514722  # standard deviations from the median to the 95th of 100
 
@@ -55,12 +50,3 @@ def simulator_used(own: OwnLaw | None, model: LinearModel, at: At) -> SimulatorU
             prior_density=one.prior,
         )
     return SimulatorUsed(name=own.law.name, calls=own.calls, parameters=found)
-
-
-def absorbed_by(own: OwnLaw | None, one: AbsorbedEffect, size: str) -> AbsorbedEffect:
-    """Return an absorbed effect with the simulator's own name of what absorbs it."""
-    if own is None:
-        return one
-    names = [coefficient_name(name, size) for name in Coefficients._fields]
-    by = dict(zip(names, own.parameters, strict=False)).get(one.by)
-    return one if by is None else replace(one, by=by.name, unit=by.unit)

@@ -47,6 +47,7 @@ Array = NDArray[np.float64]
 if TYPE_CHECKING:
     from bayesfric.effects.candidates import Candidate
     from bayesfric.rigs.linear import LinearRows
+    from bayesfric.rigs.own_design import OwnDesign
 
 Motion = Literal["accelerated", "steady"]
 """Whether a trial gathers speed along a path, or is one measurement at one speed."""
@@ -138,6 +139,10 @@ class Rig(Protocol):
     @property
     def paper(self) -> bool:
         """Whether it is one of the paper's own, which its protocols are for."""
+
+    @property
+    def own_design(self) -> "OwnDesign | None":
+        """What it is simulated with, where no protocol of the paper's lays it out; else None."""
 
     def trials(self, recording: Recording, *, exclude: bool = True) -> "RigTrials | None":
         """Return the trials of a recording that enter; None where it has none of this rig.
@@ -245,6 +250,9 @@ class RigTrials(Protocol):
     @property
     def unit(self) -> str:
         """Of its forces: N, or N·m where it turns."""
+
+    def law_numbers(self, size: str) -> tuple[tuple[str, str], ...]:
+        """Return name and unit of what stands for c1, c2 and c3 of a pulley size."""
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:

@@ -6,6 +6,7 @@ from bayesfric.analysis import PriorOverrides
 from bayesfric.effects import PULLEYS, Effect
 from bayesfric.physics.laws import VISCOUS, Baseline
 from bayesfric.rigs.base import OwnLaw, RigTrials, Unsupported
+from bayesfric.rigs.coefficients import coefficient_name, coefficient_units
 from bayesfric.simulators import SimulatorCalls
 
 __all__ = ["PulleyTrials"]
@@ -34,6 +35,11 @@ class PulleyTrials:
     def unit(self) -> str:
         """Newton."""
         return "N"
+
+    def law_numbers(self, size: str) -> tuple[tuple[str, str], ...]:
+        """Return c1, c2 and c3 of a pulley size, with their units."""
+        units = coefficient_units(self.unit)
+        return tuple((coefficient_name(name, size), unit) for name, unit in units.items())
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:

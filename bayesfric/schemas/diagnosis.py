@@ -17,6 +17,7 @@ __all__ = [
     "Gap",
     "GapRow",
     "Inclusion",
+    "LawNumber",
     "NextExperiment",
     "Remainder",
     "Shape",
@@ -75,6 +76,16 @@ class Inclusion(Record):
     )
     makes_a_gap: bool = Field(
         description="Whether a recalibrated law leaves a practical part of its force."
+    )
+
+
+class LawNumber(Record):
+    """A number of the friction law, given all data."""
+
+    unit: str = Field(description="SI, degrees for angles.")
+    before: Interval = Field(description="Of the law alone.")
+    after: Interval = Field(
+        description="Averaged over all hypotheses, what acts beside the law taken apart."
     )
 
 
@@ -261,6 +272,10 @@ class DiagnosisFile(Provenance):
     )
     scatter: dict[str, Number] = Field(
         default_factory=dict, description="Noise of every rig at its most probable, by name."
+    )
+    law: dict[str, LawNumber] = Field(
+        default_factory=dict,
+        description="Numbers of the law, by name, without and with what acts beside it.",
     )
     unseparated: tuple[Unseparated, ...] = Field(description="What cannot be told apart.")
     absorbed: tuple[Absorbed, ...] = Field(description="Effects that only move the baseline.")
