@@ -7,24 +7,40 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from bayesfric.analysis import Analysis, HalfNormal, LogNormal, Normal, Uniform
+    from bayesfric.analysis import Analysis
     from bayesfric.blind.running import run_blind
     from bayesfric.calibration.running import calibrate
     from bayesfric.comparing import compare
     from bayesfric.effects.base import Effect
     from bayesfric.errors import InputError
+    from bayesfric.families import (
+        Beta,
+        Gamma,
+        HalfCauchy,
+        HalfNormal,
+        LogNormal,
+        Normal,
+        StudentT,
+        TruncatedNormal,
+        Uniform,
+    )
     from bayesfric.notebook import check_claims, compute_margins, diagnose, fit, load
     from bayesfric.recording import Recording, read_recording, write_recording
     from bayesfric.simulate import simulate_recording
 
 __all__ = [
     "Analysis",
+    "Beta",
     "Effect",
+    "Gamma",
+    "HalfCauchy",
     "HalfNormal",
     "InputError",
     "LogNormal",
     "Normal",
     "Recording",
+    "StudentT",
+    "TruncatedNormal",
     "Uniform",
     "calibrate",
     "check_claims",
@@ -41,13 +57,18 @@ __all__ = [
 
 _HOMES = {
     "Analysis": "bayesfric.analysis",
+    "Beta": "bayesfric.families",
     "Effect": "bayesfric.effects.base",
-    "HalfNormal": "bayesfric.analysis",
+    "Gamma": "bayesfric.families",
+    "HalfCauchy": "bayesfric.families",
+    "HalfNormal": "bayesfric.families",
     "InputError": "bayesfric.errors",
-    "LogNormal": "bayesfric.analysis",
-    "Normal": "bayesfric.analysis",
+    "LogNormal": "bayesfric.families",
+    "Normal": "bayesfric.families",
     "Recording": "bayesfric.recording",
-    "Uniform": "bayesfric.analysis",
+    "StudentT": "bayesfric.families",
+    "TruncatedNormal": "bayesfric.families",
+    "Uniform": "bayesfric.families",
     "calibrate": "bayesfric.calibration.running",
     "check_claims": "bayesfric.notebook",
     "compare": "bayesfric.comparing",

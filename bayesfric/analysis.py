@@ -8,16 +8,35 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from bayesfric.errors import Fault, InputError
+from bayesfric.families import (
+    Beta,
+    Finite,
+    Gamma,
+    HalfCauchy,
+    HalfNormal,
+    LogNormal,
+    Normal,
+    Positive,
+    Prior,
+    PriorAboveZero,
+    Section,
+    StudentT,
+    TruncatedNormal,
+    Uniform,
+)
 from bayesfric.files import read_toml
 
 __all__ = [
     "Analysis",
+    "Beta",
     "CalibrationRules",
     "ClaimRules",
     "DiagnosisRules",
+    "Gamma",
+    "HalfCauchy",
     "HalfNormal",
     "HypothesisPriors",
     "LogNormal",
@@ -27,71 +46,16 @@ __all__ = [
     "Priors",
     "Sampler",
     "Scatter",
+    "StudentT",
+    "TruncatedNormal",
     "Uniform",
     "analysis_sha256",
     "checked_analysis",
     "read_analysis",
 ]
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Finite = Annotated[float, Field(allow_inf_nan=False)]
 
-
-class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class _Family(_Section):
-    """A density whose numbers may be given in their order, as in ``HalfNormal(0.05)``."""
-
-    def __init__(self, *numbers: float, **named: Any) -> None:
-        names = [name for name in type(self).model_fields if name != "family"]
-        if len(numbers) > len(names):
-            raise TypeError(f"{type(self).__name__} takes {len(names)} numbers: {names}")
-        super().__init__(**dict(zip(names, numbers, strict=False)), **named)
-
-
-class HalfNormal(_Family):
-    """Half-normal: values above zero, most of them below `scale`."""
-
-    family: Literal["half-normal"] = "half-normal"
-    scale: Positive = Field(description="Standard deviation of the normal that is folded at 0.")
-
-
-class LogNormal(_Family):
-    """Log-normal: values above zero around `median`."""
-
-    family: Literal["log-normal"] = "log-normal"
-    median: Positive = Field(description="Median, in the parameter's unit.")
-    sd_log: Positive = Field(description="Standard deviation of the natural logarithm.")
-
-
-class Normal(_Family):
-    """Normal: any sign."""
-
-    family: Literal["normal"] = "normal"
-    mean: Finite = Field(description="Mean, in the parameter's unit.")
-    sd: Positive = Field(description="Standard deviation, in the parameter's unit.")
-
-
-class Uniform(_Family):
-    """Uniform between two bounds."""
-
-    family: Literal["uniform"] = "uniform"
-    low: Finite = Field(description="Lower bound, in the parameter's unit.")
-    high: Finite = Field(description="Upper bound, above `low`.")
-
-    @model_validator(mode="after")
-    def _ordered(self) -> "Uniform":
-        if self.high <= self.low:
-            raise ValueError("a high above low")
-        return self
-
-
-Prior = Annotated[HalfNormal | LogNormal | Normal | Uniform, Field(discriminator="family")]
-
-
-class PriorOverrides(_Section):
+class PriorOverrides(Section):
     """Priors of one pulley size that differ from the rest."""
 
     c1: Prior | None = Field(None, description="Prior of c1 for this size [-].")
@@ -99,7 +63,7 @@ class PriorOverrides(_Section):
     c3: Prior | None = Field(None, description="Prior of c3 for this size [1/deg].")
 
 
-class Priors(_Section):
+class Priors(Section):
     """Prior densities; all proper, normalised and part of the evidence.
 
     The defaults are argued from what a cable on a rolling pulley could do, not
@@ -126,35 +90,41 @@ class Priors(_Section):
     c1: Prior = Field(HalfNormal(scale=0.05), description="Friction per tension and pulley [-].")
     c2: Prior = Field(HalfNormal(scale=0.2), description="Constant friction a pulley [N].")
     c3: Prior = Field(Normal(mean=0.0, sd=1e-3), description="Change of c1 with wrap [1/deg].")
-    tau: Prior = Field(HalfNormal(scale=0.05), description="Relative friction scatter a trial [-].")
-    omega: Prior = Field(
+    tau: PriorAboveZero = Field(
+        HalfNormal(scale=0.05), description="Relative friction scatter a trial [-]."
+    )
+    omega: PriorAboveZero = Field(
         HalfNormal(scale=0.05), description="Relative friction scatter an assembly [-]."
     )
-    omega_intercept: Prior = Field(
+    omega_intercept: PriorAboveZero = Field(
         HalfNormal(scale=0.05),
         description="Relative scatter of c2 an assembly, beside that of all friction [-].",
     )
-    wander: Prior = Field(
+    wander: PriorAboveZero = Field(
         HalfNormal(scale=0.02),
         description="Relative rms of friction that wanders along the travel of a trial [-].",
     )
-    wander_length: Prior = Field(
+    wander_length: PriorAboveZero = Field(
         LogNormal(median=0.1, sd_log=0.5), description="Correlation length of the wander [m]."
     )
-    sigma_x: Prior = Field(HalfNormal(scale=1e-4), description="Position error of an event [m].")
-    sigma_t: Prior = Field(HalfNormal(scale=1e-4), description="Clock error of an event [s].")
-    sigma_a: Prior = Field(
+    sigma_x: PriorAboveZero = Field(
+        HalfNormal(scale=1e-4), description="Position error of an event [m]."
+    )
+    sigma_t: PriorAboveZero = Field(
+        HalfNormal(scale=1e-4), description="Clock error of an event [s]."
+    )
+    sigma_a: PriorAboveZero = Field(
         HalfNormal(scale=0.05),
         description="Error of an acceleration that comes without its standard error [m/s²].",
     )
-    tau_motor: Prior = Field(
+    tau_motor: PriorAboveZero = Field(
         HalfNormal(scale=0.05), description="Relative friction scatter of a motor run [-]."
     )
-    omega_motor: Prior = Field(
+    omega_motor: PriorAboveZero = Field(
         HalfNormal(scale=0.05),
         description="Relative friction scatter of an assembly of the motor board [-].",
     )
-    omega_intercept_motor: Prior = Field(
+    omega_intercept_motor: PriorAboveZero = Field(
         HalfNormal(scale=0.05),
         description="Relative scatter of c2 an assembly of the motor board, beside that of all "
         "friction [-].",
@@ -162,13 +132,13 @@ class Priors(_Section):
     torque_constant_factor: Prior = Field(
         Normal(mean=1.0, sd=0.05), description="Torque constant over the specified one [-]."
     )
-    sigma_current: Prior = Field(
+    sigma_current: PriorAboveZero = Field(
         HalfNormal(scale=0.02), description="Noise of a current without load [A]."
     )
-    load_noise: Prior = Field(
+    load_noise: PriorAboveZero = Field(
         HalfNormal(scale=0.02), description="Noise of a current per load current [-]."
     )
-    sigma_friction: Prior | None = Field(
+    sigma_friction: PriorAboveZero | None = Field(
         None,
         description="Error of a friction reading that comes without its standard error [N]. "
         "Absent: half-normal with a twentieth of the machine's rms friction.",
@@ -181,13 +151,13 @@ class Priors(_Section):
     first_speed: HalfNormal = Field(
         HalfNormal(scale=1.0), description="Speed at the first event of a trial [m/s]."
     )
-    axial_stiffness_n: Prior = Field(
+    axial_stiffness_n: PriorAboveZero = Field(
         LogNormal(median=15e3, sd_log=0.2), description="Axial stiffness EA of the cable [N]."
     )
-    cable_length_m: Prior = Field(
+    cable_length_m: PriorAboveZero = Field(
         LogNormal(median=1.6, sd_log=0.2), description="Cable between the two masses [m]."
     )
-    damping_ratio: Prior = Field(
+    damping_ratio: PriorAboveZero = Field(
         LogNormal(median=0.05, sd_log=0.7),
         description="Damping of the masses ringing on the cable, over the critical [-].",
     )
@@ -209,7 +179,7 @@ class Priors(_Section):
     )
 
 
-class Scatter(_Section):
+class Scatter(Section):
     """How friction scatters from trial to trial and from assembly to assembly."""
 
     by_size: bool = Field(False, description="A tau and an omega for each size, instead of one.")
@@ -221,7 +191,7 @@ class Scatter(_Section):
     )
 
 
-class Sampler(_Section):
+class Sampler(Section):
     """Settings of the ensemble sampler."""
 
     ensembles: Annotated[int, Field(ge=4, le=64)] = Field(
@@ -260,7 +230,7 @@ class Sampler(_Section):
 Share = Annotated[float, Field(gt=0, lt=1)]
 
 
-class ClaimRules(_Section):
+class ClaimRules(Section):
     """When a claim is supported, refuted, or neither.
 
     A claim that has rivals is refuted where the Bayes factor, the size of the effect and
@@ -312,7 +282,7 @@ class ClaimRules(_Section):
     )
 
 
-class HypothesisPriors(_Section):
+class HypothesisPriors(Section):
     """Prior probabilities of hypotheses by number of effects, shared equally within a number."""
 
     none: Share = Field(0.5, description="That nothing acts beside the baseline.")
@@ -329,7 +299,7 @@ class HypothesisPriors(_Section):
         return self
 
 
-class DiagnosisRules(_Section):
+class DiagnosisRules(Section):
     """What counts as a gap between simulation and reality, and what is expected beforehand."""
 
     practical_share: Share = Field(
@@ -350,7 +320,7 @@ class DiagnosisRules(_Section):
     )
 
 
-class CalibrationRules(_Section):
+class CalibrationRules(Section):
     """What simulation-based calibration draws its recordings from, and fits them with.
 
     Coefficients lie around Table I, scatter and noise around the values here: within `spread`,
@@ -376,7 +346,7 @@ class CalibrationRules(_Section):
     )
 
 
-class Analysis(_Section):
+class Analysis(Section):
     """The whole of ``analysis.toml``; every key has a default."""
 
     seed: Annotated[int, Field(ge=0, lt=2**63)] = Field(

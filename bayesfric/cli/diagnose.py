@@ -1,5 +1,7 @@
 """``bayesfric diagnose``: where the simulation misses, why, and how far that shrinks."""
 
+from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -7,7 +9,7 @@ import typer
 
 from bayesfric.cli.exits import exit_status, fail_on, failures_of
 from bayesfric.cli.locks import hold
-from bayesfric.cli.options import Baseline, Config, FailOn, Folder, Quiet, Seed
+from bayesfric.cli.options import Baseline, Config, FailOn, Folder, Quiet, Seed, Workers
 from bayesfric.cli.printing import say
 
 if TYPE_CHECKING:
@@ -33,6 +35,15 @@ def diagnose(
         list[Path] | None,
         typer.Option("--effect-module", help="A Python file with an EFFECT of your own."),
     ] = None,
+    simulator: Annotated[
+        str | None,
+        typer.Option(
+            "--simulator",
+            help="A simulator of your own in the place of the law: module:object, with "
+            "parameters and predict(run, theta, extra_force=None).",
+        ),
+    ] = None,
+    workers: Workers = 2,
     seed: Seed = None,
     config: Config = None,
     quiet: Quiet = False,
@@ -54,6 +65,8 @@ def diagnose(
             shipped=shipped,
             fixed=fixed,
             effect_modules=effect_module,
+            simulator=simulator,
+            workers=workers,
             quiet=quiet,
         )
     fail_on(fail_on_list, happened)
@@ -68,9 +81,12 @@ def diagnose_into(
     shipped: Path | None = None,
     fixed: str = "",
     effect_modules: list[Path] | None = None,
+    simulator: str | None = None,
+    workers: int = 1,
     quiet: bool,
 ) -> set[str]:
     """Diagnose, write and print; return what happened that ``--fail-on`` can name."""
+    from bayesfric.campaign import processes
     from bayesfric.diagnosis import diagnose as diagnose_recording
     from bayesfric.effects import effect_of_file
     from bayesfric.recording import read_recording
@@ -81,14 +97,18 @@ def diagnose_into(
     found = read_recording(recording)
     if not quiet:
         say("weighing the effects that the baseline leaves out", err=True)
-    diagnosed = diagnose_recording(
-        found,
-        analysis,
-        fixed=[name.strip() for name in fixed.split(",") if name.strip()],
-        effects=effects,
-        shipped=None if shipped is None else fitted_coefficients(shipped),
-        baseline=baseline,
-    )
+    with processes(workers) if simulator is not None else nullcontext() as executor:
+        diagnosed = diagnose_recording(
+            found,
+            analysis,
+            fixed=[name.strip() for name in fixed.split(",") if name.strip()],
+            effects=effects,
+            shipped=None if shipped is None else fitted_coefficients(shipped),
+            baseline=baseline,
+            simulator=simulator,
+            executor=executor,
+            announce=None if quiet else partial(say, err=True),
+        )
     diagnosed.write(output)
     summary = diagnosed.summary
     say(f"{summary.verdict}: {summary.sentence}")

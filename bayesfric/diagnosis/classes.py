@@ -10,9 +10,7 @@ from scipy.interpolate import make_interp_spline
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.effects.candidates import SHAPE_NODES, prior_moments
 from bayesfric.inference.information import Information
-from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.coefficients import coefficient_name
 from bayesfric.rigs.layout import COEFFICIENTS
 
 __all__ = ["AbsorbedEffect", "Classes", "classes_of"]
@@ -154,8 +152,8 @@ def _absorbed(
     size = model.layout.sizes[most // model.layout.own]
     column = most % model.layout.own
     bias = float(moved[most] * model.scales[column])
-    unit = ("1", "N", "1/deg")[column]
-    return AbsorbedEffect(name, coefficient_name(Coefficients._fields[column], size), bias, unit)
+    by, unit = model.data.law_numbers(size)[column]
+    return AbsorbedEffect(name, by, bias, unit)
 
 
 def _alias(

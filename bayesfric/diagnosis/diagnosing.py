@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Collection, Mapping
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -18,11 +19,13 @@ from bayesfric.diagnosis.classes import classes_of
 from bayesfric.diagnosis.climbing import climb, curvature_at
 from bayesfric.diagnosis.forms import other_forms
 from bayesfric.diagnosis.held_out import Arms, measure_gap
+from bayesfric.diagnosis.law import law_of_diagnosis
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.remainder import remainder_of
 from bayesfric.diagnosis.residuals import residuals_of
 from bayesfric.diagnosis.search import NONE, UNKNOWN, Search, compare, search
+from bayesfric.diagnosis.simulated import own_law_of, simulator_used
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.stored import curves_of, gap_of
 from bayesfric.diagnosis.systematic import posterior_of
@@ -47,8 +50,9 @@ from bayesfric.results import identified, json_bytes, provenance, replace_output
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.coefficients import coefficient_name, law_of
 from bayesfric.rigs.data import Data
-from bayesfric.rigs.opening import baseline_of, with_own_priors
+from bayesfric.rigs.opening import beside_simulator, diagnosed_law, with_own_priors
 from bayesfric.schemas import Absorbed, Cause, DiagnosisFile, ExaminedEffect, RecordingId
+from bayesfric.simulators import Simulator, SimulatorCalls
 
 __all__ = ["Diagnosed", "diagnose"]
 
@@ -107,6 +111,9 @@ def diagnose(
     effects: Collection[Effect] = (),
     shipped: Mapping[str, Coefficients] | None = None,
     baseline: str = "paper",
+    simulator: Simulator | str | None = None,
+    executor: Executor | None = None,
+    announce: Callable[[str], None] | None = None,
 ) -> Diagnosed:
     """Diagnose the gap between a friction law and a recording.
 
@@ -125,6 +132,13 @@ def diagnose(
         The simulator's values as it was shipped, by pulley size; None is Table I.
     baseline : str
         The friction law, a name in :data:`bayesfric.physics.laws.BASELINES`.
+    simulator : Simulator, str or None
+        A simulator of the user's own in the place of the law: an object, or
+        ``module:object``; see :class:`bayesfric.simulators.Simulator`.
+    executor : Executor or None
+        Over which calls of the simulator are spread; None makes one after another.
+    announce : callable or None
+        Is told how many calls of the simulator are coming.
 
     Returns
     -------
@@ -134,13 +148,16 @@ def diagnose(
     Raises
     ------
     InputError
-        There is no rig to diagnose, the law is unknown, or a fixed coefficient is unknown
-        or has no value.
+        There is no rig to diagnose, the law is unknown, a fixed coefficient is unknown
+        or has no value, or a simulator cannot be called.
     """
     began = time.perf_counter()
     analysis = Analysis() if analysis is None else analysis
+    calls = None
+    if simulator is not None:
+        calls = SimulatorCalls(simulator, executor=executor, announce=announce)
     with threadpool_limits(limits=1):
-        summary, curves = _diagnose(recording, analysis, fixed, effects, shipped, baseline)
+        summary, curves = _diagnose(recording, analysis, fixed, effects, shipped, baseline, calls)
     return Diagnosed(identified(summary), curves, time.perf_counter() - began)
 
 
@@ -151,8 +168,10 @@ def _diagnose(
     effects: Collection[Effect],
     shipped: Mapping[str, Coefficients] | None,
     baseline: str,
+    simulator: SimulatorCalls | None,
 ) -> tuple[DiagnosisFile, xr.DataTree]:
-    data, law = _data(recording, baseline)
+    data, law = _data(recording, baseline, simulator)
+    own = own_law_of(data)
     asked, analysis = analysis, with_own_priors(analysis, data.rigs)
     practical = analysis.diagnosis.practical_share
     if shipped is None:
@@ -216,7 +235,8 @@ def _diagnose(
     summary = DiagnosisFile(
         **attributes.model_dump(),
         rigs=tuple(one.rig.name for one in data.rigs),
-        baseline=baseline,
+        baseline=law.name,
+        simulator=simulator_used(own, model, settled),
         fixed=tuple(sorted(held)),
         stray_trials=stray,
         practical_share=practical,
@@ -235,6 +255,7 @@ def _diagnose(
         present=told(present),
         possible=told(possible),
         scatter=model.named(settled.psi),
+        law=law_of_diagnosis(model, psi, posterior),
         unseparated=unseparated,
         absorbed=tuple(
             Absorbed(effect=one.effect, by=one.by, bias=one.bias, unit=one.unit)
@@ -253,10 +274,14 @@ def _diagnose(
     return summary, curves_of(held_out, amplitudes, posterior.law)
 
 
-def _data(recording: Recording, baseline: str) -> tuple[Data, Baseline]:
+def _data(
+    recording: Recording, baseline: str, simulator: SimulatorCalls | None
+) -> tuple[Data, Baseline]:
     opened = [rig.trials(recording) for rig in all_rigs().values()]
     there = [one for one in opened if one is not None]
-    law = baseline_of(baseline, there)
+    if simulator is not None:
+        there = beside_simulator(there, simulator)
+    law = diagnosed_law(baseline, there)
     rigs = tuple(one.under(law).entering() for one in there)
     data = Data(tuple(one for one in rigs if not one.table.empty))
     if not data.rigs:
@@ -292,13 +317,11 @@ def _widened(effect: Effect, analysis: Analysis) -> Effect:
     prior = effect.amplitude.prior
     if factor == 1.0:
         return effect
-    key = {"half-normal": "scale", "normal": "sd", "log-normal": "sd_log"}.get(prior.family)
-    if key is None:
+    if prior.width is None:
         raise InputError(
             [Fault("analysis.toml", "an effect whose prior has a width", column=effect.name)]
         )
-    wider = prior.model_copy(update={key: factor * getattr(prior, key)})
-    return replace(effect, amplitude=replace(effect.amplitude, prior=wider))
+    return replace(effect, amplitude=replace(effect.amplitude, prior=prior.widened(factor)))
 
 
 def _baseline(

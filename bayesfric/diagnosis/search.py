@@ -256,8 +256,8 @@ def compare(model: LinearModel, first: Search) -> Search:
                 forms=FORM_SHARES,
             )
         best = result.best()
-    # What was screened keeps its distance from the leader's own parts.
-    level = best.log_evidence - first.weighed.get(best.label, first.best()).log_evidence
+    # What was screened keeps its distance from what led then, as that is weighed now.
+    level = result.weighed[leader.label].log_evidence - leader.log_evidence
     rough = {
         name: value + min(level, 0.0)
         for name, value in (

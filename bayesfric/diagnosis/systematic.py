@@ -16,7 +16,7 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.refitted import RefittedLaw
 from bayesfric.diagnosis.residuals import Residuals, spread_numbers
 from bayesfric.diagnosis.search import NONE, UNKNOWN, Search
-from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed
 from bayesfric.effects.candidates import is_positive
 from bayesfric.schemas import Interval
 
@@ -106,7 +106,10 @@ def posterior_of(
             at = search.unknown.at
             one = replace(one, acting=search.unknown.acting, at=at)
         own = model.full if name == UNKNOWN else model
-        drawn = _numbers(own, one, at, int(count), rng)
+        if name == UNKNOWN:
+            drawn = _numbers(own, one, at, int(count), rng)
+        else:
+            drawn = _over_forms(own, one, int(count), rng)
         acting = one.acting
         places = own.places(len(acting.laws))
         local = spread_numbers(own, drawn, own.mixing(acting))
@@ -161,6 +164,19 @@ def posterior_of(
         {name: np.concatenate(values) for name, values in shapes.items()},
         refitted,
     )
+
+
+def _over_forms(model: LinearModel, one: Weighed, count: int, rng: np.random.Generator) -> Array:
+    """Draw the numbers of a hypothesis over the shares by which its laws may be wrong, (S, p)."""
+    weights = np.array(one.form_weights)
+    counts = rng.multinomial(count, weights / weights.sum())
+    drawn = []
+    for share, number in zip(FORM_SHARES, counts, strict=False):
+        if number:
+            form = dict.fromkeys(one.names, share)
+            at = model.evaluate(one.at.psi, one.acting, None, form)
+            drawn.append(_numbers(model, one, at, int(number), rng))
+    return np.concatenate(drawn)
 
 
 def _numbers(
@@ -256,15 +272,23 @@ def left_of(residuals: Residuals, posterior: Posterior, taken: Array) -> Array:
 
     Parameters
     ----------
-    residuals, posterior, taken
-        As of :func:`shrink_of`.
+    residuals : Residuals
+        For the weights.
+    posterior : Posterior
+        Draws of the gap.
+    taken : ndarray, shape (R,) or (R, S)
+        What is predicted of it, the law recalibrated [N].
     """
-    left = residuals.weight @ (posterior.force - taken[:, None]) ** 2
+    taken = taken.reshape(len(taken), -1)
+    left = residuals.weight @ (posterior.force - taken) ** 2
     return np.asarray(left + posterior.hidden2)
 
 
-def shrink_of(residuals: Residuals, posterior: Posterior, taken: Array) -> Array | None:
-    """Return draws of the part of the squared gap that a force takes away.
+def shrink_of(residuals: Residuals, posterior: Posterior, columns: Array) -> Array | None:
+    """Return draws of the part of the squared gap that causes take away.
+
+    In each draw they have the amplitudes that take most of it: what their laws cannot have is
+    left, and what phases hide. That amplitudes are known with an error shows in held-out data.
 
     Parameters
     ----------
@@ -272,10 +296,12 @@ def shrink_of(residuals: Residuals, posterior: Posterior, taken: Array) -> Array
         For the weights.
     posterior : Posterior
         Draws of the gap.
-    taken : ndarray, shape (R,)
-        What is predicted of it, the law recalibrated [N].
+    columns : ndarray, shape (R, k)
+        Force of each cause at amplitude 1, the law recalibrated [N].
     """
-    whole, left = posterior.gap**2, left_of(residuals, posterior, taken)
+    root = np.sqrt(residuals.weight)[:, None]
+    amplitudes = np.linalg.lstsq(root * columns, root * posterior.force, rcond=None)[0]
+    whole, left = posterior.gap**2, left_of(residuals, posterior, columns @ amplitudes)
     there = whole > (SMALLEST * residuals.friction_rms) ** 2
     return np.asarray(1 - left[there] / whole[there]) if there.any() else None
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm
 
-from bayesfric.analysis import HalfNormal, LogNormal, Normal, Prior
+from bayesfric.analysis import HalfCauchy, HalfNormal, LogNormal, Normal, Prior, Uniform
 from bayesfric.effects import Effect
 from bayesfric.inference.priors import from_normal
 
@@ -102,7 +102,9 @@ def unit_values(candidate: Candidate) -> tuple[Mapping[str, Any], float]:
 def prior_moments(prior: Prior) -> tuple[float, float]:
     """Return mean and standard deviation of the normal that stands for a prior.
 
-    That of a half-normal is the normal that is folded; :func:`is_positive` says so.
+    That of a half-normal is the normal that is folded; :func:`is_positive` says so. A
+    half-Cauchy density is the half-normal of its median, and a Student-t, gamma, beta or
+    truncated one the normal of its median and of its interval of 68 %.
     """
     match prior:
         case HalfNormal(scale=scale):
@@ -111,13 +113,18 @@ def prior_moments(prior: Prior) -> tuple[float, float]:
             return mean, sd
         case LogNormal(median=median, sd_log=sd):
             return median * float(np.exp(sd**2 / 2)), median * sd
+        case Uniform(low=low, high=high):
+            return (low + high) / 2, (high - low) / float(np.sqrt(12))
+        case HalfCauchy(scale=scale):
+            return 0.0, scale / float(norm.ppf(0.75))
         case _:
-            return (prior.low + prior.high) / 2, (prior.high - prior.low) / np.sqrt(12)
+            low, middle, high = from_normal(prior, [-1.0, 0.0, 1.0])
+            return float(middle), float(high - low) / 2
 
 
 def is_positive(prior: Prior) -> bool:
-    """Return whether a prior is a folded normal."""
-    return isinstance(prior, HalfNormal)
+    """Return whether a prior is a folded normal, or has one in its place."""
+    return isinstance(prior, HalfNormal | HalfCauchy)
 
 
 def goes_to_and_fro(effect: Effect) -> bool:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline, make_interp_spline
 
 from bayesfric.effects import Effect, State
-from bayesfric.inference.priors import Parameter, from_normal, prior_sd, to_normal
+from bayesfric.inference.priors import Parameter, from_normal, prior_width, to_normal
 
 __all__ = [
     "ActiveEffect",
@@ -67,7 +67,9 @@ def parameters_of(active: ActiveEffect) -> tuple[Parameter, ...]:
 def small_values(effect: Effect) -> dict[str, Any]:
     """Return a small amplitude and the median shape by their own names."""
     amplitude, shape = effect.amplitude, effect.shape
-    values: dict[str, Any] = {amplitude.name: np.float64(START_SHARE * prior_sd(amplitude.prior))}
+    values: dict[str, Any] = {
+        amplitude.name: np.float64(START_SHARE * prior_width(amplitude.prior))
+    }
     if shape is not None:
         values[shape.name] = np.float64(from_normal(shape.prior, 0.0))
     return values

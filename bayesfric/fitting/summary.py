@@ -29,6 +29,7 @@ __all__ = ["summarise", "summarise_without_exclusions"]
 
 Array = NDArray[np.float64]
 COEFFICIENTS = ("c1", "c2", "c3")
+NO_SD = "the prior has no standard deviation"
 Summary = TypeVar("Summary", bound=Interval)
 NOT_UNIFORM = 0.01  # p below which a reader must know; one sound recording in a hundred has it
 
@@ -152,6 +153,7 @@ def _of_kind(
 def _parameter(
     parameter: Parameter, draws: Array, figures: Convergence, informed: bool
 ) -> ParameterSummary:
+    sd = prior_sd(parameter.prior)
     return ParameterSummary(
         **_interval(draws).model_dump(),
         unit=parameter.unit,
@@ -161,7 +163,8 @@ def _parameter(
         ess_tail=figures.ess_tail,
         r_hat=figures.r_hat,
         r_hat_walkers=figures.r_hat_walkers,
-        contraction=1 - float(draws.std()) / prior_sd(parameter.prior),
+        contraction=1 - float(draws.std()) / sd if np.isfinite(sd) else None,
+        contraction_why=None if np.isfinite(sd) else NO_SD,
         informed=informed,
     )
 

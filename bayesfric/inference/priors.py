@@ -6,13 +6,26 @@ bounds are at infinity, and a scale that may vanish has no long tail.
 """
 
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import special, stats
 
-from bayesfric.analysis import HalfNormal, LogNormal, Normal, Prior, Uniform
+from bayesfric.families import (
+    Beta,
+    Gamma,
+    HalfCauchy,
+    HalfNormal,
+    LogNormal,
+    Normal,
+    Prior,
+    StudentT,
+    TruncatedNormal,
+    Uniform,
+)
+from bayesfric.inference.tails import from_tails, to_tails
 
 __all__ = [
     "Kind",
@@ -22,6 +35,7 @@ __all__ = [
     "from_normal",
     "log_density",
     "prior_sd",
+    "prior_width",
     "quantile",
     "to_normal",
 ]
@@ -86,6 +100,8 @@ def log_density(prior: Prior, value: ArrayLike) -> NDArray[np.float64]:
             case Uniform(low=low, high=high):
                 density = np.full_like(x, -np.log(high - low))
                 inside = (x >= low) & (x <= high)
+            case _:
+                return np.asarray(_frozen(prior).logpdf(x), dtype=np.float64)
     return np.where(inside, density, -np.inf)
 
 
@@ -128,6 +144,10 @@ def from_normal(prior: Prior, z: ArrayLike) -> NDArray[np.float64]:
             return np.asarray(mean + sd * z)
         case Uniform(low=lowest, high=highest):
             return np.asarray(lowest + (highest - lowest) * special.ndtr(z))
+        case _:
+            tail = special.ndtr(-np.abs(z))
+            low, high = from_tails(prior, tail, tail)
+            return np.asarray(np.where(z < 0, low, high))
 
 
 def to_normal(prior: Prior, value: ArrayLike) -> NDArray[np.float64]:
@@ -155,11 +175,22 @@ def to_normal(prior: Prior, value: ArrayLike) -> NDArray[np.float64]:
             return np.asarray((x - mean) / sd)
         case Uniform(low=lowest, high=highest):
             return np.asarray(special.ndtri(np.clip((x - lowest) / (highest - lowest), 0.0, 1.0)))
+        case _:
+            below, above = to_tails(prior, x)
+            return np.asarray(np.where(below < above, special.ndtri(below), -special.ndtri(above)))
 
 
 def prior_sd(prior: Prior) -> float:
-    """Return the standard deviation of a prior."""
-    return float(_frozen(prior).std())
+    """Return the standard deviation of a prior; infinite where it has none."""
+    sd = float(_frozen(prior).std())
+    return sd if np.isfinite(sd) else np.inf
+
+
+def prior_width(prior: Prior) -> float:
+    """Return the standard deviation of a prior, or half its interval of 68 % where it has none."""
+    sd = prior_sd(prior)
+    low, high = from_normal(prior, [-1.0, 1.0])
+    return sd if np.isfinite(sd) else float(high - low) / 2
 
 
 def draw(prior: Prior, size: int, rng: np.random.Generator) -> NDArray[np.float64]:
@@ -167,6 +198,7 @@ def draw(prior: Prior, size: int, rng: np.random.Generator) -> NDArray[np.float6
     return quantile(prior, rng.uniform(size=size))
 
 
+@cache
 def _frozen(prior: Prior) -> Any:
     match prior:
         case HalfNormal(scale=scale):
@@ -177,9 +209,20 @@ def _frozen(prior: Prior) -> Any:
             return stats.norm(mean, sd)
         case Uniform(low=low, high=high):
             return stats.uniform(low, high - low)
+        case StudentT(degrees_of_freedom=freedom, location=location, scale=scale):
+            return stats.t(freedom, location, scale)
+        case HalfCauchy(scale=scale):
+            return stats.halfcauchy(scale=scale)
+        case Gamma(shape=shape, scale=scale):
+            return stats.gamma(shape, scale=scale)
+        case Beta(a=a, b=b, high=high):
+            return stats.beta(a, b, scale=high)
+        case TruncatedNormal(mean=mean, sd=sd, low=lowest, high=highest):
+            ends = (-np.inf if lowest is None else lowest, np.inf if highest is None else highest)
+            return stats.truncnorm(*((end - mean) / sd for end in ends), mean, sd)
 
 
 def describe(prior: Prior) -> str:
     """Return a prior in words, as in ``half-normal(scale=0.05)``."""
-    numbers = prior.model_dump(exclude={"family"})
+    numbers = prior.model_dump(exclude={"family"}, exclude_none=True)
     return f"{prior.family}({', '.join(f'{key}={value:g}' for key, value in numbers.items())})"

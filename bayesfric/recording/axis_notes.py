@@ -1,15 +1,15 @@
 """What of a single axis' log is read and then not used."""
 
-from bayesfric.recording.tables import Axis
+from bayesfric.recording.tables import Axis, RigConstants
 
 __all__ = ["notes_on_axis"]
 
 
-def notes_on_axis(axis: Axis) -> tuple[str, ...]:
+def notes_on_axis(axis: Axis, rig: RigConstants) -> tuple[str, ...]:
     """Return a sentence for each column that no verb uses."""
-    if "sim_position_m" not in axis.samples or "sim_force_n" in axis.samples:
+    if "sim_position_m" not in axis.samples or rig.moving_mass_kg is not None:
         return ()
     return (
-        "axis_samples.csv: sim_position_m is checked and not used: the baseline is the law of the "
-        "package, unless sim_force_n has the force that your simulator needs for the same motion",
+        "axis_samples.csv: sim_position_m is checked and not used: it takes rig.moving_mass_kg, "
+        "the mass that your simulator moves, to make a force of a path",
     )

@@ -115,7 +115,7 @@ def assemble(load: Load, in_folder: Collection[str] = ()) -> Recording:
         if recording.steady is not None:
             notes += notes_on_signs(recording.steady)
         if recording.axis is not None:
-            notes += notes_on_axis(recording.axis)
+            notes += notes_on_axis(recording.axis, recording.rig)
         return replace(recording, notes=(*notes, *notes_on_range(recording)))
 
 

@@ -18,6 +18,7 @@ from bayesfric.analysis import Analysis, PriorOverrides
 from bayesfric.effects import Effect
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.inference.model import RigLikelihood
+from bayesfric.inference.priors import Parameter
 from bayesfric.physics.compliant import Cable
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, Baseline
@@ -27,9 +28,11 @@ from bayesfric.rigs.protocols import Protocol as Design
 from bayesfric.rigs.remaking import Remade
 from bayesfric.rigs.truth import Truth
 from bayesfric.schemas import PointEstimate
+from bayesfric.simulators import SimulatorCalls
 
 __all__ = [
     "Motion",
+    "OwnLaw",
     "Predictive",
     "Resting",
     "Rig",
@@ -44,6 +47,7 @@ Array = NDArray[np.float64]
 if TYPE_CHECKING:
     from bayesfric.effects.candidates import Candidate
     from bayesfric.rigs.linear import LinearRows
+    from bayesfric.rigs.own_design import OwnDesign
 
 Motion = Literal["accelerated", "steady"]
 """Whether a trial gathers speed along a path, or is one measurement at one speed."""
@@ -94,6 +98,25 @@ class Words:
     law: str = ""
 
 
+@dataclass(frozen=True)
+class OwnLaw:
+    """A user's simulator in the place of a law, in a diagnosis.
+
+    Parameters
+    ----------
+    law : Baseline
+        By the simulator's name, without the coefficients that it has no parameter for.
+    parameters : tuple of Parameter
+        In the places of c1, c2 and c3.
+    calls : int
+        Of the simulator; 0 of what it left in a recording.
+    """
+
+    law: Baseline
+    parameters: tuple[Parameter, ...]
+    calls: int
+
+
 class Rig(Protocol):
     """A kind of rig: a folder of this room offers one as ``RIG``."""
 
@@ -116,6 +139,10 @@ class Rig(Protocol):
     @property
     def paper(self) -> bool:
         """Whether it is one of the paper's own, which its protocols are for."""
+
+    @property
+    def own_design(self) -> "OwnDesign | None":
+        """What it is simulated with, where no protocol of the paper's lays it out; else None."""
 
     def trials(self, recording: Recording, *, exclude: bool = True) -> "RigTrials | None":
         """Return the trials of a recording that enter; None where it has none of this rig.
@@ -224,12 +251,22 @@ class RigTrials(Protocol):
     def unit(self) -> str:
         """Of its forces: N, or N·m where it turns."""
 
+    def law_numbers(self, size: str) -> tuple[tuple[str, str], ...]:
+        """Return name and unit of what stands for c1, c2 and c3 of a pulley size."""
+
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
         """Priors of its law in its own measures, by size; empty where those of all do."""
 
     def suited(self, effect: Effect) -> Effect:
         """Return an effect in the rig's words, with priors in its own measures."""
+
+    @property
+    def own_law(self) -> "OwnLaw | None":
+        """What has the place of a law in a diagnosis: a user's simulator; None without one."""
+
+    def beside(self, simulator: SimulatorCalls) -> "RigTrials | Unsupported":
+        """Return the trials beside a user's simulator of them, or why there can be none."""
 
     def under(self, law: Baseline) -> "RigTrials":
         """Return the same trials, which a diagnosis makes linear around another law."""

@@ -29,6 +29,11 @@ class Data:
         """Of a force: that of the first rig."""
         return self.rigs[0].unit
 
+    def law_numbers(self, size: str) -> tuple[tuple[str, str], ...]:
+        """Return name and unit of each coefficient of a size, as the first rig with it has them."""
+        first = next(one for one in self.rigs if (one.table["pulley_size"] == size).any())
+        return first.law_numbers(size)
+
     def of_size(self, size: str) -> "Data":
         """Return the trials of one pulley size; a rig without any is left out."""
         chosen = (one.select(one.table["pulley_size"] == size) for one in self.rigs)

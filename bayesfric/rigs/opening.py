@@ -8,17 +8,21 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs import all_rigs
-from bayesfric.rigs.base import RigTrials
+from bayesfric.rigs.base import RigTrials, Unsupported
+from bayesfric.simulators import SimulatorCalls
 
 __all__ = [
     "baseline_of",
+    "beside_simulator",
     "calibrating",
     "chosen_rigs",
+    "diagnosed_law",
     "open_rigs",
     "rigs_with_trials",
     "with_own_priors",
 ]
 
+DEFAULT = "paper"  # the law where none is asked for
 COEFFICIENTS = set(Coefficients._fields)
 
 
@@ -99,6 +103,63 @@ def rigs_with_trials(recording: Recording) -> dict[str, RigTrials]:
         if entering is not None:
             found[name] = entering
     return found
+
+
+def beside_simulator(rigs: Sequence[RigTrials], simulator: SimulatorCalls) -> list[RigTrials]:
+    """Return trials beside a user's simulator of them.
+
+    Parameters
+    ----------
+    rigs : sequence of RigTrials
+        Of a recording.
+    simulator : SimulatorCalls
+        The user's.
+
+    Raises
+    ------
+    InputError
+        A rig cannot be simulated so, or the simulator fails.
+    """
+    found, faults = [], []
+    for one in rigs:
+        beside = one.beside(simulator)
+        if isinstance(beside, Unsupported):
+            faults.append(
+                Fault("--simulator", f"no {one.rig.words.rig} in the recording: {beside.reason}")
+            )
+        else:
+            found.append(beside)
+    if faults:
+        raise InputError(faults)
+    return found
+
+
+def diagnosed_law(name: str, rigs: Sequence[RigTrials]) -> Baseline:
+    """Return what has the place of the law in a diagnosis: a simulator, else a law by its name.
+
+    Raises
+    ------
+    InputError
+        A law is asked for where a simulator has its place, or it is unknown, or makes no sense.
+    """
+    own = [(one.rig.words.rig, own.law) for one in rigs if (own := one.own_law) is not None]
+    if not own:
+        return baseline_of(name, rigs)
+    rig, law = own[0]
+    faults = []
+    if name != DEFAULT:
+        expected = f"no law to be asked for: {law.name} is the baseline"
+        faults.append(Fault("--baseline", expected, value=name))
+    if len(rigs) > 1:
+        expected = f"the {rig} alone, whose baseline is {law.name}"
+        faults += [
+            Fault("recording", expected, value=one.rig.words.rig)
+            for one in rigs
+            if one.rig.words.rig != rig
+        ]
+    if faults:
+        raise InputError(faults)
+    return law
 
 
 def baseline_of(name: str, rigs: Sequence[RigTrials]) -> Baseline:

@@ -29,9 +29,11 @@ from bayesfric.schemas.diagnosis import (
     Gap,
     GapRow,
     Inclusion,
+    LawNumber,
     NextExperiment,
     Remainder,
     Shape,
+    SimulatorUsed,
     Unseparated,
 )
 from bayesfric.schemas.fit import (
@@ -102,6 +104,7 @@ __all__ = [
     "HuntingMap",
     "Inclusion",
     "Interval",
+    "LawNumber",
     "LoopMargins",
     "MarginsFile",
     "Metric",
@@ -125,6 +128,7 @@ __all__ = [
     "Setting",
     "Shape",
     "Shift",
+    "SimulatorUsed",
     "Target",
     "TimingsFile",
     "Tuning",

@@ -17,9 +17,11 @@ __all__ = [
     "Gap",
     "GapRow",
     "Inclusion",
+    "LawNumber",
     "NextExperiment",
     "Remainder",
     "Shape",
+    "SimulatorUsed",
     "Unseparated",
 ]
 
@@ -74,6 +76,16 @@ class Inclusion(Record):
     )
     makes_a_gap: bool = Field(
         description="Whether a recalibrated law leaves a practical part of its force."
+    )
+
+
+class LawNumber(Record):
+    """A number of the friction law, given all data."""
+
+    unit: str = Field(description="SI, degrees for angles.")
+    before: Interval = Field(description="Of the law alone.")
+    after: Interval = Field(
+        description="Averaged over all hypotheses, what acts beside the law taken apart."
     )
 
 
@@ -209,12 +221,25 @@ class NextExperiment(Record):
     log10_bayes_factor: Number = Field(description="Expected.")
 
 
+class SimulatorUsed(Record):
+    """A simulator of the user's own, which had the place of the law."""
+
+    name: str = Field(description="module:object, or the columns that it left in the recording.")
+    calls: int = Field(description="Of the simulator; 0 where its output was recorded.")
+    parameters: dict[str, EffectNumber] = Field(
+        description="Free in it, given the data and the most probable hypothesis."
+    )
+
+
 class DiagnosisFile(Provenance):
     """``diagnosis.json``: where the simulation misses, why, and how far that shrinks."""
 
     schema_: Literal["bayesfric.diagnosis/1"] = Field("bayesfric.diagnosis/1", alias="schema")
     rigs: tuple[str, ...] = Field(description="Rigs whose data entered.")
     baseline: str = Field(description="Friction law that was examined.")
+    simulator: SimulatorUsed | None = Field(
+        None, description="In the place of the law; null where a law of the package is examined."
+    )
     fixed: tuple[str, ...] = Field((), description="Parameters held at their shipped values.")
     stray_trials: tuple[str, ...] = Field(
         (), description="Trials left out: each lies far from the others of its own assembly."
@@ -247,6 +272,10 @@ class DiagnosisFile(Provenance):
     )
     scatter: dict[str, Number] = Field(
         default_factory=dict, description="Noise of every rig at its most probable, by name."
+    )
+    law: dict[str, LawNumber] = Field(
+        default_factory=dict,
+        description="Numbers of the law, by name, without and with what acts beside it.",
     )
     unseparated: tuple[Unseparated, ...] = Field(description="What cannot be told apart.")
     absorbed: tuple[Absorbed, ...] = Field(description="Effects that only move the baseline.")

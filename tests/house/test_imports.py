@@ -18,11 +18,11 @@ ROOT = Path(__file__).parents[2]
 ROWS = (
     ("errors", "files", "resources"),
     ("recording",),
-    ("paper", "analysis", "schemas"),
+    ("paper", "families", "analysis", "schemas"),
     ("physics",),
     ("campaign", "checkpoint"),
     ("inference",),
-    ("effects",),
+    ("effects", "simulators"),
     ("rigs",),
     ("simulate",),
     ("results",),
@@ -50,7 +50,8 @@ ONLY = {
     "resources": set(),
     "campaign": set(),  # maps any function over any cases
     "checkpoint": set(),  # any computation
-    "inference": {"analysis", "checkpoint"},  # any density; analysis has its settings
+    "families": set(),  # densities, of whatever
+    "inference": {"families", "analysis", "checkpoint"},  # any density; analysis has its settings
     "blind/engines": {"recording"},  # realities of another hand share no physics with us
 }
 ONLY_LIBRARIES = {

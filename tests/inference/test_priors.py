@@ -5,8 +5,28 @@ import pytest
 from scipy import stats
 from scipy.integrate import quad
 
-from bayesfric.analysis import HalfNormal, LogNormal, Normal, Priors, Uniform
-from bayesfric.inference.priors import draw, from_normal, log_density, prior_sd, quantile, to_normal
+from bayesfric.analysis import Analysis, Priors, checked_analysis
+from bayesfric.errors import InputError
+from bayesfric.families import (
+    Beta,
+    Gamma,
+    HalfCauchy,
+    HalfNormal,
+    LogNormal,
+    Normal,
+    StudentT,
+    TruncatedNormal,
+    Uniform,
+)
+from bayesfric.inference.priors import (
+    draw,
+    from_normal,
+    log_density,
+    prior_sd,
+    prior_width,
+    quantile,
+    to_normal,
+)
 from bayesfric.paper import table1
 
 CASES = [
@@ -14,7 +34,19 @@ CASES = [
     (LogNormal(median=0.7, sd_log=0.4), stats.lognorm(0.4, scale=0.7), (0.0, np.inf)),
     (Normal(mean=-0.2, sd=1.5), stats.norm(-0.2, 1.5), (-np.inf, np.inf)),
     (Uniform(low=-1.0, high=3.0), stats.uniform(-1.0, 4.0), (-1.0, 3.0)),
+    (StudentT(3.5, -0.4, 0.6), stats.t(3.5, -0.4, 0.6), (-np.inf, np.inf)),
+    (HalfCauchy(0.4), stats.halfcauchy(scale=0.4), (0.0, np.inf)),
+    (Gamma(2.5, 0.3), stats.gamma(2.5, scale=0.3), (0.0, np.inf)),
+    (Beta(2.0, 3.0, high=2.5), stats.beta(2.0, 3.0, scale=2.5), (0.0, 2.5)),
+    (
+        TruncatedNormal(0.5, 1.2, low=0.0),
+        stats.truncnorm(-0.5 / 1.2, np.inf, 0.5, 1.2),
+        (0, np.inf),
+    ),
+    (TruncatedNormal(-2.0, 1.0, 0.5, 1.5), stats.truncnorm(2.5, 3.5, -2.0, 1.0), (0.5, 1.5)),
+    (TruncatedNormal(0.5, 1.2, -1.0, 1.0), stats.truncnorm(-1.25, 0.5 / 1.2, 0.5, 1.2), (-1, 1)),
 ]
+BETWEEN_BOUNDS = (Uniform, Beta, TruncatedNormal)
 
 
 @pytest.mark.parametrize(("prior", "reference", "support"), CASES)
@@ -27,7 +59,8 @@ def test_density_is_scipys_and_integrates_to_one(prior, reference, support):
 
 @pytest.mark.parametrize(("prior", "reference", "support"), CASES)
 def test_draws_quantiles_and_sd(prior, reference, support):
-    assert prior_sd(prior) == pytest.approx(reference.std(), rel=1e-12)
+    sd = reference.std()
+    assert prior_sd(prior) == pytest.approx(sd if np.isfinite(sd) else np.inf, rel=1e-12)
     assert quantile(prior, [0.1, 0.9]) == pytest.approx(reference.ppf([0.1, 0.9]), rel=1e-12)
     draws = draw(prior, 2000, np.random.default_rng(1))
     assert stats.kstest(draws, reference.cdf).pvalue > 1e-3
@@ -36,7 +69,7 @@ def test_draws_quantiles_and_sd(prior, reference, support):
 @pytest.mark.parametrize(("prior", "reference", "support"), CASES)
 def test_sampling_scale_has_the_quantiles_of_a_standard_normal(prior, reference, support):
     z = np.array([-7.0, -3.0, -0.5, -1e-3, 0.0, 1e-3, 0.5, 3.0, 7.0])
-    if isinstance(prior, Uniform):
+    if isinstance(prior, BETWEEN_BOUNDS):
         z = z[np.abs(z) < 5]  # beyond, doubles near the upper bound have no digits left
     x = from_normal(prior, z)
     # From the nearer tail, where the probability has all its digits.
@@ -45,6 +78,78 @@ def test_sampling_scale_has_the_quantiles_of_a_standard_normal(prior, reference,
     assert to_normal(prior, x) == pytest.approx(z, abs=1e-8)
     bounds = [b for b in support if np.isfinite(b)]
     assert np.isinf(to_normal(prior, bounds)).all()
+
+
+@pytest.mark.parametrize(("prior", "reference", "support"), CASES)
+def test_a_number_in_another_unit_has_the_same_quantiles(prior, reference, support):
+    assert quantile(prior.times(50.0), [0.1, 0.5, 0.9]) == pytest.approx(
+        50 * reference.ppf([0.1, 0.5, 0.9]), rel=1e-9
+    )
+
+
+@pytest.mark.parametrize(
+    ("prior", "wider"),
+    [
+        (HalfNormal(0.3), HalfNormal(0.6)),
+        (LogNormal(0.7, 0.4), LogNormal(0.7, 0.8)),
+        (Normal(-0.2, 1.5), Normal(-0.2, 3.0)),
+        (StudentT(3.5, -0.4, 0.6), StudentT(3.5, -0.4, 1.2)),
+        (TruncatedNormal(0.5, 1.2, low=0.0), TruncatedNormal(0.5, 2.4, low=0.0)),
+        (Uniform(-1.0, 3.0), Uniform(-1.0, 3.0)),
+        (Beta(2.0, 3.0), Beta(2.0, 3.0)),
+    ],
+)
+def test_twice_as_wide(prior, wider):
+    assert prior.widened(2.0) == wider
+
+
+@pytest.mark.parametrize(("prior", "reference", "support"), CASES)
+def test_the_support_begins_where_it_says(prior, reference, support):
+    assert prior.lowest == support[0]
+
+
+def test_what_a_density_without_variance_is_as_wide_as():
+    """Half the interval of 68 %: tan at 84 % and 16 % of a half-Cauchy density, by hand."""
+    low, high = np.tan(np.pi / 2 * stats.norm.cdf([-1.0, 1.0]))
+    assert prior_sd(HalfCauchy(2.0)) == np.inf
+    assert prior_width(HalfCauchy(2.0)) == pytest.approx(high - low, rel=1e-9)
+    assert prior_width(Gamma(4.0, 0.5)) == pytest.approx(1.0, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("key", "prior", "said"),
+    [
+        ("tau", {"family": "normal", "mean": 0.0, "sd": 0.1}, "values above zero; normal has"),
+        (
+            "sigma_x",
+            {"family": "student-t", "degrees_of_freedom": 3, "location": 0, "scale": 1},
+            "values above zero; student-t has",
+        ),
+        ("omega", {"family": "uniform", "low": -0.1, "high": 0.1}, "values above zero"),
+        ("c1", {"family": "truncated-normal", "mean": 0.0, "sd": 1.0}, "a low, a high, or both"),
+        ("c1", {"family": "truncated-normal", "mean": 0.0, "sd": 1.0, "low": 20.0}, "within 8 sd"),
+        (
+            "c1",
+            {"family": "truncated-normal", "mean": 0, "sd": 1, "low": 1, "high": 0},
+            "above low",
+        ),
+        ("c1", {"family": "cauchy", "scale": 1.0}, "half-cauchy"),
+        ("c1", {"family": "gamma", "shape": 2.0}, "required"),
+        ("c1", {"family": "beta", "a": -2.0, "b": 1.0}, "greater than 0"),
+    ],
+)
+def test_what_is_no_density_is_refused_with_its_place(key, prior, said):
+    with pytest.raises(InputError, match=said) as caught:
+        checked_analysis({"priors": {key: prior}}, "analysis.toml")
+    assert f"priors.{key}" in str(caught.value)
+
+
+def test_a_file_names_every_family():
+    families = {prior.family: prior for prior, _, _ in CASES}
+    for name, prior in families.items():
+        read = checked_analysis({"priors": {"c1": prior.model_dump(exclude_none=True)}}, "a.toml")
+        assert read.priors.c1 == prior, name
+    assert Analysis.model_validate_json(read.model_dump_json()) == read
 
 
 def test_sampling_scale_goes_on_where_tail_probabilities_underflow():

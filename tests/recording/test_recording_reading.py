@@ -13,7 +13,7 @@ from recording.mini import Mini, write_files
 
 from bayesfric.recording import Recording, describe_recording, read_recording, tables_sha256
 from bayesfric.recording.axis_notes import notes_on_axis
-from bayesfric.recording.tables import Axis
+from bayesfric.recording.tables import Axis, RigConstants
 
 TRIALS, EVENTS = "gravity_trials.csv", "gravity_events.csv"
 
@@ -49,13 +49,14 @@ def test_types(tmp_path: Path) -> None:
     assert recording.axis.runs["payload_kg"].tolist() == [0.0, 1.5]
 
 
-def test_a_simulated_position_is_said_not_to_be_used():
-    def notes(**columns):
+def test_a_simulated_position_without_its_mass_is_said_not_to_be_used():
+    def notes(mass=None, **columns):
         samples = pd.DataFrame({"run": ["a"], "position_m": [0.0], **columns})
-        return notes_on_axis(Axis(pd.DataFrame(), samples))
+        rig = RigConstants(moving_mass_kg=mass)
+        return " ".join(notes_on_axis(Axis(pd.DataFrame(), samples), rig))
 
-    assert "sim_position_m" in " ".join(notes(sim_position_m=[0.0]))
-    assert notes() == notes(sim_force_n=[0.0]) == ()
+    assert "not used: it takes rig.moving_mass_kg" in notes(sim_position_m=[0.0])
+    assert notes() == notes(2.0, sim_position_m=[0.0]) == notes(sim_force_n=[0.0]) == ""
 
 
 def test_columns_come_in_the_order_of_the_format(tmp_path: Path) -> None:

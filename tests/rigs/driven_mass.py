@@ -28,6 +28,7 @@ class Machine:
     loop_delay_s: float = 2e-3
     wander: float = 0.01
     wander_length: float = 0.03
+    one_path: bool = False  # friction wanders alike in all runs
     run_scatter: float = 0.01
     stroke: float = 0.15
     top_speed: float = 0.6
@@ -75,7 +76,8 @@ def wandering(machine, runs, rng):
     values, vectors = np.linalg.eigh(shape)
     kept = values > 1e-6 * values[-1]
     root = vectors[:, kept] * np.sqrt(values[kept])
-    return at, root @ rng.standard_normal((kept.sum(), runs))
+    drawn = rng.standard_normal((kept.sum(), 1 if machine.one_path else runs))
+    return at, np.broadcast_to(root @ drawn, (at.size, runs))
 
 
 def simulate(machine, *, runs=6, seconds=12.0, log_hz=None, seed=0):

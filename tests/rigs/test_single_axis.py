@@ -44,6 +44,15 @@ def dense(rows, noise, moved, trial, setup):
         found[np.ix_(members[there], members[there])] = block
     same = np.equal.outer(trial, trial) * noise["tau_axis"] ** 2
     same = same + np.equal.outer(setup, setup) * noise["omega_axis"] ** 2
+    # Maps of the path, of the machine and of each run: sums of cosines.
+    where = rows.mean(rows.readings.position)
+    turn = np.pi * np.arange(1, 25)
+    cosines = np.cos(np.outer((where - where.min()) / np.ptp(where), turn))
+    spread = 1 + (turn * noise["map_length_axis"] / rows.stroke) ** 2
+    weight = spread ** -noise["map_decay_axis"]
+    maps = cosines @ np.diag(2 * weight / weight.sum()) @ cosines.T
+    run = noise["run_map_axis"] ** 2 * np.equal.outer(trial, trial)
+    same = same + maps * (noise["map_axis"] ** 2 + run)
     return found + same * np.outer(moved, moved)
 
 
@@ -54,6 +63,10 @@ NOISE = {
     "wander_length_axis": 0.02,
     "tau_axis": 0.02,
     "omega_axis": 0.03,
+    "map_axis": 0.02,
+    "run_map_axis": 0.01,
+    "map_length_axis": 0.04,
+    "map_decay_axis": 1.7,
 }
 
 
@@ -73,7 +86,7 @@ def test_the_information_is_that_of_a_dense_normal(model):
     acting = Acting((model.lawbook["viscous"][0],), (0.0,))
     psi = np.log([NOISE[one.name] for one in model.noise])
     at = model.evaluate(psi, acting)
-    covariance = dense(rows, NOISE, part._moved, trial, part.setup[trial])
+    covariance = dense(rows, NOISE, part._deviating[:, 0], trial, part.setup[trial])
     for numbers in (np.zeros(5), np.array([0.3, -0.2, 0.0, 0.5, 0.1])):
         off = part._response - part.columns @ numbers
         expected = multivariate_normal(np.zeros(off.size), covariance).logpdf(off)
@@ -100,8 +113,10 @@ def test_the_likelihood_is_that_of_a_dense_normal(trials):
     theta = {name: np.array([value]) for name, value in values.items()}
     rows = trials.linear({"axis": Coefficients(*likelihood._rough)})
     readings = rows.readings
-    position, force, _, length = likelihood.noise
-    noise = dict(zip(NAMES, (1.2 * position, 1.2 * force, 0.015, length, 0.02, 0.03), strict=True))
+    position, force, _, length, along = likelihood.noise
+    noise = (1.2 * position, 1.2 * force, 0.015, length, 0.02, 0.03, 0.0)
+    uneven = 1.2 * along * likelihood._rough.coulomb / 1.45  # errors and maps are scaled alike
+    noise = dict(zip(NAMES, (*noise, uneven, length, 2.0), strict=True))
     moved, setup = np.full(readings.count, 1.45), np.arange(len(trials.table))
     covariance = dense(rows, noise, moved, readings.trial, setup[readings.trial])
     off = readings.force - 2.05 * readings.acceleration - 1.45 - 4e-4 * readings.force_rate
@@ -139,10 +154,16 @@ def test_late_commands_are_called_late_and_nothing_viscous(tmp_path):
 
 
 def test_viscous_friction_is_named_with_its_size(tmp_path):
-    found = bf.diagnose(recorded(tmp_path, seed=6, viscous=0.8)).summary
+    recording = recorded(tmp_path, seed=6, viscous=0.8, wander=0.02, one_path=True)
+    found = bf.diagnose(recording).summary
     assert [one.effect for one in found.causes] == ["viscous"]
     (slope,) = found.causes[0].parameters.values()
     assert slope.q50 * found.gap.friction_rms == pytest.approx(0.8, rel=0.15)
+    # With it, mass and friction are those of the machine; without it friction is not.
+    assert found.law["mass"].after.q50 == pytest.approx(2.0, rel=0.02)
+    assert found.law["coulomb"].after.q50 == pytest.approx(1.5, rel=0.05)
+    assert found.law["coulomb"].before.q50 > 1.05 * 1.5
+    assert found.law["mass"].unit == "kg"
 
 
 def test_a_machine_that_is_as_simulated_is_not_blamed(tmp_path):

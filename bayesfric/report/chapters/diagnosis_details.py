@@ -55,13 +55,26 @@ def appendix(found: DiagnosisFile) -> Iterator[Block]:
         yield _axes(found)
 
 
+def _baseline(found: DiagnosisFile) -> str:
+    simulator = found.simulator
+    if simulator is None:
+        return f"the {found.baseline} law"
+    if not simulator.parameters:
+        return f"what your simulator said ({simulator.name}), of which nothing is fitted"
+    numbers = ", ".join(
+        f"{name} {format_interval(one.q50, one.q05, one.q95, one.unit)}"
+        for name, one in simulator.parameters.items()
+    )
+    return f"your simulator {simulator.name}, called {simulator.calls} times, with {numbers}"
+
+
 def _probabilities(found: DiagnosisFile) -> Iterator[Block]:
     ranked = sorted(found.probabilities.items(), key=lambda item: -item[1])
     sensitivity = found.prior_sensitivity
     fixed = f" Held at shipped values: {', '.join(found.fixed)}." if found.fixed else ""
     yield Paragraph(
         [
-            f"The baseline is the {found.baseline} law, on the data of: {_rigs(found.rigs)}."
+            f"The baseline is {_baseline(found)}, on the data of: {_rigs(found.rigs)}."
             f"{fixed}{_strays(found.stray_trials)} ",
             Reference("hypotheses"),
             " gives each hypothesis's posterior probability, and what becomes of it where the "

@@ -56,18 +56,19 @@ def diagnostics(stored: StoredFit) -> Iterator[Block]:
                 f"{entry.r_hat_walkers:.4f}",
                 format_count(round(entry.ess_bulk)),
                 format_count(round(entry.ess_tail)),
-                f"{entry.contraction:.3f}".replace("-", "−"),
+                "–" if entry.contraction is None else f"{entry.contraction:.3f}".replace("-", "−"),
                 "yes" if entry.informed else "no",
             ]
             for name, entry in entries.items()
         ],
         label="diagnostics",
         note="Priors are half-normal(scale), normal(mean, sd), log-normal(median, sd of the "
-        "logarithm) or uniform(low, high). R-hat is rank-normalised and split, with the walkers "
-        "of an ensemble pooled into its chain; walkers: the same with each walker as a chain. "
-        "ESS is the number of effective draws; for the bulk, the smaller of ArviZ's and that of "
-        "batch means. Contraction is 1 − posterior sd / prior sd: 0 where the data say "
-        "nothing, 1 where they say all. Informed: the data say more than the prior.",
+        "logarithm), uniform(low, high), or of another family with its numbers. R-hat is "
+        "rank-normalised and split, with the walkers of an ensemble pooled into its chain; "
+        "walkers: the same with each walker as a chain. ESS is the number of effective draws; for "
+        "the bulk, the smaller of ArviZ's and that of batch means. Contraction is 1 − posterior "
+        "sd / prior sd: 0 where the data say nothing, 1 where they say all, a dash where the "
+        "prior has no sd. Informed: the data say more than the prior.",
     )
     if any(entry.prior_sensitivity is not None for entry in entries.values()):
         yield _sensitivity(entries)

@@ -175,24 +175,20 @@ class Solved:
         return float(np.linalg.slogdet(self.whole[used])[1].sum())
 
     def gradient(
-        self,
-        left: Array,
-        root: Array,
-        pull: Array,
-        deviation: Array,
-        kept: NDArray[np.bool_],
+        self, pulls: Array, pulled: Array, taken: Array, kept: NDArray[np.bool_]
     ) -> dict[str, float]:
         """Return derivatives of the log evidence by logarithms of the noise.
 
         Parameters
         ----------
-        left : ndarray, shape (W,)
-            The inverse covariance, deviations integrated out, times the residual.
-        root : ndarray, shape (W, k)
-            The same times the columns and a root of the covariance of their numbers.
-        pull, deviation : ndarray, shape (W,)
-            The inverse covariance times the friction that deviates, and by how much of its
-            square the inverse is less once deviations are integrated out.
+        pulls : ndarray, shape (W, m)
+            The inverse covariance, shared deviations integrated out, times the residual and
+            times the columns by a root of the covariance of their numbers.
+        pulled : ndarray, shape (W, k)
+            The inverse covariance of rows alone times the columns of deviations.
+        taken : ndarray, shape (W, k, k)
+            Of each row's run: by how much of their products the inverse is less once
+            deviations are integrated out.
         kept : ndarray of bool, shape (W,)
             Rows that enter.
         """
@@ -202,10 +198,9 @@ class Solved:
         def padded(values: Array) -> Array:
             return np.concatenate([values, np.zeros((1, *values.shape[1:]))])[rows][used]
 
-        of_left, of_root, of_pull = padded(left), padded(root), padded(pull)
-        square = of_left[:, :, None] * of_left[:, None, :] + of_root @ of_root.swapaxes(1, 2)
-        taken = padded(deviation)[:, :1, None] * of_pull[:, :, None] * of_pull[:, None, :]
-        square -= self.inverse[used] - taken
+        of_pulls, of_pulled = padded(pulls), padded(pulled)
+        square = of_pulls @ of_pulls.swapaxes(1, 2) - self.inverse[used]
+        square += of_pulled @ taken[rows[used, 0]] @ of_pulled.swapaxes(1, 2)
         position, force, wander = (part[used] for part in self.parts)
         stretched = wander * self.pieces.apart[used] / self.length
         return {

@@ -6,12 +6,14 @@ Given the numbers, row i of run r on assembly j is
 
 with η, ε the scatter of assemblies and runs, ζ friction's wander along the path and Δ the
 time by which the clocks of force and position are off. Errors and wander have a covariance
-whose shape (the ratio of position to force error, and the length of the wander) is that of
-the most probable noise; how large each of them is remains open. Each run is reduced once to
-quadratic forms, tabulated over the ratio of the two.
+whose shape (the ratio of position to force error, the length of the wander, and how much
+friction differs from place to place in a run) is that of the most probable noise; how large
+errors and wander are remains open. Each run is reduced once to quadratic forms, tabulated over
+the ratio of the two.
 """
 
 from collections.abc import Mapping
+from itertools import pairwise
 
 import numpy as np
 import pandas as pd
@@ -24,6 +26,7 @@ from bayesfric.inference.grouped_normal import LOG_2PI, GroupedNormal, Groups
 from bayesfric.inference.priors import Parameter
 from bayesfric.rigs.grouped import GroupedLikelihood
 from bayesfric.rigs.single_axis.covariance import Pieces
+from bayesfric.rigs.single_axis.deviations import integrated, map_columns, map_spectrum
 from bayesfric.rigs.single_axis.linear import AxisRows
 from bayesfric.rigs.single_axis.measures import Measures
 
@@ -31,6 +34,7 @@ __all__ = ["AxisLikelihood"]
 
 Array = NDArray[np.float64]
 RATIOS = np.linspace(np.log(3e-3), np.log(3e2), 41)  # logarithms of wander over error
+DECAY = 2.0  # of the spectrum of a map of friction
 FORCE, MASS, COULOMB, VISCOUS, LATENCY = range(5)
 
 
@@ -66,6 +70,7 @@ class AxisLikelihood(GroupedLikelihood):
         self.setups = tuple(str(setup) for setup in setups)
         self._groups = Groups(np.flatnonzero(np.diff(codes, prepend=-1)), codes.size)
         self._rough, self._viscous = rows.law, viscous
+        self._theta = None if rows.simulated is None else rows.theta
         self._speed = np.bincount(
             rows.readings.trial, rows.mean(rows.readings.speed), len(table)
         ) / np.bincount(rows.readings.trial)
@@ -104,18 +109,21 @@ class AxisLikelihood(GroupedLikelihood):
         pieces = Pieces.of(readings, rows.law.mass, np.ones(readings.count))
         first = np.array([row[0] for row in pieces.rows])
         owner = readings.trial[first]
-        position, force, _, length = self.noise
-        starts = np.flatnonzero(np.diff(readings.trial, prepend=-1))
+        position, force, _, length, along = self.noise
+        ends = [*np.flatnonzero(np.diff(readings.trial, prepend=-1)), readings.count]
+        uneven = rows.law.coulomb * map_columns(rows.mean(readings.position))[:, 1:]
+        variance = along**2 * map_spectrum(length / rows.stroke, DECAY)[0]
+        data = np.column_stack([uneven, data])
         table = []
         for ratio in RATIOS:
             # Wander of friction in newtons over the errors of rows, whose unit is theirs.
             solved = pieces.solved(position, force, float(np.exp(ratio)) * self._typical, length)
             weighted = solved.times(data)
-            forms = np.add.reduceat(
-                (data[:, :, None] * weighted[:, None, :]).reshape(readings.count, -1), starts
-            )
+            grams = np.stack([data[i:j].T @ weighted[i:j] for i, j in pairwise(ends)])
+            forms, uneven_determinant = integrated(grams, variance)
             determinants = np.bincount(owner, np.linalg.slogdet(solved.whole)[1], len(self.trials))
-            table.append(np.concatenate([forms, determinants[:, None]], axis=1))
+            whole = (determinants + uneven_determinant)[:, None]
+            table.append(np.concatenate([forms.reshape(len(whole), -1), whole], axis=1))
         self._table = make_interp_spline(RATIOS, np.stack(table), k=5)
 
     @property
@@ -216,30 +224,41 @@ class AxisLikelihood(GroupedLikelihood):
             "row_error": 1.0,
             "latency": 0.0,
         }
-        places = dict(zip(("c1", "c2", "c3"), rough, strict=True))
+        reference = rough if self._theta is None else self._theta
+        places = dict(zip(("c1", "c2", "c3"), reference, strict=True))
         return found | {f"{name}[{size}]": float(value) for name, value in places.items()}
 
 
-def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float]:
-    """Return the noise at its mode, the law at its least squares: errors, wander, length."""
-    readings = rows.readings
-    friction = rows.law.coulomb
+def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float, float]:
+    """Return the noise at its mode, the law at its least squares.
+
+    Errors of position and force, wander, its length, and how much friction differs from place
+    to place in a run.
+    """
+    readings, friction = rows.readings, rows.law.coulomb
     pieces = Pieces.of(readings, rows.law.mass, np.full(readings.count, friction))
     columns = np.column_stack([rows.coefficient_columns(), readings.force_rate])
     columns = columns / np.sqrt((columns**2).mean(axis=0)).clip(1e-12)
-    start = np.log([readings.position_sd, 0.01 * friction, 0.01, 0.1 * rows.stroke])
-    width = np.array([0.5, 2.0, 1.5, 1.0])
+    uneven = friction * map_columns(rows.mean(readings.position))[:, 1:]
+    data = np.column_stack([uneven, columns, rows.residual()])
+    ends = [*np.flatnonzero(np.diff(readings.trial, prepend=-1)), readings.count]
+    every = np.ones(readings.count, dtype=np.bool_)
+    start = np.log([readings.position_sd, 0.01 * friction, 0.01, 0.1 * rows.stroke, 0.01])
+    width = np.array([0.5, 2.0, 1.5, 1.0, 1.0])
 
     def loss(z: Array) -> float:
-        solved = pieces.solved(*np.exp(start + width * z))
-        weighted = solved.times(columns)
-        information = columns.T @ weighted + 1e-9 * np.eye(columns.shape[1])
-        along = readings.force @ weighted
-        square = readings.force @ solved.times(readings.force)
-        square -= along @ np.linalg.solve(information, along)
-        every = np.ones(readings.count, dtype=np.bool_)
-        return 0.5 * float(square + solved.log_determinant(every) + z @ z)
+        noise = np.exp(start + width * z)
+        solved = pieces.solved(*noise[:4])
+        weighted = solved.times(data)
+        grams = np.stack([data[i:j].T @ weighted[i:j] for i, j in pairwise(ends)])
+        variance = noise[4] ** 2 * map_spectrum(noise[3] / rows.stroke, DECAY)[0]
+        forms, determinants = integrated(grams, variance)
+        form = forms.sum(axis=0)
+        information = form[:-1, :-1] + 1e-9 * np.eye(columns.shape[1])
+        square = form[-1, -1] - form[-1, :-1] @ np.linalg.solve(information, form[:-1, -1])
+        determinant = solved.log_determinant(every) + determinants.sum()
+        return 0.5 * float(square + determinant + z @ z)
 
-    found = minimize(loss, np.zeros(4), method="Nelder-Mead", options={"maxfev": 160, "fatol": 0.5})
-    position, force, wander, length = np.exp(start + width * found.x)
-    return float(position), float(force), float(wander), float(length)
+    found = minimize(loss, np.zeros(5), method="Nelder-Mead", options={"maxfev": 240, "fatol": 0.5})
+    position, force, wander, length, along = np.exp(start + width * found.x)
+    return float(position), float(force), float(wander), float(length), float(along)

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -18,9 +19,16 @@ from bayesfric.physics.axis import AxisLaw
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.layout import COEFFICIENTS, Layout
 from bayesfric.rigs.linear import Evaluated, LinearRig, NoiseParameter, Run, noise_parameter
-from bayesfric.rigs.shared_deviation import SharedDeviation, second_moments
 from bayesfric.rigs.single_axis.covariance import Pieces
+from bayesfric.rigs.single_axis.deviations import (
+    COSINES,
+    Levels,
+    Shared,
+    map_columns,
+    map_spectrum,
+)
 from bayesfric.rigs.single_axis.readings import Readings
+from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
 from bayesfric.rigs.windows import Windows
 
 __all__ = ["AxisPart", "AxisRows"]
@@ -38,6 +46,10 @@ NAMES = (
     "wander_length_axis",
     "tau_axis",
     "omega_axis",
+    "map_axis",
+    "run_map_axis",
+    "map_length_axis",
+    "map_decay_axis",
 )
 
 
@@ -64,6 +76,10 @@ class AxisRows:
         off.
     viscous : bool
         Whether the law has viscous friction.
+    simulated : SimulatedBaseline or None
+        A simulator in the place of the law, which then is only a scale.
+    theta : tuple of float
+        The simulator's parameters at the reference.
     """
 
     name: str
@@ -74,8 +90,10 @@ class AxisRows:
     stroke: float
     latency_s: float
     viscous: bool = False
+    simulated: SimulatedBaseline | None = None
+    theta: tuple[float, ...] = ()
     loads: tuple[str, ...] = ()
-    trial_axes: tuple[str, ...] = ("displacement", "acceleration")
+    trial_axes: tuple[str, ...] = ("acceleration",)  # of the path there is a map in the scatter
 
     @property
     def friction_n(self) -> Array:
@@ -118,14 +136,18 @@ class AxisRows:
         return self.state if acts_on in ("friction", "drive") else NO_SENSOR
 
     def coefficient_columns(self) -> Array:
-        """Return what mass, Coulomb and viscous friction add to each row, (W, 3)."""
+        """Return what each number of the law, or of the simulator, adds to each row, (W, 3)."""
         rows = self.readings
+        if self.simulated is not None:
+            return self.simulated.columns(rows)
         return np.stack(
             [rows.acceleration, np.ones(rows.count), self.viscous * self.mean(rows.speed)], axis=1
         )
 
     def residual(self) -> Array:
-        """Return the rows less the reference law, (W,) [N]."""
+        """Return the rows less the reference law, or the simulator at its reference, (W,) [N]."""
+        if self.simulated is not None:
+            return self.readings.force - self.simulated.needed(self.readings, self.theta)
         return np.asarray(self.readings.force - self.coefficient_columns() @ np.array(self.law))
 
     def candidate_column(self, candidate: Candidate) -> Array | Unsupported:
@@ -224,10 +246,12 @@ class AxisPart:
         columns[:, layout.nuisance(place)] = readings.force_rate[:, None]
         self.columns = columns * scales
         self._response = rows.residual()
-        moved = rows.friction_of_row
+        moved: Array = rows.friction_of_row
         for candidate, amplitude in scattering:
             moved = moved + amplitude * candidate_column(candidate)
-        self._moved = moved
+        # Friction that is missing while it builds up is no better known than when it is whole.
+        moved = np.maximum(moved, rows.friction_of_row)
+        self._deviating = moved[:, None] * map_columns(rows.mean(readings.position))
         self._pieces = Pieces.of(readings, rows.law.mass, moved)
         self.noise = _noise(readings, rows.stroke, force)
 
@@ -256,81 +280,53 @@ class AxisPart:
         start, end = self.layout.own, self.layout.own + self.layout.candidates
         whole = self.columns
         x = np.concatenate([whole[:, :start], whole[:, start:end] @ mixing, whole[:, end:]], axis=1)
-        x = x * kept[:, None]
-        y, moved = self._response * kept, self._moved * kept
+        z = np.column_stack([self._deviating, x, self._response]) * kept[:, None]
         solved = self._pieces.solved(*(noise[name] for name in NAMES[:4]))
-        weighted, pull, lent = solved.times(x), solved.times(moved), solved.times(y)
-        trials = len(self.size)
-
-        starts = np.flatnonzero(np.diff(trial, prepend=-1))
-
-        def by_trial(values: Array) -> Array:
-            return np.asarray(np.add.reduceat(values, starts, axis=0))
-
-        def by_setup(values: Array) -> Array:
-            found = np.zeros((int(self.setup.max()) + 1, *values.shape[1:]))
-            np.add.at(found, self.setup, values)
-            return found
-
-        own = SharedDeviation.of(
-            by_trial(pull[:, None] * x), by_trial(pull * y), by_trial(pull * moved), noise[NAMES[4]]
-        )
-        setup = SharedDeviation.of(
-            by_setup(own.left(own.columns)),
-            by_setup(own.left(own.response)),
-            by_setup(own.left(own.stiffness)),
-            noise[NAMES[5]],
-        )
-        part, slope_here = weighted.T @ x, weighted.T @ y
-        for one in (own, setup):
-            taken = one.taken[:, None] * one.columns
-            part -= taken.T @ one.columns
-            slope_here -= taken.T @ one.response
+        lent = solved.times(z)
+        ends = [*np.flatnonzero(np.diff(trial, prepend=-1)), trial.size]
+        grams = np.stack([z[i:j].T @ lent[i:j] for i, j in pairwise(ends)])
+        levels, (spectrum, by_length, by_decay) = self._levels(noise)
+        shared = Shared(grams, self.setup, levels)
         k = x.shape[1]
         total = self.layout.total(k)
         precision, slope = np.zeros((total, total)), np.zeros(total)
         place = self.layout.spread(k, self._which)
-        precision[np.ix_(place, place)] = part
-        slope[place] = slope_here
-        constant = -0.5 * (kept.sum() * LOG_2PI + solved.log_determinant(kept) + y @ lent)
-        constant += own.constant + setup.constant
+        precision[np.ix_(place, place)] = shared.rest[:k, :k]
+        slope[place] = shared.rest[:k, k]
+        constant = -0.5 * (kept.sum() * LOG_2PI + solved.log_determinant(kept))
+        constant += shared.constant - 0.5 * shared.rest[k, k]
         information = Information(precision, slope, float(constant))
 
         def gradient(mean: Sequence[Array], covariance: Sequence[Array]) -> dict[str, float]:
             """Return derivatives of the log evidence by the logarithms of the noise."""
             m, v = mean[self._which], covariance[self._which]
-            along = own.left(own.stiffness)
-            rest = np.zeros(trials, dtype=np.intp)
-            columns = (
-                own.left(own.columns)
-                - along[:, None] * ((setup.taken[:, None] * setup.columns)[self.setup])
-            )
-            response = own.left(own.response) - along * (setup.taken * setup.response)[self.setup]
-            stiff = along - along**2 * setup.taken[self.setup]
-            found = {
-                NAMES[4]: noise[NAMES[4]] ** 2
-                * float(second_moments(columns, response, stiff, rest, [m], [v]).sum())
+            # The residual, and the columns by a root of what is not known of their numbers.
+            mixed = np.zeros((k + 1, k + 1))
+            mixed[:, 0] = np.append(-m, 1.0)
+            mixed[:k, 1:] = _root(v)
+            run, setup, run_map, machine_map = shared.moments(mixed)
+            numbers, inverse = shared.of_rows()
+            pulled = lent[:, : COSINES + 1]
+            pulls = lent[:, COSINES + 1 :] @ mixed
+            pulls -= np.einsum("wk,wkm->wm", pulled, (numbers @ mixed)[trial], optimize=True)
+            found = solved.gradient(pulls, pulled, inverse[trial], kept)
+            maps = noise[NAMES[7]] ** 2 * run_map + noise[NAMES[6]] ** 2 * machine_map
+            return found | {
+                NAMES[4]: noise[NAMES[4]] ** 2 * run,
+                NAMES[5]: noise[NAMES[5]] ** 2 * setup,
+                NAMES[6]: noise[NAMES[6]] ** 2 * float(spectrum @ machine_map),
+                NAMES[7]: noise[NAMES[7]] ** 2 * float(spectrum @ run_map),
+                NAMES[8]: 0.5 * float(by_length @ maps),
+                NAMES[9]: 0.5 * float(by_decay @ maps),
             }
-            columns, response = setup.left(setup.columns), setup.left(setup.response)
-            stiff = setup.left(setup.stiffness)
-            rest = np.zeros(stiff.size, dtype=np.intp)
-            found[NAMES[5]] = noise[NAMES[5]] ** 2 * float(
-                second_moments(columns, response, stiff, rest, [m], [v]).sum()
-            )
-            free = own.left(np.ones_like(own.taken))[trial]
-            above = setup.taken[self.setup][trial]
-            shares = (own.taken[:, None] * own.columns)[trial]
-            shares = shares + (free * above)[:, None] * setup.columns[self.setup][trial]
-            pulls = (own.taken * own.response)[trial]
-            pulls = pulls + free * above * setup.response[self.setup][trial]
-            left = lent - pull * pulls - (weighted - pull[:, None] * shares) @ m
-            root = (weighted - pull[:, None] * shares) @ _root(v)
-            deviation = own.taken[trial] + free**2 * above
-            for name, value in solved.gradient(left, root, pull, deviation, kept).items():
-                found[name] = value
-            return found
 
         return Evaluated(information, gradient)
+
+    def _levels(self, noise: Mapping[str, float]) -> tuple[Levels, tuple[Array, Array, Array]]:
+        """Return the variances of deviations, and the spectrum of maps with its slopes."""
+        tau, omega, machine, run, length, decay = (noise[name] for name in NAMES[4:])
+        found = map_spectrum(length / self.rows.stroke, decay)
+        return Levels(tau**2, omega**2, run**2 * found[0], machine**2 * found[0]), found
 
     def squeezed(self, squeeze: Array, layout: Layout) -> "AxisPart":
         """Return the rig with mixtures of its columns in their place."""
@@ -340,17 +336,20 @@ class AxisPart:
 
     def told(self, noise: Mapping[str, float]) -> Array:
         """Return what each trial alone says of the local numbers, (N, q, q)."""
-        solved = self._pieces.solved(*(noise[name] for name in NAMES[:4]))
-        weighted = solved.times(self.columns)
-        pull, trial = solved.times(self._moved), self.rows.readings.trial
-        spread2 = float(self.scatter(noise)[0].sum())
-        found = []
-        for number in range(len(self.size)):
-            mine = trial == number
-            part = weighted[mine].T @ self.columns[mine]
-            along, stiff = pull[mine] @ self.columns[mine], pull[mine] @ self._moved[mine]
-            found.append(part - spread2 / (1 + spread2 * stiff) * np.outer(along, along))
-        return np.stack(found)
+        z = np.column_stack([self._deviating, self.columns])
+        lent = self._pieces.solved(*(noise[name] for name in NAMES[:4])).times(z)
+        trial = self.rows.readings.trial
+        levels = self._levels(noise)[0]
+        alone = Levels(
+            levels.run + levels.setup, 0.0, levels.run_map + levels.machine_map, 0 * levels.run_map
+        )
+        first = np.zeros(1, dtype=np.intp)
+        return np.stack(
+            [
+                Shared((z[trial == one].T @ lent[trial == one])[None], first, alone).rest
+                for one in range(len(self.size))
+            ]
+        )
 
     def phase_strength(self, place: int) -> float:
         """Return 0: what has a phase anew in each run does not enter."""
@@ -372,6 +371,9 @@ class AxisPart:
         error = self._pieces.averaged(mean, position, force, 0.0, length)
         moved = self._pieces.averaged(mean, 0.0, 0.0, wander, length)
         share = mean @ friction
+        levels = self._levels(noise)[0]
+        deviating = (mean @ self._deviating)[:, 1:]
+        moved += (deviating * (levels.run_map + levels.machine_map)) @ deviating.T
         covariance, varying = [], []
         for trial in range(len(self.size)):
             mine = np.flatnonzero(row == trial)
@@ -406,7 +408,7 @@ def _root(covariance: Array) -> Array:
 def _noise(readings: Readings, stroke: float, friction: float) -> tuple[NoiseParameter, ...]:
     """Return the noise of an axis, its priors in the axis' own measures."""
     sd = readings.position_sd
-    wide = HalfNormal(scale=0.05)
+    wide, along = HalfNormal(scale=0.05), HalfNormal(scale=0.02)
     return (
         noise_parameter(NAMES[0], LogNormal(median=sd, sd_log=0.5), sd, (0.1 * sd, 10 * sd), sd),
         noise_parameter(
@@ -416,7 +418,7 @@ def _noise(readings: Readings, stroke: float, friction: float) -> tuple[NoisePar
             (1e-5 * friction, 10 * friction),
             0.01 * friction,
         ),
-        noise_parameter(NAMES[2], HalfNormal(scale=0.02), 0.01, SCATTER, 0.01, scatters=True),
+        noise_parameter(NAMES[2], along, 0.01, SCATTER, 0.01, scatters=True),
         noise_parameter(
             NAMES[3],
             LogNormal(median=0.1 * stroke, sd_log=0.7),
@@ -426,4 +428,14 @@ def _noise(readings: Readings, stroke: float, friction: float) -> tuple[NoisePar
         ),
         noise_parameter(NAMES[4], wide, 0.012, SCATTER, 0.01, scatters=True),
         noise_parameter(NAMES[5], wide, 0.012, SCATTER, 0.015, scatters=True),
+        noise_parameter(NAMES[6], along, 0.01, SCATTER, 0.01, scatters=True),
+        noise_parameter(NAMES[7], along, 0.003, SCATTER, 0.005, scatters=True),
+        noise_parameter(
+            NAMES[8],
+            LogNormal(median=0.1 * stroke, sd_log=0.7),
+            0.1 * stroke,
+            (0.005 * stroke, stroke),
+            0.1 * stroke,
+        ),
+        noise_parameter(NAMES[9], LogNormal(median=2.0, sd_log=0.5), 2.0, (0.7, 12.0), 2.0),
     )

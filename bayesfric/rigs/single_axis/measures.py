@@ -7,7 +7,7 @@ and mass are as plausible.
 
 from dataclasses import dataclass, replace
 
-from bayesfric.analysis import HalfNormal, LogNormal, Normal, Prior, PriorOverrides, Uniform
+from bayesfric.analysis import HalfNormal, Normal, Prior, PriorOverrides
 from bayesfric.effects import Effect, EffectParameter
 from bayesfric.rigs.rotary import rotary_unit
 
@@ -76,7 +76,7 @@ class Measures:
         return replace(
             one,
             unit=self.unit(one.unit),
-            prior=scaled(one.prior, scale),
+            prior=one.prior.times(scale),
             plausible=(low * scale, high * scale),
             typical=None if one.typical is None else one.typical * scale,
         )
@@ -96,16 +96,3 @@ class Measures:
             c2=HalfNormal(scale=self.force),
             c3=HalfNormal(scale=self.force / self.speed),
         )
-
-
-def scaled(prior: Prior, factor: float) -> Prior:
-    """Return the prior of a number that is larger by a factor."""
-    match prior:
-        case HalfNormal(scale=scale):
-            return HalfNormal(scale=scale * factor)
-        case Normal(mean=mean, sd=sd):
-            return Normal(mean=mean * factor, sd=sd * factor)
-        case LogNormal(median=median, sd_log=sd):
-            return LogNormal(median=median * factor, sd_log=sd)
-        case Uniform(low=low, high=high):
-            return Uniform(low=low * factor, high=high * factor)

@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
+from bayesfric.rigs.single_axis.weak_form import WeakForce
+
 __all__ = ["Motion", "even_grid", "position_noise", "smooth_motion"]
 
 Array = NDArray[np.float64]
@@ -30,6 +32,8 @@ class Motion:
         Between samples.
     further : dict of str to ndarray, shape (N,)
         Further columns of the log.
+    forces : tuple of WeakForce
+        What a simulator says of the force: what it needs, and more by each parameter.
     """
 
     time_s: Array
@@ -38,6 +42,7 @@ class Motion:
     known: NDArray[np.bool_]
     interval_s: float
     further: dict[str, Array]
+    forces: tuple[WeakForce, ...] = ()
 
 
 def even_grid(time_s: Array, columns: dict[str, Array]) -> Motion | None:

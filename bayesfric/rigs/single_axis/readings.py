@@ -46,6 +46,8 @@ class Readings:
     position_lag, force_lag : ndarray, shape (W, L)
         Covariance of a row with the l-th next by an error of position of 1, at every sample
         its own, per mass squared; and by an error of the force.
+    simulated : ndarray, shape (W, K)
+        Means of what a simulator says of the force, times the direction; K is 0 without one.
     position_sd : float
         Standard deviation of a position's error.
     half_s : float
@@ -66,6 +68,7 @@ class Readings:
     drive: Array
     position_lag: Array
     force_lag: Array
+    simulated: Array
     position_sd: float
     half_s: float
 
@@ -205,6 +208,10 @@ def _of_run(
     """Return the rows of one run, fields of :class:`Readings` and where they are."""
     half = test.half
     position, velocity, way = smooth_motion(motion, max(NARROWEST, half // 2), noise)
+    if (other := motion.further.get("sim_position")) is not None:
+        # Where the simulated axis runs the other way its friction says nothing of this motion.
+        there = smooth_motion(replace(motion, position=other), max(NARROWEST, half // 2), noise)[2]
+        way = np.where(there == way, way, 0.0)
     centres = np.arange(half, motion.time_s.size - half, step)
     # A window counts where all of its samples run the same way.
     runs = np.concatenate([[0.0], np.cumsum(way)])
@@ -218,13 +225,13 @@ def _of_run(
     def inside(values: Array) -> Array:
         return np.asarray(np.interp(at, motion.time_s, values))
 
-    force = motion.force - motion.further.get("sim_force", 0.0)
+    simulated = [sign * one.over(test, centres) for one in motion.forces]
     lags = range(0, 2 * half // step + 1)
     return {
         "centre": centres.astype(np.float64),
         "neighbour": place.astype(np.float64),
         "way": sign,
-        "force": sign * test.over(force, test.value, centres),
+        "force": sign * test.over(motion.force, test.value, centres),
         "acceleration": sign * test.over(motion.position, test.curvature, centres),
         "force_rate": -sign * test.over(motion.force, test.slope, centres),
         "force_curvature": sign * test.over(motion.force, test.curvature, centres),
@@ -235,6 +242,7 @@ def _of_run(
         "drive": inside(savgol_filter(motion.force, 2 * half + 1, 2)),
         "position_lag": np.tile(_lagged(test.curvature, step, lags), (centres.size, 1)),
         "force_lag": np.tile(_lagged(test.value, step, lags), (centres.size, 1)),
+        "simulated": np.reshape(simulated, (len(simulated), centres.size)).T,
     }
 
 

@@ -18,8 +18,9 @@ from bayesfric.physics.axis import AxisLaw
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, VISCOUS, Baseline
 from bayesfric.recording.tables import Axis, Recording, RigConstants
-from bayesfric.rigs.base import Motion, Predictive, Unsupported, Words, why_inert
+from bayesfric.rigs.base import Motion, OwnLaw, Predictive, Unsupported, Words, why_inert
 from bayesfric.rigs.linear import rank
+from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.single_axis.likelihood import AxisLikelihood
 from bayesfric.rigs.single_axis.linear import AxisRows
@@ -28,6 +29,9 @@ from bayesfric.rigs.single_axis.motion import Motion as Log
 from bayesfric.rigs.single_axis.motion import even_grid
 from bayesfric.rigs.single_axis.predictions import runs as runs_dataset
 from bayesfric.rigs.single_axis.readings import Readings, readings_of, rough_law
+from bayesfric.rigs.single_axis.simulated import SimulatedBaseline, linearised, recorded_forces
+from bayesfric.rigs.single_axis.simulator import DESIGN
+from bayesfric.simulators import SimulatorCalls
 
 __all__ = ["RIG", "AxisRuns", "SingleAxis"]
 
@@ -62,6 +66,7 @@ class SingleAxis(PlainRig):
     words: Words = WORDS
     tables: tuple[str, ...] = ("axis_runs.csv", "axis_samples.csv")
     paper: bool = False
+    own_design: OwnDesign = DESIGN
 
     def trials(self, recording: Recording, *, exclude: bool = True) -> "AxisRuns | None":
         """Return the runs in which the axis moves; no rule keeps another out."""
@@ -92,6 +97,10 @@ class AxisRuns(PlainTrials):
         Runs in which the axis does not move.
     law : Baseline
         Around which a diagnosis makes them linear.
+    source : Axis
+        The tables.
+    simulated : SimulatedBaseline or None
+        A user's simulator, in the place of the law in a diagnosis.
     """
 
     rig: SingleAxis
@@ -103,6 +112,8 @@ class AxisRuns(PlainTrials):
     law: Baseline = BASELINES["paper"]
     loads: tuple[str, ...] = ()
     interval_s: float = field(default=0.0)
+    source: Axis | None = None
+    simulated: SimulatedBaseline | None = None
 
     @property
     def recorded(self) -> pd.DataFrame:
@@ -129,10 +140,46 @@ class AxisRuns(PlainTrials):
         """Newton, or newton metre where it turns."""
         return self.measures.unit("N")
 
+    def law_numbers(self, size: str) -> tuple[tuple[str, str], ...]:
+        """Return mass, Coulomb friction and, if the law has it, viscous friction, with units.
+
+        Where a simulator has the place of the law, they are its parameters.
+        """
+        del size
+        if self._beside is not None:
+            return tuple((one.name, one.unit) for one in self._beside.parameters)
+        unit = self.measures.unit
+        viscous = (("viscous", unit("N s/m")),) if self.law.name == VISCOUS else ()
+        return (("mass", unit("kg")), ("coulomb", unit("N")), *viscous)
+
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
-        """Priors of the law, in the machine's measures."""
-        return {SIZE: self.measures.priors}
+        """Priors of the law, in the machine's measures, or of the simulator in its place."""
+        if self._beside is None:
+            return {SIZE: self.measures.priors}
+        priors = [one.prior for one in self._beside.parameters]
+        return {SIZE: PriorOverrides(**dict(zip(Coefficients._fields, priors, strict=False)))}
+
+    @property
+    def own_law(self) -> OwnLaw | None:
+        """A simulator that was named, or left its force in the recording; None without one."""
+        own = self.simulated
+        if own is None:
+            return None
+        without = Coefficients._fields[len(own.parameters) :]
+        law = replace(BASELINES["paper"], name=own.name, without=without)
+        return OwnLaw(law, own.parameters, own.calls)
+
+    @property
+    def _beside(self) -> SimulatedBaseline | None:
+        """The simulator, where it has the place of the law: in a diagnosis."""
+        own = self.simulated
+        return own if own is not None and own.name == self.law.name else None
+
+    def beside(self, simulator: SimulatorCalls) -> "AxisRuns":
+        """Return the runs beside a user's simulator of them; see :mod:`.simulated`."""
+        assert self.source is not None
+        return _opened(self.rig, self.source, self.constants, simulator) or self
 
     @property
     def has_pulleys(self) -> bool:
@@ -199,7 +246,7 @@ class AxisRuns(PlainTrials):
     ) -> AxisRows:
         """Return the rows of a linear model; an effect starts no run."""
         del acting
-        return self._rows(AxisLaw.of(laws[SIZE]))
+        return self._around(laws[SIZE])
 
     def likelihood(
         self,
@@ -209,12 +256,12 @@ class AxisRuns(PlainTrials):
     ) -> AxisLikelihood:
         """Return the density of the rows."""
         del analysis, effects  # priors are the machine's; what acts beside the law is diagnosed
-        return AxisLikelihood(
-            self.table,
-            self._rows(self._rough),
-            self.measures,
-            viscous=law.name == VISCOUS,
-        )
+        own = self.under(law)
+        beside = own._beside
+        rows = own._rows(own._rough)
+        if beside is not None:
+            rows = own._around(Coefficients(*(*beside.centre, 0.0, 0.0, 0.0)[:3]))
+        return AxisLikelihood(own.table, rows, own.measures, viscous=law.name == VISCOUS)
 
     def quality(self) -> Mapping[str, Any]:
         """Return nothing of a board."""
@@ -236,6 +283,13 @@ class AxisRuns(PlainTrials):
         return AxisLaw(
             max(mass, 1e-3 * measures.mass), max(coulomb, 1e-3 * measures.friction), viscous
         )
+
+    def _around(self, law: Coefficients) -> AxisRows:
+        """Return rows around a law, or around a simulator with these parameters."""
+        if self._beside is None:
+            return self._rows(AxisLaw.of(law))
+        theta = tuple(float(np.asarray(one)) for one in law)
+        return replace(self._rows(self._rough), simulated=self._beside, theta=theta)
 
     def _rows(self, law: AxisLaw) -> AxisRows:
         rows, one = self.readings, np.ones((self.readings.count, 1))
@@ -273,17 +327,20 @@ class AxisRuns(PlainTrials):
         )
 
 
-def _opened(rig: SingleAxis, axis: Axis, constants: RigConstants) -> AxisRuns | None:
+def _opened(
+    rig: SingleAxis, axis: Axis, constants: RigConstants, simulator: SimulatorCalls | None = None
+) -> AxisRuns | None:
     parts = max(1, -(-ENOUGH // len(axis.runs)))
-    logs, starts, rows = [], [], []
+    logs, starts, rows, runs = [], [], [], list[Mapping[str, object]]()
     by_run = dict(iter(axis.samples.groupby("run", sort=False)))
     still = []
     for _, run in axis.runs.iterrows():
-        log = _log(by_run[run["run"]])
+        log = _log(by_run[run["run"]], constants)
         if log is None:
             still.append(str(run["run"]))
             continue
         logs.append(log)
+        runs.append({str(name): value for name, value in run.items()})
         starts.append(np.arange(parts) * (log.time_s.size // parts))
         for part in range(parts):
             name = run["run"] if parts == 1 else f"{run['run']}/{part + 1}"
@@ -292,6 +349,21 @@ def _opened(rig: SingleAxis, axis: Axis, constants: RigConstants) -> AxisRuns | 
     if readings is None:
         return None
     table = pd.DataFrame(rows)
+    measures, beside = _measures(readings, logs, constants), None
+    if simulator is not None:
+
+        def again(told: Sequence[Log]) -> Readings:
+            found = readings_of(told, starts, constants.encoder_resolution)
+            assert found is not None
+            return found
+
+        beside, readings = linearised(
+            simulator, logs, runs, again, measures, readings.half_s, _fitting(table)
+        )
+    elif readings.simulated.shape[1]:
+        named = {"sim_force": "sim_force_n", "sim_position": "sim_position_m"}
+        columns = [column for name, column in named.items() if name in logs[0].further]
+        beside = SimulatedBaseline(" and ".join(columns))
     table["pulley_size"], table["n_pulleys"], table["wrap_angle_deg"] = SIZE, 1, 85.0
     if "setup" not in table or table["setup"].nunique() < SETUPS:
         table["setup"] = table["trial"]
@@ -300,26 +372,43 @@ def _opened(rig: SingleAxis, axis: Axis, constants: RigConstants) -> AxisRuns | 
     chosen = moving[order]
     still += [str(run) for run in table["trial"][~table.index.isin(moving)]]
     table = table.iloc[chosen].reset_index(drop=True)
-    readings = readings.of(chosen)
     return AxisRuns(
         rig,
         constants,
         table,
-        readings,
-        _measures(readings, logs, constants),
+        readings.of(chosen),
+        measures,
         tuple(still),
         interval_s=float(np.median([log.interval_s for log in logs])),
+        source=axis,
+        simulated=beside,
     )
 
 
-def _log(samples: pd.DataFrame) -> Log | None:
-    columns = {
-        "position": samples["position_m"].to_numpy(dtype=np.float64),
-        "force": samples["force_n"].to_numpy(dtype=np.float64),
+def _fitting(table: pd.DataFrame) -> NDArray[np.bool_]:
+    """Return which trials a simulator is fitted to: those of role ``test`` only show the gap."""
+    tested = np.zeros(len(table), dtype=np.bool_)
+    if "role" in table:
+        tested = np.asarray(table["role"] == "test", dtype=np.bool_)
+    return ~tested if not tested.all() else tested
+
+
+def _log(samples: pd.DataFrame, constants: RigConstants) -> Log | None:
+    names = {
+        "position": "position_m",
+        "force": "force_n",
+        "sim_force": "sim_force_n",
+        "sim_position": "sim_position_m",
     }
-    if "sim_force_n" in samples:
-        columns["sim_force"] = samples["sim_force_n"].to_numpy(dtype=np.float64)
-    return even_grid(samples["time_s"].to_numpy(dtype=np.float64), columns)
+    if constants.moving_mass_kg is None:
+        del names["sim_position"]  # it takes the simulated mass to make a force of a path
+    columns = {
+        name: samples[column].to_numpy(dtype=np.float64)
+        for name, column in names.items()
+        if column in samples
+    }
+    log = even_grid(samples["time_s"].to_numpy(dtype=np.float64), columns)
+    return log and replace(log, forces=recorded_forces(log, constants.moving_mass_kg))
 
 
 def _measures(readings: Readings, logs: Sequence[Log], constants: RigConstants) -> Measures:

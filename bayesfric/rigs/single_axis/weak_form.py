@@ -28,7 +28,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 from scipy.special import roots_jacobi
 
-__all__ = ["NODES", "TestFunction", "node_weights", "test_function"]
+__all__ = ["NODES", "TestFunction", "WeakForce", "node_weights", "test_function"]
 
 Array = NDArray[np.float64]
 NODES = 5  # of a mean over a window of what is known all through it
@@ -56,6 +56,29 @@ class TestFunction:
         """Return the integral over the window around each centre, shape (W,)."""
         windows = sliding_window_view(values, 2 * self.half + 1)
         return np.asarray(windows[centres - self.half] @ kernel)
+
+
+@dataclass(frozen=True)
+class WeakForce:
+    """A force that may be known only under test functions: value + d²(curvature)/dt².
+
+    Parameters
+    ----------
+    value : ndarray, shape (N,)
+        At every sample.
+    curvature : ndarray, shape (N,), or None
+        None is nothing.
+    """
+
+    value: Array
+    curvature: Array | None = None
+
+    def over(self, test: TestFunction, centres: NDArray[np.intp]) -> Array:
+        """Return ∫ φ value + φ'' curvature dt around each centre, shape (W,)."""
+        found = test.over(self.value, test.value, centres)
+        if self.curvature is None:
+            return found
+        return found + test.over(self.curvature, test.curvature, centres)
 
 
 def test_function(half: int, interval_s: float) -> TestFunction:

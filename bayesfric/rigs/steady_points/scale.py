@@ -13,7 +13,6 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from bayesfric.analysis import HalfNormal, LogNormal, Normal, Prior
 from bayesfric.effects import Effect, EffectParameter, Law, State
 from bayesfric.rigs.rotary import rotary_unit
 
@@ -96,21 +95,8 @@ class Scale:
         return replace(
             one,
             unit=rotary_unit(one.unit) if rotary else one.unit,
-            prior=_scaled(one.prior, unit, wider),
+            prior=one.prior.times(unit).widened(wider),
             plausible=(wider * unit * low, wider * unit * high),
             reference=IN_PROPORTION + one.reference,
             typical=None if one.typical is None else unit * one.typical,
         )
-
-
-def _scaled(prior: Prior, unit: float, wider: float) -> Prior:
-    """Return a prior in another unit, and wider around the same centre."""
-    match prior:
-        case HalfNormal(scale=scale):
-            return HalfNormal(scale=wider * unit * scale)
-        case Normal(mean=mean, sd=sd):
-            return Normal(mean=unit * mean, sd=wider * unit * sd)
-        case LogNormal(median=median, sd_log=sd):
-            return LogNormal(median=unit * median, sd_log=wider * sd)
-        case _:
-            return prior.model_copy(update={"low": unit * prior.low, "high": unit * prior.high})

@@ -1,0 +1,49 @@
+"""The numbers of the law, with and without what acts beside it."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.diagnosis.acting import Acting
+from bayesfric.diagnosis.climbing import climb
+from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis.systematic import Posterior, interval
+from bayesfric.schemas import Interval, LawNumber
+
+__all__ = ["law_of_diagnosis"]
+
+Array = NDArray[np.float64]
+LOW, HIGH = -1.6448536, 1.6448536  # of a normal, 5 % and 95 %
+
+
+def law_of_diagnosis(model: LinearModel, psi: Array, posterior: Posterior) -> dict[str, LawNumber]:
+    """Return each number of the law that is not held, by name.
+
+    Parameters
+    ----------
+    model : LinearModel
+        In which the hypotheses were compared.
+    psi : ndarray
+        Logarithms of the noise of the law alone, to begin with.
+    posterior : Posterior
+        Draws over all hypotheses.
+    """
+    # Friction that scatters as that of some effect would take its place.
+    alone = model.around(model.laws, (), discrepancy=False, scattering=())
+    at = climb(alone, psi, Acting())
+    fitted = alone.fitted_laws(at)
+    found = {}
+    for place, size in enumerate(alone.layout.sizes):
+        for column, (name, unit) in enumerate(alone.data.law_numbers(size)):
+            if not alone.free[place, column]:
+                continue
+            number = place * alone.layout.own + column
+            sd = float(np.sqrt(at.covariance[number, number])) * float(alone.scales[column])
+            mean = float(np.asarray(fitted[size][column]))
+            found[name] = LawNumber(
+                unit=unit,
+                before=Interval(
+                    mean=mean, sd=sd, q05=mean + LOW * sd, q50=mean, q95=mean + HIGH * sd
+                ),
+                after=interval(posterior.law.coefficients[:, place, column]),
+            )
+    return found

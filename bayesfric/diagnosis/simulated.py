@@ -1,0 +1,52 @@
+"""What a diagnosis says of a user's simulator that had the place of the law."""
+
+import numpy as np
+
+from bayesfric.diagnosis.acting import At
+from bayesfric.diagnosis.model import LinearModel
+from bayesfric.inference.priors import describe
+from bayesfric.rigs.base import OwnLaw
+from bayesfric.rigs.data import Data
+from bayesfric.schemas import EffectNumber, SimulatorUsed
+
+__all__ = ["own_law_of", "simulator_used"]
+
+FIVE = 1.6448536269514722  # standard deviations from the median to the 95th of 100
+
+
+def own_law_of(data: Data) -> OwnLaw | None:
+    """Return the simulator in the place of the law; None where a law is examined."""
+    return data.rigs[0].own_law
+
+
+def simulator_used(own: OwnLaw | None, model: LinearModel, at: At) -> SimulatorUsed | None:
+    """Return a simulator with its parameters, given the data and a hypothesis.
+
+    Parameters
+    ----------
+    own : OwnLaw or None
+        The simulator.
+    model : LinearModel
+        Linear in its parameters.
+    at : At
+        The hypothesis at its mode.
+    """
+    if own is None:
+        return None
+    (size,) = model.layout.sizes
+    found = {}
+    for place, one in enumerate(own.parameters):
+        scale = float(model.scales[place])
+        mean = float(np.asarray(model.laws[size][place])) + scale * float(at.mean[place])
+        sd = scale * float(np.sqrt(at.covariance[place, place]))
+        found[one.name] = EffectNumber(
+            mean=mean,
+            sd=sd,
+            q05=mean - FIVE * sd,
+            q50=mean,
+            q95=mean + FIVE * sd,
+            unit=one.unit,
+            prior=describe(one.prior),
+            prior_density=one.prior,
+        )
+    return SimulatorUsed(name=own.law.name, calls=own.calls, parameters=found)

@@ -1,0 +1,212 @@
+"""Friction's deviations from the law that rows share, integrated out in closed form.
+
+Beside what a single pass has of its own (:mod:`.covariance`), friction differs from run to run
+and from assembly to assembly, and from place to place along the path: by a map that is the
+machine's own and comes back in every run, and by one that comes back within a run only. A map
+is a sum of cosines of the position with normal weights, whose variances fall with the number of
+waves, how early and how fast being parts of the noise:
+
+    relative deviation of row i of run r on assembly j at q =
+        η_j + ε_r + Σ_k (a_k + b_rk) cos(k π (q − q_low) / span) .
+
+Weights of runs are integrated out run by run; what is left of the rows then, the columns that
+assemblies and all runs share among them, is small.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["COSINES", "Levels", "Shared", "integrated", "map_columns", "map_spectrum"]
+
+Array = NDArray[np.float64]
+COSINES = 24  # of a map: half a wave is a twenty-fourth of the path at the least
+
+
+def map_columns(position: Array) -> Array:
+    """Return 1 and the cosines of a map at positions, (W, 1 + K)."""
+    low, span = float(position.min()), float(np.ptp(position)) or 1.0
+    turns = np.multiply.outer((position - low) / span, np.pi * np.arange(COSINES + 1.0))
+    return np.asarray(np.cos(turns))
+
+
+def map_spectrum(length: float, decay: float) -> tuple[Array, Array, Array]:
+    """Return variances of a map's weights at a mean square of 1, and their slopes.
+
+    A wave of k halves has a share (1 + (k π length)²)^−decay: 1 of a process with an exponential
+    correlation, more the smoother friction is.
+
+    Parameters
+    ----------
+    length : float
+        Correlation length over the span of the path.
+    decay : float
+        Half the exponent of the spectrum.
+
+    Returns
+    -------
+    variance, by_length, by_decay : ndarray, shape (K,)
+        The latter two are derivatives by the logarithms.
+    """
+    turn2 = (np.pi * length * np.arange(1, COSINES + 1)) ** 2
+    weight = (1 + turn2) ** -decay
+    total = weight.sum()
+    changes = (-2 * decay * weight * turn2 / (1 + turn2), -decay * weight * np.log1p(turn2))
+    slopes = [2 * (one - weight * one.sum() / total) / total for one in changes]
+    return 2 * weight / total, slopes[0], slopes[1]
+
+
+@dataclass(frozen=True)
+class Levels:
+    """Variances of the relative deviations.
+
+    Parameters
+    ----------
+    run, setup : float
+        Of a run's and an assembly's friction.
+    run_map, machine_map : ndarray, shape (K,)
+        Of the weights of the cosines.
+    """
+
+    run: float
+    setup: float
+    run_map: Array
+    machine_map: Array
+
+
+class Shared:
+    """Rows with their shared deviations integrated out.
+
+    Parameters
+    ----------
+    grams : ndarray, shape (N, n, n)
+        Of each run: products of its columns, weighted by the inverse covariance of what rows
+        have of their own. The columns are 1 + K of deviations, then any others.
+    setup : ndarray of int, shape (N,)
+        Assembly of each run.
+    levels : Levels
+        Variances.
+
+    Attributes
+    ----------
+    rest : ndarray, shape (n − 1 − K,) twice
+        The products of the other columns, all runs together, deviations integrated out.
+    constant : float
+        What the log density is more by the determinant.
+    """
+
+    def __init__(self, grams: Array, setup: NDArray[np.intp], levels: Levels) -> None:
+        k = COSINES + 1
+        self._grams, self._setup, self._levels = grams, setup, levels
+        own = np.concatenate([[levels.run], levels.run_map])
+        self._run, log_run = _taken(grams[:, :k, :k], own)
+        left = grams - grams[:, :, :k] @ self._run @ grams[:, :k, :]
+        self._left = left
+        assemblies = int(setup.max()) + 1
+        by_setup = np.zeros((assemblies, left.shape[2]))
+        np.add.at(by_setup, setup, left[:, 0, :])
+        total = left.sum(axis=0)
+        # Columns that several runs share: one an assembly, then the cosines of all.
+        self._above = assemblies + COSINES
+        shared = np.zeros((self._above, self._above))
+        shared[:assemblies, :assemblies] = np.diag(by_setup[:, 0])
+        shared[:assemblies, assemblies:] = by_setup[:, 1:k]
+        shared[assemblies:, :assemblies] = by_setup[:, 1:k].T
+        shared[assemblies:, assemblies:] = total[1:k, 1:k]
+        self._shared = shared
+        self._across = np.concatenate([by_setup[:, k:], total[1:k, k:]])
+        variance = np.concatenate([np.full(assemblies, levels.setup), levels.machine_map])
+        self._taken, log_shared = _taken(shared[None], variance)
+        self._taken = self._taken[0]
+        self.rest = total[k:, k:] - self._across.T @ self._taken @ self._across
+        self.constant = -0.5 * float(log_run.sum() + log_shared.sum())
+
+    def moments(self, mixed: Array) -> tuple[float, float, Array, Array]:
+        """Return what a variance more of each level adds to the log evidence, doubled.
+
+        Parameters
+        ----------
+        mixed : ndarray, shape (n − 1 − K, m)
+            Mixtures of the other columns whose squares are added: the residual, and the
+            columns by a root of the covariance of their numbers.
+
+        Returns
+        -------
+        run, setup : float
+            Per variance of a run's, of an assembly's friction.
+        run_map, machine_map : ndarray, shape (K,)
+            Per variance of each weight.
+        """
+        k, assemblies = COSINES + 1, self._above - COSINES
+        across, shared = self._across, self._shared
+        pulled = (across - shared @ self._taken @ across) @ mixed
+        own = np.diag(shared) - np.einsum("ij,jk,ki->i", shared, self._taken, shared)
+        above = (pulled**2).sum(axis=1) - own
+        inner = self._lifted(self._left[:, :k, :k])  # of a run's columns by those above
+        pulled = self._left[:, :k, k:] @ mixed - inner @ (self._taken @ across @ mixed)
+        own = np.einsum("nkk->nk", self._left[:, :k, :k]) - np.einsum(
+            "nka,ab,nkb->nk", inner, self._taken, inner, optimize=True
+        )
+        below = ((pulled**2).sum(axis=2) - own).sum(axis=0)
+        return (
+            float(below[0]),
+            float(above[:assemblies].sum()),
+            below[1:],
+            above[assemblies:],
+        )
+
+    def of_rows(self) -> tuple[Array, Array]:
+        """Return what of each run's rows is taken off by deviations.
+
+        Returns
+        -------
+        numbers : ndarray, shape (N, 1 + K, n − 1 − K)
+            By which a row's columns of deviations, weighted, are multiplied and subtracted.
+        inverse : ndarray, shape (N, 1 + K, 1 + K)
+            The same of the inverse covariance, from both sides.
+        """
+        k = COSINES + 1
+        free = np.eye(k) - self._run @ self._grams[:, :k, :k]
+        lifted = self._lifted(free)
+        numbers = self._run @ self._grams[:, :k, k:] + lifted @ (self._taken @ self._across)
+        inverse = self._run + lifted @ self._taken @ lifted.swapaxes(1, 2)
+        return numbers, inverse
+
+    def _lifted(self, columns: Array) -> Array:
+        """Return columns of a run's deviations, (N, k, 1 + K), where those above stand."""
+        assemblies = self._above - COSINES
+        found = np.zeros((*columns.shape[:2], self._above))
+        found[np.arange(len(columns)), :, self._setup] = columns[:, :, 0]
+        found[:, :, assemblies:] = columns[:, :, 1:]
+        return found
+
+
+def integrated(grams: Array, variance: Array) -> tuple[Array, Array]:
+    """Return products of columns with the first ones' numbers integrated out, run by run.
+
+    Parameters
+    ----------
+    grams : ndarray, shape (N, n, n)
+        Weighted products of columns.
+    variance : ndarray, shape (k,)
+        Of the first columns' numbers.
+
+    Returns
+    -------
+    forms : ndarray, shape (N, n − k, n − k)
+    log_determinant : ndarray, shape (N,)
+        What the rows' covariance has more.
+    """
+    k = variance.size
+    taken, log_determinant = _taken(grams[:, :k, :k], variance)
+    forms = grams[:, k:, k:] - grams[:, k:, :k] @ taken @ grams[:, :k, k:]
+    return forms, log_determinant
+
+
+def _taken(gram: Array, variance: Array) -> tuple[Array, Array]:
+    """Return (D⁻¹ + G)⁻¹ of each gram matrix, and log |1 + D G|."""
+    root = np.sqrt(variance)
+    whole = root[:, None] * gram * root + np.eye(root.size)
+    inverse = np.linalg.inv(whole)
+    return root[:, None] * inverse * root, np.asarray(np.linalg.slogdet(whole)[1])

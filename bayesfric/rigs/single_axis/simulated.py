@@ -1,0 +1,287 @@
+"""A user's simulator in the place of the law: the force that it needs for the measured motion.
+
+A simulator says where the axis goes under the drive force, and a little of friction too much
+takes it somewhere else within a second. So it is guided: a spring and a damper, stiff enough
+to follow within a window, pull the simulated axis along the measured path through
+``extra_force``. What they pull with is what the simulator lacks, and drive force and pull
+together are the force that the simulator needs for the measured motion:
+
+    needed(t) = F(t) + k (q(t) − s(t)) + d (v(t) − ṡ(t)),
+
+s being the simulated position. What is counted is the pull that the simulator was given, at
+the times when it asked for it. It answers to what lacks with a gain of 1 − s²/ω₀² + O(s³/ω₀³),
+not late to first order; the second order is made good under the test functions. After a reversal
+it takes some 1/ω₀ to follow again, and that time does not count.
+
+How the needed force answers to a parameter is a difference of two simulations. An effect is a
+force at the place of the pull, so that the pull answers to it with as much less, whatever the
+simulator is; that a pull counts as much as a drive force is seen by a difference too.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.errors import Fault, InputError
+from bayesfric.inference.priors import Parameter, from_normal
+from bayesfric.rigs.single_axis.measures import Measures
+from bayesfric.rigs.single_axis.motion import Motion, smooth_motion
+from bayesfric.rigs.single_axis.readings import Readings
+from bayesfric.rigs.single_axis.weak_form import WeakForce
+from bayesfric.simulators import SimulatorCalls, SimulatorRun, Task, between
+
+__all__ = ["MOST_PARAMETERS", "SimulatedBaseline", "linearised", "recorded_forces"]
+
+Array = NDArray[np.float64]
+Forces = tuple[WeakForce, ...]
+MOST_PARAMETERS = 3  # as many as a law has
+ROUNDS = 3  # of linearising around what the round before has found
+STEP = 0.02  # of a prior's width, over which a difference is taken
+FASTEST = 0.4  # rad a sample of the log: a simulator that steps so can follow
+WINDOW = 8.0  # rad in half a window: what is slower than a window is followed
+GUIDED = 5  # samples on either side, of which the guide takes its speed
+SETTLING = 6.0  # over the rate: the time after a reversal that does not count; 2 % are left then
+ANSWERED = 0.25  # by which a pull may count for less or more than a drive force
+PROBE = 0.2  # of the rough friction, a drive force more
+
+
+@dataclass(frozen=True)
+class SimulatedBaseline:
+    """A simulator in the place of the law.
+
+    Parameters
+    ----------
+    name : str
+        What it is called: ``module:object``, or the column of a table.
+    parameters : tuple of Parameter
+        What is free in it, at most three; none of a table.
+    centre : tuple of float
+        Where it was made linear in them.
+    calls : int
+        Of the simulator, made for it.
+    """
+
+    name: str
+    parameters: tuple[Parameter, ...] = ()
+    centre: tuple[float, ...] = ()
+    calls: int = 0
+
+    def columns(self, readings: Readings) -> Array:
+        """Return what each parameter adds to the needed force of each row, (W, 3)."""
+        count = len(self.parameters)
+        found = np.zeros((readings.count, MOST_PARAMETERS))
+        found[:, :count] = readings.simulated[:, 1 : 1 + count]
+        return found
+
+    def needed(self, readings: Readings, theta: Sequence[float]) -> Array:
+        """Return the needed force of each row at values of the parameters, (W,)."""
+        moved = np.zeros(MOST_PARAMETERS)
+        moved[: len(self.centre)] = np.array(theta[: len(self.centre)]) - self.centre
+        return np.asarray(readings.simulated[:, 0] + self.columns(readings) @ moved)
+
+
+@dataclass(frozen=True, eq=False)
+class Guide:
+    """A spring and a damper to the measured path; (t, q, v) to a force.
+
+    Parameters
+    ----------
+    start_s, interval_s : float
+        Of the log.
+    position, velocity : ndarray, shape (N,)
+        The measured path.
+    mass, rate : float
+        Rough mass, and the frequency of that mass on the spring [rad/s].
+    """
+
+    start_s: float
+    interval_s: float
+    position: Array
+    velocity: Array
+    mass: float
+    rate: float
+
+    def __call__(self, t: float, q: float, v: float) -> float:
+        """Return the force."""
+        place = (float(t) - self.start_s) / self.interval_s
+        behind = between(self.position, place) - float(q)
+        slower = between(self.velocity, place) - float(v)
+        return self.mass * (self.rate**2 * behind + 2 * self.rate * slower)
+
+    @property
+    def followed(self) -> NDArray[np.bool_]:
+        """Return where the guided axis follows: not right after the start or a reversal, (N,)."""
+        long = int(np.ceil(SETTLING / self.rate / self.interval_s))
+        found = np.ones(self.velocity.size, dtype=np.bool_)
+        for begin in (0, *np.flatnonzero(np.diff(np.sign(self.velocity)))):
+            found[begin : begin + long] = False
+        return found
+
+
+def recorded_forces(log: Motion, mass: float | None) -> Forces:
+    """Return the force that a simulator needed by what it left in a recording; empty if nothing.
+
+    ``sim_force_n`` is the force of the simulated axis, and without it that of the log;
+    ``sim_position_m`` its path, and without it that of the log. Where the simulated path
+    is another one, mass times the difference of the accelerations is what lacks.
+
+    Parameters
+    ----------
+    log : Motion
+        A run.
+    mass : float or None
+        That the simulator moves [kg, or kg·m²].
+    """
+    force, position = log.further.get("sim_force"), log.further.get("sim_position")
+    apart = None if position is None or mass is None else mass * (log.position - position)
+    if force is None and apart is None:
+        return ()
+    return (WeakForce(value=log.force if force is None else force, curvature=apart),)
+
+
+def linearised(
+    calls: SimulatorCalls,
+    logs: Sequence[Motion],
+    rows: Sequence[Mapping[str, object]],
+    readings: Callable[[Sequence[Motion]], Readings],
+    measures: Measures,
+    half_s: float,
+    fits: NDArray[np.bool_],
+) -> tuple[SimulatedBaseline, Readings]:
+    """Make a simulator linear in its parameters, around what fits best.
+
+    Parameters
+    ----------
+    calls : SimulatorCalls
+        The simulator.
+    logs : sequence of Motion
+        Runs.
+    rows : sequence of mapping
+        Of each, its row of ``axis_runs.csv``.
+    readings : callable
+        Runs with forces to rows that have them.
+    measures : Measures
+        Rough mass and friction.
+    half_s : float
+        Half the width of a window [s].
+    fits : ndarray of bool, shape (N,)
+        Trials that the parameters are fitted to.
+
+    Raises
+    ------
+    InputError
+        It has too many parameters, fails, or takes no extra force.
+    """
+    parameters = calls.parameters
+    if len(parameters) > MOST_PARAMETERS:
+        expected = f"at most {MOST_PARAMETERS} free parameters; hold the others at their values"
+        raise InputError([Fault(calls.name, expected, value=f"{len(parameters)} parameters")])
+    guides = [_guide(log, measures.mass, half_s) for log in logs]
+    runs = [_run(log, guide, row) for log, guide, row in zip(logs, guides, rows, strict=True)]
+    each = 1 + len(parameters)
+    rounds = ROUNDS if parameters else 1
+    calls.announce(
+        len(runs) * rounds * each + 1,
+        f"{rounds} × {each} for each of {len(runs)} runs, and one for what a pull counts",
+    )
+    made = calls.made
+    theta = np.array([float(from_normal(one.prior, 0.0)) for one in parameters])
+    steps = np.array([STEP * _width(one) for one in parameters])
+    _check_pull(calls, runs[0], guides[0], theta, PROBE * measures.friction)
+    for left in reversed(range(rounds)):
+        forces = _needed(calls, runs, guides, theta, steps)
+        found = readings(
+            [
+                replace(log, forces=own, further={}, known=log.known & guide.followed)
+                for log, own, guide in zip(logs, forces, guides, strict=True)
+            ]
+        )
+        if left:
+            theta = _best(found, parameters, theta, fits)
+    centre = tuple(float(value) for value in theta)
+    return SimulatedBaseline(calls.name, parameters, centre, calls.made - made), found
+
+
+def _guide(log: Motion, mass: float, half_s: float) -> Guide:
+    rate = min(WINDOW / half_s, FASTEST / log.interval_s)
+    velocity = smooth_motion(log, GUIDED, 0.0)[1]
+    start = float(log.time_s[0])
+    return Guide(start, log.interval_s, log.position, velocity, mass, rate)
+
+
+def _run(log: Motion, guide: Guide, row: Mapping[str, object]) -> SimulatorRun:
+    start, speed = float(log.position[0]), float(guide.velocity[0])
+    columns = {name: value for name, value in row.items() if name != "trial"}
+    return SimulatorRun(str(row["run"]), log.time_s, log.force, start, speed, columns)
+
+
+def _width(parameter: Parameter) -> float:
+    low, high = (float(from_normal(parameter.prior, z)) for z in (-1.0, 1.0))
+    return 0.5 * (high - low)
+
+
+def _needed(
+    calls: SimulatorCalls,
+    runs: Sequence[SimulatorRun],
+    guides: Sequence[Guide],
+    theta: Array,
+    steps: Array,
+) -> list[Forces]:
+    """Return of each run the needed force, and its differences by the parameters."""
+    moved = [theta, *(theta + step for step in np.diag(steps))]
+    pulls = calls.pulled(
+        Task(run, tuple(float(one) for one in at), guide)
+        for run, guide in zip(runs, guides, strict=True)
+        for at in moved
+    )
+    found = []
+    for place, (run, guide) in enumerate(zip(runs, guides, strict=True)):
+        first, *others = pulls[place * len(moved) : (place + 1) * len(moved)]
+        parts = [WeakForce(run.force_n + first, first / guide.rate**2)]
+        for other, step in zip(others, steps, strict=True):
+            more = (other - first) / step
+            parts.append(WeakForce(more, more / guide.rate**2))
+        found.append(tuple(parts))
+    return found
+
+
+def _check_pull(
+    calls: SimulatorCalls, run: SimulatorRun, guide: Guide, theta: Array, force: float
+) -> None:
+    """Refuse a simulator in which a pull does not count as the same drive force does."""
+    at = tuple(float(one) for one in theta)
+    pushed = replace(run, force_n=run.force_n + force)
+    plain, less = calls.pulled([Task(run, at, guide), Task(pushed, at, guide)])
+    counted = float(np.median((plain - less)[guide.followed])) / force
+    if abs(counted - 1) > ANSWERED:
+        expected = (
+            "extra_force(t, q, v), at the time, the position and the velocity of the simulated "
+            "axis, to be added to the generalised force as the drive force is"
+        )
+        told = f"{counted:.3g} of a pull in the place of a drive force of 1"
+        raise InputError([Fault(calls.name, expected, value=told)])
+
+
+def _best(
+    readings: Readings,
+    parameters: Sequence[Parameter],
+    theta: Array,
+    fits: NDArray[np.bool_],
+) -> Array:
+    """Return the parameters by least squares beside their priors, within these."""
+    used = fits[readings.trial]
+    columns = readings.simulated[used, 1:]
+    left = readings.force[used] - readings.simulated[used, 0]
+    width = np.array([_width(one) for one in parameters])
+    free = np.linalg.lstsq(columns * width, left, rcond=1e-9)[0]
+    variance = float(np.mean((left - columns * width @ free) ** 2)) or 1.0
+    middle = np.array([float(from_normal(one.prior, 0.0)) for one in parameters])
+    precision = (columns * width).T @ (columns * width) / variance + np.eye(width.size)
+    slope = (columns * width).T @ left / variance + (middle - theta) / width
+    found = theta + width * np.linalg.solve(precision, slope)
+    low, high = (
+        np.array([float(from_normal(one.prior, z)) for one in parameters]) for z in (-3.0, 3.0)
+    )
+    return np.asarray(np.clip(found, low, high))

@@ -1,0 +1,77 @@
+"""Coverage on boards whose constant friction scatters from assembly to assembly.
+
+`quick` recordings of Table I, of which only scatter and noise are drawn anew; the posteriors
+are those of a fit with the default analysis, of fewer draws. The levels take turns, so that
+a campaign that is stopped has as many of each.
+"""
+
+import numpy as np
+from scipy.stats import beta
+from threadpoolctl import threadpool_limits
+
+from bayesfric.analysis import Analysis, CalibrationRules
+from bayesfric.fitting.drawing import draw_posterior
+from bayesfric.inference.diagnostics import diagnose_all
+from bayesfric.inference.model import Model
+from bayesfric.rigs.opening import open_rigs
+from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
+
+LEVELS = (0.0, 0.07, 0.15)
+SEEDS = range(40_000, 40_200)
+COVERED = (0.05, 0.95)  # ranks inside the interval of 90 %
+BOUNDS = (0.85, 0.95)
+
+
+def cases(seeds=SEEDS):
+    """Return the cases by name, in their order."""
+    return {f"{seed}-{int(100 * level):02d}": (seed, level) for seed in seeds for level in LEVELS}
+
+
+def case(given):
+    """Fit one recording; say where each coefficient of Table I lies in its posterior.
+
+    Parameters
+    ----------
+    given : (int, float)
+        Seed of the recording, and by which share c2 scatters.
+    """
+    seed, level = given
+    truth = Truth(omega_intercept=level)
+    recording = simulate_recording("quick", seed=seed, truth=truth, rigs=("gravity",))
+    analysis = Analysis(seed=seed, sampler=CalibrationRules().sampler)
+    with threadpool_limits(limits=1):
+        model = Model([one.likelihood(analysis) for one in open_rigs(recording, ["gravity"])])
+        theta = model.natural(draw_posterior(model, analysis).z)
+    named = model.by_name(theta.reshape(-1, theta.shape[-1]))
+    ranks = {
+        f"{name}[{size}]": float((named[f"{name}[{size}]"] < value).mean())
+        for size, law in table1_coefficients().items()
+        for name, value in law._asdict().items()
+    }
+    converged = all(one.converged for one in diagnose_all(theta))
+    return {"seed": seed, "level": level, "converged": converged, "ranks": ranks}
+
+
+def figures(done):
+    """Return by level and coefficient the coverage of 90 % intervals, with 95 % bounds.
+
+    The three sizes of one recording share their scatter: bounds are those of so many
+    recordings, not of three times as many.
+    """
+    found = {}
+    for level in LEVELS:
+        here = [one for one in done if one["level"] == level]
+        entry = {"recordings": len(here), "converged": sum(one["converged"] for one in here)}
+        for name in ("c1", "c2", "c3"):
+            ranks = np.array(
+                [[r for key, r in one["ranks"].items() if key.startswith(name)] for one in here]
+            )
+            inside = ((ranks > COVERED[0]) & (ranks < COVERED[1])).mean(axis=1)
+            hits, count = float(inside.sum()), len(here)
+            entry[name] = {
+                "coverage": hits / count,
+                "low": float(beta.ppf(0.025, hits, count - hits + 1)) if hits else 0.0,
+                "high": float(beta.ppf(0.975, hits + 1, count - hits)) if hits < count else 1.0,
+            }
+        found[f"{level:g}"] = entry
+    return found

@@ -1,0 +1,58 @@
+"""90 % intervals hold Table I as often as they say, however much c2 scatters.
+
+The seeds were fixed before the first run.
+"""
+
+import pytest
+from campaigns import evidence, intercept_scatter
+
+from bayesfric.campaign import run_on_processes
+
+
+def test_coverage_by_hand():
+    """Of four recordings with one size, three of them inside."""
+    ranks = [0.5, 0.06, 0.94, 0.99]
+    done = [
+        {
+            "level": level,
+            "converged": True,
+            "ranks": {"c1[a]": rank, "c2[a]": 0.5, "c3[a]": 0.01},
+        }
+        for level in intercept_scatter.LEVELS
+        for rank in ranks
+    ]
+    found = intercept_scatter.figures(done)["0.07"]
+    assert found["recordings"] == 4
+    assert found["c1"]["coverage"] == 0.75
+    assert found["c1"]["low"] == pytest.approx(0.1941, abs=1e-4)  # of Clopper and Pearson
+    assert found["c1"]["high"] == pytest.approx(0.9937, abs=1e-4)
+    assert found["c2"]["coverage"] == 1.0
+    assert found["c3"]["coverage"] == 0.0
+
+
+@pytest.mark.nightly
+def test_the_first_recordings_are_those_of_the_evidence(tmp_path):
+    seeds = intercept_scatter.SEEDS[:1]
+    cases = intercept_scatter.cases(seeds)
+    done = run_on_processes(intercept_scatter.case, cases, tmp_path, workers=2).values()
+    recorded = {
+        (one["seed"], one["level"]): one for one in evidence.read("intercept_scatter")["cases"]
+    }
+    for now in done:
+        then = recorded[now["seed"], now["level"]]
+        for name, rank in now["ranks"].items():
+            assert rank == pytest.approx(then["ranks"][name], abs=0.1), name
+
+
+@pytest.mark.long
+def test_coverage_of_two_hundred_recordings_of_each_level():
+    folder = evidence.WORK / "intercept_scatter"
+    cases = intercept_scatter.cases()
+    done = list(run_on_processes(intercept_scatter.case, cases, folder, workers=2).values())
+    figures = intercept_scatter.figures(done)
+    seeds = [intercept_scatter.SEEDS.start, intercept_scatter.SEEDS.stop - 1]
+    evidence.write("intercept_scatter", intercept_scatter, seeds=seeds, figures=figures, cases=done)
+    low, high = intercept_scatter.BOUNDS
+    for level in figures.values():
+        for name in ("c1", "c2", "c3"):
+            assert low <= level[name]["coverage"] <= high, figures
