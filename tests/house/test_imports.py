@@ -30,7 +30,7 @@ ROWS = (
     ("calibration",),
     ("claims",),
     ("diagnosis",),
-    ("margins",),
+    ("margins", "planning"),
     ("comparing",),
     ("export", "blind/engines"),
     ("blind",),
