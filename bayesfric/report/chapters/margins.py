@@ -61,6 +61,8 @@ WORDS = {
     "cable_stretch": "stretch of the cable",
     "least_tension": "least tension of a side",
     "peak_tension": "peak tension of a side",
+    "sensitivity_peak": "peak of the sensitivity, Ms",
+    "complementary_peak": "peak of the complementary sensitivity, Mt",
 }
 SHOWN_UNITS = {
     "m": ("mm", 1e3),
@@ -157,6 +159,8 @@ def _loop(loop: LoopMargins) -> Iterator[Block]:
     yield Heading(2, f"Loop {loop.name}")
     if loop.title:
         yield Paragraph(f"{loop.title}.")
+    if loop.plant is not None:
+        yield Paragraph(loop.plant.sentence)
     if loop.warnings:
         yield Notice("attention", f"{len(loop.warnings)} remarks to read before the numbers:")
         yield BulletList(list(loop.warnings))
