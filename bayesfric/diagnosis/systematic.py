@@ -25,6 +25,8 @@ __all__ = ["SMALLEST", "Posterior", "interval", "left_of", "posterior_of", "shri
 Array = NDArray[np.float64]
 DRAWS = 1000
 RARE = 0.003  # probability of a hypothesis that is not drawn from
+DISCREPANCIES = (0.1, 0.3, 1.0)  # of its rms, each as likely before the data; the whole last
+TINY = 1e-300
 SMALLEST = 1e-9  # of friction, of a gap that can shrink
 
 
@@ -167,15 +169,30 @@ def posterior_of(
 
 
 def _over_forms(model: LinearModel, one: Weighed, count: int, rng: np.random.Generator) -> Array:
-    """Draw the numbers of a hypothesis over the shares by which its laws may be wrong, (S, p)."""
-    weights = np.array(one.form_weights)
-    counts = rng.multinomial(count, weights / weights.sum())
-    drawn = []
-    for share, number in zip(FORM_SHARES, counts, strict=False):
-        if number:
-            form = dict.fromkeys(one.names, share)
-            at = model.evaluate(one.at.psi, one.acting, None, form)
-            drawn.append(_numbers(model, one, at, int(number), rng))
+    """Draw the numbers of a hypothesis, (S, p).
+
+    Over the shares by which its laws may be wrong, and over how large the discrepancy is.
+    """
+    information = model.evaluate(one.at.psi, one.acting).information
+    priors = [model.amplitude_prior(law) for law in one.acting.laws]
+    logs, found = [], []
+    for share, weight in zip(FORM_SHARES, one.form_weights, strict=False):
+        form = dict.fromkeys(one.names, share)
+        each = [
+            information.integrated(*model.prior(priors, None, form, discrepancy=size))
+            for size in DISCREPANCIES
+        ]
+        found += each
+        # What a share is worth is known already, with the discrepancy as it is listed.
+        logs += [np.log(max(weight, TINY)) + value - each[-1][0] for value, _, _ in each]
+    weights = np.exp(np.array(logs) - max(logs))
+    drawn = [
+        _numbers(model, one, replace(one.at, mean=mean, covariance=covariance), int(number), rng)
+        for number, (_, mean, covariance) in zip(
+            rng.multinomial(count, weights / weights.sum()), found, strict=True
+        )
+        if number
+    ]
     return np.concatenate(drawn)
 
 

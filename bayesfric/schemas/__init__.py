@@ -38,9 +38,11 @@ from bayesfric.schemas.diagnosis import (
 )
 from bayesfric.schemas.fit import (
     Agreement,
+    AssemblyCheck,
     DataQuality,
     Excluded,
     FitFile,
+    OutlyingAssembly,
     ParameterSummary,
     PointEstimate,
     Prediction,
@@ -80,6 +82,7 @@ __all__ = [
     "SCHEMAS",
     "Absorbed",
     "Agreement",
+    "AssemblyCheck",
     "Axis",
     "CalibratedQuantity",
     "CalibrationCase",
@@ -112,6 +115,7 @@ __all__ = [
     "NextExperiment",
     "NyquistFan",
     "Oracle",
+    "OutlyingAssembly",
     "ParameterSummary",
     "Plant",
     "PointEstimate",
