@@ -96,7 +96,8 @@ def margins(found: MarginsFile) -> Iterator[Block]:
     """
     yield Heading(1, "Controller margins")
     for loop in found.loops:
-        yield Paragraph([Strong(loop.answer), " (", Code(loop.name), ")"])
+        verdict, stop, rest = loop.answer.partition(". ")
+        yield Paragraph([Code(loop.name), ": ", Strong(f"{verdict}{stop}"), rest])
     yield Paragraph(
         f"All figures are over {format_count(found.draws)} draws of a new assembly: the posterior "
         "of the friction law, the scatter between assemblies, and a difference between rigs of "
