@@ -31,7 +31,7 @@ ROWS = (
     ("calibration",),
     ("claims",),
     ("diagnosis",),
-    ("margins",),
+    ("margins", "planning"),
     ("comparing",),
     ("export", "blind/engines"),
     ("blind",),
