@@ -99,11 +99,14 @@ def _repeat(folder: Path, again: Path, recording: Path | None, workers: int, qui
             quiet=quiet,
         )
     if diagnosis is not None:
+        own = diagnosis.simulator  # one of the recording's own needs no naming
         diagnose_into(
             source,
             again,
             _settings(diagnosis, "diagnosis.json"),
-            baseline=diagnosis.baseline,
+            baseline=diagnosis.baseline if own is None else "paper",
+            simulator=own.name if own is not None and own.calls else None,
+            workers=workers,
             fixed=",".join(diagnosis.fixed),
             quiet=quiet,
         )

@@ -207,7 +207,9 @@ def with_own_priors(analysis: Analysis, rigs: Sequence[RigTrials]) -> Analysis:
     for one in rigs:
         for size, own in one.own_priors.items():
             given = pulleys.get(size, PriorOverrides())
-            free = own.model_copy(update=dict.fromkeys(COEFFICIENTS & written))
+            # The priors of a simulator's parameters are its own: c1 means nothing to it.
+            of_law = set() if one.own_law is not None else COEFFICIENTS & written
+            free = own.model_copy(update=dict.fromkeys(of_law))
             chosen = given.model_dump(exclude_none=True)
             pulleys[size] = PriorOverrides.model_validate(
                 free.model_dump(exclude_none=True) | chosen
