@@ -20,6 +20,7 @@ ALIKE = 1 - 1e-4  # cosine between the responses of two effects that are one
 INNER = 1.0  # shapes so near the middle of their prior must have a double
 LEFT = 1e-4  # of an effect's response, squared: less, and the baseline takes it all
 FELT = 1e-2  # squared signal over noise at one prior sd: less, and nobody could notice
+MISSED = 10.0  # the same: more, and what is left of it shows, however little that is of it
 FINE = np.linspace(SHAPE_NODES[0], SHAPE_NODES[-1], 241)
 
 
@@ -100,7 +101,7 @@ def classes_of(model: LinearModel, psi: Array) -> Classes:
         inside = [columns.index(place) for place in own]
         if raw[inside].max() < FELT:
             left_out[name] = _absent(model, own[0])
-        elif (felt[inside] < LEFT * raw[inside]).all():
+        elif (felt[inside] < LEFT * raw[inside]).all() and felt[inside].max() < MISSED:
             absorbed.append(_absorbed(model, information, sd, places[inside[0]], name))
         elif felt[inside].max() < FELT:
             left_out[name] = "no influence on the prediction"

@@ -25,6 +25,7 @@ from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.remainder import remainder_of
 from bayesfric.diagnosis.residuals import residuals_of
 from bayesfric.diagnosis.search import NONE, UNKNOWN, Search, compare, search
+from bayesfric.diagnosis.shipped import Shipped, held_of, shipped_of
 from bayesfric.diagnosis.simulated import own_law_of, simulator_used
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.stored import curves_of, gap_of
@@ -42,7 +43,6 @@ from bayesfric.diagnosis.where import where_it_lies
 from bayesfric.effects import Effect, all_effects, with_priors
 from bayesfric.effects.candidates import Candidate, candidates_of
 from bayesfric.errors import Fault, InputError
-from bayesfric.paper import table1
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import Baseline
 from bayesfric.recording.tables import Recording
@@ -109,7 +109,7 @@ def diagnose(
     *,
     fixed: Collection[str] = (),
     effects: Collection[Effect] = (),
-    shipped: Mapping[str, Coefficients] | None = None,
+    shipped: Shipped | None = None,
     baseline: str = "paper",
     simulator: Simulator | str | None = None,
     executor: Executor | None = None,
@@ -124,12 +124,13 @@ def diagnose(
     analysis : Analysis or None
         Priors, rules and seed; None for the defaults.
     fixed : collection of str
-        Coefficients that are held at their shipped values, as ``c3`` or ``c3[small]``.
+        Numbers that are held at their shipped values, as ``c3``, ``c3[small]`` or ``mass``.
     effects : collection of Effect
         Effects of the user's own, examined beside those of :mod:`bayesfric.effects`; one
         of the same name takes the other's place.
-    shipped : mapping of str to Coefficients, or None
-        The simulator's values as it was shipped, by pulley size; None is Table I.
+    shipped : mapping of str to Coefficients or to float, or None
+        The simulator's values as it was shipped: laws by pulley size, or numbers by name as
+        ``fit.json`` has them, say ``mass``; None is Table I.
     baseline : str
         The friction law, a name in :data:`bayesfric.physics.laws.BASELINES`.
     simulator : Simulator, str or None
@@ -166,7 +167,7 @@ def _diagnose(
     analysis: Analysis,
     fixed: Collection[str],
     effects: Collection[Effect],
-    shipped: Mapping[str, Coefficients] | None,
+    shipped: Shipped | None,
     baseline: str,
     simulator: SimulatorCalls | None,
 ) -> tuple[DiagnosisFile, xr.DataTree]:
@@ -174,16 +175,12 @@ def _diagnose(
     own = own_law_of(data)
     asked, analysis = analysis, with_own_priors(analysis, data.rigs)
     practical = analysis.diagnosis.practical_share
-    if shipped is None:
-        shipped = {
-            size: Coefficients(row.c1.value, row.c2.value, row.c3.value)
-            for size, row in table1().items()
-        }
-    held = _held(fixed, data, shipped)
+    law_shipped = shipped_of(shipped, data)
+    held = held_of(fixed, data, law_shipped)
     examined, lacking = _examinable(data, {effect.name: effect for effect in effects})
     examined = with_priors(examined, analysis.priors.effects)
     examined = {name: _widened(one, analysis) for name, one in examined.items()}
-    data, stray, laws, psi = _baseline(data, analysis, held, shipped, law)
+    data, stray, laws, psi = _baseline(data, analysis, held, law_shipped, law)
     candidates = [one for effect in examined.values() for one in candidates_of(effect)]
     first = LinearModel(data, laws, candidates, analysis, held | frozenset(law.without))
     first = squeezed(first, psi)
@@ -205,7 +202,7 @@ def _diagnose(
     together = sets_of_one(chances, known, named)
     of_causes = [one for one in known if one.effect in named]
     verdict, chance = decide(chances, of_causes, above, together)
-    arms = _arms(model, found, best, named, settled.psi, shipped)
+    arms = _arms(model, found, best, named, settled.psi, law_shipped)
     plain = residuals_of(arms.plain, arms.psi)
     held_out = measure_gap(arms, plain, fold_rng)
     gap, left = gap_of(held_out, posterior, residuals, arms, practical, gap_rng, data.unit)
@@ -255,7 +252,7 @@ def _diagnose(
         present=told(present),
         possible=told(possible),
         scatter=model.named(settled.psi),
-        law=law_of_diagnosis(model, psi, posterior),
+        law=law_of_diagnosis(model, psi, posterior, residuals),
         unseparated=unseparated,
         absorbed=tuple(
             Absorbed(effect=one.effect, by=one.by, bias=one.bias, unit=one.unit)
@@ -456,29 +453,6 @@ def _arms(
     )
     shipped_here = {size: shipped[size] for size in model.layout.sizes if size in shipped}
     return Arms(plain, known, psi[: len(model.noise)], causes, shipped_here if complete else None)
-
-
-def _held(
-    fixed: Collection[str], data: Data, shipped: Mapping[str, Coefficients]
-) -> frozenset[str]:
-    known = set(Coefficients._fields) | {
-        coefficient_name(f, size) for f in Coefficients._fields for size in data.sizes
-    }
-    faults = [
-        Fault("command line", f"one of {', '.join(sorted(known))}", column="--fixed", value=name)
-        for name in fixed
-        if name not in known
-    ]
-    for name in fixed:
-        sizes = [name.partition("[")[2].rstrip("]")] if "[" in name else list(data.sizes)
-        faults += [
-            Fault("command line", f"a shipped value of size {size}", column="--fixed", value=name)
-            for size in sizes
-            if name in known and size not in shipped
-        ]
-    if faults:
-        raise InputError(faults)
-    return frozenset(fixed)
 
 
 def _examined(
