@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,10 @@ from bayesfric.schemas import DiagnosisFile
 
 __all__ = ["ENGINES", "VERDICT", "catalogue_of", "diagnose_sealed", "engine_of", "run_case"]
 
-ENGINES = {"reference": "bayesfric.blind.engines.reference"}
+ENGINES = {
+    "reference": "bayesfric.blind.engines.reference",
+    "mujoco": "bayesfric.blind.engines.mujoco_board",
+}
 """Realities of another hand, by name."""
 VERDICT = "verdict.json"
 
@@ -30,10 +34,13 @@ def engine_of(name: str) -> Any:
     Raises
     ------
     InputError
-        There is no such engine.
+        There is no such engine, or what it needs is not installed.
     """
     if name not in ENGINES:
         expected = f"an engine that is available: {', '.join(sorted(ENGINES))}"
+        raise InputError([Fault("command line", expected, column="--engine", value=name)])
+    if name == "mujoco" and find_spec("mujoco") is None:
+        expected = "an installation with MuJoCo: pip install 'bayesfric[mujoco]'"
         raise InputError([Fault("command line", expected, column="--engine", value=name)])
     return import_module(ENGINES[name])
 

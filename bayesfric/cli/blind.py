@@ -18,7 +18,7 @@ __all__ = ["blind"]
 def blind(
     output: Folder = Path("bayesfric-run"),
     engine: Annotated[
-        str, typer.Option("--engine", help="Who makes the recordings: reference.")
+        str, typer.Option("--engine", help="Who makes the recordings: reference, or mujoco.")
     ] = "reference",
     number: Annotated[
         int, typer.Option("--n", min=1, help="Cases; with more, a campaign is continued.")

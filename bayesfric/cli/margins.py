@@ -14,6 +14,7 @@ from bayesfric.cli.progress import progress_bar
 
 if TYPE_CHECKING:
     from bayesfric.analysis import Analysis
+    from bayesfric.schemas import Metric
 
 __all__ = ["margins", "margins_into"]
 
@@ -38,6 +39,9 @@ def margins(
             "--verify", min=0, help="Draws of each loop to hold against an elastic cable."
         ),
     ] = 0,
+    tune: Annotated[
+        bool, typer.Option("--tune", help="Look for gains that meet all specs at once.")
+    ] = False,
     template: Annotated[
         Path | None,
         typer.Option("--template", help="Write a loop file to begin with here, and end."),
@@ -70,7 +74,14 @@ def margins(
     analysis = read_analysis(config, seed=seed)
     with hold(output, "margins"):
         happened = margins_into(
-            loops, draws, output, analysis, diagnosis=diagnosis, verify=verify, quiet=quiet
+            loops,
+            draws,
+            output,
+            analysis,
+            diagnosis=diagnosis,
+            verify=verify,
+            tune=tune,
+            quiet=quiet,
         )
     fail_on(fail_on_list, happened)
 
@@ -83,14 +94,22 @@ def margins_into(
     *,
     diagnosis: Path | None = None,
     verify: int = 0,
+    tune: bool = False,
     quiet: bool,
 ) -> set[str]:
     """Compute margins, write and print them; return what happened that ``--fail-on`` can name."""
     from bayesfric.margins import compute_margins
+    from bayesfric.margins.terms import in_degrees_or_decibels, tuning_told
 
     with progress_bar("margins", quiet=quiet) as progress:
         found = compute_margins(
-            loops, draws, analysis, diagnosis=diagnosis, verify=verify, progress=progress
+            loops,
+            draws,
+            analysis,
+            diagnosis=diagnosis,
+            verify=verify,
+            tune=tune,
+            progress=progress,
         )
     found.write(output)
     happened = set[str]()
@@ -100,14 +119,11 @@ def margins_into(
             effects = ", ".join(loop.with_effects.effects) or "the law refitted"
             say(f"{loop.name} with {effects}: {loop.with_effects.answer}")
         for metric in loop.metrics:
-            p = metric.probability_of_violation
-            if p is not None and metric.interval is not None:
-                name = f"{metric.name} {metric.direction or ''}"
-                say(
-                    f"  {name:<28} {metric.interval.q50:.3g} [{metric.interval.q05:.3g}, "
-                    f"{metric.interval.q95:.3g}] {metric.unit if metric.unit != '1' else ''}"
-                    f"  P(violates {metric.spec:.3g}) = {p:.3f}"
-                )
+            for one in (metric, in_degrees_or_decibels(metric)):
+                if one is not None:
+                    _say(one)
+        if loop.tuning is not None:
+            say(f"  {tuning_told(loop.tuning)}")
         believed = loop.with_effects or loop
         if believed.missed_specs:
             happened.add("spec")
@@ -116,6 +132,19 @@ def margins_into(
             for warning in loop.warnings:
                 say(f"warning: {loop.name}: {warning}", err=True)
     return happened
+
+
+def _say(metric: "Metric") -> None:
+    """Print a figure that is asked for."""
+    p = metric.probability_of_violation
+    if p is None or metric.interval is None:
+        return
+    name = f"{metric.name} {metric.direction or ''}"
+    say(
+        f"  {name:<28} {metric.interval.q50:.3g} [{metric.interval.q05:.3g}, "
+        f"{metric.interval.q95:.3g}] {metric.unit if metric.unit != '1' else ''}"
+        f"  P(violates {metric.spec:.3g}) = {p:.3f}"
+    )
 
 
 def _to_begin_with(template: Path | None, list_loops: bool, loops: list[Path] | None) -> None:

@@ -19,13 +19,19 @@ class ProtocolName(StrEnum):
 
     paper = "paper"
     quick = "quick"
+    axis = "axis"
+    points = "points"
 
 
 @exit_status
 def simulate(
     folder: Annotated[Path, typer.Argument(help="New folder; refused if it is not empty.")],
     protocol: Annotated[
-        ProtocolName, typer.Option(help="About 600 trials of the board with weights, or 180.")
+        ProtocolName,
+        typer.Option(
+            help="paper or quick: about 600 trials of the board with weights, or 180, and the "
+            "motor board; axis: a driven axis; points: steady friction points."
+        ),
     ] = ProtocolName.paper,
     effect: Annotated[
         list[str] | None,
@@ -40,7 +46,7 @@ def simulate(
     quiet: Quiet = False,
     fail_on_list: FailOn = "",
 ) -> None:
-    """Simulate the paper's two boards with Table I and write the recording.
+    """Simulate the paper's two boards with Table I, or another rig, and write the recording.
 
     Example: bayesfric simulate my-recording --protocol quick --effect viscous=0.5 --seed 7
     """

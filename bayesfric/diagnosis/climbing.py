@@ -66,7 +66,9 @@ def climb(
         else:
             break
         assert there.gradient is not None
-        guess = _bfgs(guess, there.psi - at.psi, at.gradient - there.gradient)
+        # What is held at the end of its range tells nothing of the curvature of the rest.
+        change = np.where(free, at.gradient - there.gradient, 0.0)
+        guess = _bfgs(guess, np.where(free, there.psi - at.psi, 0.0), change)
         at = there
     return at
 

@@ -25,7 +25,15 @@ from bayesfric.rigs.linear import LinearRows
 __all__ = ["other_forms"]
 
 Array = NDArray[np.float64]
-FORCE_AXES = ("speed_m_s", "tension_n", "n_pulleys", "wrap_angle_deg", "travel_m", "order")
+FORCE_AXES = (
+    "speed_m_s",
+    "tension_n",
+    "n_pulleys",
+    "wrap_angle_deg",
+    "travel_m",
+    "order",
+    "trial_in_setup",
+)
 AXES: Mapping[ActsOn, tuple[str, ...]] = {
     "friction": FORCE_AXES,
     "drive": FORCE_AXES,

@@ -204,6 +204,8 @@ class LinearModel:
         priors: Sequence[Prior],
         wide: Wide | None = None,
         form: Mapping[str, float] | None = None,
+        *,
+        discrepancy: float = 1.0,
     ) -> tuple[Array, Array]:
         """Return mean and standard deviation of the numbers before the data.
 
@@ -215,6 +217,8 @@ class LinearModel:
             Smooth forces that are wider than the discrepancy.
         form : mapping of str to float, or None
             By which share of what they do the laws of effects may be wrong; none else.
+        discrepancy : float
+            By what the rms of the discrepancy is multiplied.
         """
         layout, sizes = self.layout, len(self.layout.sizes)
         if self.squeeze is None:
@@ -223,6 +227,7 @@ class LinearModel:
         else:
             assert wide is None, "a force that is wide needs all of its numbers"
             own, shared = np.ones(layout.smooths), np.ones(layout.shared - len(self.forms))
+        own, shared = discrepancy * own, discrepancy * shared
         mean, sd = self._coefficients
         mean = np.hstack([mean, np.zeros((sizes, layout.smooths))])
         sd = np.hstack([sd, np.tile(own, (sizes, 1))])

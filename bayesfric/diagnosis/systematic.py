@@ -16,7 +16,7 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.refitted import RefittedLaw
 from bayesfric.diagnosis.residuals import Residuals, spread_numbers
 from bayesfric.diagnosis.search import NONE, UNKNOWN, Search
-from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed
 from bayesfric.effects.candidates import is_positive
 from bayesfric.schemas import Interval
 
@@ -25,6 +25,8 @@ __all__ = ["SMALLEST", "Posterior", "interval", "left_of", "posterior_of", "shri
 Array = NDArray[np.float64]
 DRAWS = 1000
 RARE = 0.003  # probability of a hypothesis that is not drawn from
+DISCREPANCIES = (0.1, 0.3, 1.0)  # of its rms, each as likely before the data; the whole last
+TINY = 1e-300
 SMALLEST = 1e-9  # of friction, of a gap that can shrink
 
 
@@ -106,7 +108,10 @@ def posterior_of(
             at = search.unknown.at
             one = replace(one, acting=search.unknown.acting, at=at)
         own = model.full if name == UNKNOWN else model
-        drawn = _numbers(own, one, at, int(count), rng)
+        if name == UNKNOWN:
+            drawn = _numbers(own, one, at, int(count), rng)
+        else:
+            drawn = _over_forms(own, one, int(count), rng)
         acting = one.acting
         places = own.places(len(acting.laws))
         local = spread_numbers(own, drawn, own.mixing(acting))
@@ -170,6 +175,34 @@ def _made(residuals: Residuals, local: Array) -> Array:
         mine = residuals.size == size
         force[mine] = residuals.columns[mine] @ local[:, size].T
     return force
+
+
+def _over_forms(model: LinearModel, one: Weighed, count: int, rng: np.random.Generator) -> Array:
+    """Draw the numbers of a hypothesis, (S, p).
+
+    Over the shares by which its laws may be wrong, and over how large the discrepancy is.
+    """
+    information = model.evaluate(one.at.psi, one.acting).information
+    priors = [model.amplitude_prior(law) for law in one.acting.laws]
+    logs, found = [], []
+    for share, weight in zip(FORM_SHARES, one.form_weights, strict=False):
+        form = dict.fromkeys(one.names, share)
+        each = [
+            information.integrated(*model.prior(priors, None, form, discrepancy=size))
+            for size in DISCREPANCIES
+        ]
+        found += each
+        # What a share is worth is known already, with the discrepancy as it is listed.
+        logs += [np.log(max(weight, TINY)) + value - each[-1][0] for value, _, _ in each]
+    weights = np.exp(np.array(logs) - max(logs))
+    drawn = [
+        _numbers(model, one, replace(one.at, mean=mean, covariance=covariance), int(number), rng)
+        for number, (_, mean, covariance) in zip(
+            rng.multinomial(count, weights / weights.sum()), found, strict=True
+        )
+        if number
+    ]
+    return np.concatenate(drawn)
 
 
 def _numbers(
@@ -265,15 +298,23 @@ def left_of(residuals: Residuals, posterior: Posterior, taken: Array) -> Array:
 
     Parameters
     ----------
-    residuals, posterior, taken
-        As of :func:`shrink_of`.
+    residuals : Residuals
+        For the weights.
+    posterior : Posterior
+        Draws of the gap.
+    taken : ndarray, shape (R,) or (R, S)
+        What is predicted of it, the law recalibrated [N].
     """
-    left = residuals.weight @ (posterior.force - taken[:, None]) ** 2
+    taken = taken.reshape(len(taken), -1)
+    left = residuals.weight @ (posterior.force - taken) ** 2
     return np.asarray(left + posterior.hidden2)
 
 
-def shrink_of(residuals: Residuals, posterior: Posterior, taken: Array) -> Array | None:
-    """Return draws of the part of the squared gap that a force takes away.
+def shrink_of(residuals: Residuals, posterior: Posterior, columns: Array) -> Array | None:
+    """Return draws of the part of the squared gap that causes take away.
+
+    In each draw they have the amplitudes that take most of it: what their laws cannot have is
+    left, and what phases hide. That amplitudes are known with an error shows in held-out data.
 
     Parameters
     ----------
@@ -281,10 +322,12 @@ def shrink_of(residuals: Residuals, posterior: Posterior, taken: Array) -> Array
         For the weights.
     posterior : Posterior
         Draws of the gap.
-    taken : ndarray, shape (R,)
-        What is predicted of it, the law recalibrated [N].
+    columns : ndarray, shape (R, k)
+        Force of each cause at amplitude 1, the law recalibrated [N].
     """
-    whole, left = posterior.gap**2, left_of(residuals, posterior, taken)
+    root = np.sqrt(residuals.weight)[:, None]
+    amplitudes = np.linalg.lstsq(root * columns, root * posterior.force, rcond=None)[0]
+    whole, left = posterior.gap**2, left_of(residuals, posterior, columns @ amplitudes)
     there = whole > (SMALLEST * residuals.friction_rms) ** 2
     return np.asarray(1 - left[there] / whole[there]) if there.any() else None
 

@@ -9,13 +9,14 @@ from numpy.typing import NDArray
 
 from bayesfric.diagnosis.classes import Classes
 from bayesfric.effects import Effect
-from bayesfric.schemas import Axis, Cause, Gap, Unseparated
+from bayesfric.schemas import Axis, Cause, Gap, Interval, Unseparated
 
 __all__ = ["Known", "Verdict", "decide", "sentence_of", "sort_effects", "unseparated_of"]
 
 Array = NDArray[np.float64]
 Verdict = Literal["no-gap", "named", "unseparated", "unknown", "undecided"]
 HALF, SURE, POSSIBLE = 0.5, 0.9, 0.1
+ALL_BUT = 0.999
 FELT = 0.003  # of friction: an error of readings or of a current below it is not named
 
 
@@ -193,10 +194,17 @@ def sentence_of(
     if gap.shrink is not None:
         them = "it" if len(causes) == 1 else "them"
         shrunk = (
-            f" The systematic gap is {size}; adding {them} takes {gap.shrink.q50:.1%} "
-            f"[{gap.shrink.q05:.1%}, {gap.shrink.q95:.1%}] of its square away."
+            f" The systematic gap is {size}; adding {them} takes {_share(gap.shrink)} of its "
+            "square away."
         )
     return f"{acting} (probability {chance:.2f}).{shrunk}"
+
+
+def _share(shrink: Interval) -> str:
+    """Return a share with its interval, which is never printed as all of it."""
+    if shrink.q05 >= ALL_BUT:
+        return f"more than {ALL_BUT:.1%}"
+    return f"{shrink.q50:.1%} [{shrink.q05:.1%}, {shrink.q95:.1%}]"
 
 
 def _acting(causes: Sequence[Cause], unseparated: Sequence[Unseparated]) -> str:

@@ -28,6 +28,7 @@ GRID = 25
 ALIKE = 0.95  # canonical correlation of two axes' functions, from which on they are confounded
 BAND = 0.95
 ROUNDING = 1e-9  # of a covariate's size, which is no variation
+NO_GAP = "a gap of practical size is less likely than not"
 VISIBLE = 0.02  # of a function of an axis: less, and it does not vary here
 
 
@@ -43,7 +44,11 @@ class _Design:
 
 
 def where_it_lies(
-    residuals: Residuals, before: Array, fold: NDArray[np.intp], rng: np.random.Generator
+    residuals: Residuals,
+    before: Array,
+    fold: NDArray[np.intp],
+    gap2: float,
+    rng: np.random.Generator,
 ) -> tuple[Axis, ...]:
     """Return every axis, the largest share first.
 
@@ -55,6 +60,8 @@ def where_it_lies(
         Held-out residual force of the recalibrated baseline [N].
     fold : ndarray of int, shape (R,)
         In which each window was held out.
+    gap2 : float
+        Square of the systematic gap, of which shares are; 0 where there is none [N²].
     rng : Generator
         For the bootstrap.
     """
@@ -66,7 +73,6 @@ def where_it_lies(
     spread2 = residuals.spread2
     precision = 1 / (noise + spread2)
     weight = residuals.weight * residuals.friction_n**2
-    gap2 = float((weight * (relative**2 - noise - spread2)).sum())
     share, unique = _shares(designs, relative, fold, precision, weight, gap2)
     p_values, shapes = _tests(residuals, designs, relative, precision, rng)
     unit = float(np.sqrt(weight.sum()))
@@ -79,9 +85,9 @@ def where_it_lies(
                 unit=AXES.get(name, ""),
                 blind=False,
                 share=share.get(name),
-                share_why=None if name in share else "there is no gap above the floor",
+                share_why=None if name in share else NO_GAP,
                 unique_share=unique.get(name),
-                unique_share_why=None if name in unique else "there is no gap above the floor",
+                unique_share_why=None if name in unique else NO_GAP,
                 confounded_with=_confounded(design, designs, precision),
                 p_value=p_values[name],
                 shape=Shape(

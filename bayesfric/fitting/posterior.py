@@ -17,8 +17,9 @@ from bayesfric.checkpoint import Checkpoint
 from bayesfric.fitting.drawing import draw_posterior
 from bayesfric.fitting.inference_data import Stored, draws_of_fit, write_csv
 from bayesfric.fitting.predictive import predict
+from bayesfric.fitting.predictive.assemblies import assemblies_of
 from bayesfric.fitting.predictive.left_out import leave_out
-from bayesfric.fitting.predictive.reported import predictions, uniformities
+from bayesfric.fitting.predictive.reported import assembly_checks, predictions, uniformities
 from bayesfric.fitting.summary import summarise, summarise_without_exclusions
 from bayesfric.fitting.tested import tested_conditions
 from bayesfric.inference.model import Model
@@ -186,6 +187,10 @@ def fit(
                 name: leave_out(model, rig, stored.flat, start, analysis.seed)
                 for name, rig in zip(chosen, model.likelihoods, strict=True)
             }
+            assemblies = {
+                name: assemblies_of(left_out[name], rig.setups, analysis.seed)
+                for name, rig in zip(chosen, model.likelihoods, strict=True)
+            }
         with _timed(seconds, "summary"):
             fields = {
                 "rigs": chosen,
@@ -196,12 +201,13 @@ def fit(
                 "without_stalls_why": why_moved,
                 "prediction": predictions(left_out),
                 "uniformity": uniformities(left_out),
+                "assemblies": assembly_checks(assemblies),
             }
             summary = summarise(
                 attributes.model_dump() | fields, recording, data, model, draws, theta
             )
         with _timed(seconds, "predictive"):
-            predictive = predict(data, model, theta, left_out, analysis, law)
+            predictive = predict(data, model, theta, left_out, assemblies, analysis, law)
         with _timed(seconds, "inference_data"):
             observed = {
                 one.rig.name: predictive[one.rig.words.trials]["friction_n"].to_numpy()

@@ -16,6 +16,7 @@ from bayesfric.rigs import all_rigs
 from bayesfric.rigs.coefficients import sizes_of
 from bayesfric.rigs.data import Data
 from bayesfric.schemas import (
+    AssemblyCheck,
     DataQuality,
     FitFile,
     Interval,
@@ -79,6 +80,7 @@ def summarise(
         attention=(
             *_attention(convergence, entries, quality),
             *_not_uniform(attributes["uniformity"]),
+            *_outlying(attributes["assemblies"]),
         ),
         pulleys=_by_pulley(entries),
         scatter=_of_kind(model, entries, "scatter"),
@@ -243,6 +245,25 @@ def _attention(
     if quality.excluded:
         lines.append(f"{len(quality.excluded)} of {quality.trials} trials left out")
     return tuple(lines)
+
+
+def _outlying(found: Sequence[AssemblyCheck]) -> Iterator[str]:
+    """Yield the assemblies that are far from what all others say of them."""
+    for check in found:
+        rig = all_rigs()[check.rig].words.rig
+        for one in check.outlying:
+            yield (
+                f"Assembly {one.setup} of the {rig} has friction {abs(one.z):.1f} standard "
+                f"deviations {'above' if one.z > 0 else 'below'} what all others predict of it; "
+                f"by chance one recording in {max(round(1 / one.chance), 1):,} has one as far out"
+            )
+        if check.p_value < NOT_UNIFORM:
+            yield (
+                f"The {rig}'s assemblies are not where the others put them: left out one at a "
+                f"time, they lie {check.spread:.2f} times as far as the model says "
+                f"({check.spread_q05:.2f} to {check.spread_q95:.2f} by chance; p = "
+                f"{check.p_value:.2g})"
+            )
 
 
 def _not_uniform(found: Sequence[Uniformity]) -> Iterator[str]:

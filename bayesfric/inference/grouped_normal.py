@@ -149,6 +149,33 @@ class GroupedNormal:
         score, precision = self._given_the_rest()
         return np.asarray(ndtr(sign * (score / np.sqrt(precision))))
 
+    def group_cdf(self) -> Array:
+        """Return the probability of less of each group's first number, given all other groups.
+
+        It is that of ``uᵀ r`` in the metric of the group's precision given the others, u being
+        what the first number moves.
+
+        Returns
+        -------
+        ndarray, shape (W, G)
+            NaN for a group that this number does not move.
+        """
+        own, shared = list(self.moved), self._shared
+        columns = [*own, *self._curve, self.moved[0], self.residual]
+        form, _ = eliminate(gram(columns, 1 / self.variance, self.groups.total), [1.0] * len(own))
+        whole = matrices(form)  # of the curve, of what the number moves, and of the residual
+        square, score = whole[..., -2, -2], whole[..., -2, -1]
+        if shared:
+            known = np.eye(shared) + whole[..., :shared, :shared].sum(axis=-3)
+            seen = whole[..., :shared, -1].sum(axis=-2)
+            across = whole[..., :shared, -2]
+            score = score - (across @ np.linalg.solve(known, seen[..., None]))[..., 0]
+            square = square - np.einsum(
+                "...gk,...kl,...gl->...g", across, np.linalg.inv(known), across
+            )
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.asarray(ndtr(np.where(square > 0, score / np.sqrt(square), np.nan)))
+
     def draw_again(self, rng: np.random.Generator) -> Array:
         """Draw by how much each measurement would be more if it alone were made again, (W, M).
 

@@ -60,6 +60,12 @@ class RigLikelihood(Protocol):
     def draw_again(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
         """Return by how much more each trial would show, made again given the rest, (W, N)."""
 
+    def setup_cdf(self, theta: Mapping[str, Array]) -> Array:
+        """Return the probability of less friction of each group given the rest, shape (W, J).
+
+        NaN of a group that has none, or where its scatter is not normal.
+        """
+
     def trial_cdf(self, theta: Mapping[str, Array]) -> Array:
         """Return the probability of less friction of each trial given the rest, shape (W, N)."""
 

@@ -1,6 +1,6 @@
 """Which compensation gain to set."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,13 +8,16 @@ from numpy.typing import NDArray
 
 from bayesfric.margins.describing import necessary_gain
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.loop_file import Spec
 from bayesfric.margins.metrics import standard_error
 from bayesfric.margins.scanning import REST, Condition
+from bayesfric.margins.spec import HUNTS
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
-from bayesfric.schemas import GammaProbability
+from bayesfric.schemas import GammaProbability, Metric
 
 __all__ = [
     "SafeGain",
+    "against_the_spec",
     "largest_safe_gain",
     "limit_cycle_curve",
     "share_of",
@@ -147,6 +150,43 @@ def _now(shaft: LoopAtShaft, hunting: Hunting) -> str:
         f"speed, in {share_of(hunting.hunts[int(by_speed.argmax())])} with "
         f"{_worded(worst, shaft)}."
     )
+
+
+def against_the_spec(
+    metrics: Sequence[Metric], missed: Sequence[str], hunts: float, spec: Spec
+) -> str:
+    """Return whether the loop meets what its file asks for, in a sentence.
+
+    Parameters
+    ----------
+    metrics : sequence of Metric
+        Of the loop.
+    missed : sequence of str
+        As of :func:`~bayesfric.margins.spec.missed_specs`.
+    hunts : float
+        Share of the draws that hunt at the γ of the file.
+    spec : Spec
+        Of the file.
+    """
+    chances = {
+        " ".join(filter(None, (one.name, one.direction))): one.probability_of_violation
+        for one in metrics
+        if one.spec is not None
+    }
+    chances.pop("gamma_hunting", None)
+    chances[HUNTS] = hunts
+    if not missed:
+        return (
+            f"Meets its spec: each of {len(chances)} figures with a probability of "
+            f"{1 - max(spec.violation_probability_max, spec.limit_cycle_probability_max):.0%} or "
+            "more."
+        )
+    told = (
+        f"{name.replace('_', ' ')} ("
+        + ("no draw has one)" if (chance := chances[name]) is None else f"P = {chance:.2g})")
+        for name in missed
+    )
+    return f"Misses {len(missed)} of {len(chances)} specs: {', '.join(told)}."
 
 
 def what_to_measure(shares: Mapping[str, Mapping[str, float]]) -> Iterator[str]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from bayesfric.analysis import Analysis
 from bayesfric.errors import Fault, InputError
 from bayesfric.margins.answer import (
+    against_the_spec,
     largest_safe_gain,
     limit_cycle_curve,
     what_to_measure,
@@ -32,6 +33,8 @@ from bayesfric.margins.metrics import Key, closed_forms, linear_of, metric_rows
 from bayesfric.margins.nyquist import nyquist_fans
 from bayesfric.margins.spec import missed_specs
 from bayesfric.margins.thresholds import Hunting, find_hunting
+from bayesfric.margins.tuning import meets_all_now
+from bayesfric.margins.tuning import tune as find_gains
 from bayesfric.margins.variance import variance_shares
 from bayesfric.margins.verification import verify as verify_draws
 from bayesfric.margins.warnings import loop_warnings
@@ -82,6 +85,7 @@ def compute_margins(
     *,
     diagnosis: Path | str | None = None,
     verify: int = 0,
+    tune: bool = False,
     simulated: int = SIMULATED,
     progress: Callable[[int, int], object] = lambda done, total: None,
 ) -> Margins:
@@ -100,6 +104,8 @@ def compute_margins(
         it refitted and its effects on friction stand beside those without.
     verify : int
         Draws of each loop that are held against motor and joint on an elastic cable.
+    tune : bool
+        Whether to look for gains that meet all specs at once.
     simulated : int
         Draws in which hunting is simulated where no closed form holds.
     progress : callable
@@ -131,7 +137,14 @@ def compute_margins(
         progress(place, len(read))
         found.append(
             _one_loop(
-                loop, posterior, discrepancy, diagnosed, analysis.seed, verify, max(simulated, 2)
+                loop,
+                posterior,
+                discrepancy,
+                diagnosed,
+                analysis.seed,
+                verify,
+                tune,
+                max(simulated, 2),
             )
         )
     progress(len(read), len(read))
@@ -201,6 +214,7 @@ def _one_loop(
     diagnosed: Diagnosed | None,
     seed: int,
     verify: int,
+    tune: bool,
     simulated: int,
 ) -> LoopMargins:
     given = draw_assembly(loop, posterior, discrepancy, seed)
@@ -222,12 +236,17 @@ def _one_loop(
     beyond = beyond_the_draws(shaft, given, posterior)
     rows = metric_rows(shaft, values, linear, hunting, draws)
     shares = variance_shares(evaluate, given.taken(some), other.taken(some))
+    hunts = float(hunting.now.mean())
+    missed = missed_specs(rows, hunts, loop.spec)
+    together = meets_all_now(shaft, hunting)
     return LoopMargins(
         name=loop.name,
         title=loop.title,
         loop_sha256=loop_sha256(loop),
         answer=" ".join(
             [
+                against_the_spec(rows, missed, hunts, loop.spec),
+                f"All at once are met with probability {together:.2g}.",
                 *([f"Beyond what was measured: {'; '.join(beyond)}."] if beyond else []),
                 which_gain(shaft, hunting, safe, allowed),
                 *what_to_measure(shares),
@@ -236,7 +255,7 @@ def _one_loop(
         compensation_signal=loop.compensation.signal,
         compensation_gain=float(np.median(shaft.gamma)),
         metrics=rows,
-        missed_specs=missed_specs(rows, float(hunting.now.mean()), loop.spec),
+        missed_specs=missed,
         violation_probability_max=loop.spec.violation_probability_max,
         limit_cycle_probability=limit_cycle_curve(hunting, draws),
         limit_cycle_probability_why=None,
@@ -257,6 +276,9 @@ def _one_loop(
         if diagnosed is None or not diagnosed.finds_something
         else _with_effects(loop, diagnosed, discrepancy, seed, simulated),
         with_effects_why=_why_without(diagnosed),
+        meets_all=together,
+        tuning=find_gains(shaft, loop.spec.violation_probability_max) if tune else None,
+        tuning_why=None if tune else "it was not asked for (--tune)",
         nyquist=nyquist_fans(shaft),
         warnings=loop_warnings(shaft, given, linear, discrepancy, posterior),
     )
@@ -299,12 +321,19 @@ def _with_effects(
     draws = diagnosed.posterior.effective_draws
     safe = largest_safe_gain(hunting, allowed, draws)
     rows = metric_rows(after, closed_forms(after, linear), linear, hunting, draws)
+    hunts = float(hunting.now.mean())
+    missed = missed_specs(rows, hunts, loop.spec)
     return WithEffects(
         effects=tuple(one.effect.name for one in diagnosed.acting),
         left_out=diagnosed.left_out,
-        answer=which_gain(after, hunting, safe, allowed),
+        answer=" ".join(
+            [
+                against_the_spec(rows, missed, hunts, loop.spec),
+                which_gain(after, hunting, safe, allowed),
+            ]
+        ),
         metrics=rows,
-        missed_specs=missed_specs(rows, float(hunting.now.mean()), loop.spec),
+        missed_specs=missed,
         largest_safe_compensation_gain=safe.gamma,
         largest_safe_compensation_gain_why=safe.why,
     )

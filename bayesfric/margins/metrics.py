@@ -17,7 +17,7 @@ from bayesfric.margins.describing import (
 from bayesfric.margins.linear import is_stable, linear_margins, on_a_grid
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.open_loop import OpenLoop
-from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
+from bayesfric.margins.thresholds import GAMMA_MAX, LEAST_CYCLES, Hunting
 from bayesfric.schemas import Interval, Metric
 
 __all__ = [
@@ -28,6 +28,7 @@ __all__ = [
     "interval_of",
     "linear_of",
     "metric_rows",
+    "missed_draws",
     "standard_error",
 ]
 
@@ -180,6 +181,35 @@ def closed_forms(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) 
     return values
 
 
+def missed_draws(shaft: LoopAtShaft, values: Mapping[Key, Array]) -> dict[str, NDArray[np.bool_]]:
+    """Return which draws miss each spec that is asked for and has a closed form, by metric.
+
+    Parameters
+    ----------
+    shaft : LoopAtShaft
+        The loop.
+    values : mapping
+        What :func:`closed_forms` returned.
+    """
+    missed = {}
+    for rule in RULES:
+        spec = _spec(rule, shaft)
+        for (name, direction), found in values.items():
+            if name != rule.name or spec is None:
+                continue
+            beyond = found < spec if rule.sense == "at least" else found > spec
+            slack = ~shaft.taut if name in TAUT else np.zeros_like(beyond)
+            missed[" ".join(filter(None, (name, direction)))] = np.asarray(beyond | slack)
+    return missed
+
+
+def _spec(rule: Rule, shaft: LoopAtShaft) -> float | None:
+    """Return what is asked of a metric that has a closed form."""
+    if rule.name == "least_tension":
+        return 0.0
+    return getattr(shaft.loop.spec, rule.spec) if rule.spec else None
+
+
 def metric_rows(
     shaft: LoopAtShaft,
     values: Mapping[Key, Array],
@@ -241,11 +271,9 @@ def _row(
     hunting: Hunting,
     effective_draws: float,
 ) -> Metric:
-    spec = getattr(shaft.loop.spec, rule.spec) if rule.spec else None
+    spec = _spec(rule, shaft)
     if rule.name == "gamma_hunting" and shaft.loop.compensation.signal != "none":
         spec = float(np.median(shaft.gamma))
-    if rule.name == "least_tension":
-        spec = 0.0
     taut = shaft.taut if rule.name in TAUT else np.ones(shaft.friction.shape, dtype=bool)
     slack = int(taut.size - taut.sum())
     fields = {
@@ -312,6 +340,9 @@ def _missing(name: str, found: Array | None, shaft: LoopAtShaft, hunting: Huntin
     if name == "headroom_continuous":
         return "drive.continuous_current_a is not given"
     if name in HUNTING:
+        if name != "gamma_hunting" and hunting.now.any():
+            return (f"{hunting.now.mean():.1%} of the draws hunt, for fewer than {LEAST_CYCLES:g} "
+                    "cycles in the half of a run that is looked at")  # fmt: skip
         looked = f"{hunting.rows.size} draws hunts, at {len(hunting.speeds)} reference speeds"
         if shaft.loop.compensation.signal == "none":
             return f"there is no compensation, and none of {looked}"
@@ -360,8 +391,10 @@ def _note(
                 notes.append(f"{1 - finite.size / found.size:.1%} of the draws do not hunt up to "
                              f"γ = {GAMMA_MAX:g} and are left out")  # fmt: skip
             elif rule.name != "gamma_hunting" and finite.size:
-                notes.append(f"in the {finite.size / found.size:.1%} of the draws that hunt at "
-                             f"γ = {np.median(shaft.gamma):.3g}")  # fmt: skip
+                notes.append(
+                    f"in the {finite.size / found.size:.1%} of the draws that hunt for "
+                    f"{LEAST_CYCLES:g} cycles at γ = {np.median(shaft.gamma):.3g}"
+                )
         case "amplitude_margin" if finite.size:
             share = float((effective_damping(shaft) < 0).mean())
             notes.append(f"in the {share:.1%} of the draws that friction alone holds still")

@@ -49,6 +49,8 @@ class Motion:
         Half of the range of the error in the last quarter [rad].
     frequency : ndarray, shape (draws,)
         Of the reversals in the last half [Hz]; 0 where there are fewer than three.
+    cycles : ndarray, shape (draws,)
+        In the last half, by its reversals.
     final_error : ndarray, shape (draws,)
         Reference minus true position at the end [rad].
     rms_error : ndarray, shape (draws,)
@@ -60,6 +62,7 @@ class Motion:
     hunts: NDArray[np.bool_]
     amplitude: Floats
     frequency: Floats
+    cycles: Floats
     final_error: Floats
     rms_error: Floats
     traces: Traces | None = None
@@ -188,7 +191,7 @@ class _Run:
         self.moving = np.zeros(loop.draws, dtype=np.intp)  # samples since the shaft stood for long
         self.position, self.speed = begin.copy(), reference.copy()
         self.rows = np.arange(loop.draws)
-        names = ("amplitude", "frequency", "final_error", "rms_error")
+        names = ("amplitude", "frequency", "cycles", "final_error", "rms_error")
         self.found: dict[str, NDArray[Any]] = {name: np.zeros(loop.draws) for name in names}
         self.found["hunts"] = np.zeros(loop.draws, dtype=bool)
 
@@ -284,10 +287,15 @@ class _Run:
 
     def retire(self, over: NDArray[np.bool_]) -> None:
         """Note what was found of some draws, and go on with the others."""
-        hunts, amplitude, frequency, rms = self.swing.judged()
-        final = self._error()
-        values = {"hunts": hunts, "amplitude": amplitude, "frequency": frequency,
-                  "final_error": final, "rms_error": rms}  # fmt: skip
+        seen = self.swing.judged()
+        values = {
+            "hunts": seen.hunts,
+            "amplitude": seen.amplitude,
+            "frequency": seen.frequency,
+            "cycles": seen.cycles,
+            "final_error": self._error(),
+            "rms_error": seen.rms,
+        }
         for name, value in values.items():
             self.found[name][self.rows[over]] = value[over]
         kept = np.flatnonzero(~over)

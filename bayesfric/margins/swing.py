@@ -1,9 +1,11 @@
 """Whether a run ends in a sustained swing, followed sample by sample over all draws."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["LEAST_REVERSALS", "STEADY_SHARE", "Swing"]
+__all__ = ["LEAST_REVERSALS", "STEADY_SHARE", "Judged", "Swing"]
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.intp]
@@ -14,6 +16,30 @@ out. Below 1, since a limit cycle of a stepped encoder jitters and is approached
 
 LEAST_REVERSALS = 2
 """Reversals in the last quarter of a run without which nothing swings."""
+
+
+class Judged(NamedTuple):
+    """How draws swing, each of shape (draws,).
+
+    Parameters
+    ----------
+    hunts : ndarray of bool
+        Enough reversals and amplitude in the last quarter, and no decay from the third.
+    amplitude : ndarray
+        Half of the range of the error in the last quarter [rad].
+    frequency : ndarray
+        Of the reversals in the last half [Hz]; 0 where there are fewer than three.
+    cycles : ndarray
+        Half of the reversals in the last half.
+    rms : ndarray
+        Of the error in the last half [rad].
+    """
+
+    hunts: NDArray[np.bool_]
+    amplitude: Floats
+    frequency: Floats
+    cycles: Floats
+    rms: Floats
 
 
 class Swing:
@@ -133,20 +159,8 @@ class Swing:
             + step**2 * samples * (samples + 1) * (2 * samples + 1) / 6.0
         )
 
-    def judged(self) -> tuple[NDArray[np.bool_], Floats, Floats, Floats]:
-        """Return what was seen.
-
-        Returns
-        -------
-        hunts : ndarray of bool, shape (draws,)
-            Enough reversals and amplitude in the last quarter, and no decay from the third.
-        amplitude : ndarray, shape (draws,)
-            Half of the range of the error in the last quarter [rad].
-        frequency : ndarray, shape (draws,)
-            Of the reversals in the last half [Hz]; 0 where there are fewer than three.
-        rms : ndarray, shape (draws,)
-            Of the error in the last half [rad].
-        """
+    def judged(self) -> Judged:
+        """Return what was seen."""
         after = np.maximum(self._high - self._low, 0.0) / 2.0
         lasts = self._reversals >= LEAST_REVERSALS
         hunts = lasts & (after > self._least) & (after >= STEADY_SHARE * self._before)
@@ -154,4 +168,4 @@ class Swing:
         span = np.where(turns >= 3, self._last - self._first, 1.0)
         frequency = np.where(turns >= 3, (turns - 1) / (2.0 * span), 0.0)
         rms = np.sqrt(self._squares / np.maximum(self.end - self.begin + 1, 1))
-        return hunts, after, frequency, rms
+        return Judged(hunts, after, frequency, turns / 2.0, rms)

@@ -29,7 +29,7 @@ from bayesfric.margins.scanning import (
     speeds_of,
 )
 
-__all__ = ["GAMMA_MAX", "Hunting", "find_hunting"]
+__all__ = ["GAMMA_MAX", "LEAST_CYCLES", "Hunting", "find_hunting"]
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -41,6 +41,8 @@ MAPPED = 30
 OTHER_KICKS = (0.0, 2.0)
 """Kicks, over the file's, that must not hunt either at the gain that is called safe."""
 ROUNDS = 3
+LEAST_CYCLES = 2.0
+"""In the last half of a run, below which a swing's amplitude and frequency are not told."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +65,8 @@ class Hunting:
     hunts : ndarray of bool, shape (speeds, m)
         Whether a draw hunts at the loop's own γ, by reference speed.
     amplitude, frequency : ndarray, shape (m,)
-        Of the widest such swing, at the motor [rad, Hz]; NaN where it does not hunt.
+        Of the widest such swing of :data:`LEAST_CYCLES` at least, at the motor [rad, Hz]; NaN
+        where there is none.
     speeds : tuple of Condition
         The reference speeds.
     map : HuntingMap or None
@@ -122,9 +125,10 @@ def find_hunting(shaft: LoopAtShaft, most: int, allowed: float) -> Hunting:
     motion = run(some, speeds, some.gamma)
     shape = (len(speeds), rows.size)
     hunts = motion.hunts.reshape(shape)
-    wide = np.where(hunts, motion.amplitude.reshape(shape), -1.0)
+    often = hunts & (motion.cycles.reshape(shape) >= LEAST_CYCLES)
+    wide = np.where(often, motion.amplitude.reshape(shape), -1.0)
     widest = wide.argmax(axis=0), np.arange(rows.size)
-    now = hunts.any(axis=0)
+    swings = often.any(axis=0)
     conditions, found = _thresholds(some, few, chart, hunts, allowed)
     return Hunting(
         "simulation",
@@ -133,8 +137,8 @@ def find_hunting(shaft: LoopAtShaft, most: int, allowed: float) -> Hunting:
         conditions,
         found.condition,
         hunts,
-        np.where(now, wide[widest], np.nan),
-        np.where(now, motion.frequency.reshape(shape)[widest], np.nan),
+        np.where(swings, wide[widest], np.nan),
+        np.where(swings, motion.frequency.reshape(shape)[widest], np.nan),
         speeds,
         chart,
         _not_examined(some, speeds),

@@ -92,10 +92,9 @@ def simulate_two_masses(
             ends.advance(torque, step)
         error = reference_speed * (k + 1) * period - ends.position[0]
         swing.see(number + 1, error, ends.speed[0] - reference_speed, number < samples)
-    hunts, amplitude, frequency, _ = swing.judged()
-    return CableMotion(
-        hunts, amplitude, frequency, error, np.asarray(ends.position[0] - ends.position[1])
-    )
+    seen = swing.judged()
+    twist = np.asarray(ends.position[0] - ends.position[1])
+    return CableMotion(seen.hunts, seen.amplitude, seen.frequency, error, twist)
 
 
 class _Ends:

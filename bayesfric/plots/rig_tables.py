@@ -27,6 +27,8 @@ class RigTable:
         A trial a row.
     checks : Dataset or None
         Coverage and leave-one-out checks over all of them.
+    assemblies : Dataset or None
+        Assemblies that were left out one at a time.
     """
 
     rig: str
@@ -36,6 +38,7 @@ class RigTable:
     id: str
     table: xr.Dataset
     checks: xr.Dataset | None
+    assemblies: xr.Dataset | None = None
 
     @property
     def count(self) -> int:
@@ -64,12 +67,16 @@ def rig_tables(predictive: xr.DataTree) -> tuple[RigTable, ...]:
         if "rig" not in table.attrs:
             continue
         words = {key: str(table.attrs[key]) for key in ("rig", "title", "trial", "trials", "id")}
-        checks = f"{words['trial']}_checks"
+        checks, assemblies = (
+            predictive[group].to_dataset() if group in predictive.children else None
+            for group in (f"{words['trial']}_checks", f"{words['trial']}_assemblies")
+        )
         found.append(
             RigTable(
                 **words,
                 table=table,
-                checks=predictive[checks].to_dataset() if checks in predictive.children else None,
+                checks=checks,
+                assemblies=assemblies,
             )
         )
     return tuple(found)

@@ -5,7 +5,7 @@ from datetime import datetime
 
 from bayesfric.report.chapters.blind import blind_chapter, scored_from
 from bayesfric.report.chapters.calibration import calibrated_from, calibration
-from bayesfric.report.chapters.checks import checks, coverage_tables
+from bayesfric.report.chapters.checks import checks
 from bayesfric.report.chapters.claims import claims
 from bayesfric.report.chapters.data_quality import data_quality
 from bayesfric.report.chapters.diagnosis import diagnosis
@@ -99,9 +99,6 @@ def _blocks(stored: StoredResults) -> Iterator[Block]:
             yield scored_from(stored.scorecard)
         elif not stored.records and stored.calibration is not None:
             yield calibrated_from(stored.calibration)
-    if fitted is not None or stored.diagnosis is not None:
-        yield Heading(1, "Long tables")
     if stored.diagnosis is not None:
+        yield Heading(1, "Long tables")
         yield from diagnosis_tables(stored.diagnosis.found)
-    if fitted is not None:
-        yield from coverage_tables(fitted)

@@ -47,6 +47,7 @@ Array = NDArray[np.float64]
 if TYPE_CHECKING:
     from bayesfric.effects.candidates import Candidate
     from bayesfric.rigs.linear import LinearRows
+    from bayesfric.rigs.own_design import OwnDesign
 
 Motion = Literal["accelerated", "steady"]
 """Whether a trial gathers speed along a path, or is one measurement at one speed."""
@@ -138,6 +139,10 @@ class Rig(Protocol):
     @property
     def paper(self) -> bool:
         """Whether it is one of the paper's own, which its protocols are for."""
+
+    @property
+    def own_design(self) -> "OwnDesign | None":
+        """What it is simulated with, where no protocol of the paper's lays it out; else None."""
 
     def trials(self, recording: Recording, *, exclude: bool = True) -> "RigTrials | None":
         """Return the trials of a recording that enter; None where it has none of this rig.

@@ -17,6 +17,7 @@ __all__ = [
     "coefficient_name",
     "coefficient_parameters",
     "coefficient_units",
+    "intercept_of",
     "law_of",
     "sizes_of",
 ]
@@ -27,6 +28,8 @@ FORCE = "c2"  # is one
 PAPER_SIZES = ("small", "medium", "large")
 LEAST_C1 = 1e-4  # a start above zero, where least squares does not give one
 LEAST_C2_N = 1e-3
+MIDDLE_TENSION_N = 15.0
+LEAST_INTERCEPT = 0.1  # of the friction of one pulley at that tension
 NO_PULLEY = ""
 """The pulley size of a machine that has no pulleys."""
 
@@ -53,6 +56,18 @@ def law_of(theta: Mapping[str, Array | float], size: str) -> Coefficients:
     nothing = np.zeros_like(next(iter(theta.values())))
     names = (coefficient_name(name, size) for name in Coefficients._fields)
     return Coefficients(*(theta.get(name, nothing) for name in names))
+
+
+def intercept_of(law: Coefficients) -> Array:
+    """Return what scatters of one pulley's friction beside all of it [N]: c2.
+
+    Where an effect bends friction over tension, c2 is what a curve is extrapolated to at no
+    tension, which may be next to nothing and scatters by no share of itself: it counts as a
+    tenth of the friction of a pulley at 15 N at least. A law without c2 has none.
+    """
+    c1, c2 = np.asarray(law.c1, dtype=np.float64), np.asarray(law.c2, dtype=np.float64)
+    least = LEAST_INTERCEPT * (c1 * MIDDLE_TENSION_N + c2)
+    return np.where(c2 > 0, np.maximum(c2, least), 0.0)
 
 
 @dataclass(frozen=True)

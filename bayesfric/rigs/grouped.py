@@ -36,6 +36,10 @@ class GroupedLikelihood(ABC):
         """Return how much more each trial would read, made again given the others, (W, N)."""
         return self.normal(theta).draw_again(rng)
 
+    def setup_cdf(self, theta: Mapping[str, Array]) -> Array:
+        """Return the probability of less friction of each assembly given the others, (W, J)."""
+        return self.normal(theta).group_cdf()
+
     def trial_cdf(self, theta: Mapping[str, Array]) -> Array:
         """Return the probability of less friction of each trial given the others, (W, N)."""
         return self.normal(theta).single_cdf()

@@ -13,6 +13,7 @@ from bayesfric.physics.compliant import Cable
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.base import Predictive, Resting, Simulated, Unsupported
 from bayesfric.rigs.changes import Change
+from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.pulleys import PulleyTrials
 from bayesfric.rigs.truth import Truth
@@ -25,6 +26,8 @@ Array = NDArray[np.float64]
 
 class PlainRig:
     """A rig that no protocol lays out; see :class:`bayesfric.rigs.base.Rig`."""
+
+    own_design: OwnDesign | None = None
 
     def change(
         self, effect: Effect, design: Protocol, constants: RigConstants, truth: Truth

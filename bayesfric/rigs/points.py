@@ -24,7 +24,7 @@ from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.layout import COEFFICIENTS, Layout
 from bayesfric.rigs.linear import Evaluated, LinearRig, NoiseParameter, Run
-from bayesfric.rigs.shared_deviation import SharedDeviation, second_moments
+from bayesfric.rigs.shared_deviation import NestedDeviations, indicator, second_moments
 from bayesfric.rigs.windows import Windows
 
 __all__ = ["PointPart", "PointRows"]
@@ -62,7 +62,8 @@ class PointRows:
         By what each error of the noise is multiplied in a reading.
     noise : callable
         Of the priors to the noise parameters: scatter of a trial, of a load and of an
-        assembly, then the errors.
+        assembly; where there is an `intercept`, its scatter of a load and of an assembly;
+        then the errors.
     curve : ndarray, shape (N, K)
         What numbers that all readings share add to them.
     still_curve, still : ndarray, shape (M, K) and (M,)
@@ -75,6 +76,9 @@ class PointRows:
         Standard error of each reading that is stated, beside those of the noise.
     further : mapping of str to ndarray, shape (N,)
         Covariates of the recording's own, by name.
+    intercept : ndarray, shape (N,), or None
+        What friction that does not grow with tension adds to a reading; None where it does
+        not scatter by itself.
     """
 
     name: str
@@ -94,6 +98,7 @@ class PointRows:
     direct: ActsOn | None = None
     known_error: Array | float = 0.0
     further: Mapping[str, Array] = field(default_factory=dict)
+    intercept: Array | None = None
 
     @property
     def trial_axes(self) -> tuple[str, ...]:
@@ -218,10 +223,8 @@ class PointPart:
         first = [int(np.argmax(self._load == one)) for one in range(self._load.max() + 1)]
         self._setup_of_load, self._size_of_load = codes[first], self.size[first]
         self._size_of_setup = self.size[[int(np.argmax(codes == j)) for j in range(len(setups))]]
-        self._by_load = np.equal.outer(np.arange(len(first)), self._load).astype(np.float64)
-        self._by_setup = np.equal.outer(np.arange(len(setups)), self._setup_of_load).astype(
-            np.float64
-        )
+        self._by_load = indicator(np.asarray(self._load, dtype=np.intp), len(first))
+        self._by_setup = indicator(self._setup_of_load, len(setups))
         force = np.array([friction_scale[size] for size in sizes])
         columns = np.zeros((len(sizes), layout.local))
         columns[:, :COEFFICIENTS] = rows.coefficient_columns()
@@ -258,9 +261,14 @@ class PointPart:
         self._moved = rows.scatter_column()
         for candidate, amplitude in scattering:
             self._moved = self._moved + amplitude * candidate_column(candidate)
+        # What deviations of a load and of an assembly move: friction, and its intercept alone.
+        shared_moves = [self._moved] if rows.intercept is None else [self._moved, rows.intercept]
+        self._shared = np.stack(shared_moves, axis=1)
         self.noise = rows.noise(priors)
-        names = [one.name for one in self.noise]
-        self._own, self._by_loads, self._assembly, *self._errors = names
+        self._own, *names = (one.name for one in self.noise)
+        rank = len(shared_moves)
+        self._by_loads, self._assembly = names[: 2 * rank : 2], names[1 : 2 * rank : 2]
+        self._errors = names[2 * rank :]
 
     def evaluate(
         self,
@@ -289,39 +297,32 @@ class PointPart:
         k, size = x.shape[1], self.size[runs]
         y, moved = self.rows.reading[runs], self._moved[runs]
         variance = self._error2(noise)[runs] + (noise[self._own] * moved) ** 2
-        # Trials under one load share a deviation, and those of one assembly another one: what
+        # Trials under one load share deviations, and those of one assembly others: what
         # both are known by are sums over trials, and over loads.
-        pull = moved / variance
-        load = SharedDeviation.of(
-            self._by_load[:, runs] @ (pull[:, None] * x),
-            self._by_load[:, runs] @ (pull * y),
-            self._by_load[:, runs] @ (pull * moved),
-            noise[self._by_loads],
-        )
-        setup = SharedDeviation.of(
-            self._by_setup @ load.left(load.columns),
-            self._by_setup @ load.left(load.response),
-            self._by_setup @ load.left(load.stiffness),
-            noise[self._assembly],
+        shared = self._shared[runs]
+        pulls = shared / variance[:, None]
+        weighted = x / variance[:, None]
+        nested = NestedDeviations.of(
+            shared,
+            pulls,
+            weighted,
+            y / variance,
+            self._by_load[:, runs],
+            self._by_setup,
+            ([noise[name] for name in self._by_loads], [noise[name] for name in self._assembly]),
         )
         total = self.layout.total(k)
         precision, slope = np.zeros((total, total)), np.zeros(total)
-        weighted = x / variance[:, None]
         for which in range(len(self.layout.sizes)):
             mine = size == which
             place = self.layout.spread(k, which)
             part, own = weighted[mine].T @ x[mine], weighted[mine].T @ y[mine]
-            for shared, at in (
-                (load, self._size_of_load == which),
-                (setup, self._size_of_setup == which),
-            ):
-                taken = shared.taken[at, None] * shared.columns[at]
-                part -= taken.T @ shared.columns[at]
-                own -= taken.T @ shared.response[at]
+            taken = nested.told(self._size_of_load == which, self._size_of_setup == which)
+            part, own = part - taken[0], own - taken[1]
             precision[np.ix_(place, place)] += part
             slope[place] += own
         constant = -0.5 * (y.size * LOG_2PI + np.log(variance).sum() + (y**2 / variance).sum())
-        constant += load.constant + setup.constant
+        constant += nested.constant
         mine = slice(total + self._mine.start, total + (self._mine.stop or 0))
         still, at_rest = self._still, self.rows.still
         if at_rest.size:
@@ -333,46 +334,33 @@ class PointPart:
 
         def gradient(mean: Sequence[Array], covariance: Sequence[Array]) -> dict[str, float]:
             """Return derivatives of the log evidence by the logarithms of the noise."""
-            which_load, of_load = self._load[runs], self._setup_of_load
-            # Of each load, then of each trial: what is left once those above are taken off.
-            along = load.left(load.stiffness)
-            columns = (
-                load.left(load.columns)
-                - along[:, None] * (setup.taken[:, None] * setup.columns)[of_load]
+            found: dict[str, float] = {}
+            for names, (columns, response, own), of_size in (
+                (self._by_loads, nested.of_groups(), self._size_of_load),
+                (self._assembly, nested.of_setups(), self._size_of_setup),
+            ):
+                for r, name in enumerate(names):
+                    sums = columns[:, r], response[:, r], own[:, r]
+                    moments = second_moments(*sums, of_size, mean, covariance)
+                    found[name] = noise[name] ** 2 * float(moments.sum())
+            columns, response, deviation = (one[self._load[runs]] for one in nested.of_rows())
+            each = second_moments(
+                weighted - np.einsum("ir,irk->ik", pulls, columns),
+                y / variance - np.einsum("ir,ir->i", pulls, response),
+                1 / variance - np.einsum("ir,irs,is->i", pulls, deviation, pulls),
+                size,
+                mean,
+                covariance,
             )
-            response = load.left(load.response) - along * (setup.taken * setup.response)[of_load]
-            own = along - along**2 * setup.taken[of_load]
-            found = {
-                self._by_loads: noise[self._by_loads] ** 2
-                * second_moments(columns, response, own, self._size_of_load, mean, covariance).sum()
-            }
-            columns, response = setup.left(setup.columns), setup.left(setup.response)
-            own = setup.left(setup.stiffness)
-            found[self._assembly] = (
-                noise[self._assembly] ** 2
-                * second_moments(
-                    columns, response, own, self._size_of_setup, mean, covariance
-                ).sum()
-            )
-            shares = (load.taken[:, None] * load.columns)[which_load]
-            pulls = (load.taken * load.response)[which_load]
-            free = load.left(np.ones_like(load.taken))[which_load]
-            above = setup.taken[self.setup[runs]]
-            shares = shares + (free * above)[:, None] * setup.columns[self.setup[runs]]
-            pulls = pulls + free * above * setup.response[self.setup[runs]]
-            columns = weighted - pull[:, None] * shares
-            response = y / variance - pull * pulls
-            own = 1 / variance - pull**2 * (load.taken[which_load] + free**2 * above)
-            each = second_moments(columns, response, own, size, mean, covariance)
-            found[self._own] = noise[self._own] ** 2 * (each @ moved**2)
+            found[self._own] = noise[self._own] ** 2 * float(each @ moved**2)
             for name, scale in zip(self._errors, self.rows.errors, strict=True):
-                found[name] = noise[name] ** 2 * (each @ scale[runs] ** 2)
+                found[name] = noise[name] ** 2 * float(each @ scale[runs] ** 2)
             if at_rest.size:
                 own_mean, own_cov = mean[0][self._mine], covariance[0][self._mine, self._mine]
                 off = at_rest - still @ own_mean
                 square = (off**2).sum() + ((still @ own_cov) * still).sum()
                 found[self._errors[0]] += square / sigma**2 - at_rest.size
-            return {name: float(value) for name, value in found.items()}
+            return found
 
         return Evaluated(information, gradient)
 
@@ -402,9 +390,13 @@ class PointPart:
 
     def scatter(self, noise: Mapping[str, float]) -> Array:
         """Return the relative variance of a trial's and of its assembly's friction, (N, 2)."""
-        apart = noise[self._own] ** 2
-        shared = noise[self._assembly] ** 2 + noise[self._by_loads] ** 2
-        return np.tile(np.array([apart, shared]), (len(self.setup), 1))
+        apart = np.full(len(self.setup), noise[self._own] ** 2)
+        part = self._shared / self._moved[:, None]
+        variance = [
+            noise[one] ** 2 + noise[other] ** 2
+            for one, other in zip(self._by_loads, self._assembly, strict=True)
+        ]
+        return np.stack([apart, part**2 @ np.array(variance)], axis=1)
 
     def windows(self, noise: Mapping[str, float]) -> Windows:
         """Return one residual force a trial; its columns hold the shared curve too."""

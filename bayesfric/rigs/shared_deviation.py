@@ -1,26 +1,34 @@
-"""A deviation that rows of a group share, integrated out in closed form."""
+"""Deviations that rows share, integrated out in closed form: of a group, and of its assembly."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
-__all__ = ["SharedDeviation", "second_moments"]
+__all__ = ["NestedDeviations", "SharedDeviation", "indicator", "second_moments"]
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class SharedDeviation:
-    """A deviation that rows of a group share, integrated out.
+    """R deviations that rows of a group share, integrated out.
+
+    A row i moves by ``u_i`` (R,) times the deviations of its group, which are independent and
+    normal. Sums are over the rows of a group, weighted by their precision.
 
     Parameters
     ----------
-    columns, response, stiffness : ndarray, shape (G, k), (G,) and (G,)
-        Sums over each group.
-    taken : ndarray, shape (G,)
-        So that the group's precision is less by it times the square of a sum.
+    columns : ndarray, shape (G, R, k)
+        Of ``u_i x_iᵀ``, with the columns x of the numbers.
+    response : ndarray, shape (G, R)
+        Of ``u_i y_i``, with the response y.
+    stiffness : ndarray, shape (G, R, R)
+        Of ``u_i u_iᵀ``.
+    taken : ndarray, shape (G, R, R)
+        Posterior covariance of the deviations, the numbers known.
     constant : float
         What the log density is more.
     """
@@ -32,16 +40,151 @@ class SharedDeviation:
     constant: float
 
     @classmethod
-    def of(cls, columns: Array, response: Array, stiffness: Array, sd: float) -> "SharedDeviation":
-        """Integrate deviations of a standard deviation out."""
-        taken = sd**2 / (1 + sd**2 * stiffness)
-        constant = 0.5 * float((taken * response**2 - np.log1p(sd**2 * stiffness)).sum())
+    def of(
+        cls, columns: Array, response: Array, stiffness: Array, sd: Sequence[float]
+    ) -> "SharedDeviation":
+        """Integrate deviations of these standard deviations, (R,), out."""
+        scale = np.asarray(sd, dtype=np.float64)
+        whole = np.eye(scale.size) + scale[:, None] * stiffness * scale
+        taken = scale[:, None] * np.linalg.inv(whole) * scale
+        pulled = np.einsum("gr,grs,gs->", response, taken, response)
+        constant = 0.5 * float(pulled - np.linalg.slogdet(whole)[1].sum())
         return cls(columns, response, stiffness, taken, constant)
 
     def left(self, sums: Array) -> Array:
-        """Return sums of groups without what their deviation takes up."""
-        share = 1 - self.taken * self.stiffness
-        return np.asarray(sums * (share[:, None] if sums.ndim > 1 else share))
+        """Return sums of groups, (G, R, …), without what their deviations take up."""
+        lost = np.einsum("grs,gst,gt...->gr...", self.stiffness, self.taken, sums)
+        return np.asarray(sums - lost)
+
+    def told(self, groups: NDArray[np.bool_]) -> tuple[Array, Array]:
+        """Return what some groups' deviations take from precision, (k, k), and slope, (k,)."""
+        columns = self.columns[groups]
+        shares = np.einsum("grs,gsk->grk", self.taken[groups], columns)
+        flat = shares.reshape(-1, columns.shape[2])
+        return (
+            np.asarray(flat.T @ columns.reshape(flat.shape)),
+            np.asarray(flat.T @ self.response[groups].ravel()),
+        )
+
+
+@dataclass(frozen=True)
+class NestedDeviations:
+    """Deviations of groups of rows, and of assemblies of groups, that move rows alike.
+
+    Parameters
+    ----------
+    group, setup : SharedDeviation
+        Of the G groups, then of the J assemblies, what the groups' take up taken off.
+    setup_of : ndarray of int, shape (G,)
+        Assembly of each group.
+    """
+
+    group: SharedDeviation
+    setup: SharedDeviation
+    setup_of: NDArray[np.intp]
+
+    @classmethod
+    def of(
+        cls,
+        moved: Array,
+        pulls: Array,
+        columns: Array,
+        response: Array,
+        by_group: csr_array,
+        by_setup: csr_array,
+        sd: tuple[Sequence[float], Sequence[float]],
+    ) -> "NestedDeviations":
+        """Integrate the deviations of groups out, then those of assemblies.
+
+        Parameters
+        ----------
+        moved : ndarray, shape (N, R)
+            By what each deviation of 1 moves a row.
+        pulls, columns, response : ndarray, shape (N, R), (N, k) and (N,)
+            The same, the columns of the numbers and what was observed, each multiplied by
+            the precision of the rows' own errors.
+        by_group, by_setup : sparse arrays, shape (G, N) and (J, G)
+            Which rows are a group's, and which groups an assembly's, as of :func:`indicator`.
+        sd : pair of sequences of float, (R,) each
+            Standard deviations of a group's and of an assembly's deviations.
+        """
+        group = SharedDeviation.of(
+            _summed(by_group, moved[:, :, None] * columns[:, None, :]),
+            _summed(by_group, moved * response[:, None]),
+            _summed(by_group, moved[:, :, None] * pulls[:, None, :]),
+            sd[0],
+        )
+        setup = SharedDeviation.of(
+            _summed(by_setup, group.left(group.columns)),
+            _summed(by_setup, group.left(group.response)),
+            _summed(by_setup, group.left(group.stiffness)),
+            sd[1],
+        )
+        setup_of = np.asarray(by_setup.tocsc().indices, dtype=np.intp)
+        return cls(group, setup, setup_of)
+
+    @property
+    def constant(self) -> float:
+        """What the log density is more."""
+        return self.group.constant + self.setup.constant
+
+    def told(self, groups: NDArray[np.bool_], setups: NDArray[np.bool_]) -> tuple[Array, Array]:
+        """Return what is taken from precision, (k, k), and slope, (k,), by some of them."""
+        first, second = self.group.told(groups), self.setup.told(setups)
+        return first[0] + second[0], first[1] + second[1]
+
+    def of_groups(self) -> tuple[Array, Array, Array]:
+        """Return sums over each group's rows that all deviations are taken off.
+
+        Returns
+        -------
+        columns, response, own : ndarray, shape (G, R, k), (G, R) and (G, R)
+            As :func:`second_moments` takes them, of each of a group's deviations.
+        """
+        group, setup = self.group, self.setup
+        along = group.left(group.stiffness)
+        above = along @ setup.taken[self.setup_of]
+        columns = group.left(group.columns) - above @ setup.columns[self.setup_of]
+        response = group.left(group.response)
+        response = response - np.einsum("grs,gs->gr", above, setup.response[self.setup_of])
+        own = along - above @ along.swapaxes(1, 2)
+        return columns, response, np.einsum("grr->gr", own)
+
+    def of_setups(self) -> tuple[Array, Array, Array]:
+        """Return the same over each assembly's rows, (J, R, k), (J, R) and (J, R)."""
+        setup = self.setup
+        own = np.einsum("grr->gr", setup.left(setup.stiffness))
+        return setup.left(setup.columns), setup.left(setup.response), own
+
+    def of_rows(self) -> tuple[Array, Array, Array]:
+        """Return what the deviations take up in a row, per ``pulls`` of it.
+
+        Returns
+        -------
+        columns, response, variance : ndarray, shape (G, R, k), (G, R) and (G, R, R)
+            By group.
+        """
+        group, setup, at = self.group, self.setup, self.setup_of
+        free = np.eye(group.taken.shape[1]) - group.taken @ group.stiffness
+        above = free @ setup.taken[at]
+        return (
+            group.taken @ group.columns + above @ setup.columns[at],
+            np.einsum("grs,gs->gr", group.taken, group.response)
+            + np.einsum("grs,gs->gr", above, setup.response[at]),
+            group.taken + above @ free.swapaxes(1, 2),
+        )
+
+
+def indicator(codes: NDArray[np.intp], count: int) -> csr_array:
+    """Return which of N rows belongs to which of `count` groups, (count, N)."""
+    one = np.ones(codes.size)
+    return csr_array((one, (codes, np.arange(codes.size))), shape=(count, codes.size))
+
+
+def _summed(groups: csr_array, values: Array) -> Array:
+    """Return sums over the rows of each group, (G, …), of values (N, …)."""
+    flat = groups @ values.reshape(len(values), int(np.prod(values.shape[1:])))
+    return np.asarray(flat.reshape(groups.shape[0], *values.shape[1:]))
 
 
 def second_moments(

@@ -8,9 +8,11 @@ from bayesfric.schemas.base import Interval, Number, Provenance, Record, Why
 
 __all__ = [
     "Agreement",
+    "AssemblyCheck",
     "DataQuality",
     "Excluded",
     "FitFile",
+    "OutlyingAssembly",
     "ParameterSummary",
     "PointEstimate",
     "Prediction",
@@ -175,6 +177,35 @@ class Uniformity(Record):
     spread_q95: Number = Field(description="95 % quantile of it, of recordings made again.")
 
 
+class OutlyingAssembly(Record):
+    """An assembly that is far from what all others say of it."""
+
+    setup: str = Field(description="Its name.")
+    z: Number = Field(description="Standard deviations by which its friction is more.")
+    chance: Number = Field(
+        description="Probability that a recording that obeys the model has one as far out."
+    )
+
+
+class AssemblyCheck(Record):
+    """Whether assemblies, left out one at a time, lie where the others put them."""
+
+    rig: str = Field(description="Its rig.")
+    assemblies: int = Field(description="How many there are.")
+    p_value: Number = Field(
+        description="Share of sets of as many independent ones as far from uniform somewhere."
+    )
+    spread: Number = Field(
+        description="Root mean square of the normal scores: how many times as far as the model "
+        "says assemblies lie from their prediction."
+    )
+    spread_q05: Number = Field(description="5 % quantile of it, of independent ones.")
+    spread_q95: Number = Field(description="95 % quantile of it, of independent ones.")
+    outlying: tuple[OutlyingAssembly, ...] = Field(
+        description="Those beyond 3 standard deviations, the farthest first."
+    )
+
+
 class WithoutExclusions(Record):
     """What a second fit, to other trials, makes of the coefficients."""
 
@@ -218,6 +249,9 @@ class FitFile(Provenance):
     )
     uniformity: tuple[Uniformity, ...] = Field(
         (), description="Of leave-one-trial-out probabilities, by board."
+    )
+    assemblies: tuple[AssemblyCheck, ...] = Field(
+        (), description="Of leave-one-assembly-out probabilities, by rig with five of them."
     )
     sampler: SamplerSummary = Field(description="How the draws were made.")
     data_quality: DataQuality = Field(description="What the fit used.")

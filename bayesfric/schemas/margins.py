@@ -14,6 +14,7 @@ __all__ = [
     "MarginsFile",
     "Metric",
     "NyquistFan",
+    "Tuning",
     "Verification",
     "VerifiedDraw",
     "WithEffects",
@@ -128,6 +129,21 @@ class NyquistFan(Record):
     imag: tuple[tuple[Number, ...], ...] = Field(description="Likewise.")
 
 
+class Tuning(Record):
+    """The largest kp, its kd and the largest γ that meet all specs at once."""
+
+    kp_scale: Number | None = Field(description="Over the file's; null where none will do.")
+    kd_scale: Number | None = Field(description="Likewise.")
+    compensation_gain: Number | None = Field(description="γ; the file's where it cannot hunt.")
+    compensation_gain_why: Why = None
+    probability: Number = Field(description="That all specs are met at once, at this setting.")
+    probability_se: Number = Field(description="Its Monte Carlo standard error.")
+    stiffest_looked_at: bool = Field(
+        False, description="Whether no spec stands against more than the largest kp of the search."
+    )
+    why: Why = Field(None, description="Why there is no such setting.")
+
+
 class WithEffects(Record):
     """The same loop with the law and the effects on friction of a diagnosis."""
 
@@ -152,7 +168,9 @@ class LoopMargins(Record):
     name: str = Field(description="Of the loop.")
     title: str = Field(description="What it is.")
     loop_sha256: str = Field(description="Over the loop's file, defaults filled in.")
-    answer: str = Field(description="Which compensation gain to set, in a sentence.")
+    answer: str = Field(
+        description="Whether it meets its spec, and which compensation gain to set, in sentences."
+    )
     compensation_signal: Literal["none", "reference", "measured", "error"] = Field(
         description="What the compensator follows."
     )
@@ -196,6 +214,11 @@ class LoopMargins(Record):
         None, description="After: with the effects of a diagnosed gap."
     )
     with_effects_why: Why = None
+    meets_all: Number | None = Field(
+        None, description="P(all specs are met at once, without hunting), at the file's setting."
+    )
+    tuning: Tuning | None = Field(None, description="What meets them with the asked probability.")
+    tuning_why: Why = None
     nyquist: tuple[NyquistFan, ...] = Field(description="What the figures draw.")
     warnings: tuple[str, ...] = Field(description="Assumptions and doubts; read them first.")
 

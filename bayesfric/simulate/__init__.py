@@ -1,11 +1,14 @@
 """Boards, effects and noise make a recording: the mirror of :mod:`bayesfric.likelihood`."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 from bayesfric.paper import paper
 from bayesfric.recording.tables import Recording, RigConstants
-from bayesfric.rigs import paper_rigs
+from bayesfric.rigs import all_rigs, paper_rigs
+from bayesfric.rigs.base import Simulated
+from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.protocols import PROTOCOLS, TRAVEL_M, Protocol
 from bayesfric.rigs.truth import AppliedEffect, Truth, table1_coefficients
 from bayesfric.simulate.strength import at_strength
@@ -36,7 +39,8 @@ def simulate_recording(
     Parameters
     ----------
     protocol : str or Protocol
-        A name in :data:`bayesfric.rigs.protocols.PROTOCOLS`, or a design.
+        A name in :data:`bayesfric.rigs.protocols.PROTOCOLS`, or a design; or the name of
+        what another rig is simulated with, which then records alone: ``axis``, ``points``.
     seed : int
         Seeds streams of their own for order, scatter, sensors, noise and phases of each
         rig, so that a change of one leaves the others as they were.
@@ -69,6 +73,11 @@ def simulate_recording(
     InputError
         An effect is unknown.
     """
+    designs = {one.name: one for rig in all_rigs().values() if (one := rig.own_design)}
+    if isinstance(protocol, str) and protocol in designs:
+        if rigs is not None:
+            raise ValueError(f"rigs is {rigs!r}; the protocol {protocol} has one of its own")
+        return _of_design(designs[protocol], seed, truth, name, created, effects or {})
     known = paper_rigs()
     rigs = tuple(known) if rigs is None else rigs
     if not rigs or set(rigs) - set(known):
@@ -90,9 +99,44 @@ def simulate_recording(
         truth = replace(truth, effects=(*truth.effects, *added))
     recorded = [known[rig].simulate(design, constants, truth, seed) for rig in known if rig in rigs]
     tables = {name: table for one in recorded for name, table in one.tables.items()}
+    title = f"Synthetic pulley-board recording, protocol {label}, seed {seed}"
+    return _recording(name, title, constants, tables, created, label, seed, truth, recorded)
+
+
+def _of_design(
+    design: OwnDesign,
+    seed: int,
+    truth: Truth | None,
+    name: str,
+    created: str | None,
+    effects: Mapping[str, float],
+) -> Recording:
+    """Simulate a rig that no protocol of the paper's lays out."""
+    constants = design.constants
+    truth = Truth(coefficients=design.coefficients) if truth is None else truth
+    added = [at_strength(one, size, design, constants, truth) for one, size in effects.items()]
+    truth = replace(truth, effects=(*truth.effects, *added))
+    found = design.simulate(constants, truth, seed)
+    title = f"Synthetic: {design.title}, seed {seed}"
+    return _recording(
+        name, title, constants, found.tables, created, design.name, seed, truth, [found]
+    )
+
+
+def _recording(
+    name: str,
+    title: str,
+    constants: RigConstants,
+    tables: Mapping[str, Any],
+    created: str | None,
+    label: str,
+    seed: int,
+    truth: Truth,
+    recorded: Sequence[Simulated],
+) -> Recording:
     return Recording(
         name=name,
-        title=f"Synthetic pulley-board recording, protocol {label}, seed {seed}",
+        title=title,
         rig=constants,
         **tables,
         created=created,

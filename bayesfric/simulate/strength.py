@@ -20,6 +20,7 @@ from bayesfric.effects import Effect, all_effects
 from bayesfric.errors import Fault, InputError
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs import paper_rigs
+from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.truth import AppliedEffect, Truth
 
@@ -33,7 +34,7 @@ LARGEST_AMPLITUDE = 1e6
 def at_strength(
     name: str,
     strength: float,
-    design: Protocol,
+    design: Protocol | OwnDesign,
     constants: RigConstants,
     truth: Truth,
     law: str | None = None,
@@ -48,8 +49,8 @@ def at_strength(
         1: friction, or its equivalent, changes by 10 % rms over the trials (at equal
         steps of time) and the runs of the design, before anything is refitted; a
         negative strength has an amplitude below 0.
-    design : Protocol
-        The gravity board's trials.
+    design : Protocol or OwnDesign
+        The gravity board's trials, or what another rig is simulated with.
     constants : RigConstants
         Of all boards.
     truth : Truth
@@ -67,7 +68,7 @@ def at_strength(
     InputError
         There is no such effect, or no amplitude is so strong.
     """
-    known = all_effects()
+    known = all_effects(design.offers) if isinstance(design, OwnDesign) else all_effects()
     if name not in known:
         raise InputError([Fault("effect", f"one of {', '.join(known)}", value=name)])
     effect = known[name]
@@ -76,7 +77,11 @@ def at_strength(
     if effect.shape is not None and effect.shape.typical is not None:
         shape[effect.shape.name] = effect.shape.typical
     sign, wanted = -1.0 if strength < 0 else 1.0, RMS_AT_FULL_STRENGTH * abs(strength)
-    changes = [rig.change(effect, design, constants, truth) for rig in paper_rigs().values()]
+    changes = (
+        [design.change(effect, constants, truth)]
+        if isinstance(design, OwnDesign)
+        else [rig.change(effect, design, constants, truth) for rig in paper_rigs().values()]
+    )
 
     def applied(amplitude: float) -> AppliedEffect:
         return AppliedEffect(effect, chosen, {effect.amplitude.name: sign * amplitude} | shape)

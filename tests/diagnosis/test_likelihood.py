@@ -28,6 +28,8 @@ NOISE = {
     "tau_motor": 0.02,
     "omega_motor": 0.03,
     "omega_hung": 0.04,
+    "omega_intercept_motor": 0.07,
+    "omega_intercept_hung": 0.06,
     "sigma_current": 0.003,
     "load_noise": 0.006,
 }
@@ -62,7 +64,7 @@ def test_the_board_of_weights_is_a_dense_normal(model):
     columns = part.columns @ model.layout.mixed(mixing)
     total, rows_of = 0.0, list(part.rows.rows_of_trials())
     for setup in range(len(part.setups)):
-        residual, blocks, slopes, intercepts = [], [], [], []
+        residual, blocks, all_of_it, intercepts = [], [], [], []
         for trial in np.flatnonzero(part.setup == setup):
             rows = rows_of[trial]
             sd = np.sqrt(part.rows.variance[rows])
@@ -78,11 +80,11 @@ def test_the_board_of_weights_is_a_dense_normal(model):
             own += NOISE["wander"] ** 2 * (wander * weights) @ wander.T
             own += amplitude**2 * wave @ wave.T
             blocks.append(own)
-            slopes.append(whole - constant)
+            all_of_it.append(whole)
             intercepts.append(constant)
             total -= np.log(sd).sum()
-        joined, slope, constant = map(np.concatenate, (residual, slopes, intercepts))
-        covariance = NOISE["omega"] ** 2 * np.outer(slope, slope)
+        joined, whole, constant = map(np.concatenate, (residual, all_of_it, intercepts))
+        covariance = NOISE["omega"] ** 2 * np.outer(whole, whole)
         covariance += NOISE["omega_intercept"] ** 2 * np.outer(constant, constant)
         start = 0
         for own in blocks:
@@ -105,8 +107,13 @@ def test_the_board_of_a_motor_is_a_dense_normal(model):
     plain = NOISE["sigma_current"] ** 2 + (NOISE["load_noise"] * load) ** 2
     outer = np.outer(moved, moved)
     covariance = np.diag(plain + (NOISE["tau_motor"] * moved) ** 2)
-    covariance += NOISE["omega_motor"] ** 2 * outer * np.equal.outer(part.setup, part.setup)
-    covariance += NOISE["omega_hung"] ** 2 * outer * np.equal.outer(part._load, part._load)
+    constant = np.outer(part.rows.intercept, part.rows.intercept)
+    for names, codes in (
+        (("omega_motor", "omega_intercept_motor"), part.setup),
+        (("omega_hung", "omega_intercept_hung"), part._load),
+    ):
+        of_all, of_intercept = (NOISE[name] ** 2 for name in names)
+        covariance += (of_all * outer + of_intercept * constant) * np.equal.outer(codes, codes)
     total = multivariate_normal.logpdf(residual, np.zeros(residual.size), covariance)
     idle = part.rows.still - part._still @ numbers[part._mine]
     sd = NOISE["sigma_current"]
@@ -138,7 +145,12 @@ def test_trials_that_are_left_out_say_nothing():
 
     # The idle motor is measured once, and counts in both parts.
     parts, whole, idle = said(first) + said(rest), said(None), said(nothing)
-    np.testing.assert_allclose(parts.precision - idle.precision, whole.precision, rtol=1e-9)
+    # Sums of terms of both signs round by their own size, not by that of what is left.
+    size = np.sqrt(np.diag(whole.precision).clip(1.0))
+    added, all_of_it = (
+        one / np.outer(size, size) for one in (parts.precision - idle.precision, whole.precision)
+    )
+    np.testing.assert_allclose(added, all_of_it, atol=1e-9)
     np.testing.assert_allclose(parts.slope - idle.slope, whole.slope, rtol=1e-9, atol=1e-8)
 
 

@@ -174,7 +174,7 @@ def test_hunting_by_formula_has_the_quantile_of_the_threshold(draws):
     p = {point.gamma: point.p for point in one.limit_cycle_probability}
     assert p[0.0] == 0
     assert p[3.0] == 1
-    assert one.answer.startswith("Set γ to ")
+    assert ". Set γ to " in one.answer
     assert f"{np.floor(100 * one.largest_safe_compensation_gain) / 100:.2f}" in one.answer
 
 

@@ -55,7 +55,7 @@ def test_pulleys_draws_and_peak_tensions_outside_are_counted(tmp_path):
 def test_it_is_the_first_thing_that_is_said(tmp_path):
     draws = with_ranges(tmp_path / "draws.nc")
     (found,) = compute_margins([loop({"runs.0.tension_n": 40.0})], draws).summary.loops
-    assert found.answer.startswith("Beyond what was measured: the tension of run 1 is outside")
+    assert ". Beyond what was measured: the tension of run 1 is outside" in found.answer
     (found,) = compute_margins([loop()], draws).summary.loops
     assert "Beyond" not in found.answer
 
@@ -69,7 +69,7 @@ def test_an_angle_that_the_draws_do_not_know_is_refused_unless_allowed(tmp_path)
     (found,) = compute_margins(
         [loop({**strange, "extrapolate": ["wrap_angle"]})], draws
     ).summary.loops
-    assert found.answer.startswith("Beyond what was measured: 5 of 5 pulleys")
+    assert ". Beyond what was measured: 5 of 5 pulleys" in found.answer
 
 
 def test_friction_is_never_negative():

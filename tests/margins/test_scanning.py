@@ -8,9 +8,11 @@ from margins.loops import loop, posterior, write_draws
 from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins, read_loop
 from bayesfric.margins.assembly import RigDiscrepancy, draw_assembly
+from bayesfric.margins.hunting import run_length
 from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.loop_file import Loop
-from bayesfric.margins.scanning import speeds_of
+from bayesfric.margins.scanning import run, speeds_of
+from bayesfric.margins.simulating import simulate
 from bayesfric.margins.thresholds import find_hunting
 from bayesfric.resources import data_folder
 
@@ -52,6 +54,32 @@ def test_the_elbow_hunts_where_it_creeps_and_not_where_it_rests_or_runs():
             *two_masses.run(plant, kick=float(slow.kick_of(shaft)[0]),
                             speed=float(slow.speed_of(shaft)[0]), duration=6.0)[:2]
         )[0] == hunts  # fmt: skip
+
+
+@pytest.mark.nightly
+def test_the_scan_of_the_elbow_hunts_where_long_runs_do():
+    """Runs of 15 s over 200 draws: 10 CPU-seconds."""
+    shaft = elbow(draws=200)
+    speeds = speeds_of(shaft)
+    scanned = run(shaft, speeds, shaft.gamma).hunts.reshape(len(speeds), -1).mean(axis=1)
+    for speed, share in zip(speeds, scanned, strict=True):
+        at = speed.speed_of(shaft)
+        # none is judged early, and each lasts twice as long
+        long = simulate(shaft.sampled(), kick=shaft.kick, reference_speed=at,
+                        duration=2 * run_length(shaft.sampled(), at).duration)  # fmt: skip
+        assert long.hunts.mean() == pytest.approx(share, abs=0.05)
+    assert scanned.max() == 1.0
+    assert scanned.min() == 0.0
+
+
+def test_a_swing_of_few_cycles_has_no_frequency():
+    # dragged by a slow reference: each slip is a cycle of some seconds
+    shaft = elbow({"compensation": {"signal": "none"}}, kick={"reference_range_rad_s": (0.3, 0.3)})
+    found = find_hunting(shaft, 6, 0.05)
+    motion = run(shaft, found.speeds, shaft.gamma)
+    cycles = np.where(motion.hunts, motion.cycles, 0.0).reshape(len(found.speeds), -1).max(axis=0)
+    assert (np.isfinite(found.frequency) == (cycles >= 2)).all()
+    assert np.isfinite(found.amplitude).tolist() == np.isfinite(found.frequency).tolist()
 
 
 def test_integral_action_with_stiction_hunts_without_any_compensation():

@@ -60,6 +60,18 @@ def test_hunting_is_missed_by_its_own_limit(draws):
     assert missed(draws, {"compensation.gain": 0.1}) == ()
 
 
+def test_the_sentence_begins_with_the_spec_and_says_how_probable_a_miss_is(draws, errors):
+    def answer(changes):
+        return compute_margins([loop(changes)], draws).summary.loops[0].answer
+
+    met = {"spec.steady_error_max_m": 2 * errors[0.95], "compensation.gain": 0.1}
+    assert answer(met).startswith("Meets its spec: each of 3 figures with a probability of 95%")
+    half = {"spec.steady_error_max_m": errors[0.5], "compensation.gain": 3.0}
+    assert answer(half).startswith(
+        "Misses 2 of 3 specs: steady error servo (P = 0.5), limit cycle probability (P = 1)."
+    )
+
+
 def test_a_margin_that_no_draw_has_misses_what_is_asked_of_it():
     none = Metric(
         name="gain_margin",

@@ -27,6 +27,7 @@ class Plant:
     damping: float = 0.0
     behind: float = 0.0  # share of the friction at the joint's end of the cable
     load: float = 0.0
+    fed: float = 0.0  # what the controller feeds forward against it
     counts: float = 4000.0
     sample_time: float = 1e-3
     delay: float = 1e-3
@@ -50,7 +51,7 @@ def run(plant, *, kick, speed, duration, steps=10):
         x[1] -= plant.load / plant.stiffness  # hangs in its cable from the beginning
     count = 2 * math.pi / plant.counts
     seen = round((kick - speed * plant.sample_time) / count) * count
-    waiting, torque, integral, errors = [], 0.0, 0.0, []
+    waiting, torque, integral, errors = [], plant.fed, 0.0, []
     for i in range(round(duration / dt)):
         if i % steps == 0:
             wanted = speed * i * dt
@@ -64,7 +65,7 @@ def run(plant, *, kick, speed, duration, steps=10):
             command += plant.feed * ((follows > 0) - (follows < 0))
             waiting.append((i + late, min(max(command, -plant.clip), plant.clip)))
         while waiting and waiting[0][0] <= i:
-            torque = waiting.pop(0)[1]
+            torque = waiting.pop(0)[1] + plant.fed
         pull = 0.0
         if not stiff:
             pull = plant.stiffness * (x[0] - x[1]) + plant.damping * (v[0] - v[1])

@@ -24,6 +24,7 @@ from bayesfric.report.markdown import render_markdown
 from bayesfric.report.stored import StoredFit, StoredResults, read_stored
 from bayesfric.report.typst import render_pdf
 from bayesfric.report.writing import write_report
+from bayesfric.schemas import OutlyingAssembly
 
 
 @pytest.fixture(scope="module")
@@ -105,16 +106,16 @@ def test_what_is_left_out_has_the_numbers_of_the_fit(stored):
     assert rows[1][1:3] == ["12", f"{two.elpd:.1f}"]
 
 
-def test_coverage_by_cell_has_the_shares_of_the_checks(document, stored):
-    checks = stored.predictive["trial_checks"].to_dataset()
-    rows = table(document, "coverage-trials").rows
-    assert [row[0] for row in rows] == [*checks["cell_pulley_size"].to_numpy(), "all"]
-    assert [int(row[5]) for row in rows[:-1]] == [
-        round(100 * share) for share in checks["cell_share"].to_numpy()[:, 0]
-    ]
-    assert sum(int(row[3]) for row in rows[:-1]) == int(rows[-1][3]) == 3 * 3 * 4
-    assert sum(int(row[4]) for row in rows[:-1]) == int(rows[-1][4]) == 48
-    assert int(rows[-1][7]) == round(100 * float(stored.predictive["trials"]["covered_share"]))
+def test_a_far_assembly_is_named_beside_its_chance(stored):
+    (check,) = stored.fit.assemblies
+    far = OutlyingAssembly(setup="s007", z=-3.42, chance=0.0075)
+    blocks = list(
+        left_out(changed(stored, assemblies=(check.model_copy(update={"outlying": (far,)}),)))
+    )
+    said = [str(block) for block in blocks if "12 assemblies" in str(block)]
+    assert "s007 3.4 sd below (one recording in 133 has one as far out by chance)" in said[0]
+    (drawn,) = [one for one in blocks if getattr(one, "label", None) == "assemblies"]
+    assert b"<svg" in drawn.svg
 
 
 def test_friction_of_the_priors_stands_beside_the_posterior(document, stored):
@@ -129,17 +130,17 @@ def test_a_fit_of_an_earlier_version_has_a_report_without_these(stored):
     children = {
         name: stored.predictive[name].to_dataset()
         for name in stored.predictive.children
-        if name not in ("trial_checks", "prior")
+        if name not in ("trial_checks", "trial_assemblies", "prior")
     }
     before = dataclasses.replace(
-        changed(stored, prediction=(), uniformity=()),
+        changed(stored, prediction=(), uniformity=(), assemblies=()),
         predictive=xr.DataTree.from_dict(children),
     )
     labels = {
         getattr(block, "label", None) for block in build_document(StoredResults(before)).blocks
     }
     assert "coverage" in labels
-    assert not labels & {"coverage-trials", "loo-pit", "elpd", "prior-friction"}
+    assert not labels & {"assemblies", "loo-pit", "elpd", "prior-friction"}
 
 
 def test_unconverged_is_said_on_page_one(stored):

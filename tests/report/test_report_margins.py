@@ -2,6 +2,7 @@
 
 import re
 
+import numpy as np
 import pytest
 from margins.loops import loop, write_draws
 
@@ -30,7 +31,7 @@ def test_the_first_line_says_which_gain_to_set(computed):
     first = blocks[1]
     assert isinstance(first, Paragraph)
     assert first.text[0] == Strong(computed.summary.loops[0].answer)
-    assert first.text[0].text.startswith("Set γ to ")
+    assert re.match(r"Meets its spec: .* Set γ to ", first.text[0].text)
 
 
 def test_the_tables_hold_the_stored_figures(computed):
@@ -46,6 +47,14 @@ def test_the_tables_hold_the_stored_figures(computed):
     gain = next(row for row in two.rows if row[0] == "gain margin")
     assert gain[6] == "≥ 2.00"
     assert gain[7] == "0"
+    decibels = two.rows[two.rows.index(gain) + 1]
+    assert decibels[1] == "dB"
+    assert decibels[6] == "≥ 6.02"
+    assert float(decibels[3]) == pytest.approx(20 * np.log10(float(gain[3])), abs=0.02)
+    phase = next(row for row in two.rows if row[0] == "phase margin")
+    degrees = two.rows[two.rows.index(phase) + 1]
+    assert degrees[1] == "°"
+    assert float(degrees[3]) == pytest.approx(np.rad2deg(float(phase[3])), abs=0.06)
 
 
 def test_why_a_figure_is_missing_is_said(computed):

@@ -54,6 +54,27 @@ def test_all_is_one_multivariate_normal(rank, shared):
 
 
 @pytest.mark.parametrize(("rank", "shared"), SHAPES)
+def test_the_first_number_of_a_group_given_the_rest(rank, shared):
+    """How large its estimate by generalised least squares is, in standard deviations."""
+    noise = covariance(rank, shared)
+    expected = []
+    for group in range(3):
+        own = np.flatnonzero(GROUPS.of_each == group)
+        rest = np.setdiff1d(np.arange(6), own)
+        gain = noise[np.ix_(own, rest)] @ np.linalg.inv(noise[np.ix_(rest, rest)])
+        left = RESIDUAL[own] - gain @ RESIDUAL[rest]
+        spread = noise[np.ix_(own, own)] - gain @ noise[np.ix_(rest, own)]
+        weight = np.linalg.solve(spread, MOVED[0, own])
+        expected.append(stats.norm.cdf(weight @ left / np.sqrt(weight @ MOVED[0, own])))
+    assert normal(rank, shared).group_cdf()[0] == pytest.approx(expected, abs=1e-10)
+
+
+def test_a_group_that_its_number_does_not_move_has_no_probability():
+    still = replace(normal(1, True), moved=MOVED[:1, None] * (GROUPS.of_each != 1))
+    assert np.isnan(still.group_cdf()[0]).tolist() == [False, True, False]
+
+
+@pytest.mark.parametrize(("rank", "shared"), SHAPES)
 def test_a_group_given_the_rest_is_a_ratio_of_densities(rank, shared):
     noise = covariance(rank, shared)
     expected = [given_the_rest(noise, np.flatnonzero(GROUPS.of_each == g)) for g in range(3)]

@@ -10,6 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
+from bayesfric.fitting.predictive.assemblies import Assemblies
 from bayesfric.fitting.predictive.coverage import CELL, coverage
 from bayesfric.fitting.predictive.left_out import LeftOut, uniformity
 from bayesfric.fitting.predictive.parameters import coefficients, densities, ranks
@@ -32,6 +33,7 @@ def predict(
     model: Model,
     theta: Array,
     left_out: Mapping[str, LeftOut],
+    assemblies: Mapping[str, Assemblies | None],
     analysis: Analysis,
     baseline: Baseline,
 ) -> xr.DataTree:
@@ -47,6 +49,8 @@ def predict(
         Posterior draws in the parameters' units.
     left_out : mapping of str to LeftOut
         What the fit predicts of trials that it has not seen, by rig.
+    assemblies : mapping of str to Assemblies or None
+        What it predicts of assemblies that it has not seen, by rig.
     analysis : Analysis
         For the seed and the form of the scatter.
     baseline : Baseline
@@ -64,7 +68,8 @@ def predict(
         for a new trial on a new assembly, with z and coverage; ``loo_pit``, the
         probability of less friction had the trial been left out, and ``pareto_k`` of its
         weights. Of each rig ``trial_checks`` (``run_checks``): how far these are from
-        uniform, and coverage by condition. Beside it what the rig alone can show.
+        uniform, and coverage by condition; ``trial_assemblies`` (``run_assemblies``): the
+        same of assemblies left out. Beside it what the rig alone can show.
         ``prior``: friction that the priors alone imply, of the first rig.
     """
     rng = np.random.default_rng(np.random.SeedSequence([analysis.seed, 1]))
@@ -92,6 +97,8 @@ def predict(
         groups[words.trials], groups[f"{words.trial}_checks"] = _checked(
             trials, table, likelihood, left_out[rig.name], remade
         )
+        if (left := assemblies[rig.name]) is not None:
+            groups[f"{words.trial}_assemblies"] = left.table(likelihood.trials)
         if "prior" not in groups and any("[" in p.name for p in likelihood.parameters):
             groups["prior"] = _prior(trials, table, model, named, analysis, baseline)
         groups |= trials.figures(view)

@@ -52,6 +52,9 @@ class LeftOut:
         is no `trials`.
     again : ndarray, shape (R, N)
         Such probabilities of recordings made again.
+    setup_pit : ndarray, shape (J,)
+        Probability of less friction of each assembly, had all its trials been left out; NaN of
+        one that has none, empty where there is no `setups`.
     """
 
     trial_log_likelihood: Array
@@ -60,6 +63,7 @@ class LeftOut:
     setups: ELPD | None
     pit: Array
     again: Array
+    setup_pit: Array
 
 
 @dataclass(frozen=True)
@@ -121,8 +125,13 @@ def leave_out(
     trial = by_blocks(model, likelihood.trial_log_likelihood, z)
     setup = by_blocks(model, likelihood.setup_log_likelihood, z)
     trials, without = _leave_out(model, likelihood, "trial", trial, start, seed)
-    setups, _ = _leave_out(model, likelihood, "setup", setup, start, seed)
+    setups, unseen_setups = _leave_out(model, likelihood, "setup", setup, start, seed)
     pit, again = np.empty(0), np.empty((0, trial.shape[1]))
+    setup_pit = np.empty(0)
+    if setups is not None:
+        setup_pit = loo_pit(by_blocks(model, likelihood.setup_cdf, z), setup)
+        for place, unseen in unseen_setups.items():
+            setup_pit[place] = by_blocks(model, likelihood.setup_cdf, unseen)[:, place].mean()
     if trials is not None:
         pit = loo_pit(by_blocks(model, likelihood.trial_cdf, z), trial)
         for place, unseen in without.items():
@@ -130,7 +139,7 @@ def leave_out(
         some = z[np.linspace(0, len(z) - 1, min(AGAIN, len(z))).astype(int)]
         rng = np.random.default_rng(np.random.SeedSequence([seed, 3]))
         again = by_blocks(model, partial(likelihood.draw_trial_cdf, rng=rng), some)
-    return LeftOut(trial, setup, trials, setups, pit, again)
+    return LeftOut(trial, setup, trials, setups, pit, again, setup_pit)
 
 
 def leave_setups_out(model: Model, z: Array) -> ELPD:

@@ -3,11 +3,12 @@
 import math
 from collections.abc import Mapping
 
+from bayesfric.fitting.predictive.assemblies import FAR, Assemblies
 from bayesfric.fitting.predictive.left_out import LeftOut, uniformity
 from bayesfric.inference.evidence import ELPD
-from bayesfric.schemas import Prediction, Uniformity
+from bayesfric.schemas import AssemblyCheck, OutlyingAssembly, Prediction, Uniformity
 
-__all__ = ["predictions", "uniformities"]
+__all__ = ["assembly_checks", "predictions", "uniformities"]
 
 
 def predictions(left_out: Mapping[str, LeftOut]) -> tuple[Prediction, ...]:
@@ -48,6 +49,38 @@ def _prediction(rig: str, kind: str, found: ELPD | None, groups: int) -> Predict
             "refitted": int(found.refitted.sum()),
         }
     )
+
+
+def assembly_checks(found: Mapping[str, Assemblies | None]) -> tuple[AssemblyCheck, ...]:
+    """Return what ``fit.json`` says of assemblies left out.
+
+    Parameters
+    ----------
+    found : mapping of str to Assemblies or None
+        By rig.
+    """
+    entries = []
+    for rig, one in found.items():
+        if one is None:
+            continue
+        far = [
+            OutlyingAssembly(setup=name, z=float(z), chance=one.chance(float(z)))
+            for name, z in zip(one.names, one.z, strict=True)
+            if abs(z) > FAR
+        ]
+        low, _, high = one.uniformity.spread_expected
+        entries.append(
+            AssemblyCheck(
+                rig=rig,
+                assemblies=one.pit.size,
+                p_value=one.uniformity.p_value,
+                spread=one.uniformity.spread,
+                spread_q05=float(low),
+                spread_q95=float(high),
+                outlying=tuple(sorted(far, key=lambda outlier: -abs(outlier.z))),
+            )
+        )
+    return tuple(entries)
 
 
 def uniformities(left_out: Mapping[str, LeftOut]) -> tuple[Uniformity, ...]:

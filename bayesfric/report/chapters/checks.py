@@ -2,9 +2,6 @@
 
 from collections.abc import Iterator
 
-import numpy as np
-import xarray as xr
-
 from bayesfric.plots.residuals import residuals_by_order
 from bayesfric.plots.rig_tables import RigTable, rig_tables
 from bayesfric.plots.style import to_svg
@@ -19,12 +16,11 @@ from bayesfric.report.content import (
     Reference,
     Table,
 )
-from bayesfric.report.quantities import format_count, format_fixed, format_number, format_share
+from bayesfric.report.quantities import format_count, format_number, format_share
 from bayesfric.report.stored import StoredFit
 
-__all__ = ["checks", "coverage_tables"]
+__all__ = ["checks"]
 
-CELL = ("pulley_size", "n_pulleys", "wrap_angle_deg")
 CONDITION = (
     ("pulley_size", Column("pulley"), str),
     ("n_pulleys", Column("n", align="right"), lambda value: format_count(int(value))),
@@ -67,18 +63,6 @@ def checks(stored: StoredFit) -> Iterator[Block]:
     yield from left_out(stored)
 
 
-def coverage_tables(stored: StoredFit) -> Iterator[Block]:
-    """Yield the long tables: coverage by condition, of each rig."""
-    tables = [
-        _by_cell(one, one.checks)
-        for one in rig_tables(stored.predictive)
-        if one.checks is not None and "pulley_size" in one.table
-    ]
-    if tables:
-        yield Heading(2, "Coverage by condition")
-        yield from tables
-
-
 def _coverage(rigs: tuple[RigTable, ...]) -> Table:
     rows = []
     for one in rigs:
@@ -108,76 +92,6 @@ def _coverage(rigs: tuple[RigTable, ...]) -> Table:
         note="If made again: the share, 5 % to 95 %, that the fit expects of another recording of "
         "the same design. It is wide since the trials of an assembly move together.",
     )
-
-
-def _by_cell(one: RigTable, table: xr.Dataset) -> Table:
-    conditions = {
-        key: int(number)
-        for key, number in zip(
-            *np.unique(_keys(table, "condition"), return_counts=True), strict=True
-        )
-    }
-    rows = []
-    for place, key in enumerate(_keys(table, "cell")):
-        row = table.isel(cell=place)
-        cells = [
-            str(row["cell_pulley_size"].item()),
-            format_count(int(row["cell_n_pulleys"])),
-            f"{float(row['cell_wrap_angle_deg']):g}",
-            format_count(conditions[key]),
-            format_count(int(row["cell_trials"])),
-        ]
-        for level in (0.5, 0.9):
-            at = row.sel(level=level)
-            cells += [_percent(at["cell_share"]), _expected(at["cell_expected"])]
-        rows.append(cells)
-    whole = [
-        "all",
-        "",
-        "",
-        format_count(table.sizes["condition"]),
-        format_count(int(table["all_trials"])),
-    ]
-    for level in (0.5, 0.9):
-        at = table.sel(level=level)
-        whole += [_percent(at["all_share"]), _expected(at["all_expected"])]
-    return Table(
-        f"Coverage by condition, {one.title}: {one.trials} inside their predictive interval.",
-        [
-            "pulley",
-            Column("n", align="right"),
-            Column("wrap angle", "°", align="right"),
-            Column("conditions", align="right"),
-            Column(one.trials, align="right"),
-            Column("in 50 %", "%", align="right"),
-            Column("made again", "%", align="right"),
-            Column("in 90 %", "%", align="right"),
-            Column("made again", "%", align="right"),
-        ],
-        [*rows, whole],
-        label=f"coverage-{one.trials}",
-        note=[
-            "Made again: the share, 5 % to 95 %, that the fit expects of another recording of the "
-            "same design. A row is one number of pulleys at one angle with all of its masses; few "
-            "assemblies make few independent answers. Each condition is in ",
-            Code("predictive.nc"),
-            ".",
-        ],
-    )
-
-
-def _keys(table: xr.Dataset, of: str) -> list[str]:
-    columns = [table[f"{of}_{name}"].to_numpy() for name in CELL]
-    return ["/".join(map(str, key)) for key in zip(*columns, strict=True)]
-
-
-def _percent(share: xr.DataArray) -> str:
-    return format_fixed(100 * float(share), 0)
-
-
-def _expected(share: xr.DataArray) -> str:
-    low, _, high = (100 * float(value) for value in share)
-    return f"{low:.0f} to {high:.0f}"
 
 
 def _outliers(one: RigTable) -> Iterator[Block]:

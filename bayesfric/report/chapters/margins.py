@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator, Sequence
 from typing import Literal
 
+from bayesfric.margins.terms import in_degrees_or_decibels, tuning_told
 from bayesfric.plots.margins import (
     error_and_headroom,
     has_error_or_headroom,
@@ -66,6 +67,7 @@ SHOWN_UNITS = {
     "s": ("ms", 1e3),
     "1": ("", 1.0),
     "rad": ("rad", 1.0),
+    "deg": ("°", 1.0),
 }
 UNIT = re.compile(r"(_(n|m|mm|s|a|hz|kg|rad|deg|per|m2|s2))+$")
 LAW = "c1, c2, c3"  # always shown: how little it may be is the point
@@ -75,7 +77,11 @@ SMALL_SHARE = 0.02  # of a variance, not worth a column
 def gain_lines(found: MarginsFile) -> Iterator[Block]:
     """Yield, for page one, which gain each loop bears."""
     for loop in found.loops:
-        yield Notice(_kind(loop), [Code(loop.name), f": {loop.answer}"], title="Which γ to set")
+        yield Notice(
+            _kind(loop),
+            [Code(loop.name), f": {loop.answer}"],
+            title="Does it meet its spec, and which γ to set",
+        )
 
 
 def margins(found: MarginsFile) -> Iterator[Block]:
@@ -167,12 +173,19 @@ def _loop(loop: LoopMargins) -> Iterator[Block]:
             Column("P(violates)", align="right"),
             Column("±", align="right"),
         ],
-        [_row(metric) for metric in loop.metrics],
+        [
+            _row(one)
+            for metric in loop.metrics
+            for one in (metric, in_degrees_or_decibels(metric))
+            if one is not None
+        ],
         label=f"margins-{loop.name}",
         note="A dash stands where a figure does not exist, for the reason given below, or where "
         "no spec is set.",
     )
     yield BulletList(list(_remarks(loop)))
+    if loop.tuning is not None:
+        yield Paragraph(tuning_told(loop.tuning))
     yield from _over_speed(loop)
     yield from _shares(loop)
     yield from _verification(loop)

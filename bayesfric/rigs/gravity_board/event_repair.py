@@ -103,6 +103,8 @@ def repair_events(
     for train in np.flatnonzero(odd):
         part = slice(trains.starts[train], trains.starts[train] + sizes[train])
         row, recorded = trains.row[part], trains.count[part]
+        if recorded.size >= WINDOW and _is_smooth(trains.time[part], recorded):
+            continue
         repair = _repair(trains.time[part], recorded)
         if repair.usable and not (repair.missed or repair.doubled) and repair.kept.all():
             continue
@@ -123,6 +125,11 @@ def repair_events(
     if rows:
         events = events.assign(displacement_m=displacement)[stays]
     return RepairedEvents(events, pd.DataFrame(rows, columns=columns))
+
+
+def _is_smooth(time: Array, recorded: Array) -> bool:
+    """Return whether no event is off the motion of those around it: nothing is to repair."""
+    return bool(np.abs(_window_residuals(time, recorded, WINDOW)).max() <= CLEAN)
 
 
 def _repair(time: Array, recorded: Array) -> _Repair:

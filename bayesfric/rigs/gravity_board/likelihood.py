@@ -203,6 +203,18 @@ class GravityLikelihood:
         """
         return self._scattered(theta)[0].draw_again(rng)
 
+    def setup_cdf(self, theta: Mapping[str, Array]) -> Array:
+        """Return the probability of less friction of each assembly given the others, (W, J).
+
+        NaN of one on which no trial moved, and where trials scatter by a Student-t.
+        """
+        scattered, _ = self._scattered(theta)
+        found = np.full((len(scattered.residual), len(self.setups)), np.nan)
+        if isinstance(scattered, GroupedNormal):
+            moved = scattered.group_cdf()
+            found[:, : moved.shape[1]] = moved
+        return found
+
     def trial_cdf(self, theta: Mapping[str, Array]) -> Array:
         """Return the probability of less friction of each trial given the rest, shape (W, N)."""
         scattered, _ = self._scattered(theta)

@@ -23,7 +23,6 @@ from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.gravity_board.linear_scatter import (
     ALWAYS,
     ELSEWHERE,
-    SLOPE_AND_INTERCEPT,
     TRIAL,
     WANDER,
     WAVES,
@@ -270,16 +269,13 @@ class GravityPart:
         left = np.eye(sd.size) - inner @ gain
         across_left, right_left = left @ across / kappa, (left @ right[:, :, None])[:, :, 0] / kappa
         inner_left = left @ inner / kappa
-        # Of slope and intercept, which the assembly shares.
-        h = np.zeros((chosen.size, 2))
-        h[:2] = SLOPE_AND_INTERCEPT.T
+        # Of all friction and of its intercept alone, which the assembly shares.
         member = self._member[:, trials]
-        summed = np.einsum("ra,nrk->nak", h[:2], across_left[:, :2])
-        flat = member @ summed.reshape(len(summed), summed.shape[1] * summed.shape[2])
-        summed = flat.reshape(len(self.setups), *summed.shape[1:])
-        pulled = member @ (right_left[:, :2] @ h[:2])
-        stiff = np.einsum("ra,nrs,sb->nab", h[:2], inner_left[:, :2, :2], h[:2])
-        stiff = (member @ stiff.reshape(len(stiff), 4)).reshape(-1, 2, 2)
+        columns = across.shape[2]
+        flat = member @ across_left[:, :2].reshape(len(across), 2 * columns)
+        summed = flat.reshape(len(self.setups), 2, columns)
+        pulled = member @ right_left[:, :2]
+        stiff = (member @ inner_left[:, :2, :2].reshape(len(across), 4)).reshape(-1, 2, 2)
         omega = np.array([noise["omega"], noise["omega_intercept"]])
         shared = np.eye(2) + omega[:, None] * stiff * omega
         taken = omega[:, None] * np.linalg.inv(shared) * omega
@@ -287,7 +283,6 @@ class GravityPart:
         constant += -0.5 * np.linalg.slogdet(shared)[1].sum()
         square -= (pulled * pull).sum()
         constant -= 0.5 * square
-        columns = across.shape[2]
         total = self.layout.total(columns)
         precision, slope = np.zeros((total, total)), np.zeros(total)
         locals_ = []
@@ -306,7 +301,7 @@ class GravityPart:
         def gradient(mean: Sequence[Array], covariance: Sequence[Array]) -> dict[str, float]:
             """Return derivatives of the log evidence by the logarithms of the noise."""
             setup = self.setup[trials]
-            along = inner_left @ h
+            along = inner_left[:, :, :2]
             trial_q, setup_q = np.zeros(chosen.size), np.zeros(2)
             scale = square - freedom
             for size in range(len(self.layout.sizes)):
@@ -382,8 +377,8 @@ class GravityPart:
 
     def scatter(self, noise: Mapping[str, float]) -> Array:
         """Return the relative variance of trials' and assemblies' friction, (N, 2)."""
-        part = np.asarray(self.rows.state.constant_friction_n)[:, 0] / self.rows.friction_n
-        assembly = (noise["omega"] * (1 - part)) ** 2 + (noise["omega_intercept"] * part) ** 2
+        part = self.rows.intercept_n / self.rows.friction_n
+        assembly = noise["omega"] ** 2 + (noise["omega_intercept"] * part) ** 2
         return np.stack([np.full_like(part, noise["tau"] ** 2), assembly], axis=1)
 
     def windows(self, noise: Mapping[str, float]) -> Windows:

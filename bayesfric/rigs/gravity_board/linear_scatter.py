@@ -11,7 +11,6 @@ __all__ = [
     "ALWAYS",
     "ELSEWHERE",
     "INTERCEPT",
-    "SLOPE_AND_INTERCEPT",
     "TRIAL",
     "WANDER",
     "WAVES",
@@ -23,7 +22,6 @@ Array = NDArray[np.float64]
 WAVES = 10  # cosines along the travel
 TRIAL, INTERCEPT, WANDER, ELSEWHERE = 0, 1, slice(2, 2 + WAVES), 2 + WAVES
 ALWAYS = 3 + WAVES  # columns that scatter in every hypothesis
-SLOPE_AND_INTERCEPT = np.array([[1.0, -1.0], [0.0, 1.0]])  # of the first two columns
 EVENT_SD_M = 30e-6  # of an event on a good board
 KAPPA_SD_LOG = 0.3  # of the events' variance over its first estimate
 

@@ -25,6 +25,7 @@ from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.acting import drive_end, trial_in_setup
 from bayesfric.rigs.base import Unsupported
+from bayesfric.rigs.coefficients import intercept_of
 from bayesfric.rigs.gravity_board.double_integral import DoubleIntegral
 from bayesfric.rigs.gravity_board.event_rows import (
     rows_of_trials,
@@ -168,6 +169,11 @@ class GravityRows:
         turn = np.asarray(self.state.wrap_angle_deg) - REFERENCE_WRAP_ANGLE_DEG
         return self.forces(np.stack([n * tension, n, n * tension * turn]))
 
+    @property
+    def intercept_n(self) -> Array:
+        """The part of friction that scatters beside all of it, (N,) [N]."""
+        return np.asarray(self.condition.n_pulleys) * intercept_of(self.law)
+
     def scatter_columns(self) -> Array:
         """Return what relative deviations of friction do, of all and of the intercept's part.
 
@@ -177,7 +183,7 @@ class GravityRows:
             [m]
         """
         # Friction of the reference law is what it is with its tension: no feedback twice.
-        both = np.stack([self.friction_n, np.asarray(self.state.constant_friction_n)[:, 0]])
+        both = np.stack([self.friction_n, self.intercept_n])
         return self.forces(both[:, :, None] / self._feedback)
 
     def wander_columns(self, count: int) -> Array:

@@ -60,6 +60,7 @@ class GravityBoard:
     words: Words = WORDS
     tables: tuple[str, ...] = ("gravity_trials.csv", "gravity_events.csv")
     paper: bool = True
+    own_design: None = None
 
     def trials(self, recording: Recording, *, exclude: bool = True) -> "GravityTrials | None":
         """Return the trials that enter by the rules of :mod:`.screening`."""

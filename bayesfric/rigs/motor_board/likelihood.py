@@ -299,6 +299,10 @@ class MotorLikelihood:
         more = self._currents(theta).draw_again(rng)[:, : self._runs]
         return np.asarray(np.median(self._torque(theta)) / self._radius * more)
 
+    def setup_cdf(self, theta: Mapping[str, Array]) -> Array:
+        """Return the probability of less friction of each assembly given all else, (W, J)."""
+        return self._currents(theta).group_cdf()[:, :-1]
+
     def trial_cdf(self, theta: Mapping[str, Array]) -> Array:
         """Return the probability of less friction of each run given all else, shape (W, N)."""
         return self._friction_cdf(self._currents(theta))

@@ -15,6 +15,7 @@ from bayesfric.physics.motor import (
     tension_feedback,
 )
 from bayesfric.recording.tables import Motor, RigConstants
+from bayesfric.rigs.coefficients import intercept_of
 from bayesfric.rigs.linear import NoiseParameter, noise_parameter, pulley_radii, rank
 from bayesfric.rigs.motor_board.likelihood import idle_basis, run_condition
 from bayesfric.rigs.points import PointRows
@@ -62,12 +63,21 @@ def motor_rows(
     fit = np.linalg.lstsq(idle, idle_current, rcond=None)[0]
     rough_a = max(float((idle_current - idle @ fit).std()), 1e-4)
 
+    per_newton = np.sign(speed) * radius / torque
+
     def noise(priors: Priors) -> tuple[NoiseParameter, ...]:
+        of_intercept = priors.omega_intercept_motor
         return (
             noise_parameter("tau_motor", priors.tau_motor, 0.012, SCATTER, 0.01, scatters=True),
             noise_parameter("omega_hung", priors.omega_motor, 0.006, SCATTER, 0.001, scatters=True),
             noise_parameter(
                 "omega_motor", priors.omega_motor, 0.012, SCATTER, 0.015, scatters=True
+            ),
+            noise_parameter(
+                "omega_intercept_hung", of_intercept, 0.006, SCATTER, 0.001, scatters=True
+            ),
+            noise_parameter(
+                "omega_intercept_motor", of_intercept, 0.012, SCATTER, 0.015, scatters=True
             ),
             noise_parameter("sigma_current", priors.sigma_current, rough_a, ERROR, 0.002),
             noise_parameter("load_noise", priors.load_noise, 0.005, (1e-4, 0.5), 0.005),
@@ -92,7 +102,7 @@ def motor_rows(
         friction_n=np.abs(signed),
         feedback=tension_feedback(law, condition),
         reading=runs["current_a"].to_numpy(dtype=np.float64) - load,
-        per_newton=np.sign(speed) * radius / torque,
+        per_newton=per_newton,
         errors=(np.ones(len(runs)), load),
         noise=noise,
         curve=idle_basis(speed, both_ways=both_ways),
@@ -100,4 +110,9 @@ def motor_rows(
         still=idle_current,
         curve_sd=lambda priors: (priors.idle_current_sd,) * idle.shape[1],
         direct="current",
+        intercept=np.sign(speed)
+        * radius
+        / torque
+        * np.asarray(condition.n_pulleys)
+        * intercept_of(law),
     )

@@ -46,6 +46,7 @@ class MotorBoard:
     words: Words = WORDS
     tables: tuple[str, ...] = ("motor_runs.csv", "motor_idle.csv")
     paper: bool = True
+    own_design: None = None
 
     def trials(self, recording: Recording, *, exclude: bool = True) -> "MotorRuns | None":
         """Return all runs: no rule keeps one out."""

@@ -20,6 +20,7 @@ from bayesfric.physics.laws import BASELINES, VISCOUS, Baseline
 from bayesfric.recording.tables import Axis, Recording, RigConstants
 from bayesfric.rigs.base import Motion, OwnLaw, Predictive, Unsupported, Words, why_inert
 from bayesfric.rigs.linear import rank
+from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.single_axis.likelihood import AxisLikelihood
 from bayesfric.rigs.single_axis.linear import AxisRows
@@ -29,6 +30,7 @@ from bayesfric.rigs.single_axis.motion import even_grid
 from bayesfric.rigs.single_axis.predictions import runs as runs_dataset
 from bayesfric.rigs.single_axis.readings import Readings, readings_of, rough_law
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline, linearised, recorded_forces
+from bayesfric.rigs.single_axis.simulator import DESIGN
 from bayesfric.simulators import SimulatorCalls
 
 __all__ = ["RIG", "AxisRuns", "SingleAxis"]
@@ -64,6 +66,7 @@ class SingleAxis(PlainRig):
     words: Words = WORDS
     tables: tuple[str, ...] = ("axis_runs.csv", "axis_samples.csv")
     paper: bool = False
+    own_design: OwnDesign = DESIGN
 
     def trials(self, recording: Recording, *, exclude: bool = True) -> "AxisRuns | None":
         """Return the runs in which the axis moves; no rule keeps another out."""

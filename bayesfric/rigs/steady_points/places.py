@@ -26,7 +26,8 @@ def state_of(bench: Bench, law: Coefficients) -> State:
     """Return where points are, by a law: arrays that broadcast to (N,) or (W, N)."""
     n, wrap, tension = (bench.table[name].to_numpy(dtype=np.float64) for name in CONDITION)
     state = State.of(law, n, wrap, tension, bench.speed, order=rank(bench.table), steady=True)
-    middle = bench.scale.tension * bench.scale.reference_tension_n
+    # What an effect is in proportion to; on the paper's pulleys it is so at 15 N.
+    middle = bench.scale.reference_tension_n * (1.0 if bench.is_of_paper else bench.scale.tension)
     least = LEAST_TENSION * middle if "tension_n" in bench.given else middle
     return state._replace(
         tension_n=np.maximum(tension, least),

@@ -17,6 +17,7 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, VISCOUS, Baseline
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs.base import Motion, Predictive, Unsupported, Words
+from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.points import PointRows
 from bayesfric.rigs.steady_points.bench import Bench, bench_of
@@ -25,6 +26,7 @@ from bayesfric.rigs.steady_points.likelihood import PointsLikelihood
 from bayesfric.rigs.steady_points.linear import points_rows
 from bayesfric.rigs.steady_points.places import covariates_of, supported
 from bayesfric.rigs.steady_points.predictions import points_dataset
+from bayesfric.rigs.steady_points.simulator import DESIGN
 
 __all__ = ["RIG", "SteadyPoints", "SteadyTrials"]
 
@@ -53,6 +55,7 @@ class SteadyPoints(PlainRig):
     words: Words = WORDS
     tables: tuple[str, ...] = ("steady_friction.csv",)
     paper: bool = False
+    own_design: OwnDesign = DESIGN
 
     def trials(self, recording: Recording, *, exclude: bool = True) -> "SteadyTrials | None":
         """Return all points: no rule keeps one out."""

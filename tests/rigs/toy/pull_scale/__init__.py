@@ -48,6 +48,7 @@ class PullScale:
     words: Words = field(default=Words("pull scale", "reading", "readings"))
     tables: tuple[str, ...] = (FILE,)
     paper: bool = False
+    own_design: None = None
 
     def trials(self, recording, *, exclude=True):
         if FILE not in recording.further:

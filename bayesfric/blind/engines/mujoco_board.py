@@ -1,0 +1,425 @@
+"""The MuJoCo engine: the gravity board as a physics simulator of another hand has it.
+
+Two slide joints, coupled by an equality, carry the masses; a fixed tendon over both is the
+cable. Its frictionloss is set trial by trial from the tension T(a) at the acceleration that it
+leaves, so that trials are those of eq. (4) [Miyasaka et al., IROS 2015]. What a simulator has
+of its own is withheld: damping of the tendon, armature of the joints, the density of a
+fluid, the tendon's stiffness; and what it has not, through the applied force of a trial. How
+soft the solver is must not show.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.random import Generator
+
+from bayesfric.blind.engines.boards import SPACING_M, board_of
+from bayesfric.blind.engines.design import TRAVEL_M, Trials, trials_of
+from bayesfric.blind.engines.law import GRAVITY, SIZES, Nature, draw_nature
+from bayesfric.blind.engines.motion import Motion
+from bayesfric.blind.engines.recorder import event_trains, gravity_tables, recorded
+from bayesfric.blind.engines.reference import Made, Withheld
+from bayesfric.blind.engines.state import Array
+
+__all__ = [
+    "Cable",
+    "Made",
+    "Withheld",
+    "closed_form",
+    "effect_names",
+    "forms",
+    "make",
+    "moved",
+    "outsider_names",
+]
+
+MODEL = """
+<mujoco>
+  <option integrator="RK4" timestep="{step}" gravity="0 0 -{gravity}" density="{density}"/>
+  <worldbody>
+    <body>
+      <joint name="drive" type="slide" axis="0 0 -1" armature="{armature}"/>
+      <inertial pos="0 0 0" mass="{drive}" diaginertia="{drive_box} {drive_box} {drive_box}"/>
+    </body>
+    <body pos="1 0 0">
+      <joint name="load" type="slide" axis="0 0 1" armature="{armature}"/>
+      <inertial pos="0 0 0" mass="{load}" diaginertia="{load_box} {load_box} {load_box}"/>
+    </body>
+  </worldbody>
+  <equality><joint joint1="drive" joint2="load" solref="{soft} 1"/></equality>
+  <tendon>
+    <fixed frictionloss="{friction}" damping="{damping}" stiffness="{stiffness}" springlength="0">
+      <joint joint="drive" coef="0.5"/>
+      <joint joint="load" coef="0.5"/>
+    </fixed>
+  </tendon>
+</mujoco>
+"""
+STEP_S = 1e-3
+LONGEST_S = 8.0
+BEYOND = 1.05  # of the travel, up to which a trial is simulated
+HALF_BOX_M = 0.05  # of the body that a fluid sees
+POINTS = 60  # of time in a trial, over which strength is a mean
+FULL = 0.1  # rms share of friction at strength 1
+NATURE, TRIALS, PHASES, EVENTS, SCATTER, SOLVER = range(20, 26)
+
+
+@dataclass(frozen=True)
+class Cable:
+    """Numbers of one trial.
+
+    Parameters
+    ----------
+    drive_kg, load_kg : float
+        Masses.
+    friction_n : float
+        Against the motion [N].
+    damping, armature_kg, drag, stiffness : float
+        Force per speed [N s/m], mass that moves along [kg], force per speed squared
+        [N s²/m²] and per travel [N/m].
+    applied_n : float
+        Against the motion, as an applied force [N].
+    soft_s : float
+        Time constant of the equality.
+    """
+
+    drive_kg: float
+    load_kg: float
+    friction_n: float
+    damping: float = 0.0
+    armature_kg: float = 0.0
+    drag: float = 0.0
+    stiffness: float = 0.0
+    applied_n: float = 0.0
+    soft_s: float = 0.002
+
+
+def closed_form(cable: Cable) -> float:
+    """Return the acceleration of eq. (4) with the friction of a trial [m/s²]."""
+    pull = (cable.drive_kg - cable.load_kg) * GRAVITY - cable.friction_n - cable.applied_n
+    return pull / (cable.drive_kg + cable.load_kg + cable.armature_kg)
+
+
+def moved(cable: Cable, seconds: float) -> tuple[Array, Array, Array]:
+    """Return times, travel and speed of a trial that MuJoCo runs, the release first."""
+    import mujoco
+    from mujoco import rollout
+
+    # Of a cube of half size r a fluid sees a drag of 2 ρ r² v² [MuJoCo, fluid model].
+    box = [2 / 3 * mass * HALF_BOX_M**2 for mass in (cable.drive_kg, cable.load_kg)]
+    model = mujoco.MjModel.from_xml_string(
+        MODEL.format(
+            step=STEP_S,
+            gravity=GRAVITY,
+            density=cable.drag / (4 * HALF_BOX_M**2),
+            armature=cable.armature_kg / 2,
+            drive=cable.drive_kg,
+            load=cable.load_kg,
+            drive_box=box[0],
+            load_box=box[1],
+            soft=cable.soft_s,
+            friction=cable.friction_n,
+            damping=cable.damping,
+            stiffness=cable.stiffness,
+        )
+    )
+    start = np.zeros((1, mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)))
+    steps = int(np.ceil(seconds / STEP_S))
+    applied = np.full((1, steps, 2), -cable.applied_n / 2)
+    spec = int(mujoco.mjtState.mjSTATE_QFRC_APPLIED)
+    states, _ = rollout.rollout(
+        model, mujoco.MjData(model), start, applied, control_spec=spec, nstep=steps
+    )
+    time, drive, load, speed_drive, speed_load = states[0, :, :5].T
+
+    def with_start(values: Array) -> Array:
+        return np.concatenate([[0.0], values])
+
+    return (
+        with_start(time),
+        with_start((drive + load) / 2),
+        with_start((speed_drive + speed_load) / 2),
+    )
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """Something that may be withheld.
+
+    Parameters
+    ----------
+    name, amplitude, unit : str
+        Of the effect and of its number.
+    per_trial : callable
+        (trials, law's slope times tension [N], its constant [N], scale [N]) to what an amplitude
+        of 1 is in each trial, in the unit of `part`.
+    part : str
+        Field of :class:`Cable` that it is.
+    axes : tuple of str
+        Along which it shows.
+    scatters : bool
+        Whether it scatters as friction does.
+    """
+
+    name: str
+    amplitude: str
+    unit: str
+    per_trial: Callable[[Trials, Array, Array, Array], Array]
+    part: str
+    axes: tuple[str, ...]
+    scatters: bool = False
+    own: bool = True
+
+
+def _ones(trials: Trials, *_: Array) -> Array:
+    return np.ones(len(trials))
+
+
+def _each_pulley(trials: Trials, *_: Array) -> Array:
+    return trials.n_pulleys
+
+
+MECHANISMS = (
+    Mechanism(
+        "viscous",
+        "slope",
+        "s/m",
+        lambda t, slope, rest, scale: t.n_pulleys * scale,
+        "damping",
+        ("velocity",),
+    ),
+    Mechanism("pulley-inertia", "mass", "kg", _each_pulley, "armature_kg", ("acceleration",)),
+    Mechanism("air-drag", "coefficient", "N s²/m²", _ones, "drag", ("velocity",)),
+    Mechanism("fixed-drag", "drag", "N", _ones, "applied_n", ("n_pulleys",), scatters=True),
+    Mechanism(
+        "tension-curvature",
+        "curvature",
+        "1",
+        lambda t, slope, rest, scale: slope * (_static(t) / 15.0 - 1),
+        "applied_n",
+        ("tension",),
+        scatters=True,
+    ),
+    Mechanism(
+        "wrap-curvature",
+        "curvature",
+        "1",
+        lambda t, slope, rest, scale: slope * ((t.wrap_angle_deg - 85.0) / 50.0) ** 2,
+        "applied_n",
+        ("wrap_angle",),
+        scatters=True,
+    ),
+    Mechanism(
+        "pulley-count-curvature",
+        "excess",
+        "1",
+        lambda t, slope, rest, scale: (slope + rest) * np.log(t.n_pulleys / 9.0),
+        "applied_n",
+        ("n_pulleys",),
+        scatters=True,
+    ),
+    Mechanism(
+        "wear-drift",
+        "rise",
+        "1",
+        lambda t, slope, rest, scale: (slope + rest) * np.linspace(0, 1, len(t)),
+        "applied_n",
+        ("order",),
+        scatters=True,
+    ),
+)
+OUTSIDERS = (
+    Mechanism("cable-spring", "stiffness", "N/m", _ones, "stiffness", ("displacement",), own=False),
+)
+BY_NAME = {one.name: one for one in (*MECHANISMS, *OUTSIDERS)}
+
+
+@dataclass(frozen=True)
+class Form:
+    """What the campaign asks of a form."""
+
+    own: bool
+
+
+def effect_names() -> tuple[str, ...]:
+    """Return the effects that may be withheld."""
+    return tuple(one.name for one in MECHANISMS)
+
+
+def forms(name: str) -> tuple[Form, ...]:
+    """Return the forms of an effect: the one that the simulator has."""
+    return (Form(BY_NAME[name].own),)
+
+
+def outsider_names() -> tuple[str, ...]:
+    """Return what may be withheld and is no effect of the package's."""
+    return tuple(one.name for one in OUTSIDERS)
+
+
+def make(
+    withheld: Withheld,
+    seed: int,
+    *,
+    design: str = "quick",
+    background: bool = True,
+    noise: bool = True,
+) -> Made:
+    """Make a recording with something withheld; see :func:`.reference.make`.
+
+    Parameters
+    ----------
+    withheld : Withheld
+        What.
+    seed : int
+        Of everything.
+    design : str
+        ``quick``: 180 trials in 30 assemblies.
+    background : bool
+        Whether the solver is softer than need be, by a time drawn anew a trial.
+    noise : bool
+        Whether there are noise and scatter.
+    """
+    if design != "quick" or any(name not in BY_NAME for name, _ in withheld.effects):
+        raise ValueError(f"no design {design!r}, or no effects {withheld.effects!r}")
+    nature, trials = draw_nature(_stream(seed, NATURE)), trials_of(_stream(seed, TRIALS))
+    factor = _scatter(nature, trials, _stream(seed, SCATTER)) if noise else np.ones(len(trials))
+    chosen = [(BY_NAME[name], strength) for name, strength in withheld.effects]
+    amplitudes = [_amplitude(one, strength, nature, trials) for one, strength in chosen]
+    soft = _stream(seed, SOLVER).uniform(0.002, 0.006, len(trials))
+    cables = _cables(
+        nature,
+        trials,
+        factor,
+        [(one, a) for (one, _), a in zip(chosen, amplitudes, strict=True)],
+        soft if background and noise else np.full(len(trials), 0.002),
+    )
+    motion = _motion([moved(one, _time_of(one)) for one in cables])
+    phases = {
+        at_load: _stream(seed, PHASES, int(at_load)).uniform(0, SPACING_M, (len(trials), 1))
+        for at_load in (False, True)
+    }
+    clock = _stream(seed, PHASES, 2).uniform(0.0, 1.0, (len(trials), 1))
+    board = board_of(nature, trials)
+    quiet = nature if noise else None
+    trains = event_trains(board, motion, (), phases, clock, quiet, _stream(seed, EVENTS))
+    tables, lost = gravity_tables(trials, trains, ticks=noise)
+    truth = {
+        "coefficients": {
+            size: dict(zip(("c1", "c2", "c3"), map(float, row), strict=True))
+            for size, row in zip(SIZES, nature.coefficients, strict=True)
+        },
+        "scatter": {name: getattr(nature, name) for name in ("tau", "omega", "sigma_x", "sigma_t")},
+        "kind": withheld.kind,
+        "withheld": [
+            {
+                "name": one.name,
+                "form": one.part,
+                "own": one.own,
+                "strength": strength,
+                "parameters": {one.amplitude: amplitude},
+                "axes": list(one.axes),
+            }
+            for (one, strength), amplitude in zip(chosen, amplitudes, strict=True)
+        ],
+        "background": [],
+        "awkward": {"left_out": [f"g{i + 1:04d}" for i in lost]},
+    }
+    return Made(recorded(tables), truth)
+
+
+def _stream(seed: int, *which: int) -> Generator:
+    return np.random.default_rng([seed, *which])
+
+
+def _scatter(nature: Nature, trials: Trials, rng: Generator) -> Array:
+    setups = rng.standard_normal(int(trials.setup.max()) + 1)
+    own = rng.standard_normal(len(trials))
+    return np.asarray(1 + nature.omega * setups[trials.setup] + nature.tau * own)
+
+
+def _static(trials: Trials) -> Array:
+    """Return half of the weight on both ends [N]."""
+    return np.asarray((trials.drive_kg + trials.load_kg) * GRAVITY / 2)
+
+
+def _law(nature: Nature, trials: Trials, factor: Array) -> tuple[Array, Array, Array, Array]:
+    """Return the law's part with tension and its constant at T(a), a pulley's scale, and a."""
+    c1, c2, c3 = nature.coefficients[trials.size].T
+    per_tension = trials.n_pulleys * (c1 + c3 * (trials.wrap_angle_deg - 85.0))
+    constant = trials.n_pulleys * c2
+    total, less = trials.drive_kg + trials.load_kg, trials.drive_kg - trials.load_kg
+    # (m1 + m2) a = (m1 − m2) g − k (k_T T + k_0) with T = ((m1 + m2) g − (m1 − m2) a) / 2.
+    a = (less * GRAVITY - factor * (per_tension * total * GRAVITY / 2 + constant)) / (
+        total - factor * per_tension * less / 2
+    )
+    tension = (total * GRAVITY - less * a) / 2
+    return per_tension * tension, constant, c1 * 15.0 + c2, a
+
+
+def _cables(
+    nature: Nature,
+    trials: Trials,
+    factor: Array,
+    acting: list[tuple[Mechanism, float]],
+    soft: Array,
+) -> list[Cable]:
+    slope, constant, scale, _ = _law(nature, trials, factor)
+    parts: dict[str, Array] = {}
+    for one, amplitude in acting:
+        force = amplitude * one.per_trial(trials, slope, constant, scale)
+        force = force * factor if one.scatters else force
+        parts[one.part] = parts.get(one.part, np.zeros(len(trials))) + force
+    friction = factor * (slope + constant)
+    return [
+        Cable(
+            float(trials.drive_kg[i]),
+            float(trials.load_kg[i]),
+            float(friction[i]),
+            soft_s=float(soft[i]),
+            **{name: float(values[i]) for name, values in parts.items()},
+        )
+        for i in range(len(trials))
+    ]
+
+
+def _amplitude(one: Mechanism, strength: float, nature: Nature, trials: Trials) -> float:
+    """Return the amplitude that changes friction by 10 % rms at strength 1, over time."""
+    slope, constant, scale, a = _law(nature, trials, np.ones(len(trials)))
+    per = one.per_trial(trials, slope, constant, scale)[:, None]
+    end = np.sqrt(2 * TRAVEL_M / a)[:, None]
+    time = (np.arange(POINTS) + 0.5) / POINTS * end
+    along: Mapping[str, Any] = {
+        "damping": a[:, None] * time,
+        "armature_kg": a[:, None],
+        "drag": (a[:, None] * time) ** 2,
+        "stiffness": a[:, None] * time**2 / 2,
+        "applied_n": 1.0,
+    }
+    share = per * along[one.part] / (slope + constant)[:, None] * np.ones_like(time)
+    return float(FULL * strength / np.sqrt(np.mean(share**2)))
+
+
+def _time_of(cable: Cable) -> float:
+    """Return how long a trial is simulated: until the travel is over, by a slow guess [s]."""
+    fastest = np.sqrt(2 * TRAVEL_M * max(closed_form(cable), 1e-3))
+    slowed = closed_form(cable) - (
+        cable.damping * fastest + cable.drag * fastest**2 + cable.stiffness * TRAVEL_M
+    ) / (cable.drive_kg + cable.load_kg)
+    least = max(slowed, 0.25 * closed_form(cable), 0.02)
+    return float(min(np.sqrt(2 * BEYOND * TRAVEL_M / least), LONGEST_S))
+
+
+def _motion(runs: list[tuple[Array, Array, Array]]) -> Motion:
+    """Return all trials in one table; behind its end each stands."""
+    longest = max(time.size for time, _, _ in runs)
+
+    def padded(values: Array) -> Array:
+        return np.concatenate([values, np.full(longest - values.size, values[-1])])
+
+    time, travel, speed = (np.stack([padded(run[i]) for run in runs]) for i in range(3))
+    time = time + STEP_S * np.arange(longest) * (np.diff(time, axis=1, prepend=-1.0) <= 0)
+    acceleration = np.gradient(speed, STEP_S, axis=1)
+    stopped = np.where(travel.max(axis=1) < TRAVEL_M, travel.max(axis=1), np.inf)
+    return Motion(time, np.maximum.accumulate(travel, axis=1), speed, acceleration, stopped)

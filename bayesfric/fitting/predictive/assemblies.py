@@ -1,0 +1,116 @@
+"""Assemblies left out: how far each lies from what all others say of it.
+
+Given the parameters, assemblies are independent: their probabilities, left out one at a time,
+are as independent uniform ones where the model is right, but for what they say together of
+the parameters.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.special import ndtr, ndtri
+from scipy.stats import beta
+
+from bayesfric.fitting.predictive.left_out import EDGE, LeftOut, Uniformity, uniformity
+from bayesfric.rigs.bands import QUANTILES
+
+__all__ = ["FAR", "Assemblies", "assemblies_of"]
+
+Array = NDArray[np.float64]
+FAR = 3.0  # standard deviations; an assembly beyond is named
+FEWEST = 5  # assemblies whose distribution says something
+AGAIN = 2000  # sets of independent ones
+
+
+@dataclass(frozen=True)
+class Assemblies:
+    """The assemblies of a rig that were left out one at a time.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Of J assemblies.
+    pit : ndarray, shape (J,)
+        Probability of less friction of each, had all its trials been left out.
+    uniformity : Uniformity
+        Of these.
+    """
+
+    names: tuple[str, ...]
+    pit: Array
+    uniformity: Uniformity
+
+    @property
+    def z(self) -> Array:
+        """Normal scores, shape (J,); above zero where an assembly has more friction."""
+        return np.asarray(ndtri(np.clip(self.pit, EDGE, 1 - EDGE)))
+
+    def chance(self, z: float) -> float:
+        """Return how often a recording that obeys the model has an assembly as far out."""
+        return float(-np.expm1(self.pit.size * np.log1p(-2 * ndtr(-abs(z)))))
+
+    def table(self, trials: pd.DataFrame) -> xr.Dataset:
+        """Return them as figures draw them, in the order of their scores.
+
+        Parameters
+        ----------
+        trials : DataFrame
+            Of the rig, with ``setup``.
+
+        Returns
+        -------
+        Dataset
+            By ``assembly``: ``z``, ``pit``, ``trials``, its condition, and ``expected``,
+            quantiles of the score of that rank among independent normal ones. By
+            ``probability``: ``pit_difference`` and ``pit_band``.
+        """
+        order = np.argsort(self.z)
+        rank = np.arange(1, order.size + 1)
+        expected = beta.ppf(np.array(QUANTILES), rank[:, None], order.size + 1 - rank[:, None])
+        own = trials.groupby("setup", sort=False)
+        names = [self.names[place] for place in order]
+        condition = [c for c in ("pulley_size", "n_pulleys", "wrap_angle_deg") if c in trials]
+        return xr.Dataset(
+            {
+                "z": ("assembly", self.z[order]),
+                "pit": ("assembly", self.pit[order]),
+                "trials": ("assembly", own.size().loc[names].to_numpy()),
+                "expected": (("assembly", "quantile"), ndtri(expected)),
+                "far": FAR,
+                "pit_difference": ("probability", self.uniformity.difference),
+                "pit_band": (
+                    ("end", "probability"),
+                    np.stack([self.uniformity.low, self.uniformity.high]),
+                ),
+            }
+            | {name: ("assembly", own[name].first().loc[names].to_numpy()) for name in condition},
+            coords={
+                "assembly": names,
+                "quantile": list(QUANTILES),
+                "probability": self.uniformity.grid,
+            },
+        )
+
+
+def assemblies_of(left: LeftOut, setups: tuple[str, ...], seed: int) -> Assemblies | None:
+    """Return the assemblies that were left out; None of fewer than five.
+
+    Parameters
+    ----------
+    left : LeftOut
+        Of the rig.
+    setups : tuple of str
+        Its assemblies.
+    seed : int
+        Of the sets of independent probabilities that make the band.
+    """
+    there = np.isfinite(left.setup_pit)
+    if left.setup_pit.size == 0 or there.sum() < FEWEST:
+        return None
+    pit = left.setup_pit[there]
+    rng = np.random.default_rng(np.random.SeedSequence([seed, 5]))
+    names = tuple(name for name, known in zip(setups, there, strict=True) if known)
+    return Assemblies(names, pit, uniformity(pit, rng.uniform(size=(AGAIN, pit.size))))

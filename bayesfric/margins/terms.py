@@ -1,0 +1,65 @@
+"""Margins as engineers read them: gains in decibels, phases in degrees, a setting in words."""
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from bayesfric.schemas import Interval, Metric, Tuning
+
+__all__ = ["in_degrees_or_decibels", "tuning_told"]
+
+NORMAL_WIDTH = 3.29
+"""Standard deviations from 5 to 95 %."""
+TURNED: Mapping[str, tuple[str, Callable[[float], float]]] = {
+    "phase_margin": ("deg", lambda radians: float(np.rad2deg(radians))),
+    "gain_margin": ("dB", lambda factor: float(20 * np.log10(factor))),
+}
+"""Metric to unit and conversion."""
+
+
+def in_degrees_or_decibels(metric: Metric) -> Metric | None:
+    """Return a gain margin in dB or a phase margin in degrees; None of anything else.
+
+    Medians and other quantiles go over; the mean and spread of decibels are those of the
+    factor's 5 to 95 %, as of a normal.
+
+    Parameters
+    ----------
+    metric : Metric
+        As stored, in SI.
+    """
+    found = TURNED.get(metric.name)
+    if found is None:
+        return None
+    unit, turned = found
+    interval = metric.interval
+    if interval is not None:
+        low, middle, high = (turned(one) for one in (interval.q05, interval.q50, interval.q95))
+        interval = Interval(
+            mean=middle, sd=(high - low) / NORMAL_WIDTH, q05=low, q50=middle, q95=high
+        )
+    return metric.model_copy(
+        update={
+            "unit": unit,
+            "interval": interval,
+            "spec": None if metric.spec is None else turned(metric.spec),
+            "quantiles": tuple(turned(one) for one in metric.quantiles),
+        }
+    )
+
+
+def tuning_told(found: Tuning) -> str:
+    """Return a setting that meets all specs at once, or that there is none, in a sentence."""
+    chance = f"{found.probability:.2g} (± {found.probability_se:.1g})"
+    if found.kp_scale is None or found.kd_scale is None:
+        return f"No setting: {found.why}; all are met at once with probability {chance}."
+    gain = (
+        f"γ = {found.compensation_gain:.2f}"
+        if found.compensation_gain is not None
+        else f"no γ, since {found.compensation_gain_why}"
+    )
+    edge = ", the largest that was looked at" if found.stiffest_looked_at else ""
+    return (
+        f"Stiffest setting that meets all specs at once: kp × {found.kp_scale:.3g}{edge}, kd × "
+        f"{found.kd_scale:.3g}, {gain}: with probability {chance}."
+    )

@@ -1,0 +1,190 @@
+"""The stiffest setting of a controller that meets all of its specs at once.
+
+Gains are scaled from the file's: kp as far up as the joint probability of all specs allows,
+with the kd that leaves it the most, and then γ. Steady error, torque and linear margins are
+closed forms, and hunting is simulated at every speed at which the joint is used.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.metrics import closed_forms, linear_of, missed_draws, standard_error
+from bayesfric.margins.thresholds import GAMMA_MAX, Hunting, find_hunting
+from bayesfric.schemas import Tuning
+
+__all__ = ["meets_all_now", "scaled", "tune"]
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+WIDEST = 4.0
+"""How far up and down gains are looked for."""
+STEPS = 11
+FEW, MANY = 60, 2000
+"""Draws of the grid of gains, and of the last steps to the largest kp."""
+SIMULATED = 400
+HALVINGS = 6
+RESOLUTION = 0.01
+"""A simulated threshold is at most this much too high."""
+
+
+def scaled(shaft: LoopAtShaft, kp: float, kd: float, gamma: float | None = None) -> LoopAtShaft:
+    """Return a loop with other gains.
+
+    Parameters
+    ----------
+    shaft : LoopAtShaft
+        The loop.
+    kp, kd : float
+        Over those of the loop.
+    gamma : float or None
+        Its compensation gain; None leaves it.
+    """
+    return replace(
+        shaft,
+        kp=kp * shaft.kp,
+        kd=kd * shaft.kd,
+        kick=shaft.kick / kp,
+        gamma=shaft.gamma if gamma is None else np.full_like(shaft.gamma, gamma),
+    )
+
+
+def meets_all_now(shaft: LoopAtShaft, hunting: Hunting) -> float:
+    """Return how probably a loop meets all of its specs at once, hunting among them."""
+    missed = _missed(shaft.taken(hunting.rows)) | hunting.now
+    return float(1 - missed.mean())
+
+
+def tune(shaft: LoopAtShaft, allowed: float) -> Tuning:
+    """Return the largest kp, its kd and the largest γ that meet all specs at once.
+
+    Parameters
+    ----------
+    shaft : LoopAtShaft
+        The loop, all draws.
+    allowed : float
+        Probability of missing any spec.
+    """
+    feeds = shaft.loop.compensation.signal in ("measured", "error")
+    # of what may be missed, closed forms leave a half to γ
+    share = allowed / 2 if feeds else allowed
+    few, many = _evenly(shaft, FEW), _evenly(shaft, MANY)
+    grid = _Grid.of(few)
+    chosen = next(grid.stiffest(many, share), None)
+    if chosen is None:
+        return _none(grid, many)
+    kp, kd = chosen
+    some = _evenly(scaled(shaft, kp, kd), MANY)
+    hunting = find_hunting(some, SIMULATED, allowed)
+    closed = _missed(some.taken(hunting.rows))
+    gamma: float | None = float(np.median(shaft.gamma))
+    hunts = hunting.now
+    if feeds:
+        gamma = _largest_gamma(hunting.threshold, closed, allowed)
+        hunts = hunting.threshold <= (-1.0 if gamma is None else gamma)
+    together = closed | hunts
+    return Tuning(
+        kp_scale=kp,
+        kd_scale=kd,
+        compensation_gain=gamma,
+        compensation_gain_why=None if gamma is not None else "the loop hunts at every γ",
+        probability=float(1 - together.mean()),
+        probability_se=standard_error(float(together.mean()), float(together.size)),
+        stiffest_looked_at=kp >= 0.999 * WIDEST,
+    )
+
+
+@dataclass(frozen=True)
+class _Grid:
+    """The share of draws that miss any spec, over kp (rows) and kd (columns), and each alone."""
+
+    scales: Array
+    missed: Array
+    each: dict[str, Array]
+
+    @classmethod
+    def of(cls, shaft: LoopAtShaft) -> "_Grid":
+        scales = np.geomspace(1 / WIDEST, WIDEST, STEPS)
+        found = [
+            [_each_missed(scaled(shaft, float(kp), float(kd))) for kd in scales] for kp in scales
+        ]
+        missed = [[_any(each, shaft).mean() for each in row] for row in found]
+        alone = {
+            name: np.array([[each[name].mean() for each in row] for row in found])
+            for name in found[0][0]
+        }
+        return cls(scales, np.array(missed), alone)
+
+    def stiffest(self, many: LoopAtShaft, share: float) -> Iterator[tuple[float, float]]:
+        """Yield settings at which no more than a share of many draws misses, the stiffest first."""
+        missed = self.missed.min(axis=1)
+        chance = 2 * np.sqrt(share * (1 - share) / FEW)
+        for place in reversed(np.flatnonzero(missed <= share + chance)):
+            equals = np.flatnonzero(self.missed[place] == missed[place])
+            kd = float(self.scales[equals[equals.size // 2]])
+            low = float(self.scales[place])
+            if _missed(scaled(many, low, kd)).mean() <= share:
+                high = float(self.scales[min(place + 1, self.scales.size - 1)])
+                yield _largest_kp(many, low, high, kd, share), kd
+
+
+def _none(grid: _Grid, many: LoopAtShaft) -> Tuning:
+    """Return that no setting will do, and which spec stands in the way of all of them."""
+    best = np.unravel_index(grid.missed.argmin(), grid.missed.shape)
+    kp, kd = grid.scales[list(best)]
+    missed = float(_missed(scaled(many, float(kp), float(kd))).mean())
+    name = max(grid.each, key=lambda one: grid.each[one].min())
+    return Tuning(
+        kp_scale=None,
+        kd_scale=None,
+        compensation_gain=None,
+        probability=1 - missed,
+        probability_se=standard_error(missed, float(many.gamma.size)),
+        why=f"no kp and kd from 1/{WIDEST:g} to {WIDEST:g} times those of the file meet all specs; "
+        f"{name.replace('_', ' ')} is missed with probability {grid.each[name].min():.2g} at the "
+        "best of them",
+    )
+
+
+def _largest_kp(shaft: LoopAtShaft, low: float, high: float, kd: float, share: float) -> float:
+    """Return the largest scale of kp, by halving steps, at which no more than a share misses."""
+    for _ in range(HALVINGS if high > low else 0):
+        middle = float(np.sqrt(low * high))
+        if _missed(scaled(shaft, middle, kd)).mean() <= share:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+def _largest_gamma(threshold: Array, closed: Flags, allowed: float) -> float | None:
+    """Return the largest γ at which no more than a share misses anything or hunts."""
+    left = int(allowed * threshold.size + 1e-9) - int(closed.sum())
+    ordered = np.sort(threshold[~closed])
+    if left < 0 or not ordered.size:
+        return None
+    most = min(float(ordered[min(left, ordered.size - 1)]) - RESOLUTION, GAMMA_MAX)
+    return most if most > 0 else None
+
+
+def _each_missed(shaft: LoopAtShaft) -> dict[str, Flags]:
+    """Return which draws miss each spec that has a closed form."""
+    return missed_draws(shaft, closed_forms(shaft, linear_of(shaft)))
+
+
+def _missed(shaft: LoopAtShaft) -> Flags:
+    return _any(_each_missed(shaft), shaft)
+
+
+def _any(each: dict[str, Flags], shaft: LoopAtShaft) -> Flags:
+    """Return which draws miss any spec."""
+    none = np.zeros(shaft.gamma.shape, dtype=bool)
+    return np.asarray(np.logical_or.reduce([none, *each.values()]))
+
+
+def _evenly(shaft: LoopAtShaft, count: int) -> LoopAtShaft:
+    return shaft.taken(np.unique(np.linspace(0, shaft.gamma.size - 1, count).astype(np.intp)))

@@ -1,0 +1,111 @@
+"""Assemblies left out one at a time: their probabilities, their scores, and where they stand."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from bayesfric.plots.labels import ordered_sizes, plain
+from bayesfric.plots.rig_tables import rig_tables
+from bayesfric.plots.style import COLORS, NEUTRAL, figure, size_styles
+
+__all__ = ["assemblies_left_out", "has_assemblies"]
+
+NORMAL_90 = 1.6449  # half the width of a standard normal's 90 % interval
+NAMED = 6  # far assemblies that carry their name
+CROWDED = 12  # conditions beyond which their names stand upright
+CELL = ("n_pulleys", "wrap_angle_deg")
+
+
+def has_assemblies(predictive: xr.DataTree) -> bool:
+    """Tell whether any rig's assemblies were left out one at a time."""
+    return any(one.assemblies is not None for one in rig_tables(predictive))
+
+
+def assemblies_left_out(predictive: xr.DataTree) -> Figure:
+    """Draw the assemblies of each rig against what all others predict of them.
+
+    Parameters
+    ----------
+    predictive : DataTree
+        ``predictive.nc`` with the assemblies of some rig.
+
+    Returns
+    -------
+    Figure
+        Of each rig three panels: the distribution of the probabilities less the uniform one,
+        with its band; scores over those expected of their rank; scores by condition.
+    """
+    tables = [(one, one.assemblies) for one in rig_tables(predictive) if one.assemblies is not None]
+    with figure(height=4.0 + 106.0 * len(tables)) as fig:
+        grid = fig.add_gridspec(2 * len(tables), 2)
+        for place, (one, table) in enumerate(tables):
+            title = plain(one.title)
+            _distribution(fig.add_subplot(grid[2 * place, 0]), table, title)
+            _ranked(fig.add_subplot(grid[2 * place, 1]), table, title)
+            _by_condition(fig.add_subplot(grid[2 * place + 1, :]), table, title)
+        keys: list[Line2D | Patch] = [
+            Line2D([], [], color=COLORS["blue"], marker="o", markersize=3, label="this recording"),
+            Patch(color=NEUTRAL, alpha=0.3, linewidth=0, label="95 % or 90 % by chance"),
+            Line2D([], [], color=COLORS["black"], linewidth=0.9, linestyle=":", label="far beyond"),
+        ]
+        fig.legend(handles=keys, loc="outside lower center", ncols=3)
+        return fig
+
+
+def _distribution(axes: Axes, table: xr.Dataset, title: str) -> None:
+    at = table["probability"].to_numpy()
+    low, high = table["pit_band"].to_numpy()
+    axes.fill_between(at, low, high, color=NEUTRAL, alpha=0.18, linewidth=0)
+    axes.axhline(0.0, color=NEUTRAL, linewidth=0.8)
+    axes.step(at, table["pit_difference"].to_numpy(), where="mid", color=COLORS["blue"])
+    axes.set_xlim(0, 1)
+    axes.set_title(title)
+    axes.set_xlabel("probability of less friction, left out")
+    axes.set_ylabel("share below it, less it")
+
+
+def _ranked(axes: Axes, table: xr.Dataset, title: str) -> None:
+    low, middle, high = table["expected"].to_numpy().T
+    axes.fill_between(middle, low, high, color=NEUTRAL, alpha=0.18, linewidth=0)
+    axes.plot(middle, middle, color=NEUTRAL, linewidth=0.8)
+    axes.plot(middle, table["z"].to_numpy(), "o", color=COLORS["blue"], markersize=3)
+    axes.set_title(title)
+    axes.set_xlabel("score expected of its rank")
+    axes.set_ylabel("score of an assembly")
+
+
+def _by_condition(axes: Axes, table: xr.Dataset, title: str) -> None:
+    z, names = table["z"].to_numpy(), table["assembly"].to_numpy()
+    sizes = [str(one) for one in table["pulley_size"].to_numpy()] if "pulley_size" in table else []
+    own = [tuple(float(table[c].to_numpy()[k]) for c in CELL if c in table) for k in range(z.size)]
+    known = ordered_sizes(sizes) or [title]
+    sizes = sizes or [title] * z.size
+    cells = sorted(set(zip(sizes, own, strict=True)), key=lambda c: (known.index(c[0]), c[1]))
+    place = np.array([cells.index(one) for one in zip(sizes, own, strict=True)])
+    axes.axhspan(-NORMAL_90, NORMAL_90, color=NEUTRAL, alpha=0.15, linewidth=0)
+    far = float(table["far"])
+    for sign in (-1, 1):
+        axes.axhline(sign * far, color=COLORS["black"], linewidth=0.9, linestyle=":")
+    for size, look in size_styles(known).items():
+        here = np.array(sizes) == size
+        axes.plot(
+            place[here],
+            z[here],
+            look.marker,
+            color="white",
+            markersize=3.6,
+            markeredgewidth=0.8,
+            markeredgecolor=look.color,
+        )
+    beyond = np.flatnonzero(np.abs(z) > far)
+    for k in beyond if beyond.size <= NAMED else ():
+        axes.annotate(plain(str(names[k])), (place[k], z[k]), (5, 3), textcoords="offset points")
+    written = [f"{plain(size)} " + ", ".join(f"{v:g}" for v in values) for size, values in cells]
+    axes.set_xticks(
+        range(len(cells)), written, rotation=90 if len(cells) > CROWDED else 0, fontsize=6.5
+    )
+    axes.set_title(f"{title}: by pulley size, number and wrap angle")
+    axes.set_ylabel("score of an assembly")

@@ -1,0 +1,104 @@
+"""Steady points, simulated: the mirror of :mod:`.likelihood`.
+
+Medium pulleys, assembled for each number and wrap angle, run both ways at some tensions and
+speeds. A reading is the law's friction, and what effects add to it, times 1 + η + ε of its
+assembly and its own, what acts on the drive, and an error with a known standard error.
+"""
+
+from itertools import product
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bayesfric.effects import PULLEYS, Effect, State
+from bayesfric.physics.friction import coulomb_friction
+from bayesfric.recording.tables import RigConstants
+from bayesfric.rigs.acting import draw_phases, of_kind, total
+from bayesfric.rigs.base import Simulated
+from bayesfric.rigs.changes import Change
+from bayesfric.rigs.linear import rank
+from bayesfric.rigs.own_design import OwnDesign
+from bayesfric.rigs.steady_points.places import CONDITION
+from bayesfric.rigs.truth import AppliedEffect, Truth, laws_of, table1_coefficients
+
+__all__ = ["DESIGN"]
+
+Array = NDArray[np.float64]
+CELLS = ((5, 85.0), (9, 50.0), (9, 85.0), (9, 85.0), (15, 85.0), (15, 135.0))
+TENSIONS_N = (6.0, 15.0, 30.0)
+SPEEDS_M_S = (-1.2, -0.6, -0.1, 0.1, 0.3, 0.6, 1.2)
+ERROR_N = 0.005
+SIZE = "medium"
+
+
+def lay_points(rng: np.random.Generator) -> pd.DataFrame:
+    """Lay the points of every assembly, in an order drawn assembly by assembly."""
+    rows = []
+    for setup in rng.permutation(len(CELLS)):
+        n, wrap = CELLS[setup]
+        points = list(product(TENSIONS_N, SPEEDS_M_S))
+        for place in rng.permutation(len(points)):
+            tension, speed = points[place]
+            rows.append((f"a{setup + 1}", SIZE, n, wrap, tension, speed))
+    names = "setup pulley_size n_pulleys wrap_angle_deg tension_n velocity_m_s".split()
+    table = pd.DataFrame(rows, columns=names)
+    table.insert(0, "run", [f"p{place + 1:03d}" for place in range(len(table))])
+    table.insert(1, "order", np.arange(1, len(table) + 1))
+    return table
+
+
+def _state(table: pd.DataFrame, truth: Truth) -> State:
+    n, wrap, tension = (table[name].to_numpy(float) for name in CONDITION)
+    speed = table["velocity_m_s"].to_numpy(float)
+    law = laws_of(truth, table["pulley_size"])
+    around = {"order": rank(table), "direction": np.sign(speed)}
+    return State.of(law, n, wrap, tension, np.abs(speed), **around, steady=True)
+
+
+def _friction(table: pd.DataFrame, truth: Truth) -> Array:
+    law = laws_of(truth, table["pulley_size"])
+    return coulomb_friction(law, *(table[name].to_numpy(float) for name in CONDITION))
+
+
+def change(effect: Effect, constants: RigConstants, truth: Truth) -> Change | None:
+    """Return how an effect changes the friction of each point, as a share of it."""
+    del constants
+    if effect.acts_on not in ("friction", "drive") or effect.components:
+        return None
+    table = lay_points(np.random.default_rng(0))
+    state, friction = _state(table, truth), _friction(table, truth)
+
+    def changed(applied: AppliedEffect) -> Array:
+        return np.broadcast_to(np.asarray(applied(state)) / friction, friction.shape)[:, None]
+
+    return changed
+
+
+def simulate(constants: RigConstants, truth: Truth, seed: int) -> Simulated:
+    """Return the table of points."""
+    del constants
+    streams = np.random.SeedSequence(seed).spawn(4)
+    lay, scatter, noise, phases = (np.random.default_rng(one) for one in streams)
+    table = lay_points(lay)
+    state = _state(table, truth)
+    acting = draw_phases(truth, len(table), 1, phases)
+    setup = pd.factorize(table["setup"])[0]
+    eta = truth.omega * scatter.standard_normal(len(CELLS))[setup]
+    deviation = eta + truth.tau * scatter.standard_normal(len(table))
+    friction = _friction(table, truth) + total(of_kind(acting, "friction"), state)
+    read = friction * (1 + deviation) + total(of_kind(acting, "drive"), state)
+    read = read + ERROR_N * noise.standard_normal(len(table))
+    steady = table.assign(friction_n=read.round(6), friction_sd_n=ERROR_N)
+    return Simulated({"steady": steady}, len(steady))
+
+
+DESIGN = OwnDesign(
+    name="points",
+    title="steady friction points of medium pulleys with Table I",
+    constants=RigConstants(),
+    coefficients={SIZE: table1_coefficients()[SIZE]},
+    offers=PULLEYS | {"direction"},
+    change=change,
+    simulate=simulate,
+)

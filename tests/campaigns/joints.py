@@ -1,0 +1,220 @@
+"""Random joints with load and motion: γ, steady error and limit cycle against a simulation.
+
+The simulation is ``margins/two_masses.py`` of the tests, which shares no physics with the
+package: motor and joint on an elastic cable that rubs at both ends, in small steps.
+"""
+
+import numpy as np
+from margins import two_masses
+from margins.loops import loop, posterior
+
+from bayesfric.margins.assembly import nominal_assembly
+from bayesfric.margins.describing import effective_damping, natural_frequency, steady_error
+from bayesfric.margins.hunting import run_length
+from bayesfric.margins.loop_at_shaft import at_shaft
+from bayesfric.margins.scanning import run
+from bayesfric.margins.thresholds import GAMMA_MAX, find_hunting
+
+SEEDS = range(50)
+WITHIN = 0.10
+SHARES = (0.6, 0.7, 0.8, 0.9, 1.1, 1.2, 1.3, 1.5)
+CREEP = 0.02
+"""Of friction, what damping makes of the creeping reference's speed."""
+BEYOND = 1.3
+"""Over the γ that hunts, where the limit cycle is compared."""
+LEAST_RATIO = 4.0
+"""Of the cable's ringing to the loop's natural frequency."""
+CYCLES = 6.0
+LONGEST_S = 20.0
+
+
+def joint(seed):
+    """Return a random joint at its shaft, one draw, damped and with a cable that is stiff enough.
+
+    Parameters
+    ----------
+    seed : int
+        Of the joint.
+    """
+    rng = np.random.default_rng(seed)
+    while True:
+        changes = {
+            "joint.inertia_kg_m2": 0.1 * np.exp(0.4 * rng.standard_normal()),
+            "joint.load_n_m": rng.uniform(-0.1, 0.1),
+            "drive.friction_n_m": rng.uniform(0.001, 0.004),
+            "runs.0.count": int(rng.integers(2, 9)),
+            "runs.0.tension_n": rng.uniform(8.0, 25.0),
+            "cable.length_m": 10 ** rng.uniform(-1.7, -0.4),
+            "controller.kp_n_m_per_rad": rng.uniform(0.01, 0.04),
+            "controller.kd_n_m_s_per_rad": rng.uniform(3e-4, 1.5e-3),
+            "controller.delay_s": float(rng.choice([0.0, 1e-3, 2e-3])),
+            "controller.gravity_compensation": float(rng.choice([0.0, 1.0])),
+            "stiction_ratio": float(rng.choice([1.0, 1.2])),
+            "compensation.estimate_n_m": rng.uniform(0.002, 0.006),
+            "kick.reference_range_rad_s": [speed := rng.uniform(0.2, 4.0), speed],
+        }
+        one = loop(changes)
+        shaft = at_shaft(one, nominal_assembly(one, posterior()))
+        # nominal draws are one: the mean of the posterior
+        damping = effective_damping(shaft) / (2 * np.sqrt(shaft.kp * shaft.inertia))
+        stiff = (ringing(shaft) > LEAST_RATIO * natural_frequency(shaft))[0]
+        if stiff and 0.15 < damping[0] < 0.7 and shaft.taut.all():
+            return shaft
+
+
+def ringing(shaft):
+    """Return the frequency at which both ends ring on the cable [rad/s]."""
+    return np.sqrt(shaft.stiffness * (1 / shaft.load_inertia + 1 / shaft.motor_inertia))
+
+
+def case(seed):
+    """Compare one joint.
+
+    Parameters
+    ----------
+    seed : int
+        Of the joint.
+
+    Returns
+    -------
+    dict
+        What the package says, and what the simulation does.
+    """
+    shaft = joint(seed)
+    found = find_hunting(shaft, 1, 0.05)
+    threshold = float(found.threshold[0])
+    conditions = found.conditions or found.speeds
+    condition = conditions[max(int(found.condition[0]), 0)]
+    speed, kick = float(condition.speed_of(shaft)[0]), float(condition.kick_of(shaft)[0])
+    duration = float(run_length(shaft.sampled(), speed).duration[0])
+    record = {
+        "seed": seed,
+        "speed_rad_s": speed,
+        "ringing_over_natural": float((ringing(shaft) / natural_frequency(shaft))[0]),
+        "behind_over_friction": float((shaft.lost_motion * shaft.stiffness / shaft.friction)[0]),
+        "load_over_friction": float(abs(shaft.net_load[0]) / shaft.friction[0]),
+        "gamma": threshold if np.isfinite(threshold) else None,
+        "steady_error": steady(shaft),
+    }
+    if duration > LONGEST_S:
+        return record | {"skipped": "a run takes too long", "gamma_over": None, "cycle": None}
+    gammas = [GAMMA_MAX] if np.isinf(threshold) else [s * threshold for s in SHARES]
+    hunts = [lasts(outside(shaft, gamma, kick, speed, duration), shaft) for gamma in gammas]
+    if np.isinf(threshold):
+        return record | {"none_outside": not hunts[0], "gamma_over": None, "cycle": None}
+    first = hunts.index(True) if any(hunts) else None
+    record["gamma_over"] = None
+    if first is not None:
+        below = SHARES[first - 1] if first else 0.0
+        record["gamma_over"] = (SHARES[first] + below) / 2
+    return record | {"cycle": cycle(shaft, condition, min(BEYOND * threshold, GAMMA_MAX), duration)}
+
+
+def plant_of(shaft, gamma):
+    """Return the joint as the simulation from outside takes it."""
+    fed = float(shaft.load_torque[0] - shaft.net_load[0])
+    return two_masses.of(
+        shaft,
+        feed=gamma * float(shaft.estimate[0]),
+        stiffness=float(shaft.stiffness[0]),
+        damping=float(shaft.damping[0]),
+        behind=float((shaft.lost_motion * shaft.stiffness / shaft.friction)[0]),
+        load=float(shaft.load_torque[0]),
+        fed=fed,
+        delay=float(shaft.delay[0]),
+    )
+
+
+def outside(shaft, gamma, kick, speed, duration):
+    """Return the motor's errors at the samples."""
+    plant = plant_of(shaft, gamma)
+    return two_masses.run(plant, kick=kick, speed=speed, duration=duration)[1]
+
+
+def lasts(error, shaft):
+    """Tell whether a swing of more than a count either way lasts through the last half."""
+    third, fourth = np.array_split(error[error.size // 2 :], 2)
+    count = 2 * np.pi / float(shaft.counts[0])
+    return bool(np.ptp(fourth) > 2 * count and np.ptp(fourth) >= 0.9 * np.ptp(third))
+
+
+def steady(shaft):
+    """Return the largest error at which the motor stays, over that of the package.
+
+    The reference creeps away until the shaft is torn off, against what is left of the load.
+    """
+    band = float(steady_error(shaft)[0])
+    side = np.sign(float(shaft.net_load[0])) or 1.0
+    speed = CREEP * float(shaft.friction[0] / shaft.kd[0])
+    error = outside(shaft, 0.0, 0.0, side * speed, 1.5 * band / speed)
+    return float(np.abs(error).max() / band)
+
+
+def cycle(shaft, condition, gamma, duration):
+    """Return amplitude and frequency over those of the package, where it swings often enough."""
+    ours = run(shaft, (condition,), np.array([gamma]))
+    speed, kick = float(condition.speed_of(shaft)[0]), float(condition.kick_of(shaft)[0])
+    error = outside(shaft, gamma, kick, speed, 2 * duration)
+    if not ours.hunts[0] or not lasts(error, shaft):
+        return {"hunts": bool(ours.hunts[0]), "hunts_outside": lasts(error, shaft)}
+    late = error[error.size // 2 :]
+    times = np.arange(late.size) * float(shaft.sample_time[0])
+    side = np.sign(late - (late.max() + late.min()) / 2)
+    rises = times[1:][(side[:-1] < 0) & (side[1:] >= 0)]
+    cycles = rises.size - 1
+    if cycles < CYCLES:
+        return {"cycles": cycles}
+    frequency = cycles / (rises[-1] - rises[0])
+    amplitude = np.ptp(error[3 * error.size // 4 :]) / 2
+    return {
+        "cycles": cycles,
+        "amplitude_over": float(amplitude / ours.amplitude[0]),
+        "frequency_over": float(frequency / ours.frequency[0]),
+    }
+
+
+def shares(values):
+    """Return how many of some ratios are within the tolerance, below and above it, of how many."""
+    there = np.array([one for one in values if one is not None])
+    within = np.abs(there - 1) <= WITHIN + 1e-9
+    return {
+        "of": there.size,
+        "within": int(within.sum()),
+        "below": int((~within & (there < 1)).sum()),
+        "above": int((~within & (there > 1)).sum()),
+    }
+
+
+def figures(cases):
+    """Return the shares that agree: of all joints, and of those that hunt at rest or in motion.
+
+    Parameters
+    ----------
+    cases : list of dict
+        As of :func:`case`.
+    """
+
+    def of(some):
+        cycles = [one["cycle"] or {} for one in some]
+        return {
+            "joints": len(some),
+            # who does not hunt at 1.5 times the γ that is reported counts as above
+            "gamma": shares([
+                one["gamma_over"] if one["gamma_over"] is not None else SHARES[-1]
+                for one in some if one["gamma"]
+            ]),
+            "amplitude": shares([one.get("amplitude_over") for one in cycles]),
+            "frequency": shares([one.get("frequency_over") for one in cycles]),
+        }  # fmt: skip
+
+    looked = [one for one in cases if "skipped" not in one]
+    return of(looked) | {
+        "skipped": len(cases) - len(looked),
+        "steady_error": shares([one["steady_error"] for one in cases]),
+        "never_hunts": {
+            "of": sum("none_outside" in one for one in looked),
+            "within": sum(one.get("none_outside", False) for one in looked),
+        },
+        "at_rest": of([one for one in looked if one["speed_rad_s"] == 0]),
+        "in_motion": of([one for one in looked if one["speed_rad_s"] > 0]),
+    }

@@ -1,0 +1,40 @@
+"""Figures of random joints with load and motion against a simulation from outside.
+
+The seeds 0…49 were fixed before the first run.
+"""
+
+import pytest
+from campaigns import evidence, joints
+
+from bayesfric.campaign import run_on_processes
+
+CHOSEN = (0, 1, 2)
+
+
+@pytest.mark.nightly
+def test_a_few_agree_with_the_evidence():
+    recorded = {case["seed"]: case for case in evidence.read("joints")["cases"]}
+    for seed in CHOSEN:
+        assert joints.case(seed) == pytest.approx(recorded[seed], rel=1e-6)
+
+
+@pytest.mark.long
+def test_fifty_random_joints():
+    cases = {f"{seed:04d}": seed for seed in joints.SEEDS}
+    folder = evidence.WORK / "joints"
+    found = list(run_on_processes(joints.case, cases, folder, workers=2).values())
+    figures = joints.figures(found)
+    evidence.write(
+        "joints",
+        joints,
+        seeds=[joints.SEEDS.start, joints.SEEDS.stop - 1],
+        figures=figures,
+        cases=found,
+    )
+    # friction behind the cable makes swings of a moving joint smaller and their γ higher than
+    # those of a stiff cable: what is reported is on the safe side, and right at rest
+    assert figures["steady_error"]["above"] == 0
+    assert figures["amplitude"]["above"] <= 0.05 * figures["amplitude"]["of"]
+    assert figures["gamma"]["below"] <= 0.1 * figures["gamma"]["of"]
+    for name in ("amplitude", "frequency"):
+        assert figures["at_rest"][name]["within"] == figures["at_rest"][name]["of"]

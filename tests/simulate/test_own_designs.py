@@ -1,0 +1,102 @@
+"""Rigs that no protocol of the paper's lays out: what a simulation adds is what rows answer to."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from bayesfric.effects import all_effects
+from bayesfric.effects.candidates import Candidate
+from bayesfric.errors import InputError
+from bayesfric.inference.priors import to_normal
+from bayesfric.recording import read_recording, write_recording
+from bayesfric.rigs import all_rigs
+from bayesfric.rigs.base import Unsupported
+from bayesfric.simulate import Truth, simulate_recording
+from bayesfric.simulate.strength import at_strength
+
+DESIGNS = {rig.own_design.name: rig for rig in all_rigs().values() if rig.own_design}
+PAIRS = [
+    (name, effect, law)
+    for name, rig in DESIGNS.items()
+    for effect in all_effects(rig.own_design.offers)
+    for law in all_effects(rig.own_design.offers)[effect].laws
+]
+STRENGTH = 0.03  # so small that every law is linear in its amplitude
+# Law and rows are evaluated on paths that differ where an axis turns: rows by the log.
+NEAR = {"axis": 0.05, "points": 5e-3}  # second order of a power law is 2e-3 here
+AT_TURNS = {"presliding": 0.25, "hysteresis": 0.25, "stribeck": 0.1, "backlash": 0.25}
+AT_TURNS |= {"transmission-compliance": 0.35}  # friction's jump has a curvature of its own
+
+
+def quiet(name):
+    return Truth(coefficients=DESIGNS[name].own_design.coefficients, tau=0.0, omega=0.0)
+
+
+def rows_of(name, truth):
+    rig = DESIGNS[name]
+    recording = simulate_recording(name, seed=3, truth=truth)
+    return rig.trials(recording).linear(dict(truth.coefficients))
+
+
+@cache
+def plain(name):
+    return rows_of(name, quiet(name))
+
+
+def read(name, rows):
+    return rows.readings.force if name == "axis" else rows.reading
+
+
+@pytest.mark.parametrize(("name", "effect", "law"), PAIRS)
+def test_what_an_effect_adds_is_its_column_or_the_rig_says_why_not(name, effect, law):
+    design, truth = DESIGNS[name].own_design, quiet(name)
+    known = all_effects(design.offers)[effect]
+    change = design.change(known, design.constants, truth)
+    shape = known.shape
+    node = 0.0 if shape is None else float(to_normal(shape.prior, shape.typical))
+    force = plain(name).relative_force(Candidate(known, law, node, 0.0))
+    if change is None or isinstance(force, Unsupported):
+        assert change is None
+        assert isinstance(force, Unsupported)
+        assert len(force.reason) > 20
+        return
+    try:
+        applied = at_strength(effect, STRENGTH, design, design.constants, truth, law)
+    except InputError:  # no amplitude makes a force here, and no row answers
+        assert not np.any(force)
+        return
+    acted = rows_of(name, replace(truth, effects=(applied,)))
+    added = read(name, acted) - read(name, plain(name))
+    friction = acted.friction_of_row if name == "axis" else acted.friction_n
+    force = acted.relative_force(Candidate(known, law, node, 0.0))
+    expected = applied.values[known.amplitude.name] * friction * np.ravel(force)
+    off = np.sqrt(np.mean((added - expected) ** 2) / np.mean(added**2))
+    assert off < max(NEAR[name], AT_TURNS.get(effect, 0.0) if name == "axis" else 0.0)
+
+
+@pytest.mark.parametrize("name", sorted(DESIGNS))
+def test_a_recording_is_what_the_format_allows_and_comes_back(name, tmp_path):
+    recording = simulate_recording(name, seed=1, effects={"viscous": 0.5})
+    write_recording(recording, tmp_path / "made")
+    back = read_recording(tmp_path / "made")
+    trials = DESIGNS[name].trials(back)
+    assert len(trials.table) == len(DESIGNS[name].trials(recording).table) > 5
+    assert back.metadata["simulation"]["truth"]["effects"][0]["name"] == "viscous"
+
+
+def test_a_payload_is_carried_by_the_test_runs_alone():
+    with_load = simulate_recording("axis", seed=1, effects={"payload": 0.5})
+    assert (with_load.axis.runs["role"] == "test").sum() == 2
+    assert "role" not in simulate_recording("axis", seed=1).axis.runs
+
+
+def test_an_effect_of_a_board_is_none_of_an_axis():
+    with pytest.raises(InputError, match="found 'slip', expected one of"):
+        simulate_recording("axis", effects={"slip": 1.0})
+
+
+def test_rigs_of_a_design_are_not_chosen():
+    with pytest.raises(ValueError, match="the protocol axis has one of its own"):
+        simulate_recording("axis", rigs=["gravity"])
