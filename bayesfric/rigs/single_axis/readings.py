@@ -19,6 +19,7 @@ __all__ = ["PIECE", "Readings", "readings_of", "rough_law"]
 Array = NDArray[np.float64]
 QUIET = 0.003  # of the rms drive force, that a row's error from the position may be
 NARROWEST = 8  # samples on either side of a window's middle
+SMOOTHED = 4  # samples on either side that a speed is of, at the least
 PASSES = 4  # windows side by side that a pass should have room for
 MOST = 3000  # rows of a recording
 PIECE = 16  # rows of a stretch whose friction wanders as one
@@ -177,7 +178,7 @@ def _pass_s(motions: Sequence[Motion], noise: float) -> float:
     """Return the median time that the axis runs one way [s]; a quarter of it counts at least."""
     found = []
     for one in motions:
-        way = smooth_motion(one, NARROWEST, noise)[2]
+        way = smooth_motion(one, SMOOTHED, noise)[2]
         edges = np.flatnonzero(np.diff(way, prepend=0.0, append=0.0))
         each = np.diff(edges)[way[edges[:-1]] != 0] if edges.size > 1 else np.zeros(0)
         found.append(each * one.interval_s)
@@ -240,10 +241,10 @@ def _of_run(
 ) -> dict[str, Array]:
     """Return the rows of one run, fields of :class:`Readings` and where they are."""
     half = test.half
-    position, velocity, way = smooth_motion(motion, max(NARROWEST, half // 2), noise)
+    position, velocity, way = smooth_motion(motion, max(SMOOTHED, half // 2), noise)
     if (other := motion.further.get("sim_position")) is not None:
         # Where the simulated axis runs the other way its friction says nothing of this motion.
-        there = smooth_motion(replace(motion, position=other), max(NARROWEST, half // 2), noise)[2]
+        there = smooth_motion(replace(motion, position=other), max(SMOOTHED, half // 2), noise)[2]
         way = np.where(there == way, way, 0.0)
     centres = np.arange(half, motion.time_s.size - half, step)
     # A window counts where all of its samples run the same way.
@@ -308,11 +309,13 @@ def _beside(half: int, wide: int, interval_s: float) -> Array:
     """Return weights of samples beside a window that tell a second derivative, (2 wide + 1,)."""
     place = np.arange(-wide, wide + 1.0)
     weight = np.where(np.abs(place) > half, (1 - (place / (wide + 1)) ** 2), 0.0)
-    time2 = (place * interval_s) ** 2
-    moments = np.array([weight.sum(), weight @ time2, weight @ time2**2])
-    # weight · (a + b t²) with no sum, and 2 of t²
-    b = 2 / (moments[2] - moments[1] ** 2 / moments[0])
-    return np.asarray(weight * b * (time2 - moments[1] / moments[0]))
+    time2 = (place / wide) ** 2
+    powers = np.stack([time2**power for power in range(3)])
+    # No sum and no fourth moment, and 2 of t²: what changes over the window is no curvature.
+    numbers = np.linalg.solve(
+        (powers * weight) @ powers.T, [0.0, 2 / (wide * interval_s) ** 2, 0.0]
+    )
+    return np.asarray(weight * (numbers @ powers))
 
 
 def _lagged(kernel: Array, step: int, lags: range) -> Array:
@@ -357,7 +360,7 @@ def _since_reversal(position: Array, way: Array, unseen: float) -> Array:
         if way[before] != way[after]
     ]
     travel = np.full(position.size, unseen)
-    if moving[0] >= NARROWEST:
+    if moving[0] >= SMOOTHED:
         travel = np.abs(position - position[0])
     seen = last >= 0
     travel[seen] = np.abs(position[seen] - np.array(extremes)[last[seen]]) if extremes else 0.0
