@@ -24,7 +24,8 @@ if TYPE_CHECKING:
         TruncatedNormal,
         Uniform,
     )
-    from bayesfric.notebook import check_claims, compute_margins, diagnose, fit, load
+    from bayesfric.notebook import check_claims, compute_margins, diagnose, fit, load, power
+    from bayesfric.planning import Power
     from bayesfric.recording import Recording, read_recording, write_recording
     from bayesfric.simulate import simulate_recording
 
@@ -38,6 +39,7 @@ __all__ = [
     "InputError",
     "LogNormal",
     "Normal",
+    "Power",
     "Recording",
     "StudentT",
     "TruncatedNormal",
@@ -49,6 +51,7 @@ __all__ = [
     "diagnose",
     "fit",
     "load",
+    "power",
     "read_recording",
     "run_blind",
     "simulate_recording",
@@ -65,6 +68,7 @@ _HOMES = {
     "InputError": "bayesfric.errors",
     "LogNormal": "bayesfric.families",
     "Normal": "bayesfric.families",
+    "Power": "bayesfric.planning",
     "Recording": "bayesfric.recording",
     "StudentT": "bayesfric.families",
     "TruncatedNormal": "bayesfric.families",
@@ -76,6 +80,7 @@ _HOMES = {
     "diagnose": "bayesfric.notebook",
     "fit": "bayesfric.notebook",
     "load": "bayesfric.notebook",
+    "power": "bayesfric.notebook",
     "read_recording": "bayesfric.recording",
     "run_blind": "bayesfric.blind.running",
     "simulate_recording": "bayesfric.simulate",

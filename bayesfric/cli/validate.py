@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from bayesfric.cli.exits import exit_status
+from bayesfric.cli.options import Config
 from bayesfric.cli.printing import say
 
 __all__ = ["validate"]
@@ -14,10 +15,14 @@ __all__ = ["validate"]
 @exit_status
 def validate(
     recording: Annotated[Path, typer.Argument(help="Folder of the recording.")],
+    power: Annotated[
+        bool, typer.Option("--power", help="What its conditions can tell, whatever was measured.")
+    ] = False,
+    config: Config = None,
 ) -> None:
     """Check a recording, and print what it holds or all of its faults.
 
-    Example: bayesfric validate my-board
+    Example: bayesfric validate my-board --power
     """
     from bayesfric.recording import describe_recording, read_recording
 
@@ -26,3 +31,9 @@ def validate(
         say(f"{label:<16} {text}")
     for note in found.notes:
         say(f"note: {note}", err=True)
+    if power:
+        from bayesfric.analysis import read_analysis
+        from bayesfric.planning import power as power_of
+
+        say("")
+        say(str(power_of(found, read_analysis(config))))

@@ -16,6 +16,7 @@ from bayesfric.cli.diagnose import diagnose
 from bayesfric.cli.effects import effects
 from bayesfric.cli.export import export
 from bayesfric.cli.fit import fit
+from bayesfric.cli.import_log import import_log
 from bayesfric.cli.info import info
 from bayesfric.cli.margins import margins
 from bayesfric.cli.report import report
@@ -52,6 +53,7 @@ for verb in (
     info,
 ):
     app.command()(verb)
+app.command("import")(import_log)
 
 
 def _print_version(wanted: bool) -> None:

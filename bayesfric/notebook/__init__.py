@@ -6,6 +6,7 @@ from bayesfric.notebook.calls import (
     diagnose,
     fit,
     load,
+    power,
 )
 
-__all__ = ["check_claims", "compute_margins", "diagnose", "fit", "load"]
+__all__ = ["check_claims", "compute_margins", "diagnose", "fit", "load", "power"]

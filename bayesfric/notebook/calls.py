@@ -20,11 +20,13 @@ from bayesfric.notebook.results import (
     MarginsResult,
     Results,
 )
+from bayesfric.planning import Power
+from bayesfric.planning import power as power_of
 from bayesfric.recording import read_recording
 from bayesfric.recording.tables import Recording
 from bayesfric.report.stored import read_stored
 
-__all__ = ["check_claims", "compute_margins", "diagnose", "fit", "load"]
+__all__ = ["check_claims", "compute_margins", "diagnose", "fit", "load", "power"]
 
 FilePath: TypeAlias = str | PathLike[str]
 Settings: TypeAlias = Analysis | FilePath | Mapping[str, Any]
@@ -99,6 +101,22 @@ def check_claims(
     """
     found = judge(_recording(recording), _analysis(analysis, seed, priors), **options)
     return ClaimsResult.of(found)
+
+
+def power(
+    recording: Recording | FilePath,
+    analysis: Settings | None = None,
+    *,
+    priors: Priors | None = None,
+) -> Power:
+    """Say what the conditions of a recording can tell, whatever was measured.
+
+    Parameters
+    ----------
+    recording, analysis, priors
+        As of :func:`fit`.
+    """
+    return power_of(_recording(recording), _analysis(analysis, None, priors))
 
 
 def diagnose(

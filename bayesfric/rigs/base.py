@@ -289,6 +289,9 @@ class RigTrials(Protocol):
     def entering(self) -> "RigTrials":
         """Return the trials that enter a diagnosis: what the rig itself does stays in."""
 
+    def planned(self, laws: Mapping[str, Coefficients]) -> "RigTrials | None":
+        """Return the same conditions without noise, on time by a law; None where none moves."""
+
     def next_trials(self, laws: Mapping[str, Coefficients]) -> "RigTrials | None":
         """Return feasible trials without noise, on time by a law; None where none moves."""
 

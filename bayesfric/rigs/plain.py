@@ -59,6 +59,11 @@ class PlainTrials(PulleyTrials):
         """Return all trials."""
         return self
 
+    def planned(self, laws: Mapping[str, Any]) -> Self | None:
+        """Return None: nobody lays trials out anew."""
+        del laws
+        return None
+
     def next_trials(self, laws: Mapping[str, Any]) -> Self | None:
         """Return None: nobody lays out further trials."""
         del laws

@@ -18,6 +18,7 @@ ROOT = Path(__file__).parents[2]
 ROWS = (
     ("errors", "files", "resources"),
     ("recording",),
+    ("logs",),
     ("paper", "families", "analysis", "schemas"),
     ("physics",),
     ("campaign", "checkpoint"),
@@ -30,7 +31,7 @@ ROWS = (
     ("calibration",),
     ("claims",),
     ("diagnosis",),
-    ("margins",),
+    ("margins", "planning"),
     ("comparing",),
     ("export", "blind/engines"),
     ("blind",),
@@ -72,11 +73,12 @@ OWNERS = {
     "jinja2": {"report"},
     "matplotlib": {"plots", "notebook"},  # the latter names its Figure in annotations
     "mujoco": {"blind/engines"},
+    "rosbags": {"logs"},
     "typer": {"cli"},
     "typst": {"report"},
 }
 # Extras, and corner, which drags in arviz: imported where they are used.
-INSIDE_FUNCTIONS = {"control", "corner", "dask", "distributed", "mujoco"}
+INSIDE_FUNCTIONS = {"control", "corner", "dask", "distributed", "mujoco", "rosbags"}
 
 # Effects do not import each other; these files are what they have in common.
 SHARED_BY_EFFECTS = {"__init__", "base", "candidates", "terms"}

@@ -35,6 +35,15 @@ def test_nine_of_ten_such_effects_are_found(prior):
     assert found == pytest.approx(0.9, abs=4 * np.sqrt(0.09 / 4000))
 
 
+def test_a_poor_error_beside_a_narrow_prior():
+    """Solved for the estimate at which the closed form is the odds."""
+    error = 1.45 * WIDTH
+    amplitude = smallest_found(error, Normal(mean=0.0, sd=WIDTH), TEN, 0.9)
+    shrink = WIDTH**2 / (WIDTH**2 + error**2)
+    score = np.sqrt((2 * TEN + np.log1p((WIDTH / error) ** 2)) / shrink)
+    assert amplitude == pytest.approx(error * (score + stats.norm.ppf(0.9)), rel=1e-4)
+
+
 @pytest.mark.parametrize("centre", [0.1, 0.0, -0.04])
 def test_error_from_draws_of_a_posterior(centre):
     """Draws of likelihood times prior, on a grid: whole, and cut at zero."""

@@ -60,6 +60,7 @@ MODEL = """
 STEP_S = 1e-3
 LONGEST_S = 8.0
 BEYOND = 1.05  # of the travel, up to which a trial is simulated
+MIDDLE_N = 16.5  # tension about which friction may bend
 HALF_BOX_M = 0.05  # of the body that a fluid sees
 POINTS = 60  # of time in a trial, over which strength is a mean
 FULL = 0.1  # rms share of friction at strength 1
@@ -197,7 +198,7 @@ MECHANISMS = (
         "tension-curvature",
         "curvature",
         "1",
-        lambda t, slope, rest, scale: slope * (_static(t) / 15.0 - 1),
+        lambda t, slope, rest, scale: slope * (_static(t) / MIDDLE_N - 1),
         "applied_n",
         ("tension",),
         scatters=True,
@@ -213,7 +214,7 @@ MECHANISMS = (
     ),
     Mechanism(
         "pulley-count-curvature",
-        "excess",
+        "exponent",
         "1",
         lambda t, slope, rest, scale: (slope + rest) * np.log(t.n_pulleys / 9.0),
         "applied_n",
@@ -222,9 +223,9 @@ MECHANISMS = (
     ),
     Mechanism(
         "wear-drift",
-        "rise",
+        "change",
         "1",
-        lambda t, slope, rest, scale: (slope + rest) * np.linspace(0, 1, len(t)),
+        lambda t, slope, rest, scale: (slope + rest) * np.linspace(-0.5, 0.5, len(t)),
         "applied_n",
         ("order",),
         scatters=True,

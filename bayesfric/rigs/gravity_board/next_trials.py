@@ -1,6 +1,6 @@
 """Trials that the board could run next: conditions within what was recorded."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import product
 
 import numpy as np
@@ -11,7 +11,7 @@ from bayesfric.physics.gravity import coulomb_acceleration
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.likelihood import trial_condition
 
-__all__ = ["lay_out"]
+__all__ = ["lay_out", "on_time"]
 
 PAIRS_OF_MASSES = 10  # of each size
 TRAVEL_M = 0.6  # where the rig does not say
@@ -33,7 +33,7 @@ def lay_out(
         Of each pulley size.
     """
     laid = []
-    for size, own in known.groupby("pulley_size", sort=True):
+    for size, own in known.groupby("pulley_size", sort=False):
         masses = own[["mass_drive_kg", "mass_load_kg"]].drop_duplicates()
         order = np.argsort((masses["mass_drive_kg"] - masses["mass_load_kg"]).to_numpy())
         chosen = np.unique(np.linspace(0, len(order) - 1, PAIRS_OF_MASSES).astype(int))
@@ -44,6 +44,28 @@ def lay_out(
     trials = pd.DataFrame(laid, columns=names)
     trials.insert(0, "trial", [f"t{place:04d}" for place in range(len(trials))])
     trials["setup"] = trials["trial"]
+    return on_time(trials, rig, laws, ("drive",))
+
+
+def on_time(
+    trials: pd.DataFrame,
+    rig: RigConstants,
+    laws: Mapping[str, Coefficients],
+    sensors: Sequence[str],
+) -> Gravity | None:
+    """Return those of some trials that move, with events on time by a law.
+
+    Parameters
+    ----------
+    trials : DataFrame
+        Conditions; measured columns are left alone.
+    rig : RigConstants
+        The board.
+    laws : mapping of str to Coefficients
+        Of each pulley size.
+    sensors : sequence of str
+        That see them.
+    """
     each = [laws[size] for size in trials["pulley_size"]]
     law = Coefficients(*(np.array(column) for column in zip(*each, strict=True)))
     rate = coulomb_acceleration(law, trial_condition(trials, rig))
@@ -54,12 +76,10 @@ def lay_out(
     spacing = rig.hall_spacing_m or 0.01
     place = np.arange(spacing / 2, rig.limits.get("travel_m", (0.0, TRAVEL_M))[1], spacing)
     time = np.sqrt(2 * place / rate[moving][:, None])
-    events = pd.DataFrame(
-        {
-            "trial": np.repeat(trials["trial"].to_numpy(), place.size),
-            "sensor": "drive",
-            "displacement_m": np.tile(place - place[0], len(trials)),
-            "time_s": time.ravel(),
-        }
-    )
-    return Gravity(trials, events)
+    one = {
+        "trial": np.repeat(trials["trial"].to_numpy(), place.size),
+        "displacement_m": np.tile(place - place[0], len(trials)),
+        "time_s": time.ravel(),
+    }
+    events = pd.concat([pd.DataFrame({**one, "sensor": sensor}) for sensor in sensors])
+    return Gravity(trials, events.reset_index(drop=True))

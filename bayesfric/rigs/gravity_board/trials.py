@@ -24,7 +24,7 @@ from bayesfric.rigs.changes import Change
 from bayesfric.rigs.gravity_board.estimator import estimate_as_the_paper
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood, trial_condition
 from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion, measured_motion
-from bayesfric.rigs.gravity_board.next_trials import lay_out
+from bayesfric.rigs.gravity_board.next_trials import lay_out, on_time
 from bayesfric.rigs.gravity_board.places import TrialPlaces
 from bayesfric.rigs.gravity_board.predictions import curves
 from bayesfric.rigs.gravity_board.predictions import trials as trials_dataset
@@ -202,6 +202,14 @@ class GravityTrials(PulleyTrials):
         kept = whole.select(~whole.table["trial"].isin(set(excluded) - set(disagreeing)))
         assert kept is not None
         return kept.moved() or kept
+
+    def planned(self, laws: Mapping[str, Coefficients]) -> "GravityTrials | None":
+        """Return the recorded conditions that move, their events on time by a law."""
+        used = self.gravity.trials
+        sensors = tuple(dict.fromkeys(self.gravity.events["sensor"])) or ("drive",)
+        laid = on_time(used, self.constants, laws, sensors)
+        none = self.at_rest.iloc[:0]
+        return None if laid is None else replace(self, gravity=laid, at_rest=none)
 
     def next_trials(self, laws: Mapping[str, Coefficients]) -> "GravityTrials | None":
         """Return a trial at every feasible condition; see :mod:`.next_trials`."""

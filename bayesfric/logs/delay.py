@@ -1,0 +1,69 @@
+"""How late a measured force is behind its command, with an error."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from scipy.optimize import minimize_scalar
+
+from bayesfric.logs.reading import Series
+
+__all__ = ["Delay", "delay_between"]
+
+Array = NDArray[np.float64]
+LATEST_S = 0.1  # looked at, either way
+COARSE = 401
+
+
+@dataclass(frozen=True)
+class Delay:
+    """A delay and its standard error [s]."""
+
+    seconds: float
+    error_s: float
+
+
+def delay_between(command: Series, measured: Series) -> Delay | None:
+    """Return by how much a measured force comes after its command; None where nothing moves.
+
+    Least squares of measured = offset + gain × command(t − d); the error is that of d by the
+    rest, whose neighbours hang together.
+
+    Parameters
+    ----------
+    command, measured : Series
+        On one clock.
+    """
+    inside = (measured.time_s > command.time_s[0] + LATEST_S) & (
+        measured.time_s < command.time_s[-1] - LATEST_S
+    )
+    time, value = measured.time_s[inside], measured.value[inside]
+    if time.size < 20 or np.ptp(command.value) == 0 or np.ptp(value) == 0:
+        return None
+    path = CubicSpline(command.time_s, command.value)
+
+    def rest(delay: float) -> tuple[Array, Array]:
+        columns = np.stack([np.ones_like(time), path(time - delay)], axis=1)
+        found = np.linalg.lstsq(columns, value, rcond=None)[0]
+        return value - columns @ found, found
+
+    tried = np.linspace(-LATEST_S, LATEST_S, COARSE)
+    squares = [float(np.sum(rest(one)[0] ** 2)) for one in tried]
+    best, step = tried[int(np.argmin(squares))], tried[1] - tried[0]
+    found = minimize_scalar(
+        lambda one: float(np.sum(rest(one)[0] ** 2)),
+        bounds=(best - step, best + step),
+        method="bounded",
+        options={"xatol": 1e-7},
+    )
+    left, (_, gain) = rest(float(found.x))
+    slope = -gain * path(time - found.x, 1)
+    slope = slope - slope.mean()
+    # The variance of a sum of products whose neighbours hang together (Newey and West).
+    product, lags = slope * left, int(np.ceil(4 * (time.size / 100) ** (2 / 9)))
+    total = float(product @ product)
+    for lag in range(1, lags + 1):
+        total += 2 * (1 - lag / (lags + 1)) * float(product[lag:] @ product[:-lag])
+    information = float(slope @ slope)
+    return Delay(float(found.x), float(np.sqrt(max(total, 0.0))) / information)
