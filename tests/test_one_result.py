@@ -14,7 +14,7 @@ from bayesfric.claims.stored_fit import current_posterior
 from bayesfric.comparing import compare
 from bayesfric.diagnosis.diagnosing import Diagnosed
 from bayesfric.errors import InputError
-from bayesfric.margins.assembly import read_posterior
+from bayesfric.margins.posterior import read_posterior
 from bayesfric.report.stored import read_stored
 from bayesfric.resources import reference_folder
 from bayesfric.results import fitted_coefficients, identified, read_json, read_tree

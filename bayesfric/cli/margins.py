@@ -115,6 +115,8 @@ def margins_into(
     happened = set[str]()
     for loop in found.summary.loops:
         say(f"{loop.name}: {loop.answer}")
+        if loop.plant is not None:
+            say(f"  {loop.plant.sentence}")
         if loop.with_effects is not None:
             effects = ", ".join(loop.with_effects.effects) or "the law refitted"
             say(f"{loop.name} with {effects}: {loop.with_effects.answer}")

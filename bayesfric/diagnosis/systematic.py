@@ -25,7 +25,7 @@ __all__ = ["SMALLEST", "Posterior", "interval", "left_of", "posterior_of", "shri
 Array = NDArray[np.float64]
 DRAWS = 1000
 RARE = 0.003  # probability of a hypothesis that is not drawn from
-DISCREPANCIES = (0.1, 0.3, 1.0)  # of its rms, each as likely before the data; the whole last
+DISCREPANCIES = (0.3, 1.0)  # of its rms, each as likely before the data; the whole last
 TINY = 1e-300
 SMALLEST = 1e-9  # of friction, of a gap that can shrink
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from bayesfric.margins.describing import necessary_gain
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.loop_file import Spec
-from bayesfric.margins.metrics import standard_error
+from bayesfric.margins.rows import standard_error
 from bayesfric.margins.scanning import REST, Condition
 from bayesfric.margins.spec import HUNTS
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting

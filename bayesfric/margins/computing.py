@@ -16,21 +16,16 @@ from bayesfric.margins.answer import (
     what_to_measure,
     which_gain,
 )
-from bayesfric.margins.assembly import (
-    Assembly,
-    Posterior,
-    RigDiscrepancy,
-    draw_assembly,
-    nominal_assembly,
-    read_posterior,
-    rig_discrepancy,
-)
+from bayesfric.margins.assembly import Assembly, draw_assembly, nominal_assembly
 from bayesfric.margins.diagnosed import Diagnosed, read_diagnosed, with_effects
+from bayesfric.margins.echo import plant_of
 from bayesfric.margins.inputs import beyond_the_draws, refused
 from bayesfric.margins.loop_at_shaft import LoopAtShaft, at_shaft
 from bayesfric.margins.loop_file import Loop, loop_sha256, read_loop
-from bayesfric.margins.metrics import Key, closed_forms, linear_of, metric_rows
+from bayesfric.margins.metrics import Key, closed_forms, linear_of
 from bayesfric.margins.nyquist import nyquist_fans
+from bayesfric.margins.posterior import Posterior, RigDiscrepancy, read_posterior, rig_discrepancy
+from bayesfric.margins.rows import metric_rows
 from bayesfric.margins.spec import missed_specs
 from bayesfric.margins.thresholds import Hunting, find_hunting
 from bayesfric.margins.tuning import meets_all_now
@@ -219,7 +214,7 @@ def _one_loop(
 ) -> LoopMargins:
     given = draw_assembly(loop, posterior, discrepancy, seed)
     shaft = at_shaft(loop, given)
-    linear = linear_of(shaft)
+    linear = linear_of(shaft, with_peaks=True)
     values = closed_forms(shaft, linear)
     allowed = loop.spec.limit_cycle_probability_max
     hunting = find_hunting(shaft, simulated, allowed)
@@ -252,6 +247,7 @@ def _one_loop(
                 *what_to_measure(shares),
             ]
         ),
+        plant=plant_of(shaft),
         compensation_signal=loop.compensation.signal,
         compensation_gain=float(np.median(shaft.gamma)),
         metrics=rows,
@@ -315,7 +311,7 @@ def _with_effects(
 ) -> WithEffects:
     given = draw_assembly(loop, diagnosed.posterior, discrepancy, seed)
     after = with_effects(at_shaft(loop, given), given, diagnosed.acting)
-    linear = linear_of(after)
+    linear = linear_of(after, with_peaks=True)
     allowed = loop.spec.limit_cycle_probability_max
     hunting = find_hunting(after, simulated, allowed)
     draws = diagnosed.posterior.effective_draws

@@ -22,8 +22,9 @@ from numpy.typing import NDArray
 from bayesfric.effects import all_effects
 from bayesfric.effects.base import Effect, State
 from bayesfric.errors import Fault, InputError
-from bayesfric.margins.assembly import Assembly, Posterior
+from bayesfric.margins.assembly import Assembly
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.posterior import Posterior
 from bayesfric.physics.friction import Coefficients
 from bayesfric.results import read_beside, read_json
 from bayesfric.schemas import DiagnosisFile

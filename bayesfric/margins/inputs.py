@@ -6,10 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.errors import Fault
-from bayesfric.margins.assembly import Assembly, Posterior
+from bayesfric.margins.assembly import Assembly
 from bayesfric.margins.cable_run import losses
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.loop_file import Loop
+from bayesfric.margins.posterior import Posterior
 from bayesfric.margins.quantities import central
 
 __all__ = ["beyond_the_draws", "refused"]

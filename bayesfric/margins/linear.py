@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import elementwise
 
-__all__ = ["LinearMargins", "Response", "is_stable", "linear_margins", "on_a_grid"]
+__all__ = ["LinearMargins", "Response", "is_stable", "linear_margins", "on_a_grid", "peaks"]
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -197,14 +197,40 @@ def _smallest(values: Array, places: Array, rows: Rows, loops: int) -> tuple[Arr
     return least, where
 
 
+def peaks(response: Response, omega: Array, on_grid: Complex | None = None) -> tuple[Array, Array]:
+    """Return the largest |S| and |T| of stable loops, Ms and Mt, each of shape (loops,).
+
+    Parameters
+    ----------
+    response, omega, on_grid
+        As of :func:`linear_margins`; S = 1/(1 + L), T = L/(1 + L).
+    """
+    value = on_a_grid(response, omega) if on_grid is None else on_grid
+    apart, _ = _least(response, omega, value, _squared)
+    inverse, _ = _least(response, omega, value, lambda one: _squared(one) / _size(one))
+    return 1 / np.sqrt(apart), 1 / np.sqrt(inverse)
+
+
+def _squared(value: Complex) -> Array:
+    return np.asarray((1 + value.real) ** 2 + value.imag**2)
+
+
+def _size(value: Complex) -> Array:
+    return np.asarray(np.maximum(value.real**2 + value.imag**2, 1e-300))
+
+
 def _disk(response: Response, omega: Array, value: Complex) -> tuple[Array, Array]:
     """Return min over ω of 2|1 + L|/|1 − L|, and where."""
+    least, where = _least(
+        response, omega, value, lambda one: _squared(one) / np.maximum(_squared(-one), 1e-300)
+    )
+    return 2 * np.sqrt(least), where
 
-    def margin(response_value: Complex) -> Array:
-        above = (1 + response_value.real) ** 2 + response_value.imag**2
-        below = (1 - response_value.real) ** 2 + response_value.imag**2
-        return np.asarray(above / np.maximum(below, 1e-300))
 
+def _least(
+    response: Response, omega: Array, value: Complex, margin: Callable[[Complex], Array]
+) -> tuple[Array, Array]:
+    """Return the least of a function of L over ω, and where, each of shape (loops,)."""
     on_grid = margin(value)
     # every local minimum that could be the lowest once refined
     inner = on_grid[:, 1:-1]
@@ -225,7 +251,7 @@ def _disk(response: Response, omega: Array, value: Complex) -> tuple[Array, Arra
         refined, place = _smallest(np.asarray(found.f_x), np.exp(found.x), rows, len(omega))
         better = refined < least
         least, where = np.where(better, refined, least), np.where(better, place, where)
-    return 2 * np.sqrt(least), where
+    return least, where
 
 
 def _turning(response: Response, low: float, high: float, row: np.intp) -> float:

@@ -1,106 +1,22 @@
-"""The figures of a loop, from its draws to the rows of ``margins.json``."""
+"""The figures of a loop that need no simulation, a value a draw."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.margins.cable_run import Direction
-from bayesfric.margins.describing import (
-    amplitude_margin,
-    effective_damping,
-    necessary_gain,
-    steady_error,
-)
-from bayesfric.margins.linear import is_stable, linear_margins, on_a_grid
+from bayesfric.margins.describing import amplitude_margin, necessary_gain, steady_error
+from bayesfric.margins.linear import is_stable, linear_margins, on_a_grid, peaks
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.open_loop import OpenLoop
-from bayesfric.margins.thresholds import GAMMA_MAX, LEAST_CYCLES, Hunting
-from bayesfric.schemas import Interval, Metric
+from bayesfric.margins.rules import PEAKS, RULES, TAUT, Rule
 
-__all__ = [
-    "LEVELS",
-    "Key",
-    "Linear",
-    "closed_forms",
-    "interval_of",
-    "linear_of",
-    "metric_rows",
-    "missed_draws",
-    "standard_error",
-]
+__all__ = ["Key", "Linear", "closed_forms", "linear_of", "missed_draws", "spec_of"]
 
 Array = NDArray[np.float64]
 Key = tuple[str, Direction | None]
-
-LEVELS = (0.01, *(round(0.05 * step, 2) for step in range(1, 20)), 0.99)
-"""Probabilities at which a metric's quantiles are stored."""
-ROUNDING = 1e-9
-"""Relative spread below which draws are one number, spread by rounding alone."""
-
-
-@dataclass(frozen=True)
-class Rule:
-    """What a metric is.
-
-    Parameters
-    ----------
-    name, unit, place : str
-        As in the schema.
-    sense : {"at least", "at most"}
-        Which way a spec bounds it.
-    spec : str
-        Key of the loop's spec; empty where none can be set.
-    note : str
-        A remark that always accompanies it.
-    """
-
-    name: str
-    unit: str
-    place: str
-    sense: Literal["at least", "at most"]
-    spec: str = ""
-    note: str = ""
-
-
-RULES = (
-    Rule("friction_nominal", "N", "cable", "at most", note="eq. (15) at the known tension"),
-    Rule("friction_recursive", "N", "cable", "at most", note="pulley by pulley"),
-    Rule("steady_error_servo", "m", "tool tip", "at most", "steady_error_max_m"),
-    Rule("lost_motion", "m", "tool tip", "at most", "lost_motion_max_m",
-         "behind the motor's encoder, one side; summed pulley by pulley"),
-    Rule("headroom_clip", "1", "motor", "at least", "headroom_clip_min",
-         "share of the clipped torque left in the fastest motion"),
-    Rule("headroom_continuous", "1", "motor", "at least", "headroom_continuous_min",
-         "share of the continuous torque left against friction and load"),
-    Rule("gamma_necessary", "1", "loop", "at least",
-         note="F/F̂: below it no compensator of the measured velocity keeps a damped loop swinging"),
-    Rule("gamma_hunting", "1", "loop", "at least"),
-    Rule("amplitude_margin", "rad", "motor", "at least", "amplitude_margin_min_rad",
-         "4F/(π ω_n |b_eff|), with the friction that compensation leaves"),
-    Rule("limit_cycle_amplitude", "rad", "motor", "at most"),
-    Rule("limit_cycle_frequency", "Hz", "motor", "at most"),
-    Rule("gain_margin", "1", "loop", "at least", "gain_margin_min", "as a factor, up or down"),
-    Rule("phase_margin", "rad", "loop", "at least", "phase_margin_min_rad"),
-    Rule("disk_margin", "1", "loop", "at least", "disk_margin_min"),
-    Rule("delay_margin", "s", "loop", "at least", "delay_margin_min_s"),
-    Rule("backdrive_force", "N", "tool tip", "at most", "backdrive_force_max_n",
-         "to break away with the motor off, against the load"),
-    Rule("smallest_step", "m", "tool tip", "at most", "smallest_step_max_m",
-         "command from rest without error that is sure to be followed"),
-    Rule("reversal_error", "m", "tool tip", "at most", "reversal_error_max_m",
-         "twice the stuck band of the servo and the lost motion"),
-    Rule("cable_stretch", "m", "tool tip", "at most", note="under the load, behind the encoder"),
-    Rule("least_tension", "N", "cable", "at least",
-         note="of a side in the fastest motion; below 0 it goes slack"),
-    Rule("peak_tension", "N", "cable", "at most", note="of a side in the fastest motion"),
-)  # fmt: skip
-HUNTING = ("gamma_hunting", "limit_cycle_amplitude", "limit_cycle_frequency")
-LINEAR = ("gain_margin", "phase_margin", "disk_margin", "delay_margin")
-TAUT = ("lost_motion", "reversal_error", "cable_stretch", *LINEAR)
-"""What is computed with both sides of a pair taut."""
 
 
 @dataclass(frozen=True)
@@ -125,8 +41,16 @@ class Linear:
     crossings: NDArray[np.intp]
 
 
-def linear_of(shaft: LoopAtShaft) -> dict[Direction | None, Linear]:
-    """Return the linear margins of each direction in which they differ."""
+def linear_of(shaft: LoopAtShaft, *, with_peaks: bool = False) -> dict[Direction | None, Linear]:
+    """Return the linear margins of each direction in which they differ.
+
+    Parameters
+    ----------
+    shaft : LoopAtShaft
+        The loop.
+    with_peaks : bool
+        Whether to look for the peaks of S and T, too, which takes as long again.
+    """
     found: dict[Direction | None, Linear] = {}
     for direction in shaft.directions:
         loop = OpenLoop(shaft, direction)
@@ -140,6 +64,9 @@ def linear_of(shaft: LoopAtShaft) -> dict[Direction | None, Linear]:
             "disk_margin": np.where(stable, margins.disk, 0.0),
             "delay_margin": np.where(stable, margins.delay, 0.0),
         }
+        if with_peaks:
+            for name, peak in zip(PEAKS, peaks(loop, omega, on_grid), strict=True):
+                values[name] = np.where(stable, peak, np.inf)
         found[direction] = Linear(values, stable, margins.phase_frequency, margins.crossings)
     return found
 
@@ -177,7 +104,7 @@ def closed_forms(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) 
         held = shaft.friction + np.abs(shaft.load_torque)
         values["headroom_continuous", None] = 1 - held / shaft.continuous
     for direction, one in linear.items():
-        values |= {(name, direction): one.values[name] for name in LINEAR}
+        values |= {(name, direction): each for name, each in one.values.items()}
     return values
 
 
@@ -193,7 +120,7 @@ def missed_draws(shaft: LoopAtShaft, values: Mapping[Key, Array]) -> dict[str, N
     """
     missed = {}
     for rule in RULES:
-        spec = _spec(rule, shaft)
+        spec = spec_of(rule, shaft)
         for (name, direction), found in values.items():
             if name != rule.name or spec is None:
                 continue
@@ -203,220 +130,8 @@ def missed_draws(shaft: LoopAtShaft, values: Mapping[Key, Array]) -> dict[str, N
     return missed
 
 
-def _spec(rule: Rule, shaft: LoopAtShaft) -> float | None:
-    """Return what is asked of a metric that has a closed form."""
+def spec_of(rule: Rule, shaft: LoopAtShaft) -> float | None:
+    """Return what is asked of a metric that has a closed form; None where nothing is."""
     if rule.name == "least_tension":
         return 0.0
     return getattr(shaft.loop.spec, rule.spec) if rule.spec else None
-
-
-def metric_rows(
-    shaft: LoopAtShaft,
-    values: Mapping[Key, Array],
-    linear: Mapping[Direction | None, Linear],
-    hunting: Hunting,
-    effective_draws: float,
-) -> tuple[Metric, ...]:
-    """Return the rows of ``margins.json``, in the order of the contract.
-
-    Parameters
-    ----------
-    shaft : LoopAtShaft
-        The loop, all draws.
-    values : mapping
-        What :func:`closed_forms` returned.
-    linear : mapping
-        What :func:`linear_of` returned.
-    hunting : Hunting
-        Where the draws begin to hunt.
-    effective_draws : float
-        Independent draws behind the values, for the Monte Carlo error.
-    """
-    simulated = {
-        "gamma_hunting": hunting.threshold,
-        "limit_cycle_amplitude": hunting.amplitude,
-        "limit_cycle_frequency": hunting.frequency,
-    }
-    rows = []
-    for rule in RULES:
-        directions = shaft.directions if rule.name in LINEAR else (None,)
-        for direction in directions:
-            found = simulated.get(rule.name, values.get((rule.name, direction)))
-            rows.append(_row(rule, direction, found, shaft, linear, hunting, effective_draws))
-    return tuple(rows)
-
-
-def interval_of(values: Array) -> Interval:
-    """Return the five numbers of a distribution, without spread where that is rounding."""
-    if np.ptp(values) <= ROUNDING * np.abs(values).max():
-        values = np.full(values.shape, values[0])
-    low, middle, high = np.quantile(values, [0.05, 0.5, 0.95])
-    sd = 0.0 if np.ptp(values) == 0 else float(values.std(ddof=1))
-    mean = float(values[0]) if sd == 0 else float(values.mean())
-    return Interval(mean=mean, sd=sd, q05=float(low), q50=float(middle), q95=float(high))
-
-
-def standard_error(probability: float, draws: float) -> float:
-    """Return the Monte Carlo error of a probability; of 0 and 1 that of half a draw."""
-    p = min(max(probability, 0.5 / draws), 1 - 0.5 / draws)
-    return float(np.sqrt(p * (1 - p) / draws))
-
-
-def _row(
-    rule: Rule,
-    direction: Direction | None,
-    found: Array | None,
-    shaft: LoopAtShaft,
-    linear: Mapping[Direction | None, Linear],
-    hunting: Hunting,
-    effective_draws: float,
-) -> Metric:
-    spec = _spec(rule, shaft)
-    if rule.name == "gamma_hunting" and shaft.loop.compensation.signal != "none":
-        spec = float(np.median(shaft.gamma))
-    taut = shaft.taut if rule.name in TAUT else np.ones(shaft.friction.shape, dtype=bool)
-    slack = int(taut.size - taut.sum())
-    fields = {
-        "name": rule.name,
-        "unit": rule.unit,
-        "place": rule.place,
-        "direction": direction,
-        "sense": rule.sense,
-        "spec": spec,
-    }
-    missing = _missing(rule.name, found, shaft, hunting)
-    if rule.name in LINEAR and not linear[direction].stable.any():
-        found, missing = None, "the loop is unstable without friction, in every draw"
-    if found is not None and slack:
-        found, missing = found[taut], "a side of the pair goes slack in every draw"
-    if found is None or found.size == 0:
-        return Metric(
-            **fields,
-            interval=None,
-            interval_why=missing,
-            probability_of_violation_why=missing,
-            monte_carlo_se_why=missing,
-        )
-    draws = min(effective_draws, float(found.size))
-    probability = None
-    if spec is not None:
-        below = hunting.now if rule.name == "gamma_hunting" else found < spec
-        violated = below if rule.sense == "at least" else found > spec
-        probability = float((violated.sum() + slack) / (violated.size + slack))
-    finite = found[np.isfinite(found)]
-    # a swing exists in some draws only; of all others a missing value leaves no distribution
-    conditional = rule.name in ("amplitude_margin", *HUNTING)
-    shown = finite if conditional or finite.size == found.size else finite[:0]
-    interval = interval_of(shown) if shown.size else None
-    error = None
-    if probability is not None:
-        error = standard_error(probability, draws)
-    elif interval is not None:
-        error = interval.sd / float(np.sqrt(min(draws, shown.size)))
-    return Metric(
-        **fields,
-        interval=interval,
-        interval_why=None if interval is not None else missing,
-        quantiles=_quantiles(shown, interval),
-        probability_of_violation=probability,
-        probability_of_violation_why=None if probability is not None else "nothing is asked for",
-        monte_carlo_se=error,
-        monte_carlo_se_why=None if error is not None else missing,
-        note=_note(rule, direction, interval, found, finite, shaft, linear, hunting),
-    )
-
-
-def _quantiles(values: Array, interval: Interval | None) -> tuple[float, ...]:
-    """Return the stored quantiles; none without an interval, one number without spread."""
-    if interval is None:
-        return ()
-    if interval.sd == 0:
-        return (interval.mean,) * len(LEVELS)
-    return tuple(map(float, np.quantile(values, LEVELS)))
-
-
-def _missing(name: str, found: Array | None, shaft: LoopAtShaft, hunting: Hunting) -> str:
-    """Return why a metric has no interval."""
-    if name == "headroom_continuous":
-        return "drive.continuous_current_a is not given"
-    if name in HUNTING:
-        if name != "gamma_hunting" and hunting.now.any():
-            return (f"{hunting.now.mean():.1%} of the draws hunt, for fewer than {LEAST_CYCLES:g} "
-                    "cycles in the half of a run that is looked at")  # fmt: skip
-        looked = f"{hunting.rows.size} draws hunts, at {len(hunting.speeds)} reference speeds"
-        if shaft.loop.compensation.signal == "none":
-            return f"there is no compensation, and none of {looked}"
-        if name == "gamma_hunting":
-            return f"none of {looked}, up to γ = {GAMMA_MAX:g}"
-        return f"none of {looked}, at γ = {np.median(shaft.gamma):.3g}"
-    if name == "amplitude_margin":
-        return "kd + b − kp τ is positive in every draw: the loop is damped without friction"
-    share = 0.0 if found is None else float(np.mean(~np.isfinite(found)))
-    return f"{share:.1%} of the draws have no such crossing"
-
-
-def _note(
-    rule: Rule,
-    direction: Direction | None,
-    interval: Interval | None,
-    found: Array,
-    finite: Array,
-    shaft: LoopAtShaft,
-    linear: Mapping[Direction | None, Linear],
-    hunting: Hunting,
-) -> str:
-    notes = [rule.note] if rule.note else []
-    if rule.name in TAUT and not shaft.taut.all():
-        notes.append(f"in the {shaft.taut.mean():.1%} of the draws in which both sides stay taut; "
-                     "the others count as missing a spec")  # fmt: skip
-    match rule.name:
-        case "friction_nominal" | "friction_recursive":
-            used = {run.model for run in shaft.loop.runs}
-            if used == {rule.name.removeprefix("friction_")}:
-                notes.append("this one is in the loop")
-        case "steady_error_servo":
-            error = float(np.median(steady_error(shaft)))
-            counts = error * float(np.median(shaft.counts)) / (2 * np.pi)
-            notes.append(f"{error:.3g} rad at the motor, {counts:.0f} counts (median)")
-            if (shaft.net_load != 0).any():
-                part = np.median(np.abs(shaft.net_load) / (shaft.kp * steady_error(shaft)))
-                notes.append(f"{part:.0%} of it is the load (median)")
-            if (shaft.ki > 0).any():
-                notes.append("an integral works it off, if the loop does not hunt")
-            elif shaft.loop.compensation.signal in ("measured", "reference"):
-                notes.append("without the compensator, which may be off or wrong at rest")
-        case "gamma_hunting" | "limit_cycle_amplitude" | "limit_cycle_frequency":
-            notes.append(hunting.note)
-            if rule.name == "gamma_hunting" and finite.size < found.size:
-                notes.append(f"{1 - finite.size / found.size:.1%} of the draws do not hunt up to "
-                             f"γ = {GAMMA_MAX:g} and are left out")  # fmt: skip
-            elif rule.name != "gamma_hunting" and finite.size:
-                notes.append(
-                    f"in the {finite.size / found.size:.1%} of the draws that hunt for "
-                    f"{LEAST_CYCLES:g} cycles at γ = {np.median(shaft.gamma):.3g}"
-                )
-        case "amplitude_margin" if finite.size:
-            share = float((effective_damping(shaft) < 0).mean())
-            notes.append(f"in the {share:.1%} of the draws that friction alone holds still")
-        case name if name in LINEAR:
-            notes += _linear_notes(linear[direction], interval, direction)
-    return "; ".join(notes)
-
-
-def _linear_notes(one: Linear, interval: Interval | None, direction: Direction | None) -> list[str]:
-    notes = []
-    if interval is not None and interval.sd == 0:
-        notes.append(
-            "Coulomb friction is not in the linear loop at constant tension, and nothing else in "
-            "the loop is uncertain: one number, not a distribution"
-        )
-    elif direction is None:
-        notes.append("its spread is that of the loop's own numbers: Coulomb friction is not in it")
-    elif direction is not None:
-        notes.append("in an open run friction counts the load side 1/η or η, so c1 and c3 move it")
-    if not one.stable.all():
-        notes.append(f"{1 - one.stable.mean():.1%} of the draws are unstable without friction and "
-                     "count as none")  # fmt: skip
-    if (one.crossings[one.stable] > 1).any():
-        notes.append("the smallest of several gain crossings counts")
-    return notes

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
-from bayesfric.margins.metrics import closed_forms, linear_of, missed_draws, standard_error
+from bayesfric.margins.metrics import closed_forms, linear_of, missed_draws
+from bayesfric.margins.rows import standard_error
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting, find_hunting
 from bayesfric.schemas import Tuning
 

@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.margins.assembly import Assembly
-from bayesfric.margins.metrics import ROUNDING, Key
+from bayesfric.margins.metrics import Key
+from bayesfric.margins.rows import ROUNDING
 
 __all__ = ["variance_shares"]
 

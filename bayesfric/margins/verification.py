@@ -15,7 +15,7 @@ from scipy.stats import beta
 from bayesfric.margins.describing import formula_conditions, steady_error
 from bayesfric.margins.hunting import run_length
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
-from bayesfric.margins.metrics import interval_of
+from bayesfric.margins.rows import interval_of
 from bayesfric.margins.scanning import REST, run
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
 from bayesfric.margins.two_masses import CableMotion, simulate_two_masses

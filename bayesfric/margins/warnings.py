@@ -4,12 +4,13 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from bayesfric.margins.assembly import Assembly, Posterior, RigDiscrepancy
+from bayesfric.margins.assembly import Assembly
 from bayesfric.margins.cable_run import Direction
 from bayesfric.margins.describing import natural_frequency
 from bayesfric.margins.inputs import beyond_the_draws
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.metrics import Linear
+from bayesfric.margins.posterior import Posterior, RigDiscrepancy
 from bayesfric.paper import paper
 
 __all__ = ["loop_warnings"]

@@ -196,7 +196,7 @@ GRAVITY_TRIALS = TableFormat(
             "m/s²",
             required=False,
             may_be_empty=True,
-            above=0,
+            least=1e-6,
         ),
     ),
 )

@@ -14,6 +14,7 @@ __all__ = [
     "MarginsFile",
     "Metric",
     "NyquistFan",
+    "Plant",
     "Tuning",
     "Verification",
     "VerifiedDraw",
@@ -129,6 +130,19 @@ class NyquistFan(Record):
     imag: tuple[tuple[Number, ...], ...] = Field(description="Likewise.")
 
 
+class Plant(Record):
+    """What the file comes to at the motor's shaft; medians of the draws, a stiff cable."""
+
+    natural_frequency_hz: Number = Field(description="√(kp/J)/2π.")
+    damping_ratio: Number = Field(description="Delay taken off: below 0 only friction damps.")
+    resonance_hz: Number = Field(description="At which both ends ring on the cable.")
+    motor_inertia_kg_m2: Number = Field(description="At the shaft.")
+    load_inertia_kg_m2: Number = Field(description="Seen from the shaft.")
+    cable_m_per_rad: Number = Field(description="Cable per angle of the motor.")
+    tip_m_per_rad: Number = Field(description="Tool tip per angle of the motor.")
+    sentence: str = Field(description="All that in words.")
+
+
 class Tuning(Record):
     """The largest kp, its kd and the largest γ that meet all specs at once."""
 
@@ -171,6 +185,7 @@ class LoopMargins(Record):
     answer: str = Field(
         description="Whether it meets its spec, and which compensation gain to set, in sentences."
     )
+    plant: Plant | None = Field(None, description="Null in files of earlier versions.")
     compensation_signal: Literal["none", "reference", "measured", "error"] = Field(
         description="What the compensator follows."
     )

@@ -5,9 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from bayesfric.margins.assembly import Posterior, nominal_assembly
+from bayesfric.margins.assembly import nominal_assembly
 from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.loop_file import Loop
+from bayesfric.margins.posterior import Posterior
 from bayesfric.physics.friction import Coefficients
 from bayesfric.results import draws_tree, write_netcdf
 from bayesfric.schemas import RecordingId

@@ -11,13 +11,9 @@ from scipy import stats
 from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins
 from bayesfric.margins.answer import largest_safe_gain, limit_cycle_curve
-from bayesfric.margins.assembly import (
-    RigDiscrepancy,
-    draw_assembly,
-    read_posterior,
-    rig_discrepancy,
-)
+from bayesfric.margins.assembly import draw_assembly
 from bayesfric.margins.loop_at_shaft import at_shaft
+from bayesfric.margins.posterior import RigDiscrepancy, read_posterior, rig_discrepancy
 from bayesfric.margins.scanning import REST
 from bayesfric.margins.thresholds import Hunting
 from bayesfric.results import json_bytes
@@ -26,7 +22,8 @@ from bayesfric.schemas import MarginsFile
 CONTRACT = """friction_nominal friction_recursive steady_error_servo lost_motion headroom_clip
 headroom_continuous gamma_necessary gamma_hunting amplitude_margin limit_cycle_amplitude
 limit_cycle_frequency gain_margin phase_margin disk_margin delay_margin backdrive_force
-smallest_step reversal_error cable_stretch least_tension peak_tension""".split()
+smallest_step reversal_error cable_stretch least_tension peak_tension sensitivity_peak
+complementary_peak""".split()
 
 
 @pytest.fixture(scope="module")

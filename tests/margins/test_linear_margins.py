@@ -4,7 +4,7 @@ import control
 import numpy as np
 import pytest
 
-from bayesfric.margins.linear import is_stable, linear_margins
+from bayesfric.margins.linear import is_stable, linear_margins, peaks
 
 LOOPS = 240
 
@@ -59,6 +59,7 @@ def test_margins_of_random_loops_are_those_of_python_control(loops):
     num, den = loops
     omega = np.tile(np.geomspace(1e-4, 1e5, 3000), (LOOPS, 1))
     found = linear_margins(rational(num, den), omega)
+    most_s, most_t = peaks(rational(num, den), omega)
     crossed = 0
     for row in range(LOOPS):
         system = control.tf(np.trim_zeros(num[row], "f"), np.trim_zeros(den[row], "f"))
@@ -83,6 +84,19 @@ def test_margins_of_random_loops_are_those_of_python_control(loops):
         grid = np.sort(np.concatenate([omega[row, ::10], near]))
         disk, _, _ = control.disk_margins(system, grid)
         assert found.disk[row] == pytest.approx(float(disk), rel=1e-6)
+        if row % 5:  # peaks need fine grids: a fifth of the loops will do
+            continue
+        value = rational(num, den)(omega[row], row)
+        for closed, peak, sizes in (
+            (control.feedback(1, system), most_s, np.abs(1 / (1 + value))),
+            (control.feedback(system, 1), most_t, np.abs(value / (1 + value))),
+        ):
+            top, most = omega[row, sizes.argmax()], sizes.max()
+            for width in (8e-3, 6e-5):  # the second for peaks of loops that hardly are stable
+                near = top * np.exp(np.linspace(-width, width, 401))
+                fine = np.abs(control.frequency_response(closed, near).complex)
+                top, most = near[fine.argmax()], max(most, fine.max())
+            assert peak[row] == pytest.approx(most, rel=1e-6)
     assert crossed >= 10  # several crossings are part of the test
 
 

@@ -7,10 +7,11 @@ from margins.loops import loop, posterior, shaft, write_draws
 from scipy import stats
 
 from bayesfric.margins import compute_margins, read_loop
-from bayesfric.margins.assembly import RigDiscrepancy, draw_assembly
+from bayesfric.margins.assembly import draw_assembly
 from bayesfric.margins.describing import steady_error
 from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.loop_file import Loop
+from bayesfric.margins.posterior import RigDiscrepancy
 from bayesfric.resources import data_folder
 
 

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from margins.loops import loop, posterior, shaft
 
-from bayesfric.margins.assembly import RigDiscrepancy, draw_assembly
+from bayesfric.margins.assembly import draw_assembly
 from bayesfric.margins.linear import is_stable, linear_margins, on_a_grid
 from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.metrics import linear_of
 from bayesfric.margins.open_loop import OpenLoop
+from bayesfric.margins.posterior import RigDiscrepancy
 
 ROW = np.zeros(1, dtype=np.intp)
 

@@ -7,10 +7,11 @@ from margins.loops import loop, posterior, write_draws
 
 from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins, read_loop
-from bayesfric.margins.assembly import RigDiscrepancy, draw_assembly
+from bayesfric.margins.assembly import draw_assembly
 from bayesfric.margins.hunting import run_length
 from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.loop_file import Loop
+from bayesfric.margins.posterior import RigDiscrepancy
 from bayesfric.margins.scanning import run, speeds_of
 from bayesfric.margins.simulating import simulate
 from bayesfric.margins.thresholds import find_hunting

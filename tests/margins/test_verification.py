@@ -8,9 +8,10 @@ from margins import two_masses
 from margins.loops import loop, posterior, shaft
 from scipy.stats import beta
 
-from bayesfric.margins.assembly import RigDiscrepancy, draw_assembly
+from bayesfric.margins.assembly import draw_assembly
 from bayesfric.margins.describing import steady_error
 from bayesfric.margins.loop_at_shaft import at_shaft
+from bayesfric.margins.posterior import RigDiscrepancy
 from bayesfric.margins.thresholds import find_hunting
 from bayesfric.margins.two_masses import simulate_two_masses
 from bayesfric.margins.verification import verify

@@ -68,7 +68,7 @@ BOUNDS = [
     ("gravity_trials.csv", "mass_load_kg", "-0.5", "above 0 in kg"),
     ("gravity_trials.csv", "wrap_angle_deg", "-0.1", "from 0 to 180 in deg"),
     ("gravity_trials.csv", "wrap_angle_deg", "180.1", "from 0 to 180 in deg"),
-    ("gravity_trials.csv", "acceleration_sd_m_s2", "0", "above 0 in m/s²"),
+    ("gravity_trials.csv", "acceleration_sd_m_s2", "1e-12", "of at least 1e-06 in m/s²"),
     ("motor_runs.csv", "hanging_mass_kg", "0", "above 0 in kg"),
     ("motor_runs.csv", "wrap_angle_deg", "200", "from 0 to 180 in deg"),
     ("motor_runs.csv", "velocity_m_s", "0.0", "other than 0 in m/s"),

@@ -30,8 +30,11 @@ def test_the_first_line_says_which_gain_to_set(computed):
     assert isinstance(blocks[0], Heading)
     first = blocks[1]
     assert isinstance(first, Paragraph)
-    assert first.text[0] == Strong(computed.summary.loops[0].answer)
-    assert re.match(r"Meets its spec: .* Set γ to ", first.text[0].text)
+    _, _, verdict, rest = first.text
+    assert isinstance(verdict, Strong)
+    assert verdict.text + rest == computed.summary.loops[0].answer
+    assert re.fullmatch(r"Meets its spec: each of \d figures .* or more\. ", verdict.text)
+    assert "Set γ to " in rest
 
 
 def test_the_tables_hold_the_stored_figures(computed):

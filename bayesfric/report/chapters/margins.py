@@ -61,6 +61,8 @@ WORDS = {
     "cable_stretch": "stretch of the cable",
     "least_tension": "least tension of a side",
     "peak_tension": "peak tension of a side",
+    "sensitivity_peak": "peak of the sensitivity, Ms",
+    "complementary_peak": "peak of the complementary sensitivity, Mt",
 }
 SHOWN_UNITS = {
     "m": ("mm", 1e3),
@@ -94,7 +96,8 @@ def margins(found: MarginsFile) -> Iterator[Block]:
     """
     yield Heading(1, "Controller margins")
     for loop in found.loops:
-        yield Paragraph([Strong(loop.answer), " (", Code(loop.name), ")"])
+        verdict, stop, rest = loop.answer.partition(". ")
+        yield Paragraph([Code(loop.name), ": ", Strong(f"{verdict}{stop}"), rest])
     yield Paragraph(
         f"All figures are over {format_count(found.draws)} draws of a new assembly: the posterior "
         "of the friction law, the scatter between assemblies, and a difference between rigs of "
@@ -157,6 +160,8 @@ def _loop(loop: LoopMargins) -> Iterator[Block]:
     yield Heading(2, f"Loop {loop.name}")
     if loop.title:
         yield Paragraph(f"{loop.title}.")
+    if loop.plant is not None:
+        yield Paragraph(loop.plant.sentence)
     if loop.warnings:
         yield Notice("attention", f"{len(loop.warnings)} remarks to read before the numbers:")
         yield BulletList(list(loop.warnings))

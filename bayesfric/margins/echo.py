@@ -1,0 +1,51 @@
+"""What a loop file comes to at the motor's shaft, so that a forgotten gearbox shows."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.margins.describing import effective_damping, natural_frequency
+from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.loop_file import RevoluteJoint
+from bayesfric.margins.quantities import central
+from bayesfric.schemas import Plant
+
+__all__ = ["plant_of"]
+
+Array = NDArray[np.float64]
+
+
+def plant_of(shaft: LoopAtShaft) -> Plant:
+    """Return natural frequency, damping, ringing, inertias and ratios, medians of the draws."""
+    omega = natural_frequency(shaft)
+    ringing = np.sqrt(shaft.stiffness * (1 / shaft.load_inertia + 1 / shaft.motor_inertia))
+    zeta = effective_damping(shaft) / (2 * np.sqrt(shaft.kp * shaft.inertia))
+    joint = shaft.loop.joint
+    whole, way = (
+        (joint.transmission_rad_per_rad, "rad")
+        if isinstance(joint, RevoluteJoint)
+        else (joint.transmission_rad_per_m, "m")
+    )
+    found = {
+        "natural_frequency_hz": _median(omega) / (2 * np.pi),
+        "damping_ratio": _median(zeta),
+        "resonance_hz": _median(ringing) / (2 * np.pi),
+        "motor_inertia_kg_m2": _median(shaft.motor_inertia),
+        "load_inertia_kg_m2": _median(shaft.load_inertia),
+        "cable_m_per_rad": _median(shaft.cable_per_rad),
+        "tip_m_per_rad": _median(shaft.tip_per_rad),
+    }
+    sentence = (
+        f"At the motor's shaft: ω_n {found['natural_frequency_hz']:.3g} Hz, ζ "
+        f"{found['damping_ratio']:.2g}, both ends ring on the cable at {found['resonance_hz']:.3g} "
+        f"Hz; inertia of motor {found['motor_inertia_kg_m2']:.2g} and joint "
+        f"{found['load_inertia_kg_m2']:.2g} kg·m². A turn of the motor is "
+        f"1/{central(shaft.loop.drive.gearbox_ratio):.4g} of the capstan, "
+        f"{2e3 * np.pi * found['cable_m_per_rad']:.3g} mm of cable and "
+        f"{2e3 * np.pi * found['tip_m_per_rad']:.3g} mm at the tip; the joint has "
+        f"{central(whole):.4g} rad of it per {way}."
+    )
+    return Plant(**found, sentence=sentence)
+
+
+def _median(values: Array) -> float:
+    return float(np.median(values))

@@ -1,0 +1,216 @@
+"""What a fit leaves for machines that are not built yet: its draws, and how far rigs differ."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.special import ndtri
+
+from bayesfric.errors import Fault, InputError
+from bayesfric.inference.diagnostics import mean_ess
+from bayesfric.physics.friction import Coefficients
+from bayesfric.results import read_json, read_tree, refuse_mixed
+from bayesfric.schemas import ClaimsFile, FitFile, RecordingId
+
+__all__ = ["Posterior", "RigDiscrepancy", "read_posterior", "rig_discrepancy"]
+
+Array = NDArray[np.float64]
+
+MOST_DRAWS = 4000
+DEFAULT_DISCREPANCY = 0.05
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """Draws of the friction law.
+
+    Parameters
+    ----------
+    coefficients : mapping of str to Coefficients
+        By pulley size, arrays of shape (draws,).
+    omega : mapping of str to ndarray, shape (draws,)
+        Relative scatter of friction between assemblies, by pulley size.
+    effective_draws : float
+        Independent draws whose means would be as well known.
+    recording : RecordingId
+        The data behind them.
+    analysis_sha256 : str
+        The settings behind them.
+    created : str or None
+        Their date.
+    tested : mapping of str to mapping
+        Size to axis to the least and largest value at which friction was measured; empty
+        where the draws do not say.
+    informed : mapping of str to set of str
+        Size to the coefficients that the recording informs, likewise.
+    """
+
+    coefficients: Mapping[str, Coefficients]
+    omega: Mapping[str, Array]
+    effective_draws: float
+    recording: RecordingId
+    analysis_sha256: str
+    created: str | None
+    tested: Mapping[str, Mapping[str, tuple[float, float]]] = field(default_factory=dict)
+    informed: Mapping[str, frozenset[str]] = field(default_factory=dict)
+
+    @property
+    def count(self) -> int:
+        """Number of draws."""
+        return int(np.size(next(iter(self.coefficients.values())).c1))
+
+
+@dataclass(frozen=True)
+class RigDiscrepancy:
+    """How far one rig's friction may be from another's.
+
+    Parameters
+    ----------
+    sd : float
+        Relative standard deviation.
+    source : str
+        Where that comes from, in words.
+    """
+
+    sd: float
+    source: str
+
+
+def read_posterior(path: Path) -> Posterior:
+    """Read ``draws.nc``, thinned evenly to at most 4,000 draws.
+
+    Parameters
+    ----------
+    path : Path
+        What ``bayesfric fit`` wrote.
+
+    Raises
+    ------
+    InputError
+        The file is missing, is not netCDF, or has no draws of c1, c2 and c3.
+    """
+    tree = read_tree(path)
+    fit = path.with_name("fit.json")
+    if fit.is_file():
+        refuse_mixed(read_json(FitFile, fit), fit)
+    fault = Fault(path.name, "draws of a fit: c1, c2, c3 over chain, draw and pulley, and omega")
+    if "posterior" not in tree.children:
+        raise InputError([fault])
+    table = tree["posterior"].to_dataset()
+    omegas = {name: name for name in map(str, table.data_vars) if name.partition("[")[0] == "omega"}
+    dimensions = {"chain", "draw", "pulley"}
+    if not ({"c1", "c2", "c3"} <= set(table.data_vars) and dimensions <= set(table.sizes)):
+        raise InputError([fault])
+    if not omegas and "omega_motor" in table.data_vars:
+        omegas = {"omega": "omega_motor"}  # a fit of the motor board alone
+    if not omegas:
+        raise InputError([fault])
+    stride = max(1, -(-table.sizes["chain"] * table.sizes["draw"] // MOST_DRAWS))
+    thinned = table.isel(draw=slice(None, None, stride))
+
+    def flat(name: str, size: str) -> Array:
+        column = thinned[name]
+        column = column.sel(pulley=size) if "pulley" in column.dims else column
+        return np.asarray(column.transpose("chain", "draw").to_numpy(), dtype=np.float64).ravel()
+
+    sizes = [str(size) for size in table["pulley"].to_numpy()]
+    coefficients = {
+        size: Coefficients(*(flat(name, size) for name in Coefficients._fields)) for size in sizes
+    }
+    own = {size: f"omega[{size}]" if f"omega[{size}]" in omegas else "omega" for size in sizes}
+    omega = {size: flat(omegas.get(own[size], own[size]), size) for size in sizes}
+    values = [*omega.values(), *(np.asarray(c) for one in coefficients.values() for c in one)]
+    if not all(np.isfinite(one).all() for one in values):
+        raise InputError([Fault(path.name, "draws that are finite numbers")])
+    attributes = tree.attrs
+    return Posterior(
+        coefficients,
+        omega,
+        min(float(values[0].size), _effective(table)),
+        RecordingId(
+            name=str(attributes.get("recording.name", path.name)),
+            title=str(attributes.get("recording.title", "")),
+            sha256=str(attributes.get("recording.sha256", "")),
+        ),
+        str(attributes.get("analysis_sha256", "")),
+        str(attributes.get("created", "")) or None,
+        _tested(attributes),
+        {
+            str(key).removeprefix("informed."): frozenset(str(value).split())
+            for key, value in attributes.items()
+            if str(key).startswith("informed.")
+        },
+    )
+
+
+def _tested(attributes: Mapping[Any, Any]) -> dict[str, dict[str, tuple[float, float]]]:
+    """Return the tested ranges by size and axis, from the attributes of ``draws.nc``."""
+    found: dict[str, dict[str, tuple[float, float]]] = {}
+    for key, value in attributes.items():
+        head, _, rest = str(key).partition(".")
+        if head == "tested":
+            size, _, axis = rest.rpartition(".")
+            low, high = (float(one) for one in np.asarray(value, dtype=np.float64))
+            found.setdefault(size, {})[axis] = (low, high)
+    return found
+
+
+def _effective(table: xr.Dataset) -> float:
+    """Return the smallest effective number of draws of any coefficient."""
+    least = np.inf
+    ensemble = table["ensemble"].to_numpy() if "ensemble" in table.coords else np.zeros(1)
+    count = len(np.unique(ensemble))
+    for name in Coefficients._fields:
+        column = table[name].transpose("pulley", "chain", "draw").to_numpy()
+        chains, steps = column.shape[1:]
+        for one in column:
+            if steps < 20 or chains % count:
+                least = min(least, one.size)
+                continue
+            least = min(least, mean_ess(one.reshape(count, -1, steps).transpose(0, 2, 1)))
+    return float(least)
+
+
+def rig_discrepancy(folder: Path) -> RigDiscrepancy:
+    """Return how far rigs differ, from ``claims.json`` where that lies beside the draws.
+
+    The standard deviation is the rms of the difference between the boards' friction, over
+    pulley sizes and its posterior: boards that are alike by an uncertain calibration may
+    still differ.
+
+    Parameters
+    ----------
+    folder : Path
+        Of ``draws.nc``.
+
+    Raises
+    ------
+    InputError
+        ``claims.json`` is there and damaged.
+    """
+    if (folder / "claims.json").is_file():
+        for claim in read_json(ClaimsFile, folder / "claims.json").claims:
+            if claim.id == "rigs-agree" and "difference" in claim.figures:
+                return RigDiscrepancy(
+                    _rms_difference(claim.figures),
+                    "rms difference between the boards, by rigs-agree in claims.json",
+                )
+    return RigDiscrepancy(
+        DEFAULT_DISCREPANCY,
+        "no comparison of two boards lies beside the draws; 5 % is assumed, as the paper's "
+        "“within 5 % mostly, 10 % at most”",
+    )
+
+
+def _rms_difference(figures: Mapping[str, object]) -> float:
+    """Return the rms of the boards' relative difference, by size given with its quantiles."""
+    low, middle, high = (
+        np.array(list(by_size.values()))
+        for name in ("difference_q05", "difference", "difference_q95")
+        if isinstance(by_size := figures[name], dict)
+    )
+    return float(np.sqrt(np.mean(middle**2 + ((high - low) / (2 * ndtri(0.95))) ** 2)))

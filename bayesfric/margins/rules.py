@@ -1,0 +1,71 @@
+"""What each metric is: its unit, its place, which way a spec bounds it, and what goes with it."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+__all__ = ["HUNTING", "LINEAR", "PEAKS", "RULES", "TAUT", "Rule"]
+
+
+@dataclass(frozen=True)
+class Rule:
+    """What a metric is.
+
+    Parameters
+    ----------
+    name, unit, place : str
+        As in the schema.
+    sense : {"at least", "at most"}
+        Which way a spec bounds it.
+    spec : str
+        Key of the loop's spec; empty where none can be set.
+    note : str
+        A remark that always accompanies it.
+    """
+
+    name: str
+    unit: str
+    place: str
+    sense: Literal["at least", "at most"]
+    spec: str = ""
+    note: str = ""
+
+
+RULES = (
+    Rule("friction_nominal", "N", "cable", "at most", note="eq. (15) at the known tension"),
+    Rule("friction_recursive", "N", "cable", "at most", note="pulley by pulley"),
+    Rule("steady_error_servo", "m", "tool tip", "at most", "steady_error_max_m"),
+    Rule("lost_motion", "m", "tool tip", "at most", "lost_motion_max_m",
+         "behind the motor's encoder, one side; summed pulley by pulley"),
+    Rule("headroom_clip", "1", "motor", "at least", "headroom_clip_min",
+         "share of the clipped torque left in the fastest motion"),
+    Rule("headroom_continuous", "1", "motor", "at least", "headroom_continuous_min",
+         "share of the continuous torque left against friction and load"),
+    Rule("gamma_necessary", "1", "loop", "at least",
+         note="F/F̂: below it no compensator of the measured velocity keeps a damped loop swinging"),
+    Rule("gamma_hunting", "1", "loop", "at least"),
+    Rule("amplitude_margin", "rad", "motor", "at least", "amplitude_margin_min_rad",
+         "4F/(π ω_n |b_eff|), with the friction that compensation leaves"),
+    Rule("limit_cycle_amplitude", "rad", "motor", "at most"),
+    Rule("limit_cycle_frequency", "Hz", "motor", "at most"),
+    Rule("gain_margin", "1", "loop", "at least", "gain_margin_min", "as a factor, up or down"),
+    Rule("phase_margin", "rad", "loop", "at least", "phase_margin_min_rad"),
+    Rule("disk_margin", "1", "loop", "at least", "disk_margin_min"),
+    Rule("delay_margin", "s", "loop", "at least", "delay_margin_min_s"),
+    Rule("backdrive_force", "N", "tool tip", "at most", "backdrive_force_max_n",
+         "to break away with the motor off, against the load"),
+    Rule("smallest_step", "m", "tool tip", "at most", "smallest_step_max_m",
+         "command from rest without error that is sure to be followed"),
+    Rule("reversal_error", "m", "tool tip", "at most", "reversal_error_max_m",
+         "twice the stuck band of the servo and the lost motion"),
+    Rule("cable_stretch", "m", "tool tip", "at most", note="under the load, behind the encoder"),
+    Rule("least_tension", "N", "cable", "at least",
+         note="of a side in the fastest motion; below 0 it goes slack"),
+    Rule("peak_tension", "N", "cable", "at most", note="of a side in the fastest motion"),
+    Rule("sensitivity_peak", "1", "loop", "at most", note="Ms, the largest |1/(1 + L)|"),
+    Rule("complementary_peak", "1", "loop", "at most", note="Mt, the largest |L/(1 + L)|"),
+)  # fmt: skip
+HUNTING = ("gamma_hunting", "limit_cycle_amplitude", "limit_cycle_frequency")
+PEAKS = ("sensitivity_peak", "complementary_peak")
+LINEAR = ("gain_margin", "phase_margin", "disk_margin", "delay_margin", *PEAKS)
+TAUT = ("lost_motion", "reversal_error", "cable_stretch", *LINEAR)
+"""What is computed with both sides of a pair taut."""
