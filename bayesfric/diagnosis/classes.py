@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 ALIKE = 1 - 1e-4  # cosine between the responses of two effects that are one
 INNER = 1.0  # shapes so near the middle of their prior must have a double
 LEFT = 1e-4  # of an effect's response, squared: less, and the baseline takes it all
+BY_THE_RIG = "it only moves what is the rig's own, as a difference of its clocks"
 FELT = 1e-2  # squared signal over noise at one prior sd: less, and nobody could notice
 FINE = np.linspace(SHAPE_NODES[0], SHAPE_NODES[-1], 241)
 
@@ -101,7 +102,11 @@ def classes_of(model: LinearModel, psi: Array) -> Classes:
         if raw[inside].max() < FELT:
             left_out[name] = _absent(model, own[0])
         elif (felt[inside] < LEFT * raw[inside]).all():
-            absorbed.append(_absorbed(model, information, sd, places[inside[0]], name))
+            taken = _absorbed(model, information, sd, places[inside[0]], name)
+            if taken is None:
+                left_out[name] = BY_THE_RIG
+            else:
+                absorbed.append(taken)
         elif felt[inside].max() < FELT:
             left_out[name] = "no influence on the prediction"
         else:
@@ -139,8 +144,11 @@ def _phases_felt(model: LinearModel, own: Sequence[int]) -> bool:
 
 def _absorbed(
     model: LinearModel, information: Information, sd: Array, place: int, name: str
-) -> AbsorbedEffect:
-    """Return where the coefficients go that make good for one sd of an effect."""
+) -> AbsorbedEffect | None:
+    """Return where the coefficients go that make good for one sd of an effect.
+
+    None where no coefficient is free: what is the rig's own then takes it.
+    """
     count = model.layout.own * len(model.layout.sizes)
     inner = information.precision[:count, :count]
     width = sd[:count]
@@ -149,6 +157,8 @@ def _absorbed(
     moved = np.where(_is_coefficient(model), -moved, 0.0)
     share = np.abs(moved) / np.where(width > 0, width, 1.0)
     most = int(np.argmax(share))
+    if moved[most] == 0:
+        return None
     size = model.layout.sizes[most // model.layout.own]
     column = most % model.layout.own
     bias = float(moved[most] * model.scales[column])

@@ -13,10 +13,12 @@ from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis
 from bayesfric.diagnosis.acting import Acting, Law
+from bayesfric.diagnosis.baseline import data_of, fitted_baseline, held_coefficients
 from bayesfric.diagnosis.causes import causes_of, inclusion_of, known_of
 from bayesfric.diagnosis.checked import Checked, noise_checked
 from bayesfric.diagnosis.classes import classes_of
 from bayesfric.diagnosis.climbing import climb, curvature_at
+from bayesfric.diagnosis.examined import examinable, examined_effects, widened
 from bayesfric.diagnosis.forms import other_forms
 from bayesfric.diagnosis.held_out import Arms, measure_gap
 from bayesfric.diagnosis.law import law_of_diagnosis
@@ -39,19 +41,14 @@ from bayesfric.diagnosis.verdict import (
 )
 from bayesfric.diagnosis.weighing import Weighed, weigh
 from bayesfric.diagnosis.where import where_it_lies
-from bayesfric.effects import Effect, all_effects, with_priors
+from bayesfric.effects import Effect, with_priors
 from bayesfric.effects.candidates import Candidate, candidates_of
-from bayesfric.errors import Fault, InputError
 from bayesfric.paper import table1
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import Baseline
 from bayesfric.recording.tables import Recording
 from bayesfric.results import identified, json_bytes, provenance, replace_outputs, write_netcdf
-from bayesfric.rigs import all_rigs
-from bayesfric.rigs.coefficients import coefficient_name, law_of
-from bayesfric.rigs.data import Data
-from bayesfric.rigs.opening import beside_simulator, diagnosed_law, with_own_priors
-from bayesfric.schemas import Absorbed, Cause, DiagnosisFile, ExaminedEffect, RecordingId
+from bayesfric.rigs.opening import with_own_priors
+from bayesfric.schemas import Absorbed, Cause, DiagnosisFile, RecordingId
 from bayesfric.simulators import Simulator, SimulatorCalls
 
 __all__ = ["Diagnosed", "diagnose"]
@@ -171,7 +168,7 @@ def _diagnose(
     baseline: str,
     simulator: SimulatorCalls | None,
 ) -> tuple[DiagnosisFile, xr.DataTree]:
-    data, law = _data(recording, baseline, simulator)
+    data, law = data_of(recording, baseline, simulator)
     own = own_law_of(data)
     asked, analysis = analysis, with_own_priors(analysis, data.rigs)
     practical = analysis.diagnosis.practical_share
@@ -180,11 +177,11 @@ def _diagnose(
             size: Coefficients(row.c1.value, row.c2.value, row.c3.value)
             for size, row in table1().items()
         }
-    held = _held(fixed, data, shipped)
-    examined, lacking = _examinable(data, {effect.name: effect for effect in effects})
+    held = held_coefficients(fixed, data, shipped)
+    examined, lacking = examinable(data, {effect.name: effect for effect in effects})
     examined = with_priors(examined, analysis.priors.effects)
-    examined = {name: _widened(one, analysis) for name, one in examined.items()}
-    data, stray, laws, psi = _baseline(data, analysis, held, shipped, law)
+    examined = {name: widened(one, analysis) for name, one in examined.items()}
+    data, stray, laws, psi = fitted_baseline(data, analysis, held, shipped, law)
     candidates = [one for effect in examined.values() for one in candidates_of(effect)]
     first = LinearModel(data, laws, candidates, analysis, held | frozenset(law.without))
     first = squeezed(first, psi)
@@ -268,116 +265,12 @@ def _diagnose(
         ),
         where=where,
         gap=gap,
-        effects=_examined(found, first_found, sorted({**examined, **lacking}), lacking),
+        effects=examined_effects(found, first_found, sorted({**examined, **lacking}), lacking),
         next_experiment=proposals,
         next_experiment_why=no_proposal,
     )
     amplitudes = {name: posterior.amplitudes[name] for name in named}
     return summary, curves_of(held_out, amplitudes, posterior.law)
-
-
-def _data(
-    recording: Recording, baseline: str, simulator: SimulatorCalls | None
-) -> tuple[Data, Baseline]:
-    opened = [rig.trials(recording) for rig in all_rigs().values()]
-    there = [one for one in opened if one is not None]
-    if simulator is not None:
-        there = beside_simulator(there, simulator)
-    law = diagnosed_law(baseline, there)
-    rigs = tuple(one.under(law).entering() for one in there)
-    data = Data(tuple(one for one in rigs if not one.table.empty))
-    if not data.rigs:
-        names = " or ".join(rig.words.trial for rig in all_rigs().values())
-        raise InputError([Fault(recording.name, f"a {names} to diagnose")])
-    return data, law
-
-
-def _examinable(
-    data: Data, own: Mapping[str, Effect]
-) -> tuple[dict[str, Effect], dict[str, tuple[str, ...]]]:
-    """Return the effects that the rigs can have, in their measures, and what others lack.
-
-    An effect of the user's own is in the user's measures already; one that several rigs
-    share is in those that it was described in.
-    """
-    offered: frozenset[str] = frozenset().union(*(one.offers for one in data.rigs))
-    examined: dict[str, Effect] = {}
-    lacking: dict[str, tuple[str, ...]] = {}
-    for name, effect in sorted({**all_effects(None), **own}.items()):
-        if missing := effect.needs - offered:
-            lacking[name] = tuple(sorted(missing))
-        elif name in own or len(data.rigs) > 1:
-            examined[name] = effect
-        else:
-            examined[name] = data.rigs[0].suited(effect)
-    return examined, lacking
-
-
-def _widened(effect: Effect, analysis: Analysis) -> Effect:
-    """Return an effect whose amplitude's prior is as wide as the user wants it."""
-    factor = analysis.diagnosis.widths.get(effect.name, 1.0)
-    prior = effect.amplitude.prior
-    if factor == 1.0:
-        return effect
-    if prior.width is None:
-        raise InputError(
-            [Fault("analysis.toml", "an effect whose prior has a width", column=effect.name)]
-        )
-    return replace(effect, amplitude=replace(effect.amplitude, prior=prior.widened(factor)))
-
-
-def _baseline(
-    data: Data,
-    analysis: Analysis,
-    fixed: frozenset[str],
-    shipped: Mapping[str, Coefficients],
-    law: Baseline,
-) -> tuple[Data, tuple[str, ...], dict[str, Coefficients], Array]:
-    """Fit the law, leave out trials that stray, and fit again.
-
-    Returns
-    -------
-    data : Data
-        Without strays.
-    stray : tuple of str
-        Their ids.
-    laws : dict of str to Coefficients
-        Of each size.
-    psi : ndarray
-        Logarithms of the noise.
-    """
-    laws = _rough_laws(data, analysis, law)
-    for size, own in shipped.items():
-        if size in laws:
-            names = set(Coefficients._fields) - set(law.without)
-            kept = [
-                f in names and bool({f, coefficient_name(f, size)} & fixed)
-                for f in Coefficients._fields
-            ]
-            laws[size] = Coefficients(
-                *(s if k else r for s, r, k in zip(own, laws[size], kept, strict=True))
-            )
-    stray: tuple[str, ...] = ()
-    psi: Array | None = None
-    for last in (False, True):
-        model = LinearModel(data, laws, (), analysis, fixed | frozenset(law.without))
-        at = climb(model, model.start if psi is None else psi, Acting())
-        psi, laws = at.psi, model.fitted_laws(at)
-        if not last:
-            stray = tuple(name for one in data.rigs for name in one.linear(laws).strays())
-            left = (one.select(~one.table["trial"].isin(stray)) for one in data.rigs)
-            data = Data(tuple(one for one in left if one is not None)) if stray else data
-    assert psi is not None
-    return data, stray, laws, psi
-
-
-def _rough_laws(data: Data, analysis: Analysis, law: Baseline) -> dict[str, Coefficients]:
-    """Return laws by plain least squares, without what the law lacks."""
-    start: dict[str, float] = {}
-    for one in reversed(data.rigs):
-        start |= one.likelihood(analysis, law).start()
-    none = dict.fromkeys(law.without, 0.0)
-    return {size: law_of(start, size)._replace(**none) for size in data.sizes}
 
 
 def _first_look(model: LinearModel, psi: Array) -> Search:
@@ -458,56 +351,3 @@ def _arms(
     )
     shipped_here = {size: shipped[size] for size in model.layout.sizes if size in shipped}
     return Arms(plain, known, psi[: len(model.noise)], causes, shipped_here if complete else None)
-
-
-def _held(
-    fixed: Collection[str], data: Data, shipped: Mapping[str, Coefficients]
-) -> frozenset[str]:
-    known = set(Coefficients._fields) | {
-        coefficient_name(f, size) for f in Coefficients._fields for size in data.sizes
-    }
-    faults = [
-        Fault("command line", f"one of {', '.join(sorted(known))}", column="--fixed", value=name)
-        for name in fixed
-        if name not in known
-    ]
-    for name in fixed:
-        sizes = [name.partition("[")[2].rstrip("]")] if "[" in name else list(data.sizes)
-        faults += [
-            Fault("command line", f"a shipped value of size {size}", column="--fixed", value=name)
-            for size in sizes
-            if name in known and size not in shipped
-        ]
-    if faults:
-        raise InputError(faults)
-    return frozenset(fixed)
-
-
-def _examined(
-    found: Search, first: Search, names: list[str], lacking: Mapping[str, tuple[str, ...]]
-) -> tuple[ExaminedEffect, ...]:
-    absorbed = {one.effect for one in found.classes.absorbed}
-    stands = {name: members[0] for members in found.classes.members for name in members}
-    listed = []
-    for name in names:
-        value, bound = None, False
-        why, needs = found.classes.left_out.get(name), lacking.get(name, ())
-        if needs:
-            why = f"absent from these data: it needs what no rig here has ({', '.join(needs)})"
-        if name in absorbed:
-            why = "it only moves a parameter of the baseline"
-        elif name in stands:
-            own = stands[name]
-            source = found if own in found.weighed else first
-            value = (source.weighed[own].log_evidence - source.weighed[NONE].log_evidence) / LN10
-            bound = source.weighed[own].bound
-        listed.append(
-            ExaminedEffect(
-                effect=name,
-                log10_bayes_factor=value,
-                log10_bayes_factor_why=why,
-                bound=bound,
-                needs=needs,
-            )
-        )
-    return tuple(listed)

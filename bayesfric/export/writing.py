@@ -20,7 +20,7 @@ MJCF = """<!-- Friction of {name}, calibrated and diagnosed by bayesfric. Causes
     <body name="moving">
       <joint name="joint" type="{kind}" axis="0 0 1" frictionloss="{frictionloss:.9g}"
              damping="{damping:.9g}" solreffriction="0.002 1"/>
-      <inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+      <inertial pos="0 0 0" mass="{mass:.9g}" diaginertia="{mass:.9g} {mass:.9g} {mass:.9g}"/>
     </body>
   </worldbody>
 </mujoco>
@@ -31,8 +31,9 @@ URDF = """<!-- Friction of {name}, calibrated and diagnosed by bayesfric. Causes
 <robot name="{name}">
   <link name="base"/>
   <link name="moving">
-    <inertial><mass value="1"/>
-      <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <inertial><mass value="{mass:.9g}"/>
+      <inertia ixx="{mass:.9g}" iyy="{mass:.9g}" izz="{mass:.9g}" ixy="0" ixz="0" iyz="0"/>
+    </inertial>
   </link>
   <joint name="joint" type="{kind}">
     <parent link="base"/><child link="moving"/><axis xyz="0 0 1"/>
@@ -40,8 +41,9 @@ URDF = """<!-- Friction of {name}, calibrated and diagnosed by bayesfric. Causes
   </joint>
 </robot>
 """
+PLACEHOLDER = "The mass is a placeholder of 1."
 LACKING = (
-    "The mass is a placeholder of 1. Not in this format: dependence on tension, pulleys and wrap "
+    "Not in this format: dependence on tension, pulleys and wrap "
     "angle, any curve in speed, and scatter."
 )
 
@@ -73,12 +75,14 @@ def _json(law: StoredLaw) -> str:
 
 def _of_bodies(template: str, turning: str, sliding: str) -> Callable[[StoredLaw], str]:
     def text(law: StoredLaw) -> str:
-        joint = joint_friction(law)
+        joint, masses = joint_friction(law), law.draws.get("mass")
+        mass = 1.0 if masses is None else float(np.mean(masses))
         return template.format(
             name=_attribute(law.name),
             causes=", ".join(one.effect for one in law.causes) or "none",
             said=joint.said,
-            lacking=LACKING,
+            lacking=f"{PLACEHOLDER} {LACKING}" if masses is None else LACKING,
+            mass=mass,
             kind=turning if law.unit != "N" else sliding,
             frictionloss=joint.frictionloss,
             damping=joint.damping,

@@ -69,7 +69,8 @@ def _mode(model: Model, recording: str) -> Laplace:
     vanished = [
         parameter.name
         for parameter, value in zip(model.parameters, model.natural(laplace.mode), strict=True)
-        if parameter.kind == "noise" and value < EXACT * float(quantile(parameter.prior, 0.5))
+        # What may have either sign, as a difference of clocks, is no size that could vanish.
+        if parameter.kind == "noise" and abs(value) < EXACT * float(quantile(parameter.prior, 0.5))
     ]
     if vanished:
         raise InputError([Fault(recording, f"{SCATTER} ({', '.join(vanished)} vanishes)")])

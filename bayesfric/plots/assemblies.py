@@ -15,7 +15,7 @@ __all__ = ["assemblies_left_out", "has_assemblies"]
 
 NORMAL_90 = 1.6449  # half the width of a standard normal's 90 % interval
 NAMED = 6  # far assemblies that carry their name
-CROWDED = 12  # conditions beyond which their names stand upright
+CROWDED = 6  # conditions beyond which their names stand upright
 CELL = ("n_pulleys", "wrap_angle_deg")
 
 

@@ -15,6 +15,7 @@ from bayesfric.analysis import Analysis, Sampler
 from bayesfric.cli import app
 from bayesfric.export import export_text, read_law
 from bayesfric.export.joint_friction import joint_friction
+from bayesfric.export.stored_law import StoredLaw
 
 SHORT = Analysis(seed=3, sampler=Sampler(burn=30, steps=60, thin=3))
 SPEEDS = np.array([0.1, 0.5, 1.0, 2.0])
@@ -50,6 +51,24 @@ def test_mujoco_reproduces_the_points_that_were_held_back(stored):
     stated = np.hypot(law.noise, joint_friction(law).error_rms)
     assert np.sqrt(np.mean(np.square(off))) < 1.5 * stated
     assert stated < 0.03 * 11  # a per cent of scatter, and 0.03 N m
+
+
+def test_mujoco_moves_an_axis_as_its_law_does():
+    """A mass of 2 kg, 1.5 N and 0.8 N s/m under 4 N: what the law would be, by a closed form."""
+    speed = np.linspace(0.05, 0.6, 40)
+    places = {"velocity": speed}
+    law = StoredLaw(
+        "axis", "paper", "N", {}, {"mass": [1.9, 2.1]}, (), places, 1.5 + 0.8 * speed, 0.01
+    )
+    model = mujoco.MjModel.from_xml_string(export_text(law, "mjcf"))
+    assert model.jnt_type[0] == mujoco.mjtJoint.mjJNT_SLIDE
+    data = mujoco.MjData(model)
+    data.qfrc_applied[0] = 4.0
+    while data.time < 0.5:
+        mujoco.mj_step(model, data)
+    expected = (4.0 - 1.5) / 0.8 * -np.expm1(-0.8 / 2.0 * data.time)
+    assert data.qvel[0] == pytest.approx(expected, rel=2e-3)
+    assert "placeholder" not in export_text(law, "mjcf")
 
 
 def test_the_python_file_is_the_law_and_stands_alone(stored):

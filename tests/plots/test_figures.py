@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 from matplotlib.collections import LineCollection
 
+from bayesfric.plots.assemblies import assemblies_left_out
 from bayesfric.plots.labels import ordered_sizes, parameter_label, plain
 from bayesfric.plots.posterior import coefficient_pairs, coefficients_relative_to_paper
 from bayesfric.plots.ranks import rank_histograms
@@ -160,3 +161,31 @@ def test_names_hold_no_markup():
 def test_a_size_of_the_users_own_looks_like_no_other():
     looks = size_styles(["small", "medium", "large", "lab", "bench"])
     assert len({(look.color, look.marker) for look in looks.values()}) == 5
+
+
+def test_assemblies_stand_at_their_scores_over_their_rank_and_condition():
+    """Of three made-up assemblies, one of them far out and named."""
+    table = xr.Dataset(
+        {
+            "z": ("assembly", [-0.5, 0.2, 3.4]),
+            "expected": (("assembly", "quantile"), [[-2, -0.8, 0.1], [-1, 0, 1], [-0.1, 0.8, 2]]),
+            "far": 3.0,
+            "pit_difference": ("probability", [0.1, -0.1]),
+            "pit_band": (("end", "probability"), [[-0.4, -0.4], [0.4, 0.4]]),
+            "pulley_size": ("assembly", ["large", "small", "small"]),
+            "n_pulleys": ("assembly", [9, 9, 5]),
+            "wrap_angle_deg": ("assembly", [85.0, 85.0, 135.0]),
+        },
+        coords={"assembly": ["s1", "s2", "s3"], "probability": [0.3, 0.6]},
+    )
+    words = {"rig": "gravity", "title": "gravity board", "trial": "trial", "trials": "trials"}
+    trials = xr.Dataset(attrs={**words, "id": "trial"})
+    tree = xr.DataTree.from_dict({"trials": trials, "trial_assemblies": table})
+    distribution, ranked, by_condition = assemblies_left_out(tree).axes
+    assert distribution.lines[-1].get_ydata().tolist() == [0.1, -0.1]
+    assert ranked.lines[-1].get_xydata().tolist() == [[-0.8, -0.5], [0.0, 0.2], [0.8, 3.4]]
+    cells = [text.get_text() for text in by_condition.get_xticklabels()]
+    assert cells == ["small 5, 135", "small 9, 85", "large 9, 85"]
+    points = {tuple(p) for line in by_condition.lines[2:] for p in line.get_xydata().tolist()}
+    assert points == {(0.0, 3.4), (1.0, 0.2), (2.0, -0.5)}
+    assert [text.get_text() for text in by_condition.texts] == ["s3"]

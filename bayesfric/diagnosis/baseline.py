@@ -1,0 +1,131 @@
+"""Which trials are diagnosed, and the law that is fitted to them before any effect acts."""
+
+from collections.abc import Collection, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Analysis
+from bayesfric.diagnosis.acting import Acting
+from bayesfric.diagnosis.climbing import climb
+from bayesfric.diagnosis.model import LinearModel
+from bayesfric.errors import Fault, InputError
+from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.laws import Baseline
+from bayesfric.recording.tables import Recording
+from bayesfric.rigs import all_rigs
+from bayesfric.rigs.coefficients import coefficient_name, law_of
+from bayesfric.rigs.data import Data
+from bayesfric.rigs.opening import beside_simulator, diagnosed_law
+from bayesfric.simulators import SimulatorCalls
+
+__all__ = ["data_of", "fitted_baseline", "held_coefficients"]
+
+Array = NDArray[np.float64]
+
+
+def data_of(
+    recording: Recording, baseline: str, simulator: SimulatorCalls | None
+) -> tuple[Data, Baseline]:
+    """Return the trials that enter a diagnosis, and the law by its name.
+
+    Raises
+    ------
+    InputError
+        There is no rig to diagnose, or the law is unknown.
+    """
+    opened = [rig.trials(recording) for rig in all_rigs().values()]
+    there = [one for one in opened if one is not None]
+    if simulator is not None:
+        there = beside_simulator(there, simulator)
+    law = diagnosed_law(baseline, there)
+    rigs = tuple(one.under(law).entering() for one in there)
+    data = Data(tuple(one for one in rigs if not one.table.empty))
+    if not data.rigs:
+        names = " or ".join(rig.words.trial for rig in all_rigs().values())
+        raise InputError([Fault(recording.name, f"a {names} to diagnose")])
+    return data, law
+
+
+def fitted_baseline(
+    data: Data,
+    analysis: Analysis,
+    fixed: frozenset[str],
+    shipped: Mapping[str, Coefficients],
+    law: Baseline,
+) -> tuple[Data, tuple[str, ...], dict[str, Coefficients], Array]:
+    """Fit the law, leave out trials that stray, and fit again.
+
+    Returns
+    -------
+    data : Data
+        Without strays.
+    stray : tuple of str
+        Their ids.
+    laws : dict of str to Coefficients
+        Of each size.
+    psi : ndarray
+        Logarithms of the noise.
+    """
+    laws = _rough_laws(data, analysis, law)
+    for size, own in shipped.items():
+        if size in laws:
+            names = set(Coefficients._fields) - set(law.without)
+            kept = [
+                f in names and bool({f, coefficient_name(f, size)} & fixed)
+                for f in Coefficients._fields
+            ]
+            laws[size] = Coefficients(
+                *(s if k else r for s, r, k in zip(own, laws[size], kept, strict=True))
+            )
+    stray: tuple[str, ...] = ()
+    psi: Array | None = None
+    for last in (False, True):
+        model = LinearModel(data, laws, (), analysis, fixed | frozenset(law.without))
+        at = climb(model, model.start if psi is None else psi, Acting())
+        psi, laws = at.psi, model.fitted_laws(at)
+        if not last:
+            stray = tuple(name for one in data.rigs for name in one.linear(laws).strays())
+            left = (one.select(~one.table["trial"].isin(stray)) for one in data.rigs)
+            data = Data(tuple(one for one in left if one is not None)) if stray else data
+    assert psi is not None
+    return data, stray, laws, psi
+
+
+def _rough_laws(data: Data, analysis: Analysis, law: Baseline) -> dict[str, Coefficients]:
+    """Return laws by plain least squares, without what the law lacks."""
+    start: dict[str, float] = {}
+    for one in reversed(data.rigs):
+        start |= one.likelihood(analysis, law).start()
+    none = dict.fromkeys(law.without, 0.0)
+    return {size: law_of(start, size)._replace(**none) for size in data.sizes}
+
+
+def held_coefficients(
+    fixed: Collection[str], data: Data, shipped: Mapping[str, Coefficients]
+) -> frozenset[str]:
+    """Return the coefficients that are held at their shipped values.
+
+    Raises
+    ------
+    InputError
+        A coefficient is unknown, or has no shipped value.
+    """
+    known = set(Coefficients._fields) | {
+        coefficient_name(f, size) for f in Coefficients._fields for size in data.sizes
+    }
+    faults = [
+        Fault("command line", f"one of {', '.join(sorted(known))}", column="--fixed", value=name)
+        for name in fixed
+        if name not in known
+    ]
+    for name in fixed:
+        sizes = [name.partition("[")[2].rstrip("]")] if "[" in name else list(data.sizes)
+        faults += [
+            Fault("command line", f"a shipped value of size {size}", column="--fixed", value=name)
+            for size in sizes
+            if name in known and size not in shipped
+        ]
+    if faults:
+        raise InputError(faults)
+    return frozenset(fixed)

@@ -1,0 +1,82 @@
+"""Which effects are examined, and what is said of each of them."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from bayesfric.analysis import Analysis
+from bayesfric.diagnosis.search import NONE, Search
+from bayesfric.effects import Effect, all_effects
+from bayesfric.errors import Fault, InputError
+from bayesfric.rigs.data import Data
+from bayesfric.schemas import ExaminedEffect
+
+__all__ = ["examinable", "examined_effects", "widened"]
+
+LN10 = float(np.log(10))
+
+
+def examinable(
+    data: Data, own: Mapping[str, Effect]
+) -> tuple[dict[str, Effect], dict[str, tuple[str, ...]]]:
+    """Return the effects that the rigs can have, in their measures, and what others lack.
+
+    An effect of the user's own is in the user's measures already; one that several rigs
+    share is in those that it was described in.
+    """
+    offered: frozenset[str] = frozenset().union(*(one.offers for one in data.rigs))
+    examined: dict[str, Effect] = {}
+    lacking: dict[str, tuple[str, ...]] = {}
+    for name, effect in sorted({**all_effects(None), **own}.items()):
+        if missing := effect.needs - offered:
+            lacking[name] = tuple(sorted(missing))
+        elif name in own or len(data.rigs) > 1:
+            examined[name] = effect
+        else:
+            examined[name] = data.rigs[0].suited(effect)
+    return examined, lacking
+
+
+def widened(effect: Effect, analysis: Analysis) -> Effect:
+    """Return an effect whose amplitude's prior is as wide as the user wants it."""
+    factor = analysis.diagnosis.widths.get(effect.name, 1.0)
+    prior = effect.amplitude.prior
+    if factor == 1.0:
+        return effect
+    if prior.width is None:
+        raise InputError(
+            [Fault("analysis.toml", "an effect whose prior has a width", column=effect.name)]
+        )
+    return replace(effect, amplitude=replace(effect.amplitude, prior=prior.widened(factor)))
+
+
+def examined_effects(
+    found: Search, first: Search, names: list[str], lacking: Mapping[str, tuple[str, ...]]
+) -> tuple[ExaminedEffect, ...]:
+    """Return what is said of each effect: its Bayes factor against the baseline, or why not."""
+    absorbed = {one.effect for one in found.classes.absorbed}
+    stands = {name: members[0] for members in found.classes.members for name in members}
+    listed = []
+    for name in names:
+        value, bound = None, False
+        why, needs = found.classes.left_out.get(name), lacking.get(name, ())
+        if needs:
+            why = f"absent from these data: it needs what no rig here has ({', '.join(needs)})"
+        if name in absorbed:
+            why = "it only moves a parameter of the baseline"
+        elif name in stands:
+            own = stands[name]
+            source = found if own in found.weighed else first
+            value = (source.weighed[own].log_evidence - source.weighed[NONE].log_evidence) / LN10
+            bound = source.weighed[own].bound
+        listed.append(
+            ExaminedEffect(
+                effect=name,
+                log10_bayes_factor=value,
+                log10_bayes_factor_why=why,
+                bound=bound,
+                needs=needs,
+            )
+        )
+    return tuple(listed)
