@@ -15,7 +15,10 @@ CHOSEN = (0, 1, 2)
 def test_a_few_agree_with_the_evidence():
     recorded = {case["seed"]: case for case in evidence.read("joints")["cases"]}
     for seed in CHOSEN:
-        assert joints.case(seed) == pytest.approx(recorded[seed], rel=1e-6)
+        now, then = joints.case(seed), recorded[seed]
+        for one in (now, then):
+            one |= {f"cycle {name}": value for name, value in (one.pop("cycle") or {}).items()}
+        assert now == pytest.approx(then, rel=1e-6)
 
 
 @pytest.mark.long
