@@ -13,7 +13,7 @@ help:
 	@echo 'make test-nightly  cases of the campaigns again, compared with reports/evidence/; an hour'
 	@echo 'make test-long     the campaigns, hours; results in reports/evidence/'
 	@echo 'make fuzz          altered files for ten minutes, from where it stopped'
-	@echo 'make bench         speed, held against what the project promises'
+	@echo 'make bench         speed, held against what the project promises and beside other samplers'
 	@echo 'make clean         remove caches, builds and reports/latest/ (and keep $(VENV)/)'
 	@echo
 	@echo 'All of them set up $(VENV)/ first (VENV=… for another), with the first of python3.13,'
@@ -48,8 +48,15 @@ test-long: setup
 fuzz: setup
 	PYTHONPATH=tests $(python) -m fuzzing.campaign
 
+# Peers live in an environment of their own, and never in the project's.
+PEERS ?= build/peers
+REPEATS ?= 3
+
 bench: setup
 	$(python) -m pytest -m bench
+	@test -x "$(PEERS)/bin/python" || $(python) -m venv "$(PEERS)"
+	"$(PEERS)/bin/python" -m pip install -q -r tests/benchmark/peers.txt
+	PYTHONPATH=tests REPEATS="$(REPEATS)" $(python) -m benchmark "$(PEERS)/bin/python"
 
 clean:
 	rm -rf build dist docs/_build reports/latest .mypy_cache .pytest_cache .ruff_cache .hypothesis

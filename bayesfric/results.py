@@ -33,6 +33,7 @@ __all__ = [
     "created_date",
     "draws_tree",
     "fitted_coefficients",
+    "fitted_numbers",
     "identified",
     "json_bytes",
     "package_versions",
@@ -368,9 +369,19 @@ def fitted_coefficients(folder: Path) -> dict[str, Coefficients]:
     InputError
         There is no fit, or its files are of two runs.
     """
+    means = fitted_numbers(folder)
+    sizes = read_json(FitFile, folder / "fit.json").pulleys or (NO_PULLEY,)
+    return {size: law_of(means, size) for size in sizes}
+
+
+def fitted_numbers(folder: Path) -> dict[str, float]:
+    """Return the posterior means of a stored fit, by name: ``c1[small]``, ``mass``.
+
+    Parameters and errors are those of :func:`fitted_coefficients`.
+    """
     fit = read_json(FitFile, folder / "fit.json")
     refuse_mixed(fit, folder / "fit.json")
     means = {name: entry.mean for name, entry in fit.parameters.items()}
     for size, entries in fit.pulleys.items():
         means |= {coefficient_name(name, size): entry.mean for name, entry in entries.items()}
-    return {size: law_of(means, size) for size in fit.pulleys or (NO_PULLEY,)}
+    return means

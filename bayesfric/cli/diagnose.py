@@ -29,7 +29,7 @@ def diagnose(
     ] = None,
     fixed: Annotated[
         str,
-        typer.Option("--fixed", help="Held at their shipped values, as in c3,c1[small]."),
+        typer.Option("--fixed", help="Held at their shipped values, as in c3,c1[small], or mass."),
     ] = "",
     effect_module: Annotated[
         list[Path] | None,
@@ -90,7 +90,7 @@ def diagnose_into(
     from bayesfric.diagnosis import diagnose as diagnose_recording
     from bayesfric.effects import effect_of_file
     from bayesfric.recording import read_recording
-    from bayesfric.results import fitted_coefficients
+    from bayesfric.results import fitted_numbers
     from bayesfric.testing import checked
 
     effects = [checked(effect_of_file(path), path) for path in effect_modules or []]
@@ -103,7 +103,7 @@ def diagnose_into(
             analysis,
             fixed=[name.strip() for name in fixed.split(",") if name.strip()],
             effects=effects,
-            shipped=None if shipped is None else fitted_coefficients(shipped),
+            shipped=None if shipped is None else fitted_numbers(shipped),
             baseline=baseline,
             simulator=simulator,
             executor=executor,

@@ -1,6 +1,6 @@
 """Which trials are diagnosed, and the law that is fitted to them before any effect acts."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from bayesfric.rigs.data import Data
 from bayesfric.rigs.opening import beside_simulator, diagnosed_law
 from bayesfric.simulators import SimulatorCalls
 
-__all__ = ["data_of", "fitted_baseline", "held_coefficients"]
+__all__ = ["data_of", "fitted_baseline"]
 
 Array = NDArray[np.float64]
 
@@ -99,33 +99,3 @@ def _rough_laws(data: Data, analysis: Analysis, law: Baseline) -> dict[str, Coef
         start |= one.likelihood(analysis, law).start()
     none = dict.fromkeys(law.without, 0.0)
     return {size: law_of(start, size)._replace(**none) for size in data.sizes}
-
-
-def held_coefficients(
-    fixed: Collection[str], data: Data, shipped: Mapping[str, Coefficients]
-) -> frozenset[str]:
-    """Return the coefficients that are held at their shipped values.
-
-    Raises
-    ------
-    InputError
-        A coefficient is unknown, or has no shipped value.
-    """
-    known = set(Coefficients._fields) | {
-        coefficient_name(f, size) for f in Coefficients._fields for size in data.sizes
-    }
-    faults = [
-        Fault("command line", f"one of {', '.join(sorted(known))}", column="--fixed", value=name)
-        for name in fixed
-        if name not in known
-    ]
-    for name in fixed:
-        sizes = [name.partition("[")[2].rstrip("]")] if "[" in name else list(data.sizes)
-        faults += [
-            Fault("command line", f"a shipped value of size {size}", column="--fixed", value=name)
-            for size in sizes
-            if name in known and size not in shipped
-        ]
-    if faults:
-        raise InputError(faults)
-    return frozenset(fixed)

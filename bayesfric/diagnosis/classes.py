@@ -21,6 +21,7 @@ INNER = 1.0  # shapes so near the middle of their prior must have a double
 LEFT = 1e-4  # of an effect's response, squared: less, and the baseline takes it all
 BY_THE_RIG = "it only moves what is the rig's own, as a difference of its clocks"
 FELT = 1e-2  # squared signal over noise at one prior sd: less, and nobody could notice
+MISSED = 10.0  # the same: more, and what is left of it shows, however little that is of it
 FINE = np.linspace(SHAPE_NODES[0], SHAPE_NODES[-1], 241)
 
 
@@ -101,7 +102,7 @@ def classes_of(model: LinearModel, psi: Array) -> Classes:
         inside = [columns.index(place) for place in own]
         if raw[inside].max() < FELT:
             left_out[name] = _absent(model, own[0])
-        elif (felt[inside] < LEFT * raw[inside]).all():
+        elif (felt[inside] < LEFT * raw[inside]).all() and felt[inside].max() < MISSED:
             taken = _absorbed(model, information, sd, places[inside[0]], name)
             if taken is None:
                 left_out[name] = BY_THE_RIG

@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis
 from bayesfric.diagnosis.acting import Acting, Law
-from bayesfric.diagnosis.baseline import data_of, fitted_baseline, held_coefficients
+from bayesfric.diagnosis.baseline import data_of, fitted_baseline
 from bayesfric.diagnosis.causes import causes_of, inclusion_of, known_of
 from bayesfric.diagnosis.checked import Checked, noise_checked
 from bayesfric.diagnosis.classes import classes_of
@@ -27,6 +27,7 @@ from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.remainder import remainder_of
 from bayesfric.diagnosis.residuals import residuals_of
 from bayesfric.diagnosis.search import NONE, UNKNOWN, Search, compare, search
+from bayesfric.diagnosis.shipped import Shipped, held_of, shipped_of
 from bayesfric.diagnosis.simulated import own_law_of, simulator_used
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.stored import curves_of, gap_of
@@ -43,7 +44,6 @@ from bayesfric.diagnosis.weighing import Weighed, weigh
 from bayesfric.diagnosis.where import where_it_lies
 from bayesfric.effects import Effect, with_priors
 from bayesfric.effects.candidates import Candidate, candidates_of
-from bayesfric.paper import table1
 from bayesfric.physics.friction import Coefficients
 from bayesfric.recording.tables import Recording
 from bayesfric.results import identified, json_bytes, provenance, replace_outputs, write_netcdf
@@ -107,7 +107,7 @@ def diagnose(
     *,
     fixed: Collection[str] = (),
     effects: Collection[Effect] = (),
-    shipped: Mapping[str, Coefficients] | None = None,
+    shipped: Shipped | None = None,
     baseline: str = "paper",
     simulator: Simulator | str | None = None,
     executor: Executor | None = None,
@@ -122,12 +122,13 @@ def diagnose(
     analysis : Analysis or None
         Priors, rules and seed; None for the defaults.
     fixed : collection of str
-        Coefficients that are held at their shipped values, as ``c3`` or ``c3[small]``.
+        Numbers that are held at their shipped values, as ``c3``, ``c3[small]`` or ``mass``.
     effects : collection of Effect
         Effects of the user's own, examined beside those of :mod:`bayesfric.effects`; one
         of the same name takes the other's place.
-    shipped : mapping of str to Coefficients, or None
-        The simulator's values as it was shipped, by pulley size; None is Table I.
+    shipped : mapping of str to Coefficients or to float, or None
+        The simulator's values as it was shipped: laws by pulley size, or numbers by name as
+        ``fit.json`` has them, say ``mass``; None is Table I.
     baseline : str
         The friction law, a name in :data:`bayesfric.physics.laws.BASELINES`.
     simulator : Simulator, str or None
@@ -164,7 +165,7 @@ def _diagnose(
     analysis: Analysis,
     fixed: Collection[str],
     effects: Collection[Effect],
-    shipped: Mapping[str, Coefficients] | None,
+    shipped: Shipped | None,
     baseline: str,
     simulator: SimulatorCalls | None,
 ) -> tuple[DiagnosisFile, xr.DataTree]:
@@ -172,16 +173,12 @@ def _diagnose(
     own = own_law_of(data)
     asked, analysis = analysis, with_own_priors(analysis, data.rigs)
     practical = analysis.diagnosis.practical_share
-    if shipped is None:
-        shipped = {
-            size: Coefficients(row.c1.value, row.c2.value, row.c3.value)
-            for size, row in table1().items()
-        }
-    held = held_coefficients(fixed, data, shipped)
+    law_shipped = shipped_of(shipped, data)
+    held = held_of(fixed, data, law_shipped)
     examined, lacking = examinable(data, {effect.name: effect for effect in effects})
     examined = with_priors(examined, analysis.priors.effects)
     examined = {name: widened(one, analysis) for name, one in examined.items()}
-    data, stray, laws, psi = fitted_baseline(data, analysis, held, shipped, law)
+    data, stray, laws, psi = fitted_baseline(data, analysis, held, law_shipped, law)
     candidates = [one for effect in examined.values() for one in candidates_of(effect)]
     first = LinearModel(data, laws, candidates, analysis, held | frozenset(law.without))
     first = squeezed(first, psi)
@@ -203,7 +200,7 @@ def _diagnose(
     together = sets_of_one(chances, known, named)
     of_causes = [one for one in known if one.effect in named]
     verdict, chance = decide(chances, of_causes, above, together)
-    arms = _arms(model, found, best, named, settled.psi, shipped)
+    arms = _arms(model, found, best, named, settled.psi, law_shipped)
     plain = residuals_of(arms.plain, arms.psi)
     held_out = measure_gap(arms, plain, fold_rng)
     gap, left = gap_of(held_out, posterior, residuals, arms, practical, gap_rng, data.unit)
@@ -254,7 +251,7 @@ def _diagnose(
         present=told(present),
         possible=told(possible),
         scatter=model.named(settled.psi),
-        law=law_of_diagnosis(model, psi, posterior),
+        law=law_of_diagnosis(model, psi, posterior, residuals),
         unseparated=unseparated,
         absorbed=tuple(
             Absorbed(effect=one.effect, by=one.by, bias=one.bias, unit=one.unit)

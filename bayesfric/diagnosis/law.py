@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.climbing import climb
 from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis.residuals import Residuals
 from bayesfric.diagnosis.systematic import Posterior, interval
 from bayesfric.schemas import Interval, LawNumber
 
@@ -15,8 +16,10 @@ Array = NDArray[np.float64]
 LOW, HIGH = -1.6448536, 1.6448536  # of a normal, 5 % and 95 %
 
 
-def law_of_diagnosis(model: LinearModel, psi: Array, posterior: Posterior) -> dict[str, LawNumber]:
-    """Return each number of the law that is not held, by name.
+def law_of_diagnosis(
+    model: LinearModel, psi: Array, posterior: Posterior, residuals: Residuals
+) -> dict[str, LawNumber]:
+    """Return each number of the law that is not held and does anything here, by name.
 
     Parameters
     ----------
@@ -26,6 +29,8 @@ def law_of_diagnosis(model: LinearModel, psi: Array, posterior: Posterior) -> di
         Logarithms of the noise of the law alone, to begin with.
     posterior : Posterior
         Draws over all hypotheses.
+    residuals : Residuals
+        Windows, in which a number shows.
     """
     # Friction that scatters as that of some effect would take its place.
     alone = model.around(model.laws, (), discrepancy=False, scattering=())
@@ -34,7 +39,8 @@ def law_of_diagnosis(model: LinearModel, psi: Array, posterior: Posterior) -> di
     found = {}
     for place, size in enumerate(alone.layout.sizes):
         for column, (name, unit) in enumerate(alone.data.law_numbers(size)):
-            if not alone.free[place, column]:
+            shown = residuals.columns[residuals.size == place, column].any()
+            if not (alone.free[place, column] and shown):
                 continue
             number = place * alone.layout.own + column
             sd = float(np.sqrt(at.covariance[number, number])) * float(alone.scales[column])

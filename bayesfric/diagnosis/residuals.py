@@ -142,18 +142,27 @@ class Residuals:
 
         The law is fitted by least squares with the weights.
         """
-        root = np.sqrt(self.weight)
-        sizes = np.unique(self.size)
-        design = np.zeros((root.size, COEFFICIENTS * sizes.size))
-        for place, size in enumerate(sizes):
-            mine = self.size == size
-            design[mine, COEFFICIENTS * place : COEFFICIENTS * (place + 1)] = self.columns[
-                mine, :COEFFICIENTS
-            ]
-        left, singular, _ = np.linalg.svd(root[:, None] * design, full_matrices=False)
-        basis = left[:, singular > 1e-9 * singular[0]] / root[:, None]
+        left, _, _ = self._law
+        basis = left / np.sqrt(self.weight)[:, None]
         weighted = self.weight.reshape(-1, *(1,) * (values.ndim - 1)) * values
         return np.asarray(values - np.tensordot(basis, np.tensordot(basis.T, weighted, 1), 1))
+
+    def taken_by_law(self, values: Array) -> Array:
+        """Return what a recalibrated law takes of forces, (R, S), in its numbers, (S, sizes, 3)."""
+        left, singular, right = self._law
+        numbers = (right.T / singular) @ (left.T @ (np.sqrt(self.weight)[:, None] * values))
+        return np.asarray(numbers.T.reshape(values.shape[1], -1, COEFFICIENTS))
+
+    @cached_property
+    def _law(self) -> tuple[Array, Array, Array]:
+        """Singular vectors and values of the weighted columns of the law, of what is seen."""
+        root = np.sqrt(self.weight)
+        design = np.zeros((root.size, int(self.size.max()) + 1, COEFFICIENTS))
+        design[np.arange(root.size), self.size] = self.columns[:, :COEFFICIENTS]
+        weighted = root[:, None] * design.reshape(root.size, -1)
+        left, singular, right = np.linalg.svd(weighted, full_matrices=False)
+        seen = singular > 1e-9 * singular[0]
+        return left[:, seen], singular[seen], right[seen]
 
 
 def residuals_of(model: LinearModel, psi: Array) -> Residuals:

@@ -116,14 +116,14 @@ def posterior_of(
         places = own.places(len(acting.laws))
         local = spread_numbers(own, drawn, own.mixing(acting))
         rows = slice(start, start + int(count))
-        refitted.take(rows, own, acting, at.psi, drawn, local[:, :, :3])
+        moves = local[:, :, :3].copy()
         local[:, :, :3] = 0.0
         local[:, :, local.shape[2] - sum(model.layout.nuisances) :] = 0.0
-        force = np.empty((residuals.size.size, int(count)))
-        for size in range(len(model.layout.sizes)):
-            mine = residuals.size == size
-            force[mine] = residuals.columns[mine] @ local[:, size].T
-        forces.append(force)
+        forces.append(_made(residuals, local))
+        # A smooth force may hold a part of what the law says: the law is that of both.
+        local[:, :, full.own : full.own + full.candidates] = 0.0
+        moves += residuals.taken_by_law(_made(residuals, local))
+        refitted.take(rows, own, acting, at.psi, drawn, moves)
         hidden.append(np.zeros(int(count)))
         for column, law in enumerate(acting.laws):
             values = drawn[:, places[column]]
@@ -166,6 +166,15 @@ def posterior_of(
         {name: np.concatenate(values) for name, values in shapes.items()},
         refitted,
     )
+
+
+def _made(residuals: Residuals, local: Array) -> Array:
+    """Return the forces of draws of local numbers, (S, sizes, q), in each window, (R, S)."""
+    force = np.empty((residuals.size.size, len(local)))
+    for size in range(local.shape[1]):
+        mine = residuals.size == size
+        force[mine] = residuals.columns[mine] @ local[:, size].T
+    return force
 
 
 def _over_forms(model: LinearModel, one: Weighed, count: int, rng: np.random.Generator) -> Array:

@@ -12,8 +12,8 @@ Array = NDArray[np.float64]
 
 
 def _first_order(p: Mapping[str, Array], state: State) -> Array:
-    # τ F_a' + F_a = F: F_a is F − τ F' + τ² F'' − …, of which windows see the first terms.
-    return np.asarray(p["time"] * np.asarray(state.force_rate_n_s))
+    # τ F_a' + F_a = F, and F_a' is F' a time τ ago up to the second order.
+    return np.asarray(p["time"] * np.asarray(state.lagging_rate_n_s))
 
 
 EFFECT = Effect(

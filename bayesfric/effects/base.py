@@ -65,7 +65,10 @@ class State(NamedTuple):
     drive_force_n : array_like
         Of a driven axis: the drive force, positive along the position [N, or N·m].
     force_rate_n_s, force_curvature_n_s2 : array_like
-        First and second derivative of the drive force along the motion [N/s], [N/s²].
+        First and second derivative of the drive force along the motion [N/s], [N/s²]; the
+        first half of a delay ago.
+    lagging_rate_n_s : array_like
+        The same derivative a whole delay ago [N/s].
     tested : array_like
         1 in a run of role ``test``, in which something may differ from calibration; else 0.
     wrap_spread_deg : array_like
@@ -97,6 +100,7 @@ class State(NamedTuple):
     direction: ArrayLike = 0.0
     drive_force_n: ArrayLike = 0.0
     force_rate_n_s: ArrayLike = 0.0
+    lagging_rate_n_s: ArrayLike = 0.0
     force_curvature_n_s2: ArrayLike = 0.0
     tested: ArrayLike = 0.0
     wrap_spread_deg: ArrayLike = np.nan

@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 
 
 def _late(p: Mapping[str, Array], state: State) -> Array:
-    # F(t − d) is F − d F': what is logged is more than what acts by d F'.
+    # What is logged is more than what acts by F(t) − F(t − d) = d F'(t − d/2), up to d³.
     return np.asarray(p["time"] * np.asarray(state.force_rate_n_s))
 
 

@@ -14,6 +14,7 @@ __all__ = ["Model", "RigLikelihood"]
 
 Array = NDArray[np.float64]
 START_RANGE = 6.0  # prior standard deviations; an estimate beyond is not believed
+BATCH = 24_000  # trials times walkers: more at once fall out of the processor's cache
 
 
 class RigLikelihood(Protocol):
@@ -148,6 +149,13 @@ class Model:
 
     def log_likelihood(self, theta: Array) -> Array:
         """Return the log density of the raw data, shape (W,)."""
+        trials = sum(len(rig.trials) for rig in self.likelihoods)
+        batch = max(1, BATCH // max(1, trials))
+        parts = [theta[start : start + batch] for start in range(0, len(theta), batch)]
+        return np.concatenate([self._log_likelihood(part) for part in parts])
+
+    def _log_likelihood(self, theta: Array) -> Array:
+        """Return the log density of the raw data for as many walkers as fit a cache, (W,)."""
         named = self.by_name(theta)
         terms = np.array([rig.log_likelihood(named) for rig in self.likelihoods])
         return np.asarray(terms.sum(axis=0))

@@ -136,8 +136,11 @@ def from_normal(prior: Prior, z: ArrayLike) -> NDArray[np.float64]:
             # Either form loses its digits in the other's tail.
             low = np.sqrt(2) * special.erfinv(special.ndtr(np.minimum(z, 0.0)))
             high = -special.ndtri(special.ndtr(-np.clip(z, 0.0, FAR)) / 2)
-            beyond = -special.ndtri_exp(special.log_ndtr(-np.maximum(z, FAR)) - LOG_2)
-            return np.asarray(scale * np.where(z < 0, low, np.where(z > FAR, beyond, high)))
+            value = np.where(z < 0, low, high)
+            if (z > FAR).any():
+                beyond = -special.ndtri_exp(special.log_ndtr(-np.maximum(z, FAR)) - LOG_2)
+                value = np.where(z > FAR, beyond, value)
+            return np.asarray(scale * value)
         case LogNormal(median=median, sd_log=sd):
             return np.asarray(median * np.exp(sd * z))
         case Normal(mean=mean, sd=sd):

@@ -20,6 +20,7 @@ AT = State(
     direction=-1.0,
     drive_force_n=-4.0,
     force_rate_n_s=20.0,
+    lagging_rate_n_s=16.0,
     force_curvature_n_s2=500.0,
     tested=1.0,
 )
@@ -34,7 +35,7 @@ AT = State(
         ("gravity-torque", "lever", {"torque": 2.0, "angle": 0.1}, -2.0 * np.sin(0.3)),
         ("spring", "linear", {"stiffness": 5.0, "rest": 0.05}, -0.75),
         ("delay", "late", {"time": 0.005}, 0.1),
-        ("actuator-lag", "first-order", {"time": 0.005}, 0.1),
+        ("actuator-lag", "first-order", {"time": 0.005}, 0.08),
         ("transmission-compliance", "two-masses", {"square": 2e-4}, -0.1),
         # 4 N is commanded, 1.5 + 1 N is the limit: 1.5 N is lost, against the way it runs.
         ("torque-saturation", "beyond", {"share": 1.0, "reserve": 1.0}, 1.5),

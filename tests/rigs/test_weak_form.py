@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 
 from bayesfric.rigs.single_axis.motion import even_grid, position_noise, smooth_motion
-from bayesfric.rigs.single_axis.readings import PIECE, readings_of, rough_law
+from bayesfric.rigs.single_axis.readings import (
+    PIECE,
+    _beside,
+    _loudness,
+    _since_reversal,
+    readings_of,
+    rough_law,
+)
 from bayesfric.rigs.single_axis.weak_form import node_weights
 from bayesfric.rigs.single_axis.weak_form import test_function as bump
 
@@ -112,3 +119,32 @@ def test_pieces_are_neighbours_of_one_pass():
         assert mine.sum() <= PIECE
         assert len(set(rows.way[mine])) == len(set(rows.trial[mine])) == 1
         assert np.ptp(np.diff(rows.time_s[mine])) < 1e-9 if mine.sum() > 2 else True
+
+
+def test_a_force_that_jumps_between_samples_is_trusted_less_there():
+    force = np.sin(2 * np.pi * np.arange(400) / 100)
+    # A smooth course hides nothing: its sine squared is twice its median at the most.
+    assert _loudness(force).max() == pytest.approx(3, rel=0.02)
+    force[200:] += 1.0
+    loud = _loudness(force)
+    assert loud[199] > 100 * np.median(loud)
+    assert loud[:150].max() == pytest.approx(3, rel=0.06)  # six loud samples move the median
+
+
+def test_a_curvature_is_told_by_what_lies_beside_a_window():
+    kernel, place = _beside(8, 24, 0.002), 0.002 * np.arange(-24, 25)
+    assert not kernel[16:33].any()
+    told = [kernel @ one for one in (np.ones(49), place, place**2)]
+    assert told == pytest.approx([0.0, 0.0, 2.0], abs=1e-6)
+
+
+def test_travel_counts_from_rest():
+    position = np.concatenate(
+        [np.zeros(20), 0.01 * np.arange(1, 31), 0.3 - 0.01 * np.arange(1, 31)]
+    )
+    way = np.concatenate([np.zeros(20), np.ones(30), -np.ones(30)])
+    travel = _since_reversal(position, way, 9.0)
+    assert travel[49] == pytest.approx(0.3)
+    assert travel[79] == pytest.approx(0.3, abs=0.011)
+    begun = _since_reversal(position[20:], way[20:], 9.0)  # nobody saw where it came from
+    assert begun[:20] == pytest.approx(9.0)

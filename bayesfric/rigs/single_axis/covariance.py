@@ -66,10 +66,12 @@ class Pieces:
         both = there[:, :, None] & there[:, None, :]
         lag = np.abs(np.subtract.outer(np.arange(widest), np.arange(widest)))
 
+        earlier = np.minimum.outer(np.arange(widest), np.arange(widest))
+
         def banded(table: Array) -> Array:
-            lags = table.shape[1]
-            padded = np.concatenate([table[rows[:, 0]], np.zeros((sizes.size, 1))], axis=1)
-            return np.asarray(padded[:, np.minimum(lag, lags)] * both)
+            padded = np.zeros((readings.count + 1, table.shape[1] + 1))
+            padded[:-1, :-1] = table
+            return np.asarray(padded[rows[:, earlier], np.minimum(lag, table.shape[1])] * both)
 
         where = readings.position @ readings.weights
         at = np.concatenate([where, [0.0]])[rows]
@@ -106,9 +108,7 @@ class Pieces:
         whole = parts[0] + parts[1] + parts[2]
         diagonal = np.einsum("cmm->cm", whole)
         diagonal += np.where(self.rows < self.count, LEAST * diagonal.max(), 1.0)
-        return Solved(
-            self, np.asarray(np.linalg.inv(whole), dtype=np.float64), whole, parts, length
-        )
+        return Solved(self, np.asarray(np.linalg.inv(whole)), whole, parts, length)
 
     def grouped(self, size: int) -> tuple[csr_array, NDArray[np.intp]]:
         """Return what makes means over neighbouring rows of a piece, and the first row of each."""

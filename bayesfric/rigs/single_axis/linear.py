@@ -93,7 +93,8 @@ class AxisRows:
     simulated: SimulatedBaseline | None = None
     theta: tuple[float, ...] = ()
     loads: tuple[str, ...] = ()
-    trial_axes: tuple[str, ...] = ("acceleration",)  # of the path there is a map in the scatter
+    # Along the path there is a map in the scatter; a row's acceleration has the row's own error.
+    trial_axes: tuple[str, ...] = ()
 
     @property
     def friction_n(self) -> Array:

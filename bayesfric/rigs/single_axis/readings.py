@@ -6,7 +6,9 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
 from scipy.signal import savgol_filter
 
 from bayesfric.rigs.single_axis.motion import Motion, position_noise, smooth_motion
@@ -16,10 +18,15 @@ __all__ = ["PIECE", "Readings", "readings_of", "rough_law"]
 
 Array = NDArray[np.float64]
 QUIET = 0.003  # of the rms drive force, that a row's error from the position may be
-NARROWEST = 4  # samples on either side of a window's middle
+NARROWEST = 8  # samples on either side of a window's middle
+SMOOTHED = 4  # samples on either side that a speed is of, at the least
 PASSES = 4  # windows side by side that a pass should have room for
 MOST = 3000  # rows of a recording
 PIECE = 16  # rows of a stretch whose friction wanders as one
+LOCAL = 5  # samples over which jumps of the force are averaged
+UNHEARD = 1e-4  # of the force's standard deviation: jumps that are none
+BESIDE = 3  # half windows, within which a force's second derivative is told
+LATEST_S = 0.05  # of a force, in which its rate is told exactly
 FAR = 10.0  # strokes: travel since a reversal that nobody saw
 
 
@@ -37,15 +44,17 @@ class Readings:
         1 or −1.
     force, acceleration : ndarray, shape (W,)
         ∫ φ F dt and ∫ φ'' q dt, times the direction.
-    force_rate, force_curvature : ndarray, shape (W,)
-        −∫ φ' F dt and ∫ φ'' F dt, times the direction.
+    force_rate, lagging_rate, force_curvature : ndarray, shape (W,)
+        −∫ φ' F dt and ∫ φ'' F dt, times the direction. The rates are of the force earlier by
+        half of what it is late, and by all of it: F(t) − F(t − d) is d F'(t − d/2), and what
+        an actuator with a lag d still lacks is d F'(t − d), both up to the third order.
     time_s : ndarray, shape (W,)
         Of the window's middle.
     speed, travel, position, drive : ndarray, shape (W, P)
         At places inside: speed, travel since the last reversal, position and drive force.
     position_lag, force_lag : ndarray, shape (W, L)
         Covariance of a row with the l-th next by an error of position of 1, at every sample
-        its own, per mass squared; and by an error of the force.
+        its own, per mass squared; and by an error of the force, of 1 where it is quiet.
     simulated : ndarray, shape (W, K)
         Means of what a simulator says of the force, times the direction; K is 0 without one.
     position_sd : float
@@ -60,6 +69,7 @@ class Readings:
     force: Array
     acceleration: Array
     force_rate: Array
+    lagging_rate: Array
     force_curvature: Array
     time_s: Array
     speed: Array
@@ -117,11 +127,12 @@ def readings_of(
     parts: list[dict[str, Any]] = []
     trials = pieces = 0
     stroke = max(float(np.ptp(one.position)) for one in motions)
+    late_s = _late_by(motions, half_s, noise)
     for motion, begin in zip(motions, starts, strict=True):
         half = max(NARROWEST, round(half_s / motion.interval_s))
         step = max(1, round(hop * half))
         test = test_function(half, motion.interval_s)
-        part = _of_run(motion, test, step, noise, stroke)
+        part = _of_run(motion, test, step, noise, stroke, late_s)
         place = np.searchsorted(begin, part.pop("centre"), side="right")
         part["trial"] = np.asarray(trials + place - 1, dtype=np.float64)
         part["piece"] = pieces + _pieces(part.pop("neighbour"), part["trial"])
@@ -167,7 +178,7 @@ def _pass_s(motions: Sequence[Motion], noise: float) -> float:
     """Return the median time that the axis runs one way [s]; a quarter of it counts at least."""
     found = []
     for one in motions:
-        way = smooth_motion(one, NARROWEST, noise)[2]
+        way = smooth_motion(one, SMOOTHED, noise)[2]
         edges = np.flatnonzero(np.diff(way, prepend=0.0, append=0.0))
         each = np.diff(edges)[way[edges[:-1]] != 0] if edges.size > 1 else np.zeros(0)
         found.append(each * one.interval_s)
@@ -202,15 +213,38 @@ def rough_law(force: Array, acceleration: Array, speed: Array) -> tuple[float, f
         columns = columns * np.array([1.0, 1.0, 0.0])
 
 
+def _late_by(motions: Sequence[Motion], half_s: float, noise: float) -> float:
+    """Return by how much the force acts later than the log has it, roughly [s]."""
+    late_s = 0.0
+    for _ in range(2):
+        rows = []
+        for one in motions:
+            half = max(NARROWEST, round(half_s / one.interval_s))
+            rows.append(_of_run(one, test_function(half, one.interval_s), half, noise, 1.0, late_s))
+        rate, force = _joined(rows, "force_rate"), _joined(rows, "force")
+        columns = [rate, _joined(rows, "acceleration"), np.ones_like(rate), _joined(rows, "speed")]
+        design = np.stack(columns, axis=1)
+        width = np.abs(design).max(axis=0, initial=0.0)
+        width[width == 0] = 1.0
+        found = np.linalg.lstsq(design / width, force, rcond=1e-6)[0] / width
+        late_s = float(np.clip(found[0], -LATEST_S, LATEST_S)) if force.size else 0.0
+    return late_s
+
+
 def _of_run(
-    motion: Motion, test: TestFunction, step: int, noise: float, stroke: float
+    motion: Motion,
+    test: TestFunction,
+    step: int,
+    noise: float,
+    stroke: float,
+    late_s: float = 0.0,
 ) -> dict[str, Array]:
     """Return the rows of one run, fields of :class:`Readings` and where they are."""
     half = test.half
-    position, velocity, way = smooth_motion(motion, max(NARROWEST, half // 2), noise)
+    position, velocity, way = smooth_motion(motion, max(SMOOTHED, half // 2), noise)
     if (other := motion.further.get("sim_position")) is not None:
         # Where the simulated axis runs the other way its friction says nothing of this motion.
-        there = smooth_motion(replace(motion, position=other), max(NARROWEST, half // 2), noise)[2]
+        there = smooth_motion(replace(motion, position=other), max(SMOOTHED, half // 2), noise)[2]
         way = np.where(there == way, way, 0.0)
     centres = np.arange(half, motion.time_s.size - half, step)
     # A window counts where all of its samples run the same way.
@@ -225,6 +259,10 @@ def _of_run(
     def inside(values: Array) -> Array:
         return np.asarray(np.interp(at, motion.time_s, values))
 
+    def rate(ago_s: float) -> Array:
+        force = np.interp(motion.time_s - ago_s, motion.time_s, motion.force)
+        return np.asarray(-sign * test.over(force, test.slope, centres))
+
     simulated = [sign * one.over(test, centres) for one in motion.forces]
     lags = range(0, 2 * half // step + 1)
     return {
@@ -233,25 +271,83 @@ def _of_run(
         "way": sign,
         "force": sign * test.over(motion.force, test.value, centres),
         "acceleration": sign * test.over(motion.position, test.curvature, centres),
-        "force_rate": -sign * test.over(motion.force, test.slope, centres),
-        "force_curvature": sign * test.over(motion.force, test.curvature, centres),
+        "force_rate": rate(late_s / 2),
+        "lagging_rate": rate(late_s),
+        "force_curvature": sign * _curvature(motion, test, centres, runs),
         "time_s": motion.time_s[centres],
         "speed": np.abs(inside(velocity)),
         "travel": inside(travel),
         "position": inside(position),
         "drive": inside(savgol_filter(motion.force, 2 * half + 1, 2)),
         "position_lag": np.tile(_lagged(test.curvature, step, lags), (centres.size, 1)),
-        "force_lag": np.tile(_lagged(test.value, step, lags), (centres.size, 1)),
+        "force_lag": _locally(test.value, step, lags, _loudness(motion.force), centres),
         "simulated": np.reshape(simulated, (len(simulated), centres.size)).T,
     }
+
+
+def _curvature(motion: Motion, test: TestFunction, centres: NDArray[np.intp], runs: Array) -> Array:
+    """Return the force's second derivative about each window, by what lies beside it.
+
+    By the window's own samples it would have the errors of the mean force in it, with the
+    other sign: a row would be explained by its own error. Only where the axis turns too near
+    are they taken.
+    """
+    half, count = test.half, motion.time_s.size
+    wide = BESIDE * half
+    found = test.over(motion.force, test.curvature, centres)
+    free = (centres >= wide) & (centres < count - wide)
+    inside = centres[free]
+    free[free] = np.abs(runs[inside + wide + 1] - runs[inside - wide]) == 2 * wide + 1
+    if free.any():
+        kernel = _beside(half, wide, motion.interval_s)
+        windows = sliding_window_view(motion.force, kernel.size)
+        found[free] = windows[centres[free] - wide] @ kernel
+    return found
+
+
+def _beside(half: int, wide: int, interval_s: float) -> Array:
+    """Return weights of samples beside a window that tell a second derivative, (2 wide + 1,)."""
+    place = np.arange(-wide, wide + 1.0)
+    weight = np.where(np.abs(place) > half, (1 - (place / (wide + 1)) ** 2), 0.0)
+    time2 = (place / wide) ** 2
+    powers = np.stack([time2**power for power in range(3)])
+    # No sum and no fourth moment, and 2 of t²: what changes over the window is no curvature.
+    numbers = np.linalg.solve(
+        (powers * weight) @ powers.T, [0.0, 2 / (wide * interval_s) ** 2, 0.0]
+    )
+    return np.asarray(weight * (numbers @ powers))
 
 
 def _lagged(kernel: Array, step: int, lags: range) -> Array:
     return np.array([kernel[lag * step :] @ kernel[: kernel.size - lag * step] for lag in lags])
 
 
+def _loudness(force: Array) -> Array:
+    """Return the variance of the force's error at each sample, over that at a quiet one, (N,).
+
+    What a force does between two samples is not in the log. Where it jumps from sample to
+    sample (seen in second differences) that is much, and a smooth course hides nothing.
+    """
+    jump = np.zeros(force.size)
+    jump[1:-1] = np.diff(force, 2) ** 2
+    local = uniform_filter1d(jump, LOCAL)
+    quiet = max(float(np.median(local)), (UNHEARD * float(np.std(force))) ** 2)
+    return np.asarray(1 + local / (quiet or 1.0))
+
+
+def _locally(
+    kernel: Array, step: int, lags: range, variance: Array, centres: NDArray[np.intp]
+) -> Array:
+    """Return covariances of windows by errors whose variance differs along the run, (W, L)."""
+    around = sliding_window_view(variance, kernel.size)[centres - kernel.size // 2]
+    products = np.zeros((kernel.size, len(lags)))
+    for lag in lags:
+        products[lag * step :, lag] = kernel[lag * step :] * kernel[: kernel.size - lag * step]
+    return np.asarray(around @ products)
+
+
 def _since_reversal(position: Array, way: Array, unseen: float) -> Array:
-    """Return the travel since the axis last turned; `unseen` before the first time."""
+    """Return the travel since the axis last turned, or began from rest; `unseen` before."""
     moving = np.flatnonzero(way)
     if not moving.size:
         return np.full(position.size, unseen)
@@ -264,6 +360,8 @@ def _since_reversal(position: Array, way: Array, unseen: float) -> Array:
         if way[before] != way[after]
     ]
     travel = np.full(position.size, unseen)
+    if moving[0] >= SMOOTHED:
+        travel = np.abs(position - position[0])
     seen = last >= 0
     travel[seen] = np.abs(position[seen] - np.array(extremes)[last[seen]]) if extremes else 0.0
     return travel

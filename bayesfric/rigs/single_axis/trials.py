@@ -312,6 +312,7 @@ class AxisRuns(PlainTrials):
             direction=rows.way[:, None] * one,
             drive_force_n=rows.drive,
             force_rate_n_s=rows.force_rate[:, None],
+            lagging_rate_n_s=rows.lagging_rate[:, None],
             force_curvature_n_s2=rows.force_curvature[:, None],
             tested=tested[rows.trial][:, None],
         )

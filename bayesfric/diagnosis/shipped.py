@@ -1,0 +1,83 @@
+"""The simulator's values as it was shipped, and which of them are held."""
+
+from collections.abc import Collection, Mapping
+
+from bayesfric.errors import Fault, InputError
+from bayesfric.paper import table1
+from bayesfric.physics.friction import Coefficients
+from bayesfric.rigs.coefficients import coefficient_name
+from bayesfric.rigs.data import Data
+
+__all__ = ["Shipped", "held_of", "shipped_of"]
+
+Shipped = Mapping[str, Coefficients] | Mapping[str, float]
+"""Laws by pulley size, or numbers by name as ``fit.json`` has them."""
+
+
+def shipped_of(given: Shipped | None, data: Data) -> dict[str, Coefficients]:
+    """Return the shipped law of each size; of Table I where nobody says.
+
+    Parameters
+    ----------
+    given : mapping or None
+        Laws by pulley size, or numbers of laws by their names; sizes of which a number lacks
+        have no law.
+    data : Data
+        The rigs, which know what their numbers are called.
+    """
+    if given is None:
+        return {
+            size: Coefficients(row.c1.value, row.c2.value, row.c3.value)
+            for size, row in table1().items()
+        }
+    laws = {size: law for size, law in given.items() if isinstance(law, Coefficients)}
+    numbers = {name: one for name, one in given.items() if not isinstance(one, Coefficients)}
+    for size in data.sizes:
+        names = [name for name, _ in data.law_numbers(size)]
+        if any(name in numbers for name in names):
+            values = [numbers.get(name, 0.0) for name in names]
+            laws[size] = Coefficients(*values, *[0.0] * (len(Coefficients._fields) - len(values)))
+    return laws
+
+
+def held_of(
+    fixed: Collection[str], data: Data, shipped: Mapping[str, Coefficients]
+) -> frozenset[str]:
+    """Return the coefficients that are held, ``c1`` or ``c1[small]``, from what a user wrote.
+
+    Parameters
+    ----------
+    fixed : collection of str
+        Coefficients, of a size or of all, or a rig's own names of its numbers.
+    data : Data
+        The rigs.
+    shipped : mapping of str to Coefficients
+        Where they are held.
+
+    Raises
+    ------
+    InputError
+        A name is unknown, or has no shipped value.
+    """
+    known = {name: list(data.sizes) for name in Coefficients._fields}
+    stands = {name: name for name in known}
+    for size in data.sizes:
+        called = data.law_numbers(size)
+        for place, field in enumerate(Coefficients._fields):
+            own = coefficient_name(field, size)
+            for name in {own, *(one[0] for one in called[place : place + 1])}:
+                known[name], stands[name] = [size], own
+    faults = [
+        Fault("command line", f"one of {', '.join(sorted(known))}", column="--fixed", value=name)
+        for name in fixed
+        if name not in known
+    ]
+    faults += [
+        Fault("command line", f"a shipped value of size {size}", column="--fixed", value=name)
+        for name in fixed
+        for size in known.get(name, ())
+        if size not in shipped
+    ]
+    if faults:
+        raise InputError(faults)
+    return frozenset(stands[name] for name in fixed)

@@ -1,0 +1,81 @@
+"""``python -m benchmark PEERS_PYTHON [PROBLEM …]``: samplers side by side, in processor time.
+
+Writes ``reports/evidence/benchmark.json`` and ``docs/benchmark.md``. ``tests`` is on the path.
+"""
+
+import os
+import pickle
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from benchmark import compare, page, problems
+from campaigns import evidence
+
+HERE = Path(__file__).resolve().parent
+PEERS = ("NumPyro NUTS", "BlackJAX NUTS")
+REPEATS = int(os.environ.get("REPEATS", "3"))
+ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+
+
+def run(python, sampler, posterior, result):
+    """Run a sampler in a process of its own, cold, and return what it stored."""
+    ours = posterior.suffix == ".pickle"
+    script = ["-m", "benchmark.ours"] if ours else [str(HERE / "peers.py")]
+    environment = os.environ | ONE_THREAD
+    if not ours:
+        environment.pop("PYTHONPATH", None)
+    command = [python, *script, sampler, str(posterior), str(result)]
+    subprocess.run(command, check=True, env=environment)
+    with np.load(result) as stored:
+        return dict(stored)
+
+
+def side_by_side(name, peers_python, folder):
+    """Return the targets, the figures and the plain results of one posterior."""
+    model, arrays = problems.model_of(problems.PROBLEMS[name])
+    posterior = folder / f"{name}.npz"
+    np.savez(posterior, **arrays)
+    pickled = folder / f"{name}.pickle"
+    pickled.write_bytes(pickle.dumps(model))
+    coefficients = sum(one.kind == "coefficient" for one in model.parameters)
+    runs = {"ours": (sys.executable, pickled), "limit": (sys.executable, pickled)}
+    runs |= dict.fromkeys(PEERS, (peers_python, posterior))
+    repeats, draws = {sampler: [] for sampler in runs}, {}
+    for _ in range(REPEATS):
+        for sampler, (python, stored) in runs.items():
+            found = run(python, sampler, stored, folder / "result.npz")
+            repeats[sampler].append(compare.figures_of(found, coefficients))
+            draws[sampler] = found["theta"]
+    figures = {
+        sampler: {key: compare.spread([one[key] for one in rows]) for key in rows[0]}
+        for sampler, rows in repeats.items()
+    }
+    z = {peer: compare.largest_z(draws["ours"], draws[peer]) for peer in PEERS}
+    return compare.targets(name, figures, z), figures
+
+
+def main(peers_python, names):
+    """Run the posteriors and write what was found."""
+    rows, cases = [], {}
+    with tempfile.TemporaryDirectory() as folder:
+        for name in names:
+            targets, cases[name] = side_by_side(name, peers_python, Path(folder))
+            rows += targets
+            for row in targets:
+                sys.stdout.write(page.line(row) + "\n")
+    evidence.write(
+        "benchmark",
+        sys.modules[__name__],
+        seeds=[1, 1],
+        figures=rows,
+        cases=cases,
+        command="make bench",
+    )
+    page.write(evidence.read("benchmark"))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], sys.argv[2:] or list(problems.PROBLEMS))

@@ -1,0 +1,69 @@
+"""The package's own sampler on a posterior of the benchmark, in a process of its own.
+
+``python -m benchmark.ours SAMPLER MODEL.pickle RESULT.npz``, with ``tests`` on the path. The
+result is like that of :mod:`benchmark.peers`, of shape (ensembles, draws, walkers, D).
+"""
+
+import pickle
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+from bayesfric.analysis import Analysis, Sampler
+from bayesfric.fitting.drawing import draw_posterior
+from bayesfric.inference.diagnostics import smooth_weights
+from bayesfric.inference.laplace import laplace_approximation
+from bayesfric.inference.sampling import StudentT
+
+INDEPENDENT = 40_000
+FREEDOM = 5.0
+SETTINGS = Sampler(burn=100, steps=800, thin=4)  # thinned less than by default
+
+
+def ours(model):
+    """Draw as `fit` does, convergence checked as ever."""
+    settings = SETTINGS
+    clock = []
+    draws = draw_posterior(
+        model, Analysis(sampler=settings), lambda done, total: clock.append(time.process_time())
+    )
+    spent = time.process_time()
+    steps = np.diff(clock)[settings.burn - 1 :]  # what follows the pilot
+    ensembles = steps[: settings.ensembles * (settings.burn + settings.steps)]
+    kept = ensembles.reshape(settings.ensembles, -1)[:, settings.burn :].sum()
+    theta = model.natural(draws.z)
+    return {"theta": theta, "seconds": kept, "before": spent - kept}
+
+
+def limit(model):
+    """Draw independently from the Laplace fit, and weigh: no chain does better."""
+    laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
+    before = time.process_time()
+    proposal = StudentT(laplace.mode, laplace.covariance, FREEDOM)
+    z = proposal.draw(INDEPENDENT, np.random.RandomState(1))
+    weights, k = smooth_weights(model.log_posterior(z) - proposal.log_density(z))
+    seconds = time.process_time() - before
+    weights = np.exp(weights - weights.max())
+    return {
+        "theta": model.natural(z),
+        "weights": weights / weights.sum(),
+        "pareto_k": k,
+        "seconds": seconds,
+        "before": before,
+    }
+
+
+SAMPLERS = {"ours": ours, "limit": limit}
+
+
+def main(sampler, model, result):
+    """Sample a posterior and write what was found."""
+    with Path(model).open("rb") as stored:
+        posterior = pickle.load(stored)
+    np.savez(result, **SAMPLERS[sampler](posterior))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

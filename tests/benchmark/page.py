@@ -1,0 +1,62 @@
+"""The evidence of the benchmark as a page of the documentation."""
+
+from pathlib import Path
+
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "benchmark.md"
+INTRODUCTION = """\
+# Benchmark
+
+`make bench` runs samplers side by side on the same marginal posteriors of the bundled recording,
+each in a process of its own, and writes this page from `reports/evidence/benchmark.json`. All
+times are processor time of one thread; ratios within one run are what counts, since times differ
+from machine to machine. Draws are effective draws of the worst coefficient of the law. "From
+cold" is the time to 4,000 of these, imports, compilation and tuning included. The limit is
+independent draws from the Laplace fit, weighted. Peers get the same sufficient statistics, and
+their settings are those that they come with, not tuned by their authors; a peer whose chains have
+an R-hat above 1.05 is shown, and not compared with. Ours takes `burn = 100`, `steps = 800` and
+`thin = 4`.
+"""
+
+
+def line(row):
+    """Return a target in one line."""
+    met = "met" if row["met"] else "missed"
+    return f"{row['name']}: {row['ratio']:.3g} (goal {row['goal']:g}, {met})"
+
+
+def text(record):
+    """Return the page of a record."""
+    parts = [INTRODUCTION, "## Targets", "", "| target | ours | peer | ratio | goal | |"]
+    parts.append("|---|---|---|---|---|---|")
+    for row in record["figures"]:
+        ours, peer = (_number(row[key]) for key in ("ours", "peer"))
+        met = "met" if row["met"] else "missed"
+        parts.append(
+            f"| {row['name']} | {ours} | {peer} | {_number(row['ratio'])} | {row['goal']:g} "
+            f"| {met} |"
+        )
+    parts += ["", "## Samplers", "", "Median of the repeats, with their range.", ""]
+    parts += ["| posterior | sampler | draws a second | seconds from cold | R-hat |"]
+    parts += ["|---|---|---|---|---|"]
+    for problem, samplers in record["cases"].items():
+        for sampler, figures in samplers.items():
+            rate, cold = _range(figures["per_second"]), _range(figures["cold_s"])
+            r_hat = f"{figures['r_hat']['highest']:.3f}"
+            parts.append(f"| {problem} | {sampler} | {rate} | {cold} | {r_hat} |")
+    return "\n".join([*parts, ""])
+
+
+def write(record):
+    """Write the page."""
+    PAGE.write_text(text(record), encoding="utf-8")
+
+
+def _number(value):
+    if value is None:
+        return "–"
+    return f"{value:,.0f}" if value >= 1000 else f"{value:.3g}"
+
+
+def _range(figure):
+    median, lowest, highest = (_number(figure[key]) for key in ("median", "lowest", "highest"))
+    return f"{median} ({lowest} to {highest})"

@@ -1,0 +1,117 @@
+"""Other people's samplers on a posterior of the benchmark, in an environment of their own.
+
+``python peers.py SAMPLER PROBLEM.npz RESULT.npz``; it imports nothing of the package. The
+result holds draws in the parameters' units, shape (chains, draws, D), and processor seconds.
+"""
+
+import os
+import sys
+import time
+
+os.environ["XLA_FLAGS"] = (
+    "--xla_cpu_multi_thread_eigen=false --xla_force_host_platform_device_count=1"
+)
+
+import numpy as np
+
+CHAINS, WARM_UP, DRAWS = 4, 500, 1000
+LIVE_POINTS = 500
+SEED = 1
+
+
+def main(sampler, problem, result):
+    """Sample a problem and write what was found."""
+    with np.load(problem) as stored:
+        data = dict(stored)
+    np.savez(result, **SAMPLERS[sampler](data))
+
+
+def _timed(draw, total):
+    """Return draws of a compiled function, its seconds, and all seconds before it."""
+    began = time.process_time()
+    draws = draw()
+    seconds = time.process_time() - began
+    return {"theta": draws, "seconds": seconds, "before": total}
+
+
+def _starts(posterior):
+    """Start at the priors' scales, or near."""
+    return np.random.default_rng(SEED).uniform(-1, 1, (CHAINS, len(posterior.names)))
+
+
+def _constrained(posterior):
+    import jax
+    import jax.numpy as jnp
+
+    def natural(u):
+        theta = posterior.constrain(u)[0]
+        return jnp.stack([theta[name] for name in posterior.names])
+
+    return jax.jit(jax.vmap(jax.vmap(natural)))
+
+
+def numpyro_nuts(data):
+    """NumPyro's NUTS as it comes."""
+    import jax
+    from jax_density import Posterior
+    from numpyro.infer import MCMC, NUTS
+
+    posterior = Posterior(data)
+    kernel = NUTS(potential_fn=lambda u: -posterior.log_density(u))
+    mcmc = MCMC(
+        kernel,
+        num_warmup=WARM_UP,
+        num_samples=DRAWS,
+        num_chains=CHAINS,
+        chain_method="vectorized",
+        progress_bar=False,
+    )
+    mcmc.run(jax.random.PRNGKey(SEED), init_params=_starts(posterior))
+    cold = time.process_time()
+    mcmc.post_warmup_state = mcmc.last_state
+
+    def draw():
+        mcmc.run(jax.random.PRNGKey(SEED + 1))
+        return mcmc.get_samples(group_by_chain=True).block_until_ready()
+
+    found = _timed(draw, cold)
+    draws = found["theta"]
+    # The first run was warm-up, compilation and as many draws.
+    found["before"] -= found["seconds"]
+    return found | {"theta": np.asarray(_constrained(posterior)(draws))}
+
+
+def blackjax_nuts(data):
+    """BlackJAX's NUTS with its window adaptation."""
+    import blackjax
+    import jax
+    from jax_density import Posterior
+
+    posterior = Posterior(data)
+    adaptation = blackjax.window_adaptation(blackjax.nuts, posterior.log_density)
+
+    def run(key, start):
+        first, second = jax.random.split(key)
+        (state, parameters), _ = adaptation.run(first, start, num_steps=WARM_UP)
+        return state, parameters, second
+
+    def sample(state, parameters, key):
+        step = blackjax.nuts(posterior.log_density, **parameters).step
+
+        def one(state, key):
+            state, _ = step(key, state)
+            return state, state.position
+
+        return jax.lax.scan(one, state, jax.random.split(key, DRAWS))[1]
+
+    keys = jax.random.split(jax.random.PRNGKey(SEED), CHAINS)
+    adapted = jax.block_until_ready(jax.jit(jax.vmap(run))(keys, _starts(posterior)))
+    compiled = jax.jit(jax.vmap(sample)).lower(*adapted).compile()
+    found = _timed(lambda: compiled(*adapted).block_until_ready(), time.process_time())
+    return found | {"theta": np.asarray(_constrained(posterior)(found["theta"]))}
+
+
+SAMPLERS = {"NumPyro NUTS": numpyro_nuts, "BlackJAX NUTS": blackjax_nuts}
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,151 @@
+"""The posteriors of the benchmark, and the same as plain arrays for samplers that are not ours.
+
+Event level is what `fit` samples: Hall events, reduced to quadratic forms. Trial level takes
+each trial as one acceleration with its standard error. Peers get the reduced statistics too,
+so that samplers are compared and not ways to write a likelihood.
+"""
+
+from dataclasses import dataclass
+from math import factorial
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from bayesfric.analysis import Analysis
+from bayesfric.inference.cosines import MODES
+from bayesfric.inference.model import Model
+from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
+from bayesfric.recording import read_recording
+from bayesfric.recording.tables import Gravity, Recording
+from bayesfric.rigs.gravity_board.hall_events import reduce_events
+from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
+from bayesfric.rigs.gravity_board.measurements import TrialMeasurements
+from bayesfric.rigs.gravity_board.places import TrialPlaces
+from bayesfric.rigs.gravity_board.screening import screen_trials
+from bayesfric.rigs.gravity_board.wander import Wander
+
+ROOT = Path(__file__).resolve().parents[2]
+RECORDING = ROOT / "data" / "recordings" / "synthetic-paper"
+NOISE = {"sigma_x": np.array([5e-5]), "sigma_t": np.array([1e-5])}  # behind stated errors
+FEW_SETUPS = 5
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A posterior of the gravity board.
+
+    Parameters
+    ----------
+    sizes : tuple of str
+        Pulley sizes that enter.
+    events : bool
+        Whether trials enter by their events, or by an acceleration each.
+    setups : int or None
+        How many assemblies enter; None for all.
+    """
+
+    sizes: tuple[str, ...]
+    events: bool
+    setups: int | None = None
+
+
+ALL = ("small", "medium", "large")
+PROBLEMS = {
+    "trial-medium": Problem(("medium",), events=False),
+    "event-medium": Problem(("medium",), events=True),
+    "trial-all": Problem(ALL, events=False),
+    "event-all": Problem(ALL, events=True),
+    "trial-five-setups": Problem(("medium",), events=False, setups=FEW_SETUPS),
+}
+
+
+def gravity_of(problem: Problem, recording: Recording) -> Gravity:
+    """Return the trials that enter."""
+    screened = screen_trials(recording.gravity, recording.rig).gravity
+    trials = screened.trials[screened.trials["pulley_size"].isin(problem.sizes)]
+    if problem.setups is not None:
+        trials = trials[trials["setup"].isin(trials["setup"].unique()[: problem.setups])]
+    trials = trials.reset_index(drop=True)
+    events = screened.events[screened.events["trial"].isin(trials["trial"])]
+    events = events.reset_index(drop=True)
+    if problem.events:
+        return Gravity(trials, events)
+    measured = TrialMeasurements(Gravity(trials, events), recording.rig, Analysis())
+    found = measured.at(NOISE).acceleration()
+    trials["acceleration_m_s2"] = found.mean[0]
+    trials["acceleration_sd_m_s2"] = np.sqrt(found.variance[0])
+    return Gravity(trials, events.iloc[:0])
+
+
+def model_of(problem: Problem) -> tuple[Model, dict[str, np.ndarray]]:
+    """Return a posterior, and its arrays for other samplers."""
+    recording = read_recording(RECORDING)
+    gravity = gravity_of(problem, recording)
+    model = Model([GravityLikelihood(gravity, recording.rig, Analysis())])
+    return model, arrays_of(model, gravity, recording)
+
+
+def arrays_of(model: Model, gravity: Gravity, recording: Recording) -> dict[str, np.ndarray]:
+    """Return what :mod:`benchmark.jax_density` needs of a posterior."""
+    places = TrialPlaces(gravity, recording.rig)
+    condition = places.condition
+    mass, drive = condition.total_mass_kg, condition.drive_force_n
+    difference = np.asarray(condition.mass_drive_kg) - np.asarray(condition.mass_load_kg)
+    arrays = {
+        "sizes": np.array(places.size.sizes),
+        "names": np.array(model.names),
+        "family": np.array([one.prior.family for one in model.parameters]),
+        "scale": np.array([_scale(one.prior) for one in model.parameters]),
+        "size": places.size.of_trial,
+        "pulleys": np.asarray(condition.n_pulleys, dtype=float),
+        "wrap": np.asarray(condition.wrap_angle_deg) - REFERENCE_WRAP_ANGLE_DEG,
+        # T = still + feedback × friction
+        "still": 0.5 * mass * np.asarray(condition.gravity_m_s2) - 0.5 * difference * drive / mass,
+        "feedback": 0.5 * difference / mass,
+        "mass": mass,
+        "drive": drive,
+        "setup": pd.factorize(gravity.trials["setup"])[0],
+    }
+    if not len(gravity.events):
+        stated = gravity.trials
+        return arrays | {
+            "acceleration": stated["acceleration_m_s2"].to_numpy(),
+            "acceleration_sd": stated["acceleration_sd_m_s2"].to_numpy(),
+        }
+    wander = Wander(places, Analysis())
+    table = reduce_events(
+        gravity.events,
+        gravity.trials["trial"],
+        spacing_m=recording.rig.hall_spacing_m,
+        tick_s=recording.rig.timer_resolution_s,
+        first_speed_scale=Analysis().priors.first_speed.scale,
+        scattered=wander.columns.travel,
+    )
+    spline = table.spline
+    knots = np.unique(spline.t[spline.k : -spline.k])
+    powers = range(spline.k, -1, -1)  # a polynomial a piece, for Horner's scheme
+    pieces = [spline(knots[:-1], nu=power) / factorial(power) for power in powers]
+    return arrays | {
+        "knots": knots[:-1],
+        "pieces": np.stack(pieces),
+        "end": knots[-1:],
+        "basis": table.basis,
+        "degrees_of_freedom": table.degrees_of_freedom,
+        "constant": table.constant,
+        "origin": table.origin,
+        "typical_speed": np.array(table.typical_speed),
+        "tick_variance": np.array(table.tick_variance),
+        "extent": np.array(places.travel_m[places.with_events].max()),
+        "modes": np.array(MODES),
+    }
+
+
+def _scale(prior) -> np.ndarray:
+    """Return the two numbers of a prior."""
+    if prior.family == "half-normal":
+        return np.array([prior.scale, 0.0])
+    if prior.family == "normal":
+        return np.array([prior.sd, prior.mean])
+    assert prior.family == "log-normal", prior.family
+    return np.array([prior.sd_log, np.log(prior.median)])

@@ -1,0 +1,64 @@
+"""The figures of the benchmark, of runs whose figures are known."""
+
+import numpy as np
+import pytest
+from benchmark import compare, page
+
+
+def independent(mean, sd, seed, shape=(4, 1000)):
+    return np.random.default_rng(seed).normal(mean, sd, (*shape, 2))
+
+
+def test_effective_draws_of_independent_chains_are_their_number():
+    run = {"theta": independent(0.0, 1.0, 1), "seconds": 2.0, "before": 3.0}
+    found = compare.figures_of(run, 2)
+    assert found["effective_draws"] == pytest.approx(4000, rel=0.1)
+    assert found["per_second"] == pytest.approx(2000, rel=0.1)
+    assert found["cold_s"] == pytest.approx(5.0, rel=0.1)
+
+
+def test_effective_draws_of_weights_are_one_over_the_sum_of_squares():
+    weights = np.array([0.5, 0.25, 0.25])
+    run = {"theta": np.zeros((3, 2)), "weights": weights, "seconds": 1.0, "before": 0.0}
+    assert compare.figures_of(run, 2)["effective_draws"] == pytest.approx(1 / 0.375)
+
+
+@pytest.mark.parametrize(("mean", "sd"), [(0.15, 1.0), (0.0, 1.15)])
+def test_a_mean_or_an_sd_that_differs_is_seen(mean, sd):
+    """0.15 over √(2 / 4000) is 6.7 errors of a mean, and 0.15 over √(1 / 4000) more of an sd."""
+    same = compare.largest_z(independent(0.0, 1.0, 1), independent(0.0, 1.0, 2))
+    other = compare.largest_z(independent(0.0, 1.0, 1), independent(mean, sd, 2))
+    assert same < 3 < 4.5 < other
+
+
+def figures(rate, cold, r_hat=1.0):
+    found = {"per_second": rate, "cold_s": cold, "r_hat": r_hat}
+    return {key: compare.spread([value]) for key, value in found.items()}
+
+
+def test_r_hat_tells_a_chain_that_is_elsewhere():
+    theta = independent(0.0, 1.0, 1)
+    assert compare.figures_of({"theta": theta, "seconds": 1.0, "before": 0.0}, 2)["r_hat"] < 1.01
+    theta[0] += 1.0
+    assert compare.figures_of({"theta": theta, "seconds": 1.0, "before": 0.0}, 2)["r_hat"] > 1.1
+
+
+def test_targets_are_against_the_fastest_of_each():
+    found = {
+        "ours": figures(600.0, 1.0),
+        "limit": figures(1000.0, 0.5),
+        "a": figures(100.0, 20.0),
+        "b": figures(150.0, 30.0),
+        "unconverged": figures(9e9, 1e-9, r_hat=1.2),
+    }
+    rows = compare.targets("p", found, {"a": 2.9, "b": 3.1, "unconverged": 9.0})
+    assert [row["ratio"] for row in rows] == [4.0, 20.0, 0.6, 2.9, 3.1]
+    assert [row["met"] for row in rows] == [False, True, True, True, False]
+    assert "b" in rows[0]["name"]
+    assert "a" in rows[1]["name"]
+
+
+def test_the_page_says_what_was_missed():
+    rows = compare.targets("p", {"ours": figures(4.0, 1.0), "limit": figures(10.0, 1.0)}, {})
+    record = {"figures": rows, "cases": {"p": {"ours": figures(4.0, 1.0)}}}
+    assert "| p: share of the limit | 4 | 10 | 0.4 | 0.5 | missed |" in page.text(record)
