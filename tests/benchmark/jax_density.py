@@ -1,6 +1,6 @@
 """The posterior of the benchmark in JAX, from the arrays of :mod:`benchmark.problems`.
 
-It imports nothing of the package: the driver holds it against the package's own density.
+It imports nothing of the package: draws from both show whether the two densities agree.
 """
 
 import jax

@@ -15,10 +15,15 @@ CHOSEN = (0, 1, 2)
 def test_a_few_agree_with_the_evidence():
     recorded = {case["seed"]: case for case in evidence.read("joints")["cases"]}
     for seed in CHOSEN:
-        now, then = joints.case(seed), recorded[seed]
-        for one in (now, then):
-            one |= {f"cycle {name}": value for name, value in (one.pop("cycle") or {}).items()}
-        assert now == pytest.approx(then, rel=1e-6)
+        now, then = flat(joints.case(seed)), flat(recorded[seed])
+        assert now.keys() == then.keys()
+        for name, value in now.items():
+            assert value == (then[name] if value is None else pytest.approx(then[name], rel=1e-6))
+
+
+def flat(case):
+    """Return a case without its cycle, and that one's figures beside the others."""
+    return {name: value for name, value in case.items() if name != "cycle"} | (case["cycle"] or {})
 
 
 @pytest.mark.long
