@@ -39,10 +39,10 @@ def test_fifty_random_joints():
         figures=figures,
         cases=found,
     )
-    # friction behind the cable makes swings of a moving joint smaller and their γ higher than
-    # those of a stiff cable: what is reported is on the safe side, and right at rest
-    assert figures["steady_error"]["above"] == 0
-    assert figures["amplitude"]["above"] <= 0.05 * figures["amplitude"]["of"]
-    assert figures["gamma"]["below"] <= 0.1 * figures["gamma"]["of"]
-    for name in ("amplitude", "frequency"):
-        assert figures["at_rest"][name]["within"] == figures["at_rest"][name]["of"]
+    # What is promised: within 10 % of the independent simulation, on every joint.
+    missed = [
+        name
+        for name in ("gamma", "amplitude", "frequency", "steady_error")
+        if figures[name]["within"] < figures[name]["of"]
+    ]
+    assert missed == []
