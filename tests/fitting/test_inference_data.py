@@ -8,7 +8,10 @@ import arviz_stats as azs
 import numpy as np
 import pytest
 import xarray as xr
+from conftest import QUICK_SAMPLER
 
+from bayesfric.analysis import Analysis, HalfNormal, Priors
+from bayesfric.fitting import fit
 from bayesfric.results import read_tree
 
 GROUPS = {
@@ -26,9 +29,13 @@ OF_ONE_TRIAL = {"var_name": "friction"}
 
 
 @pytest.fixture(scope="module")
-def folder(small_fit, tmp_path_factory):
+def folder(small_recording, tmp_path_factory):
+    """A fit without a wander, whose long posterior importance sampling covers less well."""
     place = tmp_path_factory.mktemp("fit")
-    small_fit.write(place, csv=True)
+    priors = Priors(wander=HalfNormal(scale=1e-5))
+    fit(small_recording, Analysis(seed=5, sampler=QUICK_SAMPLER, priors=priors)).write(
+        place, csv=True
+    )
     return place
 
 
@@ -67,7 +74,6 @@ def test_many_draws_are_thinned_alike():
 
 def test_the_likelihood_adds_up_to_that_of_the_whole(draws, small_recording):
     """What power-scaling adds up, beside the likelihood worked out again."""
-    from bayesfric.analysis import Analysis
     from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
     from bayesfric.rigs.gravity_board.screening import screen_trials
 
@@ -106,7 +112,7 @@ def test_psense_is_that_of_the_fit(draws, folder):
 def test_leave_one_out_is_that_of_the_fit(draws, folder):
     """Densities, and probabilities by drawing instead of by the normal distribution."""
     (trials, _) = json.loads((folder / "fit.json").read_text())["prediction"]
-    assert trials["refitted"] == 0
+    assert trials["refitted"] <= 1  # whose importance weights are near the bound
     assert azs.loo(draws, **OF_ONE_TRIAL).elpd == pytest.approx(trials["elpd"], abs=0.1)
     pit = azs.loo_pit(draws)["friction"]
     exact = read_tree(folder / "predictive.nc")["trials"]["loo_pit"]
@@ -146,8 +152,6 @@ import arviz as az
 import corner
 warnings.simplefilter("error", UserWarning)  # Pareto k, shapes that do not fit
 warnings.simplefilter("error", RuntimeWarning)  # NaN, overflow
-# The run of this fixture is short: a walker may stay where it began.
-warnings.filterwarnings("ignore", "Your data appears to have a single value")
 data = az.from_netcdf("draws.nc")
 axes = az.plot_ppc(data, num_pp_samples=20, random_seed=1)
 trace = az.plot_trace(data, var_names=["tau"])
