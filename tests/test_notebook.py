@@ -108,6 +108,13 @@ def test_stored_json_shows_itself_too():
     claims = read_json(ClaimsFile, reference_folder() / "claims.json")
     table = calls.ClaimsResult(claims, None, 0.0).to_dataframe()
     assert dict(table["verdict"]) == {one.id: one.verdict for one in claims.claims}
+    (axes,) = calls.ClaimsResult(claims, None, 0.0).plot_rivals().axes
+    drawn = [text.get_text() for text in axes.get_yticklabels()]
+    rivals = [one.figures.get("log10_bayes_factor_against") or {} for one in claims.claims]
+    assert sorted(name for name in drawn if name) == sorted(name for one in rivals for name in one)
+    alone = claims.model_copy(update={"claims": ()})
+    with pytest.raises(ValueError, match="none was compared"):
+        calls.ClaimsResult(alone, None, 0.0).plot_smallest_found()
     summary = read_json(DiagnosisFile, reference_folder() / "diagnosis.json")
     found = DiagnosisResult.of(Diagnosed(summary, None, 0.0))
     assert summary.sentence in repr(found)

@@ -12,6 +12,7 @@ from bayesfric.cli.options import (
     Config,
     FailOn,
     Folder,
+    Junit,
     Quiet,
     Rigs,
     Seed,
@@ -28,11 +29,11 @@ __all__ = ["claims", "claims_into"]
 
 @exit_status
 def claims(
-    recording: Annotated[Path, typer.Argument(help="Folder of the recording.")],
-    output: Folder = Path("bayesfric-run"),
-    junit: Annotated[
-        Path | None, typer.Option("--junit", help="Also write a test report, for CI.")
+    recording: Annotated[
+        Path | None, typer.Argument(help="Folder of the recording; not asked for with --list.")
     ] = None,
+    output: Folder = Path("bayesfric-run"),
+    junit: Junit = None,
     rigs: Rigs = None,
     baseline: Baseline = "paper",
     workers: Workers = 2,
@@ -40,13 +41,22 @@ def claims(
     config: Config = None,
     quiet: Quiet = False,
     fail_on_list: FailOn = "",
+    listing: Annotated[
+        bool, typer.Option("--list", help="List the claims with what the paper states, and where.")
+    ] = False,
 ) -> None:
     """Compare each claim of the paper with its rivals; write claims.json and claims.nc.
 
     Example: bayesfric claims my-board -o my-results --junit claims.xml
     """
     from bayesfric.analysis import read_analysis
+    from bayesfric.errors import Fault, InputError
 
+    if listing:
+        _list()
+        return
+    if recording is None:
+        raise InputError([Fault("command line", "a RECORDING, or --list")])
     fail_on(fail_on_list, set())  # an unknown name is told before the work
     with hold(output, "claims"):
         happened = claims_into(
@@ -60,6 +70,13 @@ def claims(
             quiet=quiet,
         )
     fail_on(fail_on_list, happened)
+
+
+def _list() -> None:
+    from bayesfric.claims import registered
+
+    for claim in registered():
+        say(f"{claim.name}: {claim.statement} The paper: {claim.paper}")
 
 
 def claims_into(

@@ -10,6 +10,7 @@ __all__ = [
     "Config",
     "FailOn",
     "Folder",
+    "Junit",
     "Quiet",
     "Rigs",
     "Seed",
@@ -18,8 +19,17 @@ __all__ = [
 ]
 
 Folder = Annotated[Path, typer.Option("-o", "--output", help="Folder for the results.")]
+Junit = Annotated[
+    Path | None,
+    typer.Option("--junit", help="Also write the claims as a JUnit test report, for CI."),
+]
 Seed = Annotated[
-    int | None, typer.Option("--seed", min=0, help="Seed of everything random; else the file's.")
+    int | None,
+    typer.Option(
+        "--seed",
+        min=0,
+        help="Seed of everything random. Absent: `seed` of --config, 2015 if it has none.",
+    ),
 ]
 Config = Annotated[
     Path | None,

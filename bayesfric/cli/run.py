@@ -16,6 +16,7 @@ from bayesfric.cli.options import (
     Config,
     FailOn,
     Folder,
+    Junit,
     Quiet,
     Rigs,
     Seed,
@@ -42,6 +43,7 @@ def run(
             "--loop", help="A loop file, or the name of a bundled loop; its margins are computed."
         ),
     ] = None,
+    junit: Junit = None,
     rigs: Rigs = None,
     baseline: Baseline = "paper",
     workers: Workers = 2,
@@ -68,6 +70,7 @@ def run(
             output,
             read_analysis(config, seed=seed),
             loops=loops,
+            junit=junit,
             rigs=named_rigs(rigs),
             baseline=baseline,
             workers=workers,
@@ -84,6 +87,7 @@ def run_into(
     analysis: "Analysis",
     *,
     loops: list[Path],
+    junit: Path | None = None,
     rigs: list[str] | None,
     baseline: str,
     workers: int,
@@ -94,7 +98,9 @@ def run_into(
 
     common: dict[str, Any] = {"baseline": baseline, "quiet": quiet}
     happened = fit_into(recording, output, analysis, rigs=rigs, loops=loops, **common)
-    happened |= claims_into(recording, output, analysis, rigs=rigs, workers=workers, **common)
+    happened |= claims_into(
+        recording, output, analysis, junit=junit, rigs=rigs, workers=workers, **common
+    )
     happened |= diagnose_into(recording, output, analysis, **common)
     if loops:
         happened |= margins_into(loops, output / "draws.nc", output, analysis, quiet=quiet)

@@ -88,6 +88,26 @@ class ClaimsResult(Checked):
         rows = {one.id: {name: getattr(one, name) for name in names} for one in self.summary.claims}
         return pd.DataFrame.from_dict(rows, orient="index").rename_axis("claim")
 
+    def plot_rivals(self) -> "Figure":
+        """Draw the Bayes factor of each claim against each of its rivals."""
+        from bayesfric.plots.claims import against_rivals
+
+        return against_rivals(self._by_rival("log10_bayes_factor_against"))
+
+    def plot_smallest_found(self) -> "Figure":
+        """Draw the smallest effect of each rival that these data would have shown."""
+        from bayesfric.plots.claims import smallest_found
+
+        matters = self.summary.rules["region_of_equivalence"]
+        return smallest_found(self._by_rival("smallest_found"), matters)
+
+    def _by_rival(self, figure: str) -> dict[str, dict[str, float]]:
+        found = {one.id: one.figures.get(figure) for one in self.summary.claims}
+        there = {name: dict(rivals) for name, rivals in found.items() if isinstance(rivals, dict)}
+        if not any(there.values()):
+            raise ValueError(f"no claim on this recording has {figure}: none was compared")
+        return there
+
     def __repr__(self) -> str:
         lines = [f"{one.id:<24} {one.verdict}" for one in self.summary.claims]
         return _lines(f"Claims on {self.summary.recording.name}", lines)
@@ -166,6 +186,23 @@ class MarginsResult(Margins):
                 for metric in loop.metrics
             ]
         )
+
+    def plot_hunting(self) -> "Figure":
+        """Draw how probably each loop hunts, over the compensation gain."""
+        from bayesfric.plots.margins import limit_cycle_against_gain
+
+        loops = [loop for loop in self.summary.loops if loop.limit_cycle_probability]
+        if not loops:
+            raise ValueError("no loop has a gain to draw hunting over: none compensates friction")
+        return limit_cycle_against_gain(loops)
+
+    def plot_errors(self) -> "Figure":
+        """Draw the errors at the tool tip and the torque that is left, with their specs."""
+        from bayesfric.plots.margins import error_and_headroom, has_error_or_headroom
+
+        if not has_error_or_headroom(self.summary.loops):
+            raise ValueError("no loop has an error at the tip or torque left to draw")
+        return error_and_headroom(self.summary.loops)
 
     def __repr__(self) -> str:
         lines = [f"{loop.name}: {loop.answer}" for loop in self.summary.loops]

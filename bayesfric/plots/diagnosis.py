@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
@@ -20,6 +20,7 @@ SHAPES = 4  # axes whose shape is drawn: those of the largest shares
 EFFECTS = 8  # most probable ones; the table has all
 FEWEST = 4  # effects that are drawn at least
 RARE = 0.02  # further effects are drawn where they are more probable
+KINDS = 8  # ticks along kinds that are named
 ROOM = 2.0  # a panel of a shape is this much taller than its band; dots beyond are cut
 CATEGORIES = ("pulley_size", "rig", "drive_end", "setup", "sensor")  # not numbers, but kinds
 UNITS = {"": "", "1": "", "-": "", "deg": "°", "1/deg": "deg⁻¹", "1/m": "m⁻¹", "m/s^2": "m/s²"}
@@ -41,23 +42,28 @@ def where_it_lies(axes: Sequence[Axis], residuals: xr.Dataset | None, unit: str 
     Returns
     -------
     Figure
-        Left a bar for each of up to ten axes that explain a part, of all that varied where
-        none does; right a panel for each of up to four shapes,
-        if there is one.
+        Left a bar for each of up to ten axes that explain a part; right a panel for each of
+        up to four shapes, if there is one. Shapes alone where no axis explains a part, and
+        bars of all that varied where there are no shapes either.
     """
     known = [axis for axis in axes if not axis.blind]
-    shares = ([axis for axis in known if (axis.share or 0.0) > 0] or known)[:BARS]
     shapes = [axis for axis in axes if axis.shape is not None][:SHAPES]
+    explaining = [axis for axis in known if (axis.share or 0.0) > 0]
+    shares = (explaining or ([] if shapes else known))[:BARS]
     with figure(height=max(46.0, 12.0 + 3.5 * len(shares))) as fig:
-        left, right = halves(fig, 5, 6) if shapes else (fig, None)
-        _shares(left.subplots(), shares)
-        keys = [
-            Patch(color=COLORS["sky"], label="share"),
-            Patch(color=COLORS["blue"], label="of it, no other axis's"),
-        ]
-        left.legend(handles=keys, loc="outside upper left", ncols=2, columnspacing=1.0)
+        left: Figure | SubFigure | None = fig
+        right: Figure | SubFigure | None = None
+        if shapes:
+            left, right = halves(fig, 5, 6) if shares else (None, fig)
+        if left is not None:
+            _shares(left.subplots(), shares)
+            keys = [
+                Patch(color=COLORS["sky"], label="share"),
+                Patch(color=COLORS["blue"], label="of it, no other axis's"),
+            ]
+            left.legend(handles=keys, loc="outside upper left", ncols=2, columnspacing=1.0)
         if right is not None:
-            columns = 1 if len(shapes) == 1 else 2
+            columns = len(shapes) if left is None else min(2, len(shapes))
             rows = -(-len(shapes) // columns)
             panels = np.reshape(right.subplots(rows, columns), -1)
             for panel, axis in zip(panels, shapes, strict=False):
@@ -119,7 +125,10 @@ def _shape(panel: Axes, axis: Axis, residuals: xr.Dataset | None) -> None:
     first, last = min(shape.grid), max(shape.grid)
     if axis.axis in CATEGORIES:
         panel.set_xlim(first - 0.5, last + 0.5)
-        panel.set_xticks(shape.grid, [str(place + 1) for place in range(len(shape.grid))])
+        step = -(-len(shape.grid) // KINDS)  # the names of more would overprint
+        panel.set_xticks(
+            shape.grid[::step], [str(place + 1) for place in range(0, len(shape.grid), step)]
+        )
     else:
         panel.set_xlim(first - 0.03 * (last - first), last + 0.03 * (last - first))
         panel.xaxis.set_major_locator(MaxNLocator(4))

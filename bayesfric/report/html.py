@@ -1,4 +1,6 @@
-"""The content tree as one HTML file that needs nothing else: no script, no other file.
+"""The content tree as one HTML file that needs no other file.
+
+Its one script, which sorts tables, is the template's: nothing of a document is ever in it.
 
 Every piece of text goes through markupsafe's escaping; the frame and the style are
 a Jinja template. Figures are images of their own, so that the identifiers inside

@@ -4,15 +4,17 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 from altered import by_acceleration, of_size, with_trials
 from typer.testing import CliRunner
 
+from bayesfric.claims import registered
 from bayesfric.cli import app
 from bayesfric.recording import write_recording
 from bayesfric.results import read_json
-from bayesfric.schemas import FitFile
+from bayesfric.schemas import ClaimsFile, FitFile
 
 SHORT = "seed = 5\n[sampler]\nburn = 60\nsteps = 80\nthin = 2\nextensions = 0\n"
 
@@ -44,9 +46,31 @@ def board(small_recording, tmp_path_factory):
 @pytest.fixture(scope="session")
 def ran(board):
     """One whole run on it."""
-    done = bayesfric("run", "board", "--config", "analysis.toml", "-o", "first", cwd=board)
+    done = bayesfric(
+        "run", "board", "--config", "analysis.toml", "-o", "first", "--junit", "ci/claims.xml",
+        cwd=board,
+    )  # fmt: skip
     assert done.returncode == 0, done.stderr
     return done
+
+
+def test_run_writes_the_claims_as_test_cases(board, ran):
+    stored = read_json(ClaimsFile, board / "first" / "claims.json")
+    suite = ElementTree.parse(board / "ci" / "claims.xml").getroot()
+    assert [case.get("name") for case in suite] == [one.id for one in stored.claims]
+    refuted = [one.id for one in stored.claims if one.verdict == "refuted"]
+    assert [case.get("name") for case in suite if case.find("failure") is not None] == refuted
+
+
+def test_claims_are_listed_without_a_recording():
+    listed = CliRunner().invoke(app, ["claims", "--list"])
+    assert [line.partition(":")[0] for line in listed.stdout.splitlines()] == [
+        claim.name for claim in registered()
+    ]
+    assert "A falling weight's friction does not grow with its speed." in listed.stdout
+    missing = CliRunner().invoke(app, ["claims"])
+    assert missing.exit_code == 2
+    assert "a RECORDING, or --list" in missing.stderr
 
 
 def test_run_writes_results_and_report(board, ran):

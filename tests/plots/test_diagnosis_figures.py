@@ -67,6 +67,30 @@ def test_without_dots_or_shapes_the_rest_is_drawn():
     assert len(where_it_lies((axis("rig", "1", None),), None).axes) == 1
 
 
+def test_axes_that_explain_nothing_have_shapes_and_no_bars():
+    found = tuple(
+        one.model_copy(update={"share": -0.6, "unique_share": -0.6})
+        for one in diagnosis().where
+        if one.shape is not None
+    )
+    labels = [axes.get_xlabel() for axes in where_it_lies(found, None).axes]
+    assert labels == ["velocity [m/s]", "displacement [m]", "tension [N]", "n pulleys"]
+
+
+def test_ticks_of_many_kinds_do_not_overprint():
+    first = diagnosis().where[0]
+    grid = tuple(float(place) for place in range(40))
+    curve = tuple(0.01 * place for place in range(40))
+    shape = first.shape.model_copy(
+        update={"grid": grid, "gap_n": curve, "low_n": curve, "high_n": curve}
+    )
+    many = first.model_copy(update={"axis": "setup", "unit": "1", "shape": shape})
+    axes = panel(where_it_lies((many,), None), "setup")
+    assert [text.get_text() for text in axes.get_xticklabels()] == [
+        "1", "6", "11", "16", "21", "26", "31", "36",
+    ]  # fmt: skip
+
+
 def test_effects_are_the_most_probable_and_eight_at_most():
     likely = [acts(f"effect-{k}", 0.5 - 0.02 * k) for k in range(12)]
     left, _ = what_acts(likely, 0.02).axes

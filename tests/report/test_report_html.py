@@ -32,11 +32,15 @@ class Page(HTMLParser):
         assert self.open.pop() == tag
 
     def handle_data(self, data: str) -> None:
-        if "style" not in self.open:
+        if not {"style", "script"} & set(self.open):
             self.texts.append(data)
 
     def all(self, tag: str) -> list[dict[str, str | None]]:
         return [attributes for name, attributes in self.elements if name == tag]
+
+
+def script_of(html: str) -> str:
+    return html[html.rindex("<script>") :]
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +77,8 @@ def test_nothing_is_fetched(html: str, page: Page) -> None:
     assert [a["href"] for a in page.all("a") if not str(a["href"]).startswith("#")] == [
         "https://example.org/paper"
     ]
-    assert not {"script", "link", "iframe", "object"} & {tag for tag, _ in page.elements}
+    assert not {"link", "iframe", "object"} & {tag for tag, _ in page.elements}
+    assert page.all("script") == [{}]  # the template's own, without a source
     assert "http" not in html.replace("https://example.org/paper", "")
     assert "url(" not in html
 
@@ -116,7 +121,10 @@ def test_hostile_text_everywhere_else() -> None:
     html = render_html(Document(text, text, blocks, authors=[text]))
     page = Page(html)
     assert page.open == []
-    assert "script" not in {tag for tag, _ in page.elements}
+    # The template's script alone, and no word of the document in it.
+    empty = render_html(Document("title", "", [Paragraph("text")]))
+    assert len(page.all("script")) == 1
+    assert script_of(html) == script_of(empty)
     assert sum(t.count(text) for t in page.texts) == 12
     assert "a[U+D800][U+0000]" in page.texts
     html.encode("utf-8")

@@ -1,6 +1,7 @@
 """The chapter on controller margins, and its figures."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from margins.loops import loop, write_draws
 
 from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins
+from bayesfric.notebook.results import MarginsResult
 from bayesfric.plots.margins import hunting_over_speed, limit_cycle_against_gain, nyquist_fan
 from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters.margins import margins
@@ -35,6 +37,19 @@ def test_the_first_line_says_which_gain_to_set(computed):
     assert verdict.text + rest == computed.summary.loops[0].answer
     assert re.fullmatch(r"Meets its spec: each of \d figures .* or more\. ", verdict.text)
     assert "Set γ to " in rest
+
+
+def test_margins_at_a_prompt_are_drawn(computed):
+    found = MarginsResult.of(computed)
+    (axes,) = found.plot_hunting().axes
+    curve = computed.summary.loops[0].limit_cycle_probability
+    drawn = [line.get_xydata().tolist() for line in axes.lines]
+    assert [[one.gamma, one.p] for one in curve] in drawn
+    assert len(found.plot_errors().axes) == 2
+    bare = [one.model_copy(update={"limit_cycle_probability": ()}) for one in found.summary.loops]
+    summary = found.summary.model_copy(update={"loops": tuple(bare)})
+    with pytest.raises(ValueError, match="no loop has a gain"):
+        replace(found, summary=summary).plot_hunting()
 
 
 def test_the_tables_hold_the_stored_figures(computed):

@@ -141,6 +141,7 @@ def _where(stored: StoredDiagnosis) -> Figure:
     blind = [axis_words(axis.axis) for axis in axes if axis.blind]
     residuals = stored.group("residuals")
     shapes = any(axis.shape is not None for axis in axes)
+    bars = any((axis.share or 0.0) > 0 for axis in known) or not shapes
     return Figure(
         to_svg(where_it_lies(axes, residuals, stored.found.gap.unit)),
         [
@@ -148,20 +149,26 @@ def _where(stored: StoredDiagnosis) -> Figure:
             " ",
             *_largest(known, all(axis.blind for axis in axes)),
             f"Did not vary, so that nothing is known: {', '.join(blind)}. " if blind else "",
-            "Right: residual force, its systematic part with a simultaneous 95 % band; dots are "
-            "windows of trials, far ones are cut. "
+            f"{'Right: residual' if bars else 'Residual'} force, its systematic part with a "
+            "simultaneous 95 % band; dots are windows of trials, far ones are cut. "
             if shapes
             else "",
             "All axes: ",
             Reference("axes"),
             ".",
         ],
-        "Left, a horizontal bar for each axis with the part of the squared gap that it explains"
-        + (f", {axis_words(known[0].axis)} {format_share(known[0].share)} at most" if known else "")
-        + (f"; {', '.join(blind)} did not vary" if blind else "")
-        + ("; right, the residual force along the largest axes with a band." if shapes else "."),
+        (_bars_alt(known) + ("; right, " if shapes else "") if bars else "Panels of ")
+        + ("the residual force along the largest axes with a band" if shapes else "")
+        + (f"; {', '.join(blind)} did not vary." if blind else "."),
         label="where",
     )
+
+
+def _bars_alt(known: list[Axis]) -> str:
+    said = "Left, a horizontal bar for each axis with the part of the squared gap that it explains"
+    if not known:
+        return said
+    return f"{said}, {axis_words(known[0].axis)} {format_share(known[0].share)} at most"
 
 
 def _largest(known: list[Axis], blind: bool) -> list[Inline]:

@@ -42,7 +42,9 @@ def in_a_sentence(fit: FitFile) -> Iterator[Block]:
         said = f"{mean} ± {half:.{decimals}f}\u202f{entry.unit}{known}"
         if "e" in mean or "×" in mean:
             said = f"{mean} ({low} to {high}) {entry.unit}{known}"
-        parts += [", " if parts else "", f"{_called(name)} ", Strong(said)]
+        called = _called(name)
+        begun = ", " if parts else ""
+        parts += [begun, f"{called if parts else called[:1].upper() + called[1:]} ", Strong(said)]
     if parts:
         yield Paragraph([*parts, ": half of each 90 % interval stands behind the sign."])
 

@@ -20,6 +20,7 @@ from bayesfric.report.content import (
 )
 from bayesfric.report.quantities import format_number, format_share
 from bayesfric.report.stored import StoredFit
+from bayesfric.rigs.coefficients import NO_PULLEY
 
 __all__ = ["prior_friction"]
 
@@ -43,8 +44,10 @@ def prior_friction(stored: StoredFit) -> Iterator[Block]:
             "recorded at all is what rules them out." * moving,
         ]
     )
+    sizes = ordered_sizes(table["pulley"].to_numpy())
+    pulleys = sizes != [NO_PULLEY]
     columns: list[Column | str] = [
-        "pulley",
+        "pulley" if pulleys else "conditions",
         Column("prior", "N", align="right"),
         Column("posterior", "N", align="right"),
         Column("measured", "N", align="right"),
@@ -56,10 +59,10 @@ def prior_friction(stored: StoredFit) -> Iterator[Block]:
             Column("some condition", align="right"),
         ]
     rows = []
-    for size in ordered_sizes(table["pulley"].to_numpy()):
+    for size in sizes:
         row = table.sel(pulley=size)
         cells = [
-            size,
+            size if pulleys else "all",
             _range(row["prior_pooled_n"].to_numpy()),
             _range(row["posterior_pooled_n"].to_numpy()),
             " to ".join(format_number(float(end), 2) for end in row["measured_range_n"]),
@@ -78,8 +81,8 @@ def prior_friction(stored: StoredFit) -> Iterator[Block]:
         label="prior-friction",
         note="Median, and 5 % to 95 % in brackets, over draws of the law and conditions at the "
         "tension measured; without scatter. Measured: least to largest mean of a condition. Prior "
-        "pushes: draws and conditions with a friction below zero, which c3 makes at wrap angles "
-        "far from 85°."
+        "pushes: draws and conditions with a friction below zero"
+        + (", which c3 makes at wrap angles far from 85°." if pulleys else ".")
         + (
             " Does not move: draws and conditions in which friction at rest holds the board; some "
             "condition: draws with at least one such condition."
@@ -90,13 +93,14 @@ def prior_friction(stored: StoredFit) -> Iterator[Block]:
     yield Figure(
         to_svg(friction_of_priors(stored.predictive)),
         [
-            "Friction of each condition: bands of the prior, the posterior, the measurements, and "
-            + ("the friction from which on the board would not move. " if moving else "")
-            + "The axis is linear around zero, logarithmic above the least friction. From ",
+            "Friction of each condition: bands of the prior, the posterior, the measurements"
+            + (", and the friction from which on the board would not move" if moving else "")
+            + ". The axis is linear around zero, logarithmic above the least friction. From ",
             Code("predictive.nc"),
             ".",
         ],
-        "A panel for each pulley size. A wide grey band of the prior lies above and around a "
+        ("A panel for each pulley size. " if pulleys else "")
+        + "A wide grey band of the prior lies above and around a "
         "rising blue line of the posterior, on which the measured points lie.",
         label="prior-conditions",
     )
