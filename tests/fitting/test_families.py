@@ -41,7 +41,6 @@ def log_ratio(posterior):
     return sum(terms).ravel()
 
 
-@pytest.mark.nightly
 def test_posterior_is_the_default_one_reweighted_by_the_priors(small_fit, other_fit):
     before, after = (one.draws["posterior"] for one in (small_fit, other_fit))
     weight = special.softmax(log_ratio(before))
