@@ -204,9 +204,9 @@ Prior = Annotated[
 ]
 
 
-def _above_zero(prior: Family) -> Family:
+def _above_zero(prior: Prior) -> Prior:
     if prior.lowest < 0:
-        raise ValueError(f"a density of values above zero; {prior.family} has some below")  # type: ignore[attr-defined]
+        raise ValueError(f"a density of values above zero; {prior.family} has some below")
     return prior
 
 

@@ -55,8 +55,7 @@ __all__ = ["Diagnosed", "diagnose"]
 
 Array = NDArray[np.float64]
 LN10 = float(np.log(10))
-HALF = 0.5  # probability of a practical gap, from which on axes have shares of it
-MOSTLY = 0.5  # probability of an unknown force, from which on its noise counts
+MOSTLY = 0.5  # probability of an unknown force, and of a gap, from which on they count
 SURELY = 0.9  # probability of none, from which on nothing is compared again
 ROUNDS = 2  # of linearising around the law that was fitted with the leader
 FORMED = 12.0  # nat from the best, of a hypothesis whose effects have other forms
@@ -204,7 +203,7 @@ def _diagnose(
     plain = residuals_of(arms.plain, arms.psi)
     held_out = measure_gap(arms, plain, fold_rng)
     gap, left = gap_of(held_out, posterior, residuals, arms, practical, gap_rng, data.unit)
-    gap2 = float(np.median(posterior.gap)) ** 2 if above >= HALF else 0.0
+    gap2 = float(np.median(posterior.gap)) ** 2 if above >= MOSTLY else 0.0
     where = where_it_lies(plain, held_out.before, held_out.fold, gap2, where_rng)
     floor = gap.floor.q50 / gap.friction_rms
 

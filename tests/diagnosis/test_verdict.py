@@ -4,6 +4,7 @@ import pytest
 from report.diagnosis_sample import cause, diagnosis
 
 from bayesfric.diagnosis.verdict import Known, decide, sentence_of, sets_of_one, sort_effects
+from bayesfric.schemas import Interval
 
 
 def known(effect="viscous", probability=0.99, above=1.0, **options):
@@ -64,3 +65,13 @@ def test_a_cause_without_a_sure_gap_is_in_the_sentence(verdict):
     assert "acts" not in sentence([])
     assert ("no cause is sure" in sentence([])) == (verdict == "undecided")
     assert "no cause is sure" not in sentence([cause("viscous")])
+
+
+@pytest.mark.parametrize(
+    ("low", "told"),
+    [(0.9995, "takes more than 99.9% of its square away"), (0.95, "takes 99.0% [95.0%, 99.5%]")],
+)
+def test_a_shrink_is_never_told_as_all_of_the_gap(low, told):
+    shrink = Interval(mean=0.99, sd=0.01, q05=low, q50=max(low, 0.99), q95=max(low, 0.995))
+    gap = diagnosis().gap.model_copy(update={"shrink": shrink, "shrink_why": None})
+    assert told in sentence_of("named", 0.97, [cause("viscous")], gap, (), (), 0.02)

@@ -103,7 +103,10 @@ def test_figures_that_are_wrong_do_not_hold(uncertain):
 
 def test_an_error_at_rest_that_is_too_small_does_not_hold(uncertain, monkeypatch):
     made, hunting = uncertain
-    half = lambda shaft: steady_error(shaft) / 2  # noqa: E731
+
+    def half(shaft):
+        return steady_error(shaft) / 2
+
     monkeypatch.setattr("bayesfric.margins.verification.steady_error", half)
     assert verify(made, hunting, 4).steady_error_agreement == 0.0
 
