@@ -170,7 +170,8 @@ class GravityPart:
         nuisance = layout.nuisance(self.place)
         if nuisance.stop > nuisance.start:
             columns[:, nuisance] = rows.late_column()[:, None]
-        self._columns, self._squeeze = columns * scales, None
+        self._columns = columns * scales
+        self._squeeze: Array | None = None
         self.random = np.hstack(random)
 
     def _summed(self, by_trial: bool) -> None:
