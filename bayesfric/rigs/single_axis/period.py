@@ -64,7 +64,7 @@ def strongest_wave(readings: Readings) -> Wave:
         pair = np.stack([np.cos(angle), np.sin(angle)]) @ readings.weights * readings.way
         pair = pair.T - basis @ (basis.T @ pair.T)
         found = np.linalg.lstsq(pair, left, rcond=1e-6)[0]
-        return float(left @ pair @ found), found
+        return float(left @ pair @ found), np.asarray(found, dtype=np.float64)
 
     tried = np.arange(LEAST, MOST, APART)
     best = tried[np.argmax([numbers(one)[0] for one in tried])]
