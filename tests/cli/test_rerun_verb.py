@@ -56,6 +56,7 @@ def test_results_that_do_not_come_out_again_are_told(ran, tmp_path):
     assert "predictive.nc: the same bytes" in done.stdout
 
 
+@pytest.mark.nightly
 def test_a_diagnosis_of_a_bench_repeats_itself(tmp_path):
     """With the priors that the rig has of its own, and with the values that were shipped."""
     recorded(tmp_path / "joint", joint(3.0))
