@@ -4,6 +4,8 @@ The simulation is ``margins/two_masses.py`` of the tests, which shares no physic
 package: motor and joint on an elastic cable that rubs at both ends, in small steps.
 """
 
+from itertools import pairwise
+
 import numpy as np
 from margins import two_masses
 from margins.loops import loop, posterior
@@ -20,6 +22,10 @@ WITHIN = 0.10
 SHARES = (0.6, 0.7, 0.8, 0.9, 1.1, 1.2, 1.3, 1.5)
 CREEP = 0.02
 """Of friction, what damping makes of the creeping reference's speed."""
+STAYS = (0.0, 0.8, 0.85, 0.9, 0.95, 1.05, 1.1, 1.15, 1.2, 1.3)
+"""Of the package's steady error, at which it is tried whether the motor stays."""
+STAYS_S = 0.3
+NEARLY = 0.999
 BEYOND = 1.3
 """Over the γ that hunts, where the limit cycle is compared."""
 LEAST_RATIO = 4.0
@@ -95,6 +101,7 @@ def case(seed):
         "load_over_friction": float(abs(shaft.net_load[0]) / shaft.friction[0]),
         "gamma": threshold if np.isfinite(threshold) else None,
         "steady_error": steady(shaft),
+        "dragged_error": dragged(shaft),
     }
     if duration > LONGEST_S:
         return record | {"skipped": "a run takes too long", "gamma_over": None, "cycle": None}
@@ -110,24 +117,9 @@ def case(seed):
     return record | {"cycle": cycle(shaft, condition, min(BEYOND * threshold, GAMMA_MAX), duration)}
 
 
-def plant_of(shaft, gamma):
-    """Return the joint as the simulation from outside takes it."""
-    fed = float(shaft.load_torque[0] - shaft.net_load[0])
-    return two_masses.of(
-        shaft,
-        feed=gamma * float(shaft.estimate[0]),
-        stiffness=float(shaft.stiffness[0]),
-        damping=float(shaft.damping[0]),
-        behind=float((shaft.lost_motion * shaft.stiffness / shaft.friction)[0]),
-        load=float(shaft.load_torque[0]),
-        fed=fed,
-        delay=float(shaft.delay[0]),
-    )
-
-
 def outside(shaft, gamma, kick, speed, duration):
     """Return the motor's errors at the samples."""
-    plant = plant_of(shaft, gamma)
+    plant = two_masses.elastic(shaft, feed=gamma * float(shaft.estimate[0]))
     return two_masses.run(plant, kick=kick, speed=speed, duration=duration)[1]
 
 
@@ -141,7 +133,24 @@ def lasts(error, shaft):
 def steady(shaft):
     """Return the largest error at which the motor stays, over that of the package.
 
-    The reference creeps away until the shaft is torn off, against what is left of the load.
+    The cable is wound against the joint's breakaway, to the side to which the load helps.
+    """
+    band = float(steady_error(shaft)[0])
+    plant = two_masses.elastic(shaft, feed=0.0)
+    side = np.sign(float(shaft.net_load[0])) or 1.0
+    wound = side * NEARLY * plant.behind * plant.friction * plant.stiction / plant.stiffness
+    for before, share in pairwise(STAYS):
+        kick = -side * share * band
+        error = two_masses.run(plant, kick=kick, speed=0.0, duration=STAYS_S, wound=wound)[1]
+        if np.abs(error + kick).max() > 2 * np.pi / float(shaft.counts[0]):
+            return (before + share) / 2
+    return STAYS[-1]
+
+
+def dragged(shaft):
+    """Return the error at which a creeping reference tears the motor off, over the package's.
+
+    With stiction one end breaks away before the other, so that it may be smaller.
     """
     band = float(steady_error(shaft)[0])
     side = np.sign(float(shaft.net_load[0])) or 1.0
@@ -211,6 +220,7 @@ def figures(cases):
     return of(looked) | {
         "skipped": len(cases) - len(looked),
         "steady_error": shares([one["steady_error"] for one in cases]),
+        "dragged_error": shares([one["dragged_error"] for one in cases]),
         "never_hunts": {
             "of": sum("none_outside" in one for one in looked),
             "within": sum(one.get("none_outside", False) for one in looked),
