@@ -184,11 +184,13 @@ def _at_rest(some: LoopAtShaft) -> tuple[Flags, tuple[Held, ...]]:
 def _run(some: LoopAtShaft, gamma: Array, kick: Array, speed: Array, duration: float) -> Motion:
     """Simulate all draws in several cases, each of shape (cases, draws)."""
     rows = np.tile(np.arange(gamma.shape[1]), gamma.shape[0])
+    loop = some.taken(rows).sampled(gamma.ravel())
     return simulate(
-        some.taken(rows).sampled(gamma.ravel()),
+        loop,
         kick=kick.ravel(),
         reference_speed=speed.ravel(),
         duration=duration,
+        lasts=run_length(loop).lasts,
         substeps=FINER,
     )
 

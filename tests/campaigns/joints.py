@@ -10,6 +10,7 @@ import numpy as np
 from margins import two_masses
 from margins.loops import loop, posterior
 
+from bayesfric.margins.answer import largest_safe_gain
 from bayesfric.margins.assembly import nominal_assembly
 from bayesfric.margins.describing import effective_damping, natural_frequency, steady_error
 from bayesfric.margins.hunting import run_length
@@ -110,6 +111,10 @@ def case(seed):
     if np.isinf(threshold):
         return record | {"none_outside": not hunts[0], "gamma_over": None, "cycle": None}
     first = hunts.index(True) if any(hunts) else None
+    safe = largest_safe_gain(found, 0.05, 1.0).gamma
+    record["safe"] = safe
+    if safe is not None:
+        record["safe_hunts"] = lasts(outside(shaft, safe, kick, speed, duration), shaft)
     record["gamma_over"] = None
     if first is not None:
         below = SHARES[first - 1] if first else 0.0
@@ -219,6 +224,10 @@ def figures(cases):
     looked = [one for one in cases if "skipped" not in one]
     return of(looked) | {
         "skipped": len(cases) - len(looked),
+        "safe_gain": {
+            "of": sum("safe_hunts" in one for one in looked),
+            "hunts": sum(one.get("safe_hunts", False) for one in looked),
+        },
         "steady_error": shares([one["steady_error"] for one in cases]),
         "dragged_error": shares([one["dragged_error"] for one in cases]),
         "never_hunts": {
