@@ -155,12 +155,12 @@ class GravityRows:
         shape = (*np.shape(force_n)[:-2], *self._travel.shape)
         slowing = np.broadcast_to(-self._slowed * force_n, shape)
         travel = self._integral.of(slowing.reshape(-1, *self._travel.shape))
-        return np.asarray(travel.T.reshape(self.events.tau.size, *shape[:-2]))
+        return np.asarray(travel.reshape(self.events.tau.size, *shape[:-2]))
 
     @cached_property
     def _integral(self) -> DoubleIntegral:
         step = self._paths.step_s[self.events.trial, 0]
-        return DoubleIntegral(self.events.trial, self.events.tau / step, step)
+        return DoubleIntegral(self.events.trial, self.events.tau / step, step, len(self.table))
 
     def coefficient_columns(self) -> Array:
         """Return what c1, c2 and c3 do to each row, shape (E, 3) [m per unit]."""
