@@ -1,9 +1,8 @@
 """From a loop and draws to margins.json, with known answers."""
 
 import json
-from pathlib import Path
-
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest

@@ -119,7 +119,7 @@ class GravityPart:
                 self.random[:, TRIAL] += amplitude * column[:, 0]
             if further is not None:
                 self.random[:, ELSEWHERE] += amplitude * further
-        self.noise = noise_of(priors, float(np.median(rows.variance)))
+        self.noise = noise_of(priors, float(np.median(rows.variance)), unstated=rows.unstated)
         self._summed(by_trial)
         self._views: dict[bytes, _View] = {}
 
