@@ -44,16 +44,16 @@ def lay_out(
     settings = tuple(
         name
         for name in ("velocity_m_s", *bench.covariates)
-        if name in bench.given and known[name].nunique() > 1
+        if name in bench.given and (known[name] != known[name].iloc[0]).any()
     )
     names = ("pulley_size", *CONDITION, *settings)
     cells: list[tuple[object, ...]] = []
     for levels in (LEVELS, FEW):
-        each = [
-            product(*([size], *(_levels(own[name], levels) for name in names[1:])))
+        cells = [
+            (size, *cell)
             for size, own in known.groupby("pulley_size", sort=False)
+            for cell in product(*(_levels(own[name], levels) for name in names[1:]))
         ]
-        cells = [cell for one in each for cell in one]
         if len(cells) <= MOST:
             break
     points = pd.DataFrame(cells, columns=list(names))
