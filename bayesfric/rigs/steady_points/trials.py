@@ -24,6 +24,7 @@ from bayesfric.rigs.steady_points.bench import Bench, bench_of
 from bayesfric.rigs.steady_points.errors import NAME
 from bayesfric.rigs.steady_points.likelihood import PointsLikelihood
 from bayesfric.rigs.steady_points.linear import points_rows
+from bayesfric.rigs.steady_points.next_points import lay_out
 from bayesfric.rigs.steady_points.places import covariates_of, supported
 from bayesfric.rigs.steady_points.predictions import points_dataset
 from bayesfric.rigs.steady_points.simulator import DESIGN
@@ -81,11 +82,14 @@ class SteadyTrials(PlainTrials):
         All points as recorded; their id is ``trial``.
     law : Baseline
         Around which a diagnosis makes them linear.
+    settings : tuple of str
+        Of points that are laid out: columns that make a condition, beside the tension.
     """
 
     bench: Bench
     recorded: pd.DataFrame
     law: Baseline = BASELINES["paper"]
+    settings: tuple[str, ...] = ()
     rig: SteadyPoints = RIG
 
     @property
@@ -96,7 +100,7 @@ class SteadyTrials(PlainTrials):
     @property
     def loads(self) -> tuple[str, ...]:
         """The tension, where it was recorded."""
-        return ("tension_n",) if "tension_n" in self.bench.given else ()
+        return (*(("tension_n",) if "tension_n" in self.bench.given else ()), *self.settings)
 
     @property
     def slowest_speed_m_s(self) -> float:
@@ -165,6 +169,11 @@ class SteadyTrials(PlainTrials):
         """Return the readings as rows of a linear model; nothing starts to move here."""
         del acting
         return points_rows(self.bench, self.loads, self.law, laws)
+
+    def next_trials(self, laws: Mapping[str, Coefficients]) -> "SteadyTrials":
+        """Return a point at every feasible condition; see :mod:`.next_points`."""
+        bench, settings = lay_out(self.bench, self.law, laws)
+        return replace(self, bench=bench, settings=settings)
 
     def likelihood(
         self,
