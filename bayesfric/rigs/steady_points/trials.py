@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis, PriorOverrides
-from bayesfric.effects import PULLEYS, Effect
+from bayesfric.effects import PULLEYS, Effect, State
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.physics.friction import Coefficients
@@ -25,7 +25,12 @@ from bayesfric.rigs.steady_points.errors import NAME
 from bayesfric.rigs.steady_points.likelihood import PointsLikelihood
 from bayesfric.rigs.steady_points.linear import points_rows
 from bayesfric.rigs.steady_points.next_points import lay_out
-from bayesfric.rigs.steady_points.places import covariates_of, supported
+from bayesfric.rigs.steady_points.places import (
+    CONDITION,
+    covariates_of,
+    state_of,
+    supported,
+)
 from bayesfric.rigs.steady_points.predictions import points_dataset
 from bayesfric.rigs.steady_points.simulator import DESIGN
 
@@ -141,6 +146,17 @@ class SteadyTrials(PlainTrials):
     def offers(self) -> frozenset[str]:
         """Loads as pulleys have them, and the covariates that were recorded."""
         return PULLEYS | frozenset(covariates_of(self.bench))
+
+    @property
+    def asked(self) -> tuple[str, ...]:
+        """What was recorded of a condition, covariates that varied among it."""
+        varied = [one for one in covariates_of(self.bench) if one in self.bench.covariates]
+        names = ("pulley_size", *CONDITION, "velocity_m_s")
+        return (*(name for name in names if name in self.bench.given), *varied)
+
+    def at(self, conditions: pd.DataFrame, law: Coefficients) -> State | Unsupported:
+        """Return where points at some conditions would be, by a law."""
+        return state_of(self.bench, law, conditions)
 
     @property
     def unit(self) -> str:
