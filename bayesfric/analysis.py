@@ -201,14 +201,14 @@ class Sampler(Section):
         None, description="Walkers an ensemble; even. Absent: the larger of 36 and 2 a parameter."
     )
     burn: Annotated[int, Field(ge=10, le=100_000)] = Field(
-        200, description="Steps of an ensemble that are thrown away."
+        100, description="Steps of an ensemble that are thrown away."
     )
     steps: Annotated[int, Field(ge=50, le=1_000_000)] = Field(
-        1200, description="Steps of an ensemble that are kept, before thinning."
+        600, description="Steps of an ensemble that are kept, before thinning."
     )
-    thin: Annotated[int, Field(ge=1, le=1000)] = Field(6, description="Keep each thin-th step.")
+    thin: Annotated[int, Field(ge=1, le=1000)] = Field(3, description="Keep each thin-th step.")
     extensions: Annotated[int, Field(ge=0, le=100)] = Field(
-        3,
+        4,
         description="While draws have not converged, they serve as a pilot for a better proposal "
         "and the ensembles go on for as many steps as before, thinned to as many draws; at most "
         "so often.",

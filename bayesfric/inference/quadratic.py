@@ -71,9 +71,9 @@ def eliminate(triangle: Array, variances: Sequence[ArrayLike]) -> tuple[Array, A
     """
     size = side(triangle)
     log_determinant = np.zeros_like(triangle[0])
-    triangle = np.copy(triangle)  # in the memory's own order, whichever axis is last
     for variance in variances:
-        row, triangle = triangle[:size], triangle[size:]
+        row, before = triangle[:size], triangle[size:]
+        triangle = np.empty_like(before)  # in the memory's own order, whichever axis is last
         size -= 1
         pivot = 1 + variance * row[0]
         log_determinant += np.log(pivot)
@@ -81,7 +81,8 @@ def eliminate(triangle: Array, variances: Sequence[ArrayLike]) -> tuple[Array, A
         start = 0
         for place in range(1, size + 1):
             stop = start + size + 1 - place
-            triangle[start:stop] -= scaled[place] * row[place:]
+            np.multiply(scaled[place], row[place:], out=triangle[start:stop])
+            np.subtract(before[start:stop], triangle[start:stop], out=triangle[start:stop])
             start = stop
     return triangle, log_determinant
 

@@ -51,13 +51,13 @@ def _constrained(posterior):
 
 
 def numpyro_nuts(data):
-    """NumPyro's NUTS as it comes."""
+    """NumPyro's NUTS; its mass matrix is dense, since coefficients of one size trade off."""
     import jax
     from jax_density import Posterior
     from numpyro.infer import MCMC, NUTS
 
     posterior = Posterior(data)
-    kernel = NUTS(potential_fn=lambda u: -posterior.log_density(u))
+    kernel = NUTS(potential_fn=lambda u: -posterior.log_density(u), dense_mass=True)
     mcmc = MCMC(
         kernel,
         num_warmup=WARM_UP,
@@ -82,13 +82,15 @@ def numpyro_nuts(data):
 
 
 def blackjax_nuts(data):
-    """BlackJAX's NUTS with its window adaptation."""
+    """BlackJAX's NUTS with its window adaptation, dense likewise."""
     import blackjax
     import jax
     from jax_density import Posterior
 
     posterior = Posterior(data)
-    adaptation = blackjax.window_adaptation(blackjax.nuts, posterior.log_density)
+    adaptation = blackjax.window_adaptation(
+        blackjax.nuts, posterior.log_density, is_mass_matrix_diagonal=False
+    )
 
     def run(key, start):
         first, second = jax.random.split(key)

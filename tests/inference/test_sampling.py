@@ -112,7 +112,8 @@ def test_ensembles_run_on_until_the_draws_are_good(enough, extensions, steps):
     def progress(done, total):
         seen.append((done, total))
 
-    draws = draw(5, progress, SHORT, converged=converged)
+    settings = SHORT.model_copy(update={"extensions": 3})
+    draws = draw(5, progress, settings, converged=converged)
     assert (draws.extensions, draws.steps, draws.thin) == (extensions, steps, steps // 25)
     assert set(asked) == {(4, 25, 32, 3)}  # as many draws each time
     assert [done for done, _ in seen] == list(range(1, len(seen) + 1))
