@@ -39,7 +39,7 @@ from bayesfric.report.stored import StoredDiagnosis, StoredFit, StoredResults, r
 from bayesfric.report.typst import render_pdf
 from bayesfric.report.writing import write_report
 from bayesfric.results import json_bytes, write_netcdf
-from bayesfric.schemas import Unseparated
+from bayesfric.schemas import ConditionAsked, FrictionAsked, Unseparated
 
 
 def words(text):
@@ -321,6 +321,26 @@ def test_remainder_effects_and_next_experiment_are_the_stored_ones():
     told = paragraphs(stored_diagnosis(remainder=asked))
     assert "The evidence asks for" in told
     assert "It would be 50.0 [45.9, 54.1]\u202f% of gap²" in told
+
+
+def test_conditions_that_were_asked_about_have_a_table():
+    one = ConditionAsked(
+        condition={"pulley_size": "medium", "n_pulleys": 25.0},
+        friction=interval(4.88),
+        gap_without_causes=interval(-0.19),
+        gap_with_causes=interval(0.0006),
+        outside=("n_pulleys",),
+    )
+    target = FrictionAsked(
+        unit="N", rows=(one,), stays_behind={"slip": "acts elsewhere"}, unknown_probability=0.2
+    )
+    assert "asked" not in tables(stored_diagnosis())
+    stored = stored_diagnosis(target=target)
+    assert rows(stored, "asked") == {
+        "pulley_size medium, n_pulleys 25": ["4.88 (4.48 to 5.28)", "−0.19", "0.0006", "n_pulleys"]
+    }
+    assert "slip acts elsewhere" in paragraphs(stored)
+    assert "An unknown force, of probability 0.20" in paragraphs(stored)
 
 
 def test_every_form_shows_it_with_words_for_the_figures(fit_results, document):

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from bayesfric.plots.diagnosis import RARE, what_acts, where_it_lies
 from bayesfric.plots.gap import how_far
 from bayesfric.plots.style import to_svg
+from bayesfric.report.chapters.asked import asked
 from bayesfric.report.chapters.diagnosis_details import (
     axis_words,
     causes,
@@ -85,6 +86,7 @@ def diagnosis(stored: StoredDiagnosis) -> Iterator[Block]:
     else:
         yield Paragraph("There is no gap to place, so that no axis explains a part of one.")
     yield from remainder(found)
+    yield from asked(found.target)
     yield Heading(2, "What to measure next")
     yield from next_experiment(found)
 

@@ -1,6 +1,6 @@
 """The numbers of the diagnosis: what stands beside its figures, and the long tables."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from bayesfric.report.content import (
     Block,
@@ -32,6 +32,7 @@ __all__ = [
     "appendix",
     "axis_words",
     "causes",
+    "condition_words",
     "gap_table",
     "gap_words",
     "next_experiment",
@@ -348,7 +349,7 @@ def next_experiment(found: DiagnosisFile) -> Iterator[Block]:
         ["condition", "separates", Column("expected log₁₀ BF", align="decimal")],
         [
             [
-                ", ".join(f"{name} {_value(value)}" for name, value in one.condition.items()),
+                condition_words(one.condition),
                 _codes(one.separates),
                 format_fixed(one.log10_bayes_factor, 1),
             ]
@@ -356,6 +357,11 @@ def next_experiment(found: DiagnosisFile) -> Iterator[Block]:
         ],
         label="next",
     )
+
+
+def condition_words(condition: Mapping[str, float | str]) -> str:
+    """Write a condition: its columns and their values."""
+    return ", ".join(f"{name} {_value(value)}" for name, value in condition.items())
 
 
 def axis_words(name: str) -> str:
