@@ -13,6 +13,8 @@ from bayesfric.cli.options import Baseline, Config, FailOn, Folder, Quiet, Seed,
 from bayesfric.cli.printing import say
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from bayesfric.analysis import Analysis
 
 __all__ = ["diagnose"]
@@ -54,6 +56,7 @@ def diagnose(
     Example: bayesfric diagnose my-board -o my-results --fail-on gap
     """
     from bayesfric.analysis import read_analysis
+    from bayesfric.results import fitted_numbers
 
     fail_on(fail_on_list, set())  # an unknown name is told before the work
     with hold(output, "diagnose"):
@@ -62,7 +65,7 @@ def diagnose(
             output,
             read_analysis(config, seed=seed),
             baseline=baseline,
-            shipped=shipped,
+            shipped=None if shipped is None else fitted_numbers(shipped),
             fixed=fixed,
             effect_modules=effect_module,
             simulator=simulator,
@@ -78,7 +81,7 @@ def diagnose_into(
     analysis: "Analysis",
     *,
     baseline: str = "paper",
-    shipped: Path | None = None,
+    shipped: "Mapping[str, float] | None" = None,
     fixed: str = "",
     effect_modules: list[Path] | None = None,
     simulator: str | None = None,
@@ -90,7 +93,6 @@ def diagnose_into(
     from bayesfric.diagnosis import diagnose as diagnose_recording
     from bayesfric.effects import effect_of_file
     from bayesfric.recording import read_recording
-    from bayesfric.results import fitted_numbers
     from bayesfric.testing import checked
 
     effects = [checked(effect_of_file(path), path) for path in effect_modules or []]
@@ -103,7 +105,7 @@ def diagnose_into(
             analysis,
             fixed=[name.strip() for name in fixed.split(",") if name.strip()],
             effects=effects,
-            shipped=None if shipped is None else fitted_numbers(shipped),
+            shipped=shipped,
             baseline=baseline,
             simulator=simulator,
             executor=executor,

@@ -108,6 +108,7 @@ def _repeat(folder: Path, again: Path, recording: Path | None, workers: int, qui
             simulator=own.name if own is not None and own.calls else None,
             workers=workers,
             fixed=",".join(diagnosis.fixed),
+            shipped=diagnosis.shipped,
             quiet=quiet,
         )
     if _has(folder, "margins") and fitted is not None:

@@ -64,21 +64,25 @@ def noise_checked(
         Source of randomness.
     """
     forms: dict[str, float] = {}
-    volume: float | None = None
+    curvature: Array | None = None
+    volume = search.volume
     if isinstance(one, Unknown):
         model = squeezed(model.full, one.at.psi, one.best)
     else:
-        forms, volume = one.forms, one.volume
+        forms, curvature = one.forms, one.curvature
+        volume = search.volume if one.volume is None else one.volume
+    if curvature is None:
+        curvature = curvature_at(model, one.at, one.acting, forms)
 
     def value(psi: Array) -> float:
         return model.evaluate(psi, one.acting, None, forms).value
 
-    mode, curvature = one.at.psi, curvature_at(model, one.at, one.acting, forms)
+    mode = one.at.psi
     # What the data hardly tell is far from normal in any hypothesis, alike, and is held.
     drawn = np.flatnonzero((np.diag(curvature) > TOLD) & ~at_bounds(model, mode))
     # Of its own noise, where another hypothesis' volume stood for it.
     noise = slice(len(model.noise))
-    stood_for = log_volume(curvature[noise, noise]) - (search.volume if volume is None else volume)
+    stood_for = log_volume(curvature[noise, noise]) - volume
     if drawn.size == 0:
         return Checked(stood_for, 0.0, 0.0)  # readings whose errors are known: nothing to draw
     precision = curvature[np.ix_(drawn, drawn)]

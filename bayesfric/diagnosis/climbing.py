@@ -13,7 +13,7 @@ from bayesfric.diagnosis.model import LinearModel
 __all__ = ["at_bounds", "climb", "curvature_at"]
 
 Array = NDArray[np.float64]
-STEP = 0.02  # of a logarithm, for differences of the gradient
+STEP = 0.005  # of a logarithm, for differences of the gradient
 LONGEST = 1.0  # step of a logarithm in a climb
 ENOUGH = 0.02  # nat that a further step of a climb would gain
 STEPS = 30
@@ -83,16 +83,15 @@ def curvature_at(
     model: LinearModel, at: At, acting: Acting, form: Mapping[str, float] | None = None
 ) -> Array:
     """Return the negative Hessian of the log density by the noise, no direction flat."""
-    size = at.psi.size
-    hessian = np.empty((size, size))
-    for place in range(size):
-        sides = []
-        for sign in (1, -1):
-            psi = at.psi.copy()
-            psi[place] += sign * STEP
-            sides.append(model.evaluate(psi, acting, None, form, gradient=True).gradient)
-        assert sides[0] is not None and sides[1] is not None
-        hessian[place] = (sides[0] - sides[1]) / (2 * STEP)
+
+    def gradient(psi: Array) -> Array:
+        found = model.evaluate(psi, acting, None, form, gradient=True).gradient
+        assert found is not None
+        return found
+
+    here = gradient(at.psi)
+    moved = [gradient(at.psi + STEP * along) for along in np.eye(at.psi.size)]
+    hessian = (np.array(moved) - here) / STEP
     values, vectors = np.linalg.eigh(-0.5 * (hessian + hessian.T))
     return np.asarray((vectors * np.maximum(values, LEAST_CURVATURE)) @ vectors.T)
 

@@ -27,7 +27,7 @@ from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.remainder import remainder_of
 from bayesfric.diagnosis.residuals import residuals_of
 from bayesfric.diagnosis.search import NONE, UNKNOWN, Search, compare, search
-from bayesfric.diagnosis.shipped import Shipped, held_of, shipped_of
+from bayesfric.diagnosis.shipped import Shipped, held_of, shipped_numbers, shipped_of
 from bayesfric.diagnosis.simulated import own_law_of, simulator_used
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.stored import curves_of, gap_of
@@ -170,7 +170,7 @@ def _diagnose(
 ) -> tuple[DiagnosisFile, xr.DataTree]:
     data, law = data_of(recording, baseline, simulator)
     own = own_law_of(data)
-    asked, analysis = analysis, with_own_priors(analysis, data.rigs)
+    analysis = with_own_priors(analysis, data.rigs)
     practical = analysis.diagnosis.practical_share
     law_shipped = shipped_of(shipped, data)
     held = held_of(fixed, data, law_shipped)
@@ -223,7 +223,7 @@ def _diagnose(
     proposals, no_proposal = next_experiment(model, found, chances)
     attributes = provenance(
         recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
-        analysis=asked,
+        analysis=analysis,
         created=recording.created,
     )
     prior = analysis.diagnosis.hypotheses
@@ -233,6 +233,7 @@ def _diagnose(
         baseline=law.name,
         simulator=simulator_used(own, model, settled),
         fixed=tuple(sorted(held)),
+        shipped=None if shipped is None else shipped_numbers(law_shipped, data),
         stray_trials=stray,
         practical_share=practical,
         verdict=verdict,

@@ -138,8 +138,14 @@ class LinearModel:
         )
         self.noise: tuple[NoiseParameter, ...] = tuple(n for rig in self.rigs for n in rig.noise)
         self.lawbook = lawbook(self.candidates)
-        self.full: LinearModel = self
+        self.squeezed_from: LinearModel | None = None
         self.squeeze: Array | None = None
+
+    @property
+    def full(self) -> "LinearModel":
+        """The model with all its numbers."""
+        # Not kept as an attribute: a model that holds itself outlives its use.
+        return self.squeezed_from or self
 
     def around(
         self,

@@ -216,7 +216,7 @@ def compare(model: LinearModel, first: Search) -> Search:
     curvature = curvature_at(model, none.at, Acting())
     inverse = np.asarray(np.linalg.inv(curvature), dtype=np.float64)
     volume = log_volume(curvature)
-    none = replace(none, log_evidence=none.log_evidence + volume, volume=volume)
+    none = replace(none, log_evidence=none.log_evidence + volume, curvature=curvature)
     found: dict[str, Weighed] = {NONE: none}
     noise = leader.at.psi[: len(model.noise)]
     for one in finalists:

@@ -2,13 +2,15 @@
 
 from collections.abc import Collection, Mapping
 
+import numpy as np
+
 from bayesfric.errors import Fault, InputError
 from bayesfric.paper import table1
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.coefficients import coefficient_name
 from bayesfric.rigs.data import Data
 
-__all__ = ["Shipped", "held_of", "shipped_of"]
+__all__ = ["Shipped", "held_of", "shipped_numbers", "shipped_of"]
 
 Shipped = Mapping[str, Coefficients] | Mapping[str, float]
 """Laws by pulley size, or numbers by name as ``fit.json`` has them."""
@@ -38,6 +40,16 @@ def shipped_of(given: Shipped | None, data: Data) -> dict[str, Coefficients]:
             values = [numbers.get(name, 0.0) for name in names]
             laws[size] = Coefficients(*values, *[0.0] * (len(Coefficients._fields) - len(values)))
     return laws
+
+
+def shipped_numbers(laws: Mapping[str, Coefficients], data: Data) -> dict[str, float]:
+    """Return shipped laws as numbers by the names that the rigs have for them."""
+    return {
+        name: float(np.asarray(value))
+        for size in data.sizes
+        if size in laws
+        for (name, _), value in zip(data.law_numbers(size), laws[size], strict=False)
+    }
 
 
 def held_of(

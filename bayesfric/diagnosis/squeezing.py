@@ -54,7 +54,7 @@ def squeezed(model: LinearModel, psi: Array, wide: Wide | None = None) -> Linear
         np.eye(layout.local - first - taken.size),
     )
     found = copy(model)
-    found.full, found.squeeze, found.layout = model, squeeze, squeezed
+    found.squeezed_from, found.squeeze, found.layout = model, squeeze, squeezed
     found.rigs = tuple(rig.squeezed(squeeze, squeezed) for rig in model.rigs)
     found.scales = np.ones(squeezed.local)
     found.scales[:COEFFICIENTS] = model.scales[:COEFFICIENTS]

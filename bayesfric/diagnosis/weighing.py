@@ -1,7 +1,7 @@
 """One hypothesis weighed: its noise climbed to its own mode, laws and shapes integrated out."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,9 +33,10 @@ class Weighed:
     names : tuple of str
         Effects, sorted; none for the baseline alone.
     log_evidence : float
-        With the Laplace volume of the noise where it is known, see `volume`.
-    volume : float or None
-        That volume; None where another hypothesis' stands for it.
+        With the log Laplace volume of the noise.
+    curvature : ndarray or None
+        Negative Hessian by the noise and the amplitudes of phases; None where another
+        hypothesis' volume stands for its own.
     acting : Acting
         The most probable laws and shapes.
     at : At
@@ -52,7 +53,7 @@ class Weighed:
 
     names: tuple[str, ...]
     log_evidence: float
-    volume: float | None
+    curvature: Array | None
     acting: Acting
     at: At
     choices: tuple[Choice, ...] = ()
@@ -64,6 +65,14 @@ class Weighed:
     def label(self) -> str:
         """Name of the hypothesis."""
         return label(self.names)
+
+    @property
+    def volume(self) -> float | None:
+        """Log Laplace volume of its own noise; None where another hypothesis' stands for it."""
+        if self.curvature is None:
+            return None
+        noise = len(self.curvature) - len(self.acting.phases)
+        return log_volume(self.curvature[:noise, :noise])
 
     @property
     def forms(self) -> dict[str, float]:
@@ -136,17 +145,13 @@ def weigh(
     prior, _ = model.log_prior(psi, acting)
     total = float(logsumexp(weights) - np.log(len(forms))) + prior
     share = dict.fromkeys(names, form)
-    if own_volume:
-        curvature = curvature_at(model, at, acting, share)
-        known_noise = len(model.noise)
-        volume = log_volume(curvature[:known_noise, :known_noise])
     if phases:
         total += _over_amplitudes(model, at, acting, share)
     shares = np.exp(weights - logsumexp(weights))
-    return Weighed(
+    found = Weighed(
         names,
-        total + volume,
-        volume if own_volume else None,
+        total,
+        curvature_at(model, at, acting, share) if own_volume else None,
         acting,
         at,
         tuple(choices),
@@ -154,6 +159,8 @@ def weigh(
         tuple(float(one) for one in shares),
         bound=not at.at_mode,
     )
+    own = found.volume
+    return replace(found, log_evidence=total + (volume if own is None else own))
 
 
 def _has_phases(model: LinearModel, name: str) -> bool:

@@ -69,6 +69,8 @@ class State(NamedTuple):
         first half of a delay ago.
     lagging_rate_n_s : array_like
         The same derivative a whole delay ago [N/s].
+    wave_from_m : array_like
+        Where a wave that was found along the path rises through zero [m or rad].
     tested : array_like
         1 in a run of role ``test``, in which something may differ from calibration; else 0.
     wrap_spread_deg : array_like
@@ -102,6 +104,7 @@ class State(NamedTuple):
     force_rate_n_s: ArrayLike = 0.0
     lagging_rate_n_s: ArrayLike = 0.0
     force_curvature_n_s2: ArrayLike = 0.0
+    wave_from_m: ArrayLike = 0.0
     tested: ArrayLike = 0.0
     wrap_spread_deg: ArrayLike = np.nan
     steady: bool = False
@@ -238,14 +241,16 @@ class Effect:
     needs : frozenset of str
         What a rig must offer beyond speed, friction and order: ``pulleys``, ``direction``,
         ``position``, ``drive`` (the drive force along a run), ``angle`` (a position that is
-        one), ``test`` (runs of that role).
+        one), ``test`` (runs of that role), ``period`` (of a force that comes back along the
+        path); or a covariate, which is a further column of the recording by its name and stands
+        in ``State.covariates``.
     components : int
         0; or how many components a law returns, stacked on a first axis, each to be
         multiplied by a number N(0, 1) drawn anew for every trial (of an effect on
         readings for each of its sensors): a phase that nobody recorded.
-    needs : frozenset of str
-        What a rig must offer: ``pulleys``, or a covariate, which is a further column of the
-        recording by its name and stands in ``State.covariates``.
+    forms : int
+        Among how many forms that cannot be told apart beforehand a rig found its laws in the
+        data: what they weigh is divided by it.
     """
 
     name: str
@@ -258,6 +263,7 @@ class Effect:
     along_path: bool = False
     components: int = 0
     needs: frozenset[str] = frozenset()
+    forms: int = 1
 
     @property
     def parameters(self) -> tuple[EffectParameter, ...]:

@@ -140,17 +140,20 @@ def fit(
     """
     analysis = Analysis() if analysis is None else analysis
     chosen = chosen_rigs(recording, rigs)
-    attributes = provenance(
-        recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
-        analysis=analysis,
-        created=recording.created,
-    )
     seconds: dict[str, float] = {}
     with threadpool_limits(limits=1):  # one BLAS thread: the same bytes, and faster
         with _timed(seconds, "reduce"):
             data = Data(open_rigs(recording, chosen))
             law, analysis = baseline_of(baseline, data.rigs), with_own_priors(analysis, data.rigs)
             model = _model(data, analysis, law)
+        # With the rigs' own priors, so that what is stored says all that was used.
+        attributes = provenance(
+            recording=RecordingId(
+                name=recording.name, title=recording.title, sha256=recording.sha256
+            ),
+            analysis=analysis,
+            created=recording.created,
+        )
         key = ",".join([*chosen, baseline]) + attributes.model_dump_json()
         with _timed(seconds, "draws"):
             draws = draw_posterior(

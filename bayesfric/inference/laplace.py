@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 LogDensity = Callable[[Array], Array]
 
 DROP = 0.02  # step of a difference, in curvature standard deviations squared
+RESTARTS, STEPS = 60, 8  # of a climb at most; steps of a restart
 LEAST_CURVATURE = 1e-3  # of the whitened Hessian; flatter directions are cut off here
 
 
@@ -71,9 +72,11 @@ def laplace_approximation(log_density: LogDensity, start: Array, scale: Array) -
     if not np.isfinite(best):
         raise ValueError(f"the log density at the start is {best}, not finite")
     point = start
-    # Restarting rescales the coordinates with the curvature found so far.
-    for _ in range(8):
+    # Restarting rescales the coordinates with the curvature found so far. One Hessian is good
+    # for some steps of a trust region, and costs as much as dozens of gradients.
+    for _ in range(RESTARTS):
         steps = curvature_steps(log_density, point, scale)
+        bent = _whitened(log_density, point, steps)
 
         def objective(u: Array, origin: Array = point, unit: Array = steps) -> float:
             return -float(log_density((origin + u * unit)[None])[0])
@@ -81,8 +84,9 @@ def laplace_approximation(log_density: LogDensity, start: Array, scale: Array) -
         def gradient(u: Array, origin: Array = point, unit: Array = steps) -> Array:
             return -_gradient(log_density, origin + u * unit, unit) * unit
 
-        def hessian(u: Array, origin: Array = point, unit: Array = steps) -> Array:
-            return _whitened(log_density, origin + u * unit, unit)
+        def hessian(u: Array, kept: Array = bent) -> Array:
+            del u
+            return kept
 
         found = optimize.minimize(
             objective,
@@ -90,26 +94,28 @@ def laplace_approximation(log_density: LogDensity, start: Array, scale: Array) -
             method="trust-exact",
             jac=gradient,
             hess=hessian,
-            options={"gtol": 1e-3, "maxiter": 60, "max_trust_radius": 100.0},
+            options={"gtol": 1e-3, "maxiter": STEPS, "max_trust_radius": 100.0},
         )
         gain = -found.fun - best
         if gain > 0:
             point, best = point + found.x * steps, -float(found.fun)
         if gain < 1e-4:
             break
-    steps = curvature_steps(log_density, point, scale)
-    values, vectors = np.linalg.eigh(_whitened(log_density, point, steps))
+    values, vectors = np.linalg.eigh(bent)
     inverse = (vectors / np.maximum(values, LEAST_CURVATURE)) @ vectors.T
     return Laplace(point, inverse * np.outer(steps, steps), best)
 
 
 def _whitened(log_density: LogDensity, point: Array, unit: Array) -> Array:
     """Return minus the Hessian in units of each coordinate, (D, D)."""
-    with np.errstate(invalid="ignore"):  # told below
-        bent: Array = -finite_hessian(log_density, point, unit) * np.outer(unit, unit)
-    if not np.isfinite(bent).all():
+    with np.errstate(invalid="ignore"):  # told by _finite
+        return _finite(-finite_hessian(log_density, point, unit) * np.outer(unit, unit))
+
+
+def _finite(derivatives: Array) -> Array:
+    if not np.isfinite(derivatives).all():
         raise NoModeError("the log density has no finite curvature where it was climbed to")
-    return bent
+    return derivatives
 
 
 def finite_hessian(log_density: LogDensity, point: Array, unit: Array) -> Array:
@@ -157,8 +163,8 @@ def finite_hessian(log_density: LogDensity, point: Array, unit: Array) -> Array:
 def _gradient(log_density: LogDensity, point: Array, unit: Array) -> Array:
     step = np.sqrt(2 * DROP) * unit
     value = log_density(np.concatenate([point + np.diag(step), point - np.diag(step)]))
-    slope: Array = (value[: point.size] - value[point.size :]) / (2 * step)
-    return slope
+    with np.errstate(invalid="ignore"):  # told by _finite
+        return _finite((value[: point.size] - value[point.size :]) / (2 * step))
 
 
 def curvature_steps(log_density: LogDensity, point: Array, scale: Array) -> Array:

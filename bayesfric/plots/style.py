@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
 import matplotlib.style
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure, SubFigure
 
 __all__ = [
@@ -172,7 +173,13 @@ def halves(whole: Figure, left: float, right: float) -> tuple[SubFigure, SubFigu
 def to_svg(figure: Figure) -> bytes:
     """Write a figure as SVG: text as paths, no date, the same bytes for the same figure."""
     buffer = io.BytesIO()
-    with matplotlib.style.context(["default", _STYLE]):
+    FigureCanvasSVG(figure)
+    laid_out = {"figure.constrained_layout.use": False}
+    with matplotlib.style.context(["default", _STYLE, laid_out]):
+        if (engine := figure.get_layout_engine()) is not None:
+            # Laid out here: savefig would draw the whole figure once more to do so.
+            engine.execute(figure)
+            figure.set_layout_engine(None)
         figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
     # A clip path is named after its corners, whose last bit the layout's solver leaves to chance.
     names: dict[bytes, bytes] = {}

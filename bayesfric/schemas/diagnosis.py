@@ -241,6 +241,9 @@ class DiagnosisFile(Provenance):
         None, description="In the place of the law; null where a law of the package is examined."
     )
     fixed: tuple[str, ...] = Field((), description="Parameters held at their shipped values.")
+    shipped: dict[str, float] | None = Field(
+        None, description="Shipped values as they were given, by name; null where nobody gave any."
+    )
     stray_trials: tuple[str, ...] = Field(
         (), description="Trials left out: each lies far from the others of its own assembly."
     )

@@ -18,6 +18,7 @@ EFFECTS = {
     "air-drag": {"air_drag": 2.0},
     "stribeck": {"stribeck": (0.4, 0.05)},
     "presliding": {"presliding": (0.6, 0.01)},
+    "hysteresis": {"presliding": (0.6, 0.03)},
     "wear-drift": {"drift": 0.3},
     "direction-asymmetry": {"asymmetry": 0.1},
     "axis-bias": {"bias": 0.15},
@@ -29,16 +30,18 @@ EFFECTS = {
     "backlash": {"backlash": 0.002},
     "transmission-compliance": {"compliance": (8000.0, 0.05, 0.3)},
     "gravity-torque": {"gravity": (0.6, 0.4), "stroke": 1.0, "top_speed": 2.5},
+    "cogging": {"cogging": (0.25, 0.02, 0.7)},
     "empty": {},
 }
-SEEDS = {name: range(100, 106) for name in EFFECTS} | {"empty": range(100, 110)}
+SEEDS = {name: range(100, 105) for name in EFFECTS} | {"empty": range(100, 115)}
 """A hundred recordings."""
 LATENCY = {"delay", "actuator-lag"}
 
 
 def cases():
     """Return effect and seed of every case, by name."""
-    return {f"{name}-{seed}": (name, seed) for name, seeds in SEEDS.items() for seed in seeds}
+    each = [(seed, name) for name, seeds in SEEDS.items() for seed in seeds]
+    return {f"{name}-{seed}": (name, seed) for seed, name in sorted(each)}
 
 
 def case(given):
@@ -60,5 +63,8 @@ def case(given):
         "verdict": found.verdict,
         "causes": named,
         "right": right,
+        "further": sorted(set(named) - alike),
+        "mass_off": found.law["mass"].after.mean / machine.mass - 1,
+        "friction_off": found.law["coulomb"].after.mean / machine.coulomb - 1,
         "falsely_viscous": name != "viscous" and "viscous" in named,
     }

@@ -17,6 +17,7 @@ NIGHTLY = (
     "spring-100",
     "wear-drift-100",
     "gravity-torque-100",
+    "cogging-100",
     "empty-100",
 )
 

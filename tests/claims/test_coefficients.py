@@ -4,18 +4,20 @@ import numpy as np
 import pytest
 from altered import by_acceleration
 
-from bayesfric.analysis import Analysis, ClaimRules
+from bayesfric.analysis import Analysis, ClaimRules, Sampler
 from bayesfric.claims import check_claims
-from bayesfric.claims.coefficients import decide, largest_difference
+from bayesfric.claims.base import Case
+from bayesfric.claims.coefficients import CLAIM, decide, largest_difference
 from bayesfric.claims.entered import Entered
 from bayesfric.fitting.hypothesis import Hypothesis, model_of
-from bayesfric.inference.evidence import laplace_draws
 from bayesfric.inference.laplace import laplace_approximation
+from bayesfric.inference.sampling import sample
 from bayesfric.paper import table1
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 
 RULES = ClaimRules()
+SHORT = Sampler(burn=60, steps=80, thin=3, extensions=0)
 
 
 def draws_of(**factors):
@@ -64,14 +66,12 @@ def one_cell():
 
 
 def test_a_single_cell_supports_nothing(one_cell):
-    analysis = Analysis(seed=1)
-    model = model_of(Entered.of(one_cell).data["gravity"], analysis, Hypothesis(), {})
+    analysis, entered = Analysis(seed=1), Entered.of(one_cell)
+    model = model_of(entered.data["gravity"], analysis, Hypothesis(), {})
     laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
-    _, drawn = laplace_draws(model.log_posterior, laplace, 1)
+    drawn = sample(model.log_posterior, laplace, SHORT, 1).z.reshape(-1, laplace.mode.size)
     posterior = {"gravity": model.by_name(model.natural(drawn))}
-    (found,) = check_claims(
-        one_cell, analysis, posterior=posterior, only=["coefficients"]
-    ).summary.claims
+    found = CLAIM.judge(CLAIM, Case(one_cell, analysis, entered, {}, posterior=posterior))
     assert found.verdict == "undecided"
     assert "c3[small]" in found.figures["uninformed"]
     assert "to the prior" in found.reason

@@ -27,4 +27,5 @@ def test_an_effect_is_seen_against_its_claim_and_no_other(effect, fallen):
     found = screen_claims(by_acceleration(one_size(recording, "medium")))
     assert {"no-stribeck", "linear-in-wrap", "proportional-to-pulleys"} <= set(found)
     limit = ClaimRules().refute_log10_bayes_factor
-    assert {name for name, (value, _) in found.items() if value < limit} == fallen
+    # Beyond three errors of the importance draws, so that no verdict hangs on these.
+    assert {n for n, (value, error) in found.items() if value + 3 * error < limit} == fallen

@@ -5,6 +5,7 @@ import shutil
 
 import pytest
 from altered import by_acceleration, of_size, with_trials
+from rigs.friction_points import joint, recorded
 from typer.testing import CliRunner
 
 from bayesfric.cli import app
@@ -53,3 +54,24 @@ def test_results_that_do_not_come_out_again_are_told(ran, tmp_path):
     assert "fit.json  pulleys.small.c1" in done.stdout
     assert "draws.nc: other bytes" in done.stdout
     assert "predictive.nc: the same bytes" in done.stdout
+
+
+@pytest.mark.nightly
+def test_a_diagnosis_of_a_bench_repeats_itself(tmp_path):
+    """With the priors that the rig has of its own, and with the values that were shipped."""
+    recorded(tmp_path / "joint", joint(3.0))
+    (tmp_path / "short.toml").write_text(SHORT)
+    settings = ("--config", tmp_path / "short.toml", "--quiet")
+    done = bayesfric("fit", tmp_path / "joint", *settings, "-o", tmp_path / "fit")
+    assert done.exit_code == 0, done.stderr
+    shipped = ("--shipped", tmp_path / "fit", "-o", tmp_path / "a")
+    done = bayesfric("diagnose", tmp_path / "joint", *settings, *shipped)
+    assert done.exit_code == 0, done.stderr
+    again = ("-o", tmp_path / "b", "--recording", tmp_path / "joint", "--quiet")
+    done = bayesfric("rerun", tmp_path / "a", *again, "--fail-on", "changed")
+    assert done.exit_code == 0, done.stdout
+    first, second = (
+        json.loads((tmp_path / one / "diagnosis.json").read_text()) for one in ("a", "b")
+    )
+    assert first == second
+    assert first["gap"]["as_shipped"] is not None

@@ -1,5 +1,8 @@
 """Rigs in the linear model against dense normals of the same data, and their derivatives."""
 
+import gc
+import weakref
+
 import numpy as np
 import pytest
 from diagnosis.boards import model_of
@@ -181,3 +184,17 @@ def test_wander_has_its_rms():
     longer, _ = wander_weights(0.1 * np.exp(1e-5), 0.6)
     np.testing.assert_allclose(np.log(longer / weights) / 1e-5, slope, rtol=1e-4, atol=1e-6)
     assert weights.size == WANDER.stop - WANDER.start == ALWAYS - 3
+
+
+def test_a_model_does_not_outlive_its_use():
+    """Hundreds of boards in one process: nothing waits for the collector of cycles."""
+    model = model_of(("viscous",))
+    small = squeezed(model, psi_of(model, phases=False))
+    small.evaluate(psi_of(model, phases=False), Acting(), gradient=True)
+    known = weakref.ref(model), weakref.ref(small)
+    gc.disable()
+    try:
+        del model, small
+        assert [one() for one in known] == [None, None]
+    finally:
+        gc.enable()

@@ -75,8 +75,9 @@ def test_draws_say_how_far_the_closed_form_is_off(skew):
     """Against quadrature, for a normal density and for one with a heavy side."""
     model = Density(skew)
     at = model.evaluate(np.zeros(2), Acting(), None, None)
-    own = log_volume(curvature_at(model, at, Acting()))
-    one = Weighed((), 0.0, own, Acting(), at)
+    one = Weighed((), 0.0, curvature_at(model, at, Acting()), Acting(), at)
+    own = log_volume(np.diag([16.0, 10.0 + skew]))
+    assert one.volume == pytest.approx(own, abs=2e-3)
     found = noise_checked(model, Volume(0.0), one, np.random.default_rng(7))
     normal = 0.5 * np.log(2 * np.pi / 16)
     truth = np.log(quad(lambda s: np.exp(-5 * s**2 - skew * (np.exp(s) - s)), -5, 3)[0])

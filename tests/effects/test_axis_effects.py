@@ -22,6 +22,7 @@ AT = State(
     force_rate_n_s=20.0,
     lagging_rate_n_s=16.0,
     force_curvature_n_s2=500.0,
+    wave_from_m=0.03,
     tested=1.0,
 )
 
@@ -34,6 +35,8 @@ AT = State(
         ("payload", "carried", {"mass": 0.5}, -1.5),
         ("gravity-torque", "lever", {"torque": 2.0, "angle": 0.1}, -2.0 * np.sin(0.3)),
         ("spring", "linear", {"stiffness": 5.0, "rest": 0.05}, -0.75),
+        # A quarter of a period beyond where it rises, against the way it runs.
+        ("cogging", "wave", {"force": 0.5, "period": 0.04}, -0.5),
         ("delay", "late", {"time": 0.005}, 0.1),
         ("actuator-lag", "first-order", {"time": 0.005}, 0.08),
         ("transmission-compliance", "two-masses", {"square": 2e-4}, -0.1),

@@ -18,6 +18,18 @@ def stored(wrap_fit):
     return StoredFit(wrap_fit.summary, wrap_fit.draws, wrap_fit.predictive)
 
 
+@pytest.fixture(scope="module")
+def shown(stored):
+    """Figures of what the posterior predicts, drawn once."""
+    return {b.label: b for b in predictions.predictions(stored) if isinstance(b, Figure)}
+
+
+@pytest.fixture(scope="module")
+def checked(stored):
+    """The chapter of checks, its figures drawn once."""
+    return list(checks.checks(stored))
+
+
 def words(text):
     return "".join(i if isinstance(i, str) else getattr(i, "text", "") for i in inlines(text))
 
@@ -119,8 +131,8 @@ def test_why_the_papers_estimator_has_no_value(stored):
     assert "no c1 of large (one tension)" in text
 
 
-def test_coverage_is_the_stored_one(stored):
-    found = tables(checks.checks(stored))["coverage"]
+def test_coverage_is_the_stored_one(stored, checked):
+    found = tables(checked)["coverage"]
     trials = stored.predictive["trials"]
     low, _, high = 100 * trials["covered_expected"].to_numpy()
     board, number, share, expected, fits = found.rows[0]
@@ -145,14 +157,15 @@ def test_coverage_out_of_range_is_said(stored):
     assert tables(checks.checks(poor))["coverage"].rows[0][-1] == "no"
 
 
-def test_outliers_have_a_table_of_their_own(stored):
-    assert "outliers-trials" not in tables(checks.checks(stored))
-    assert "No trial of the gravity board lies beyond" in paragraphs(checks.checks(stored))
+def test_outliers_have_a_table_of_their_own(stored, checked):
+    assert "outliers-trials" not in tables(checked)
+    assert "No trial of the gravity board lies beyond" in paragraphs(checked)
     table = stored.predictive["trials"].to_dataset()
     far = np.arange(table.sizes["trial"]) == 5
     z = np.where(far, -4.567, table["z"].to_numpy())
     poor = changed_trials(stored, outlier=("trial", far), z=("trial", z))
-    (row,) = tables(checks.checks(poor))["outliers-trials"].rows
+    found = list(checks.checks(poor))
+    (row,) = tables(found)["outliers-trials"].rows
     trial = table.isel(trial=5)
     assert row[:3] == [
         trial["trial"].item(),
@@ -160,7 +173,7 @@ def test_outliers_have_a_table_of_their_own(stored):
         str(trial["n_pulleys"].item()),
     ]
     assert row[-1] == "−4.57"
-    assert "No trial of the gravity board" not in paragraphs(checks.checks(poor))
+    assert "No trial of the gravity board" not in paragraphs(found)
 
 
 @pytest.mark.parametrize(
@@ -174,17 +187,15 @@ def test_outliers_have_a_table_of_their_own(stored):
         ("speed-runs", "does not depend on speed"),
     ],
 )
-def test_under_each_figure_stands_what_the_paper_says(stored, label, statement):
-    figures = {b.label: b for b in predictions.predictions(stored) if isinstance(b, Figure)}
-    caption = words(figures[label].caption)
+def test_under_each_figure_stands_what_the_paper_says(shown, label, statement):
+    caption = words(shown[label].caption)
     assert "In the paper:" in caption
     assert statement in caption
 
 
-def test_least_r_squared_of_this_recording_stands_beside_the_papers(stored):
-    figures = {b.label: b for b in predictions.predictions(stored) if isinstance(b, Figure)}
+def test_least_r_squared_of_this_recording_stands_beside_the_papers(stored, shown):
     least = float(stored.predictive["tension_lines"]["least_r_squared"])
-    assert f"is {least:.3f} here" in words(figures["tension"].caption)
+    assert f"is {least:.3f} here" in words(shown["tension"].caption)
     tree = stored.predictive.copy()
     lines = tree["tension_lines"].to_dataset()
     tree["tension_lines"] = xr.DataTree(lines.assign(least_r_squared=np.nan))

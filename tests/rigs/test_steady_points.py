@@ -6,7 +6,7 @@ from rigs.friction_points import joint, recorded, slide
 
 import bayesfric as bf
 from bayesfric import rigs
-from bayesfric.analysis import Analysis, HalfNormal, Normal
+from bayesfric.analysis import Analysis, HalfNormal, Normal, checked_analysis
 from bayesfric.effects import Effect, EffectParameter
 from bayesfric.effects.candidates import Candidate
 from bayesfric.errors import InputError
@@ -14,6 +14,7 @@ from bayesfric.inference.grouped_normal import GroupedNormal
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES
 from bayesfric.recording.steady_signs import against_motion
+from bayesfric.rigs.opening import with_own_priors
 
 
 def trials_of(recording):
@@ -86,12 +87,21 @@ def test_a_machine_of_another_size_in_other_units_is_diagnosed_alike(tmp_path):
 
 
 def test_a_joint_with_viscous_friction_is_named_with_its_slope(tmp_path):
-    found = bf.diagnose(recorded(tmp_path, joint(3.0), rotary=True)).summary
+    recording = recorded(tmp_path, joint(3.0), rotary=True)
+    found = bf.diagnose(recording).summary
     assert found.verdict == "named"
     (cause,) = found.causes
     assert cause.effect == "viscous"
     assert cause.parameters["slope"].unit == "s/rad"
     assert "cable" not in cause.sentence
+    # The settings that are stored have the priors of the joint, so that a rerun has them too.
+    stored, trials = checked_analysis(found.analysis, "stored").priors, trials_of(recording)
+    (own,) = trials.own_priors.values()
+    (size,) = trials.own_priors
+    assert own.c1 is not None
+    assert stored.pulleys[size].c1 == own.c1 != stored.c1
+    again = with_own_priors(checked_analysis(found.analysis, "stored"), [trials])
+    assert again.priors.pulleys == stored.pulleys
 
 
 def test_readings_whose_errors_are_known_leave_no_noise_to_draw(tmp_path):

@@ -1,11 +1,12 @@
 """Decelerations on the grids of the trials' paths, integrated twice, at the events."""
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import cumulative_simpson
+from scipy.sparse import csr_array
 
 from bayesfric.rigs.gravity_board.paths import POINTS
 
@@ -26,11 +27,14 @@ class DoubleIntegral:
         On the grid of its trial, in steps.
     step_s : ndarray, shape (E,)
         Of that grid [s].
+    trials : int
+        How many there are, N.
     """
 
     trial: NDArray[np.intp]
     place: Array
     step_s: Array
+    trials: int
 
     def of(self, acceleration: Array) -> Array:
         """Return the displacement at each row.
@@ -42,20 +46,35 @@ class DoubleIntegral:
 
         Returns
         -------
-        ndarray, shape (C, E)
+        ndarray, shape (E, C)
             By cubic Hermite interpolation on the grid [m].
         """
         flat = acceleration.reshape(-1, POINTS)
-        speeds, travels = (flat @ one for one in _integrals())
-        trial, left = self.trial, np.minimum(self.place.astype(int), POINTS - 2)
+        speeds, travels = (
+            np.ascontiguousarray((flat @ one).reshape(len(acceleration), -1).T)
+            for one in _integrals()
+        )
+        of_speeds, of_travels = self._at_rows
+        return np.asarray(of_speeds @ speeds + of_travels @ travels)
+
+    @cached_property
+    def _at_rows(self) -> tuple[csr_array, csr_array]:
+        """What speeds and travels on the grids add to the displacement of rows, (E, N P)."""
+        left = np.minimum(self.place.astype(int), POINTS - 2)
         share = self.place - left
         rise = share**2 * (3 - 2 * share)
-        travels, speeds = travels.reshape(acceleration.shape), speeds.reshape(acceleration.shape)
-        # On a grid of unit steps; a step is of this many seconds.
-        found = (1 - rise) * travels[:, trial, left] + rise * travels[:, trial, left + 1]
-        found += share * (1 - share) ** 2 * speeds[:, trial, left]
-        found -= share**2 * (1 - share) * speeds[:, trial, left + 1]
-        return np.asarray(self.step_s**2 * found)
+        place = self.trial * POINTS + left
+        ends = np.arange(0, 2 * place.size + 1, 2)
+
+        def weights(*at_ends: Array) -> csr_array:
+            # On a grid of unit steps; a step is of this many seconds.
+            values = (self.step_s**2 * np.stack(at_ends)).T
+            columns = np.stack([place, place + 1], axis=1)
+            shape = (place.size, self.trials * POINTS)
+            return csr_array((values.ravel(), columns.ravel(), ends), shape=shape)
+
+        speeds = weights(share * (1 - share) ** 2, -(share**2) * (1 - share))
+        return speeds, weights(1 - rise, rise)
 
 
 @cache

@@ -7,12 +7,13 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from bayesfric.rigs.gravity_board.measurements import optional_column
 from bayesfric.rigs.gravity_board.trial_motion import Events
 
-__all__ = ["rows_of_trials", "variance_of", "with_accelerations"]
+__all__ = ["ROUGH_SD", "rows_of_trials", "variance_of", "with_accelerations"]
 
 Array = NDArray[np.float64]
-STATED_SD = 0.01  # m/s², of an acceleration that comes without its standard error
+ROUGH_SD = 0.01  # m/s², of an acceleration that comes without its standard error
 ROUGH = 9.0  # times the noise: squared, what no smooth path follows
 
 
@@ -48,10 +49,7 @@ def with_accelerations(
     """
     alone = np.flatnonzero(~np.isin(np.arange(len(trials)), events.trial))
     duration = duration_s[alone]
-    stated = np.full(len(trials), np.nan)
-    if "acceleration_m_s2" in trials:
-        stated = trials["acceleration_m_s2"].to_numpy(dtype=np.float64)
-    travel = stated[alone] * duration**2 / 2
+    travel = optional_column(trials, "acceleration_m_s2")[alone] * duration**2 / 2
     trial = np.concatenate([events.trial, alone])
     order = np.argsort(trial, kind="stable")
     regressors = np.hstack([events.regressors, np.zeros((4, alone.size))])[:, order]
@@ -63,11 +61,8 @@ def with_accelerations(
         regressors=regressors,
         starts=np.flatnonzero(np.diff(trial[order], prepend=-1)),
     )
-    sd = np.full(len(trials), STATED_SD)
-    if "acceleration_sd_m_s2" in trials:
-        given = trials["acceleration_sd_m_s2"].to_numpy(dtype=np.float64)
-        sd = np.where(np.isfinite(given), given, sd)
-    return rows, np.isin(rows.trial, alone), sd
+    sd = optional_column(trials, "acceleration_sd_m_s2")
+    return rows, np.isin(rows.trial, alone), np.where(np.isfinite(sd), sd, ROUGH_SD)
 
 
 def variance_of(

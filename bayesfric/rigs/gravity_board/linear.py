@@ -10,6 +10,7 @@ for; derivatives by the noise follow from Fisher's identity.
 from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import pandas as pd
@@ -80,8 +81,6 @@ class GravityPart:
 
     Attributes
     ----------
-    columns : ndarray, shape (E, q)
-        Of the local numbers [m].
     random : ndarray, shape (E, R)
         Of what scatters.
     blocks : dict of int to slice
@@ -120,7 +119,7 @@ class GravityPart:
                 self.random[:, TRIAL] += amplitude * column[:, 0]
             if further is not None:
                 self.random[:, ELSEWHERE] += amplitude * further
-        self.noise = noise_of(priors, float(np.median(rows.variance)))
+        self.noise = noise_of(priors, float(np.median(rows.variance)), unstated=rows.unstated)
         self._summed(by_trial)
         self._views: dict[bytes, _View] = {}
 
@@ -171,7 +170,9 @@ class GravityPart:
         nuisance = layout.nuisance(self.place)
         if nuisance.stop > nuisance.start:
             columns[:, nuisance] = rows.late_column()[:, None]
-        self.columns, self.random = columns * scales, np.hstack(random)
+        self._columns = columns * scales
+        self._squeeze: Array | None = None
+        self.random = np.hstack(random)
 
     def _summed(self, by_trial: bool) -> None:
         count, q, r = len(self.rows.table), self.layout.local, self.random.shape[1]
@@ -184,7 +185,7 @@ class GravityPart:
         for trial, rows in enumerate(self.rows.rows_of_trials()):
             white, project = whitening(self.rows, rows)
             y = self.rows.residual[rows]
-            stack = np.column_stack([self.columns[rows], self.random[rows], y])
+            stack = np.column_stack([self._columns[rows], self.random[rows], y])
             whole = project(white[:, None] * stack)
             x, z, y = whole[:, :q], whole[:, q : q + r], whole[:, -1]
             self._precision[self._block[trial]] += x.T @ x
@@ -255,24 +256,26 @@ class GravityPart:
             places[name] = slice(start, start + block.stop - block.start)
             sd[places[name]] = value
             start = places[name].stop
-        pick = np.ix_(np.flatnonzero(trials), chosen)
-        inner = self._inner[trials][:, chosen][:, :, chosen]
-        right, across = self._right[pick], view.across[:, chosen]
+        rows = np.flatnonzero(trials)
+        inner = self._inner[np.ix_(rows, chosen, chosen)]
+        right, across = self._right[np.ix_(rows, chosen)], view.across[:, chosen]
         whole = np.eye(sd.size) + sd[:, None] * inner * sd / kappa
-        gain = sd[:, None] * np.linalg.inv(whole) * sd / kappa
-        moved, solved = gain @ across, (gain @ right[:, :, None])[:, :, 0]
+        factor = np.linalg.cholesky(whole)
+        root = np.linalg.inv(factor) * sd / np.sqrt(kappa)
+        gain, taken_up = root.swapaxes(1, 2) @ root, root @ across
+        solved = (gain @ right[:, :, None])[:, :, 0]
         constant = self._constant[trials].sum()
         freedom = self._freedom[trials].sum()
         square = (self._square[trials].sum() - (right * solved).sum()) / kappa
-        constant += -0.5 * (freedom * np.log(kappa) + np.linalg.slogdet(whole)[1].sum())
-        # What is left of the columns that scatter, the trial's own taken up.
-        left = np.eye(sd.size) - inner @ gain
-        across_left, right_left = left @ across / kappa, (left @ right[:, :, None])[:, :, 0] / kappa
-        inner_left = left @ inner / kappa
+        constant -= np.log(np.diagonal(factor, axis1=1, axis2=2)).sum()
+        constant -= 0.5 * freedom * np.log(kappa)
+        # What is left of the columns that scatter, the trial's own taken up, over kappa.
+        left = (np.eye(sd.size) - inner @ gain) / kappa
+        right_left, inner_left = (left @ right[:, :, None])[:, :, 0], left @ inner
         # Of all friction and of its intercept alone, which the assembly shares.
         member = self._member[:, trials]
         columns = across.shape[2]
-        flat = member @ across_left[:, :2].reshape(len(across), 2 * columns)
+        flat = member @ (left[:, :2] @ across).reshape(len(across), 2 * columns)
         summed = flat.reshape(len(self.setups), 2, columns)
         pulled = member @ right_left[:, :2]
         stiff = (member @ inner_left[:, :2, :2].reshape(len(across), 4)).reshape(-1, 2, 2)
@@ -289,7 +292,8 @@ class GravityPart:
         for size in range(len(self.layout.sizes)):
             mine, theirs = self.size[trials] == size, self.size_of_setup == size
             part = view.precision[size] / kappa
-            part -= _fold(moved[mine], across[mine]) / kappa + _fold(share[theirs], summed[theirs])
+            own_scatter = taken_up[mine].reshape(-1, columns)
+            part -= own_scatter.T @ own_scatter / kappa + _fold(share[theirs], summed[theirs])
             own = view.slope[size] - np.einsum("nr,nrk->k", solved[mine], across[mine])
             own = own / kappa - np.einsum("na,nak->k", pull[theirs], summed[theirs])
             place = self.layout.spread(columns, size)
@@ -301,7 +305,7 @@ class GravityPart:
         def gradient(mean: Sequence[Array], covariance: Sequence[Array]) -> dict[str, float]:
             """Return derivatives of the log evidence by the logarithms of the noise."""
             setup = self.setup[trials]
-            along = inner_left[:, :, :2]
+            across_left, along = left @ across, inner_left[:, :, :2]
             trial_q, setup_q = np.zeros(chosen.size), np.zeros(2)
             scale = square - freedom
             for size in range(len(self.layout.sizes)):
@@ -340,11 +344,18 @@ class GravityPart:
     def squeezed(self, squeeze: Array, layout: Layout) -> "GravityPart":
         """Return the rig with mixtures of its columns in their place."""
         found = copy(self)
-        found.layout, found.columns = layout, self.columns @ squeeze
+        found.layout = layout
+        found._squeeze = squeeze if self._squeeze is None else self._squeeze @ squeeze
+        found.__dict__.pop("columns", None)
         found._precision = squeeze.T @ self._precision @ squeeze
         found._slope, found._across = self._slope @ squeeze, self._across @ squeeze
         found._views = {}
         return found
+
+    @cached_property
+    def columns(self) -> Array:
+        """Columns of the local numbers, (E, q) [m]; most squeezed rigs need their sums alone."""
+        return self._columns if self._squeeze is None else self._columns @ self._squeeze
 
     def told(self, noise: Mapping[str, float]) -> Array:
         """Return what each trial alone says of the local numbers, (N, q, q).

@@ -1,10 +1,14 @@
 """What scatters in the linear model of the gravity board: its columns, and its noise."""
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Prior, Priors
 from bayesfric.inference.cosines import cosine_variances, log_variance_slopes
+from bayesfric.inference.priors import log_density
+from bayesfric.rigs.gravity_board.event_rows import ROUGH_SD
 from bayesfric.rigs.linear import NoiseParameter, noise_parameter
 
 __all__ = [
@@ -24,6 +28,7 @@ TRIAL, INTERCEPT, WANDER, ELSEWHERE = 0, 1, slice(2, 2 + WAVES), 2 + WAVES
 ALWAYS = 3 + WAVES  # columns that scatter in every hypothesis
 EVENT_SD_M = 30e-6  # of an event on a good board
 KAPPA_SD_LOG = 0.3  # of the events' variance over its first estimate
+UNSTATED = (1e-3, 1e4)  # bounds of the same, of accelerations whose error nobody stated
 
 
 def wander_weights(length_m: float, travel_m: float) -> tuple[Array, Array]:
@@ -50,7 +55,9 @@ def wander_weights(length_m: float, travel_m: float) -> tuple[Array, Array]:
     return cosine_variances(length, WAVES), log_variance_slopes(length, WAVES)
 
 
-def noise_of(priors: Priors, variance_m2: float) -> tuple[NoiseParameter, ...]:
+def noise_of(
+    priors: Priors, variance_m2: float, *, unstated: bool = False
+) -> tuple[NoiseParameter, ...]:
     """Return the parameters of the noise.
 
     Parameters
@@ -59,19 +66,32 @@ def noise_of(priors: Priors, variance_m2: float) -> tuple[NoiseParameter, ...]:
         Of scatter and wander.
     variance_m2 : float
         Of an event, by a first estimate [m²]; its factor is ``kappa``.
+    unstated : bool
+        Whether all trials have an acceleration alone, whose error nobody stated: there is no
+        first estimate of it then, but the prior ``sigma_a``.
     """
+    usual = EVENT_SD_M**2 / variance_m2
+    kappa = NoiseParameter("kappa", 1.0, (0.05, 1e4), _log_prior_kappa, usual)
+    if unstated:
+        log_prior = partial(_log_prior_unstated, priors.sigma_a)
+        kappa = NoiseParameter("kappa", 1.0, UNSTATED, log_prior, 1.0)
     return (
         _scatter("tau", priors.tau, 0.01),
         _scatter("omega", priors.omega, 0.015),
         _scatter("omega_intercept", priors.omega_intercept, 0.015),
         _scatter("wander", priors.wander, 0.001, 0.003),
         noise_parameter("wander_length", priors.wander_length, 0.1, (0.04, 0.5), 0.1),
-        NoiseParameter("kappa", 1.0, (0.05, 1e4), _log_prior_kappa, EVENT_SD_M**2 / variance_m2),
+        kappa,
     )
 
 
 def _scatter(name: str, prior: Prior, usual: float, start: float = 0.012) -> NoiseParameter:
     return noise_parameter(name, prior, start, (1e-4, 1.0), usual, scatters=True)
+
+
+def _log_prior_unstated(prior: Prior, value: float) -> float:
+    sd = ROUGH_SD * float(np.sqrt(value))
+    return float(log_density(prior, sd)) + float(np.log(sd))
 
 
 def _log_prior_kappa(value: float) -> float:

@@ -20,7 +20,7 @@ from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.hall_events import LOG_2PI, TrialForm, reduce_events
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 
-__all__ = ["Columns", "TrialMeasurements", "joined", "pilot_accelerations"]
+__all__ = ["Columns", "TrialMeasurements", "joined", "optional_column", "pilot_accelerations"]
 
 Array = NDArray[np.float64]
 START_SIGMA_A = 0.01  # m/s², a place to climb from
@@ -30,7 +30,7 @@ def pilot_accelerations(gravity: Gravity) -> Array:
     """Return each trial's acceleration by plain least squares, or as stated, shape (N,)."""
     trials = gravity.trials
     with_events = trials["trial"].isin(gravity.events["trial"]).to_numpy()
-    acceleration = _column(trials, "acceleration_m_s2")
+    acceleration = optional_column(trials, "acceleration_m_s2")
     if with_events.any():
         pilot = pilot_fits(gravity.events, trials["trial"][with_events])
         acceleration[with_events] = pilot.acceleration
@@ -117,7 +117,7 @@ class TrialMeasurements:
         if self._by_acceleration.size:
             alone = trials.iloc[self._by_acceleration]
             self._acceleration = alone["acceleration_m_s2"].to_numpy(dtype=np.float64)
-            self._stated_sd = _column(alone, "acceleration_sd_m_s2")
+            self._stated_sd = optional_column(alone, "acceleration_sd_m_s2")
             if np.isnan(self._stated_sd).any():
                 self.parameters += (Parameter("sigma_a", "m/s²", priors.sigma_a, "noise"),)
             shown = []  # what each adds to the mean acceleration
@@ -177,7 +177,7 @@ class TrialMeasurements:
         return {parameter.name: rough[parameter.name] for parameter in self.parameters}
 
 
-def _column(table: pd.DataFrame, name: str) -> Array:
+def optional_column(table: pd.DataFrame, name: str) -> Array:
     """Return an optional column, NaN where it is absent."""
     if name not in table:
         return np.full(len(table), np.nan)

@@ -18,16 +18,23 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 from scipy.integrate import cumulative_simpson
 
+from bayesfric.effects import Effect
 from bayesfric.recording.tables import Gravity, RigConstants
+from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.gravity_board.trial_motion import Events, prepare_events
 
-__all__ = ["Paths", "trial_paths"]
+__all__ = ["Paths", "motion_untold", "trial_paths"]
 
 Array = NDArray[np.float64]
 DEGREE = 4  # of the travel in time: a force that changes linearly in time needs 3
 POINTS = 129  # of the grid in time; odd, for Simpson's rule
 TRAVEL_M = 0.6  # of a trial that has an acceleration alone, where the rig does not say
 LEAST_SPEED_SHARE = 0.02  # of a trial's greatest speed, where smoothing would reverse it
+NO_EVENTS = Unsupported("It acts on the times of single events, and no trial has any.")
+NO_MOTION = Unsupported(
+    "It depends on how fast and how far a trial runs, and all have an acceleration alone: it "
+    "enters where the recording says the travel (`rig.limits.travel_m`)."
+)
 
 
 @dataclass(frozen=True)
@@ -96,6 +103,19 @@ class Paths:
     def _integrals(self, acceleration_m_s2: Array) -> tuple[Array, Array]:
         speed = self.step_s * cumulative_simpson(acceleration_m_s2, axis=1, initial=0)
         return speed, self.step_s * cumulative_simpson(speed, axis=1, initial=0)
+
+
+def motion_untold(effect: Effect, gravity: Gravity, rig: RigConstants) -> Unsupported | None:
+    """Return why nobody can say what an effect does to these trials; None where they tell.
+
+    An acceleration alone tells neither a speed nor a place, nor when a magnet passed.
+    """
+    if not gravity.events.empty:
+        return None
+    if effect.acts_on == "reading":
+        return NO_EVENTS
+    told = not (effect.along_path or effect.components) or "travel_m" in rig.limits
+    return None if told else NO_MOTION
 
 
 def trial_paths(gravity: Gravity, rig: RigConstants) -> Paths:

@@ -24,14 +24,13 @@ from bayesfric.rigs.acting import surroundings
 from bayesfric.rigs.base import Unsupported, why_inert
 from bayesfric.rigs.coefficients import SizeIndex
 from bayesfric.rigs.gravity_board.measurements import Columns, pilot_accelerations
-from bayesfric.rigs.gravity_board.paths import Paths, trial_paths
+from bayesfric.rigs.gravity_board.paths import Paths, motion_untold, trial_paths
 from bayesfric.rigs.gravity_board.trial_motion import Events, pilot_coefficients, prepare_events
 
 __all__ = ["TrialPlaces", "trial_condition"]
 
 Array = NDArray[np.float64]
 ON_CURRENT = Unsupported("It acts on the current of a motor, and this board has none.")
-NO_EVENTS = Unsupported("It acts on the times of single events, and no trial has any.")
 SHAPED_PHASES = Unsupported(
     "Nobody recorded its phases, and how it varies between them is not known either."
 )
@@ -173,8 +172,8 @@ class TrialPlaces:
         """Return why an effect cannot enter the likelihood; None where it can."""
         if effect.acts_on == "current":
             return ON_CURRENT
-        if effect.acts_on == "reading" and self.events is None:
-            return NO_EVENTS
+        if reason := motion_untold(effect, self._gravity, self._rig):
+            return reason
         if effect.components and effect.shape is not None:
             return SHAPED_PHASES
         if effect.acts_on == "reading" and effect.shape is not None:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Priors
-from bayesfric.effects import ActsOn, Law, Reading, State
+from bayesfric.effects import ActsOn, Effect, Law, Reading, State
 from bayesfric.effects.candidates import Candidate, unit_values
 from bayesfric.inference.cosines import cosines
 from bayesfric.inference.smooths import Smooth
@@ -34,7 +34,8 @@ from bayesfric.rigs.gravity_board.event_rows import (
 )
 from bayesfric.rigs.gravity_board.likelihood import trial_condition
 from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion, travel_to_speed
-from bayesfric.rigs.gravity_board.paths import POINTS
+from bayesfric.rigs.gravity_board.measurements import optional_column
+from bayesfric.rigs.gravity_board.paths import POINTS, motion_untold
 from bayesfric.rigs.layout import Layout
 from bayesfric.rigs.linear import LinearRig, pulley_radii, rank
 
@@ -84,6 +85,8 @@ class GravityRows:
         Displacement less that of the reference motion, offset and first speed left in [m].
     variance : ndarray, shape (E,)
         Of a row, by a first estimate of the noise [m²].
+    unstated : bool
+        Whether all trials have an acceleration alone, without its standard error.
     """
 
     name = "gravity"
@@ -99,7 +102,7 @@ class GravityRows:
         acting: Sequence[tuple[Candidate, float]] = (),
         law: Baseline = BASELINES["paper"],
     ) -> None:
-        self.table, self.constants = gravity.trials, rig
+        self.table, self.constants, self._gravity = gravity.trials, rig, gravity
         self.condition = trial_condition(gravity.trials, rig)
         sizes = gravity.trials["pulley_size"]
         self.law = Coefficients(*(np.array(c) for c in zip(*(laws[s] for s in sizes), strict=True)))
@@ -121,6 +124,9 @@ class GravityRows:
         self.events, alone, stated = with_accelerations(self.table, measured.events, duration)
         displacement = self.events.displacement
         self.residual = displacement - predicted[self.events.trial] * self.events.tau**2 / 2
+        self.unstated = bool(
+            alone.all() and np.isnan(optional_column(self.table, "acceleration_sd_m_s2")).all()
+        )
         self._speed = self._at_rows(self._paths.speed_m_s)
         self.variance = variance_of(self.events, measured.rough, self._speed**2, alone, stated)
 
@@ -155,12 +161,12 @@ class GravityRows:
         shape = (*np.shape(force_n)[:-2], *self._travel.shape)
         slowing = np.broadcast_to(-self._slowed * force_n, shape)
         travel = self._integral.of(slowing.reshape(-1, *self._travel.shape))
-        return np.asarray(travel.T.reshape(self.events.tau.size, *shape[:-2]))
+        return np.asarray(travel.reshape(self.events.tau.size, *shape[:-2]))
 
     @cached_property
     def _integral(self) -> DoubleIntegral:
         step = self._paths.step_s[self.events.trial, 0]
-        return DoubleIntegral(self.events.trial, self.events.tau / step, step)
+        return DoubleIntegral(self.events.trial, self.events.tau / step, step, len(self.table))
 
     def coefficient_columns(self) -> Array:
         """Return what c1, c2 and c3 do to each row, shape (E, 3) [m per unit]."""
@@ -211,6 +217,11 @@ class GravityRows:
         unit = self.friction_n if smooth.relative else force_n
         return self.forces(unit[:, None] * shapes)
 
+    def _untold(self, effect: Effect) -> Unsupported | None:
+        if effect.acts_on == "current":
+            return NO_CURRENT
+        return motion_untold(effect, self._gravity, self.constants)
+
     def candidate_columns(self, candidate: Candidate) -> Array | Unsupported:
         """Return what an effect of amplitude 1 does, shape (E, C) [m].
 
@@ -218,8 +229,8 @@ class GravityRows:
         readings for each sensor.
         """
         effect = candidate.effect
-        if effect.acts_on == "current":
-            return NO_CURRENT
+        if reason := self._untold(effect):
+            return reason
         values, small = unit_values(candidate)
         law = effect.laws[candidate.law]
         if effect.acts_on == "reading":
@@ -263,8 +274,8 @@ class GravityRows:
             number of an effect's components, else 1.
         """
         effect, friction = candidate.effect, self.friction_n[:, None]
-        if effect.acts_on == "current":
-            return NO_CURRENT
+        if reason := self._untold(effect):
+            return reason
         if effect.acts_on == "reading":
             columns = self.candidate_columns(candidate)
             assert not isinstance(columns, Unsupported)

@@ -7,9 +7,10 @@ and mass are as plausible.
 
 from dataclasses import dataclass, replace
 
-from bayesfric.analysis import HalfNormal, Normal, Prior, PriorOverrides
+from bayesfric.analysis import HalfNormal, LogNormal, Normal, Prior, PriorOverrides
 from bayesfric.effects import Effect, EffectParameter
 from bayesfric.rigs.rotary import rotary_unit
+from bayesfric.rigs.single_axis.period import FORMS, Wave
 
 __all__ = ["Measures"]
 
@@ -31,6 +32,8 @@ class Measures:
         As written down.
     rotary : bool
         Whether it turns.
+    wave : Wave
+        The strongest along the path.
     """
 
     stroke: float
@@ -41,6 +44,7 @@ class Measures:
     acceleration: float
     known_mass: float | None
     rotary: bool
+    wave: Wave
 
     def unit(self, unit: str) -> str:
         """Return a unit as it is here, radians for metres where the axis turns."""
@@ -68,7 +72,11 @@ class Measures:
     def effect(self, effect: Effect) -> Effect:
         """Return an effect with priors in these measures."""
         shape = None if effect.shape is None else self._parameter(effect.shape)
-        return replace(effect, amplitude=self._parameter(effect.amplitude), shape=shape)
+        found = replace(effect, amplitude=self._parameter(effect.amplitude), shape=shape)
+        if shape is None or "period" not in effect.needs:
+            return found
+        prior = LogNormal(median=self.wave.period, sd_log=self.wave.spread)
+        return replace(found, shape=replace(shape, prior=prior), forms=FORMS)
 
     def _parameter(self, one: EffectParameter) -> EffectParameter:
         scale = self.scale(one.unit)

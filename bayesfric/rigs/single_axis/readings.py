@@ -28,6 +28,7 @@ UNHEARD = 1e-4  # of the force's standard deviation: jumps that are none
 BESIDE = 3  # half windows, within which a force's second derivative is told
 LATEST_S = 0.05  # of a force, in which its rate is told exactly
 FAR = 10.0  # strokes: travel since a reversal that nobody saw
+FORGOTTEN = 0.2  # of the stroke, after which such a reversal no longer counts
 
 
 @dataclass(frozen=True)
@@ -123,11 +124,11 @@ def readings_of(
         Of the encoder.
     """
     noise = float(np.median([position_noise(one, resolution) for one in motions]))
-    half_s, hop = _width(motions, noise)
+    stroke = max(float(np.ptp(one.position)) for one in motions)
+    half_s, hop = _width(motions, noise, stroke)
     parts: list[dict[str, Any]] = []
     trials = pieces = 0
-    stroke = max(float(np.ptp(one.position)) for one in motions)
-    late_s = _late_by(motions, half_s, noise)
+    late_s = _late_by(motions, half_s, noise, stroke)
     for motion, begin in zip(motions, starts, strict=True):
         half = max(NARROWEST, round(half_s / motion.interval_s))
         step = max(1, round(hop * half))
@@ -152,7 +153,7 @@ def readings_of(
     return Readings(**whole, **joined, position_sd=noise, half_s=half_s)
 
 
-def _width(motions: Sequence[Motion], noise: float) -> tuple[float, float]:
+def _width(motions: Sequence[Motion], noise: float, stroke: float) -> tuple[float, float]:
     """Return half the width of a window [s], and windows' distance as a share of that."""
     interval = max(one.interval_s for one in motions)
     length = sum(one.time_s.size * one.interval_s for one in motions)
@@ -163,7 +164,7 @@ def _width(motions: Sequence[Motion], noise: float) -> tuple[float, float]:
         for one in motions:
             half = max(NARROWEST, round(half_s / one.interval_s))
             test = test_function(half, one.interval_s)
-            rows.append(_of_run(one, test, 2 * half, noise, 1.0))
+            rows.append(_of_run(one, test, 2 * half, noise, stroke))
         mass = rough_law(*(_joined(rows, n) for n in ("force", "acceleration", "speed")))[0]
         force = _joined(rows, "force")
         error = noise * float(np.sqrt(max(row["position_lag"][:1, :1].sum() for row in rows)))
@@ -213,14 +214,15 @@ def rough_law(force: Array, acceleration: Array, speed: Array) -> tuple[float, f
         columns = columns * np.array([1.0, 1.0, 0.0])
 
 
-def _late_by(motions: Sequence[Motion], half_s: float, noise: float) -> float:
+def _late_by(motions: Sequence[Motion], half_s: float, noise: float, stroke: float) -> float:
     """Return by how much the force acts later than the log has it, roughly [s]."""
     late_s = 0.0
     for _ in range(2):
         rows = []
         for one in motions:
             half = max(NARROWEST, round(half_s / one.interval_s))
-            rows.append(_of_run(one, test_function(half, one.interval_s), half, noise, 1.0, late_s))
+            test = test_function(half, one.interval_s)
+            rows.append(_of_run(one, test, half, noise, stroke, late_s))
         rate, force = _joined(rows, "force_rate"), _joined(rows, "force")
         columns = [rate, _joined(rows, "acceleration"), np.ones_like(rate), _joined(rows, "speed")]
         design = np.stack(columns, axis=1)
@@ -246,6 +248,12 @@ def _of_run(
         # Where the simulated axis runs the other way its friction says nothing of this motion.
         there = smooth_motion(replace(motion, position=other), max(SMOOTHED, half // 2), noise)[2]
         way = np.where(there == way, way, 0.0)
+    travel = _since_reversal(position, way, FAR * stroke)
+    # A log that begins in motion does not say how long ago the axis turned, which friction may
+    # remember; where it turns later on, that is better known.
+    unseen = travel == FAR * stroke
+    if not unseen.all():
+        way[unseen & (np.abs(position - position[0]) < FORGOTTEN * stroke)] = 0.0
     centres = np.arange(half, motion.time_s.size - half, step)
     # A window counts where all of its samples run the same way.
     runs = np.concatenate([[0.0], np.cumsum(way)])
@@ -254,7 +262,6 @@ def _of_run(
     centres = centres[one_way]
     sign = way[centres]
     at = motion.time_s[centres][:, None] + node_weights()[0] * (half + 1) * motion.interval_s
-    travel = _since_reversal(position, way, FAR * stroke)
 
     def inside(values: Array) -> Array:
         return np.asarray(np.interp(at, motion.time_s, values))

@@ -27,6 +27,7 @@ from bayesfric.rigs.single_axis.linear import AxisRows
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.motion import Motion as Log
 from bayesfric.rigs.single_axis.motion import even_grid
+from bayesfric.rigs.single_axis.period import strongest_wave
 from bayesfric.rigs.single_axis.predictions import runs as runs_dataset
 from bayesfric.rigs.single_axis.readings import Readings, readings_of, rough_law
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline, linearised, recorded_forces
@@ -128,7 +129,7 @@ class AxisRuns(PlainTrials):
     @cached_property
     def offers(self) -> frozenset[str]:
         """What effects may need."""
-        found = {"direction", "position", "drive"}
+        found = {"direction", "position", "drive", "period"}
         if self.constants.rotary:
             found.add("angle")
         if "role" in self.table and (self.table["role"] == "test").any():
@@ -314,6 +315,7 @@ class AxisRuns(PlainTrials):
             force_rate_n_s=rows.force_rate[:, None],
             lagging_rate_n_s=rows.lagging_rate[:, None],
             force_curvature_n_s2=rows.force_curvature[:, None],
+            wave_from_m=self.measures.wave.start,
             tested=tested[rows.trial][:, None],
         )
         return AxisRows(
@@ -427,4 +429,5 @@ def _measures(readings: Readings, logs: Sequence[Log], constants: RigConstants) 
         acceleration=max(acceleration, least),
         known_mass=constants.moving_mass_kg,
         rotary=constants.rotary,
+        wave=strongest_wave(readings),
     )

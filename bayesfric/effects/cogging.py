@@ -1,0 +1,50 @@
+"""Cogging: a drive that pulls towards places that come back along the path.
+
+Nobody knows period and phase beforehand, and between periods whose waves drift apart by half a
+turn over the path nothing can be interpolated. The rig looks for both, and the law's weight is
+that of the one of all its forms that was found.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.analysis import HalfNormal, LogNormal
+from bayesfric.effects.base import Effect, EffectParameter, State
+
+Array = NDArray[np.float64]
+
+
+def _wave(p: Mapping[str, Array], state: State) -> Array:
+    turns = (np.asarray(state.position_m) - state.wave_from_m) / p["period"]
+    return np.asarray(p["force"] * np.sin(2 * np.pi * turns) * np.asarray(state.direction))
+
+
+EFFECT = Effect(
+    name="cogging",
+    acts_on="drive",
+    sentence="the drive pulls to and fro with a period along the path",
+    amplitude=EffectParameter(
+        name="force",
+        unit="N",
+        meaning="largest force of the wave",
+        prior=HalfNormal(scale=0.3),
+        plausible=(0.0, 2.0),
+        reference="argued: magnets and teeth pull with some per cent to a fifth of the rated "
+        "force, and a drive is chosen for some times the friction",
+    ),
+    shape=EffectParameter(
+        name="period",
+        unit="m",
+        meaning="of the wave",
+        prior=LogNormal(median=0.05, sd_log=0.8),
+        plausible=(0.002, 0.3),
+        reference="argued: a pole pair or a tooth is a hundredth of the travel at the least, and "
+        "half of it is no longer a period",
+        typical=0.05,
+    ),
+    laws={"wave": _wave},
+    along_path=True,
+    needs=frozenset({"direction", "period"}),
+)

@@ -1,0 +1,76 @@
+"""The period, along the path, of a force that comes back: looked for among all waves."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.rigs.single_axis.readings import Readings
+
+__all__ = ["FORMS", "Wave", "strongest_wave"]
+
+Array = NDArray[np.float64]
+LEAST, MOST = 2.0, 100.0  # waves over the path that are looked for
+APART = 0.25  # waves over the path, between two that are tried
+PHASES = 6  # that tell a wave from its neighbours
+FORMS = round(2 * (MOST - LEAST)) * PHASES
+"""Waves that data can tell apart: half a wave more over the path is another."""
+FINER = np.linspace(-1.0, 1.0, 21)
+
+
+class Wave(NamedTuple):
+    """A sine of the position.
+
+    Parameters
+    ----------
+    period : float
+        [m or rad].
+    start : float
+        Where it rises through zero, near the middle of the path [m or rad].
+    spread : float
+        Relative error of the period, by half a wave over the whole path.
+    """
+
+    period: float
+    start: float
+    spread: float
+
+
+def strongest_wave(readings: Readings) -> Wave:
+    """Return the wave that takes most of the force which the law leaves.
+
+    The law, and what is smooth in the position, is fitted along with it by least squares.
+
+    Parameters
+    ----------
+    readings : Readings
+        Rows; positions inside a window are averaged as the force is.
+    """
+    low, span = float(readings.position.min()), float(np.ptp(readings.position)) or 1.0
+    middle = low + 0.5 * span
+    place = (readings.position - middle) / span
+    ones = np.ones(readings.count)
+    known = np.stack(
+        [readings.acceleration, ones, readings.speed @ readings.weights, readings.force_rate]
+        + [readings.way * (place**power @ readings.weights) for power in range(4)],
+        axis=1,
+    )
+    basis = np.linalg.qr(known / np.maximum(np.abs(known).max(axis=0), 1e-300))[0]
+    left = readings.force - basis @ (basis.T @ readings.force)
+
+    def numbers(waves: float) -> tuple[float, Array]:
+        """Return what a wave takes off the squares, and its cosine's and sine's amplitudes."""
+        angle = 2 * np.pi * waves * place
+        pair = np.stack([np.cos(angle), np.sin(angle)]) @ readings.weights * readings.way
+        pair = pair.T - basis @ (basis.T @ pair.T)
+        found = np.linalg.lstsq(pair, left, rcond=1e-6)[0]
+        return float(left @ pair @ found), np.asarray(found, dtype=np.float64)
+
+    tried = np.arange(LEAST, MOST, APART)
+    best = tried[np.argmax([numbers(one)[0] for one in tried])]
+    tried = best + APART * FINER
+    best = float(tried[np.argmax([numbers(one)[0] for one in tried])])
+    cosine, sine = numbers(best)[1]
+    period = span / best
+    start = middle - period * float(np.arctan2(cosine, sine)) / (2 * np.pi)
+    return Wave(period, start, 0.25 / best)
