@@ -15,6 +15,8 @@ from bayesfric.cli.printing import say
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    import pandas as pd
+
     from bayesfric.analysis import Analysis
 
 __all__ = ["diagnose"]
@@ -45,6 +47,14 @@ def diagnose(
             "parameters and predict(run, theta, extra_force=None).",
         ),
     ] = None,
+    target: Annotated[
+        Path | None,
+        typer.Option(
+            "--target",
+            help="A CSV file of conditions at which friction is asked for, with the columns by "
+            "which the recording says its own.",
+        ),
+    ] = None,
     workers: Workers = 2,
     seed: Seed = None,
     config: Config = None,
@@ -56,6 +66,7 @@ def diagnose(
     Example: bayesfric diagnose my-board -o my-results --fail-on gap
     """
     from bayesfric.analysis import read_analysis
+    from bayesfric.recording import read_conditions
     from bayesfric.results import fitted_numbers
 
     fail_on(fail_on_list, set())  # an unknown name is told before the work
@@ -69,6 +80,7 @@ def diagnose(
             fixed=fixed,
             effect_modules=effect_module,
             simulator=simulator,
+            target=None if target is None else read_conditions(target),
             workers=workers,
             quiet=quiet,
         )
@@ -85,12 +97,14 @@ def diagnose_into(
     fixed: str = "",
     effect_modules: list[Path] | None = None,
     simulator: str | None = None,
+    target: "pd.DataFrame | None" = None,
     workers: int = 1,
     quiet: bool,
 ) -> set[str]:
     """Diagnose, write and print; return what happened that ``--fail-on`` can name."""
     from bayesfric.campaign import processes
     from bayesfric.diagnosis import diagnose as diagnose_recording
+    from bayesfric.diagnosis.target import target_lines
     from bayesfric.effects import effect_of_file
     from bayesfric.recording import read_recording
     from bayesfric.testing import checked
@@ -108,6 +122,7 @@ def diagnose_into(
             shipped=shipped,
             baseline=baseline,
             simulator=simulator,
+            target=target,
             executor=executor,
             announce=None if quiet else partial(say, err=True),
         )
@@ -116,4 +131,7 @@ def diagnose_into(
     say(f"{summary.verdict}: {summary.sentence}")
     for name, chance in list(summary.probabilities.items())[:5]:
         say(f"  {name:<28} {chance:.3f}")
+    if summary.target is not None:
+        for line in target_lines(summary.target):
+            say(line)
     return failures_of(summary.verdict)

@@ -59,6 +59,7 @@ def rerun(
 
 def _repeat(folder: Path, again: Path, recording: Path | None, workers: int, quiet: bool) -> None:
     """Run the verbs whose results are in a folder, into another one."""
+    from bayesfric.diagnosis.target import conditions_of
     from bayesfric.errors import Fault, InputError
     from bayesfric.results import read_json
     from bayesfric.schemas import ClaimsFile, DiagnosisFile, FitFile, TimingsFile
@@ -109,6 +110,7 @@ def _repeat(folder: Path, again: Path, recording: Path | None, workers: int, qui
             workers=workers,
             fixed=",".join(diagnosis.fixed),
             shipped=diagnosis.shipped,
+            target=None if diagnosis.target is None else conditions_of(diagnosis.target),
             quiet=quiet,
         )
     if _has(folder, "margins") and fitted is not None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
@@ -32,6 +33,7 @@ from bayesfric.diagnosis.simulated import own_law_of, simulator_used
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.stored import curves_of, gap_of
 from bayesfric.diagnosis.systematic import posterior_of
+from bayesfric.diagnosis.target import check_target, friction_at
 from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.verdict import (
     decide,
@@ -109,6 +111,7 @@ def diagnose(
     shipped: Shipped | None = None,
     baseline: str = "paper",
     simulator: Simulator | str | None = None,
+    target: pd.DataFrame | None = None,
     executor: Executor | None = None,
     announce: Callable[[str], None] | None = None,
 ) -> Diagnosed:
@@ -133,6 +136,9 @@ def diagnose(
     simulator : Simulator, str or None
         A simulator of the user's own in the place of the law: an object, or
         ``module:object``; see :class:`bayesfric.simulators.Simulator`.
+    target : DataFrame or None
+        Conditions at which friction is asked for, as of
+        :func:`bayesfric.recording.read_conditions`.
     executor : Executor or None
         Over which calls of the simulator are spread; None makes one after another.
     announce : callable or None
@@ -155,7 +161,9 @@ def diagnose(
     if simulator is not None:
         calls = SimulatorCalls(simulator, executor=executor, announce=announce)
     with threadpool_limits(limits=1):
-        summary, curves = _diagnose(recording, analysis, fixed, effects, shipped, baseline, calls)
+        summary, curves = _diagnose(
+            recording, analysis, fixed, effects, shipped, baseline, calls, target
+        )
     return Diagnosed(identified(summary), curves, time.perf_counter() - began)
 
 
@@ -167,9 +175,12 @@ def _diagnose(
     shipped: Shipped | None,
     baseline: str,
     simulator: SimulatorCalls | None,
+    target: pd.DataFrame | None,
 ) -> tuple[DiagnosisFile, xr.DataTree]:
     data, law = data_of(recording, baseline, simulator)
     own = own_law_of(data)
+    if target is not None:
+        check_target(target, data.rigs[0], data.sizes)
     analysis = with_own_priors(analysis, data.rigs)
     practical = analysis.diagnosis.practical_share
     law_shipped = shipped_of(shipped, data)
@@ -221,6 +232,11 @@ def _diagnose(
     causes = told(named)
     unseparated = unseparated_of(found.classes, together if verdict == "unseparated" else ())
     proposals, no_proposal = next_experiment(model, found, chances)
+    law_found = law_of_diagnosis(model, psi, posterior, residuals)
+    asked_for = None
+    if target is not None:
+        doubt = chances.get(UNKNOWN, 0.0)
+        asked_for = friction_at(target, model, law, law_found, posterior, named, examined, doubt)
     attributes = provenance(
         recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
         analysis=analysis,
@@ -251,7 +267,7 @@ def _diagnose(
         present=told(present),
         possible=told(possible),
         scatter=model.named(settled.psi),
-        law=law_of_diagnosis(model, psi, posterior, residuals),
+        law=law_found,
         unseparated=unseparated,
         absorbed=tuple(
             Absorbed(effect=one.effect, by=one.by, bias=one.bias, unit=one.unit)
@@ -265,6 +281,7 @@ def _diagnose(
         effects=examined_effects(found, first_found, sorted({**examined, **lacking}), lacking),
         next_experiment=proposals,
         next_experiment_why=no_proposal,
+        target=asked_for,
     )
     amplitudes = {name: posterior.amplitudes[name] for name in named}
     return summary, curves_of(held_out, amplitudes, posterior.law)

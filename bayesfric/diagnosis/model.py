@@ -191,8 +191,10 @@ class LinearModel:
 
     @property
     def acting_axes(self) -> tuple[str, ...]:
-        """Axes along which there are smooth forces, each once."""
-        return tuple(dict.fromkeys(one.axis for one in (*self._own, *self._smooths)))
+        """Axes along which there are smooth forces that are no effect, each once."""
+        owned = {one.effect.two_ends for one in self.candidates}
+        axes = dict.fromkeys(one.axis for one in (*self._own, *self._smooths))
+        return tuple(axis for axis in axes if axis not in owned)
 
     def mixing(self, acting: Acting) -> Array:
         """Return the columns of effects as mixtures of candidates, (candidates, k)."""

@@ -23,6 +23,7 @@ __all__ = ["next_experiment"]
 Array = NDArray[np.float64]
 RIVAL = 0.05  # probability of a hypothesis that is still in question
 RIVALS = 3
+PULLEYS = ("pulley_size", "n_pulleys", "wrap_angle_deg")
 TWO = float(np.log10(2))  # expected log10 Bayes factor below which a trial is not worth it
 LN10 = float(np.log(10))
 
@@ -90,7 +91,7 @@ def _most_telling(
     )
     noise = model.named(one.at.psi)
     best: NextExperiment | None = None
-    for rig in rows.rigs:
+    for trials, rig in zip(data.rigs, rows.rigs, strict=True):
         told = rig.told(noise)
         mean = np.zeros((told.shape[0], told.shape[2]))
         spreads = []
@@ -119,7 +120,7 @@ def _most_telling(
         top = int(np.argmax(found))
         if best is None or found[top] > best.log10_bayes_factor:
             row = rig.rows.table.iloc[top]
-            names = ("pulley_size", "n_pulleys", "wrap_angle_deg", *rig.rows.loads)
+            names = (*(PULLEYS if trials.has_pulleys else ()), *rig.rows.loads)
             condition: dict[str, float | str] = {"rig": rig.rows.name}
             for name in names:
                 value = row[name]

@@ -251,6 +251,9 @@ class Effect:
     forms : int
         Among how many forms that cannot be told apart beforehand a rig found its laws in the
         data: what they weigh is divided by it.
+    two_ends : str or None
+        An axis that takes two values only: whatever differs along it is this effect, and
+        nothing along it alone is unknown.
     """
 
     name: str
@@ -264,6 +267,7 @@ class Effect:
     components: int = 0
     needs: frozenset[str] = frozenset()
     forms: int = 1
+    two_ends: str | None = None
 
     @property
     def parameters(self) -> tuple[EffectParameter, ...]:

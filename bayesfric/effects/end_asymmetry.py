@@ -31,4 +31,5 @@ EFFECT = Effect(
     laws={"relative": _relative},
     edge={"drive_end": 0.5},
     needs=frozenset({"pulleys"}),
+    two_ends="drive_end",
 )

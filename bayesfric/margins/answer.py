@@ -31,7 +31,10 @@ STEP = 0.05
 DECIDES = 0.5
 """Share of a variance above which one number of the file is worth measuring first."""
 TOLERANCE = 0.01
-"""A simulated threshold is at most this much too high."""
+"""A simulated threshold is at most this much too high by how finely it was looked for."""
+WITHIN = 0.05
+"""Share of a simulated threshold by which it may be too high all the same: coarse steps and where
+a swing begins, as seen beside a simulation from outside (reports/evidence/joints.json)."""
 
 
 @dataclass(frozen=True)
@@ -80,14 +83,15 @@ def largest_safe_gain(hunting: Hunting, allowed: float, effective_draws: float) 
         Independent draws behind them.
     """
     ordered = np.sort(hunting.threshold)
-    resolution = TOLERANCE if hunting.method == "simulation" else 1e-9
+    simulated = hunting.method == "simulation"
     count = ordered.size
 
     def at(share: float) -> float:
         """Return the γ just below which `share` of the draws hunt."""
         place = int(np.floor(share * count + 1e-9))
         most = float(ordered[place]) if place < count else np.inf
-        return min(most - resolution, GAMMA_MAX)
+        below = min(most - TOLERANCE, most * (1 - WITHIN)) if simulated else most - 1e-9
+        return min(below, GAMMA_MAX)
 
     first = hunting.condition[np.argsort(hunting.threshold, kind="stable")]
     deciding = first[: int(allowed * count) + 1]
@@ -101,7 +105,7 @@ def largest_safe_gain(hunting: Hunting, allowed: float, effective_draws: float) 
         return SafeGain(None, None, why, condition)
     error = standard_error(allowed, min(effective_draws, float(count)))
     low, high = at(max(allowed - error, 0.0)), at(min(allowed + error, 1.0))
-    coarse = TOLERANCE if hunting.method == "simulation" else 0.0
+    coarse = TOLERANCE if simulated else 0.0
     return SafeGain(at(allowed), max((high - low) / 2, coarse), None, condition)
 
 

@@ -41,7 +41,7 @@ __all__ = ["Margins", "compute_margins"]
 Array = NDArray[np.float64]
 
 SIMULATED = 200
-SHARED = 1500  # draws for the shares of variance
+SHARED = 1000  # draws for the shares of variance
 
 
 @dataclass(frozen=True)

@@ -41,6 +41,8 @@ MOST_DAMPING = 0.7
 MOST_LAG = 0.1
 """ω_n τ above which the delay is more than negative damping."""
 MOST_STICTION = 1.02
+LEAST_RINGING = 10.0
+"""Ringing of the cable over ω_n below which γ* is too high: motor and joint are two."""
 LEAST_LOAD = 0.01
 """Share of friction that a load may have."""
 
@@ -117,6 +119,8 @@ def formula_conditions(shaft: LoopAtShaft) -> tuple[NDArray[np.bool_], tuple[str
         f"ω_n τ is at most {MOST_LAG:g}": natural_frequency(shaft) * shaft.lag <= MOST_LAG,
         f"F/kp is at least {LEAST_COUNTS:g} encoder counts": counts >= LEAST_COUNTS,
         "the kick is beyond F/kp": shaft.kick > shaft.friction / shaft.kp,
+        f"the cable rings at {LEAST_RINGING:g} ω_n or above": shaft.ringing
+        >= LEAST_RINGING * natural_frequency(shaft),
         "the torque is not clipped": peak <= shaft.clip,
     }
     broken = tuple(words for words, holds in conditions.items() if not holds.all())

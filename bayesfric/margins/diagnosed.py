@@ -19,8 +19,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from bayesfric.diagnosis.drawn_effect import DrawnEffect, drawn_effect
 from bayesfric.effects import all_effects
-from bayesfric.effects.base import Effect, State
+from bayesfric.effects.base import State
 from bayesfric.errors import Fault, InputError
 from bayesfric.margins.assembly import Assembly
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
@@ -29,44 +30,13 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.results import read_beside, read_json
 from bayesfric.schemas import DiagnosisFile
 
-__all__ = ["Acting", "Diagnosed", "read_diagnosed", "with_effects"]
+__all__ = ["Diagnosed", "read_diagnosed", "with_effects"]
 
 Array = NDArray[np.float64]
 
 LEAST_SPEED = 0.1
 """Cable speed up to which an effect is looked at where the file has no peak speed [m/s]."""
 SPEEDS = 60
-
-
-@dataclass(frozen=True)
-class Acting:
-    """One effect on friction, as drawn.
-
-    Parameters
-    ----------
-    effect : Effect
-        What it is.
-    amplitude, shape : ndarray, shape (draws,)
-        0 where it does not act, or has no shape.
-    variant : ndarray of str, shape (draws,)
-        The law that it follows; empty where it does not act.
-    """
-
-    effect: Effect
-    amplitude: Array
-    shape: Array
-    variant: NDArray[np.str_]
-
-    def force(self, state: State) -> Array:
-        """Return what it adds to friction [N], shape (draws,)."""
-        found = np.zeros(self.amplitude.shape)
-        for name in np.unique(self.variant[self.variant != ""]):
-            mine = self.variant == name
-            p = {self.effect.amplitude.name: np.where(mine, self.amplitude, 0.0)}
-            if self.effect.shape is not None:
-                p[self.effect.shape.name] = np.where(mine, self.shape, 1.0)
-            found += np.where(mine, self.effect.laws[str(name)](p, state), 0.0)
-        return found
 
 
 @dataclass(frozen=True)
@@ -77,14 +47,14 @@ class Diagnosed:
     ----------
     posterior : Posterior
         The refitted law, in as many draws as the fit's.
-    acting : tuple of Acting
+    acting : tuple of DrawnEffect
         Effects on friction, in step with it.
     left_out : tuple of str
         Effects that stay behind, with the reason.
     """
 
     posterior: Posterior
-    acting: tuple[Acting, ...]
+    acting: tuple[DrawnEffect, ...]
     left_out: tuple[str, ...]
 
     @property
@@ -123,7 +93,7 @@ def read_diagnosed(path: Path, fitted: Posterior, seed: int) -> Diagnosed:
     told = [one.effect for one in (*record.causes, *record.present, *record.possible)]
     acting, left_out = [], []
     for name in told:
-        one = _acting(table, name)
+        one = drawn_effect(table, name, all_effects())
         if isinstance(one, str):
             left_out.append(f"{name}: {one}")
         else:
@@ -155,25 +125,9 @@ def _values(column: xr.DataArray) -> Array:
     return np.asarray(column.to_numpy(), dtype=np.float64)
 
 
-def _acting(table: xr.Dataset, name: str) -> Acting | str:
-    """Return an effect as drawn, or why it stays behind."""
-    effect = all_effects().get(name)
-    if effect is None:
-        return "not an effect of this version"
-    if effect.acts_on != "friction":
-        return f"acts on the board's {effect.acts_on}, not friction"
-    if effect.components:
-        return "its phase differs from trial to trial"
-    if "effect" not in table.coords or name not in table["effect"]:
-        return "its amplitude was not drawn"
-    own = table.sel(effect=name)
-    variant = own["variant"].to_numpy().astype(str)
-    if unknown := set(variant) - {"", *effect.laws}:
-        return f"{', '.join(sorted(unknown))}: not a law of this version"
-    return Acting(effect, _values(own["amplitude"]), _values(own["shape"]), variant)
-
-
-def with_effects(shaft: LoopAtShaft, given: Assembly, acting: tuple[Acting, ...]) -> LoopAtShaft:
+def with_effects(
+    shaft: LoopAtShaft, given: Assembly, acting: tuple[DrawnEffect, ...]
+) -> LoopAtShaft:
     """Return a loop with effects added to its friction.
 
     A compensator that takes its estimate from the law takes it from the law with the effects.
@@ -184,7 +138,7 @@ def with_effects(shaft: LoopAtShaft, given: Assembly, acting: tuple[Acting, ...]
         The loop with the refitted law.
     given : Assembly
         What it was made from.
-    acting : tuple of Acting
+    acting : tuple of DrawnEffect
         In as many draws.
     """
     rho, rest = shaft.cable_per_rad, np.zeros(given.draws)
@@ -234,7 +188,7 @@ def _curve(force: Callable[[Array], Array], top: Array) -> tuple[Array, Array, A
     return low, high, fallen_at
 
 
-def _force(one: Acting, shaft: LoopAtShaft, given: Assembly, speed: Array) -> Array:
+def _force(one: DrawnEffect, shaft: LoopAtShaft, given: Assembly, speed: Array) -> Array:
     """Return what an effect adds to the friction of the cable at a speed of it [N]."""
     total = np.zeros(given.draws)
     for place, run in enumerate(shaft.loop.runs):

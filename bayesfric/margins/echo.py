@@ -17,7 +17,6 @@ Array = NDArray[np.float64]
 def plant_of(shaft: LoopAtShaft) -> Plant:
     """Return natural frequency, damping, ringing, inertias and ratios, medians of the draws."""
     omega = natural_frequency(shaft)
-    ringing = np.sqrt(shaft.stiffness * (1 / shaft.load_inertia + 1 / shaft.motor_inertia))
     zeta = effective_damping(shaft) / (2 * np.sqrt(shaft.kp * shaft.inertia))
     joint = shaft.loop.joint
     whole, way = (
@@ -28,7 +27,7 @@ def plant_of(shaft: LoopAtShaft) -> Plant:
     found = {
         "natural_frequency_hz": _median(omega) / (2 * np.pi),
         "damping_ratio": _median(zeta),
-        "resonance_hz": _median(ringing) / (2 * np.pi),
+        "resonance_hz": _median(shaft.ringing) / (2 * np.pi),
         "motor_inertia_kg_m2": _median(shaft.motor_inertia),
         "load_inertia_kg_m2": _median(shaft.load_inertia),
         "cable_m_per_rad": _median(shaft.cable_per_rad),

@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from bayesfric.margins.sampled_loop import SampledLoop
 from bayesfric.margins.simulating import simulate
+from bayesfric.margins.swing import STEADY_SHARE
 
 __all__ = [
     "EVERY_TENTH",
@@ -45,8 +46,15 @@ SLIPS = 12.0
 """Stuck bands that a reference passes in a run: six slips of the longest kind."""
 CYCLES = 6.0
 """Slow cycles of integral action in a run."""
+LONGER = 3.0
+"""A slow cycle on an elastic cable over that of a stiff one, at most as seen: the motor slips less
+far while the joint stands."""
 LEAST_EXCESS = 0.02
 """Breakaway over moving friction, as a share of it, below which a slow cycle is not waited for."""
+LASTS = (0.6, STEADY_SHARE)
+"""Least and largest share of its amplitude that a swing keeps if it lasts."""
+WITHIN, FINEST = 0.05, 1e-3
+"""Share of a threshold within which it is found, and the least width that is looked for."""
 
 
 class RunLength(NamedTuple):
@@ -60,11 +68,16 @@ class RunLength(NamedTuple):
         After which a shaft that moves all the time has settled, or swings.
     wanted : ndarray
         What the run should last; where it is longer, a slow cycle may be missed.
+    lasts : ndarray
+        Share of its amplitude that a swing keeps from one stretch to the next if it lasts [-]:
+        midway between all of it and what damping alone leaves. Slips are irregular, so that more
+        is asked only where damping takes long.
     """
 
     duration: Floats
     settling: Floats
     wanted: Floats
+    lasts: Floats
 
 
 def run_length(loop: SampledLoop, reference_speed: ArrayLike = 0.0) -> RunLength:
@@ -112,10 +125,14 @@ def run_length(loop: SampledLoop, reference_speed: ArrayLike = 0.0) -> RunLength
             * reset
             * np.divide(breakaway, excess, out=np.zeros_like(excess), where=sticks)
         )
+        slow = slow if loop.cable is None else LONGER * slow
         slow = np.where(ki > 0.0, np.maximum(8.0 * reset, slow), 0.0)
         linear = np.minimum(np.maximum(settled, periods), MOST_SETTLING_S)
     wanted = np.maximum(np.max([linear, dragged, slow], axis=0), SHORTEST_S)
-    return RunLength(np.minimum(wanted, LONGEST_S), np.maximum(linear, SHORTEST_S) / 2.0, wanted)
+    settling = np.maximum(linear, SHORTEST_S) / 2.0
+    left = np.exp(-settling / 2.0 * damping / (2.0 * inertia))  # of a stretch of half of it
+    lasts = np.clip((1.0 + left) / 2.0, *LASTS)
+    return RunLength(np.minimum(wanted, LONGEST_S), settling, wanted, lasts)
 
 
 @dataclass(frozen=True)
@@ -164,7 +181,7 @@ def hunting_threshold(
     gammas : sequence of float
         The γ that are tried first, increasing from 0.
     tolerance : float
-        Width to which the bisection goes.
+        Width to which the bisection goes, and a share :data:`WITHIN` of smaller thresholds.
 
     Returns
     -------
@@ -198,6 +215,7 @@ def hunting_threshold(
             kick=kicks[:, index].ravel(),
             duration=length.duration if duration is None else duration,
             settling=length.settling,
+            lasts=length.lasts,
             reference_speed=speed,
         ).hunts
         return found.reshape(shape[0], index.size)
@@ -217,7 +235,8 @@ def hunting_threshold(
         threshold[rows], below[rows] = grid[first], grid[np.maximum(first - 1, 0)]
         condition[rows] = table[:, at[found], np.flatnonzero(found)].argmax(axis=0)
     while True:
-        wide = np.isfinite(threshold) & (threshold - below > tolerance)
+        near = np.minimum(tolerance, np.maximum(WITHIN * threshold, FINEST))
+        wide = np.isfinite(threshold) & (threshold - below > near)
         if not wide.any():
             return Thresholds(threshold, condition)
         index = np.flatnonzero(wide)

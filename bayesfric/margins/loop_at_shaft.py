@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from bayesfric.margins.assembly import Assembly
 from bayesfric.margins.cable_run import DIRECTIONS, Direction, RunFriction, run_friction
+from bayesfric.margins.elastic_cable import Cable
 from bayesfric.margins.loop_file import Loop, RevoluteJoint
 from bayesfric.margins.quantities import central
 from bayesfric.margins.sampled_loop import SampledLoop
@@ -15,6 +16,9 @@ from bayesfric.margins.sampled_loop import SampledLoop
 __all__ = ["LoopAtShaft", "at_shaft"]
 
 Array = NDArray[np.float64]
+
+STIFF = 5.0
+"""Phase of a cable's ringing in a sample above which it counts as stiff [rad]."""
 
 
 @dataclass(frozen=True)
@@ -190,8 +194,28 @@ class LoopAtShaft:
         parts: Any = {field.name: some(getattr(self, field.name)) for field in fields(self)}
         return LoopAtShaft(**parts)
 
+    @property
+    def ringing(self) -> Array:
+        """The frequency at which motor and joint ring on the cable [rad/s]."""
+        return np.sqrt(self.stiffness * (1 / self.load_inertia + 1 / self.motor_inertia))
+
+    @property
+    def cable(self) -> Cable | None:
+        """The cable with the friction behind it; None where it rings so fast that it is stiff."""
+        if (self.ringing * self.sample_time).max() > STIFF:
+            return None
+        return Cable(
+            motor_inertia=self.motor_inertia,
+            load_inertia=self.load_inertia,
+            load_viscous=self.load_viscous,
+            stiffness=self.stiffness,
+            damping=self.damping,
+            behind=np.minimum(self.lost_motion * self.stiffness / self.friction, 1.0),
+            hangs=self.load_torque,
+        )
+
     def sampled(self, gamma: Array | None = None) -> SampledLoop:
-        """Return the loop as the simulator takes it, with a stiff cable.
+        """Return the loop as the simulator takes it, with its cable.
 
         Parameters
         ----------
@@ -220,6 +244,7 @@ class LoopAtShaft:
             compensation_estimate=self.estimate,
             boundary=self.boundary,
             at_rest=compensation.at_rest,
+            cable=self.cable,
         )
 
 

@@ -6,6 +6,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bayesfric.margins.elastic_cable import Cable
+
 __all__ = ["AtRest", "CompensationSignal", "SampledLoop"]
 
 Floats = NDArray[np.float64]
@@ -73,6 +75,8 @@ class SampledLoop:
     at_rest : {"off", "hold"}
         What follows a signal of exactly zero speed: no compensation, or the last one.
         `error` has no such choice.
+    cable : Cable or None
+        Between motor and joint; None is a stiff one.
 
     Raises
     ------
@@ -101,6 +105,7 @@ class SampledLoop:
     compensation_estimate: ArrayLike = 0.0
     boundary: ArrayLike = 0.0
     at_rest: AtRest = "off"
+    cable: Cable | None = None
 
     def __post_init__(self) -> None:
         for name, known in _CHOICES.items():
@@ -130,7 +135,8 @@ class SampledLoop:
     @classmethod
     def numbers(cls) -> tuple[str, ...]:
         """Return the names of the fields that hold a number a draw."""
-        return tuple(field.name for field in fields(cls) if field.name not in _CHOICES)
+        others = (*_CHOICES, "cable")
+        return tuple(field.name for field in fields(cls) if field.name not in others)
 
     @property
     def breakaway(self) -> Floats:
@@ -157,7 +163,10 @@ class SampledLoop:
         """
         numbers = {name: self.array(name)[index] for name in self.numbers()}
         return SampledLoop(
-            compensation_signal=self.compensation_signal, at_rest=self.at_rest, **numbers
+            compensation_signal=self.compensation_signal,
+            at_rest=self.at_rest,
+            cable=None if self.cable is None else self.cable.taken(index),
+            **numbers,
         )
 
     def array(self, name: str) -> Floats:

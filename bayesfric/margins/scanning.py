@@ -128,6 +128,7 @@ def run(shaft: LoopAtShaft, conditions: tuple[Condition, ...], gamma: Array) -> 
         kick=kick,
         duration=length.duration,
         settling=length.settling,
+        lasts=length.lasts,
         reference_speed=speed,
     )
 

@@ -4,7 +4,8 @@ J dv/dt = u − F sign(v) − b v while the shaft turns; at rest it stays as lon
 |u| ≤ Fs. Under constant torque the shaft turns one way, may stop, and may then
 break away in the direction of the torque; it never stops twice. So an interval
 of constant torque is at most two arcs, each an exponential in time, and nothing
-is integrated numerically.
+is integrated numerically. Friction that falls with speed alone is taken at the speed with which
+an interval begins.
 """
 
 from typing import NamedTuple
@@ -12,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Interval", "Shaft", "turn"]
+__all__ = ["Interval", "Shaft", "StiffShaft", "turn"]
 
 Floats = NDArray[np.float64]
 
@@ -154,3 +155,71 @@ def _weights(time: Floats, rate: Floats) -> tuple[Floats, Floats, Floats]:
     second = np.where(near, 0.5 * series, (away + np.expm1(-away)) / away**2)
     first = 1.0 - z * second
     return np.exp(-z), time * first, time**2 * second
+
+
+class StiffShaft:
+    """Motor and joint as one shaft, on its way; what it offers, `Ends` of a cable do too.
+
+    Parameters
+    ----------
+    shaft : Shaft
+        What resists the torque.
+    falling, falling_speed : ndarray, shape (draws,)
+        Friction beyond the shaft's at the lowest speed, and the speed at which it has fallen to
+        1/e of that [N·m, rad/s].
+    load : ndarray, shape (draws,)
+        Torque against the motor [N·m].
+    position, speed : ndarray, shape (draws,)
+        At the beginning [rad, rad/s].
+    """
+
+    def __init__(
+        self,
+        shaft: Shaft,
+        *,
+        falling: Floats,
+        falling_speed: Floats,
+        load: Floats,
+        position: Floats,
+        speed: Floats,
+    ) -> None:
+        self.shaft, self.load = shaft, load
+        self.falling, self.falling_speed = falling, falling_speed
+        self.position, self.speed = position, speed
+
+    @property
+    def twist(self) -> Floats:
+        """Motor minus joint: none, shape (draws,) [rad]."""
+        return np.zeros_like(self.position)
+
+    @property
+    def stands(self) -> NDArray[np.bool_]:
+        """Where the shaft stands still, shape (draws,)."""
+        return np.asarray(self.speed == 0.0)
+
+    def withstands(self) -> tuple[Floats, Floats]:
+        """Return what pulls at a shaft that stands, and what more it withstands [N·m]."""
+        return self.load, self.shaft.breakaway
+
+    def cut(self, length: Floats, parts: int) -> tuple[int, Interval]:
+        """Return into how many steps an interval is cut, and the step."""
+        return parts, Interval.of(length / parts, self.shaft)
+
+    def keep(self, rows: NDArray[np.intp]) -> None:
+        """Go on with some of the draws alone."""
+        self.shaft = Shaft(*(part[rows] for part in self.shaft))
+        for name, value in vars(self).items():
+            if isinstance(value, np.ndarray):
+                setattr(self, name, value[rows])
+
+    def advance(self, command: Floats, step: Interval, running: NDArray[np.bool_] | None) -> None:
+        """Go on by a step; None of `running` is all draws."""
+        shaft = self.shaft
+        if self.falling.any():
+            more = self.falling * np.exp(-np.abs(self.speed) / self.falling_speed)
+            shaft = shaft._replace(friction=shaft.friction + more)
+        position, speed = turn(shaft, command - self.load, self.position, self.speed, step)
+        if running is not None:
+            position = np.where(running, position, self.position)
+            speed = np.where(running, speed, self.speed)
+        self.position, self.speed = position, speed

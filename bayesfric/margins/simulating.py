@@ -1,10 +1,10 @@
 """The sampled position loop of a motor shaft with friction, in time, over all draws at once.
 
 At each sample time t_k = k T the controller reads the encoder and commands a torque, which
-acts from t_k + delay until the next command does. Between two changes of torque the motion
-is a closed form (:mod:`bayesfric.margins.shaft`), so a run has no step size: any delay is
-met exactly, whatever its ratio to the sample time. Friction that falls with speed alone is
-taken at the speed with which such an interval begins. A shaft that stands still is taken at
+acts from t_k + delay until the next command does. Between two changes of torque the motion of
+a stiff shaft is a closed form (:mod:`bayesfric.margins.shaft`), and that of motor and joint on
+an elastic cable goes in small steps (:mod:`bayesfric.margins.elastic_cable`); any delay is
+met exactly, whatever its ratio to the sample time. A shaft that stands still is taken at
 once to the sample before its torque reaches breakaway, which is a closed form too: slow
 hunting, in which the shaft mostly stands, costs little. A shaft that has moved, or stood only
 briefly, for as long as its linear loop takes to settle is judged by what follows at once.
@@ -16,10 +16,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bayesfric.margins.elastic_cable import Ends
 from bayesfric.margins.sampled_controller import Controller
 from bayesfric.margins.sampled_loop import SampledLoop
-from bayesfric.margins.shaft import Interval, Shaft, turn
-from bayesfric.margins.swing import Swing
+from bayesfric.margins.shaft import Shaft, StiffShaft
+from bayesfric.margins.swing import STEADY_SHARE, Swing
 from bayesfric.margins.traces import Record, Traces
 
 __all__ = ["Motion", "simulate"]
@@ -44,7 +45,7 @@ class Motion:
     hunts : ndarray of bool, shape (draws,)
         Whether the shaft still swings around the reference in the last quarter of the run: at
         least two reversals against the reference there, an amplitude above one encoder count,
-        and not below 0.9 of the quarter before.
+        and not below a share of the quarter before.
     amplitude : ndarray, shape (draws,)
         Half of the range of the error in the last quarter [rad].
     frequency : ndarray, shape (draws,)
@@ -55,6 +56,8 @@ class Motion:
         Reference minus true position at the end [rad].
     rms_error : ndarray, shape (draws,)
         Of the last half [rad].
+    twist : ndarray, shape (draws,)
+        Of the cable at the end, motor minus joint [rad].
     traces : Traces or None
         The motion itself, where it was asked for.
     """
@@ -65,6 +68,7 @@ class Motion:
     cycles: Floats
     final_error: Floats
     rms_error: Floats
+    twist: Floats
     traces: Traces | None = None
 
 
@@ -75,6 +79,7 @@ def simulate(
     duration: ArrayLike,
     reference_speed: ArrayLike = 0.0,
     settling: ArrayLike = np.inf,
+    lasts: ArrayLike = STEADY_SHARE,
     substeps: int = 1,
     traces: bool = False,
 ) -> Motion:
@@ -100,9 +105,12 @@ def simulate(
         Time after which a shaft that has stood for no more than a quarter of it at once has
         settled or swings [s], a scalar or (draws,): it is judged by a stretch of the same length
         that follows, and its run ends there, if that is so in it too.
+    lasts : array_like
+        Share of its amplitude that a swing keeps from one quarter to the next if it lasts, a
+        scalar or (draws,).
     substeps : int
-        Parts into which every interval of constant torque is cut. The motion is exact
-        with 1; more serve for finer traces.
+        Parts into which every interval of constant torque is cut, or each step on an elastic
+        cable. The motion of a stiff shaft is exact with 1; more serve for finer traces.
     traces : bool
         Whether to keep the motion itself.
 
@@ -128,7 +136,8 @@ def simulate(
     settled = loop.per_draw("settling", settling)
     if not (settled > 0.0).all():
         raise ValueError(f"settling: expected a positive time, got {settled.min()}")
-    run = _Run(loop, begin, reference, length, settled, substeps)
+    kept = loop.per_draw("lasts", lasts)
+    run = _Run(loop, begin, reference, length, settled, kept, substeps)
     record = Record(begin, reference) if traces else None
     looks = 0
     while run.rows.size:
@@ -156,25 +165,21 @@ class _Run:
         reference: Floats,
         duration: Floats,
         settling: Floats,
+        lasts: Floats,
         substeps: int,
     ) -> None:
         self.controller = Controller(loop, begin, reference)
         period = self.controller.period
-        friction = loop.array("friction")
-        self.shaft = Shaft(
-            loop.array("inertia"), loop.array("viscous"), friction, self.controller.breakaway
-        )
-        self.falling, self.falling_speed = loop.array("falling"), loop.array("falling_speed")
+        self.plant = _plant(loop, begin, reference)
         # Command k − whole − 1 acts until `late` after t_k, that of k − whole from there.
         samples_late = loop.array("delay") / period
         self.whole = np.floor(samples_late + 1e-9).astype(np.intp)
         late = np.maximum(samples_late - self.whole, 0.0) * period
         self.intervals = [
-            (older, Interval.of(length / substeps, self.shaft))
+            (older, *self.plant.cut(length, substeps))
             for older, length in ((1, late), (0, period - late))
             if length.any()
         ]
-        self.substeps = substeps
         # what acts before the first command: none
         self.commands: list[Floats] = [
             np.zeros(loop.draws) for _ in range(int(self.whole.max()) + 2)
@@ -182,54 +187,43 @@ class _Run:
         self.k = np.zeros(loop.draws, dtype=np.intp)
         self.quiet = np.zeros(loop.draws, dtype=np.intp)  # samples without a reading of motion
         samples = np.ceil(duration / period - 1e-9).astype(np.intp)
-        self.swing = Swing(samples, period, self.controller.step * self.controller.stepped)
+        least = self.controller.step * self.controller.stepped
+        self.swing = Swing(samples, period, least, lasts)
         self.stretch = np.maximum(samples // 4, 1)  # of those by which the whole run is judged
         settling = np.minimum(settling, duration)
         self.settling = np.ceil(settling / period - 1e-9).astype(np.intp)
         self.early = np.zeros(loop.draws, dtype=bool)
         self.times = np.zeros(loop.draws, dtype=np.intp)  # that this was so
         self.moving = np.zeros(loop.draws, dtype=np.intp)  # samples since the shaft stood for long
-        self.position, self.speed = begin.copy(), reference.copy()
         self.rows = np.arange(loop.draws)
-        names = ("amplitude", "frequency", "cycles", "final_error", "rms_error")
+        names = ("amplitude", "frequency", "cycles", "final_error", "rms_error", "twist")
         self.found: dict[str, NDArray[Any]] = {name: np.zeros(loop.draws) for name in names}
         self.found["hunts"] = np.zeros(loop.draws, dtype=bool)
 
     def advance(self, record: Record | None) -> None:
         """Go from one sample to the next."""
         running = self.k < self.swing.end
-        torque, reading = self.controller.command(self.k, self.position)
+        plant = self.plant
+        torque, reading = self.controller.command(self.k, plant.position)
         self.commands = [torque, *self.commands[:-1]]
-        still = (reading == 0.0) & (self.speed == 0.0)
-        self.quiet = np.where(still, self.quiet + 1, 0)
-        all_run = bool(running.all())
-        for older, interval in self.intervals:
-            acting = self._acting(older) - self.controller.load
-            for _ in range(self.substeps):
-                position, speed = turn(self._rubbed(), acting, self.position, self.speed, interval)
-                if all_run:
-                    self.position, self.speed = position, speed
-                else:
-                    self.position = np.where(running, position, self.position)
-                    self.speed = np.where(running, speed, self.speed)
+        self.quiet = np.where((reading == 0.0) & plant.stands, self.quiet + 1, 0)
+        some = None if running.all() else running
+        for older, count, step in self.intervals:
+            acting = self._acting(older)
+            for _ in range(count):
+                plant.advance(acting, step, some)
                 if record is not None:
-                    passed = np.where(running, interval.length, 0.0)
-                    record.add(passed, self.position, self.speed, acting + self.controller.load)
+                    record.add(
+                        np.where(running, step.length, 0.0), plant.position, plant.speed, acting
+                    )
         self.k = self.k + running
         self.moving = np.where(BRIEFLY * self.quiet > self.settling, 0, self.moving + 1)
         error = self._error()
-        self.swing.see(self.k, error, self.speed - self.controller.reference, running)
-
-    def _rubbed(self) -> Shaft:
-        """Return the shafts with friction as it is at their speeds."""
-        if not self.falling.any():
-            return self.shaft
-        more = self.falling * np.exp(-np.abs(self.speed) / self.falling_speed)
-        return self.shaft._replace(friction=self.shaft.friction + more)
+        self.swing.see(self.k, error, plant.speed - self.controller.reference, running)
 
     def _error(self) -> Floats:
         controller = self.controller
-        return controller.reference * (self.k * controller.period) - self.position
+        return controller.reference * (self.k * controller.period) - self.plant.position
 
     def _acting(self, older: int) -> Floats:
         """Return the command that acts, of an age in samples a draw."""
@@ -245,8 +239,7 @@ class _Run:
         if not ready.size:
             return
         constant, linear, square = (part[ready] for part in self.controller.at_standstill(self.k))
-        load = self.controller.load[ready]
-        most = self.controller.breakaway[ready]
+        load, most = (part[ready] for part in self.plant.withstands())
         until = np.minimum(
             *(_reached(sign * (constant - load) - most, sign * linear, sign * square)
               for sign in (1.0, -1.0))
@@ -295,20 +288,35 @@ class _Run:
             "cycles": seen.cycles,
             "final_error": self._error(),
             "rms_error": seen.rms,
+            "twist": self.plant.twist,
         }
         for name, value in values.items():
             self.found[name][self.rows[over]] = value[over]
         kept = np.flatnonzero(~over)
         self.controller.keep(kept)
         self.swing.keep(kept)
-        self.shaft = Shaft(*(part[kept] for part in self.shaft))
+        self.plant.keep(kept)
         self.intervals = [
-            (older, Interval(*(part[kept] for part in one))) for older, one in self.intervals
+            (older, count, type(step)(*(part[..., kept] for part in step)))
+            for older, count, step in self.intervals
         ]
         self.commands = [command[kept] for command in self.commands]
         for name, value in vars(self).items():
             if isinstance(value, np.ndarray):
                 setattr(self, name, value[kept])
+
+
+def _plant(loop: SampledLoop, position: Floats, speed: Floats) -> StiffShaft | Ends:
+    """Return what the motor drives, found with a position and a speed."""
+    falling, falling_speed = loop.array("falling"), loop.array("falling_speed")
+    friction, viscous, load = (loop.array(one) for one in ("friction", "viscous", "load_torque"))
+    common = {"falling": falling, "falling_speed": falling_speed, "load": load,
+              "position": position.copy(), "speed": speed.copy()}  # fmt: skip
+    if loop.cable is None:
+        shaft = Shaft(loop.array("inertia"), viscous, friction, loop.breakaway)
+        return StiffShaft(shaft, **common)
+    stiction = loop.array("stiction_ratio")
+    return Ends(loop.cable, friction=friction, stiction_ratio=stiction, viscous=viscous, **common)
 
 
 def _reached(constant: Floats, linear: Floats, square: Floats) -> Floats:

@@ -12,7 +12,8 @@ Whole = NDArray[np.intp]
 
 STEADY_SHARE = 0.9
 """A swing whose amplitude falls below this share from one quarter of a run to the next dies
-out. Below 1, since a limit cycle of a stepped encoder jitters and is approached from above."""
+out, where nothing better is known. Below 1, since a limit cycle of a stepped encoder jitters and
+is approached from above."""
 
 LEAST_REVERSALS = 2
 """Reversals in the last quarter of a run without which nothing swings."""
@@ -24,7 +25,8 @@ class Judged(NamedTuple):
     Parameters
     ----------
     hunts : ndarray of bool
-        Enough reversals and amplitude in the last quarter, and no decay from the third.
+        Enough reversals in the last quarter, a way between two of them beyond what counts as
+        still, and no decay from the third.
     amplitude : ndarray
         Half of the range of the error in the last quarter [rad].
     frequency : ndarray
@@ -53,10 +55,12 @@ class Swing:
         Sample time [s].
     least : ndarray, shape (draws,)
         Amplitude up to which nothing swings, say one encoder count [rad].
+    lasts : ndarray, shape (draws,)
+        Share of its amplitude that a swing keeps from one quarter to the next if it lasts.
     """
 
-    def __init__(self, samples: Whole, period: Floats, least: Floats) -> None:
-        self._period, self._least = period, least
+    def __init__(self, samples: Whole, period: Floats, least: Floats, lasts: Floats) -> None:
+        self._period, self._least, self._lasts = period, least, lasts
         self.begin, self.middle, self.end = (samples + 1) // 2, (3 * samples + 3) // 4, samples
         count = samples.size
         self._low, self._high = np.full(count, np.inf), np.full(count, -np.inf)
@@ -64,6 +68,8 @@ class Swing:
         self._reversals, self._early_reversals = np.zeros((2, count), dtype=np.intp)
         self._first, self._last = np.zeros(count), np.zeros(count)
         self._side, self._squares = np.zeros(count), np.zeros(count)
+        # between two reversals: an error that drifts while readings jitter goes no way at once
+        self._turned_at, self._widest = np.full(count, np.nan), np.zeros(count)
 
     def keep(self, rows: Whole) -> None:
         """Go on with some of the draws alone."""
@@ -86,7 +92,8 @@ class Swing:
         self.end[rows] = begin + 2 * half
         self._low[rows], self._high[rows] = np.inf, -np.inf
         self._reversals[rows] = self._early_reversals[rows] = 0
-        self._squares[rows] = 0.0
+        self._squares[rows] = self._widest[rows] = 0.0
+        self._turned_at[rows] = np.nan
 
     def next_look(self, k: Whole) -> Whole:
         """Return the last sample up to which nothing has to be looked at one by one."""
@@ -118,6 +125,7 @@ class Swing:
             self._low[half], self._high[half] = np.inf, -np.inf
             self._early_reversals[half] = self._reversals[half]
             self._reversals[half] = 0
+            self._widest[half] = 0.0
         np.add(self._squares, error * error, out=self._squares, where=looked)
         np.minimum(self._low, error, out=self._low, where=looked)
         np.maximum(self._high, error, out=self._high, where=looked)
@@ -127,6 +135,9 @@ class Swing:
             self._first[fresh] = k[fresh] * self._period[fresh]
             self._last[rows] = k[rows] * self._period[rows]
             self._reversals[rows] += 1
+            way = np.abs(error[rows] - self._turned_at[rows])
+            self._widest[rows] = np.fmax(self._widest[rows], way)
+            self._turned_at[rows] = error[rows]
 
     def pass_over(
         self, rows: Whole, samples: Whole, k: Whole, before: Floats, after: Floats
@@ -162,8 +173,8 @@ class Swing:
     def judged(self) -> Judged:
         """Return what was seen."""
         after = np.maximum(self._high - self._low, 0.0) / 2.0
-        lasts = self._reversals >= LEAST_REVERSALS
-        hunts = lasts & (after > self._least) & (after >= STEADY_SHARE * self._before)
+        swings = (self._reversals >= LEAST_REVERSALS) & (self._widest / 2.0 > self._least)
+        hunts = swings & (after >= self._lasts * self._before)
         turns = self._reversals + self._early_reversals
         span = np.where(turns >= 3, self._last - self._first, 1.0)
         frequency = np.where(turns >= 3, (turns - 1) / (2.0 * span), 0.0)

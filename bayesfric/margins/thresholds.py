@@ -234,6 +234,6 @@ def _not_examined(shaft: LoopAtShaft, speeds: tuple[Condition, ...]) -> tuple[st
     if peak > 1.01 * fastest:
         missing.append(f"references faster than {fastest:.3g} rad/s at the motor; the joint's peak "
                        f"is {peak:.3g} rad/s")  # fmt: skip
-    missing.append("backlash, friction behind the cable, and swings of the cable itself: in the "
-                   "simulator the cable is stiff")  # fmt: skip
+    missing.append("backlash" if shaft.cable is not None else "backlash, and swings of the cable, "
+                   "which is so stiff that it is simulated as one shaft")  # fmt: skip
     return tuple(missing)

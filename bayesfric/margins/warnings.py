@@ -17,8 +17,8 @@ __all__ = ["loop_warnings"]
 
 MEASURED_DIAMETER_MM = 0.61
 STIFF_RATIO = 6.0
-"""Cable's ringing over the loop's natural frequency, below which joints were seen to hunt at γ
-that are 10 to 20 % lower (reports/evidence/joints.json)."""
+"""Cable's ringing over the loop's natural frequency, below which a stiff shaft is a poor stand-in:
+γ that hunts was 10 to 20 % lower in joints on such a cable."""
 FASTEST_SAMPLED = 0.5  # rad a sample at the gain crossing
 
 
@@ -91,14 +91,12 @@ def _beyond_the_models(
     shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]
 ) -> Iterator[str]:
     """Yield where the closed forms or the simulator leave something out."""
-    ringing = np.sqrt(shaft.stiffness * (1 / shaft.load_inertia + 1 / shaft.motor_inertia))
-    ratio = float(np.median(ringing / natural_frequency(shaft)))
+    ratio = float(np.median(shaft.ringing / natural_frequency(shaft)))
     if ratio < STIFF_RATIO:
         yield (
-            f"The cable rings at {np.median(ringing) / 2 / np.pi:.1f} Hz, {ratio:.1f} times the "
-            "loop's natural frequency: hunting and amplitude margin take it as stiff. Below "
-            f"{STIFF_RATIO:g} times, γ that hunts may be 20 % lower; --verify has the cable, as "
-            "the linear margins do."
+            f"The cable rings at {np.median(shaft.ringing) / 2 / np.pi:.1f} Hz, {ratio:.1f} times "
+            "the loop's natural frequency. The amplitude margin takes it as stiff; hunting and the "
+            "linear margins do not."
         )
     if (shaft.ki > 0).any():
         yield (

@@ -107,5 +107,6 @@ def _by_condition(axes: Axes, table: xr.Dataset, title: str) -> None:
     axes.set_xticks(
         range(len(cells)), written, rotation=90 if len(cells) > CROWDED else 0, fontsize=6.5
     )
-    axes.set_title(f"{title}: by pulley size, number and wrap angle")
+    by = ": by pulley size, number and wrap angle" if len(cells) > 1 else ""
+    axes.set_title(f"{title}{by}")
     axes.set_ylabel("score of an assembly")

@@ -1,14 +1,16 @@
 """The scorecard of the diagnosis on data whose effect is withheld."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bayesfric.plots.labels import plain
 from bayesfric.plots.style import COLORS, NEUTRAL, figure, halves
-from bayesfric.schemas import Confusion, ReliabilityBin, ScorecardFile, Target
+from bayesfric.schemas import Confusion, Detected, ReliabilityBin, ScorecardFile, Target
 
-__all__ = ["confusion_matrix", "promises_and_reliability"]
+__all__ = ["confusion_matrix", "named_by_strength", "promises_and_reliability"]
 
 ROW_MM = 4.4
 SMALLEST_DOT, LARGEST_DOT = 3.0, 9.0  # of a bin with few and with many cases
@@ -104,4 +106,35 @@ def confusion_matrix(confusion: Confusion) -> Figure:
         panel.set_xlabel("verdict")
         panel.set_ylabel("withheld")
         panel.grid(visible=False)
+        return fig
+
+
+def named_by_strength(found: Mapping[str, Detected]) -> Figure:
+    """Draw how often effects were named, by the strengths that were tried.
+
+    Parameters
+    ----------
+    found : mapping of Detected
+        By effect, of ``scorecard.json``.
+    """
+    strengths = sorted({float(s) for one in found.values() for s in one.tried})
+    columns = {strength: place for place, strength in enumerate(strengths)}
+    with figure(height=20.0 + ROW_MM * len(found)) as fig:
+        panel = fig.subplots()
+        for row, one in enumerate(found.values()):
+            for strength, rate in one.tried.items():
+                if rate.rate is None:
+                    continue
+                size = SMALLEST_DOT + min(rate.cases, LARGEST_DOT - SMALLEST_DOT)
+                panel.plot(columns[float(strength)], row, "o", markersize=size,
+                           markerfacecolor=str(1 - rate.rate), markeredgecolor="black",
+                           markeredgewidth=0.7)  # fmt: skip
+                if rate.cases > 1:
+                    panel.text(columns[float(strength)] + 0.1, row, f"{rate.hits}/{rate.cases}",
+                               va="center", fontsize=6)  # fmt: skip
+        panel.set_xticks(range(len(strengths)), [f"{one:g}" for one in strengths])
+        panel.set_xlim(-0.5, len(strengths) - 0.5)
+        panel.set_yticks(range(len(found)), [plain(name) for name in found], fontsize=6.5)
+        panel.set_ylim(len(found) - 0.4, -0.6)
+        panel.set_xlabel("strength (1 is 10 % of friction)")
         return fig

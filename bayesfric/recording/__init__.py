@@ -4,6 +4,7 @@
 recording before it complains; writing is whole or not at all.
 """
 
+from bayesfric.recording.conditions import read_conditions
 from bayesfric.recording.describing import describe_recording
 from bayesfric.recording.digest import tables_sha256
 from bayesfric.recording.reading import read_recording
@@ -18,6 +19,7 @@ __all__ = [
     "Recording",
     "RigConstants",
     "describe_recording",
+    "read_conditions",
     "read_recording",
     "tables_sha256",
     "write_recording",

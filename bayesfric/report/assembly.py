@@ -77,7 +77,7 @@ def _blocks(stored: StoredResults) -> Iterator[Block]:
     if stored.claims is not None:
         yield from claims(stored.claims)
     if stored.margins is not None:
-        yield from margins(stored.margins)
+        yield from margins(stored.margins, alone=fitted is None)
     if fitted is not None:
         yield from predictions(fitted)
         yield from checks(fitted)

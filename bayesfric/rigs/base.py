@@ -15,7 +15,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis, PriorOverrides
-from bayesfric.effects import Effect
+from bayesfric.effects import Effect, State
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.inference.model import RigLikelihood
 from bayesfric.inference.priors import Parameter
@@ -330,6 +330,23 @@ class RigTrials(Protocol):
 
         Over a dimension that is called as one trial is: ``tension_n``, ``friction_n`` and
         ``law_n`` and ``predicted_n`` over ``quantile``, beside conditions.
+        """
+
+    @property
+    def asked(self) -> tuple[str, ...]:
+        """Columns that a condition needs where friction is asked for, beside :meth:`at`."""
+
+    def at(self, conditions: pd.DataFrame, law: Coefficients) -> State | Unsupported:
+        """Return where steady motion at some conditions is, by a law.
+
+        Unsupported where a condition alone decides no friction.
+
+        Parameters
+        ----------
+        conditions : DataFrame
+            C rows with the columns of :attr:`asked`.
+        law : Coefficients
+            Arrays that broadcast to (…, C).
         """
 
     def resting(self, conditions: pd.DataFrame) -> "Resting | None":

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import pandas as pd
@@ -99,10 +100,14 @@ class SizeIndex:
 
     def coefficients(self, theta: Mapping[str, Array]) -> Coefficients:
         """Return the law of each trial, arrays of shape (W, N)."""
-        by_size = [law_of(theta, size) for size in self.sizes]
-        return Coefficients(
-            *(np.stack(one, axis=-1)[:, self.of_trial] for one in zip(*by_size, strict=True))
-        )
+        nothing = np.zeros_like(next(iter(theta.values())))
+        by_size = ([theta.get(name, nothing) for name in names] for names in self._names)
+        return Coefficients(*(np.stack(one, axis=-1)[:, self.of_trial] for one in by_size))
+
+    @cached_property
+    def _names(self) -> list[list[str]]:
+        """Of each coefficient, those of the sizes; made once, for a likelihood asks often."""
+        return [[coefficient_name(f, size) for size in self.sizes] for f in Coefficients._fields]
 
     def rough_coefficients(
         self,

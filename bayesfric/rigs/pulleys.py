@@ -2,14 +2,20 @@
 
 from collections.abc import Mapping
 
+import numpy as np
+import pandas as pd
+
 from bayesfric.analysis import PriorOverrides
-from bayesfric.effects import PULLEYS, Effect
+from bayesfric.effects import PULLEYS, Effect, State
+from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import VISCOUS, Baseline
 from bayesfric.rigs.base import OwnLaw, RigTrials, Unsupported
 from bayesfric.rigs.coefficients import coefficient_name, coefficient_units
 from bayesfric.simulators import SimulatorCalls
 
 __all__ = ["PulleyTrials"]
+
+CONDITION = ("n_pulleys", "wrap_angle_deg", "tension_n")
 
 
 class PulleyTrials:
@@ -40,6 +46,17 @@ class PulleyTrials:
         """Return c1, c2 and c3 of a pulley size, with their units."""
         units = coefficient_units(self.unit)
         return tuple((coefficient_name(name, size), unit) for name, unit in units.items())
+
+    @property
+    def asked(self) -> tuple[str, ...]:
+        """What friction over pulleys depends on, and the speed for what acts beside the law."""
+        return ("pulley_size", *CONDITION, "velocity_m_s")
+
+    def at(self, conditions: pd.DataFrame, law: Coefficients) -> State | Unsupported:
+        """Return where steady motion at some conditions is, by a law."""
+        n, wrap, tension = (conditions[one].to_numpy(dtype=np.float64) for one in CONDITION)
+        speed = np.abs(conditions["velocity_m_s"].to_numpy(dtype=np.float64))
+        return State.of(law, n, wrap, tension, speed, steady=True)
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:

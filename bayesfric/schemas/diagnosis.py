@@ -11,9 +11,11 @@ __all__ = [
     "Absorbed",
     "Axis",
     "Cause",
+    "ConditionAsked",
     "DiagnosisFile",
     "EffectNumber",
     "ExaminedEffect",
+    "FrictionAsked",
     "Gap",
     "GapRow",
     "Inclusion",
@@ -221,6 +223,35 @@ class NextExperiment(Record):
     log10_bayes_factor: Number = Field(description="Expected.")
 
 
+class ConditionAsked(Record):
+    """A condition that was asked about."""
+
+    condition: dict[str, Number | str] = Field(description="As it was asked.")
+    friction: Interval = Field(
+        description="By the law and all effects on friction, over all hypotheses."
+    )
+    gap_without_causes: Interval = Field(
+        description="That friction less the law's, fitted alone: what the fit absorbed is in it."
+    )
+    gap_with_causes: Interval = Field(
+        description="That friction less the mean of the law's and the causes', fitted together."
+    )
+    outside: tuple[str, ...] = Field(description="Columns beyond what was recorded.")
+
+
+class FrictionAsked(Record):
+    """Friction at conditions of the user's own."""
+
+    unit: str = Field(description="Of friction and gaps.")
+    rows: tuple[ConditionAsked, ...] = Field(description="As they were asked, in that order.")
+    stays_behind: dict[str, str] = Field(
+        description="Causes that do not come along to other conditions, and why."
+    )
+    unknown_probability: Number = Field(
+        description="Of an unknown force, which is carried to no other condition."
+    )
+
+
 class SimulatorUsed(Record):
     """A simulator of the user's own, which had the place of the law."""
 
@@ -288,5 +319,8 @@ class DiagnosisFile(Provenance):
     effects: tuple[ExaminedEffect, ...] = Field(description="Every effect examined.")
     next_experiment: tuple[NextExperiment, ...] = Field(description="What to measure next.")
     next_experiment_why: str | None = Field(None, description="Why there is none.")
+    target: FrictionAsked | None = Field(
+        None, description="Conditions that were asked about, if any."
+    )
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)

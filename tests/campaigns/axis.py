@@ -8,6 +8,7 @@ import tempfile
 from pathlib import Path
 
 from rigs.driven_mass import Machine, simulate, write
+from scipy.stats import binomtest
 
 from bayesfric.diagnosis import diagnose
 from bayesfric.recording import read_recording
@@ -67,4 +68,33 @@ def case(given):
         "mass_off": found.law["mass"].after.mean / machine.mass - 1,
         "friction_off": found.law["coulomb"].after.mean / machine.coulomb - 1,
         "falsely_viscous": name != "viscous" and "viscous" in named,
+    }
+
+
+def figures(found):
+    """Return how many cases are right, of those that are there, and of how many that are asked for.
+
+    Parameters
+    ----------
+    found : list of dict
+        As of :func:`case`.
+    """
+    acted = [one for one in found if one["effect"] != "empty"]
+    empty = [one for one in found if one["effect"] == "empty"]
+    right = sum(one["right"] for one in acted)
+    interval = binomtest(right, len(acted)).proportion_ci(0.95)
+    return {
+        "cases": len(found),
+        "cases_asked_for": len(cases()),
+        "named": right,
+        "of": len(acted),
+        "interval": [interval.low, interval.high],
+        "named_and_nothing_else": sum(one["right"] and not one["further"] for one in acted),
+        "falsely_named": sum(bool(one["causes"]) for one in empty),
+        "of_empty": len(empty),
+        "latency_called_viscous": sum(
+            one["falsely_viscous"] for one in acted if one["effect"] in LATENCY
+        ),
+        "mass_within_2_percent": sum(abs(one["mass_off"]) < 0.02 for one in found),
+        "friction_within_5_percent": sum(abs(one["friction_off"]) < 0.05 for one in found),
     }

@@ -4,10 +4,13 @@ The simulation is ``margins/two_masses.py`` of the tests, which shares no physic
 package: motor and joint on an elastic cable that rubs at both ends, in small steps.
 """
 
+from itertools import pairwise
+
 import numpy as np
 from margins import two_masses
 from margins.loops import loop, posterior
 
+from bayesfric.margins.answer import largest_safe_gain
 from bayesfric.margins.assembly import nominal_assembly
 from bayesfric.margins.describing import effective_damping, natural_frequency, steady_error
 from bayesfric.margins.hunting import run_length
@@ -20,6 +23,10 @@ WITHIN = 0.10
 SHARES = (0.6, 0.7, 0.8, 0.9, 1.1, 1.2, 1.3, 1.5)
 CREEP = 0.02
 """Of friction, what damping makes of the creeping reference's speed."""
+STAYS = (0.0, 0.8, 0.85, 0.9, 0.95, 1.05, 1.1, 1.15, 1.2, 1.3)
+"""Of the package's steady error, at which it is tried whether the motor stays."""
+STAYS_S = 0.3
+NEARLY = 0.999
 BEYOND = 1.3
 """Over the γ that hunts, where the limit cycle is compared."""
 LEAST_RATIO = 4.0
@@ -95,6 +102,7 @@ def case(seed):
         "load_over_friction": float(abs(shaft.net_load[0]) / shaft.friction[0]),
         "gamma": threshold if np.isfinite(threshold) else None,
         "steady_error": steady(shaft),
+        "dragged_error": dragged(shaft),
     }
     if duration > LONGEST_S:
         return record | {"skipped": "a run takes too long", "gamma_over": None, "cycle": None}
@@ -103,6 +111,10 @@ def case(seed):
     if np.isinf(threshold):
         return record | {"none_outside": not hunts[0], "gamma_over": None, "cycle": None}
     first = hunts.index(True) if any(hunts) else None
+    safe = largest_safe_gain(found, 0.05, 1.0).gamma
+    record["safe"] = safe
+    if safe is not None:
+        record["safe_hunts"] = lasts(outside(shaft, safe, kick, speed, duration), shaft)
     record["gamma_over"] = None
     if first is not None:
         below = SHARES[first - 1] if first else 0.0
@@ -110,24 +122,9 @@ def case(seed):
     return record | {"cycle": cycle(shaft, condition, min(BEYOND * threshold, GAMMA_MAX), duration)}
 
 
-def plant_of(shaft, gamma):
-    """Return the joint as the simulation from outside takes it."""
-    fed = float(shaft.load_torque[0] - shaft.net_load[0])
-    return two_masses.of(
-        shaft,
-        feed=gamma * float(shaft.estimate[0]),
-        stiffness=float(shaft.stiffness[0]),
-        damping=float(shaft.damping[0]),
-        behind=float((shaft.lost_motion * shaft.stiffness / shaft.friction)[0]),
-        load=float(shaft.load_torque[0]),
-        fed=fed,
-        delay=float(shaft.delay[0]),
-    )
-
-
 def outside(shaft, gamma, kick, speed, duration):
     """Return the motor's errors at the samples."""
-    plant = plant_of(shaft, gamma)
+    plant = two_masses.elastic(shaft, feed=gamma * float(shaft.estimate[0]))
     return two_masses.run(plant, kick=kick, speed=speed, duration=duration)[1]
 
 
@@ -141,7 +138,24 @@ def lasts(error, shaft):
 def steady(shaft):
     """Return the largest error at which the motor stays, over that of the package.
 
-    The reference creeps away until the shaft is torn off, against what is left of the load.
+    The cable is wound against the joint's breakaway, to the side to which the load helps.
+    """
+    band = float(steady_error(shaft)[0])
+    plant = two_masses.elastic(shaft, feed=0.0)
+    side = np.sign(float(shaft.net_load[0])) or 1.0
+    wound = side * NEARLY * plant.behind * plant.friction * plant.stiction / plant.stiffness
+    for before, share in pairwise(STAYS):
+        kick = -side * share * band
+        error = two_masses.run(plant, kick=kick, speed=0.0, duration=STAYS_S, wound=wound)[1]
+        if np.abs(error + kick).max() > 2 * np.pi / float(shaft.counts[0]):
+            return (before + share) / 2
+    return STAYS[-1]
+
+
+def dragged(shaft):
+    """Return the error at which a creeping reference tears the motor off, over the package's.
+
+    With stiction one end breaks away before the other, so that it may be smaller.
     """
     band = float(steady_error(shaft)[0])
     side = np.sign(float(shaft.net_load[0])) or 1.0
@@ -210,7 +224,12 @@ def figures(cases):
     looked = [one for one in cases if "skipped" not in one]
     return of(looked) | {
         "skipped": len(cases) - len(looked),
+        "safe_gain": {
+            "of": sum("safe_hunts" in one for one in looked),
+            "hunts": sum(one.get("safe_hunts", False) for one in looked),
+        },
         "steady_error": shares([one["steady_error"] for one in cases]),
+        "dragged_error": shares([one["dragged_error"] for one in cases]),
         "never_hunts": {
             "of": sum("none_outside" in one for one in looked),
             "within": sum(one.get("none_outside", False) for one in looked),

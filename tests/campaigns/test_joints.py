@@ -45,4 +45,5 @@ def test_fifty_random_joints():
         for name in ("gamma", "amplitude", "frequency", "steady_error")
         if figures[name]["within"] < figures[name]["of"]
     ]
+    assert figures["safe_gain"]["hunts"] == 0
     assert missed == []

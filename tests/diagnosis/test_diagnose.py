@@ -4,18 +4,30 @@ import json
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from altered import by_acceleration, with_trials
 
 from bayesfric.analysis import Analysis
 from bayesfric.diagnosis import diagnose
+from bayesfric.effects import State, all_effects
 from bayesfric.errors import InputError
-from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.recording.tables import Gravity
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 
 SMALL = Protocol({(9, 85.0): 2, (15, 50.0): 2, (5, 135.0): 1}, (6.0, 28.0), (6.0, 28.0), 2)
+
+ASKED = pd.DataFrame(
+    {
+        "pulley_size": ["medium", "small", "large"],
+        "n_pulleys": [9, 5, 25],
+        "wrap_angle_deg": [85.0, 110.0, 85.0],
+        "tension_n": [15.0, 25.0, 15.0],
+        "velocity_m_s": [-0.3, 0.6, 0.3],
+    }
+)
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +47,7 @@ def named():
     """The diagnosis of a recording with viscous friction, and the slope it has."""
     recording = simulate_recording(SMALL, seed=1, effects={"viscous": 1.0})
     (truth,) = recording.metadata["simulation"]["truth"]["effects"]
-    return diagnose(recording), truth["parameters"]["slope"]
+    return diagnose(recording, target=ASKED), truth["parameters"]["slope"]
 
 
 def test_a_cause_is_named_with_its_size(named):
@@ -62,6 +74,42 @@ def test_the_law_is_drawn_together_with_what_acts(named):
         assert abs(at_rest.mean() - expected) < 4 * at_rest.std()
         assert at_rest.std() < 0.01 * expected
     assert float(law["omega"].mean()) == pytest.approx(named[0].summary.scatter["omega"])
+
+
+def test_friction_at_conditions_asked_for_is_that_of_the_truth(named):
+    """Law and effect by hand; the law that was fitted alone misses by a part of the effect."""
+    asked, viscous = named[0].summary.target, all_effects()["viscous"]
+    (cause,) = named[0].summary.causes
+    assert asked.stays_behind == {}
+    assert [row.outside for row in asked.rows] == [(), (), ("n_pulleys",)]
+    for row, (size, *condition, speed) in zip(asked.rows, ASKED.to_numpy(), strict=True):
+        law, alone = table1_coefficients()[size], named[0].summary.law
+        state = State.of(law, *condition, abs(speed), steady=True)
+        added = float(viscous.laws[cause.law]({"slope": named[1]}, state))
+        expected = float(coulomb_friction(law, *condition)) + added
+        assert abs(row.friction.mean - expected) < 4 * row.friction.sd
+        assert row.friction.sd < 0.02 * expected
+        assert abs(row.gap_with_causes.mean) < 1e-3 * expected
+        # Fitted alone, the law has what the effect does at the speeds that were recorded.
+        own = Coefficients(*(alone[f"{name}[{size}]"].before.mean for name in law._fields))
+        missed = row.friction.mean - float(coulomb_friction(own, *condition))
+        assert row.gap_without_causes.mean == pytest.approx(missed, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("changed", "column", "expected"),
+    [
+        ({"tension_n": None}, "tension_n", "this column"),
+        ({"pulley_size": "huge"}, "pulley_size", "large, medium, small"),
+    ],
+)
+def test_conditions_that_no_law_is_for_are_refused(nothing, changed, column, expected):
+    name, value = next(iter(changed.items()))
+    asked = ASKED.drop(columns=name) if value is None else ASKED.assign(**changed)
+    with pytest.raises(InputError) as raised:
+        diagnose(nothing, target=asked)
+    fault = raised.value.faults[0]
+    assert (fault.column, expected in fault.expected) == (column, True)
 
 
 def test_what_is_known_of_each_effect(named):

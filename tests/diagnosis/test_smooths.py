@@ -1,6 +1,7 @@
 """Smooth forces against the Gaussian process that they stand for."""
 
 import numpy as np
+from diagnosis.boards import model_of
 
 from bayesfric.inference.smooths import NARROW, SHARP, WHOLE, Span, smooth_along
 
@@ -76,3 +77,9 @@ def test_a_worn_spot_is_had_without_forces_that_cancel():
     assert size < 2.0
     assert left < 0.1
     assert fitted(smooth_along(along, relative=True, length=NARROW))[1] > 0.4
+
+
+def test_what_differs_between_two_ends_is_an_effect_where_that_is_examined():
+    """The same force twice, the likelier of which would be the one without a name."""
+    assert "drive_end" in model_of(("viscous",)).acting_axes
+    assert "drive_end" not in model_of(("viscous", "end-asymmetry")).acting_axes

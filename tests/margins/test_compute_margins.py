@@ -1,6 +1,7 @@
 """From a loop and draws to margins.json, with known answers."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -201,7 +202,13 @@ def test_the_largest_safe_gain_by_hand():
     curve = {point.gamma: point for point in limit_cycle_curve(hunting, 50.0)}
     assert curve[1.5].p == pytest.approx(51 / 200)
     assert curve[1.5].mcse == pytest.approx(np.sqrt(0.255 * 0.745 / 50))
+    # where thresholds are simulated, 5 % below, and 0.01 at least
+    simulated = replace(hunting, method="simulation")
+    assert largest_safe_gain(simulated, 0.05, 200.0).gamma == pytest.approx(0.95 * 1.10)
+    small = replace(simulated, threshold=thresholds / 10)
+    assert largest_safe_gain(small, 0.05, 200.0).gamma == pytest.approx(0.11 - 0.01)
     never = made_up(np.full(2, np.inf))
+    assert largest_safe_gain(replace(never, method="simulation"), 0.05, 2.0).gamma == 3.0
     assert largest_safe_gain(never, 0.05, 2.0).gamma == 3.0
     always = made_up(np.zeros(2))
     assert largest_safe_gain(always, 0.05, 2.0).gamma is None

@@ -10,12 +10,13 @@ from margins.loops import SMALL, loop, posterior, shaft, write_draws
 from report.diagnosis_sample import cause, diagnosis
 
 from bayesfric.diagnosis import diagnose
+from bayesfric.diagnosis.drawn_effect import DrawnEffect
 from bayesfric.effects import all_effects
 from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins, read_loop
 from bayesfric.margins.assembly import draw_assembly, nominal_assembly
 from bayesfric.margins.describing import effective_damping
-from bayesfric.margins.diagnosed import Acting, read_diagnosed, with_effects
+from bayesfric.margins.diagnosed import read_diagnosed, with_effects
 from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.metrics import closed_forms, linear_of
 from bayesfric.margins.posterior import RigDiscrepancy
@@ -30,7 +31,7 @@ CABLE = 1.541e-3  # N·m at the shaft: 10 pulleys at 10 N, a cable at 1 mm/rad
 
 def acts(effect, variant, amplitude, shape=0.0):
     one = np.ones(1)
-    return Acting(all_effects()[effect], amplitude * one, shape * one, np.array([variant]))
+    return DrawnEffect(all_effects()[effect], amplitude * one, shape * one, np.array([variant]))
 
 
 def added(*acting, changes=None):
@@ -124,7 +125,7 @@ def test_a_board_with_viscous_friction_makes_the_margins_of_the_true_law(tmp_pat
         size: Coefficients(*(np.full(2000, float(one)) for one in law))
         for size, law in table1_coefficients().items()
     })  # fmt: skip
-    slope = Acting(
+    slope = DrawnEffect(
         all_effects()["viscous"], np.full(2000, effect["parameters"]["slope"]),
         np.zeros(2000), np.full(2000, effect["law"]),
     )  # fmt: skip

@@ -39,7 +39,7 @@ def test_the_elbow_hunts_where_it_creeps_and_not_where_it_rests_or_runs():
                 zip(found.speeds, found.hunts, strict=True)}  # fmt: skip
     for speed in speeds:
         times, error, _ = two_masses.run(
-            two_masses.of(shaft), kick=float(shaft.kick[0]), speed=speed, duration=4.0
+            two_masses.elastic(shaft), kick=float(shaft.kick[0]), speed=speed, duration=4.0
         )
         does, _ = two_masses.sticks_and_slips(times, error)
         nearest = min(by_speed, key=lambda one, at=speed: abs(one - at))
@@ -50,7 +50,7 @@ def test_the_elbow_hunts_where_it_creeps_and_not_where_it_rests_or_runs():
     assert found.threshold.max() < 0.5
     for share, hunts in ((0.8, False), (1.25, True)):
         slow = found.conditions[found.condition[0]]
-        plant = two_masses.of(shaft, feed=share * found.threshold[0] * shaft.estimate[0])
+        plant = two_masses.elastic(shaft, feed=share * found.threshold[0] * shaft.estimate[0])
         assert two_masses.sticks_and_slips(
             *two_masses.run(plant, kick=float(slow.kick_of(shaft)[0]),
                             speed=float(slow.speed_of(shaft)[0]), duration=6.0)[:2]
@@ -91,13 +91,15 @@ def test_integral_action_with_stiction_hunts_without_any_compensation():
     found = find_hunting(shaft, 6, 0.05)
     assert found.method == "simulation"
     assert (found.threshold == 0.0).all()
-    plant = two_masses.of(shaft, feed=0.0)
-    times, error, _ = two_masses.run(plant, kick=float(shaft.kick[0]), speed=0.0, duration=30.0,
-                                     steps=4)  # fmt: skip
+    plant = two_masses.elastic(shaft, feed=0.0)
+    times, error, _ = two_masses.run(plant, kick=float(shaft.kick[0]), speed=0.0, duration=50.0,
+                                     steps=2)  # fmt: skip
     does, frequency = two_masses.sticks_and_slips(times, error)
     assert does
-    assert frequency == pytest.approx(0.29, abs=0.1)
-    assert found.frequency[0] == pytest.approx(frequency, rel=0.1)
+    # slower than on a stiff shaft, at 0.29 Hz: the motor slips less far while the joint stands
+    one_turn = 1 / 50
+    assert frequency == pytest.approx(0.15, abs=one_turn)
+    assert found.frequency[0] == pytest.approx(0.15, abs=one_turn)
 
 
 def test_what_a_loop_is_looked_at_with_is_its_own_range_or_counts_up_to_its_peak():

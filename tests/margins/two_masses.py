@@ -36,8 +36,11 @@ class Plant:
     feed: float = 0.0  # γ F̂
 
 
-def run(plant, *, kick, speed, duration, steps=10):
-    """Return times and position errors of motor and joint at the samples, after a kick."""
+def run(plant, *, kick, speed, duration, steps=10, wound=0.0):
+    """Return times and position errors of motor and joint at the samples, after a kick.
+
+    `wound` is what the cable is twisted by at the beginning, besides what the load asks.
+    """
     dt = plant.sample_time / steps
     late = round(plant.delay / dt)
     stiff = plant.stiffness is None
@@ -48,7 +51,7 @@ def run(plant, *, kick, speed, duration, steps=10):
     drag = [plant.viscous] if stiff else [plant.viscous, 0.0]
     x, v = [kick] * len(inertia), [speed] * len(inertia)
     if not stiff:
-        x[1] -= plant.load / plant.stiffness  # hangs in its cable from the beginning
+        x[1] -= plant.load / plant.stiffness + wound  # hangs in its cable from the beginning
     count = 2 * math.pi / plant.counts
     seen = round((kick - speed * plant.sample_time) / count) * count
     waiting, torque, integral, errors = [], plant.fed, 0.0, []
@@ -109,3 +112,17 @@ def of(shaft, **changes):
     }
     return Plant(**{name: value if isinstance(value, str) else float(value)
                     for name, value in (usual | changes).items()})  # fmt: skip
+
+
+def elastic(shaft, **changes):
+    """Return the plant of the first draw with its cable, the friction behind it and its load."""
+    load = float(shaft.load_torque[0])
+    usual = {
+        "stiffness": float(shaft.stiffness[0]),
+        "damping": float(shaft.damping[0]),
+        "behind": float((shaft.lost_motion * shaft.stiffness / shaft.friction)[0]),
+        "load": load,
+        "fed": load - float(shaft.net_load[0]),
+        "delay": float(shaft.delay[0]),
+    }
+    return of(shaft, **(usual | changes))

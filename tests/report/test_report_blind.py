@@ -7,16 +7,21 @@ from matplotlib.lines import Line2D
 from bayesfric.analysis import Analysis
 from bayesfric.blind.scorecard import scorecard_of
 from bayesfric.errors import InputError
-from bayesfric.plots.scorecard import confusion_matrix, promises_and_reliability
+from bayesfric.plots.scorecard import (
+    confusion_matrix,
+    named_by_strength,
+    promises_and_reliability,
+)
 from bayesfric.plots.style import to_svg
 from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters.blind import blind_chapter, scorecard_line
-from bayesfric.report.content import Heading, Notice, Paragraph, Table, inlines
+from bayesfric.report.content import Figure, Heading, Notice, Paragraph, Table, inlines
 from bayesfric.report.html import render_html
 from bayesfric.report.markdown import render_summary
 from bayesfric.report.stored import StoredResults
 from bayesfric.report.writing import write_report
 from bayesfric.results import json_bytes
+from bayesfric.schemas import Rate
 
 WRONG = {"causes": ("runout",), "outcome": "runout", "correct": False, "falsely_named": True}
 
@@ -59,12 +64,32 @@ def test_each_promise_stands_with_its_rate_and_whether_it_is_kept(blocks):
     assert promises["90 % intervals of shrink"][0] == "85.0\u202f% to 95.0\u202f%"
 
 
-def test_every_rate_and_smallest_strength_is_told(blocks):
+def test_every_rate_and_smallest_strength_is_told(blocks, card):
     rates = rows(blocks, "rates")
     assert rates["correct verdicts"][2] == "28 of 32"
     assert rates["correct, kind none"][2] == "9 of 10"
     assert rates["named, strength/form 0.3/foreign"][2] == "0 of 2"
-    assert rows(blocks, "smallest") == {"viscous": ["1", "1 to —", "0.3: 0/2, 1: 19/20"]}
+    said = " ".join(words(one.text) for one in blocks if isinstance(one, Paragraph))
+    assert "1 of 1 effects are named in 80 % of the cases" in said
+    assert "viscous from 1 (1 to —)" in said
+    (panel,) = named_by_strength(card.smallest_detected).axes
+    dots = {int(line.get_xdata()[0]): float(line.get_markerfacecolor()) for line in panel.lines}
+    assert dots == pytest.approx({0: 1.0, 1: 0.05})  # 0 of 2 is white, 19 of 20 nearly black
+    assert [tick.get_text() for tick in panel.get_xticklabels()] == ["0.3", "1"]
+
+
+def test_effects_that_were_tried_once_have_no_smallest_strength(card):
+    once = Rate(hits=1, cases=1, rate=1.0, low=0.1, high=1.0)
+    few = {
+        name: one.model_copy(update={"tried": {"1": once}})
+        for name, one in card.smallest_detected.items()
+    }
+    chapter = list(blind_chapter(card.model_copy(update={"smallest_detected": few})))
+    said = " ".join(words(one.text) for one in chapter if isinstance(one, Paragraph))
+    assert "No effect was tried more than once at one strength" in said
+    assert "Named at all: viscous. Never named: none." in said
+    assert not any(isinstance(one, Figure) and one.label == "smallest" for one in chapter)
+    assert "viscous from" not in said
 
 
 def test_the_first_page_says_what_is_missed(card):

@@ -12,6 +12,7 @@ from bayesfric.margins import compute_margins
 from bayesfric.notebook.results import MarginsResult
 from bayesfric.plots.margins import hunting_over_speed, limit_cycle_against_gain, nyquist_fan
 from bayesfric.report.assembly import build_document
+from bayesfric.report.chapters.gain import gain_lines
 from bayesfric.report.chapters.margins import margins
 from bayesfric.report.content import Heading, Paragraph, Strong, Table
 from bayesfric.report.markdown import render_markdown
@@ -28,15 +29,37 @@ def computed(tmp_path_factory):
 
 
 def test_the_first_line_says_which_gain_to_set(computed):
-    blocks = list(margins(computed.summary))
+    blocks = list(margins(computed.summary, alone=False))
     assert isinstance(blocks[0], Heading)
     first = blocks[1]
     assert isinstance(first, Paragraph)
-    _, _, verdict, rest = first.text
+    _, _, verdict = first.text
     assert isinstance(verdict, Strong)
-    assert verdict.text + rest == computed.summary.loops[0].answer
-    assert re.fullmatch(r"Meets its spec: each of \d figures .* or more\. ", verdict.text)
-    assert "Set γ to " in rest
+    rest = blocks[2].items
+    assert " ".join([verdict.text, *rest]) == computed.summary.loops[0].answer
+    assert re.fullmatch(r"Meets its spec: each of \d figures .* or more\.", verdict.text)
+    assert any(one.startswith("Set γ to ") for one in rest)
+
+
+def test_page_one_says_what_is_missed_and_which_gain_to_set(computed):
+    loop = computed.summary.loops[0]
+    box, _, *figures = gain_lines(computed.summary, alone=True)
+    gamma = np.floor(100 * loop.largest_safe_compensation_gain) / 100
+    assert box.title == "bench: meets its spec"
+    assert (
+        f"Set γ to {gamma:.2f} at most (the file has {loop.compensation_gain:.2f})" in box.text[0]
+    )
+    assert [one.label for one in figures] == ["limit-cycle", "error-headroom"]
+    bad = loop.model_copy(
+        update={"missed_specs": ("lost_motion", "limit_cycle_probability"),
+                "largest_safe_compensation_gain": None,
+                "largest_safe_compensation_gain_why": "all draws hunt"}
+    )  # fmt: skip
+    (line,) = gain_lines(computed.summary.model_copy(update={"loops": (bad,)}), alone=False)
+    assert (
+        line.title == "bench: misses its spec in lost motion of the cable, limit cycle probability"
+    )
+    assert line.text[0] == "No gain γ is safe: all draws hunt."
 
 
 def test_margins_at_a_prompt_are_drawn(computed):
@@ -53,7 +76,7 @@ def test_margins_at_a_prompt_are_drawn(computed):
 
 
 def test_the_tables_hold_the_stored_figures(computed):
-    tables = [block for block in margins(computed.summary) if isinstance(block, Table)]
+    tables = [block for block in margins(computed.summary, alone=False) if isinstance(block, Table)]
     (one,) = [table for table in tables if table.label == "margins-bench"]
     rows = {row[0]: row for row in one.rows}
     error = next(m for m in computed.summary.loops[0].metrics if m.name == "steady_error_servo")

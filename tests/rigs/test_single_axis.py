@@ -1,5 +1,7 @@
 """Densities of an axis against dense normals, and diagnoses of machines simulated elsewhere."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from rigs.driven_mass import Machine, simulate, write
@@ -189,3 +191,14 @@ def test_a_machine_that_is_as_simulated_is_not_blamed(tmp_path):
     found = bf.diagnose(recorded(tmp_path, seed=7)).summary
     assert found.causes == ()
     assert found.verdict in ("no-gap", "undecided")
+
+
+def test_scatter_of_assemblies_that_never_come_again_is_not_counted_twice(trials, model):
+    """Two half-normals of 5 % on one variance would make 10 % as likely as one of 7 %."""
+    psi = {one.name: one for one in model.noise}
+    assert trials.table["setup"].nunique() == len(trials.table)
+    assert psi["omega_axis"].log_prior(0.05) < psi["tau_axis"].log_prior(0.05) - 100
+    paired = replace(trials, table=trials.table.assign(setup=["a", "a", "b", "b", "c", "c"]))
+    again = LinearModel(Data((paired,)), {"axis": Coefficients(2.1, 1.4, 0.0)}, [], model.analysis)
+    psi = {one.name: one for one in again.noise}
+    assert psi["omega_axis"].log_prior(0.05) == psi["tau_axis"].log_prior(0.05)

@@ -213,3 +213,19 @@ def test_effects_in_proportion_do_to_friction_what_they_do_on_a_board(tmp_path):
     rows = trials.linear({"": Coefficients(0.0, 8.0, 0.0)})
     force = rows.relative_force(Candidate(effect, "friction", 0.0, 0.0))[0, :, 0]
     assert effect.amplitude.prior.scale * force.max() == pytest.approx(3 * 0.15 * 1.3)
+
+
+def test_the_next_point_is_where_two_curves_through_the_same_ends_differ(tmp_path):
+    """A line and a parabola meet where all points are; between them lies one that is poor."""
+    velocity = np.array([0.1] * 8 + [1.0] + [2.0] * 8)
+    error = np.where(velocity == 1.0, 3.0, 0.05)
+    friction = 8 + 3 * velocity + error * np.random.default_rng(8).standard_normal(17)
+    table = {"velocity_m_s": velocity, "friction_n": friction, "friction_sd_n": error}
+    found = bf.diagnose(recorded(tmp_path, table)).summary
+    assert {"viscous", "air-drag"} <= set(list(found.probabilities)[:3])
+    told = next(
+        one for one in found.next_experiment if set(one.separates) == {"viscous", "air-drag"}
+    )
+    assert told.condition == {"rig": "steady-points", "velocity_m_s": 1.0}
+    # 1.3 N apart beside 0.05 N, friction's scatter of 8 to 14 N and what the ends leave open.
+    assert 1 < told.log10_bayes_factor < 1.3**2 / (2 * 0.05**2 * np.log(10))

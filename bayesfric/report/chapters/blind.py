@@ -2,7 +2,11 @@
 
 from collections.abc import Iterator
 
-from bayesfric.plots.scorecard import confusion_matrix, promises_and_reliability
+from bayesfric.plots.scorecard import (
+    confusion_matrix,
+    named_by_strength,
+    promises_and_reliability,
+)
 from bayesfric.plots.style import to_svg
 from bayesfric.report.content import (
     Block,
@@ -28,6 +32,9 @@ SOURCES = {
     "prior": "What is withheld is drawn from the prior that a diagnosis reports.",
     "user": "The recording and its answer are a user's.",
 }
+
+ENOUGH = 5
+"""Cases of an effect at one strength below which its rate says little."""
 
 
 def scorecard_line(card: ScorecardFile) -> Notice:
@@ -170,31 +177,50 @@ def _tables(card: ScorecardFile) -> Iterator[Block]:
             f"came true {_estimate(card.log_score)} nat.",
         ]
     )
-    if card.smallest_detected:
-        yield Table(
-            "Smallest strength that is named in 80 % of cases.",
-            [
-                "effect",
-                Column("strength", align="right"),
-                Column("95 % interval", align="right"),
-                "named of tried, by strength",
-            ],
-            [
-                [
-                    Code(name),
-                    _strength(one.value),
-                    f"{_strength(one.low)} to {_strength(one.high)}",
-                    ", ".join(f"{s}: {r.hits}/{r.cases}" for s, r in one.tried.items()),
-                ]
-                for name, one in card.smallest_detected.items()
-            ],
-            label="smallest",
-            note=[
-                "Strength 1 is 10 % of friction, rms over the design. Rates are taken to grow with "
-                "strength. A dash: at no strength that was tried.",
-            ],
-        )
+    yield from _smallest(card)
     yield from _oracle(card)
+
+
+def _smallest(card: ScorecardFile) -> Iterator[Block]:
+    """Yield from which strength on effects are named."""
+    found = card.smallest_detected
+    if not found:
+        return
+    most = max(rate.cases for one in found.values() for rate in one.tried.values())
+    if most < ENOUGH:
+        hit = [n for n, one in found.items() if any(rate.hits for rate in one.tried.values())]
+        rest = [name for name in found if name not in hit]
+        yield Paragraph(
+            f"No effect was tried more than {_times(most)} at one strength: too few cases to say "
+            f"from which strength on it is named. Named at all: {', '.join(hit) or 'none'}. "
+            f"Never named: {', '.join(rest) or 'none'}."
+        )
+        return
+    told = [
+        f"{name} from {_strength(one.value)} ({_strength(one.low)} to {_strength(one.high)})"
+        for name, one in found.items()
+        if one.value is not None
+    ]
+    yield Paragraph(
+        f"{len(told)} of {len(found)} effects are named in 80 % of the cases at some strength "
+        f"that was tried (95 % interval): {', '.join(told) or 'none'}."
+    )
+    yield Figure(
+        to_svg(named_by_strength(found)),
+        [
+            "Which effects were named, by strength: black in every case, white in none; larger "
+            "dots are more cases. Strength 1 is 10 % of friction, rms over the design. From ",
+            Code("scorecard.json"),
+            ".",
+        ],
+        "A row for each effect with a dot at each strength that was tried, the darker the more "
+        "often the effect was named.",
+        label="smallest",
+    )
+
+
+def _times(count: int) -> str:
+    return {1: "once", 2: "twice"}.get(count, f"{count} times")
 
 
 def _oracle(card: ScorecardFile) -> Iterator[Block]:

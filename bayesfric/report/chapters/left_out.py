@@ -84,7 +84,10 @@ def _assemblies(stored: StoredFit, found: tuple[AssemblyCheck, ...]) -> Iterator
     yield Paragraph(
         [
             "What is told of n and of the wrap angle rests on assemblies, which differ by more "
-            "than their trials. Each assembly is left out with all its trials, and ",
+            "than their trials. "
+            if stored.fit.pulleys
+            else "",
+            "Each assembly is left out with all its trials, and ",
             Reference("assemblies"),
             " shows where it then lies. ",
             " ".join(map(_assembly, found)),

@@ -1,18 +1,12 @@
 """Controller margins: which compensation gain to set, and what else is left."""
 
 import re
-from collections.abc import Iterator, Sequence
-from typing import Literal
+from collections.abc import Iterator
 
 from bayesfric.margins.terms import in_degrees_or_decibels, tuning_told
-from bayesfric.plots.margins import (
-    error_and_headroom,
-    has_error_or_headroom,
-    hunting_over_speed,
-    limit_cycle_against_gain,
-    nyquist_fan,
-)
+from bayesfric.plots.margins import hunting_over_speed, nyquist_fan
 from bayesfric.plots.style import to_svg
+from bayesfric.report.chapters.gain import WORDS, gain_figures
 from bayesfric.report.content import (
     Block,
     BulletList,
@@ -37,33 +31,8 @@ from bayesfric.report.quantities import (
 )
 from bayesfric.schemas import Held, Interval, LoopMargins, MarginsFile, Metric
 
-__all__ = ["gain_lines", "margins"]
+__all__ = ["margins"]
 
-WORDS = {
-    "friction_nominal": "friction, eq. (15)",
-    "friction_recursive": "friction, pulley by pulley",
-    "steady_error_servo": "steady error of the servo",
-    "lost_motion": "lost motion of the cable",
-    "headroom_clip": "headroom to the clip",
-    "headroom_continuous": "headroom to continuous torque",
-    "gamma_necessary": "γ necessary to hunt",
-    "gamma_hunting": "γ that hunts",
-    "amplitude_margin": "amplitude margin",
-    "limit_cycle_amplitude": "limit cycle, amplitude",
-    "limit_cycle_frequency": "limit cycle, frequency",
-    "gain_margin": "gain margin",
-    "phase_margin": "phase margin",
-    "disk_margin": "disk margin",
-    "delay_margin": "delay margin",
-    "backdrive_force": "backdrive force",
-    "smallest_step": "smallest step",
-    "reversal_error": "reversal error",
-    "cable_stretch": "stretch of the cable",
-    "least_tension": "least tension of a side",
-    "peak_tension": "peak tension of a side",
-    "sensitivity_peak": "peak of the sensitivity, Ms",
-    "complementary_peak": "peak of the complementary sensitivity, Mt",
-}
 SHOWN_UNITS = {
     "m": ("mm", 1e3),
     "s": ("ms", 1e3),
@@ -72,32 +41,26 @@ SHOWN_UNITS = {
     "deg": ("°", 1.0),
 }
 UNIT = re.compile(r"(_(n|m|mm|s|a|hz|kg|rad|deg|per|m2|s2))+$")
+SENTENCE = re.compile(r"(?<=[.]) (?=[A-Z0-9])")
 LAW = "c1, c2, c3"  # always shown: how little it may be is the point
 SMALL_SHARE = 0.02  # of a variance, not worth a column
 
 
-def gain_lines(found: MarginsFile) -> Iterator[Block]:
-    """Yield, for page one, which gain each loop bears."""
-    for loop in found.loops:
-        yield Notice(
-            _kind(loop),
-            [Code(loop.name), f": {loop.answer}"],
-            title="Does it meet its spec, and which γ to set",
-        )
-
-
-def margins(found: MarginsFile) -> Iterator[Block]:
+def margins(found: MarginsFile, *, alone: bool) -> Iterator[Block]:
     """Yield the chapter on ``margins.json``.
 
     Parameters
     ----------
     found : MarginsFile
         What ``bayesfric margins`` wrote.
+    alone : bool
+        Whether its figures stand on page one.
     """
-    yield Heading(1, "Controller margins")
+    yield Heading(1, "Controller margins", label="margins")
     for loop in found.loops:
-        verdict, stop, rest = loop.answer.partition(". ")
-        yield Paragraph([Code(loop.name), ": ", Strong(f"{verdict}{stop}"), rest])
+        verdict, *rest = SENTENCE.split(loop.answer)
+        yield Paragraph([Code(loop.name), ": ", Strong(verdict)])
+        yield BulletList(rest)
     yield Paragraph(
         f"All figures are over {format_count(found.draws)} draws of a new assembly: the posterior "
         "of the friction law, the scatter between assemblies, and a difference between rigs of "
@@ -105,55 +68,10 @@ def margins(found: MarginsFile) -> Iterator[Block]:
         "is the share of the draws that miss the spec, with its Monte Carlo error; "
         "angles and torques at the motor are those of its shaft."
     )
-    yield from _hunting(found.loops)
-    if has_error_or_headroom(found.loops):
-        yield Figure(
-            to_svg(error_and_headroom(found.loops)),
-            [
-                "Errors at the tool tip, and torque left as a share of its limit: median and 5 % "
-                "to 95 %; the black tick is the spec. From ",
-                Code("margins.json"),
-                ".",
-            ],
-            "Horizontal bars with a dot at the median, in groups by loop: errors in millimetres "
-            "on the left, torque headroom in per cent on the right.",
-            label="error-headroom",
-        )
+    if not alone:
+        yield from gain_figures(found)
     for loop in found.loops:
         yield from _loop(loop)
-
-
-def _kind(loop: LoopMargins) -> Literal["attention", "good", "info"]:
-    hunts = [one for one in loop.metrics if one.name == "gamma_hunting"]
-    p = hunts[0].probability_of_violation if hunts else None
-    missed = [loop.missed_specs]
-    if loop.with_effects is not None:
-        missed.append(loop.with_effects.missed_specs)
-    if any(one is None or one for one in missed):
-        return "attention"
-    if p is None and loop.largest_safe_compensation_gain is None:
-        return "attention"
-    # Green would cover what the loop's remarks say of its assumptions.
-    return "info" if loop.warnings or loop.not_examined else "good"
-
-
-def _hunting(loops: Sequence[LoopMargins]) -> Iterator[Block]:
-    curves = [loop for loop in loops if loop.limit_cycle_probability]
-    if not curves:
-        return
-    yield Figure(
-        to_svg(limit_cycle_against_gain(curves)),
-        [
-            "Probability that the loop hunts, over the compensation gain, with twice its Monte "
-            "Carlo error. The marker is the γ of the loop's file, the dotted line the spec, the "
-            "upright line the largest γ within it. From ",
-            Code("margins.json"),
-            ".",
-        ],
-        "A rising line from zero to one for each loop over the compensation gain from zero to "
-        "three.",
-        label="limit-cycle",
-    )
 
 
 def _loop(loop: LoopMargins) -> Iterator[Block]:

@@ -13,7 +13,7 @@ from bayesfric.report.chapters.blind import scorecard_line
 from bayesfric.report.chapters.calibration import calibration_line
 from bayesfric.report.chapters.claims import fallen
 from bayesfric.report.chapters.diagnosis import verdict_line
-from bayesfric.report.chapters.margins import gain_lines
+from bayesfric.report.chapters.gain import gain_lines
 from bayesfric.report.chapters.plain_law import force_unit, in_a_sentence
 from bayesfric.report.content import (
     Block,
@@ -52,7 +52,7 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
     if stored.claims is not None:
         yield fallen(stored.claims.found)
     if stored.margins is not None:
-        yield from gain_lines(stored.margins)
+        yield from gain_lines(stored.margins, alone=fitted is None)
     if stored.scorecard is not None and fitted is None:
         yield scorecard_line(stored.scorecard)
     if stored.calibration is not None and fitted is None:

@@ -38,6 +38,7 @@ LOG_2PI = float(np.log(2 * np.pi))
 NO_SENSOR = Unsupported("it acts on readings of sensors that an axis has not")
 UNKNOWN_PHASE = Unsupported("its phase would be anew in every run, and an axis knows its place")
 SCATTER = (1e-4, 1.0)  # looked at
+ONCE = HalfNormal(scale=0.001)  # scatter of assemblies, each of which has one run
 GROUPED = 4  # rows of a window in which residual forces are shown
 NAMES = (
     "sigma_position",
@@ -254,7 +255,10 @@ class AxisPart:
         moved = np.maximum(moved, rows.friction_of_row)
         self._deviating = moved[:, None] * map_columns(rows.mean(readings.position))
         self._pieces = Pieces.of(readings, rows.law.mass, moved)
-        self.noise = _noise(readings, rows.stroke, force)
+        # Parts of one run share its scatter, as runs of one assembly do.
+        apart = min(rows.table[name].nunique() for name in ("run", "setup"))
+        again = bool(apart < len(rows.table))
+        self.noise = _noise(readings, rows.stroke, force, again)
 
     def evaluate(
         self,
@@ -406,8 +410,14 @@ def _root(covariance: Array) -> Array:
     return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
 
 
-def _noise(readings: Readings, stroke: float, friction: float) -> tuple[NoiseParameter, ...]:
-    """Return the noise of an axis, its priors in the axis' own measures."""
+def _noise(
+    readings: Readings, stroke: float, friction: float, again: bool
+) -> tuple[NoiseParameter, ...]:
+    """Return the noise of an axis, its priors in the axis' own measures.
+
+    Where no assembly and no run comes `again`, an assembly's scatter is that of its run, and is
+    not counted twice: two wide priors on one variance would take a drift over runs for scatter.
+    """
     sd = readings.position_sd
     wide, along = HalfNormal(scale=0.05), HalfNormal(scale=0.02)
     return (
@@ -428,7 +438,14 @@ def _noise(readings: Readings, stroke: float, friction: float) -> tuple[NoisePar
             0.1 * stroke,
         ),
         noise_parameter(NAMES[4], wide, 0.012, SCATTER, 0.01, scatters=True),
-        noise_parameter(NAMES[5], wide, 0.012, SCATTER, 0.015, scatters=True),
+        noise_parameter(
+            NAMES[5],
+            wide if again else ONCE,
+            0.012 if again else 0.001,
+            SCATTER,
+            0.015,
+            scatters=True,
+        ),
         noise_parameter(NAMES[6], along, 0.01, SCATTER, 0.01, scatters=True),
         noise_parameter(NAMES[7], along, 0.003, SCATTER, 0.005, scatters=True),
         noise_parameter(

@@ -122,6 +122,19 @@ class AxisRuns(PlainTrials):
         return self.table
 
     @property
+    def asked(self) -> tuple[str, ...]:
+        """Nothing: see :meth:`at`."""
+        return ()
+
+    def at(self, conditions: pd.DataFrame, law: Coefficients) -> Unsupported:
+        """Decline: what an axis needs depends on the motion before, not on a condition."""
+        del conditions, law
+        return Unsupported(
+            "the force of an axis follows from a whole motion, not from a condition: export the "
+            "law for a simulator"
+        )
+
+    @property
     def slowest_speed_m_s(self) -> float:
         """The least speed of a window [m/s, or rad/s]."""
         return float(self.readings.speed.min())

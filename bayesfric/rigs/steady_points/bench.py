@@ -19,6 +19,13 @@ __all__ = ["Bench", "bench_of"]
 Array = NDArray[np.float64]
 PULLEYS = ("pulley_size", "n_pulleys", "wrap_angle_deg")
 KNOWN = ("trial", "order", "setup", "role", "friction_n", "friction_sd_n", "velocity_m_s")
+ABSENT = {
+    "n_pulleys": 1,
+    "wrap_angle_deg": REFERENCE_WRAP_ANGLE_DEG,
+    "tension_n": 0.0,
+    "velocity_m_s": 0.0,
+}
+"""What stands for a column of a condition that was not recorded."""
 FEWEST_SETUPS = 5  # below which points are held out one by one
 WIDE = 2.0  # widths of the priors, over what would make all of friction
 
@@ -117,16 +124,9 @@ def bench_of(points: pd.DataFrame, *, rotary: bool) -> Bench:
     given = frozenset(str(name) for name in points)
     table = points.rename(columns={"run": "trial"}).assign(friction_n=against_motion(points))
     size = "pulley" if given & set(PULLEYS) else NO_PULLEY
-    absent = pd.DataFrame(
-        {
-            "pulley_size": size,
-            "n_pulleys": 1,
-            "wrap_angle_deg": REFERENCE_WRAP_ANGLE_DEG,
-            "tension_n": 0.0,
-        },
-        index=table.index,
-    )
-    table = table.join(absent[[name for name in absent if name not in given]])
+    columns: dict[str, str | float] = {"pulley_size": size, **ABSENT}
+    del columns["velocity_m_s"]
+    table = table.assign(**{name: one for name, one in columns.items() if name not in given})
     shared = "setup" in given
     if not shared:
         cell = table.groupby(list(PULLEYS), sort=False).ngroup()

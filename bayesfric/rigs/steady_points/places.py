@@ -1,6 +1,7 @@
 """Where points are when an effect acts, and which effects a point can show."""
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from bayesfric.effects import PULLEYS, Effect, State
@@ -8,7 +9,7 @@ from bayesfric.effects.terms import small_values
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients, coulomb_friction
 from bayesfric.rigs.base import Unsupported, why_inert
 from bayesfric.rigs.linear import rank
-from bayesfric.rigs.steady_points.bench import Bench
+from bayesfric.rigs.steady_points.bench import ABSENT, Bench
 
 __all__ = ["CONDITION", "DIRECTION", "covariates_of", "state_of", "supported"]
 
@@ -22,30 +23,51 @@ NO_PATH = Unsupported(
 NO_SENSOR = Unsupported("It acts on a sensor of another rig, and this one reads friction itself.")
 
 
-def state_of(bench: Bench, law: Coefficients) -> State:
-    """Return where points are, by a law: arrays that broadcast to (N,) or (W, N)."""
-    n, wrap, tension = (bench.table[name].to_numpy(dtype=np.float64) for name in CONDITION)
-    state = State.of(law, n, wrap, tension, bench.speed, order=rank(bench.table), steady=True)
+def state_of(bench: Bench, law: Coefficients, asked: pd.DataFrame | None = None) -> State:
+    """Return where points are, by a law: arrays that broadcast to (N,) or (W, N).
+
+    Parameters
+    ----------
+    bench : Bench
+        The points, and what varied over them.
+    law : Coefficients
+        Of each point.
+    asked : DataFrame or None
+        Other conditions, with the columns that were recorded; None is those of the points.
+    """
+    table = bench.table if asked is None else asked
+    n, wrap, tension = (_column(bench, table, name) for name in CONDITION)
+    speed = np.abs(_column(bench, table, "velocity_m_s"))
+    state = State.of(law, n, wrap, tension, speed, order=rank(table), steady=True)
+    covariates = covariates_of(bench, table)
     # What an effect is in proportion to; on the paper's pulleys it is so at 15 N.
     middle = bench.scale.reference_tension_n * (1.0 if bench.is_of_paper else bench.scale.tension)
     least = LEAST_TENSION * middle if "tension_n" in bench.given else middle
     return state._replace(
         tension_n=np.maximum(tension, least),
         pulley_friction_n=coulomb_friction(law, 1.0, REFERENCE_WRAP_ANGLE_DEG, middle),
-        covariates=covariates_of(bench),
-        direction=covariates_of(bench).get(DIRECTION, 0.0),
+        covariates=covariates,
+        direction=covariates.get(DIRECTION, 0.0),
     )
 
 
-def covariates_of(bench: Bench) -> dict[str, Array]:
+def _column(bench: Bench, table: pd.DataFrame, name: str) -> Array:
+    """Return a column of a condition; what nobody recorded stands for none."""
+    if name in bench.given:
+        return table[name].to_numpy(dtype=np.float64)
+    return np.full(len(table), ABSENT[name])
+
+
+def covariates_of(bench: Bench, asked: pd.DataFrame | None = None) -> dict[str, Array]:
     """Return what else varied, by the column's name; ``direction`` where it went both ways."""
+    table = bench.table if asked is None else asked
     found = {
-        name: bench.table[name].to_numpy(dtype=np.float64)
+        name: table[name].to_numpy(dtype=np.float64)
         for name in bench.covariates
-        if bench.table[name].nunique() > 1
+        if bench.table[name].nunique() > 1  # noqa: PD101
     }
     if bench.both_ways:
-        found[DIRECTION] = np.sign(bench.table["velocity_m_s"].to_numpy(dtype=np.float64))
+        found[DIRECTION] = np.sign(table["velocity_m_s"].to_numpy(dtype=np.float64))
     return found
 
 

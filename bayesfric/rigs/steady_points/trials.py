@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis, PriorOverrides
-from bayesfric.effects import PULLEYS, Effect
+from bayesfric.effects import PULLEYS, Effect, State
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.physics.friction import Coefficients
@@ -24,7 +24,13 @@ from bayesfric.rigs.steady_points.bench import Bench, bench_of
 from bayesfric.rigs.steady_points.errors import NAME
 from bayesfric.rigs.steady_points.likelihood import PointsLikelihood
 from bayesfric.rigs.steady_points.linear import points_rows
-from bayesfric.rigs.steady_points.places import covariates_of, supported
+from bayesfric.rigs.steady_points.next_points import lay_out
+from bayesfric.rigs.steady_points.places import (
+    CONDITION,
+    covariates_of,
+    state_of,
+    supported,
+)
 from bayesfric.rigs.steady_points.predictions import points_dataset
 from bayesfric.rigs.steady_points.simulator import DESIGN
 
@@ -81,11 +87,14 @@ class SteadyTrials(PlainTrials):
         All points as recorded; their id is ``trial``.
     law : Baseline
         Around which a diagnosis makes them linear.
+    settings : tuple of str
+        Of points that are laid out: columns that make a condition, beside the tension.
     """
 
     bench: Bench
     recorded: pd.DataFrame
     law: Baseline = BASELINES["paper"]
+    settings: tuple[str, ...] = ()
     rig: SteadyPoints = RIG
 
     @property
@@ -96,7 +105,7 @@ class SteadyTrials(PlainTrials):
     @property
     def loads(self) -> tuple[str, ...]:
         """The tension, where it was recorded."""
-        return ("tension_n",) if "tension_n" in self.bench.given else ()
+        return (*(("tension_n",) if "tension_n" in self.bench.given else ()), *self.settings)
 
     @property
     def slowest_speed_m_s(self) -> float:
@@ -139,6 +148,17 @@ class SteadyTrials(PlainTrials):
         return PULLEYS | frozenset(covariates_of(self.bench))
 
     @property
+    def asked(self) -> tuple[str, ...]:
+        """What was recorded of a condition, covariates that varied among it."""
+        varied = [one for one in covariates_of(self.bench) if one in self.bench.covariates]
+        names = ("pulley_size", *CONDITION, "velocity_m_s")
+        return (*(name for name in names if name in self.bench.given), *varied)
+
+    def at(self, conditions: pd.DataFrame, law: Coefficients) -> State | Unsupported:
+        """Return where points at some conditions would be, by a law."""
+        return state_of(self.bench, law, conditions)
+
+    @property
     def unit(self) -> str:
         """Newton, or newton metre where it turns."""
         return self.bench.force_unit
@@ -165,6 +185,11 @@ class SteadyTrials(PlainTrials):
         """Return the readings as rows of a linear model; nothing starts to move here."""
         del acting
         return points_rows(self.bench, self.loads, self.law, laws)
+
+    def next_trials(self, laws: Mapping[str, Coefficients]) -> "SteadyTrials":
+        """Return a point at every feasible condition; see :mod:`.next_points`."""
+        bench, settings = lay_out(self.bench, self.law, laws)
+        return replace(self, bench=bench, settings=settings)
 
     def likelihood(
         self,

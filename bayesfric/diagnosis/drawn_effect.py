@@ -1,0 +1,76 @@
+"""One effect on friction as a diagnosis drew it, where friction is asked for elsewhere."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from bayesfric.effects.base import Effect, State
+
+__all__ = ["DrawnEffect", "drawn_effect"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class DrawnEffect:
+    """One effect on friction, as drawn.
+
+    Parameters
+    ----------
+    effect : Effect
+        What it is.
+    amplitude, shape : ndarray, shape (draws,)
+        0 where it does not act, or has no shape.
+    variant : ndarray of str, shape (draws,)
+        The law that it follows; empty where it does not act.
+    """
+
+    effect: Effect
+    amplitude: Array
+    shape: Array
+    variant: NDArray[np.str_]
+
+    def force(self, state: State) -> Array:
+        """Return what it adds to friction [N], shape (draws,)."""
+        found = np.zeros(self.amplitude.shape)
+        for name in np.unique(self.variant[self.variant != ""]):
+            mine = self.variant == name
+            p = {self.effect.amplitude.name: np.where(mine, self.amplitude, 0.0)}
+            if self.effect.shape is not None:
+                p[self.effect.shape.name] = np.where(mine, self.shape, 1.0)
+            found += np.where(mine, self.effect.laws[str(name)](p, state), 0.0)
+        return found
+
+
+def drawn_effect(table: xr.Dataset, name: str, effects: Mapping[str, Effect]) -> DrawnEffect | str:
+    """Return an effect as drawn, or why it stays where it was found.
+
+    Only effects on friction come with the pulleys to another machine.
+
+    Parameters
+    ----------
+    table : Dataset
+        Group ``law`` of ``diagnosis.nc``.
+    name : str
+        Of the effect.
+    effects : mapping of str to Effect
+        Those that are known.
+    """
+    effect = effects.get(name)
+    if effect is None:
+        return "not an effect of this version"
+    if effect.acts_on != "friction":
+        return f"acts on the board's {effect.acts_on}, not friction"
+    if effect.components:
+        return "its phase differs from trial to trial"
+    if "effect" not in table.coords or name not in table["effect"]:
+        return "its amplitude was not drawn"
+    own = table.sel(effect=name)
+    variant = own["variant"].to_numpy().astype(str)
+    if unknown := set(variant) - {"", *effect.laws}:
+        return f"{', '.join(sorted(unknown))}: not a law of this version"
+    amplitude, shape = (own[column].to_numpy().astype(float) for column in ("amplitude", "shape"))
+    return DrawnEffect(effect, amplitude, shape, variant)

@@ -1,0 +1,214 @@
+"""Friction at conditions that somebody asks for, with and without what a diagnosis found.
+
+The law and the effects are drawn together, so that what a recalibrated law has taken up of an
+effect is told too. What acts on the board rather than on friction stays with the board, and an
+unknown force is known at the recorded conditions alone.
+"""
+
+from collections.abc import Collection, Mapping
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bayesfric.diagnosis.drawn_effect import DrawnEffect, drawn_effect
+from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis.systematic import Posterior, interval
+from bayesfric.effects.base import Effect
+from bayesfric.errors import Fault, InputError
+from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.laws import Baseline
+from bayesfric.rigs.base import RigTrials, Unsupported
+from bayesfric.rigs.coefficients import coefficient_name
+from bayesfric.schemas import ConditionAsked, FrictionAsked, LawNumber
+
+__all__ = ["check_target", "conditions_of", "friction_at", "target_lines"]
+
+Array = NDArray[np.float64]
+RECORDED = {
+    "n_pulleys": "n_pulleys",
+    "wrap_angle_deg": "wrap_angle",
+    "tension_n": "tension",
+    "velocity_m_s": "velocity",
+}
+"""Covariates of rows by the column of a condition; others have their own names."""
+DOUBT = 0.1  # probability of an unknown force that is worth a line
+SLACK = 1e-9  # relative, of the ends of what was recorded
+
+
+def check_target(target: pd.DataFrame, trials: RigTrials, sizes: Collection[str]) -> None:
+    """Refuse conditions that the rig cannot be asked about.
+
+    Parameters
+    ----------
+    target : DataFrame
+        Conditions.
+    trials : RigTrials
+        Of the rig whose conditions they are.
+    sizes : collection of str
+        Pulley sizes with a law.
+
+    Raises
+    ------
+    InputError
+        Friction is no function of a condition, a column is missing, or a size unknown.
+    """
+    nothing = Coefficients(*np.zeros((3, len(target))))
+    if not trials.asked and isinstance(found := trials.at(target, nothing), Unsupported):
+        raise InputError([Fault("--target", f"no conditions: {found.reason}")])
+    faults = [
+        Fault("--target", "this column, by which the recording says its conditions", column=name)
+        for name in trials.asked
+        if name not in target or target[name].isna().any()
+    ]
+    if not faults and "pulley_size" in trials.asked:
+        known = ", ".join(sorted(sizes))
+        faults = [
+            Fault("--target", f"a pulley size of the recording: {known}", row, "pulley_size", size)
+            for row, size in enumerate(target["pulley_size"], start=2)
+            if size not in sizes
+        ]
+    if faults:
+        raise InputError(faults)
+
+
+def friction_at(
+    target: pd.DataFrame,
+    model: LinearModel,
+    baseline: Baseline,
+    before: Mapping[str, LawNumber],
+    posterior: Posterior,
+    named: Collection[str],
+    effects: Mapping[str, Effect],
+    unknown: float,
+) -> FrictionAsked:
+    """Return friction at conditions, and what a simulator would miss of it.
+
+    Parameters
+    ----------
+    target : DataFrame
+        C conditions, as :func:`check_target` passes them.
+    model : LinearModel
+        In which hypotheses were compared.
+    baseline : Baseline
+        The friction law.
+    before : mapping of str to LawNumber
+        The law fitted alone, by name of coefficient.
+    posterior : Posterior
+        Draws over all hypotheses.
+    named : collection of str
+        The causes.
+    effects : mapping of str to Effect
+        That were examined.
+    unknown : float
+        Probability of an unknown force.
+    """
+    trials = model.data.rigs[0]
+    table = posterior.law.dataset()
+    drawn: dict[str, DrawnEffect] = {}
+    left_out = {}
+    for name in posterior.law.amplitude:
+        one = drawn_effect(table, name, effects)
+        if isinstance(one, DrawnEffect):
+            drawn[name] = one
+        elif name in named:
+            left_out[name] = one
+    rows = []
+    for place in range(len(target)):
+        condition = target.iloc[[place]]
+        size = model.layout.sizes[0]
+        if "pulley_size" in trials.asked:
+            size = str(condition["pulley_size"].iloc[0])
+        column = model.layout.sizes.index(size)
+        law = Coefficients(*posterior.law.coefficients[:, column].T)
+        alone = _alone(model, before, size)
+        friction = _friction(trials, baseline, condition, law)
+        state = trials.at(condition, law)
+        assert not isinstance(state, Unsupported)
+        force = {name: one.force(state) for name, one in drawn.items()}
+        causes = sum((force[name] for name in named if name in force), np.zeros_like(friction))
+        whole = friction + sum(force.values(), np.zeros_like(friction))
+        shipped = float(_friction(trials, baseline, condition, alone)[0])
+        rows.append(
+            ConditionAsked(
+                condition={
+                    str(name): value if isinstance(value, str) else float(value)
+                    for name, value in condition.iloc[0].items()
+                },
+                friction=interval(whole),
+                gap_without_causes=interval(whole - shipped),
+                gap_with_causes=interval(whole - float((friction + causes).mean())),
+                outside=_outside(model, condition),
+            )
+        )
+    return FrictionAsked(
+        unit=model.data.unit,
+        rows=tuple(rows),
+        stays_behind=left_out,
+        unknown_probability=unknown,
+    )
+
+
+def _friction(
+    trials: RigTrials, baseline: Baseline, condition: pd.DataFrame, law: Coefficients
+) -> Array:
+    """Return the law's friction at a condition, (S,)."""
+    state = trials.at(condition, law)
+    assert not isinstance(state, Unsupported)
+    found = baseline.at_tension(law, state.n_pulleys, state.wrap_angle_deg, state.tension_n)
+    return np.atleast_1d(np.asarray(found, dtype=np.float64))
+
+
+def _alone(model: LinearModel, before: Mapping[str, LawNumber], size: str) -> Coefficients:
+    """Return the law fitted alone; what is held, or shows nowhere, as it was given."""
+    values = []
+    for name, value in zip(Coefficients._fields, model.laws[size], strict=True):
+        known = before.get(coefficient_name(name, size)) or before.get(name)
+        values.append(np.array([float(np.asarray(value)) if known is None else known.before.mean]))
+    return Coefficients(*values)
+
+
+def _outside(model: LinearModel, condition: pd.DataFrame) -> tuple[str, ...]:
+    """Return the columns that lie outside of what was recorded."""
+    ranges: dict[str, tuple[float, float]] = {}
+    for rig in model.rigs:
+        for name, values in rig.rows.covariates().items():
+            low, high = ranges.get(name, (np.inf, -np.inf))
+            ranges[name] = min(low, float(np.min(values))), max(high, float(np.max(values)))
+    found = []
+    for column, value in condition.iloc[0].items():
+        name = str(column)
+        axis = RECORDED.get(name, name)
+        if axis not in ranges:
+            continue
+        here = abs(float(value)) if axis == "velocity" else float(value)
+        low, high = ranges[axis]
+        slack = SLACK * max(abs(low), abs(high))
+        if not low - slack <= here <= high + slack:
+            found.append(name)
+    return tuple(found)
+
+
+def conditions_of(target: FrictionAsked) -> pd.DataFrame:
+    """Return the conditions that were asked about, to ask again."""
+    return pd.DataFrame([row.condition for row in target.rows])
+
+
+def target_lines(target: FrictionAsked) -> list[str]:
+    """Return a line a condition, and what does not come along, for the terminal."""
+    lines = ["friction at the conditions asked for, and what is missed of it without the causes:"]
+    for row in target.rows:
+        where = ", ".join(f"{name} {value}" for name, value in row.condition.items())
+        friction, without, with_ = row.friction, row.gap_without_causes, row.gap_with_causes
+        outside = f"; outside of what was recorded: {', '.join(row.outside)}" * bool(row.outside)
+        lines.append(
+            f"  {where}: {friction.q50:.3g} [{friction.q05:.3g}, {friction.q95:.3g}] "
+            f"{target.unit}, missed {without.q50:.2g}, with the causes {with_.q50:.2g}{outside}"
+        )
+    lines += [f"  {name} stays behind: {why}" for name, why in target.stays_behind.items()]
+    if target.unknown_probability >= DOUBT:
+        lines.append(
+            f"  an unknown force (probability {target.unknown_probability:.2f}) is carried to no "
+            "other condition"
+        )
+    return lines

@@ -1,0 +1,138 @@
+"""Controller margins on page one: whether a loop meets its spec, and which gain to set."""
+
+from collections.abc import Iterator, Sequence
+from typing import Literal
+
+import numpy as np
+
+from bayesfric.plots.margins import (
+    error_and_headroom,
+    has_error_or_headroom,
+    limit_cycle_against_gain,
+)
+from bayesfric.plots.style import to_svg
+from bayesfric.report.content import Block, Code, Figure, Notice, Reference
+from bayesfric.report.quantities import format_number, format_share
+from bayesfric.schemas import LoopMargins, MarginsFile
+
+__all__ = ["WORDS", "gain_figures", "gain_lines"]
+
+WORDS = {
+    "friction_nominal": "friction, eq. (15)",
+    "friction_recursive": "friction, pulley by pulley",
+    "steady_error_servo": "steady error of the servo",
+    "lost_motion": "lost motion of the cable",
+    "headroom_clip": "headroom to the clip",
+    "headroom_continuous": "headroom to continuous torque",
+    "gamma_necessary": "γ necessary to hunt",
+    "gamma_hunting": "γ that hunts",
+    "amplitude_margin": "amplitude margin",
+    "limit_cycle_amplitude": "limit cycle, amplitude",
+    "limit_cycle_frequency": "limit cycle, frequency",
+    "gain_margin": "gain margin",
+    "phase_margin": "phase margin",
+    "disk_margin": "disk margin",
+    "delay_margin": "delay margin",
+    "backdrive_force": "backdrive force",
+    "smallest_step": "smallest step",
+    "reversal_error": "reversal error",
+    "cable_stretch": "stretch of the cable",
+    "least_tension": "least tension of a side",
+    "peak_tension": "peak tension of a side",
+    "sensitivity_peak": "peak of the sensitivity, Ms",
+    "complementary_peak": "peak of the complementary sensitivity, Mt",
+}
+
+
+def gain_lines(found: MarginsFile, *, alone: bool) -> Iterator[Block]:
+    """Yield, for page one, which gain each loop bears.
+
+    Parameters
+    ----------
+    found : MarginsFile
+        What ``bayesfric margins`` wrote.
+    alone : bool
+        Whether nothing else is on that page, which then has the figures.
+    """
+    for loop in found.loops:
+        yield Notice(
+            _kind(loop),
+            [_gain(loop), " What decides, and what was not examined: ", Reference("margins"), "."],
+            title=f"{loop.name}: {_verdict(loop)}",
+        )
+    if alone:
+        yield from gain_figures(found)
+
+
+def _verdict(loop: LoopMargins) -> str:
+    """Return whether a loop meets its spec, in a few words."""
+    if not loop.missed_specs:
+        return "meets its spec"
+    names = [name.partition(" ")[0] for name in loop.missed_specs]
+    return f"misses its spec in {', '.join(WORDS.get(one, one.replace('_', ' ')) for one in names)}"
+
+
+def _gain(loop: LoopMargins) -> str:
+    """Return which compensation gain to set, in a sentence."""
+    gamma, most = loop.largest_safe_compensation_gain, loop.limit_cycle_probability_max
+    allowed = f"a probability of {format_share(most)} or less"
+    if loop.compensation_signal == "none":
+        return "It has no friction compensation whose gain could be set."
+    if gamma is None:
+        return f"No gain γ is safe: {loop.largest_safe_compensation_gain_why}."
+    now = f"the file has {format_number(loop.compensation_gain, 3)}"
+    down = np.floor(100 * gamma) / 100
+    if gamma >= loop.limit_cycle_probability[-1].gamma:
+        return f"Up to γ = {down:g} it hunts with {allowed}; {now}."
+    return f"Set γ to {down:.2f} at most ({now}): up to there it hunts with {allowed}."
+
+
+def gain_figures(found: MarginsFile) -> Iterator[Block]:
+    """Yield the figures of all loops together."""
+    yield from _hunting(found.loops)
+    if has_error_or_headroom(found.loops):
+        yield Figure(
+            to_svg(error_and_headroom(found.loops)),
+            [
+                "Errors at the tool tip, and torque left as a share of its limit: median and 5 % "
+                "to 95 %; the black tick is the spec. From ",
+                Code("margins.json"),
+                ".",
+            ],
+            "Horizontal bars with a dot at the median, in groups by loop: errors in millimetres "
+            "on the left, torque headroom in per cent on the right.",
+            label="error-headroom",
+        )
+
+
+def _kind(loop: LoopMargins) -> Literal["attention", "good", "info"]:
+    hunts = [one for one in loop.metrics if one.name == "gamma_hunting"]
+    p = hunts[0].probability_of_violation if hunts else None
+    missed = [loop.missed_specs]
+    if loop.with_effects is not None:
+        missed.append(loop.with_effects.missed_specs)
+    if any(one is None or one for one in missed):
+        return "attention"
+    if p is None and loop.largest_safe_compensation_gain is None:
+        return "attention"
+    # Green would cover what the loop's remarks say of its assumptions.
+    return "info" if loop.warnings or loop.not_examined else "good"
+
+
+def _hunting(loops: Sequence[LoopMargins]) -> Iterator[Block]:
+    curves = [loop for loop in loops if loop.limit_cycle_probability]
+    if not curves:
+        return
+    yield Figure(
+        to_svg(limit_cycle_against_gain(curves)),
+        [
+            "Probability that the loop hunts, over the compensation gain, with twice its Monte "
+            "Carlo error. The marker is the γ of the loop's file, the dotted line the spec, the "
+            "upright line the largest γ within it. From ",
+            Code("margins.json"),
+            ".",
+        ],
+        "A rising line from zero to one for each loop over the compensation gain from zero to "
+        "three.",
+        label="limit-cycle",
+    )

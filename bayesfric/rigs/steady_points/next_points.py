@@ -1,0 +1,77 @@
+"""Points that a bench could measure next: conditions within what was recorded."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+import pandas as pd
+
+from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.laws import Baseline
+from bayesfric.rigs.steady_points.bench import Bench
+from bayesfric.rigs.steady_points.places import CONDITION
+
+__all__ = ["lay_out"]
+
+LEVELS = 5  # of a column
+MOST = 3000  # points; beyond, of each column its ends and its middle
+FEW = 3
+
+
+def lay_out(
+    bench: Bench, law: Baseline, laws: Mapping[str, Coefficients]
+) -> tuple[Bench, tuple[str, ...]]:
+    """Return a point at every feasible condition, each on an assembly of its own.
+
+    Parameters
+    ----------
+    bench : Bench
+        What was recorded.
+    law : Baseline
+        The friction law, which says what is read.
+    laws : mapping of str to Coefficients
+        Of each pulley size.
+
+    Returns
+    -------
+    bench : Bench
+        The points.
+    settings : tuple of str
+        Columns that make a condition, beside pulleys and tension.
+    """
+    known = bench.table
+    settings = tuple(
+        name
+        for name in ("velocity_m_s", *bench.covariates)
+        if name in bench.given and (known[name] != known[name].iloc[0]).any()
+    )
+    names = ("pulley_size", *CONDITION, *settings)
+    cells: list[tuple[object, ...]] = []
+    for levels in (LEVELS, FEW):
+        cells = [
+            (size, *cell)
+            for size, own in known.groupby("pulley_size", sort=False)
+            for cell in product(*(_levels(own[name], levels) for name in names[1:]))
+        ]
+        if len(cells) <= MOST:
+            break
+    points = pd.DataFrame(cells, columns=list(names))
+    for name in bench.covariates:
+        if name not in settings:
+            points[name] = known[name].iloc[0]
+    points["trial"] = points["setup"] = [f"t{place:04d}" for place in range(len(points))]
+    each_law = zip(*(laws[size] for size in points["pulley_size"]), strict=True)
+    coefficients = Coefficients(*(np.array(one) for one in each_law))
+    where = (points[name].to_numpy(dtype=np.float64) for name in CONDITION)
+    points["friction_n"] = law.at_tension(coefficients, *where)
+    if "friction_sd_n" in bench.given:
+        points["friction_sd_n"] = known["friction_sd_n"].median()
+    return replace(bench, table=points), settings
+
+
+def _levels(column: "pd.Series[float]", most: int) -> list[float]:
+    """Return values that were recorded, the ends among them."""
+    values = np.unique(column.to_numpy(dtype=np.float64))
+    chosen = np.unique(np.linspace(0, len(values) - 1, most).astype(int))
+    return [float(value) for value in values[chosen]]
