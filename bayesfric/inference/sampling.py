@@ -36,9 +36,8 @@ Arrays = dict[str, NDArray[Any]]
 # Points to proposals and log q(points) − log q(proposals), as emcee wants it.
 Propose = Callable[[Array, np.random.RandomState], tuple[Array, Array]]
 
-# Heavier tails than the posterior's, as independence needs; its scale matrix is the
-# posterior's covariance, so that its own is 5/3 of that.
-PROPOSAL_FREEDOM = 5.0
+PROPOSAL_FREEDOM = 6.0  # heavier tails than the posterior's, as independence needs
+PROPOSAL_INFLATION = 1.3  # of its covariance: a posterior that is not normal is covered too
 PIECE_STEPS = 50  # steps between two checkpoints
 LEAST_WALKERS = 36
 START_INFLATION = 1.5  # starts are wider than the posterior, so that R-hat can tell
@@ -164,7 +163,7 @@ def _charted(points: Array, chart: Chart) -> Propose:
 
 def _around(points: Array) -> StudentT:
     """Return the Student-t proposal fitted to points of shape (N, D)."""
-    return StudentT(points.mean(axis=0), np.cov(points, rowvar=False))
+    return StudentT(points.mean(axis=0), PROPOSAL_INFLATION * np.cov(points, rowvar=False))
 
 
 def sample(
