@@ -202,8 +202,9 @@ def target_lines(target: FrictionAsked) -> list[str]:
         friction, without, with_ = row.friction, row.gap_without_causes, row.gap_with_causes
         outside = f"; outside of what was recorded: {', '.join(row.outside)}" * bool(row.outside)
         lines.append(
-            f"  {where}: {friction.q50:.3g} [{friction.q05:.3g}, {friction.q95:.3g}] "
-            f"{target.unit}, missed {without.q50:.2g}, with the causes {with_.q50:.2g}{outside}"
+            f"  {where}: {row.written(friction.q50)} [{row.written(friction.q05)}, "
+            f"{row.written(friction.q95)}] {target.unit}, missed {row.written(without.q50)}, "
+            f"with the causes {row.written(with_.q50)}{outside}"
         )
     lines += [f"  {name} stays behind: {why}" for name, why in target.stays_behind.items()]
     if target.unknown_probability >= DOUBT:

@@ -1,5 +1,6 @@
 """``diagnosis.json``."""
 
+import math
 from typing import Literal
 
 from pydantic import ConfigDict, Field
@@ -237,6 +238,12 @@ class ConditionAsked(Record):
         description="That friction less the mean of the law's and the causes', fitted together."
     )
     outside: tuple[str, ...] = Field(description="Columns beyond what was recorded.")
+
+    def written(self, value: float) -> str:
+        """Write a force with as many decimals as the friction is known to."""
+        sd = self.friction.sd
+        decimals = max(0, 1 - math.floor(math.log10(sd))) if sd > 0 else 3
+        return f"{round(value, decimals) + 0.0:.{decimals}f}"  # no minus before a zero
 
 
 class FrictionAsked(Record):

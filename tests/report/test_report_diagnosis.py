@@ -337,7 +337,7 @@ def test_conditions_that_were_asked_about_have_a_table():
     assert "asked" not in tables(stored_diagnosis())
     stored = stored_diagnosis(target=target)
     assert rows(stored, "asked") == {
-        "pulley_size medium, n_pulleys 25": ["4.88 (4.48 to 5.28)", "−0.19", "0.0006", "n_pulleys"]
+        "pulley_size medium, n_pulleys 25": ["4.88 (4.48 to 5.28)", "−0.19", "0.00", "n_pulleys"]
     }
     assert "slip acts elsewhere" in paragraphs(stored)
     assert "An unknown force, of probability 0.20" in paragraphs(stored)

@@ -28,9 +28,10 @@ def asked(found: FrictionAsked | None) -> Iterator[Block]:
         [
             [
                 condition_words(row.condition),
-                f"{row.friction.q50:.3g} ({row.friction.q05:.3g} to {row.friction.q95:.3g})",
-                f"{row.gap_without_causes.q50:.2g}".replace("-", "−"),
-                f"{row.gap_with_causes.q50:.2g}".replace("-", "−"),
+                f"{row.written(row.friction.q50)} ({row.written(row.friction.q05)} to "
+                f"{row.written(row.friction.q95)})",
+                row.written(row.gap_without_causes.q50).replace("-", "−"),
+                row.written(row.gap_with_causes.q50).replace("-", "−"),
                 ", ".join(row.outside),
             ]
             for row in found.rows
