@@ -2,7 +2,8 @@
 
 The law and the effects are drawn together, so that what a recalibrated law has taken up of an
 effect is told too. What acts on the board rather than on friction stays with the board, and an
-unknown force is known at the recorded conditions alone.
+unknown force is known at the recorded conditions alone. Motion is steady, and what changes in the
+order of measuring is as in its middle.
 """
 
 from collections.abc import Collection, Mapping

@@ -9,13 +9,12 @@ from collections.abc import Iterator
 from bayesfric.plots.diagnosis import RARE, what_acts, where_it_lies
 from bayesfric.plots.gap import how_far
 from bayesfric.plots.style import to_svg
-from bayesfric.report.chapters.asked import asked
+from bayesfric.report.chapters.conditions import asked, next_experiment
 from bayesfric.report.chapters.diagnosis_details import (
     axis_words,
     causes,
     gap_table,
     gap_words,
-    next_experiment,
     not_told_apart,
     remainder,
 )

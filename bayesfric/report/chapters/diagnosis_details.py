@@ -1,6 +1,6 @@
 """The numbers of the diagnosis: what stands beside its figures, and the long tables."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 from bayesfric.report.content import (
     Block,
@@ -32,10 +32,9 @@ __all__ = [
     "appendix",
     "axis_words",
     "causes",
-    "condition_words",
+    "codes",
     "gap_table",
     "gap_words",
-    "next_experiment",
     "not_told_apart",
     "remainder",
 ]
@@ -181,7 +180,7 @@ def causes(found: Sequence[Cause]) -> Iterator[Block]:
 def not_told_apart(found: DiagnosisFile) -> Iterator[Block]:
     """Yield effects that these data cannot separate, and those that the law absorbs."""
     lines: list[Text] = [
-        [*_codes(one.effects), f": {REASONS[one.reason]}."] for one in found.unseparated
+        [*codes(one.effects), f": {REASONS[one.reason]}."] for one in found.unseparated
     ]
     if lines:
         yield Paragraph([Strong("Not told apart.")])
@@ -339,41 +338,12 @@ def _examined(found: DiagnosisFile) -> Table:
     ).filled()
 
 
-def next_experiment(found: DiagnosisFile) -> Iterator[Block]:
-    """Yield conditions that would tell hypotheses apart."""
-    if not found.next_experiment:
-        yield Paragraph(f"Nothing to propose: {found.next_experiment_why}.")
-        return
-    yield Table(
-        "Conditions that would tell hypotheses apart.",
-        ["condition", "separates", Column("expected log₁₀ BF", align="decimal")],
-        [
-            [
-                condition_words(one.condition),
-                _codes(one.separates),
-                format_fixed(one.log10_bayes_factor, 1),
-            ]
-            for one in found.next_experiment
-        ],
-        label="next",
-    )
-
-
-def condition_words(condition: Mapping[str, float | str]) -> str:
-    """Write a condition: its columns and their values."""
-    return ", ".join(f"{name} {_value(value)}" for name, value in condition.items())
-
-
 def axis_words(name: str) -> str:
     """Write the name of an axis: ``wrap_angle`` as wrap angle."""
     return name.replace("_", " ")
 
 
-def _value(value: float | str) -> str:
-    return value if isinstance(value, str) else f"{value:g}".replace("-", "−")
-
-
-def _codes(names: Sequence[str]) -> list[Code | str]:
+def codes(names: Sequence[str]) -> list[Code | str]:
     """Return names with "and" between."""
     parts: list[Code | str] = []
     for place, name in enumerate(names):

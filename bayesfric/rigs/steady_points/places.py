@@ -64,7 +64,7 @@ def covariates_of(bench: Bench, asked: pd.DataFrame | None = None) -> dict[str, 
     found = {
         name: table[name].to_numpy(dtype=np.float64)
         for name in bench.covariates
-        if bench.table[name].nunique() > 1  # noqa: PD101
+        if np.ptp(bench.table[name]) > 0
     }
     if bench.both_ways:
         found[DIRECTION] = np.sign(table["velocity_m_s"].to_numpy(dtype=np.float64))

@@ -1,13 +1,13 @@
-"""Friction at conditions that somebody asked for."""
+"""Conditions: those that somebody asked about, and those that would tell hypotheses apart."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
-from bayesfric.report.chapters.diagnosis_details import condition_words
+from bayesfric.report.chapters.diagnosis_details import codes
 from bayesfric.report.content import Block, Column, Heading, Paragraph, Table
-from bayesfric.report.quantities import format_number, format_probability
-from bayesfric.schemas import FrictionAsked
+from bayesfric.report.quantities import format_fixed, format_number, format_probability
+from bayesfric.schemas import DiagnosisFile, FrictionAsked
 
-__all__ = ["asked"]
+__all__ = ["asked", "next_experiment"]
 
 
 def asked(found: FrictionAsked | None) -> Iterator[Block]:
@@ -27,7 +27,7 @@ def asked(found: FrictionAsked | None) -> Iterator[Block]:
         ],
         [
             [
-                condition_words(row.condition),
+                _words(row.condition),
                 f"{row.written(row.friction.q50)} ({row.written(row.friction.q05)} to "
                 f"{row.written(row.friction.q95)})",
                 row.written(row.gap_without_causes.q50).replace("-", "−"),
@@ -46,3 +46,32 @@ def asked(found: FrictionAsked | None) -> Iterator[Block]:
         yield Paragraph(
             f"An unknown force, of probability {chance}, is carried to no other condition."
         )
+
+
+def next_experiment(found: DiagnosisFile) -> Iterator[Block]:
+    """Yield conditions that would tell hypotheses apart."""
+    if not found.next_experiment:
+        yield Paragraph(f"Nothing to propose: {found.next_experiment_why}.")
+        return
+    yield Table(
+        "Conditions that would tell hypotheses apart.",
+        ["condition", "separates", Column("expected log₁₀ BF", align="decimal")],
+        [
+            [
+                _words(one.condition),
+                codes(one.separates),
+                format_fixed(one.log10_bayes_factor, 1),
+            ]
+            for one in found.next_experiment
+        ],
+        label="next",
+    )
+
+
+def _words(condition: Mapping[str, float | str]) -> str:
+    """Write a condition: its columns and their values."""
+    return ", ".join(f"{name} {_value(value)}" for name, value in condition.items())
+
+
+def _value(value: float | str) -> str:
+    return value if isinstance(value, str) else f"{value:g}".replace("-", "−")
