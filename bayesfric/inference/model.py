@@ -92,12 +92,16 @@ class Model:
     ----------
     likelihoods : sequence of RigLikelihood
         Independent given the parameters.
+    more : sequence of Parameter
+        Parameters that no likelihood has by itself; they come last.
     """
 
-    def __init__(self, likelihoods: Sequence[RigLikelihood]) -> None:
+    def __init__(
+        self, likelihoods: Sequence[RigLikelihood], more: Sequence[Parameter] = ()
+    ) -> None:
         self.likelihoods = tuple(likelihoods)
         named = {p.name: p for rig in self.likelihoods for p in rig.parameters}
-        self.parameters = tuple(named.values())
+        self.parameters = (*named.values(), *more)
         everywhere = range(len(self.parameters))
         self._priors = self._by_family(everywhere)
         self._linear = self._by_family(k for k in everywhere if self.parameters[k].linear)
