@@ -145,7 +145,7 @@ class AxisRuns(PlainTrials):
         found = {"direction", "position", "drive", "period"}
         if self.constants.rotary:
             found.add("angle")
-        if "role" in self.table and (self.table["role"] == "test").any():
+        if self._tested.any():
             found.add("test")
         return frozenset(found)
 
@@ -286,6 +286,18 @@ class AxisRuns(PlainTrials):
         assert isinstance(view.likelihood, AxisLikelihood)
         return runs_dataset(view.likelihood, self.table, view)
 
+    @property
+    def _tested(self) -> NDArray[np.bool_]:
+        """Whether each trial may move more mass than the baseline has: those that show the gap.
+
+        Where no run is there for the gap alone, every run without a role shows it too. A mass
+        that is fitted to them takes such a payload up; one that is held does not.
+        """
+        if "role" not in self.table:
+            return np.ones(len(self.table), dtype=np.bool_)
+        tested = self.table["role"] == "test"
+        return np.asarray(tested if tested.any() else self.table["role"].isna(), dtype=np.bool_)
+
     @cached_property
     def _rough(self) -> AxisLaw:
         rows = self.readings
@@ -307,9 +319,7 @@ class AxisRuns(PlainTrials):
 
     def _rows(self, law: AxisLaw) -> AxisRows:
         rows, one = self.readings, np.ones((self.readings.count, 1))
-        tested = np.zeros(len(self.table))
-        if "role" in self.table:
-            tested = np.asarray(self.table["role"] == "test", dtype=np.float64)
+        tested = self._tested.astype(np.float64)
         state = State(
             n_pulleys=1.0,
             wrap_angle_deg=85.0,
