@@ -291,12 +291,14 @@ class AxisRuns(PlainTrials):
         """Whether each trial may move more mass than the baseline has: those that show the gap.
 
         Where no run is there for the gap alone, every run without a role shows it too. A mass
-        that is fitted to them takes such a payload up; one that is held does not.
+        that is fitted to them takes such a payload up; one that is held does not. What numbers
+        of a simulator take up of it is known too roughly, by differences.
         """
-        if "role" not in self.table:
-            return np.ones(len(self.table), dtype=np.bool_)
-        tested = self.table["role"] == "test"
-        return np.asarray(tested if tested.any() else self.table["role"].isna(), dtype=np.bool_)
+        role = self.table.get("role", pd.Series(None, self.table.index, dtype=object))
+        tested = role == "test"
+        if not tested.any() and (self._beside is None or not self._beside.parameters):
+            tested = role.isna()
+        return np.asarray(tested, dtype=np.bool_)
 
     @cached_property
     def _rough(self) -> AxisLaw:
