@@ -170,7 +170,8 @@ class GravityPart:
         nuisance = layout.nuisance(self.place)
         if nuisance.stop > nuisance.start:
             columns[:, nuisance] = rows.late_column()[:, None]
-        self._columns = columns * scales
+        columns *= scales
+        self._columns = columns
         self._squeeze: Array | None = None
         self.random = np.hstack(random)
 
