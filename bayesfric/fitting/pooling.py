@@ -42,15 +42,12 @@ class Population(Model):
         coefficients: Sequence[Parameter],
         analysis: Analysis,
     ) -> None:
-        super().__init__(())
+        scatter = [
+            Parameter(BETWEEN + one.name, "1", analysis.priors.boards, "scatter")
+            for one in coefficients
+        ]
+        super().__init__((), [*coefficients, *scatter])
         self.boards = tuple(boards)
-        self.parameters = (
-            *coefficients,
-            *(
-                Parameter(BETWEEN + one.name, "1", analysis.priors.boards, "scatter")
-                for one in coefficients
-            ),
-        )
 
     def split(self, theta: Array) -> tuple[Array, Array]:
         """Return the means and the standard deviations, each in the coefficients' units."""
