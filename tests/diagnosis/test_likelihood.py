@@ -1,5 +1,6 @@
 """Rigs in the linear model against dense normals of the same data, and their derivatives."""
 
+import copy
 import gc
 import weakref
 
@@ -96,6 +97,45 @@ def test_the_board_of_weights_is_a_dense_normal(model):
             start = end
         total += multivariate_normal.logpdf(joined, np.zeros(joined.size), covariance)
     assert value == pytest.approx(total, abs=1e-6)
+
+
+def test_long_trials_whose_scatter_is_all_that_they_show(model):
+    """With a deviation of friction that moves events by kilometres, only the rest tells."""
+    part = copy.copy(model.rigs[0])
+    part.random = part.random.copy()
+    part.random[:, TRIAL] *= 1e4
+    part._columns = 1e4 * part._columns
+    part.__dict__.pop("columns", None)
+    part._summed(by_trial=False)
+    part._views = {}
+    noise = NOISE | {"tau": 0.5, "omega": 1e-12, "omega_intercept": 1e-12}
+    mixing = model.mixing(acting_of(model, phases=False))
+    found = part.evaluate(noise, mixing).information
+    weights, _ = wander_weights(noise["wander_length"], part._travel)
+    columns = part.columns @ model.layout.mixed(mixing)
+    precision, total = np.zeros_like(found.precision), 0.0
+    for trial, rows in enumerate(part.rows.rows_of_trials()):
+        sd = np.sqrt(part.rows.variance[rows])
+        nuisance, whole = part.rows.events.regressors[:3, rows] / sd, part.random[rows, TRIAL] / sd
+        off = null_space(nuisance)
+        size = np.linalg.norm(off.T @ whole)
+        along = (off.T @ whole / size) @ (off.T @ (columns[rows] / sd[:, None]))
+        total -= np.log(sd).sum() + np.log(noise["tau"] * size) + 0.5 * np.log(2 * np.pi)
+        off = null_space(np.vstack([nuisance, whole / np.linalg.norm(whole)]))
+        wander = off.T @ (part.random[rows, WANDER] / sd[:, None])
+        own = noise["kappa"] * np.eye(off.shape[1])
+        own += noise["wander"] ** 2 * (wander * weights) @ wander.T
+        left = off.T @ (part.rows.residual[rows] / sd)
+        total += multivariate_normal.logpdf(left, np.zeros(left.size), own)
+        place = model.layout.spread(columns.shape[1], part.size[trial])
+        here = off.T @ (columns[rows] / sd[:, None])
+        precision[np.ix_(place, place)] += here.T @ np.linalg.solve(own, here)
+        precision[np.ix_(place, place)] += np.outer(along, along) / (noise["tau"] * size) ** 2
+    assert found.constant == pytest.approx(total, abs=1e-5)
+    root = np.sqrt(1 + np.diag(precision))  # beside a prior of 1
+    assert found.precision / root / root[:, None] == pytest.approx(
+        precision / root / root[:, None], abs=1e-4
+    )
 
 
 def test_the_board_of_a_motor_is_a_dense_normal(model):

@@ -48,7 +48,16 @@ class _View:
 
     precision: tuple[Array, ...]  # by size, (k, k)
     slope: tuple[Array, ...]  # by size, (k,)
-    across: Array  # (n, R, k)
+    across: Array  # (n, w, k)
+
+
+@dataclass(frozen=True)
+class _Beyond:
+    """What of the rows is orthogonal to the first columns that scatter, summed up."""
+
+    precision: Array  # (blocks, q, q)
+    slope: Array  # (N, q)
+    square: Array  # (N,)
 
 
 class GravityPart:
@@ -178,27 +187,34 @@ class GravityPart:
     def _summed(self, by_trial: bool) -> None:
         count, q, r = len(self.rows.table), self.layout.local, self.random.shape[1]
         self._block = np.arange(count) if by_trial else self.size
-        self._precision = np.zeros((self._block.max() + 1, q, q))
-        self._slope, self._across = np.zeros((count, q)), np.zeros((count, r, q))
-        self._inner, self._right = np.zeros((count, r, r)), np.zeros((count, r))
-        self._square, self._freedom = np.zeros(count), np.zeros(count)
-        self._constant = np.zeros(count)
+        blocks = int(self._block.max()) + 1
+        self._triangle = np.zeros((count, r, r))
+        self._across, self._right = np.zeros((count, r, q)), np.zeros((count, r))
+        self._beyond = {
+            width: _Beyond(np.zeros((blocks, q, q)), np.zeros((count, q)), np.zeros(count))
+            for width in (ALWAYS, r)
+        }
+        self._freedom, self._constant = np.zeros(count), np.zeros(count)
         for trial, rows in enumerate(self.rows.rows_of_trials()):
             white, project = whitening(self.rows, rows)
             y = self.rows.residual[rows]
-            stack = np.column_stack([self._columns[rows], self.random[rows], y])
+            stack = np.column_stack([self._columns[rows], y, self.random[rows]])
             whole = project(white[:, None] * stack)
-            x, z, y = whole[:, :q], whole[:, q : q + r], whole[:, -1]
-            self._precision[self._block[trial]] += x.T @ x
-            self._slope[trial], self._across[trial] = x.T @ y, z.T @ x
-            self._inner[trial], self._right[trial] = z.T @ z, z.T @ y
-            self._square[trial] = y @ y
+            triangle, along, apart = _orthogonal(whole[:, q + 1 :], whole[:, : q + 1])
+            told = len(triangle)
+            self._triangle[trial, :told] = triangle
+            self._across[trial, :told], self._right[trial, :told] = along[:, :q], along[:, q]
+            for width, beyond in self._beyond.items():
+                rest = np.vstack([apart, along[width:]])
+                square = rest.T @ rest
+                beyond.precision[self._block[trial]] += square[:q, :q]
+                beyond.slope[trial], beyond.square[trial] = square[:q, q], square[q, q]
             nuisances = (self.rows.events.regressors[:3, rows] != 0).any(axis=1).sum()
             self._freedom[trial] = white.size - nuisances
             self._constant[trial] = np.log(white).sum() - 0.5 * self._freedom[trial] * LOG_2PI
 
-    def _view(self, mixing: Array, trials: NDArray[np.bool_] | None) -> _View:
-        key = mixing.tobytes() + str(mixing.shape).encode()
+    def _view(self, mixing: Array, trials: NDArray[np.bool_] | None, width: int) -> _View:
+        key = mixing.tobytes() + str((*mixing.shape, width)).encode()
         if trials is None and key in self._views:
             return self._views[key]
         layout = self.layout
@@ -210,12 +226,13 @@ class GravityPart:
             return np.concatenate(parts, axis=-1)
 
         blocks = [np.unique(self._block[used & (self.size == s)]) for s in range(len(layout.sizes))]
-        both = [mixed(mixed(self._precision[one].sum(axis=0)).T) for one in blocks]
+        beyond = self._beyond[width]
+        both = [mixed(mixed(beyond.precision[one].sum(axis=0)).T) for one in blocks]
         slopes = [
-            mixed(self._slope[used & (self.size == s)].sum(axis=0))
+            mixed(beyond.slope[used & (self.size == s)].sum(axis=0))
             for s in range(len(layout.sizes))
         ]
-        view = _View(tuple(both), tuple(slopes), mixed(self._across[used]))
+        view = _View(tuple(both), tuple(slopes), mixed(self._across[used, :width]))
         if trials is None:
             if len(self._views) > 3:
                 self._views.clear()
@@ -243,11 +260,13 @@ class GravityPart:
             Trials that enter; None is all.
         """
         trials = np.ones(len(self.setup), dtype=bool) if used is None else used
-        view, kappa = self._view(mixing, used), noise["kappa"]
         blocks = [(self.blocks[place], value) for place, value, _ in phases if place in self.blocks]
         chosen = np.concatenate(
             [np.arange(ALWAYS), *(np.arange(b.start, b.stop) for b, _ in blocks)]
         )
+        # Where nothing else scatters, the other columns' directions are rows like any.
+        width, kappa = (self.random.shape[1] if blocks else ALWAYS), noise["kappa"]
+        view, beyond = self._view(mixing, used, width), self._beyond[width]
         variance, growth = wander_weights(noise["wander_length"], self._travel)
         sd = np.zeros(chosen.size)
         sd[TRIAL], sd[ELSEWHERE] = noise["tau"], 1.0
@@ -258,28 +277,28 @@ class GravityPart:
             sd[places[name]] = value
             start = places[name].stop
         rows = np.flatnonzero(trials)
-        inner = self._inner[np.ix_(rows, chosen, chosen)]
-        right, across = self._right[np.ix_(rows, chosen)], view.across[:, chosen]
-        whole = np.eye(sd.size) + sd[:, None] * inner * sd / kappa
-        factor = np.linalg.cholesky(whole)
-        root = np.linalg.inv(factor) * sd / np.sqrt(kappa)
-        gain, taken_up = root.swapaxes(1, 2) @ root, root @ across
-        solved = (gain @ right[:, :, None])[:, :, 0]
+        # Of the rows along what scatters, what their scatter leaves; nothing is taken off that
+        # could leave rounding alone, where trials are long and their scatter is all they show.
+        triangle = self._triangle[np.ix_(rows, np.arange(width), chosen)]
+        scaled = triangle * sd
+        factor = np.linalg.cholesky(np.eye(width) + scaled @ scaled.swapaxes(1, 2) / kappa)
+        root = np.linalg.inv(factor)
+        triangle, across = root @ triangle, root @ view.across
+        right = (root @ self._right[rows, :width, None])[:, :, 0]
         constant = self._constant[trials].sum()
         freedom = self._freedom[trials].sum()
-        square = (self._square[trials].sum() - (right * solved).sum()) / kappa
+        square = (beyond.square[trials].sum() + (right**2).sum()) / kappa
         constant -= np.log(np.diagonal(factor, axis1=1, axis2=2)).sum()
         constant -= 0.5 * freedom * np.log(kappa)
-        # What is left of the columns that scatter, the trial's own taken up, over kappa.
-        left = (np.eye(sd.size) - inner @ gain) / kappa
-        right_left, inner_left = (left @ right[:, :, None])[:, :, 0], left @ inner
+        back = triangle.swapaxes(1, 2) / kappa
+        right_left, along = (back @ right[:, :, None])[:, :, 0], back @ triangle[:, :, :2]
         # Of all friction and of its intercept alone, which the assembly shares.
         member = self._member[:, trials]
         columns = across.shape[2]
-        flat = member @ (left[:, :2] @ across).reshape(len(across), 2 * columns)
+        flat = member @ (back[:, :2] @ across).reshape(len(across), 2 * columns)
         summed = flat.reshape(len(self.setups), 2, columns)
         pulled = member @ right_left[:, :2]
-        stiff = (member @ inner_left[:, :2, :2].reshape(len(across), 4)).reshape(-1, 2, 2)
+        stiff = (member @ along[:, :2].reshape(len(across), 4)).reshape(-1, 2, 2)
         omega = np.array([noise["omega"], noise["omega_intercept"]])
         shared = np.eye(2) + omega[:, None] * stiff * omega
         taken = omega[:, None] * np.linalg.inv(shared) * omega
@@ -292,11 +311,11 @@ class GravityPart:
         locals_ = []
         for size in range(len(self.layout.sizes)):
             mine, theirs = self.size[trials] == size, self.size_of_setup == size
-            part = view.precision[size] / kappa
-            own_scatter = taken_up[mine].reshape(-1, columns)
-            part -= own_scatter.T @ own_scatter / kappa + _fold(share[theirs], summed[theirs])
-            own = view.slope[size] - np.einsum("nr,nrk->k", solved[mine], across[mine])
-            own = own / kappa - np.einsum("na,nak->k", pull[theirs], summed[theirs])
+            here = across[mine].reshape(-1, columns)
+            part = (view.precision[size] + here.T @ here) / kappa
+            part -= _fold(share[theirs], summed[theirs])
+            own = (view.slope[size] + right[mine].ravel() @ here) / kappa
+            own = own - np.einsum("na,nak->k", pull[theirs], summed[theirs])
             place = self.layout.spread(columns, size)
             precision[np.ix_(place, place)] += part
             slope[place] += own
@@ -306,7 +325,7 @@ class GravityPart:
         def gradient(mean: Sequence[Array], covariance: Sequence[Array]) -> dict[str, float]:
             """Return derivatives of the log evidence by the logarithms of the noise."""
             setup = self.setup[trials]
-            across_left, along = left @ across, inner_left[:, :, :2]
+            across_left, known = back @ across, (triangle**2).sum(axis=1) / kappa
             trial_q, setup_q = np.zeros(chosen.size), np.zeros(2)
             scale = square - freedom
             for size in range(len(self.layout.sizes)):
@@ -317,9 +336,7 @@ class GravityPart:
                 j = setup[mine]
                 a = across_left[mine] - along[mine] @ share[j]
                 b = right_left[mine] - (along[mine] @ pull[j][:, :, None])[:, :, 0]
-                c = np.diagonal(inner_left[mine], axis1=1, axis2=2) - (
-                    (along[mine] @ taken[j]) * along[mine]
-                ).sum(axis=2)
+                c = known[mine] - ((along[mine] @ taken[j]) * along[mine]).sum(axis=2)
                 trial_q += ((b - a @ m) ** 2 + _spread(a, v) - c).sum(axis=0)
                 whole_setup = stiff[theirs]
                 a = summed[theirs] - whole_setup @ share[theirs]
@@ -348,8 +365,13 @@ class GravityPart:
         found.layout = layout
         found._squeeze = squeeze if self._squeeze is None else self._squeeze @ squeeze
         found.__dict__.pop("columns", None)
-        found._precision = squeeze.T @ self._precision @ squeeze
-        found._slope, found._across = self._slope @ squeeze, self._across @ squeeze
+        found._across = self._across @ squeeze
+        found._beyond = {
+            width: _Beyond(
+                squeeze.T @ beyond.precision @ squeeze, beyond.slope @ squeeze, beyond.square
+            )
+            for width, beyond in self._beyond.items()
+        }
         found._views = {}
         return found
 
@@ -374,9 +396,11 @@ class GravityPart:
             x = project(white[:, None] * self.columns[rows]) / np.sqrt(noise["kappa"])
             z = project(white[:, None] * self.random[rows, :ALWAYS]) / np.sqrt(noise["kappa"])
             sd[TRIAL] = np.sqrt(scatter[trial])
-            whole = np.eye(ALWAYS) + sd[:, None] * (z.T @ z) * sd
-            across = sd[:, None] * (z.T @ x)
-            found[trial] = x.T @ x - across.T @ np.linalg.solve(whole, across)
+            triangle, along, apart = _orthogonal(z, x)
+            # Trials that nobody has made may be so long that 1 is lost beside their square.
+            both = np.vstack([(triangle * sd).T, np.eye(len(triangle))])
+            seen = np.linalg.solve(np.linalg.qr(both)[1].T, along)
+            found[trial] = apart.T @ apart + seen.T @ seen
         return found
 
     def phase_strength(self, place: int) -> float:
@@ -384,8 +408,7 @@ class GravityPart:
         if place not in self.blocks:
             return 0.0
         block = self.blocks[place]
-        inner = self._inner[:, block, block]
-        return float(np.trace(inner, axis1=1, axis2=2).sum())
+        return float((self._triangle[:, :, block] ** 2).sum())
 
     def scatter(self, noise: Mapping[str, float]) -> Array:
         """Return the relative variance of trials' and assemblies' friction, (N, 2)."""
@@ -409,6 +432,23 @@ class GravityPart:
         """
         columns = self.columns, self.random
         return runs_of(self.rows, *columns, self._travel, self.scatter(noise), noise, numbers)
+
+
+def _orthogonal(columns: Array, values: Array) -> tuple[Array, Array, Array]:
+    """Part values into what is along columns and what is orthogonal to them.
+
+    Returns
+    -------
+    triangle : ndarray, shape (w, R)
+        The R columns in an orthonormal basis of theirs, upper triangular.
+    along : ndarray, shape (w, k)
+        The values in that basis.
+    apart : ndarray, shape (m, k)
+        Of the values, what is orthogonal to the columns.
+    """
+    basis, triangle = np.linalg.qr(columns)
+    along = basis.T @ values
+    return triangle, along, values - basis @ along
 
 
 def _fold(one: Array, other: Array) -> Array:
