@@ -31,6 +31,7 @@ __all__ = [
     "by_blocks",
     "leave_out",
     "leave_setups_out",
+    "scores",
     "setup_log_densities",
     "uniformity",
 ]
@@ -247,9 +248,13 @@ def _distribution(pit: Array) -> Array:
     return np.stack([(pit <= place).mean(axis=-1) for place in GRID], axis=-1)
 
 
+def scores(pit: Array) -> Array:
+    """Return the normal scores of probabilities, finite."""
+    return np.asarray(ndtri(np.clip(pit, EDGE, 1 - EDGE)))
+
+
 def _spread(pit: Array) -> Array:
-    score = ndtri(np.clip(pit, EDGE, 1 - EDGE))
-    return np.asarray(np.sqrt((score**2).mean(axis=-1)))
+    return np.asarray(np.sqrt((scores(pit) ** 2).mean(axis=-1)))
 
 
 def _leave_out(
