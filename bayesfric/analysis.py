@@ -62,9 +62,19 @@ class Scatter(Section):
     trial: Literal["normal", "student-t"] = Field(
         "normal", description="Distribution of a trial's scatter; student-t forgives outliers."
     )
-    degrees_of_freedom: Annotated[float, Field(gt=2, le=100)] = Field(
-        4.0, description="Of the student-t; tau is its scale."
+    assembly: Literal["normal", "student-t"] = Field(
+        "normal",
+        description="Likewise of an assembly's, on the gravity board; not both are student-t.",
     )
+    degrees_of_freedom: Annotated[float, Field(gt=2, le=100)] = Field(
+        4.0, description="Of the student-t; tau, or omega and omega_intercept, are its scales."
+    )
+
+    @model_validator(mode="after")
+    def _one_of_them(self) -> "Scatter":
+        if self.trial == self.assembly == "student-t":
+            raise ValueError("student-t scatter of trials or of assemblies, not of both")
+        return self
 
 
 class Sampler(Section):

@@ -124,7 +124,7 @@ def check_boards(
     sizes: dict[str, tuple[str, ...]] = {}
     chosen: tuple[str, ...] = ()
     for name, recording in recordings.items():
-        if recording.sha256 in seen:
+        if recording.sha256 and recording.sha256 in seen:  # one that was never read has none
             expected = f"other data than those of {seen[recording.sha256]}: a board counts once"
             raise InputError([Fault(name, expected)])
         seen[recording.sha256] = name
