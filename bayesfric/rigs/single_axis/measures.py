@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from bayesfric.analysis import HalfNormal, LogNormal, Normal, Prior, PriorOverrides
 from bayesfric.effects import Effect, EffectParameter
 from bayesfric.rigs.rotary import rotary_unit
-from bayesfric.rigs.single_axis.period import FORMS, Wave
+from bayesfric.rigs.single_axis.period import SEARCHED, Wave
 
 __all__ = ["Measures"]
 
@@ -76,7 +76,7 @@ class Measures:
         if shape is None or "period" not in effect.needs:
             return found
         prior = LogNormal(median=self.wave.period, sd_log=self.wave.spread)
-        return replace(found, shape=replace(shape, prior=prior), forms=FORMS)
+        return replace(found, shape=replace(shape, prior=prior), searched=SEARCHED)
 
     def _parameter(self, one: EffectParameter) -> EffectParameter:
         scale = self.scale(one.unit)
