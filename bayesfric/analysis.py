@@ -21,13 +21,13 @@ from bayesfric.families import (
     Normal,
     Positive,
     Prior,
-    PriorAboveZero,
     Section,
     StudentT,
     TruncatedNormal,
     Uniform,
 )
 from bayesfric.files import read_toml
+from bayesfric.priors import PriorOverrides, Priors
 
 __all__ = [
     "Analysis",
@@ -55,130 +55,6 @@ __all__ = [
 ]
 
 
-class PriorOverrides(Section):
-    """Priors of one pulley size that differ from the rest."""
-
-    c1: Prior | None = Field(None, description="Prior of c1 for this size [-].")
-    c2: Prior | None = Field(None, description="Prior of c2 for this size [N].")
-    c3: Prior | None = Field(None, description="Prior of c3 for this size [1/deg].")
-
-
-class Priors(Section):
-    """Prior densities; all proper, normalised and part of the evidence.
-
-    The defaults are argued from what a cable on a rolling pulley could do, not
-    from the paper's Table I: c1 of 0.05 would lose half the tension over 14
-    pulleys; c2 of 0.2 N is 20 g of weight a pulley; c3 of 1e-3/deg would move c1
-    by 0.05 over 50°; friction that repeats worse than 5 % is a loose rig; an
-    acceleration known no better than 0.05 m/s² was hardly measured. Friction that wanders
-    by 2 % along a trial is a bearing that is not the same all the way round; a length of
-    0.1 m (95 %: 0.04 to 0.27 m) is two turns of the medium pulley, between one turn of the
-    small one and half the travel.
-
-    The cable is that of model (3), and enters only where it stretches: 0.61 mm 7×19
-    stainless cable has an EA of 14 to 16 kN when it is run in, a new one less; a
-    length of 1.6 m (95 %: 1.1 to 2.4 m) and a few per cent of the critical damping
-    (95 %: 1.3 to 20 %) are assumptions. Only EA over length counts.
-
-    On the motor board a torque constant is as good as its data sheet, some 5 %;
-    currents of a few ampere are known to 20 mA and to 2 % of the load. A motor that
-    drew 1 A idle would spend most of its current on itself. Two rigs that differ by 20 %
-    in friction were hardly built after one drawing; what makes them differ, weights,
-    motor, axles, is the same for all sizes but for what one assembly differs from another.
-    """
-
-    c1: Prior = Field(HalfNormal(scale=0.05), description="Friction per tension and pulley [-].")
-    c2: Prior = Field(HalfNormal(scale=0.2), description="Constant friction a pulley [N].")
-    c3: Prior = Field(Normal(mean=0.0, sd=1e-3), description="Change of c1 with wrap [1/deg].")
-    tau: PriorAboveZero = Field(
-        HalfNormal(scale=0.05), description="Relative friction scatter a trial [-]."
-    )
-    omega: PriorAboveZero = Field(
-        HalfNormal(scale=0.05), description="Relative friction scatter an assembly [-]."
-    )
-    omega_intercept: PriorAboveZero = Field(
-        HalfNormal(scale=0.05),
-        description="Relative scatter of c2 an assembly, beside that of all friction [-].",
-    )
-    wander: PriorAboveZero = Field(
-        HalfNormal(scale=0.02),
-        description="Relative rms of friction that wanders along the travel of a trial [-].",
-    )
-    wander_length: PriorAboveZero = Field(
-        LogNormal(median=0.1, sd_log=0.5), description="Correlation length of the wander [m]."
-    )
-    sigma_x: PriorAboveZero = Field(
-        HalfNormal(scale=1e-4), description="Position error of an event [m]."
-    )
-    sigma_t: PriorAboveZero = Field(
-        HalfNormal(scale=1e-4), description="Clock error of an event [s]."
-    )
-    sigma_a: PriorAboveZero = Field(
-        HalfNormal(scale=0.05),
-        description="Error of an acceleration that comes without its standard error [m/s²].",
-    )
-    tau_motor: PriorAboveZero = Field(
-        HalfNormal(scale=0.05), description="Relative friction scatter of a motor run [-]."
-    )
-    omega_motor: PriorAboveZero = Field(
-        HalfNormal(scale=0.05),
-        description="Relative friction scatter of an assembly of the motor board [-].",
-    )
-    omega_intercept_motor: PriorAboveZero = Field(
-        HalfNormal(scale=0.05),
-        description="Relative scatter of c2 an assembly of the motor board, beside that of all "
-        "friction [-].",
-    )
-    torque_constant_factor: Prior = Field(
-        Normal(mean=1.0, sd=0.05), description="Torque constant over the specified one [-]."
-    )
-    sigma_current: PriorAboveZero = Field(
-        HalfNormal(scale=0.02), description="Noise of a current without load [A]."
-    )
-    load_noise: PriorAboveZero = Field(
-        HalfNormal(scale=0.02), description="Noise of a current per load current [-]."
-    )
-    sigma_friction: PriorAboveZero | None = Field(
-        None,
-        description="Error of a friction reading that comes without its standard error [N]. "
-        "Absent: half-normal with a twentieth of the machine's rms friction.",
-    )
-    idle_current_sd: Positive = Field(
-        1.0,
-        description="Of the normal priors, mean 0, of the idle curve's level [A], slope [A s/m] "
-        "and curvature [A s²/m²].",
-    )
-    first_speed: HalfNormal = Field(
-        HalfNormal(scale=1.0), description="Speed at the first event of a trial [m/s]."
-    )
-    axial_stiffness_n: PriorAboveZero = Field(
-        LogNormal(median=15e3, sd_log=0.2), description="Axial stiffness EA of the cable [N]."
-    )
-    cable_length_m: PriorAboveZero = Field(
-        LogNormal(median=1.6, sd_log=0.2), description="Cable between the two masses [m]."
-    )
-    damping_ratio: PriorAboveZero = Field(
-        LogNormal(median=0.05, sd_log=0.7),
-        description="Damping of the masses ringing on the cable, over the critical [-].",
-    )
-    rig_difference: Prior = Field(
-        Normal(mean=0.0, sd=0.1),
-        description="Friction of a second rig over that of the first, less 1: the mean over "
-        "sizes [-].",
-    )
-    rig_difference_of_size: Prior = Field(
-        Normal(mean=0.0, sd=0.02), description="Likewise, of one size beyond that mean [-]."
-    )
-    pulleys: dict[str, PriorOverrides] = Field(
-        default_factory=dict, description="Priors of single sizes: [priors.pulleys.SIZE]."
-    )
-    effects: dict[str, dict[str, Prior]] = Field(
-        default_factory=dict,
-        description="Priors of the parameters of an effect, amplitude or shape, by their names: "
-        "[priors.effects.NAME]. Claims and diagnosis use them; else those of the effect's file.",
-    )
-
-
 class Scatter(Section):
     """How friction scatters from trial to trial and from assembly to assembly."""
 
@@ -186,9 +62,19 @@ class Scatter(Section):
     trial: Literal["normal", "student-t"] = Field(
         "normal", description="Distribution of a trial's scatter; student-t forgives outliers."
     )
-    degrees_of_freedom: Annotated[float, Field(gt=2, le=100)] = Field(
-        4.0, description="Of the student-t; tau is its scale."
+    assembly: Literal["normal", "student-t"] = Field(
+        "normal",
+        description="Likewise of an assembly's, on the gravity board; not both are student-t.",
     )
+    degrees_of_freedom: Annotated[float, Field(gt=2, le=100)] = Field(
+        4.0, description="Of the student-t; tau, or omega and omega_intercept, are its scales."
+    )
+
+    @model_validator(mode="after")
+    def _one_of_them(self) -> "Scatter":
+        if self.trial == self.assembly == "student-t":
+            raise ValueError("student-t scatter of trials or of assemblies, not of both")
+        return self
 
 
 class Sampler(Section):

@@ -33,14 +33,13 @@ class ApartModel(Model):
     """
 
     def __init__(self, first: RigLikelihood, second: RigLikelihood, priors: Priors) -> None:
-        super().__init__((first, second))
-        self._first, self._second = first, second
-        self._start = np.append(super().start(), np.zeros(1 + len(second.sizes)))
-        self.parameters = (
-            *self.parameters,
+        apart = [
             Parameter(MEAN, "1", priors.rig_difference),
             *(Parameter(f"{MEAN}[{s}]", "1", priors.rig_difference_of_size) for s in second.sizes),
-        )
+        ]
+        super().__init__((first, second), apart)
+        self._first, self._second = first, second
+        self._start = np.append(Model((first, second)).start(), np.zeros(len(apart)))
 
     def start(self) -> Array:
         """Return a sampling-space point to climb from: rigs that do not differ, shape (D,)."""

@@ -1,6 +1,7 @@
-"""``bayesfric fit``: posteriors of c1, c2, c3 for each pulley size."""
+"""``bayesfric fit``: posteriors of c1, c2, c3 for each pulley size, of one board or of several."""
 
 import shutil
+from collections.abc import Sequence
 from os.path import relpath
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -15,13 +16,22 @@ from bayesfric.cli.progress import progress_bar
 
 if TYPE_CHECKING:
     from bayesfric.analysis import Analysis
+    from bayesfric.fitting.posterior import Fit
+    from bayesfric.recording.tables import Recording
+    from bayesfric.schemas import FitFile
 
 __all__ = ["fit", "fit_into"]
 
 
 @exit_status
 def fit(
-    recording: Annotated[Path, typer.Argument(help="Folder of the recording.")],
+    recordings: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="RECORDING…",
+            help="Folder of the recording; of several, each is a board of one population.",
+        ),
+    ],
     output: Folder = Path("bayesfric-run"),
     rigs: Rigs = None,
     baseline: Baseline = "paper",
@@ -34,6 +44,8 @@ def fit(
     """Draw from the posterior; write fit.json, draws.nc, predictive.nc, timings.json.
 
     Example: bayesfric fit my-board -o my-results
+
+    Several boards: bayesfric fit monday tuesday friday -o pooled
     """
     from bayesfric.analysis import read_analysis
 
@@ -42,13 +54,13 @@ def fit(
     chosen = named_rigs(rigs)
     with hold(output, "fit"):
         happened = fit_into(
-            recording, output, analysis, rigs=chosen, baseline=baseline, csv=csv, quiet=quiet
+            recordings, output, analysis, rigs=chosen, baseline=baseline, csv=csv, quiet=quiet
         )
     fail_on(fail_on_list, happened)
 
 
 def fit_into(
-    recording: Path,
+    recordings: Sequence[Path],
     output: Path,
     analysis: "Analysis",
     *,
@@ -59,29 +71,130 @@ def fit_into(
     quiet: bool,
 ) -> set[str]:
     """Fit, write and print; return what happened that ``--fail-on`` can name."""
-    from bayesfric.fitting.posterior import fit as fit_recording
     from bayesfric.recording import read_recording
 
-    found = read_recording(recording)
+    inputs = {
+        kind: [relpath(path, output) for path in paths]
+        for kind, paths in {"recording": recordings, "loops": loops or []}.items()
+    }
+    if len(recordings) > 1:
+        summary = _pooled(
+            recordings,
+            output,
+            analysis,
+            rigs,
+            baseline=baseline,
+            csv=csv,
+            inputs=inputs,
+            quiet=quiet,
+        )
+    else:
+        result = _fitted(
+            read_recording(recordings[0]),
+            output,
+            analysis,
+            rigs,
+            baseline=baseline,
+            csv=csv,
+            inputs=inputs,
+            quiet=quiet,
+        )
+        summary = result.summary
+        _print_coefficients(summary)
+    if not quiet:
+        for line in summary.attention:
+            say(f"attention: {line}", err=True)
+    return set() if summary.converged else {"unconverged"}
+
+
+def _fitted(
+    recording: "Recording",
+    output: Path,
+    analysis: "Analysis",
+    rigs: Sequence[str] | None,
+    *,
+    baseline: str,
+    csv: bool,
+    inputs: dict[str, list[str]],
+    quiet: bool,
+) -> "Fit":
+    """Fit one recording and write it."""
+    from bayesfric.fitting.posterior import fit as fit_recording
+
     checkpoint = output / ".checkpoint"
-    with progress_bar("sampling", quiet=quiet) as progress:
+    with progress_bar(f"sampling {recording.name}", quiet=quiet) as progress:
         result = fit_recording(
-            found,
+            recording,
             analysis,
             progress=progress,
             checkpoint=checkpoint,
             baseline=baseline,
             rigs=rigs,
         )
-    inputs = {"recording": [recording], "loops": loops or []}
-    result.write(
-        output,
-        csv=csv,
-        inputs={kind: [relpath(path, output) for path in paths] for kind, paths in inputs.items()},
-    )
+    result.write(output, csv=csv, inputs=inputs)
     shutil.rmtree(checkpoint)
-    converged = result.summary.converged  # where it is not, `informed` may be wrong
-    for size, coefficients in result.summary.pulleys.items():
+    return result
+
+
+def _pooled(
+    folders: Sequence[Path],
+    output: Path,
+    analysis: "Analysis",
+    rigs: list[str] | None,
+    *,
+    baseline: str,
+    csv: bool,
+    inputs: dict[str, list[str]],
+    quiet: bool,
+) -> "FitFile":
+    """Fit several recordings, each by itself and then all as boards of one population."""
+    from bayesfric.fitting.pooled import board_folder, check_boards, pool
+    from bayesfric.recording import read_recording
+
+    recordings = {name: read_recording(path) for name, path in _board_names(folders).items()}
+    chosen = check_boards(recordings, analysis, rigs)
+    fits = {}
+    for (name, recording), path in zip(recordings.items(), folders, strict=True):
+        own = output / board_folder(name)
+        fits[name] = _fitted(
+            recording,
+            own,
+            analysis,
+            chosen,
+            baseline=baseline,
+            csv=csv,
+            inputs={"recording": [relpath(path, own)]},
+            quiet=quiet,
+        )
+    with progress_bar("pooling", quiet=quiet) as progress:
+        result = pool(recordings, fits, analysis, progress=progress)
+    result.write(output, csv=csv, inputs=inputs)
+    _print_population(result.summary)
+    return result.summary
+
+
+def _board_names(folders: Sequence[Path]) -> dict[str, Path]:
+    """Return folders by what their boards are called, which is their last name."""
+    from bayesfric.errors import Fault, InputError
+
+    named: dict[str, Path] = {}
+    for folder in folders:
+        name = folder.resolve().name
+        if name in named:
+            same = named[name].resolve() == folder.resolve()
+            expected = (
+                "each recording once: it would count twice"
+                if same
+                else f"a folder of another name than {named[name]}: its board is called after it"
+            )
+            raise InputError([Fault(str(folder), expected)])
+        named[name] = folder
+    return named
+
+
+def _print_coefficients(summary: "FitFile") -> None:
+    converged = summary.converged  # where it is not, `informed` may be wrong
+    for size, coefficients in summary.pulleys.items():
         for name, entry in coefficients.items():
             unit = "" if entry.unit == "1" else f" {entry.unit}"
             say(
@@ -89,7 +202,25 @@ def fit_into(
                 f"  (90 %: {entry.q05:.4g} to {entry.q95:.4g})"
                 + ("" if entry.informed or not converged else "  driven by the prior")
             )
-    if not quiet:
-        for line in result.summary.attention:
-            say(f"attention: {line}", err=True)
-    return set() if converged else {"unconverged"}
+
+
+def _print_population(summary: "FitFile") -> None:
+    """Print a line a coefficient: the population, the scatter between boards, each board."""
+    pooled = summary.pooled
+    if pooled is None:
+        return
+    boards = "".join(f"  {name:<19}" for name in pooled.boards)
+    say(f"{'':<12}{'population':<21}between boards        {boards}".rstrip())
+    for size, coefficients in summary.pulleys.items():
+        for name, entry in coefficients.items():
+            found = pooled.pulleys[size][name]
+            between = found.between
+            each = "".join(
+                f"  {f'{one.pooled.mean:.4g} ± {one.pooled.sd:.2g}':<19}"
+                for one in found.boards.values()
+            )
+            say(
+                f"{size:<8} {name}  {f'{entry.mean:.4g} ± {entry.sd:.2g}':<19}  "
+                f"{f'{100 * between.q50:.2g} % (to {100 * between.q95:.2g} %)':<22}"
+                f"{each}".rstrip()
+            )

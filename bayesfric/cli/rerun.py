@@ -17,7 +17,7 @@ from bayesfric.cli.printing import say
 
 if TYPE_CHECKING:
     from bayesfric.analysis import Analysis
-    from bayesfric.schemas import Provenance
+    from bayesfric.schemas import FitFile, Provenance
 
 __all__ = ["rerun"]
 
@@ -79,10 +79,11 @@ def _repeat(folder: Path, again: Path, recording: Path | None, workers: int, qui
     if not records:
         expected = "a folder with fit.json, claims.json or diagnosis.json"
         raise InputError([Fault(str(folder), expected)])
-    source = _recording(folder, recording, inputs, records[0])
+    sources = _boards(folder, fitted, recording, inputs)
+    source = sources[0] if sources else _recording(folder, recording, inputs, records[0])
     if fitted is not None:
         fit_into(
-            source,
+            sources or [source],
             again,
             _settings(fitted, "fit.json"),
             rigs=list(fitted.rigs),
@@ -134,6 +135,27 @@ def _settings(record: "Provenance", name: str) -> "Analysis":
         expected = "every setting of the analysis; this file is of an earlier version"
         raise InputError([Fault(name, expected, column="analysis")])
     return checked_analysis(record.analysis, name)
+
+
+def _boards(
+    folder: Path,
+    fitted: "FitFile | None",
+    given: Path | None,
+    inputs: dict[str, tuple[str, ...]],
+) -> list[Path]:
+    """Return where the recordings of a fit of several are; none where it is of one."""
+    from bayesfric.errors import Fault, InputError
+
+    if fitted is None or fitted.pooled is None:
+        return []
+    found = [folder / path for path in inputs.get("recording", ())]
+    if given is not None or not found or not all(path.is_dir() for path in found):
+        expected = (
+            f"the {len(fitted.pooled.boards)} recordings of this fit where it had them; "
+            "else `bayesfric fit` with all of them"
+        )
+        raise InputError([Fault("command line", expected, column="--recording")])
+    return found
 
 
 def _recording(

@@ -97,7 +97,7 @@ def run_into(
     from bayesfric.report.writing import write_report
 
     common: dict[str, Any] = {"baseline": baseline, "quiet": quiet}
-    happened = fit_into(recording, output, analysis, rigs=rigs, loops=loops, **common)
+    happened = fit_into([recording], output, analysis, rigs=rigs, loops=loops, **common)
     happened |= claims_into(
         recording, output, analysis, junit=junit, rigs=rigs, workers=workers, **common
     )

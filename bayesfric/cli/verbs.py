@@ -4,9 +4,10 @@ Heavy imports stand inside the verbs, so that ``--help`` answers at once.
 """
 
 from importlib import metadata
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
 from bayesfric.cli.blind import blind
 from bayesfric.cli.calibrate import calibrate
@@ -35,6 +36,26 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
+
+OF_ONE = (run, validate, claims, diagnose)
+"""Verbs whose argument is a recording, and one alone."""
+
+
+class OneRecording(TyperCommand):
+    """A verb that says why it refuses a second recording."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Parse the command line; end with its usage where more is left of it."""
+        ctx.allow_extra_args = True
+        left = super().parse_args(ctx, args)
+        if left:
+            ctx.fail(
+                f"unexpected {' '.join(left)}: what `{self.name}` says is of one board. Several "
+                "recordings are pooled by `bayesfric fit A B C`, with a fit of each beside it"
+            )
+        return left
+
+
 for verb in (
     run,
     validate,
@@ -52,7 +73,7 @@ for verb in (
     effects,
     info,
 ):
-    app.command()(verb)
+    app.command(cls=OneRecording if verb in OF_ONE else TyperCommand)(verb)
 app.command("import")(import_log)
 
 

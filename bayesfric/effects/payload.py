@@ -1,4 +1,4 @@
-"""Mass that moves in the test runs and did not in those of calibration."""
+"""Mass that moves in the runs that show the gap, and that the baseline has not."""
 
 from collections.abc import Mapping
 
@@ -19,11 +19,12 @@ def _carried(p: Mapping[str, Array], state: State) -> Array:
 EFFECT = Effect(
     name="payload",
     acts_on="drive",
-    sentence="the test runs move more mass than those of calibration",
+    sentence="the runs that show the gap move more mass than the baseline has",
     amplitude=EffectParameter(
         name="mass",
         unit="kg",
-        meaning="mass, or inertia, that the test runs move beyond that of calibration",
+        meaning="mass, or inertia, that runs move beyond the baseline's: those of role test, or, "
+        "where no run is only a test, those without a role",
         prior=Normal(mean=0.0, sd=0.5),
         plausible=(-0.5, 2.0),
         reference="argued: what an axis carries is up to some times its own mass; what it lost "

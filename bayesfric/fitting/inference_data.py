@@ -10,6 +10,7 @@ what power-scaling (``psense``) makes of it.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,7 @@ from bayesfric.inference.priors import LOG_2PI, log_density
 from bayesfric.results import draws_tree
 from bayesfric.rigs.coefficients import sizes_of
 
-__all__ = ["Stored", "draws_of_fit", "write_csv"]
+__all__ = ["Stored", "draws_of_fit", "flat_attributes", "write_csv"]
 
 Array = NDArray[np.float64]
 MOST_DRAWS = 4000
@@ -188,7 +189,7 @@ def draws_of_fit(
             ],
         },
         ensemble=stored.ensemble,
-        attributes=_flat(attributes),
+        attributes=flat_attributes(attributes),
         units={**{p.name.partition("[")[0]: p.unit for p in model.parameters}},
     )
 
@@ -213,12 +214,12 @@ def _variables(model: Model, values: Array) -> dict[str, Array]:
     return variables
 
 
-def _flat(attributes: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+def flat_attributes(attributes: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     """Flatten provenance for netCDF attributes, which hold no mappings."""
     flat: dict[str, Any] = {}
     for key, value in attributes.items():
         if isinstance(value, Mapping):
-            flat |= _flat(value, f"{prefix}{key}.")
+            flat |= flat_attributes(value, f"{prefix}{key}.")
         else:
             flat[f"{prefix}{key}"] = "" if value is None else value
     return flat
@@ -230,11 +231,11 @@ def write_csv(tree: xr.DataTree, path: Path) -> None:
     posterior = posterior.stack(sample=("chain", "draw"))  # noqa: PD013 (not of pandas)
     columns = {}
     for name, variable in posterior.data_vars.items():
-        if "pulley" in variable.dims:
-            for size in posterior["pulley"].to_numpy():
-                columns[f"{name}[{size}]"] = variable.sel(pulley=size).to_numpy()
-        else:
-            columns[str(name)] = variable.to_numpy()
+        further = [str(dim) for dim in variable.dims if dim != "sample"]
+        labels = [posterior[dim].to_numpy() for dim in further]
+        for one in product(*labels):
+            called = f"{name}[{','.join(map(str, one))}]" if further else str(name)
+            columns[called] = variable.sel(dict(zip(further, one, strict=True))).to_numpy()
     index = pd.MultiIndex.from_arrays(
         [posterior["chain"].to_numpy(), posterior["draw"].to_numpy()], names=["chain", "draw"]
     )

@@ -37,7 +37,7 @@ from bayesfric.rigs.data import Data
 from bayesfric.rigs.opening import baseline_of, chosen_rigs, open_rigs, with_own_priors
 from bayesfric.schemas import FitFile, RecordingId, TimingsFile
 
-__all__ = ["Fit", "fit"]
+__all__ = ["Fit", "fit", "model_of_law", "opened"]
 
 Array = NDArray[np.float64]
 
@@ -143,9 +143,8 @@ def fit(
     seconds: dict[str, float] = {}
     with threadpool_limits(limits=1):  # one BLAS thread: the same bytes, and faster
         with _timed(seconds, "reduce"):
-            data = Data(open_rigs(recording, chosen))
-            law, analysis = baseline_of(baseline, data.rigs), with_own_priors(analysis, data.rigs)
-            model = _model(data, analysis, law)
+            data, law, analysis = opened(recording, analysis, chosen, baseline)
+            model = model_of_law(data, analysis, law)
         # With the rigs' own priors, so that what is stored says all that was used.
         attributes = provenance(
             recording=RecordingId(
@@ -163,7 +162,7 @@ def fit(
             whole, why = _all_that_can_enter(recording, data)
             without = None
             if whole is not None:
-                again = _model(whole, analysis, law)
+                again = model_of_law(whole, analysis, law)
                 folder = None if checkpoint is None else checkpoint / "without-exclusions"
                 without = summarise_without_exclusions(
                     _under_rules(whole),
@@ -174,7 +173,7 @@ def fit(
             moved, why_moved = _all_that_moved(data)
             without_stalls = None
             if moved is not None:
-                again = _model(moved, analysis, law)
+                again = model_of_law(moved, analysis, law)
                 folder = None if checkpoint is None else checkpoint / "without-stalls"
                 without_stalls = summarise_without_exclusions(
                     _under_rules(moved),
@@ -222,7 +221,19 @@ def fit(
     return Fit(identified(summary), tree, predictive, seconds)
 
 
-def _model(data: Data, analysis: Analysis, law: Baseline) -> Model:
+def opened(
+    recording: Recording, analysis: Analysis, rigs: Sequence[str], baseline: str
+) -> tuple[Data, Baseline, Analysis]:
+    """Return what enters a fit, its law, and the analysis with the rigs' own priors.
+
+    Parameters and errors are those of :func:`fit`.
+    """
+    data = Data(open_rigs(recording, rigs))
+    return data, baseline_of(baseline, data.rigs), with_own_priors(analysis, data.rigs)
+
+
+def model_of_law(data: Data, analysis: Analysis, law: Baseline) -> Model:
+    """Return the posterior of a law that nothing acts beside."""
     return Model([trials.likelihood(analysis, law) for trials in data.rigs])
 
 

@@ -26,7 +26,13 @@ from bayesfric.schemas import (
     WithoutExclusions,
 )
 
-__all__ = ["summarise", "summarise_without_exclusions"]
+__all__ = [
+    "interval_of",
+    "parameter_summary",
+    "summarise",
+    "summarise_without_exclusions",
+    "unsettled",
+]
 
 Array = NDArray[np.float64]
 COEFFICIENTS = ("c1", "c2", "c3")
@@ -64,7 +70,7 @@ def summarise(
     convergence = dict(zip(model.names, diagnose_all(theta), strict=True))
     informed = informed_by_data(model, theta.reshape(-1, theta.shape[-1]))
     entries = {
-        parameter.name: _parameter(
+        parameter.name: parameter_summary(
             parameter, theta[..., place], convergence[parameter.name], bool(informed[place])
         )
         for place, parameter in enumerate(model.parameters)
@@ -130,7 +136,7 @@ def summarise_without_exclusions(trials: int, model: Model, draws: Draws) -> Wit
         converged=all(figures.converged for figures in diagnose_all(theta)),
         pulleys=_by_pulley(
             {
-                name: _interval(theta[..., place])
+                name: interval_of(theta[..., place])
                 for name, place in places.items()
                 if name.partition("[")[0] in COEFFICIENTS
             }
@@ -152,12 +158,13 @@ def _of_kind(
     return {p.name: entries[p.name] for p in model.parameters if p.kind == kind}
 
 
-def _parameter(
+def parameter_summary(
     parameter: Parameter, draws: Array, figures: Convergence, informed: bool
 ) -> ParameterSummary:
+    """Return what is known of a parameter from draws of it, in any shape."""
     sd = prior_sd(parameter.prior)
     return ParameterSummary(
-        **_interval(draws).model_dump(),
+        **interval_of(draws).model_dump(),
         unit=parameter.unit,
         prior=describe(parameter.prior),
         mcse_mean=figures.mcse_mean,
@@ -171,7 +178,8 @@ def _parameter(
     )
 
 
-def _interval(draws: Array) -> Interval:
+def interval_of(draws: Array) -> Interval:
+    """Return the distribution of draws, in any shape."""
     q05, q50, q95 = np.quantile(draws, [0.05, 0.5, 0.95])
     return Interval(
         mean=float(draws.mean()),
@@ -222,10 +230,24 @@ def _attention(
     quality: DataQuality,
 ) -> tuple[str, ...]:
     """Return what a reader must know before the numbers."""
-    lines = []
+    lines = list(unsettled(convergence, entries))
+    if quality.replicated_cells == 0 and quality.trials_used:
+        lines.append(
+            "No (size, n, angle) cell was assembled twice: setup scatter has no replicates, "
+            "and effects of n and of the wrap angle rest on the prior of omega"
+        )
+    if quality.excluded:
+        lines.append(f"{len(quality.excluded)} of {quality.trials} trials left out")
+    return tuple(lines)
+
+
+def unsettled(
+    convergence: Mapping[str, Convergence], entries: Mapping[str, ParameterSummary]
+) -> Iterator[str]:
+    """Yield the parameters that have not converged, and those that the prior drives."""
     for name, figures in convergence.items():
         if not figures.converged:
-            lines.append(
+            yield (
                 f"Parameter {name} has not converged: R-hat {figures.r_hat:.4f} "
                 f"(limit {LIMITS['r_hat']}), "
                 f"by walker {figures.r_hat_walkers:.4f} (limit {LIMITS['r_hat_walkers']}), "
@@ -236,15 +258,7 @@ def _attention(
     converged = all(figures.converged for figures in convergence.values())
     open_names = [name for name, entry in entries.items() if converged and not entry.informed]
     if open_names:
-        lines.append(f"Driven by the prior, not by these data: {', '.join(open_names)}")
-    if quality.replicated_cells == 0 and quality.trials_used:
-        lines.append(
-            "No (size, n, angle) cell was assembled twice: setup scatter has no replicates, "
-            "and effects of n and of the wrap angle rest on the prior of omega"
-        )
-    if quality.excluded:
-        lines.append(f"{len(quality.excluded)} of {quality.trials} trials left out")
-    return tuple(lines)
+        yield f"Driven by the prior, not by these data: {', '.join(open_names)}"
 
 
 def _outlying(found: Sequence[AssemblyCheck]) -> Iterator[str]:

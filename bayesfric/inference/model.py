@@ -1,6 +1,6 @@
 """Priors and likelihoods put together: one log posterior for a whole ensemble."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -8,7 +8,15 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Prior
-from bayesfric.inference.priors import LOG_2PI, Parameter, draw, from_normal, log_density, to_normal
+from bayesfric.inference.priors import (
+    LOG_2PI,
+    Parameter,
+    draw,
+    from_normal,
+    joined,
+    log_density,
+    to_normal,
+)
 
 __all__ = ["Model", "RigLikelihood"]
 
@@ -84,12 +92,27 @@ class Model:
     ----------
     likelihoods : sequence of RigLikelihood
         Independent given the parameters.
+    more : sequence of Parameter
+        Parameters that no likelihood has by itself; they come last.
     """
 
-    def __init__(self, likelihoods: Sequence[RigLikelihood]) -> None:
+    def __init__(
+        self, likelihoods: Sequence[RigLikelihood], more: Sequence[Parameter] = ()
+    ) -> None:
         self.likelihoods = tuple(likelihoods)
         named = {p.name: p for rig in self.likelihoods for p in rig.parameters}
-        self.parameters = tuple(named.values())
+        self.parameters = (*named.values(), *more)
+        everywhere = range(len(self.parameters))
+        self._priors = self._by_family(everywhere)
+        self._linear = self._by_family(k for k in everywhere if self.parameters[k].linear)
+
+    def _by_family(self, places: Iterable[int]) -> list[tuple[NDArray[np.intp], Prior]]:
+        """Return which parameters have priors of one family, and these priors as one."""
+        there = list(places)
+        return [
+            (np.array([there[k] for k in members]), prior)
+            for members, prior in joined([self.parameters[k].prior for k in there])
+        ]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -98,13 +121,17 @@ class Model:
 
     def natural(self, z: Array) -> Array:
         """Return parameters in their units from sampling-space points, shape (…, D)."""
-        columns = zip(self.parameters, np.moveaxis(z, -1, 0), strict=True)
-        return np.stack([from_normal(p.prior, column) for p, column in columns], axis=-1)
+        theta = np.empty_like(z)
+        for places, prior in self._priors:
+            theta[..., places] = from_normal(prior, z[..., places])
+        return theta
 
     def sampling(self, theta: Array) -> Array:
         """Return sampling-space points from parameters in their units, shape (…, D)."""
-        columns = zip(self.parameters, np.moveaxis(theta, -1, 0), strict=True)
-        return np.stack([to_normal(p.prior, column) for p, column in columns], axis=-1)
+        z = np.empty_like(theta)
+        for places, prior in self._priors:
+            z[..., places] = to_normal(prior, theta[..., places])
+        return z
 
     def linear(self, z: Array) -> Array:
         """Return points with the parameters that data are linear in in their units, (W, D).
@@ -112,30 +139,26 @@ class Model:
         What the data leave open of these is straight.
         """
         x = z.copy()
-        for place, prior in self._linear():
-            x[:, place] = from_normal(prior, z[:, place])
+        for places, prior in self._linear:
+            x[:, places] = from_normal(prior, z[:, places])
         return x
 
     def from_linear(self, x: Array) -> Array:
         """Return the sampling-space points of :meth:`linear`; infinite beyond a prior's bounds."""
         z = x.copy()
-        for place, prior in self._linear():
-            z[:, place] = to_normal(prior, x[:, place])
+        for places, prior in self._linear:
+            z[:, places] = to_normal(prior, x[:, places])
         return z
 
     def linear_log_slope(self, z: Array) -> Array:
         """Return the log determinant of the derivative of :meth:`linear`, shape (W,)."""
         slope = np.zeros(len(z))
-        for place, prior in self._linear():
+        for places, prior in self._linear:
             # One probability in either coordinate: N(z) dz = p(x) dx.
-            normal = -0.5 * (LOG_2PI + z[:, place] ** 2)
-            slope += normal - log_density(prior, from_normal(prior, z[:, place]))
+            normal = -0.5 * (LOG_2PI + z[:, places] ** 2)
+            density = log_density(prior, from_normal(prior, z[:, places]))
+            slope += (normal - density).sum(axis=1)
         return slope
-
-    def _linear(self) -> Iterator[tuple[int, Prior]]:
-        for place, parameter in enumerate(self.parameters):
-            if parameter.linear:
-                yield place, parameter.prior
 
     def by_name(self, theta: Array) -> dict[str, Array]:
         """Return the columns of an array of shape (W, D) by parameter name."""
@@ -143,9 +166,8 @@ class Model:
 
     def log_prior(self, theta: Array) -> Array:
         """Return the log prior density in the parameters' units, shape (W,)."""
-        columns = zip(self.parameters, theta.T, strict=True)
-        terms = np.array([log_density(p.prior, column) for p, column in columns])
-        return np.asarray(terms.sum(axis=0))
+        terms = [log_density(prior, theta[:, places]).sum(axis=1) for places, prior in self._priors]
+        return np.asarray(np.sum(terms, axis=0))
 
     def log_likelihood(self, theta: Array) -> Array:
         """Return the log density of the raw data, shape (W,)."""

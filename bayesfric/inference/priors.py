@@ -5,6 +5,7 @@ the parameter has under its prior: the prior is N(0, 1) there, whatever its fami
 bounds are at infinity, and a scale that may vanish has no long tail.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, Literal
@@ -33,6 +34,7 @@ __all__ = [
     "describe",
     "draw",
     "from_normal",
+    "joined",
     "log_density",
     "prior_sd",
     "prior_width",
@@ -44,6 +46,8 @@ LOG_2PI = float(np.log(2 * np.pi))
 LOG_2 = float(np.log(2))
 FAR = 30.0  # standard deviations; tail probabilities soon underflow, their logarithms do not
 
+
+CLOSED_FORMS = (HalfNormal, LogNormal, Normal, Uniform)
 
 Kind = Literal["coefficient", "scatter", "noise", "other"]
 
@@ -75,6 +79,40 @@ class Parameter:
     linear: bool = False
 
 
+def joined(priors: Sequence[Prior]) -> list[tuple[list[int], Prior]]:
+    """Return priors with those of one family put together.
+
+    Parameters
+    ----------
+    priors : sequence of Prior
+        One a parameter.
+
+    Returns
+    -------
+    list of (list of int, Prior)
+        Places in `priors`, and a prior whose numbers are arrays over these places: for
+        :func:`log_density`, :func:`from_normal` and :func:`to_normal` of values with these
+        places as their last axis. A family that is computed by SciPy stays one a place.
+    """
+    together: dict[object, list[int]] = {}
+    for place, prior in enumerate(priors):
+        key = type(prior) if isinstance(prior, CLOSED_FORMS) else place
+        together.setdefault(key, []).append(place)
+    return [(places, _stacked([priors[k] for k in places])) for places in together.values()]
+
+
+def _stacked(priors: Sequence[Prior]) -> Prior:
+    if len(priors) == 1:
+        return priors[0]
+    family = type(priors[0])
+    numbers: dict[str, Any] = {
+        name: np.array([getattr(prior, name) for prior in priors])
+        for name in family.model_fields
+        if name != "family"
+    }
+    return family.model_construct(**numbers)  # arrays, which validation would refuse
+
+
 def log_density(prior: Prior, value: ArrayLike) -> NDArray[np.float64]:
     """Return the log of a normalised prior density; −inf outside its support.
 
@@ -98,7 +136,7 @@ def log_density(prior: Prior, value: ArrayLike) -> NDArray[np.float64]:
                 density = -np.log(sd) - 0.5 * (LOG_2PI + ((x - mean) / sd) ** 2)
                 inside = np.full(x.shape, True)
             case Uniform(low=low, high=high):
-                density = np.full_like(x, -np.log(high - low))
+                density = -np.log(high - low) + np.zeros_like(x)
                 inside = (x >= low) & (x <= high)
             case _:
                 return np.asarray(_frozen(prior).logpdf(x), dtype=np.float64)

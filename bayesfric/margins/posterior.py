@@ -102,6 +102,9 @@ def read_posterior(path: Path) -> Posterior:
         raise InputError([fault])
     table = tree["posterior"].to_dataset()
     omegas = {name: name for name in map(str, table.data_vars) if name.partition("[")[0] == "omega"}
+    if "board" in table.sizes:
+        several = "draws of one board; these are of several, and the scatter of its assemblies is "
+        raise InputError([Fault(path.name, f"{several}in boards/NAME/draws.nc of each")])
     dimensions = {"chain", "draw", "pulley"}
     if not ({"c1", "c2", "c3"} <= set(table.data_vars) and dimensions <= set(table.sizes)):
         raise InputError([fault])

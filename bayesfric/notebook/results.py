@@ -12,7 +12,7 @@ from bayesfric.diagnosis.diagnosing import Diagnosed
 from bayesfric.fitting.posterior import Fit
 from bayesfric.margins.computing import Margins
 from bayesfric.report.stored import StoredResults
-from bayesfric.schemas import Interval, ScorecardFile
+from bayesfric.schemas import FitFile, Interval, ScorecardFile
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -228,6 +228,8 @@ class Results:
         Of controllers.
     scorecard : ScorecardFile or None
         How well the diagnosis does where it is not told.
+    pooled : FitFile or None
+        A fit of several recordings, in the place of `fit`.
     """
 
     fit: FitResult | None
@@ -235,6 +237,7 @@ class Results:
     diagnosis: DiagnosisResult | None
     margins: MarginsResult | None
     scorecard: ScorecardFile | None
+    pooled: FitFile | None
 
     @classmethod
     def of(cls, stored: StoredResults) -> "Results":
@@ -246,6 +249,7 @@ class Results:
             DiagnosisResult(diagnosis.found, diagnosis.curves, 0.0) if diagnosis else None,
             MarginsResult(stored.margins) if stored.margins else None,
             stored.scorecard,
+            stored.pooled,
         )
 
     def __repr__(self) -> str:

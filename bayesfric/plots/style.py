@@ -7,7 +7,7 @@ that they stay apart in grey and for the colour-blind.
 
 import io
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
@@ -27,6 +27,7 @@ __all__ = [
     "figure",
     "halves",
     "size_styles",
+    "svg_of",
     "to_svg",
 ]
 
@@ -168,6 +169,11 @@ def halves(whole: Figure, left: float, right: float) -> tuple[SubFigure, SubFigu
     """Part a figure into a left and a right one of these relative widths."""
     parts: Any = whole.subfigures(1, 2, width_ratios=(left, right))
     return parts[0], parts[1]
+
+
+def svg_of(draw: Callable[..., Figure], *arguments: Any) -> Callable[[], bytes]:
+    """Return what draws a figure of these arguments and writes it as SVG, once it is shown."""
+    return lambda: to_svg(draw(*arguments))
 
 
 def to_svg(figure: Figure) -> bytes:

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from datetime import datetime
 
 from bayesfric.report.chapters.blind import blind_chapter, scored_from
+from bayesfric.report.chapters.boards import boards
 from bayesfric.report.chapters.calibration import calibrated_from, calibration
 from bayesfric.report.chapters.checks import checks
 from bayesfric.report.chapters.claims import claims
@@ -47,7 +48,9 @@ def build_document(stored: StoredResults) -> Document:
         subtitle, created = "Simulation-based calibration", stored.calibration.created
     for file, record in list(stored.records.items())[:1]:
         subtitle, created = f"{SUBTITLES[file]} {record.recording.name}", record.created
-    pulleys = stored.fitted is not None and bool(stored.fitted.fit.pulleys)
+    pulleys = stored.pooled is not None or (
+        stored.fitted is not None and bool(stored.fitted.fit.pulleys)
+    )
     law = "" if pulleys else own_law(_rigs(stored))
     return Document(
         title=f"Friction measured on a {rig_words(_rigs(stored)[0]).rig}"
@@ -63,15 +66,19 @@ def _rigs(stored: StoredResults) -> tuple[str, ...]:
     """Return the rigs of the results, those that were fitted first."""
     if stored.fitted is not None:
         return stored.fitted.fit.rigs
+    if stored.pooled is not None:
+        return stored.pooled.rigs
     return () if stored.diagnosis is None else stored.diagnosis.found.rigs
 
 
 def _blocks(stored: StoredResults) -> Iterator[Block]:
     """Yield page one, results, evidence, method, where all is from, and the long tables."""
     yield from page_one(stored)
-    fitted = stored.fitted
+    fitted, pooled = stored.fitted, stored.pooled
     if fitted is not None:
         yield from summary(fitted)
+    if pooled is not None and pooled.pooled is not None:
+        yield from boards(pooled, pooled.pooled)
     if stored.diagnosis is not None:
         yield from diagnosis(stored.diagnosis)
     if stored.claims is not None:

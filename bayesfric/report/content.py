@@ -9,9 +9,10 @@ The blocks before the first heading are the front matter: they stand between
 the title and the table of contents, on page one.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
+from functools import cached_property
 from typing import Literal, TypeAlias
 
 from bayesfric.report.quantities import MISSING
@@ -215,8 +216,8 @@ class Figure:
 
     Parameters
     ----------
-    svg : bytes
-        As from `bayesfric.plots.style.to_svg`: text as paths, nothing external.
+    draw : callable
+        () to its SVG, as from `bayesfric.plots.style.svg_of`: text as paths, nothing external.
     caption : str, inline or sequence of inlines
     alt : str
         What the picture shows, for people who do not see it.
@@ -226,17 +227,23 @@ class Figure:
         Share of the text width, over 0 to 1.
     """
 
-    svg: bytes
+    draw: Callable[[], bytes]
     caption: Text
     alt: str
     label: str | None = None
     width: float = 1.0
 
     def __post_init__(self) -> None:
-        require(b"<svg" in self.svg, f"figure: expected SVG, got {self.svg[:40]!r}")
         require_text(self.caption, "figure, caption")
         require_text(self.alt, "figure, alt")
         require(0 < self.width <= 1, f"figure: expected a width in (0, 1], got {self.width}")
+
+    @cached_property
+    def svg(self) -> bytes:
+        """The picture; drawn once, and only where a renderer shows it."""
+        drawn = self.draw()
+        require(b"<svg" in drawn, f"figure: expected SVG, got {drawn[:40]!r}")
+        return drawn
 
 
 @dataclass(frozen=True)

@@ -80,7 +80,9 @@ class StoredResults:
     Parameters
     ----------
     fitted : StoredFit or None
-        The posterior.
+        The posterior of one recording.
+    pooled : FitFile or None
+        That of the population of several.
     claims : StoredClaims or None
         The paper's claims, judged.
     diagnosis : StoredDiagnosis or None
@@ -94,6 +96,7 @@ class StoredResults:
     """
 
     fitted: StoredFit | None = None
+    pooled: FitFile | None = None
     claims: StoredClaims | None = None
     diagnosis: StoredDiagnosis | None = None
     scorecard: ScorecardFile | None = None
@@ -106,6 +109,8 @@ class StoredResults:
         records: dict[str, Provenance] = {}
         if self.fitted is not None:
             records["fit.json"] = self.fitted.fit
+        if self.pooled is not None:
+            records["fit.json"] = self.pooled
         if self.diagnosis is not None:
             records["diagnosis.json"] = self.diagnosis.found
         if self.claims is not None:
@@ -138,8 +143,10 @@ def read_stored(folder: Path) -> StoredResults:
     def there(name: str) -> bool:
         return (folder / name).is_file()
 
+    fit = _fit(folder) if there("fit.json") else None
     stored = StoredResults(
-        _fit(folder) if there("fit.json") else None,
+        fit if isinstance(fit, StoredFit) else None,
+        fit if isinstance(fit, FitFile) else None,
         _claims(folder) if there("claims.json") else None,
         _diagnosis(folder) if there("diagnosis.json") else None,
         read_json(ScorecardFile, folder / "scorecard.json") if there("scorecard.json") else None,
@@ -163,7 +170,8 @@ def read_stored(folder: Path) -> StoredResults:
     return stored
 
 
-def _fit(folder: Path) -> StoredFit:
+def _fit(folder: Path) -> StoredFit | FitFile:
+    """Return a fit of one recording with its arrays, or what is said of several."""
     _beside("fit", folder, "fit", "draws.nc", "predictive.nc")
     fit = read_json(FitFile, folder / "fit.json")
     draws = read_beside(fit, folder / "draws.nc")
@@ -173,6 +181,8 @@ def _fit(folder: Path) -> StoredFit:
     ):
         raise InputError([Fault("draws.nc", "the draws of the fit in fit.json")])
     predictive = read_beside(fit, folder / "predictive.nc")
+    if fit.pooled is not None:
+        return fit
     named = any("rig" in predictive[name].attrs for name in predictive.children)
     if not named or not {"coefficients", "densities", "ranks"} <= set(predictive.children):
         expected = f"what this version predicts: run `bayesfric fit RECORDING -o {folder}` again"

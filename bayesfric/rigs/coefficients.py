@@ -101,13 +101,14 @@ class SizeIndex:
     def coefficients(self, theta: Mapping[str, Array]) -> Coefficients:
         """Return the law of each trial, arrays of shape (W, N)."""
         nothing = np.zeros_like(next(iter(theta.values())))
-        by_size = ([theta.get(name, nothing) for name in names] for names in self._names)
-        return Coefficients(*(np.stack(one, axis=-1)[:, self.of_trial] for one in by_size))
+        by_size = np.array([theta.get(name, nothing) for name in self._names])
+        of_trial = by_size.reshape(len(Coefficients._fields), len(self.sizes), -1)[:, self.of_trial]
+        return Coefficients(*of_trial.transpose(0, 2, 1))
 
     @cached_property
-    def _names(self) -> list[list[str]]:
+    def _names(self) -> list[str]:
         """Of each coefficient, those of the sizes; made once, for a likelihood asks often."""
-        return [[coefficient_name(f, size) for size in self.sizes] for f in Coefficients._fields]
+        return [coefficient_name(f, size) for f in Coefficients._fields for size in self.sizes]
 
     def rough_coefficients(
         self,

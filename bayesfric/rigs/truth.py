@@ -13,7 +13,7 @@ from bayesfric.physics.friction import Coefficients
 
 __all__ = ["AppliedEffect", "Truth", "laws_of", "table1_coefficients"]
 
-OPTIONAL = ("omega_intercept", "omega_intercept_motor", "wander", "push")
+OPTIONAL = ("omega_intercept", "omega_intercept_motor", "wander", "push", "assembly_freedom")
 
 
 @dataclass(frozen=True)
@@ -87,6 +87,9 @@ class Truth:
         Noise of a current per load current.
     effects : sequence of AppliedEffect
         What acts beside the law.
+    assembly_freedom : float
+        Degrees of freedom of the Student-t by which assemblies of the gravity board scatter;
+        0 is normal.
     """
 
     coefficients: Mapping[str, Coefficients] = field(default_factory=table1_coefficients)
@@ -106,6 +109,7 @@ class Truth:
     wander_length: float = 0.1
     push: float = 0.0
     omega_intercept_motor: float = 0.0
+    assembly_freedom: float = 0.0
 
     def as_json(self) -> dict[str, Any]:
         """Return the values as plain JSON types, without levels that are not there."""

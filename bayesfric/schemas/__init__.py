@@ -45,7 +45,6 @@ from bayesfric.schemas.fit import (
     Excluded,
     FitFile,
     OutlyingAssembly,
-    ParameterSummary,
     PointEstimate,
     Prediction,
     Repaired,
@@ -68,6 +67,8 @@ from bayesfric.schemas.margins import (
     VerifiedDraw,
     WithEffects,
 )
+from bayesfric.schemas.parameter import ParameterSummary
+from bayesfric.schemas.pooled import BoardCoefficient, Pooled, PooledBoard, PooledCoefficient
 from bayesfric.schemas.scorecard import (
     Confusion,
     Detected,
@@ -86,6 +87,7 @@ __all__ = [
     "Agreement",
     "AssemblyCheck",
     "Axis",
+    "BoardCoefficient",
     "CalibratedQuantity",
     "CalibrationCase",
     "CalibrationFile",
@@ -123,6 +125,9 @@ __all__ = [
     "ParameterSummary",
     "Plant",
     "PointEstimate",
+    "Pooled",
+    "PooledBoard",
+    "PooledCoefficient",
     "Prediction",
     "Provenance",
     "PulleyEvidence",

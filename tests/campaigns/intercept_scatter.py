@@ -59,20 +59,22 @@ def figures(done):
     The three sizes of one recording share their scatter: bounds are those of so many
     recordings, not of three times as many.
     """
-    found = {}
-    for level in LEVELS:
-        here = [one for one in done if one["level"] == level]
-        entry = {"recordings": len(here), "converged": sum(one["converged"] for one in here)}
-        for name in ("c1", "c2", "c3"):
-            ranks = np.array(
-                [[r for key, r in one["ranks"].items() if key.startswith(name)] for one in here]
-            )
-            inside = ((ranks > COVERED[0]) & (ranks < COVERED[1])).mean(axis=1)
-            hits, count = float(inside.sum()), len(here)
-            entry[name] = {
-                "coverage": hits / count,
-                "low": float(beta.ppf(0.025, hits, count - hits + 1)) if hits else 0.0,
-                "high": float(beta.ppf(0.975, hits + 1, count - hits)) if hits < count else 1.0,
-            }
-        found[f"{level:g}"] = entry
-    return found
+    by_level = {level: [one for one in done if one["level"] == level] for level in LEVELS}
+    return {f"{level:g}": coverage(here) for level, here in by_level.items()}
+
+
+def coverage(here):
+    """Return the coverage of c1, c2, c3 over some recordings, with 95 % bounds."""
+    entry = {"recordings": len(here), "converged": sum(one["converged"] for one in here)}
+    for name in ("c1", "c2", "c3"):
+        ranks = np.array(
+            [[r for key, r in one["ranks"].items() if key.startswith(name)] for one in here]
+        )
+        inside = ((ranks > COVERED[0]) & (ranks < COVERED[1])).mean(axis=1)
+        hits, count = float(inside.sum()), len(here)
+        entry[name] = {
+            "coverage": hits / count,
+            "low": float(beta.ppf(0.025, hits, count - hits + 1)) if hits else 0.0,
+            "high": float(beta.ppf(0.975, hits + 1, count - hits)) if hits < count else 1.0,
+        }
+    return entry

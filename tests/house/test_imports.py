@@ -19,7 +19,7 @@ ROWS = (
     ("errors", "files", "resources"),
     ("recording",),
     ("logs",),
-    ("paper", "families", "analysis", "schemas"),
+    ("paper", "families", "priors", "analysis", "schemas"),
     ("physics",),
     ("campaign", "checkpoint"),
     ("inference",),

@@ -72,8 +72,10 @@ def document(**changes: object) -> Document:
             label="coefficients",
             note="A dash: not informed.",
         ),
-        Figure(SVG, "A blue field.", "A rectangle filled with blue.", label="field", width=0.5),
-        Figure(SVG, "The same field.", "The same rectangle.", label="again"),
+        Figure(
+            lambda: SVG, "A blue field.", "A rectangle filled with blue.", label="field", width=0.5
+        ),
+        Figure(lambda: SVG, "The same field.", "The same rectangle.", label="again"),
         Heading(3, "Details"),
         BulletList(["one", ["two: ", Reference("coefficients")], [Reference("again")]]),
         Listing("bayesfric run\n  --seed 1"),

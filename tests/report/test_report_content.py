@@ -65,9 +65,9 @@ def test_section_numbers_start_again_under_a_new_chapter() -> None:
         (lambda: Table("t", ["a", "b"], [["1", "2"], ["1"]]), "row 2: expected 2 cells"),
         (lambda: Table("t", ["a"], ["1"]), "row 1: expected 1 cells"),
         (lambda: Column("t", align="middle"), "'middle'"),  # type: ignore[arg-type]
-        (lambda: Figure(b"PNG", "c", "a"), "expected SVG"),
-        (lambda: Figure(SVG, "c", ""), "figure, alt"),
-        (lambda: Figure(SVG, "c", "a", width=1.5), "got 1.5"),
+        (lambda: Figure(lambda: b"PNG", "c", "a").svg, "expected SVG"),
+        (lambda: Figure(lambda: SVG, "c", ""), "figure, alt"),
+        (lambda: Figure(lambda: SVG, "c", "a", width=1.5), "got 1.5"),
         (lambda: Equation("x"), "formula: expected one of"),
         (lambda: Notice("bad", "t"), "'bad'"),  # type: ignore[arg-type]
         (lambda: Link("click", "javascript:alert(1)"), "web address"),

@@ -207,9 +207,9 @@ def test_a_figure_stands_between_its_heading_and_the_text_after_it() -> None:
     square = SVG.replace(b'height="50" viewBox="0 0 100 50"', b'height="80" viewBox="0 0 100 80"')
     blocks = [
         Heading(1, "One"),
-        Figure(square, "First.", "a"),
+        Figure(lambda: square, "First.", "a"),
         Paragraph("text between"),
-        Figure(square, "Second.", "a"),
+        Figure(lambda: square, "Second.", "a"),
         Heading(1, "Two"),
         Paragraph("later text"),
     ]
@@ -226,7 +226,9 @@ def test_a_tall_figure_fits_on_the_page() -> None:
         b'<svg xmlns="http://www.w3.org/2000/svg" width="10" height="90" viewBox="0 0 10 90">'
         b'<rect width="10" height="90"/></svg>'
     )
-    reader = PdfReader(io.BytesIO(render_pdf(Document("t", "", [Figure(svg, "Tall.", "a")]))))
+    reader = PdfReader(
+        io.BytesIO(render_pdf(Document("t", "", [Figure(lambda: svg, "Tall.", "a")])))
+    )
     box = elements(reader, "/Figure")[0]["/A"][0]["/BBox"]
     assert len(reader.pages) <= 2
     assert float(box[3]) - float(box[1]) == pytest.approx(195 / 25.4 * 72, abs=1)
@@ -242,7 +244,7 @@ def test_without_a_date_none_is_printed() -> None:
 
 def test_a_broken_picture_is_an_error_not_a_gap() -> None:
     with pytest.raises(typst.TypstError, match="SVG"):
-        render_pdf(Document("t", "", [Figure(b"<svg <", "c", "a")]))
+        render_pdf(Document("t", "", [Figure(lambda: b"<svg <", "c", "a")]))
 
 
 def test_pages_are_pictures() -> None:

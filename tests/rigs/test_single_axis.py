@@ -17,6 +17,7 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.single_axis.covariance import Pieces
+from bayesfric.rigs.single_axis.deviations import COSINES, map_spectrum
 from bayesfric.rigs.single_axis.linear import NAMES
 
 
@@ -139,7 +140,25 @@ def test_an_axis_that_turns_has_its_own_units(tmp_path):
 def test_what_an_axis_has_not_is_refused_with_a_reason(trials):
     assert "pulleys" in trials.supports(all_effects(None)["tension-curvature"]).reason
     assert "angle" in trials.supports(all_effects(None)["gravity-torque"]).reason
-    assert "test" in trials.supports(all_effects(None)["payload"]).reason
+    fitting = replace(trials, table=trials.table.assign(role="calibrate"))
+    assert "test" in fitting.supports(all_effects(None)["payload"]).reason
+
+
+def test_a_payload_of_runs_without_roles_is_found_beside_a_mass_that_is_held(recording):
+    # The machine has 2 kg. Runs without a role show the gap too: a free mass takes it up.
+    free = bf.diagnose(recording).summary
+    assert [(one.effect, one.by) for one in free.absorbed] == [("payload", "mass")]
+    found = bf.diagnose(recording, shipped={"mass": 1.7, "coulomb": 1.5}, fixed=["mass"]).summary
+    assert [one.effect for one in found.causes] == ["payload"]
+    (number,) = found.causes[0].parameters.values()
+    assert number.q50 == pytest.approx(0.3, rel=0.05)
+
+
+def test_a_map_of_friction_whose_waves_vanish_is_one_wave():
+    # Draws of the noise go far out: (1 + (π length)²)^−decay is 0 to a computer there.
+    variance, *slopes = map_spectrum(10.0, 200.0)
+    assert variance == pytest.approx([2.0, *[0.0] * (COSINES - 1)])
+    assert np.isfinite(slopes).all()
 
 
 def test_a_stored_fit_gives_numbers_by_the_names_of_the_rig(trials):

@@ -243,8 +243,10 @@ def test_an_unknown_rig_is_refused(rigs):
 def test_truth_is_written_down_whole():
     written = json.loads(json.dumps(Truth().as_json()))
     levels = {"omega_intercept", "omega_intercept_motor", "wander", "wander_length", "push"}
+    levels.add("assembly_freedom")
     assert set(written) == {item.name for item in fields(Truth)} - {"effects"} - levels
-    there = Truth(omega_intercept=0.05, omega_intercept_motor=0.05, wander=0.01, push=0.02)
+    more = {"push": 0.02, "assembly_freedom": 3.0}
+    there = Truth(omega_intercept=0.05, omega_intercept_motor=0.05, wander=0.01, **more)
     assert set(there.as_json()) == {item.name for item in fields(Truth)} - {"effects"}
     assert written["coefficients"]["small"]["c1"] == 0.0128
     assert written["idle_current"] == list(Truth().idle_current)

@@ -260,13 +260,12 @@ def _leave_out(
         unseen = refit_without(model.log_posterior, conditional, start, model.scale(), own)
         if unseen is None:
             return None
-        # The evidence of all data over that without the group: by importance both, or by
-        # a bridge between the draws of either.
+        # The evidence of all data over that without the group: by a bridge between the draws
+        # of either, or, where these are too far apart, by importance both.
         value, error = bridge_ratio(log_likelihood[:, place], conditional(unseen.draws))
-        if (whole := seen()) is not None:
-            both = float(np.hypot(whole.error, unseen.evidence.error))
-            if both < error:
-                value, error = whole.log_evidence - unseen.evidence.log_evidence, both
+        if error > LARGEST_ERROR and (whole := seen()) is not None:
+            error = float(np.hypot(whole.error, unseen.evidence.error))
+            value = whole.log_evidence - unseen.evidence.log_evidence
         if error > LARGEST_ERROR:
             return None
         refits[place] = unseen.draws

@@ -7,7 +7,7 @@ from bayesfric.plots.scorecard import (
     named_by_strength,
     promises_and_reliability,
 )
-from bayesfric.plots.style import to_svg
+from bayesfric.plots.style import svg_of
 from bayesfric.report.content import (
     Block,
     Code,
@@ -118,7 +118,7 @@ def _figure(card: ScorecardFile) -> Figure:
     counted = sum(target.met is not None for target in card.targets)
     inside = sum(one.inside for one in card.reliability)
     return Figure(
-        to_svg(promises_and_reliability(card)),
+        svg_of(promises_and_reliability, card),
         [
             "Left: rates with 95 % intervals; what is promised is shaded, a cross is a miss. "
             "Right: how often verdicts come true over the probability that they report, a dot "
@@ -137,7 +137,7 @@ def _figure(card: ScorecardFile) -> Figure:
 def _tables(card: ScorecardFile) -> Iterator[Block]:
     yield Heading(2, "What was withheld and what was said")
     yield Figure(
-        to_svg(confusion_matrix(card.confusion)),
+        svg_of(confusion_matrix, card.confusion),
         [
             "Cases by what was withheld and what the verdict said; shades are shares of a row, "
             "bold numbers are right. For an outsider, which no effect describes, ",
@@ -206,7 +206,7 @@ def _smallest(card: ScorecardFile) -> Iterator[Block]:
         f"that was tried (95 % interval): {', '.join(told) or 'none'}."
     )
     yield Figure(
-        to_svg(named_by_strength(found)),
+        svg_of(named_by_strength, found),
         [
             "Which effects were named, by strength: black in every case, white in none; larger "
             "dots are more cases. Strength 1 is 10 % of friction, rms over the design. From ",

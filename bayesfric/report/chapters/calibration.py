@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from bayesfric.plots.calibration import rank_differences
-from bayesfric.plots.style import to_svg
+from bayesfric.plots.style import svg_of
 from bayesfric.report.content import (
     Block,
     Code,
@@ -61,7 +61,7 @@ def calibration(found: CalibrationFile) -> Iterator[Block]:
     for line in found.attention:
         yield Notice("attention", [f"{line}."])
     yield Figure(
-        to_svg(rank_differences(found)),
+        svg_of(rank_differences, found),
         [
             "Distribution function of the ranks of the truths, less that of uniform ones. The "
             "bands are simultaneous: of a right computation all lines stay inside everywhere "

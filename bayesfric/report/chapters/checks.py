@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from bayesfric.plots.residuals import residuals_by_order
 from bayesfric.plots.rig_tables import RigTable, rig_tables
-from bayesfric.plots.style import to_svg
+from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.left_out import left_out
 from bayesfric.report.content import (
     Block,
@@ -48,7 +48,7 @@ def checks(stored: StoredFit) -> Iterator[Block]:
     for one in rigs:
         yield from _outliers(one)
     yield Figure(
-        to_svg(residuals_by_order(stored.predictive)),
+        svg_of(residuals_by_order, stored.predictive),
         [
             "Friction of each trial against what a new one is predicted to do, in the order of "
             "measuring. A trend would be a drift of the rig; trials of an assembly lie together, "

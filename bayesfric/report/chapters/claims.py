@@ -6,7 +6,7 @@ from typing import Literal, TypeAlias
 import xarray as xr
 
 from bayesfric.plots.claims import against_rivals, over_prior_width, smallest_found
-from bayesfric.plots.style import to_svg
+from bayesfric.plots.style import svg_of
 from bayesfric.report.content import (
     Block,
     BulletList,
@@ -209,7 +209,7 @@ def _figures(found: ClaimsFile, curves: xr.DataTree) -> Iterator[Block]:
         ]
     )
     yield Figure(
-        to_svg(against_rivals(factors)),
+        svg_of(against_rivals, factors),
         [
             "Log₁₀ Bayes factor of each claim against each of its rivals: to the right the data "
             "favour the claim. An arrow stands for a value, written beside it, that is beyond the "
@@ -223,12 +223,11 @@ def _figures(found: ClaimsFile, curves: xr.DataTree) -> Iterator[Block]:
     yield from _power(found)
     rule = found.rules
     yield Figure(
-        to_svg(
-            over_prior_width(
-                curves,
-                rule["support_log10_bayes_factor"],
-                rule["refute_log10_bayes_factor"],
-            )
+        svg_of(
+            over_prior_width,
+            curves,
+            rule["support_log10_bayes_factor"],
+            rule["refute_log10_bayes_factor"],
         ),
         [
             "Log₁₀ Bayes factor of each claim as the width of its rivals' priors changes. Above "
@@ -252,7 +251,7 @@ def _power(found: ClaimsFile) -> Iterator[Block]:
     if not shares:
         return
     yield Figure(
-        to_svg(smallest_found(shares, found.rules["region_of_equivalence"])),
+        svg_of(smallest_found, shares, found.rules["region_of_equivalence"]),
         [
             "The smallest effect that data like these would show, at the odds that refute a claim "
             "and with a probability of 0.9, as a share of friction where it matters most. It "

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from bayesfric.plots.diagnosis import RARE, what_acts, where_it_lies
 from bayesfric.plots.gap import how_far
-from bayesfric.plots.style import to_svg
+from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.conditions import asked, next_experiment
 from bayesfric.report.chapters.diagnosis_details import (
     axis_words,
@@ -144,7 +144,7 @@ def _where(stored: StoredDiagnosis) -> Figure:
     shapes = any(axis.shape is not None for axis in axes)
     bars = any((axis.share or 0.0) > 0 for axis in known) or not shapes
     return Figure(
-        to_svg(where_it_lies(axes, residuals, stored.found.gap.unit)),
+        svg_of(where_it_lies, axes, residuals, stored.found.gap.unit),
         [
             Strong("Where."),
             " ",
@@ -201,7 +201,7 @@ def _which(found: DiagnosisFile) -> Figure | Paragraph:
         none = f"No effect acts with a probability above {format_probability(RARE)}. "
         return Paragraph([Strong("Which."), " ", *most, none, *hypotheses])
     return Figure(
-        to_svg(what_acts(included, found.practical_share)),
+        svg_of(what_acts, included, found.practical_share),
         [
             Strong("Which."),
             " ",
@@ -223,7 +223,7 @@ def _how_far(stored: StoredDiagnosis) -> Figure:
     named = bool(found.causes)
     trajectories = stored.group("trajectories")
     return Figure(
-        to_svg(how_far(gap, found.practical_share, trajectories, named)),
+        svg_of(how_far, gap, found.practical_share, trajectories, named),
         [
             Strong("How far."),
             " ",

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 
 from bayesfric.inference.diagnostics import LIMITS
 from bayesfric.plots.ranks import rank_histograms
-from bayesfric.plots.style import to_svg
+from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.symbols import symbol
 from bayesfric.report.content import Block, Code, Column, Figure, Heading, Paragraph, Table
 from bayesfric.report.quantities import format_count, format_number, format_share
@@ -73,7 +73,7 @@ def diagnostics(stored: StoredFit) -> Iterator[Block]:
     if any(entry.prior_sensitivity is not None for entry in entries.values()):
         yield _sensitivity(entries)
     yield Figure(
-        to_svg(rank_histograms(stored.predictive)),
+        svg_of(rank_histograms, stored.predictive),
         [
             "Ranks of the draws of each ensemble (a line each) among all. Flat lines around one "
             "say that the ensembles draw from one density; a slope or a hump would say that they "

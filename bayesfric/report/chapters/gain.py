@@ -10,7 +10,7 @@ from bayesfric.plots.margins import (
     has_error_or_headroom,
     limit_cycle_against_gain,
 )
-from bayesfric.plots.style import to_svg
+from bayesfric.plots.style import svg_of
 from bayesfric.report.content import Block, Code, Figure, Notice, Reference
 from bayesfric.report.quantities import format_number, format_share
 from bayesfric.schemas import LoopMargins, MarginsFile
@@ -92,7 +92,7 @@ def gain_figures(found: MarginsFile) -> Iterator[Block]:
     yield from _hunting(found.loops)
     if has_error_or_headroom(found.loops):
         yield Figure(
-            to_svg(error_and_headroom(found.loops)),
+            svg_of(error_and_headroom, found.loops),
             [
                 "Errors at the tool tip, and torque left as a share of its limit: median and 5 % "
                 "to 95 %; the black tick is the spec. From ",
@@ -124,7 +124,7 @@ def _hunting(loops: Sequence[LoopMargins]) -> Iterator[Block]:
     if not curves:
         return
     yield Figure(
-        to_svg(limit_cycle_against_gain(curves)),
+        svg_of(limit_cycle_against_gain, curves),
         [
             "Probability that the loop hunts, over the compensation gain, with twice its Monte "
             "Carlo error. The marker is the γ of the loop's file, the dotted line the spec, the "

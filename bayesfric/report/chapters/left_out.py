@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from bayesfric.plots.assemblies import assemblies_left_out, has_assemblies
 from bayesfric.plots.loo_pit import has_probabilities, leave_one_out_probabilities
-from bayesfric.plots.style import to_svg
+from bayesfric.plots.style import svg_of
 from bayesfric.report.content import (
     Block,
     Code,
@@ -55,7 +55,7 @@ def _probabilities(stored: StoredFit, found: tuple[Uniformity, ...]) -> Iterator
         ]
     )
     yield Figure(
-        to_svg(leave_one_out_probabilities(stored.predictive)),
+        svg_of(leave_one_out_probabilities, stored.predictive),
         [
             "Distribution function of the leave-one-out probabilities, less that of uniform ones. "
             "The band is simultaneous: 95 % of recordings made again stay inside it everywhere, "
@@ -94,7 +94,7 @@ def _assemblies(stored: StoredFit, found: tuple[AssemblyCheck, ...]) -> Iterator
         ]
     )
     yield Figure(
-        to_svg(assemblies_left_out(stored.predictive)),
+        svg_of(assemblies_left_out, stored.predictive),
         [
             "Assemblies, each against what all others predict of it. Above, left: distribution of "
             "the probabilities less the uniform one, with a band that 95 % of sets of independent "

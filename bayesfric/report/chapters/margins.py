@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from bayesfric.margins.terms import in_degrees_or_decibels, tuning_told
 from bayesfric.plots.margins import hunting_over_speed, nyquist_fan
-from bayesfric.plots.style import to_svg
+from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.gain import WORDS, gain_figures
 from bayesfric.report.content import (
     Block,
@@ -114,7 +114,7 @@ def _loop(loop: LoopMargins) -> Iterator[Block]:
     yield from _verification(loop)
     yield from _before_and_after(loop)
     yield Figure(
-        to_svg(nyquist_fan(loop.nyquist)),
+        svg_of(nyquist_fan, loop.nyquist),
         [
             "Left, the open loop of some draws with −1 and the unit circle: without friction. "
             "Right, what friction sees, motor speed per friction torque, with −1/N(A): a curve "
@@ -134,7 +134,7 @@ def _over_speed(loop: LoopMargins) -> Iterator[Block]:
         yield Paragraph(f"Hunting over reference speeds: {loop.hunting_map_why}.")
         return
     yield Figure(
-        to_svg(hunting_over_speed(loop.hunting_map)),
+        svg_of(hunting_over_speed, loop.hunting_map),
         [
             f"Over {format_count(loop.hunting_map.draws)} draws, how probably the loop hunts after "
             "its kick, and the median error at the tip, by reference speed (the first column is "

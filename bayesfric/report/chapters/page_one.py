@@ -8,8 +8,9 @@ import xarray as xr
 from bayesfric.plots.labels import ordered_sizes
 from bayesfric.plots.posterior import coefficients_relative_to_paper
 from bayesfric.plots.rig_tables import RigTable, rig_tables
-from bayesfric.plots.style import to_svg
+from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.blind import scorecard_line
+from bayesfric.report.chapters.boards import population
 from bayesfric.report.chapters.calibration import calibration_line
 from bayesfric.report.chapters.claims import fallen
 from bayesfric.report.chapters.diagnosis import verdict_line
@@ -47,6 +48,11 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
         yield from in_a_sentence(fitted.fit)
         yield from expected(fitted)
         yield from coefficients_figure(fitted)
+    pooled = stored.pooled
+    if pooled is not None and pooled.pooled is not None:
+        yield from convergence(pooled)
+        yield population(pooled, pooled.pooled)
+        yield from worries(pooled)
     if stored.diagnosis is not None:
         yield verdict_line(stored.diagnosis.found)
     if stored.claims is not None:
@@ -165,7 +171,7 @@ def coefficients_figure(stored: StoredFit) -> Iterator[Figure]:
     if "ratio" not in stored.predictive["coefficients"].data_vars:
         return
     yield Figure(
-        to_svg(coefficients_relative_to_paper(stored.predictive, _uninformed(stored.fit))),
+        svg_of(coefficients_relative_to_paper, stored.predictive, _uninformed(stored.fit)),
         "Each coefficient over its value in Table I: median, 50 % and 90 % intervals. A bar that "
         "misses the dashed line says that data and paper differ by more than the uncertainty.",
         "Horizontal bars, one for each coefficient and pulley size, of the 50 and 90 percent "

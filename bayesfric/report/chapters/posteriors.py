@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from bayesfric.paper import table1
 from bayesfric.plots.densities import prior_and_posterior
 from bayesfric.plots.posterior import PAIRS_SHARE, coefficient_pairs
-from bayesfric.plots.style import to_svg
+from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.prior_friction import prior_friction
 from bayesfric.report.content import Block, Code, Figure, Heading, Paragraph, Reference
 from bayesfric.report.stored import StoredFit
@@ -29,7 +29,7 @@ def posteriors(stored: StoredFit) -> Iterator[Block]:
     yield from prior_friction(stored)
     yield Heading(2, "Each parameter")
     yield Figure(
-        to_svg(prior_and_posterior(stored.predictive)),
+        svg_of(prior_and_posterior, stored.predictive),
         [
             "Prior and posterior density of each parameter, on a logarithmic axis over the range "
             "of the draws. Where the prior is level it does not push; the higher the posterior "
@@ -55,7 +55,7 @@ def posteriors(stored: StoredFit) -> Iterator[Block]:
                 "contours."
             )
         yield Figure(
-            to_svg(coefficient_pairs(stored.draws, size, paper)),
+            svg_of(coefficient_pairs, stored.draws, size, paper),
             [
                 f"Joint posterior of the coefficients of the {size} pulley. A slanted contour says "
                 f"that two coefficients are known better together than apart. {mark} From ",

@@ -7,7 +7,7 @@ from math import isnan
 from bayesfric.plots.rig_tables import RigTable, rig_tables
 from bayesfric.plots.slopes import line_against_pulleys, wrap_slopes
 from bayesfric.plots.speed import friction_against_speed, has_speeds
-from bayesfric.plots.style import to_svg
+from bayesfric.plots.style import svg_of
 from bayesfric.plots.tension import friction_against_tension
 from bayesfric.plots.trajectories import measured_and_predicted
 from bayesfric.plots.wrap import friction_against_wrap
@@ -61,7 +61,7 @@ def _trajectories(stored: StoredFit) -> Iterator[Block]:
         ]
     )
     yield Figure(
-        to_svg(measured_and_predicted(stored.predictive)),
+        svg_of(measured_and_predicted, stored.predictive),
         _caption(
             "Travel against time of a fast and a slow trial of each size, as in the paper's "
             "Fig. 11; titles give the condition and the driving and the lifted mass. Dots are "
@@ -86,7 +86,7 @@ def _tension(stored: StoredFit) -> Figure:
     if angle not in counts:
         angle = max(sorted(counts), key=counts.__getitem__)
     return Figure(
-        to_svg(friction_against_tension(stored.predictive, angle)),
+        svg_of(friction_against_tension, stored.predictive, angle),
         _caption(
             f"Friction of each trial against nominal tension at a wrap angle of {angle:g}°, as in "
             "the paper's Fig. 12: above in newtons, below relative to the law "
@@ -139,7 +139,7 @@ def _slopes(stored: StoredFit) -> Iterator[Figure]:
         and stored.predictive["tension_lines"]["upright"].to_numpy().any()
     ):
         yield Figure(
-            to_svg(line_against_pulleys(stored.predictive)),
+            svg_of(line_against_pulleys, stored.predictive),
             _caption(
                 "Slope and intercept of the least-squares lines of friction against tension at "
                 f"85°, over the number of pulleys, as in the paper's Fig. 13. {AGAIN} Points off "
@@ -154,7 +154,7 @@ def _slopes(stored: StoredFit) -> Iterator[Figure]:
     if not _holds(stored, "wrap_lines", "slope_n_per_deg"):
         return
     yield Figure(
-        to_svg(friction_against_wrap(stored.predictive)),
+        svg_of(friction_against_wrap, stored.predictive),
         _caption(
             "Friction against the wrap angle for each number of pulleys at three tensions, as in "
             "the paper's Fig. 14. Each point is read off the least-squares line of its trials "
@@ -167,7 +167,7 @@ def _slopes(stored: StoredFit) -> Iterator[Figure]:
         label="wrap",
     )
     yield Figure(
-        to_svg(wrap_slopes(stored.predictive)),
+        svg_of(wrap_slopes, stored.predictive),
         _caption(
             "Slopes of these lines over the wrap angle, above against the number of pulleys and "
             f"below against tension, like the paper's Figs 15 and 16. {AGAIN}",
@@ -186,7 +186,7 @@ def _holds(stored: StoredFit, group: str, name: str) -> bool:
 
 def _speed(one: RigTable) -> Figure:
     return Figure(
-        to_svg(friction_against_speed(one)),
+        svg_of(friction_against_speed, one),
         _caption(
             f"Friction on the {one.title} against speed, as in the paper's Figs 4 to 7: "
             f"{one.trials} (markers), and the 5 % to 95 % band of a new {one.trial} on a new "

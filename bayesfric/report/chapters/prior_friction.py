@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from bayesfric.plots.labels import ordered_sizes
 from bayesfric.plots.prior_friction import friction_of_priors
-from bayesfric.plots.style import to_svg
+from bayesfric.plots.style import svg_of
 from bayesfric.report.content import (
     Block,
     Code,
@@ -91,7 +91,7 @@ def prior_friction(stored: StoredFit) -> Iterator[Block]:
         ),
     )
     yield Figure(
-        to_svg(friction_of_priors(stored.predictive)),
+        svg_of(friction_of_priors, stored.predictive),
         [
             "Friction of each condition: bands of the prior, the posterior, the measurements"
             + (", and the friction from which on the board would not move" if moving else "")

@@ -15,6 +15,7 @@ Without effects along the trial that is the density of its friction,
 """
 
 from collections.abc import Mapping, Sequence
+from typing import TypeAlias
 
 import numpy as np
 import pandas as pd
@@ -24,6 +25,7 @@ from bayesfric.analysis import Analysis
 from bayesfric.effects.terms import ActiveEffect, parameters_of, rough_values
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.grouped_normal import LOG_2PI, GroupedNormal, Groups
+from bayesfric.inference.heavy_groups import HeavyGroups
 from bayesfric.inference.quadratic import bilinear
 from bayesfric.inference.student import GroupedStudent
 from bayesfric.physics.laws import BASELINES, Baseline
@@ -41,6 +43,7 @@ from bayesfric.rigs.gravity_board.wander import Wander
 __all__ = ["GravityLikelihood", "trial_condition"]
 
 Array = NDArray[np.float64]
+Scattered: TypeAlias = GroupedNormal | GroupedStudent | HeavyGroups
 START_SCATTER = 0.02  # of friction, a place to climb from
 ONLY_NORMAL = "normal, since for Student-t scatter trials that did not move have no likelihood"
 
@@ -119,15 +122,17 @@ class GravityLikelihood:
             *(parameter for active in here for parameter in parameters_of(active)),
         )
         scatter = analysis.scatter
-        self._freedom = scatter.degrees_of_freedom if scatter.trial == "student-t" else None
+        freedom = scatter.degrees_of_freedom
+        self._freedom = freedom if scatter.trial == "student-t" else None
+        self._assembly_freedom = freedom if scatter.assembly == "student-t" else None
         self._at_rest: TrialsAtRest | None = None
         self.setups = tuple(str(setup) for setup in setups)
         if at_rest is not None and len(at_rest):
-            if self._freedom is not None:
-                fault = Fault(
-                    "analysis.toml", ONLY_NORMAL, column="scatter.trial", value="student-t"
-                )
-                raise InputError([fault])
+            for level in ("trial", "assembly"):
+                if getattr(scatter, level) == "student-t":
+                    column = f"scatter.{level}"
+                    fault = Fault("analysis.toml", ONLY_NORMAL, column=column, value="student-t")
+                    raise InputError([fault])
             self._at_rest = TrialsAtRest(
                 at_rest, gravity.trials, rig, self.sizes, baseline, here, self._wander
             )
@@ -206,7 +211,7 @@ class GravityLikelihood:
     def setup_cdf(self, theta: Mapping[str, Array]) -> Array:
         """Return the probability of less friction of each assembly given the others, (W, J).
 
-        NaN of one on which no trial moved, and where trials scatter by a Student-t.
+        NaN of one on which no trial moved, and where scatter is Student-t.
         """
         scattered, _ = self._scattered(theta)
         found = np.full((len(scattered.residual), len(self.setups)), np.nan)
@@ -243,24 +248,24 @@ class GravityLikelihood:
         again = law * (1 + deviation) + np.sqrt(variance) * rng.standard_normal(law.shape)
         return self._around(theta, again, variance, law).single_cdf()
 
-    def _scattered(
-        self, theta: Mapping[str, Array]
-    ) -> tuple[GroupedNormal | GroupedStudent, Array]:
+    def _scattered(self, theta: Mapping[str, Array]) -> tuple[Scattered, Array]:
         """Return the density of the frictions, and each trial's rest of the log density, (W, N)."""
         observed, variance, law, constant = self._frictions(theta)
         return self._around(theta, observed, variance, law), constant
 
     def _around(
         self, theta: Mapping[str, Array], observed: Array, variance: Array, law: Array
-    ) -> GroupedNormal | GroupedStudent:
+    ) -> Scattered:
         """Return the density of frictions, all of shape (W, N), that scatter around the law."""
         tau, omega, of_intercept = scatter_values(theta, self._size)
         own = (law * tau) ** 2 + variance
         residual = observed - law
         moved = np.stack([law * omega, self._intercept(theta) * of_intercept])
-        if self._freedom is None:
-            return GroupedNormal(self._groups, residual, own, moved)
-        return GroupedStudent(self._groups, residual, own, moved, self._freedom)
+        if self._freedom is not None:
+            return GroupedStudent(self._groups, residual, own, moved, self._freedom)
+        if self._assembly_freedom is not None:
+            return HeavyGroups(self._groups, residual, own, moved, self._assembly_freedom)
+        return GroupedNormal(self._groups, residual, own, moved)
 
     def _frictions(self, theta: Mapping[str, Array]) -> tuple[Array, Array, Array, Array]:
         """Return friction observed, its variance, the law's, and the rest of the log density.
@@ -323,11 +328,12 @@ class GravityLikelihood:
             trial = rng.standard_normal(shape)
         else:
             trial = rng.standard_t(self._freedom, shape)
-        if together:
-            drawn = rng.standard_normal((2, len(tau), len(self.setups)))
-            slope, intercept = drawn[..., self._groups.of_each]
-        else:
-            slope, intercept = rng.standard_normal((2, *shape))
+        assemblies = (len(tau), len(self.setups)) if together else shape
+        drawn = rng.standard_normal((2, *assemblies))
+        if self._assembly_freedom is not None:  # both numbers of an assembly are far out together
+            freedom = self._assembly_freedom
+            drawn = drawn * np.sqrt(freedom / rng.chisquare(freedom, assemblies))
+        slope, intercept = drawn[..., self._groups.of_each] if together else drawn
         return np.asarray(omega * slope + of_intercept * intercept + tau * trial)
 
     def draw_observed(
@@ -364,6 +370,6 @@ class GravityLikelihood:
         return self._measurements.start() | scatter | effects | self._places.rough
 
 
-def _normal(scattered: GroupedNormal | GroupedStudent) -> GroupedNormal:
+def _normal(scattered: Scattered) -> GroupedNormal:
     assert isinstance(scattered, GroupedNormal)  # else trials at rest are refused
     return scattered

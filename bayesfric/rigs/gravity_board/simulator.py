@@ -75,6 +75,10 @@ def draw_events(
     eta = truth.omega * scatter_rng.standard_normal(setup_index.max() + 1)
     factor = 1 + eta[setup_index] + truth.tau * scatter_rng.standard_normal(len(trials))
     kappa = truth.omega_intercept * scatter_rng.standard_normal(setup_index.max() + 1)
+    if truth.assembly_freedom:
+        far = scatter_rng.chisquare(truth.assembly_freedom, eta.size) / truth.assembly_freedom
+        factor += eta[setup_index] * (1 / np.sqrt(far[setup_index]) - 1)
+        kappa /= np.sqrt(far)
     intercept = np.asarray(condition.n_pulleys) * np.asarray(law.c2)
     factor += kappa[setup_index] * intercept / board_friction(law, condition)
     wander = _draw_wander(truth, len(trials), scatter_rng)

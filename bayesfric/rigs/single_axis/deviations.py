@@ -50,7 +50,8 @@ def map_spectrum(length: float, decay: float) -> tuple[Array, Array, Array]:
         The latter two are derivatives by the logarithms.
     """
     turn2 = (np.pi * length * np.arange(1, COSINES + 1)) ** 2
-    weight = (1 + turn2) ** -decay
+    log_weight = -decay * np.log1p(turn2)
+    weight = np.exp(log_weight - log_weight[0])  # the first is not 0 however steep they fall
     total = weight.sum()
     changes = (-2 * decay * weight * turn2 / (1 + turn2), -decay * weight * np.log1p(turn2))
     slopes = [2 * (one - weight * one.sum() / total) / total for one in changes]

@@ -145,7 +145,7 @@ class AxisRuns(PlainTrials):
         found = {"direction", "position", "drive", "period"}
         if self.constants.rotary:
             found.add("angle")
-        if "role" in self.table and (self.table["role"] == "test").any():
+        if self._tested.any():
             found.add("test")
         return frozenset(found)
 
@@ -286,6 +286,20 @@ class AxisRuns(PlainTrials):
         assert isinstance(view.likelihood, AxisLikelihood)
         return runs_dataset(view.likelihood, self.table, view)
 
+    @property
+    def _tested(self) -> NDArray[np.bool_]:
+        """Whether each trial may move more mass than the baseline has: those that show the gap.
+
+        Where no run is there for the gap alone, every run without a role shows it too. A mass
+        that is fitted to them takes such a payload up; one that is held does not. What numbers
+        of a simulator take up of it is known too roughly, by differences.
+        """
+        role = self.table.get("role", pd.Series(None, self.table.index, dtype=object))
+        tested = role == "test"
+        if not tested.any() and (self._beside is None or not self._beside.parameters):
+            tested = role.isna()
+        return np.asarray(tested, dtype=np.bool_)
+
     @cached_property
     def _rough(self) -> AxisLaw:
         rows = self.readings
@@ -307,9 +321,7 @@ class AxisRuns(PlainTrials):
 
     def _rows(self, law: AxisLaw) -> AxisRows:
         rows, one = self.readings, np.ones((self.readings.count, 1))
-        tested = np.zeros(len(self.table))
-        if "role" in self.table:
-            tested = np.asarray(self.table["role"] == "test", dtype=np.float64)
+        tested = self._tested.astype(np.float64)
         state = State(
             n_pulleys=1.0,
             wrap_angle_deg=85.0,

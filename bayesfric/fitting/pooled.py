@@ -1,0 +1,392 @@
+"""Several recordings, each fitted by itself, to the stored fit of their population."""
+
+import hashlib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Analysis
+from bayesfric.errors import Fault, InputError
+from bayesfric.fitting.inference_data import flat_attributes, write_csv
+from bayesfric.fitting.pooling import BETWEEN, PooledDraws, draw_pooled
+from bayesfric.fitting.posterior import Fit, model_of_law, opened
+from bayesfric.fitting.summary import interval_of, parameter_summary, unsettled
+from bayesfric.inference.diagnostics import diagnose_all
+from bayesfric.inference.informed import informed_by_data
+from bayesfric.inference.sampling import Progress
+from bayesfric.recording.tables import Recording
+from bayesfric.results import (
+    draws_tree,
+    identified,
+    json_bytes,
+    provenance,
+    replace_outputs,
+    write_netcdf,
+)
+from bayesfric.rigs.coefficients import coefficient_name, sizes_of
+from bayesfric.rigs.opening import chosen_rigs
+from bayesfric.schemas import (
+    BoardCoefficient,
+    DataQuality,
+    FitFile,
+    ParameterSummary,
+    Pooled,
+    PooledBoard,
+    PooledCoefficient,
+    Provenance,
+    RecordingId,
+    SamplerSummary,
+    TimingsFile,
+)
+
+__all__ = ["PooledFit", "board_folder", "check_boards", "pool"]
+
+Array = NDArray[np.float64]
+LIMIT_K = 0.7
+SHARED = (
+    "of each coefficient and pulley size, the mean of the population of boards and the standard "
+    "deviation between them"
+)
+OWN = "its coefficients, and all scatter and noise, with the priors of a fit of it alone"
+
+
+@dataclass(frozen=True)
+class PooledFit:
+    """The posterior of a population of boards, ready to be written.
+
+    Parameters
+    ----------
+    summary : FitFile
+        What ``fit.json`` says.
+    draws : DataTree
+        What ``draws.nc`` holds: ``posterior`` with the population's ``c1`` and its scatter
+        ``between_c1`` over ``pulley``, and ``board_c1`` over ``board`` and ``pulley``.
+    predictive : DataTree
+        What ``predictive.nc`` holds: ``new_board``, coefficients of one that was not measured.
+    """
+
+    summary: FitFile
+    draws: xr.DataTree
+    predictive: xr.DataTree
+
+    def write(
+        self, folder: Path, *, csv: bool = False, inputs: Mapping[str, Sequence[str]] | None = None
+    ) -> None:
+        """Write ``fit.json``, ``draws.nc``, ``predictive.nc`` and ``timings.json``.
+
+        Parameters and errors are those of :meth:`bayesfric.fitting.posterior.Fit.write`.
+        """
+        run_id = self.summary.run_id
+        timings = json_bytes(TimingsFile(seconds={}, run_id=run_id, inputs=dict(inputs or {})))
+        writers = {
+            "draws.nc": lambda path: write_netcdf(self.draws, path, run_id),
+            "predictive.nc": lambda path: write_netcdf(self.predictive, path, run_id),
+            "timings.json": lambda path: path.write_bytes(timings),
+        }
+        if csv:
+            writers["draws.csv"] = partial(write_csv, self.draws)
+        writers["fit.json"] = lambda path: path.write_bytes(json_bytes(self.summary))
+        replace_outputs(folder, writers)
+
+
+def board_folder(name: str) -> str:
+    """Return where, beside the pooled fit, that of a board is."""
+    return f"boards/{name}"
+
+
+def check_boards(
+    recordings: Mapping[str, Recording], analysis: Analysis, rigs: Sequence[str] | None
+) -> tuple[str, ...]:
+    """Return the rigs of recordings that can be pooled, before any of them is fitted.
+
+    Parameters
+    ----------
+    recordings : mapping of str to Recording
+        By the name of the board.
+    analysis : Analysis
+        Its priors.
+    rigs : sequence of str or None
+        As of a fit.
+
+    Raises
+    ------
+    InputError
+        Two recordings are the same, have data of different rigs, other pulley sizes, or no
+        pulleys.
+    """
+    seen: dict[str, str] = {}
+    sizes: dict[str, tuple[str, ...]] = {}
+    chosen: tuple[str, ...] = ()
+    for name, recording in recordings.items():
+        if recording.sha256 and recording.sha256 in seen:  # one that was never read has none
+            expected = f"other data than those of {seen[recording.sha256]}: a board counts once"
+            raise InputError([Fault(name, expected)])
+        seen[recording.sha256] = name
+        here = chosen_rigs(recording, rigs)
+        if chosen and here != chosen:
+            expected = f"data of the rigs {', '.join(chosen)}, as the others: name them by --rigs"
+            raise InputError([Fault(name, expected, value=", ".join(here))])
+        chosen = here
+        data, law, own = opened(recording, analysis, here, "paper")
+        sizes[name] = sizes_of(model_of_law(data, own, law).names)
+    first, *others = sizes
+    if not sizes[first]:
+        raise InputError([Fault(first, "a board with pulleys: of these alone several are pooled")])
+    for name in others:
+        if set(sizes[name]) != set(sizes[first]):
+            raise InputError(
+                [
+                    Fault(
+                        name,
+                        f"the pulley sizes of {first} ({', '.join(sizes[first])}); a population "
+                        "has the same coefficients on every board",
+                        value=", ".join(sizes[name]),
+                    )
+                ]
+            )
+    return chosen
+
+
+def pool(
+    recordings: Mapping[str, Recording],
+    fits: Mapping[str, Fit],
+    analysis: Analysis,
+    *,
+    progress: Progress | None = None,
+) -> PooledFit:
+    """Fit the population of which several boards are draws.
+
+    Parameters
+    ----------
+    recordings : mapping of str to Recording
+        By the name of the board, as :func:`check_boards` accepts them.
+    fits : mapping of str to Fit
+        Of each alone, with the same rigs, law and analysis.
+    analysis : Analysis
+        Sampler, seed, and the prior of the scatter between boards.
+    progress : callable or None
+        Called with the sampler's steps done and steps in all.
+    """
+    first = next(iter(fits.values())).summary
+    models, alone = {}, {}
+    for name, recording in recordings.items():
+        data, law, own = opened(recording, analysis, first.rigs, first.baseline)
+        models[name] = model_of_law(data, own, law)
+        alone[name] = _stored(fits[name], models[name].names)
+    found = draw_pooled(models, alone, analysis, progress)
+    attributes = provenance(
+        recording=_all_of(recordings),
+        analysis=analysis,
+        created=max(one.created or "" for one in recordings.values()) or None,
+    )
+    own_names = {name: model.names for name, model in models.items()}
+    summary = identified(_summary(attributes, fits, found, alone, own_names, analysis))
+    origin = attributes.model_dump(mode="json", exclude={"analysis", "run_id"})
+    draws, predictive = _trees(found, own_names, flat_attributes(origin), analysis.seed)
+    return PooledFit(summary, draws, predictive)
+
+
+def _stored(fit: Fit, names: Sequence[str]) -> Array:
+    """Return the stored draws of a fit in the order of names, shape (S, D)."""
+    posterior = fit.draws["posterior"]
+    columns = []
+    for name in names:
+        stem, _, size = name.partition("[")
+        one = posterior[name] if name in posterior else posterior[stem].sel(pulley=size[:-1])
+        columns.append(one.to_numpy().ravel())
+    return np.stack(columns, axis=-1)
+
+
+def _all_of(recordings: Mapping[str, Recording]) -> RecordingId:
+    digests = sorted(one.sha256 for one in recordings.values())
+    return RecordingId(
+        name=" + ".join(recordings),
+        title=f"{len(recordings)} boards of one population",
+        sha256=hashlib.sha256("".join(digests).encode()).hexdigest(),
+    )
+
+
+def _summary(
+    attributes: Provenance,
+    fits: Mapping[str, Fit],
+    found: PooledDraws,
+    alone: Mapping[str, Array],
+    own_names: Mapping[str, Sequence[str]],
+    analysis: Analysis,
+) -> FitFile:
+    """Return what ``fit.json`` says."""
+    population, theta = found.population, found.theta
+    convergence = dict(zip(population.names, diagnose_all(theta[:, :, None]), strict=True))
+    informed = informed_by_data(population, theta.reshape(-1, theta.shape[-1]))
+    entries = {
+        one.name: parameter_summary(one, theta[..., k], convergence[one.name], bool(informed[k]))
+        for k, one in enumerate(population.parameters)
+    }
+    sizes = sizes_of(population.names)
+    stems = list(dict.fromkeys(name.partition("[")[0] for name in population.names))
+    stems = [stem for stem in stems if not stem.startswith(BETWEEN)]
+    new = _new_boards(found, analysis.seed)
+
+    def of_board(stem: str, size: str) -> PooledCoefficient:
+        name = coefficient_name(stem, size)
+        k = population.names.index(name)
+        spread = population.split(theta)[1][..., k]
+        boards = {}
+        for board, names in own_names.items():
+            place = names.index(name)
+            before = alone[board][:, place]
+            boards[board] = BoardCoefficient(
+                alone=interval_of(before),
+                pooled=interval_of(found.boards[board][..., place]),
+                shrinkage=float((before.var() / (before.var() + spread**2)).mean()),
+            )
+        return PooledCoefficient(
+            between=entries[BETWEEN + name], new_board=interval_of(new[..., k]), boards=boards
+        )
+
+    chains, draws, _ = theta.shape
+    least = min(figures.ess_bulk for figures in convergence.values())
+    infinite = not np.isfinite(found.pareto_k)
+    reliable = found.pareto_k <= LIMIT_K
+    converged = all(figures.converged for figures in convergence.values())
+    return FitFile(
+        **attributes.model_dump(),
+        rigs=next(iter(fits.values())).summary.rigs,
+        baseline=next(iter(fits.values())).summary.baseline,
+        converged=converged and reliable and all(one.summary.converged for one in fits.values()),
+        attention=tuple(_attention(fits, found, list(unsettled(convergence, entries)))),
+        pulleys=_by_size(entries, stems, sizes),
+        scatter={},
+        noise={},
+        parameters={},
+        without_exclusions_why="in the fit of each board",
+        without_stalls_why="in the fit of each board",
+        sampler=SamplerSummary(
+            ensembles=chains,
+            walkers=1,
+            steps=draws,
+            thin=1,
+            draws=chains * draws,
+            acceptance=found.acceptance,
+            autocorrelation_time=chains * draws / least,
+        ),
+        data_quality=_quality(fits),
+        pooled=Pooled(
+            shared=SHARED,
+            own=OWN,
+            boards={
+                name: PooledBoard(
+                    recording=fit.summary.recording,
+                    folder=board_folder(name),
+                    converged=fit.summary.converged,
+                )
+                for name, fit in fits.items()
+            },
+            pulleys={size: {stem: of_board(stem, size) for stem in stems} for size in sizes},
+            pareto_k=None if infinite else found.pareto_k,
+            pareto_k_why="hardly any weight is not zero" if infinite else None,
+        ),
+    )
+
+
+def _by_size(
+    entries: Mapping[str, ParameterSummary], stems: Sequence[str], sizes: Sequence[str]
+) -> dict[str, dict[str, ParameterSummary]]:
+    return {size: {stem: entries[coefficient_name(stem, size)] for stem in stems} for size in sizes}
+
+
+def _attention(
+    fits: Mapping[str, Fit], found: PooledDraws, population: Sequence[str]
+) -> Iterator[str]:
+    """Yield what a reader must know before the numbers."""
+    for name, fit in fits.items():
+        if not fit.summary.converged:
+            yield f"The fit of board {name} alone has not converged"
+    if not found.pareto_k <= LIMIT_K:
+        yield (
+            f"The boards' posteriors are too far from normal to be pooled: Pareto k "
+            f"{found.pareto_k:.2f} (limit {LIMIT_K}); no number of the population may be used"
+        )
+    yield from population
+    if len(fits) < 5:
+        yield (
+            f"{len(fits)} boards say little of the scatter between boards: its prior, "
+            "priors.boards of the analysis, weighs in it and in what is said of a new board"
+        )
+    for name, fit in fits.items():
+        lines = len(fit.summary.attention)
+        if lines:
+            yield f"Board {name} has {lines} {'remark' if lines == 1 else 'remarks'} of its own fit"
+
+
+def _quality(fits: Mapping[str, Fit]) -> DataQuality:
+    """Return what entered of all boards, trials that did not by board and id."""
+    each = {name: fit.summary.data_quality for name, fit in fits.items()}
+    totals: dict[str, Any] = {
+        key: sum(getattr(one, key) for one in each.values())
+        for key in (
+            "trials",
+            "trials_used",
+            "setups",
+            "events",
+            "points",
+            "motor_runs",
+            "replicated_cells",
+        )
+    }
+    return DataQuality(
+        **totals,
+        excluded=tuple(
+            out.model_copy(update={"trial": f"{name}/{out.trial}"})
+            for name, one in each.items()
+            for out in one.excluded
+        ),
+        notes=tuple(f"{name}: {note}" for name, one in each.items() for note in one.notes),
+    )
+
+
+def _new_boards(found: PooledDraws, seed: int) -> Array:
+    """Return coefficients of a board that was not measured, shape (chains, draws, K)."""
+    rng = np.random.default_rng(np.random.SeedSequence([seed, 12]))
+    mean, sd = found.population.split(found.theta)
+    return np.asarray(rng.normal(mean, sd))
+
+
+def _trees(
+    found: PooledDraws,
+    own_names: Mapping[str, Sequence[str]],
+    attributes: Mapping[str, Any],
+    seed: int,
+) -> tuple[xr.DataTree, xr.DataTree]:
+    """Return what ``draws.nc`` and ``predictive.nc`` hold."""
+    names, sizes = found.population.names, sizes_of(found.population.names)
+    units = {one.name.partition("[")[0]: one.unit for one in found.population.parameters}
+    new = _new_boards(found, seed)
+    posterior: dict[str, Array] = {}
+    later: dict[str, Array] = {}
+    dims: dict[str, list[str]] = {}
+    for stem in units:
+        places = [names.index(coefficient_name(stem, size)) for size in sizes]
+        posterior[stem], dims[stem] = found.theta[..., places], ["pulley"]
+        if not stem.startswith(BETWEEN):
+            later[stem] = new[..., places]
+            by_board = [
+                found.boards[board][..., [own.index(names[place]) for place in places]]
+                for board, own in own_names.items()
+            ]
+            posterior[f"board_{stem}"] = np.stack(by_board, axis=2)
+            dims[f"board_{stem}"] = ["board", "pulley"]
+    layout: dict[str, Any] = {
+        "coords": {"pulley": list(sizes), "board": list(own_names)},
+        "ensemble": np.arange(len(new)),
+        "attributes": attributes,
+        "units": units | {f"board_{stem}": unit for stem, unit in units.items()},
+    }
+    draws = draws_tree({"posterior": posterior}, dims=dims, **layout)
+    return draws, draws_tree({"new_board": later}, dims=dims, **layout)

@@ -1,0 +1,206 @@
+"""Several boards as draws of one population: normal approximations, and what corrects them.
+
+Each board's posterior is taken as normal; with its prior divided out it is a likelihood of the
+board's coefficients, correlations kept. The population's mean and scatter are drawn with the
+boards integrated out in closed form. A second stage evaluates each board's own density at
+boards drawn for every population and accepts or rejects by that: the result is exact,
+whatever the approximation, and costs more draws the worse that is.
+
+References
+----------
+J. A. Christen, C. Fox, "Markov chain Monte Carlo using an approximation", Journal of
+Computational and Graphical Statistics 14 (2005).
+C. Andrieu, G. O. Roberts, "The pseudo-marginal approach for efficient Monte Carlo
+computations", Annals of Statistics 37 (2009).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.inference.model import Model
+from bayesfric.inference.priors import from_normal, log_density, prior_width
+from bayesfric.inference.sampling import PROPOSAL_FREEDOM, PROPOSAL_INFLATION
+
+__all__ = ["NormalBoard", "second_stage"]
+
+Array = NDArray[np.float64]
+LEAST_PRECISION = 0.01  # of a direction that a board leaves open, its prior's being 1
+
+
+@dataclass(frozen=True)
+class NormalBoard:
+    """A board's posterior as a normal density, in the linear coordinates of its model.
+
+    Parameters
+    ----------
+    model : Model
+        Of D parameters, K of them coefficients.
+    places : ndarray of int, shape (D,)
+        Where its parameters stand, the coefficients first.
+    centre : ndarray, shape (D,)
+        Mean of the posterior, the coefficients first.
+    root : ndarray, shape (D, D)
+        Lower triangular, with the covariance as its square, likewise.
+    likely : ndarray, shape (K,)
+        Where the likelihood of the coefficients has its top.
+    precision_root : ndarray, shape (K, K)
+        G, with G Gᵀ the precision of that likelihood.
+    """
+
+    model: Model
+    places: NDArray[np.intp]
+    centre: Array
+    root: Array
+    likely: Array
+    precision_root: Array
+
+    @classmethod
+    def of(cls, model: Model, theta: Array, names: Sequence[str]) -> "NormalBoard":
+        """Fit it to draws.
+
+        Parameters
+        ----------
+        model : Model
+            Of the board.
+        theta : ndarray, shape (S, D)
+            Draws of its posterior, in the parameters' units.
+        names : sequence of str
+            The K coefficients.
+        """
+        first = [model.names.index(name) for name in names]
+        places = np.array(first + [k for k in range(len(model.names)) if k not in first])
+        x = model.linear(model.sampling(theta))[:, places]
+        centre, covariance = x.mean(axis=0), np.atleast_2d(np.cov(x, rowvar=False))
+        priors = [model.parameters[place].prior for place in first]
+        middle = np.array([float(from_normal(prior, 0.0)) for prior in priors])
+        width = np.array([prior_width(prior) for prior in priors])
+        count = len(first)
+        # In units of the prior, whose precision is then 1 in every direction.
+        variance, axes = np.linalg.eigh(covariance[:count, :count] / np.outer(width, width))
+        precision = np.maximum(1 / variance - 1, LEAST_PRECISION)
+        moved = axes.T @ ((centre[:count] - middle) / width)
+        return cls(
+            model=model,
+            places=places,
+            centre=centre,
+            root=np.asarray(np.linalg.cholesky(covariance), dtype=np.float64),
+            likely=middle + width * (axes @ (moved / (variance * precision))),
+            precision_root=axes * np.sqrt(precision) / width[:, None],
+        )
+
+    def log_marginal(self, mean: Array, sd: Array) -> Array:
+        """Return the log density of the board given its population, up to a constant.
+
+        Parameters
+        ----------
+        mean, sd : ndarray, shape (W, K)
+            Of the population of each coefficient.
+
+        Returns
+        -------
+        ndarray, shape (W,)
+        """
+        scaled = sd[..., None] * self.precision_root
+        lower = np.linalg.cholesky(np.eye(mean.shape[1]) + np.swapaxes(scaled, 1, 2) @ scaled)
+        off = np.linalg.solve(lower, ((mean - self.likely) @ self.precision_root)[..., None])
+        log_root = np.log(np.diagonal(lower, axis1=1, axis2=2)).sum(axis=1)
+        return np.asarray(-log_root - 0.5 * (off[..., 0] ** 2).sum(axis=1))
+
+    def draw(
+        self, mean: Array, sd: Array, tries: int, rng: np.random.Generator
+    ) -> tuple[Array, Array]:
+        """Draw boards of given populations, with weights by the board's own density.
+
+        Parameters
+        ----------
+        mean, sd : ndarray, shape (W, K)
+            Of the population of each coefficient.
+        tries : int
+            Boards a population.
+        rng : Generator
+            Of the draws.
+
+        Returns
+        -------
+        theta : ndarray, shape (W, tries, D)
+            In the units and the order of the model.
+        log_weight : ndarray, shape (W, tries)
+            Their mean is the density of the board's data given the population, with the
+            constant of :meth:`log_marginal`.
+        """
+        count, size = mean.shape[1], len(self.places)
+        scaled = sd[..., None] * self.precision_root
+        inner = np.linalg.inv(np.eye(count) + scaled @ np.swapaxes(scaled, 1, 2))
+        inner = sd[:, :, None] * inner * sd[:, None, :]  # the conditional covariance
+        precise = self.precision_root @ self.precision_root.T
+        centre = mean + np.einsum("wij,wj->wi", inner, (self.likely - mean) @ precise)
+        widths = np.sqrt(np.diagonal(inner, axis1=1, axis2=2))
+        # Widths may differ by any factor: the root is taken of correlations.
+        near = np.linalg.cholesky(inner / (widths[:, :, None] * widths[:, None, :]))
+        near = PROPOSAL_INFLATION**0.5 * widths[..., None] * near
+        normal = rng.standard_normal((len(mean), tries, size))
+        far = np.sqrt(PROPOSAL_FREEDOM / rng.chisquare(PROPOSAL_FREEDOM, (len(mean), tries, 1)))
+        student = normal * far
+        x = np.empty_like(student)
+        x[..., :count] = centre[:, None] + np.einsum("wij,wtj->wti", near, student[..., :count])
+        # The rest follows the coefficients as it does in the board's own posterior.
+        along = self.root[count:, :count] @ np.linalg.inv(self.root[:count, :count])
+        own = PROPOSAL_INFLATION**0.5 * self.root[count:, count:]
+        x[..., count:] = (
+            self.centre[count:]
+            + (x[..., :count] - self.centre[:count]) @ along.T
+            + student[..., count:] @ own.T
+        )
+        log_proposed = -0.5 * (PROPOSAL_FREEDOM + size) * np.log1p(
+            (student**2).sum(axis=-1) / PROPOSAL_FREEDOM
+        ) - np.log(np.diagonal(near, axis1=1, axis2=2)).sum(axis=1, keepdims=True)
+        off = (x[..., :count] - mean[:, None]) / sd[:, None]
+        log_population = -0.5 * (off**2).sum(axis=-1) - np.log(sd).sum(axis=1)[:, None]
+        theta, log_likelihood = self._density(x.reshape(-1, size))
+        log_weight = log_likelihood.reshape(off.shape[:2]) + log_population - log_proposed
+        return theta.reshape(x.shape), log_weight
+
+    def _density(self, x: Array) -> tuple[Array, Array]:
+        """Return points in the model's units and order, and their log density, shape (W,).
+
+        The prior of the coefficients is not in it: the population is their prior.
+        """
+        points = np.empty_like(x)
+        points[:, self.places] = x
+        with np.errstate(all="ignore"):  # beyond a prior's bounds there is no density
+            z = self.model.from_linear(points)
+            density = self.model.log_posterior(z) - self.model.linear_log_slope(z)
+            theta = self.model.natural(z)
+            for place in self.places[: len(self.likely)]:
+                prior = self.model.parameters[place].prior
+                density = density - log_density(prior, theta[:, place])
+        return theta, np.where(np.isfinite(density), density, -np.inf)
+
+
+def second_stage(log_weight: Array, rng: np.random.Generator) -> NDArray[np.intp]:
+    """Accept or reject proposals, each independent of the one before, by their weights.
+
+    Parameters
+    ----------
+    log_weight : ndarray, shape (chains, N)
+        Log of density over proposal, for each chain in the order of its proposals.
+    rng : Generator
+        Of the acceptance.
+
+    Returns
+    -------
+    ndarray of int, shape (chains, N)
+        The proposal at which each chain is.
+    """
+    threshold = np.log(rng.uniform(size=log_weight.shape))
+    at = np.zeros(log_weight.shape, dtype=np.intp)
+    for row, weights in enumerate(log_weight):
+        here = 0  # −inf at first leaves for any weight that is finite
+        for step in range(1, len(weights)):
+            if threshold[row, step] < weights[step] - weights[here]:
+                here = step
+            at[row, step] = here
+    return at

@@ -1,0 +1,115 @@
+"""Several boards as draws of one population: its means, its scatter, and each board."""
+
+from collections.abc import Iterator
+
+from bayesfric.inference.diagnostics import LIMITS
+from bayesfric.report.chapters.symbols import EXPONENTS, symbol, unit_head
+from bayesfric.report.content import Block, Code, Column, Heading, Inline, Paragraph, Table
+from bayesfric.report.quantities import (
+    MISSING,
+    format_count,
+    format_number,
+    format_share,
+    interval_cells,
+)
+from bayesfric.schemas import FitFile, Interval, Pooled
+
+__all__ = ["boards", "population"]
+
+NUMBERS = tuple(Column(name, align="decimal") for name in ("mean", "sd", "5 %", "95 %"))
+
+
+def population(fit: FitFile, pooled: Pooled) -> Table:
+    """Return the table of page one: what boards have in common, and how far they differ."""
+    rows = []
+    for size, coefficients in fit.pulleys.items():
+        for name, entry in coefficients.items():
+            between = pooled.pulleys[size][name].between
+            rows.append(
+                [
+                    *_what(size, name, entry.unit),
+                    *_cells(entry, name),
+                    f"{format_share(between.q50)} (to {format_share(between.q95)})"
+                    + ("" if between.informed else ", prior"),
+                ]
+            )
+    return Table(
+        f"The population of {len(pooled.boards)} boards.",
+        ["pulley", "coefficient", *NUMBERS, "between boards"],
+        rows,
+        label="population",
+        note="Posterior of the population's mean. Between boards: the standard deviation of a "
+        "board's coefficient over that mean, median and 95 % quantile; “prior” where these boards "
+        "say no more of it than its prior does.",
+    )
+
+
+def boards(fit: FitFile, pooled: Pooled) -> Iterator[Block]:
+    """Yield the chapter: each board alone and among the others, and how that is done."""
+    yield Heading(1, "Boards")
+    yield Paragraph(
+        f"The boards share, {pooled.shared}. Each has for itself {pooled.own}. A board that says "
+        "little by itself is drawn to the population: its shrinkage is the variance of its own "
+        "estimate over the sum of that and the variance between boards."
+    )
+    rows: list[list[Inline | tuple[Inline, ...]]] = []
+    for size, coefficients in pooled.pulleys.items():
+        for name, found in coefficients.items():
+            what = _what(size, name, fit.pulleys[size][name].unit)
+            for board, one in found.boards.items():
+                rows.append(
+                    [
+                        *what,
+                        Code(board),
+                        *_cells(one.pooled, name),
+                        f"{_cells(one.alone, name)[0]} ± {_cells(one.alone, name)[1]}",
+                        format_share(one.shrinkage),
+                    ]
+                )
+            rows.append([*what, "a new one", *_cells(found.new_board, name), MISSING, MISSING])
+    yield Table(
+        "Each board among the others, and alone.",
+        ["pulley", "coefficient", "board", *NUMBERS, "alone", "shrinkage"],
+        rows,
+        label="boards",
+        note="A new one: a board of this population that was not measured.",
+    )
+    sampler, least = fit.sampler, _least_effective(fit, pooled)
+    yield Heading(2, "How it is computed")
+    yield Paragraph(
+        [
+            "Each board's own posterior, its prior divided out, is taken as normal, with the "
+            "correlations of its coefficients; the boards are then integrated out in closed form, "
+            "and the population is drawn. A second stage draws the boards anew for each draw of "
+            "the population, and accepts or rejects by the boards' own densities of the raw data, "
+            f"so that nothing normal is left: {format_share(sampler.acceptance)} of the proposals "
+            f"were accepted, the Pareto k of their weights is "
+            f"{format_number(pooled.pareto_k, 2)}, and of {format_count(sampler.draws)} draws at "
+            f"least {format_count(round(least))} are effective ({LIMITS['ess']:.0f} are needed). "
+            "The fit of each board, with its checks, is in ",
+            *_folders(pooled),
+            ".",
+        ]
+    )
+
+
+def _what(size: str, name: str, unit: str) -> tuple[str, tuple[Inline, ...]]:
+    return size, (*symbol(name), f" [{unit_head(name, unit)}]")
+
+
+def _cells(one: Interval, name: str) -> tuple[str, str, str, str]:
+    """Return mean, sd, 5 % and 95 % quantile over the power of ten of the coefficient."""
+    exponent = EXPONENTS[name]
+    mean, low, high = interval_cells(one.mean, one.q05, one.q95, exponent)
+    return mean, format_number(one.sd, 2, None, exponent).split(" ")[0], low, high
+
+
+def _least_effective(fit: FitFile, pooled: Pooled) -> float:
+    means = [one for entries in fit.pulleys.values() for one in entries.values()]
+    scatter = [one.between for entries in pooled.pulleys.values() for one in entries.values()]
+    return min(min(one.ess_bulk, one.ess_tail) for one in means + scatter)
+
+
+def _folders(pooled: Pooled) -> Iterator[Inline]:
+    for place, one in enumerate(pooled.boards.values()):
+        yield from (", ", Code(one.folder)) if place else (Code(one.folder),)

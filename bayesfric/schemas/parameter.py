@@ -1,0 +1,30 @@
+"""A parameter in ``fit.json``."""
+
+from pydantic import Field
+
+from bayesfric.schemas.base import Interval, Number, Why
+
+__all__ = ["ParameterSummary"]
+
+
+class ParameterSummary(Interval):
+    """The posterior of a parameter and how well it is known."""
+
+    unit: str = Field(description="Unit; 1 for a ratio.")
+    prior: str = Field(description="Prior density, as in half-normal(scale=0.05).")
+    mcse_mean: Number = Field(description="Monte Carlo standard error of the mean.")
+    ess_bulk: Number = Field(description="Effective draws for the mean.")
+    ess_tail: Number = Field(description="Effective draws for the 5 and 95 % quantiles.")
+    r_hat: Number = Field(description="Rank-normalised split R-hat, walkers pooled by ensemble.")
+    r_hat_walkers: Number = Field(description="The same with each walker as a chain.")
+    contraction: Number | None = Field(description="1 - posterior sd / prior sd.")
+    contraction_why: Why = None
+    informed: bool = Field(description="Whether the data say more than the prior.")
+    prior_sensitivity: Number | None = Field(
+        None,
+        description="Of a coefficient: how far its cumulative distribution moves for a doubling "
+        "of the power to which all priors are raised; above 0.05 they matter.",
+    )
+    likelihood_sensitivity: Number | None = Field(
+        None, description="The same for the power of the likelihood."
+    )
