@@ -16,7 +16,7 @@ from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.rotary import rotary_unit
 from bayesfric.rigs.single_axis.limit import LIMITS, Limit, drive_limit
 from bayesfric.rigs.single_axis.motion import Motion
-from bayesfric.rigs.single_axis.period import FORMS, Wave, strongest_wave
+from bayesfric.rigs.single_axis.period import SEARCHED, Wave, strongest_wave
 from bayesfric.rigs.single_axis.readings import Readings, rough_law
 
 __all__ = ["Measures", "measures_of"]
@@ -86,10 +86,10 @@ class Measures:
         found = replace(effect, amplitude=self._parameter(effect.amplitude), shape=shape)
         if shape is not None and "period" in effect.needs:
             prior = LogNormal(median=self.wave.period, sd_log=self.wave.spread)
-            return replace(found, shape=replace(shape, prior=prior), forms=FORMS)
+            return replace(found, shape=replace(shape, prior=prior), searched=SEARCHED)
         if shape is not None and "limit" in effect.needs:
             prior = LogNormal(median=self.limit.force, sd_log=NEAR)
-            return replace(found, shape=replace(shape, prior=prior), forms=LIMITS)
+            return replace(found, shape=replace(shape, prior=prior), searched=LIMITS)
         return found
 
     def _parameter(self, one: EffectParameter) -> EffectParameter:
