@@ -19,6 +19,7 @@ from bayesfric.claims.base import Case, Claim, Finding
 from bayesfric.claims.comparison import bayes_factor, log_evidence
 from bayesfric.claims.contradictions import contradictions
 from bayesfric.claims.entered import PAPER, Entered
+from bayesfric.claims.kept_draws import models_kept
 from bayesfric.claims.studies import Studied, Task, study_all
 from bayesfric.effects import Effect, all_effects, with_priors
 from bayesfric.recording.tables import Recording
@@ -62,7 +63,8 @@ class Checked:
         What ``claims.json`` says.
     curves : DataTree
         What ``claims.nc`` holds: ``curves``, the log10 Bayes factor and the verdict over
-        the width of the rivals' priors.
+        the width of the rivals' priors; and ``models``, see
+        :func:`bayesfric.claims.kept_draws.models_kept`.
     seconds : float
         Wall time.
     """
@@ -185,7 +187,9 @@ def check_claims(
             SelfContradiction.model_validate(one._asdict()) for one in contradictions()
         ),
     )
-    return Checked(identified(summary), _curves(findings), time.perf_counter() - began)
+    groups = _curves(findings) | models_kept(studied)
+    seconds = time.perf_counter() - began
+    return Checked(identified(summary), xr.DataTree.from_dict(groups), seconds)
 
 
 def _studied(
@@ -286,10 +290,10 @@ def _why(found: Finding, value: float | None) -> str | None:
     return None if value is not None else found.why or found.reason
 
 
-def _curves(findings: Sequence[tuple[Claim, Finding]]) -> xr.DataTree:
+def _curves(findings: Sequence[tuple[Claim, Finding]]) -> dict[str, xr.Dataset]:
     compared = {claim.name: found.curve for claim, found in findings if found.curve}
     if not compared:
-        return xr.DataTree()
+        return {}
     width = next(iter(compared.values()))["width"]
     values = np.stack([curve["log10_bayes_factor"] for curve in compared.values()])
     verdicts = np.stack([curve["verdict"] for curve in compared.values()])
@@ -300,4 +304,4 @@ def _curves(findings: Sequence[tuple[Claim, Finding]]) -> xr.DataTree:
         },
         coords={"claim": list(compared), "width": width},
     )
-    return xr.DataTree.from_dict({"curves": curves})
+    return {"curves": curves}

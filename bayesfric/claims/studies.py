@@ -14,7 +14,7 @@ from bayesfric.analysis import Analysis, Sampler
 from bayesfric.claims.apart import ApartModel
 from bayesfric.effects import Effect, State
 from bayesfric.fitting.hypothesis import Hypothesis, chart_of, model_of
-from bayesfric.fitting.predictive.left_out import leave_setups_out
+from bayesfric.fitting.predictive.left_out import leave_setups_out, setup_log_densities
 from bayesfric.inference.evidence import (
     ELPD,
     Evidence,
@@ -31,7 +31,7 @@ from bayesfric.inference.sampling import sample
 from bayesfric.rigs.coefficients import law_of
 from bayesfric.rigs.data import Data
 
-__all__ = ["WIDTHS", "Studied", "Task", "prior_ratios", "slowest_speed", "study_all"]
+__all__ = ["WIDTHS", "Kept", "Studied", "Task", "prior_ratios", "slowest_speed", "study_all"]
 
 Array = NDArray[np.float64]
 SHORT_RUN = Sampler(burn=20, steps=60, thin=3, extensions=5)  # run on where it is not enough
@@ -71,6 +71,24 @@ class Task(NamedTuple):
         return "+" in self.data
 
 
+class Kept(NamedTuple):
+    """Some draws of a hypothesis, to be compared with those of another.
+
+    Parameters
+    ----------
+    theta : mapping of str to ndarray, shape (chain, draw)
+        By parameter; a chain is an ensemble.
+    setups : tuple of str
+        Its J assemblies.
+    log_likelihood : ndarray, shape (chain, draw, J)
+        Of each assembly given the others.
+    """
+
+    theta: Mapping[str, Array]
+    setups: tuple[str, ...]
+    log_likelihood: Array
+
+
 @dataclass(frozen=True)
 class Studied:
     """What a hypothesis makes of data.
@@ -94,6 +112,8 @@ class Studied:
         draw by draw; empty without an effect.
     laplace : Laplace or None
         The mode, where it was screened only, for draws that are wanted later.
+    kept : Kept or None
+        Some of the draws, where it was not screened only.
     """
 
     evidence: Evidence | None
@@ -103,6 +123,7 @@ class Studied:
     widths: Array = field(default_factory=lambda: np.empty(0))
     size: Array = field(default_factory=lambda: np.empty(0))
     laplace: Laplace | None = None
+    kept: Kept | None = None
 
 
 def study_all(
@@ -212,7 +233,19 @@ def _study(
         named = model.by_name(theta)
         flat = draws.z.reshape(theta.shape)
         some = flat[np.linspace(0, len(flat) - 1, POINTWISE_DRAWS).astype(int)]
-        prediction = leave_setups_out(model, some)
+        densities = setup_log_densities(model, some)
+        prediction = leave_setups_out(densities)
+        by_ensemble = (len(draws.z), -1)  # evenly spaced, so that each has as many
+        kept = Kept(
+            {
+                name: one.reshape(by_ensemble)
+                for name, one in model.by_name(model.natural(some)).items()
+            },
+            tuple(setup for one in model.likelihoods for setup in one.setups),
+            np.concatenate(densities, axis=1).reshape(
+                *by_ensemble, sum(one.shape[1] for one in densities)
+            ),
+        )
     why = ""
     if rough.reliable and not agree(evidence, rough):
         why = (
@@ -226,6 +259,7 @@ def _study(
         prediction,
         _over_widths(named, task.hypothesis, effects),
         _size_at_edge(data, named, task.hypothesis, effects),
+        kept=kept,
     )
 
 

@@ -124,7 +124,7 @@ def lawbook(candidates: Sequence[Candidate]) -> dict[str, tuple[Law, ...]]:
                 law,
                 tuple(places),
                 tuple(candidates[place].node for place in places),
-                -float(np.log(len(laws) * candidates[places[0]].effect.forms)),
+                -float(np.log(len(laws) * candidates[places[0]].effect.searched)),
             )
             for law, places in laws.items()
         )

@@ -99,7 +99,7 @@ def small_amounts(
     found: list[tuple[Candidate, float]] = []
     for effect in effects.values():
         nodes = SHAPES if effect.shape is not None else np.zeros(1)
-        each = [Candidate(effect, law, float(node), 0.0) for law in effect.laws for node in nodes]
+        each = [Candidate(effect, law, float(node)) for law in effect.laws for node in nodes]
         part = share / np.sqrt(len(effects) * len(each))
         for candidate in each:
             size = relative_rms(rows, candidate)

@@ -248,7 +248,7 @@ class Effect:
         0; or how many components a law returns, stacked on a first axis, each to be
         multiplied by a number N(0, 1) drawn anew for every trial (of an effect on
         readings for each of its sensors): a phase that nobody recorded.
-    forms : int
+    searched : int
         Among how many forms that cannot be told apart beforehand a rig found its laws in the
         data: what they weigh is divided by it.
     two_ends : str or None
@@ -266,7 +266,7 @@ class Effect:
     along_path: bool = False
     components: int = 0
     needs: frozenset[str] = frozenset()
-    forms: int = 1
+    searched: int = 1
     two_ends: str | None = None
 
     @property

@@ -45,8 +45,6 @@ class Candidate:
         Name of the variant.
     node : float
         Normal quantile of the shape; 0 without one.
-    log_weight : float
-        Prior weight among the candidates of the effect.
     cell : float
         Width of the node's part of the prior, in normal quantiles; 0 without a node.
     """
@@ -54,7 +52,6 @@ class Candidate:
     effect: Effect
     law: str
     node: float
-    log_weight: float
     cell: float = 0.0
 
     @property
@@ -66,7 +63,7 @@ class Candidate:
 
 
 def candidates_of(effect: Effect, nodes: Mapping[str, Array] | None = None) -> list[Candidate]:
-    """Return the candidates of an effect, their weights adding up to 1.
+    """Return the candidates of an effect.
 
     Parameters
     ----------
@@ -80,11 +77,9 @@ def candidates_of(effect: Effect, nodes: Mapping[str, Array] | None = None) -> l
     for law in effect.laws:
         places = usual if nodes is None else nodes[law]
         cells = np.gradient(places) if places.size > 1 else np.zeros(1)
-        weights = norm.pdf(places) * (cells if places.size > 1 else 1.0)
-        log_weights = np.log(weights / weights.sum() / len(effect.laws))
         found += [
-            Candidate(effect, law, float(node), float(weight), float(cell))
-            for node, weight, cell in zip(places, log_weights, cells, strict=True)
+            Candidate(effect, law, float(node), float(cell))
+            for node, cell in zip(places, cells, strict=True)
         ]
     return found
 

@@ -13,10 +13,7 @@ Array = NDArray[np.float64]
 
 def _beyond(p: Mapping[str, Array], state: State) -> Array:
     drive = np.asarray(state.drive_force_n)
-    # A drive that could not overcome friction would move nothing: its limit lies above. Else
-    # a force that only follows friction would be explained by itself.
-    limit = state.friction_n + p["reserve"]
-    lost = np.sign(drive) * np.maximum(np.abs(drive) - limit, 0.0)
+    lost = np.sign(drive) * np.maximum(np.abs(drive) - p["limit"], 0.0)
     return np.asarray(p["share"] * lost * np.asarray(state.direction))
 
 
@@ -33,15 +30,16 @@ EFFECT = Effect(
         reference="by definition: none or all of it is lost",
     ),
     shape=EffectParameter(
-        name="reserve",
+        name="limit",
         unit="N",
-        meaning="force beyond friction from which on it is lost",
-        prior=LogNormal(median=1.0, sd_log=0.6),
-        plausible=(0.1, 20.0),
-        reference="argued: drives are chosen for some times the friction",
-        typical=1.0,
+        meaning="force from which on it is lost",
+        prior=LogNormal(median=2.5, sd_log=0.6),
+        plausible=(1.0, 40.0),
+        reference="argued: drives are chosen for some times the friction; where commands are "
+        "logged, it is where acceleration no longer answers to them",
+        typical=2.5,
     ),
     laws={"beyond": _beyond},
     along_path=True,
-    needs=frozenset({"drive", "direction"}),
+    needs=frozenset({"drive", "direction", "limit"}),
 )

@@ -25,6 +25,7 @@ from scipy.special import gammaln
 
 from bayesfric.analysis import Sampler
 from bayesfric.checkpoint import Checkpoint
+from bayesfric.errors import Fault, InputError
 from bayesfric.inference.laplace import Laplace
 
 __all__ = ["Chart", "Draws", "SamplingError", "StudentT", "sample"]
@@ -208,11 +209,17 @@ def sample(
 
     Raises
     ------
+    InputError
+        The settings ask for fewer walkers than twice the number of parameters.
     SamplingError
         Too few points around the mode have a finite density.
     """
     size = laplace.mode.size
     walkers = settings.walkers or max(LEAST_WALKERS, 2 * size)
+    if walkers < 2 * size:  # each half of an ensemble is moved along differences of the other
+        expected = f"at least {2 * size}, twice the number of parameters of this recording"
+        fault = Fault("analysis", expected, column="sampler.walkers", value=str(walkers))
+        raise InputError([fault])
     seeds = np.random.SeedSequence(seed).spawn(settings.ensembles + 1)
     total_steps = settings.burn + settings.steps  # of an ensemble
     total = settings.burn + settings.ensembles * total_steps

@@ -160,6 +160,7 @@ def hunting_threshold(
     duration: float | None = None,
     gammas: Sequence[float] = EVERY_TENTH,
     tolerance: float = 0.01,
+    known: ArrayLike = np.inf,
 ) -> Thresholds:
     """Return the smallest compensation gain γ at which each draw hunts in any condition.
 
@@ -182,6 +183,8 @@ def hunting_threshold(
         The γ that are tried first, increasing from 0.
     tolerance : float
         Width to which the bisection goes, and a share :data:`WITHIN` of smaller thresholds.
+    known : array_like
+        γ at which each draw hunts in another condition, a scalar or (draws,): none above is tried.
 
     Returns
     -------
@@ -222,17 +225,23 @@ def hunting_threshold(
 
     threshold, below = np.full(loop.draws, np.inf), np.zeros(loop.draws)
     condition = np.full(loop.draws, -1, dtype=np.intp)
-    for begin in range(0, grid.size, TRIED_AT_ONCE):
-        some = grid[begin : begin + TRIED_AT_ONCE]
-        left = np.flatnonzero(np.isinf(threshold))
+    most = loop.per_draw("known", known)
+    before = np.concatenate([[-1.0], grid[:-1]])
+    # a loop that hunts without compensation needs no more than the first
+    for begin in (0, *range(1, grid.size, TRIED_AT_ONCE)):
+        end = begin + TRIED_AT_ONCE if begin else 1
+        left = np.flatnonzero(np.isinf(threshold) & (before[begin] < most))
         if not left.size:
             break
-        table = hunts(np.tile(left, some.size), np.repeat(some, left.size))
-        table = table.reshape(shape[0], some.size, left.size)
+        some = np.minimum(grid[begin:end, None], most[left])
+        needed = before[begin:end, None] < most[left]
+        table = np.zeros((shape[0], *some.shape), dtype=bool)
+        table[:, needed] = hunts(left[np.nonzero(needed)[1]], some[needed])
         any_hunts = table.any(axis=0)
         found, at = any_hunts.any(axis=0), any_hunts.argmax(axis=0)
         rows, first = left[found], begin + at[found]
-        threshold[rows], below[rows] = grid[first], grid[np.maximum(first - 1, 0)]
+        threshold[rows] = np.minimum(grid[first], most[rows])
+        below[rows] = grid[np.maximum(first - 1, 0)]
         condition[rows] = table[:, at[found], np.flatnonzero(found)].argmax(axis=0)
     while True:
         near = np.minimum(tolerance, np.maximum(WITHIN * threshold, FINEST))

@@ -26,7 +26,7 @@ class Judged(NamedTuple):
     ----------
     hunts : ndarray of bool
         Enough reversals in the last quarter, a way between two of them beyond what counts as
-        still, and no decay from the third.
+        still, as far out and back again, and no decay from the third.
     amplitude : ndarray
         Half of the range of the error in the last quarter [rad].
     frequency : ndarray
@@ -70,6 +70,8 @@ class Swing:
         self._side, self._squares = np.zeros(count), np.zeros(count)
         # between two reversals: an error that drifts while readings jitter goes no way at once
         self._turned_at, self._widest = np.full(count, np.nan), np.zeros(count)
+        # and one that only goes one way, as where a shaft begins to follow, does not swing
+        self._rise, self._fall = np.zeros((2, count))
 
     def keep(self, rows: Whole) -> None:
         """Go on with some of the draws alone."""
@@ -125,7 +127,7 @@ class Swing:
             self._low[half], self._high[half] = np.inf, -np.inf
             self._early_reversals[half] = self._reversals[half]
             self._reversals[half] = 0
-            self._widest[half] = 0.0
+            self._widest[half] = self._rise[half] = self._fall[half] = 0.0
         np.add(self._squares, error * error, out=self._squares, where=looked)
         np.minimum(self._low, error, out=self._low, where=looked)
         np.maximum(self._high, error, out=self._high, where=looked)
@@ -135,9 +137,13 @@ class Swing:
             self._first[fresh] = k[fresh] * self._period[fresh]
             self._last[rows] = k[rows] * self._period[rows]
             self._reversals[rows] += 1
-            way = np.abs(error[rows] - self._turned_at[rows])
+            here, there = error[rows], self._turned_at[rows]
+            low, high = np.fmin(self._low[rows], there), np.fmax(self._high[rows], there)
+            self._rise[rows] = np.maximum(self._rise[rows], here - low)
+            self._fall[rows] = np.maximum(self._fall[rows], high - here)
+            way = np.abs(here - there)
             self._widest[rows] = np.fmax(self._widest[rows], way)
-            self._turned_at[rows] = error[rows]
+            self._turned_at[rows] = here
 
     def pass_over(
         self, rows: Whole, samples: Whole, k: Whole, before: Floats, after: Floats
@@ -173,7 +179,8 @@ class Swing:
     def judged(self) -> Judged:
         """Return what was seen."""
         after = np.maximum(self._high - self._low, 0.0) / 2.0
-        swings = (self._reversals >= LEAST_REVERSALS) & (self._widest / 2.0 > self._least)
+        least_way = np.min([self._widest, self._rise, self._fall], axis=0)
+        swings = (self._reversals >= LEAST_REVERSALS) & (least_way / 2.0 > self._least)
         hunts = swings & (after >= self._lasts * self._before)
         turns = self._reversals + self._early_reversals
         span = np.where(turns >= 3, self._last - self._first, 1.0)

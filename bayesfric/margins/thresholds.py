@@ -177,36 +177,42 @@ def _thresholds(
     more condition.
     """
     draws = some.friction.size
-    conditions = _earliest(chart)
-    seen = set(conditions)
+    conditions: tuple[Condition, ...] = ()
+    fresh = _earliest(chart)
+    found = Thresholds(np.full(draws, np.inf), np.full(draws, -1, dtype=np.intp))
     checked = tuple(
         Condition(one.counts, one.speed, kick) for one in chart.speeds for kick in OTHER_KICKS
     )
     grid = np.asarray(chart.gammas)
     for _ in range(ROUNDS):
-        found = Thresholds(np.full(draws, np.inf), np.full(draws, -1, dtype=np.intp))
-        if conditions:
-            found = hunting_threshold(
+        if fresh:
+            more = hunting_threshold(
                 some.sampled(),
-                kick=np.array([one.kick_of(some) for one in conditions]),
-                reference_speed=np.array([one.speed_of(some) for one in conditions]),
+                kick=np.array([one.kick_of(some) for one in fresh]),
+                reference_speed=np.array([one.speed_of(some) for one in fresh]),
                 gammas=chart.gammas,
+                known=found.gamma,
             )
+            first = more.gamma < found.gamma
+            place = np.where(first, more.condition + len(conditions), found.condition)
+            found = Thresholds(np.minimum(more.gamma, found.gamma), place)
+            conditions += fresh
         earlier = chart.hunts & (grid[:, None, None] < found.gamma[few])
         own = hunts & (some.gamma < found.gamma)
         missed = np.asarray(earlier.any(axis=(0, 2)) | own.any(axis=1))
-        fresh = {one for one, does in zip(chart.speeds, missed, strict=True) if does}
-        if not fresh - seen:
-            safe = np.sort(found.gamma)[int(allowed * draws)]
+        missing = {one for one, does in zip(chart.speeds, missed, strict=True) if does}
+        missing -= set(conditions)
+        safe = np.sort(found.gamma)[int(allowed * draws)]
+        if not missing and safe > 0.0:
             tried = some.taken(few)
             gamma = np.full(few.size, min(max(safe - 0.01, 0.0), GAMMA_MAX))
             after = run(tried, checked, gamma).hunts.reshape(len(checked), -1).mean(axis=1)
             most = allowed + 2 * np.sqrt(allowed * (1 - allowed) / few.size)
-            fresh = {one for one, share in zip(checked, after, strict=True) if share > most}
-        if not fresh - seen:
+            missing = {one for one, share in zip(checked, after, strict=True) if share > most}
+            missing -= set(conditions)
+        if not missing:
             break
-        conditions = (*conditions, *sorted(fresh - seen, key=repr))
-        seen |= fresh
+        fresh = tuple(sorted(missing, key=repr))
     return conditions, found
 
 

@@ -11,10 +11,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from bayesfric.margins.answer import largest_safe_gain
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.metrics import closed_forms, linear_of, missed_draws
 from bayesfric.margins.rows import standard_error
-from bayesfric.margins.thresholds import GAMMA_MAX, Hunting, find_hunting
+from bayesfric.margins.thresholds import Hunting, find_hunting
 from bayesfric.schemas import Tuning
 
 __all__ = ["meets_all_now", "scaled", "tune"]
@@ -29,8 +30,6 @@ FEW, MANY = 60, 2000
 """Draws of the grid of gains, and of the last steps to the largest kp."""
 SIMULATED = 400
 HALVINGS = 6
-RESOLUTION = 0.01
-"""A simulated threshold is at most this much too high."""
 
 
 def scaled(shaft: LoopAtShaft, kp: float, kd: float, gamma: float | None = None) -> LoopAtShaft:
@@ -85,7 +84,9 @@ def tune(shaft: LoopAtShaft, allowed: float) -> Tuning:
     gamma: float | None = float(np.median(shaft.gamma))
     hunts = hunting.now
     if feeds:
-        gamma = _largest_gamma(hunting.threshold, closed, allowed)
+        # a draw that misses anything else is as good as one that hunts at every γ
+        misses = replace(hunting, threshold=np.where(closed, -np.inf, hunting.threshold))
+        gamma = largest_safe_gain(misses, allowed, float(closed.size)).gamma
         hunts = hunting.threshold <= (-1.0 if gamma is None else gamma)
     together = closed | hunts
     return Tuning(
@@ -160,16 +161,6 @@ def _largest_kp(shaft: LoopAtShaft, low: float, high: float, kd: float, share: f
         else:
             high = middle
     return low
-
-
-def _largest_gamma(threshold: Array, closed: Flags, allowed: float) -> float | None:
-    """Return the largest γ at which no more than a share misses anything or hunts."""
-    left = int(allowed * threshold.size + 1e-9) - int(closed.sum())
-    ordered = np.sort(threshold[~closed])
-    if left < 0 or not ordered.size:
-        return None
-    most = min(float(ordered[min(left, ordered.size - 1)]) - RESOLUTION, GAMMA_MAX)
-    return most if most > 0 else None
 
 
 def _each_missed(shaft: LoopAtShaft) -> dict[str, Flags]:

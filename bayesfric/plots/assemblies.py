@@ -15,6 +15,7 @@ __all__ = ["assemblies_left_out", "has_assemblies"]
 
 NORMAL_90 = 1.6449  # half the width of a standard normal's 90 % interval
 NAMED = 6  # far assemblies that carry their name
+CROWD = 100  # points that are drawn small
 CROWDED = 6  # conditions beyond which their names stand upright
 CELL = ("n_pulleys", "wrap_angle_deg")
 
@@ -35,16 +36,29 @@ def assemblies_left_out(predictive: xr.DataTree) -> Figure:
     Returns
     -------
     Figure
-        Of each rig three panels: the distribution of the probabilities less the uniform one,
-        with its band; scores over those expected of their rank; scores by condition.
+        Of each rig: the distribution of the probabilities less the uniform one, with its band;
+        scores over those expected of their rank, and those of its trials, each given the others
+        of its assembly; scores by condition.
     """
     tables = [(one, one.assemblies) for one in rig_tables(predictive) if one.assemblies is not None]
     with figure(height=4.0 + 106.0 * len(tables)) as fig:
-        grid = fig.add_gridspec(2 * len(tables), 2)
+        grid = fig.add_gridspec(2 * len(tables), 6)
         for place, (one, table) in enumerate(tables):
             title = plain(one.title)
-            _distribution(fig.add_subplot(grid[2 * place, 0]), table, title)
-            _ranked(fig.add_subplot(grid[2 * place, 1]), table, title)
+            own = one.checks is not None and "score" in one.checks
+            wide = 2 if own else 3
+            _distribution(fig.add_subplot(grid[2 * place, :wide]), table, title)
+            _ranked(
+                fig.add_subplot(grid[2 * place, wide : 2 * wide]),
+                table["z"],
+                table["expected"],
+                title,
+                "an assembly",
+            )
+            if one.checks is not None and own:
+                of_trials = one.checks["score"], one.checks["score_expected"]
+                axes = fig.add_subplot(grid[2 * place, 4:])
+                _ranked(axes, *of_trials, title, f"a {plain(one.trial)}")
             _by_condition(fig.add_subplot(grid[2 * place + 1, :]), table, title)
         keys: list[Line2D | Patch] = [
             Line2D([], [], color=COLORS["blue"], marker="o", markersize=3, label="this recording"),
@@ -67,14 +81,15 @@ def _distribution(axes: Axes, table: xr.Dataset, title: str) -> None:
     axes.set_ylabel("share below it, less it")
 
 
-def _ranked(axes: Axes, table: xr.Dataset, title: str) -> None:
-    low, middle, high = table["expected"].to_numpy().T
+def _ranked(axes: Axes, score: xr.DataArray, expected: xr.DataArray, title: str, what: str) -> None:
+    low, middle, high = expected.to_numpy().T
     axes.fill_between(middle, low, high, color=NEUTRAL, alpha=0.18, linewidth=0)
     axes.plot(middle, middle, color=NEUTRAL, linewidth=0.8)
-    axes.plot(middle, table["z"].to_numpy(), "o", color=COLORS["blue"], markersize=3)
+    size = 3.0 if score.size < CROWD else 1.5
+    axes.plot(middle, score.to_numpy(), "o", color=COLORS["blue"], markersize=size)
     axes.set_title(title)
     axes.set_xlabel("score expected of its rank")
-    axes.set_ylabel("score of an assembly")
+    axes.set_ylabel(f"score of {what}")
 
 
 def _by_condition(axes: Axes, table: xr.Dataset, title: str) -> None:

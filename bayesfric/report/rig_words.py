@@ -1,9 +1,13 @@
-"""What a rig is called, as the rig itself says."""
+"""What a rig and its law are called, as the rig itself says."""
+
+from collections.abc import Sequence
 
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.base import Words
 
-__all__ = ["rig_words"]
+__all__ = ["law_words", "rig_words"]
+
+DEFAULT = "paper"  # the law where none is asked for
 
 
 def rig_words(name: str) -> Words:
@@ -17,3 +21,19 @@ def rig_words(name: str) -> Words:
     """
     rig = all_rigs().get(name)
     return rig.words if rig is not None else Words(f"rig {name}", "trial", "trials")
+
+
+def law_words(law: str, rigs: Sequence[str]) -> str:
+    """Return what a law is called: none is the paper's where no rig is one of its boards.
+
+    Parameters
+    ----------
+    law : str
+        As stored, a name in :data:`bayesfric.physics.laws.BASELINES`.
+    rigs : sequence of str
+        On which it was fitted.
+    """
+    known = all_rigs()
+    if law != DEFAULT or any(name not in known or known[name].paper for name in rigs):
+        return law
+    return f"{rig_words(rigs[0]).rig}'s own"

@@ -155,6 +155,17 @@ def test_unconverged_is_in_the_exit_status_and_still_written(board, monkeypatch)
     assert CliRunner().invoke(app, arguments[:-2]).exit_code == 0
 
 
+def test_too_few_walkers_for_the_parameters_are_refused(board, tmp_path, monkeypatch):
+    """How many there must be is known only when the recording is."""
+    monkeypatch.chdir(board)
+    (tmp_path / "few.toml").write_text("[sampler]\nwalkers = 10\n")
+    where = ("--config", str(tmp_path / "few.toml"), "-o", str(tmp_path / "out"))
+    done = CliRunner().invoke(app, ("fit", "board", *where))
+    assert done.exit_code == 2
+    assert "sampler.walkers: found '10', expected at least" in done.stderr
+    assert not (tmp_path / "out" / "fit.json").exists()
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

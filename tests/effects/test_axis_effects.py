@@ -40,9 +40,9 @@ AT = State(
         ("delay", "late", {"time": 0.005}, 0.1),
         ("actuator-lag", "first-order", {"time": 0.005}, 0.08),
         ("transmission-compliance", "two-masses", {"square": 2e-4}, -0.1),
-        # 4 N is commanded, 1.5 + 1 N is the limit: 1.5 N is lost, against the way it runs.
-        ("torque-saturation", "beyond", {"share": 1.0, "reserve": 1.0}, 1.5),
-        ("torque-saturation", "beyond", {"share": 1.0, "reserve": 3.0}, 0.0),
+        # 4 N is commanded, 2.5 N is the limit: 1.5 N is lost, against the way it runs.
+        ("torque-saturation", "beyond", {"share": 1.0, "limit": 2.5}, 1.5),
+        ("torque-saturation", "beyond", {"share": 1.0, "limit": 4.5}, 0.0),
         ("backlash", "friction", {"share": 0.4, "gap": 0.02}, -0.6),
         ("backlash", "friction", {"share": 0.4, "gap": 0.0002}, 0.0),
         ("backlash", "force", {"share": 0.5, "gap": 0.02}, -2.0),

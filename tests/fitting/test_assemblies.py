@@ -117,3 +117,15 @@ def test_the_fit_names_it():
     assert any(
         f"Assembly {setup} of the gravity board has friction" in s for s in summary.attention
     )
+
+
+def test_scores_of_trials_are_those_of_their_probabilities_over_what_is_expected(small_fit):
+    """Of the fit's own trials: sorted, inside the band as often as it says, and by SciPy."""
+    trials, checks = small_fit.predictive["trials"], small_fit.predictive["trial_checks"]
+    expected = np.sort(stats.norm.ppf(trials["loo_pit"].to_numpy()))
+    assert checks["score"].to_numpy() == pytest.approx(expected)
+    low, middle, high = checks["score_expected"].to_numpy().T
+    blom = stats.norm.ppf((np.arange(1, middle.size + 1) - 0.375) / (middle.size + 0.25))
+    assert middle == pytest.approx(blom, abs=0.15)  # the medians of a normal sample's order
+    assert (low < middle).all()
+    assert (middle < high).all()

@@ -209,6 +209,19 @@ def test_of_several_conditions_the_first_to_hunt_counts():
     assert found.condition.tolist() == [1, -1]
 
 
+def test_conditions_one_after_another_find_what_they_find_together():
+    loop = arm_loop(0.42, np.array([130, 130, 130]))
+    kicks = np.array([[2.0, 0.9, 2.0], [0.95, 2.0, 2.0]]) * 130 * COUNT
+    together = hunting_threshold(loop, kick=kicks)
+    first = hunting_threshold(loop, kick=kicks[0])
+    # the last draw hunts in another condition long before
+    known = np.array([np.inf, np.inf, 0.7])
+    second = hunting_threshold(loop, kick=kicks[1], known=np.minimum(first.gamma, known))
+    assert together.gamma == pytest.approx(np.full(3, 1.65), rel=0.05)
+    assert np.minimum(first.gamma, second.gamma)[:2] == pytest.approx(together.gamma[:2], abs=0.02)
+    assert np.isinf(second.gamma).tolist() == [True, False, True]
+
+
 @pytest.mark.bench
 def test_two_hundred_draws_take_a_second_of_motion_in_less_than_three():
     import time

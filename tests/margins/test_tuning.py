@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from margins.loops import loop, posterior
 
+from bayesfric.margins import tuning
 from bayesfric.margins.assembly import draw_assembly
 from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.metrics import closed_forms, linear_of, missed_draws
 from bayesfric.margins.posterior import RigDiscrepancy
 from bayesfric.margins.scanning import REST, run
-from bayesfric.margins.thresholds import find_hunting
+from bayesfric.margins.thresholds import Hunting, find_hunting
 from bayesfric.margins.tuning import meets_all_now, scaled, tune
 
 UNCERTAIN = {
@@ -78,3 +79,29 @@ def test_today_counts_every_spec_and_hunting_at_once():
     assert meets_all_now(shaft, hunting) == pytest.approx(expected)
     always = replace(hunting, hunts=np.ones_like(hunting.hunts))
     assert meets_all_now(shaft, always) == 0.0
+
+
+def test_a_gain_is_as_safe_in_a_tuning_as_in_the_answer(monkeypatch):
+    nothing = np.full(20, np.nan)
+    hunting = Hunting(
+        "simulation",
+        np.arange(20),
+        np.linspace(1.0, 1.95, 20),
+        (REST,),
+        np.zeros(20, dtype=np.intp),
+        np.zeros((1, 20), dtype=bool),
+        nothing,
+        nothing,
+        (REST,),
+        None,
+        (),
+        "",
+    )
+    monkeypatch.setattr(tuning, "find_hunting", lambda *given: hunting)
+    monkeypatch.setattr(tuning, "STEPS", 3)
+    # one draw of 20 may hunt, and a simulated threshold is known to 5 %
+    free = made({"spec.steady_error_max_m": 1.0}, seed=1, draws=20)
+    assert tune(free, 0.05).compensation_gain == pytest.approx(0.95 * 1.05)
+    # a draw that misses another spec has taken its place
+    monkeypatch.setattr(tuning, "_missed", lambda shaft: np.arange(shaft.gamma.size) == 3)
+    assert tune(free, 0.1).compensation_gain == pytest.approx(0.95 * 1.05)

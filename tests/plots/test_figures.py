@@ -189,3 +189,13 @@ def test_assemblies_stand_at_their_scores_over_their_rank_and_condition():
     points = {tuple(p) for line in by_condition.lines[2:] for p in line.get_xydata().tolist()}
     assert points == {(0.0, 3.4), (1.0, 0.2), (2.0, -0.5)}
     assert [text.get_text() for text in by_condition.texts] == ["s3"]
+    checks = xr.Dataset(
+        {
+            "score": ("rank", [-1.1, 0.7]),
+            "score_expected": (("rank", "quantile"), [[-2.0, -0.6, 0.0], [0.0, 0.6, 2.0]]),
+        }
+    )
+    tree["trial_checks"] = xr.DataTree(checks)
+    _, _, of_trials, _ = assemblies_left_out(tree).axes
+    assert of_trials.lines[-1].get_xydata().tolist() == [[-0.6, -1.1], [0.6, 0.7]]
+    assert of_trials.get_ylabel() == "score of a trial"

@@ -11,6 +11,7 @@ from bayesfric.report.quantities import (
     format_unit,
     interval_cells,
 )
+from bayesfric.report.rig_words import law_words
 
 THIN = "\u202f"
 
@@ -80,3 +81,15 @@ def test_units_counts_shares_and_probabilities() -> None:
 def test_what_is_no_number_is_refused(call) -> None:
     with pytest.raises(ValueError, match="expected"):
         call()
+
+
+@pytest.mark.parametrize(
+    ("law", "rigs", "words"),
+    [
+        ("paper", ["single-axis"], "driven axis's own"),
+        ("viscous", ["single-axis"], "viscous"),
+        ("paper", ["gravity"], "paper"),
+    ],
+)
+def test_a_law_is_the_papers_on_its_own_boards_alone(law, rigs, words):
+    assert law_words(law, rigs) == words

@@ -12,7 +12,7 @@ from bayesfric.effects import all_effects
 from bayesfric.effects.candidates import candidates_of
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.single_axis.motion import Motion
-from bayesfric.rigs.single_axis.period import FORMS, strongest_wave
+from bayesfric.rigs.single_axis.period import SEARCHED, strongest_wave
 from bayesfric.rigs.single_axis.readings import readings_of
 
 
@@ -38,7 +38,7 @@ def test_the_wave_that_was_put_in_is_found(trials, period, start):
 def test_the_wave_that_was_looked_for_weighs_as_one_of_all(trials):
     effect = trials.suited(all_effects(None)["cogging"])
     (law,) = lawbook(candidates_of(effect))["cogging"]
-    assert law.log_weight == pytest.approx(-np.log(FORMS))
+    assert law.log_weight == pytest.approx(-np.log(SEARCHED))
     assert effect.shape.prior.median == trials.measures.wave.period
 
 

@@ -9,6 +9,7 @@ from scipy.stats import multivariate_normal
 
 import bayesfric as bf
 from bayesfric.analysis import Analysis
+from bayesfric.diagnosis.acting import lawbook
 from bayesfric.diagnosis.model import Acting, LinearModel
 from bayesfric.diagnosis.shipped import held_of, shipped_of
 from bayesfric.effects import all_effects
@@ -18,6 +19,7 @@ from bayesfric.rigs import all_rigs
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.single_axis.covariance import Pieces
 from bayesfric.rigs.single_axis.deviations import COSINES, map_spectrum
+from bayesfric.rigs.single_axis.limit import LIMITS
 from bayesfric.rigs.single_axis.linear import NAMES
 
 
@@ -126,6 +128,25 @@ def test_the_likelihood_is_that_of_a_dense_normal(trials):
     off = readings.force - 2.05 * readings.acceleration - 1.45 - 4e-4 * readings.force_rate
     expected = multivariate_normal(np.zeros(off.size), covariance).logpdf(off)
     assert likelihood.log_likelihood(theta)[0] == pytest.approx(expected, abs=0.01)
+
+
+def test_a_drive_that_clips_has_its_limit_where_the_motion_no_longer_answers(tmp_path):
+    trials = all_rigs()["single-axis"].trials(recorded(tmp_path, seed=2, seconds=3.0, limit=3.0))
+    limit = trials.measures.limit
+    assert limit.there
+    assert limit.force == pytest.approx(3.0, rel=0.02)
+    # Commands beyond it, which move nothing, are no part of the rough law.
+    assert (trials._rough.mass, trials._rough.coulomb) == pytest.approx((2.0, 1.5), rel=0.02)
+    effect = trials.suited(all_effects(None)["torque-saturation"])
+    (law,) = lawbook(candidates_of(effect))["torque-saturation"]
+    assert law.log_weight == pytest.approx(-np.log(LIMITS))
+    assert effect.shape.prior.median == limit.force
+
+
+@pytest.mark.parametrize("machine", [{"compliance": (3000.0, 0.05, 0.3)}, {"lag_s": 0.01}])
+def test_a_drive_that_does_not_clip_has_no_limit(tmp_path, machine):
+    trials = all_rigs()["single-axis"].trials(recorded(tmp_path, seconds=3.0, **machine))
+    assert "limit" in trials.supports(all_effects(None)["torque-saturation"]).reason
 
 
 def test_an_axis_that_turns_has_its_own_units(tmp_path):

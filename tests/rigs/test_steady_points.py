@@ -211,7 +211,7 @@ def test_effects_in_proportion_do_to_friction_what_they_do_on_a_board(tmp_path):
 
     effect = trials.suited(all_effects()["viscous"])
     rows = trials.linear({"": Coefficients(0.0, 8.0, 0.0)})
-    force = rows.relative_force(Candidate(effect, "friction", 0.0, 0.0))[0, :, 0]
+    force = rows.relative_force(Candidate(effect, "friction", 0.0))[0, :, 0]
     assert effect.amplitude.prior.scale * force.max() == pytest.approx(3 * 0.15 * 1.3)
 
 

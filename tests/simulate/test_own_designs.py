@@ -59,7 +59,7 @@ def test_what_an_effect_adds_is_its_column_or_the_rig_says_why_not(name, effect,
     change = design.change(known, design.constants, truth)
     shape = known.shape
     node = 0.0 if shape is None else float(to_normal(shape.prior, shape.typical))
-    force = plain(name).relative_force(Candidate(known, law, node, 0.0))
+    force = plain(name).relative_force(Candidate(known, law, node))
     if change is None or isinstance(force, Unsupported):
         assert change is None
         assert isinstance(force, Unsupported)
@@ -73,7 +73,7 @@ def test_what_an_effect_adds_is_its_column_or_the_rig_says_why_not(name, effect,
     acted = rows_of(name, replace(truth, effects=(applied,)))
     added = read(name, acted) - read(name, plain(name))
     friction = acted.friction_of_row if name == "axis" else acted.friction_n
-    force = acted.relative_force(Candidate(known, law, node, 0.0))
+    force = acted.relative_force(Candidate(known, law, node))
     expected = applied.values[known.amplitude.name] * friction * np.ravel(force)
     off = np.sqrt(np.mean((added - expected) ** 2) / np.mean(added**2))
     assert off < max(NEAR[name], AT_TURNS.get(effect, 0.0) if name == "axis" else 0.0)

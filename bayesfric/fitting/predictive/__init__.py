@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from bayesfric.analysis import Analysis
 from bayesfric.fitting.predictive.assemblies import Assemblies
 from bayesfric.fitting.predictive.coverage import CELL, coverage
-from bayesfric.fitting.predictive.left_out import LeftOut, uniformity
+from bayesfric.fitting.predictive.left_out import LeftOut, scores, uniformity
 from bayesfric.fitting.predictive.parameters import coefficients, densities, ranks
 from bayesfric.fitting.predictive.prior import PRIOR_DRAWS, friction_of_prior
 from bayesfric.inference.model import Model, RigLikelihood
 from bayesfric.physics.laws import Baseline
-from bayesfric.rigs.bands import QUANTILES
+from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.base import Predictive, RigTrials
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.remaking import Remade, remake
@@ -119,6 +119,8 @@ def _checked(
     return table, checks.assign_coords(probability=found.grid).assign(
         pit_difference=("probability", found.difference),
         pit_band=(("end", "probability"), np.stack([found.low, found.high])),
+        score=("rank", np.sort(scores(left.pit))),
+        score_expected=(("rank", "quantile"), bands(np.sort(scores(left.again), axis=-1))),
     )
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 from scipy.stats import beta
 
-from bayesfric.fitting.predictive.left_out import EDGE, LeftOut, Uniformity, uniformity
+from bayesfric.fitting.predictive.left_out import LeftOut, Uniformity, scores, uniformity
 from bayesfric.rigs.bands import QUANTILES
 
 __all__ = ["FAR", "Assemblies", "assemblies_of"]
@@ -46,7 +46,7 @@ class Assemblies:
     @property
     def z(self) -> Array:
         """Normal scores, shape (J,); above zero where an assembly has more friction."""
-        return np.asarray(ndtri(np.clip(self.pit, EDGE, 1 - EDGE)))
+        return scores(self.pit)
 
     def chance(self, z: float) -> float:
         """Return how often a recording that obeys the model has an assembly as far out."""

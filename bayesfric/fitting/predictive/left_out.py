@@ -4,7 +4,7 @@ Each trial, and each assembly, is left out in turn: draws are weighted as if the
 not seen it, and where the weights fail the posterior without it is sampled anew.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 from typing import Literal
@@ -25,7 +25,16 @@ from bayesfric.inference.evidence import (
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import Model, RigLikelihood
 
-__all__ = ["LeftOut", "Uniformity", "by_blocks", "leave_out", "leave_setups_out", "uniformity"]
+__all__ = [
+    "LeftOut",
+    "Uniformity",
+    "by_blocks",
+    "leave_out",
+    "leave_setups_out",
+    "scores",
+    "setup_log_densities",
+    "uniformity",
+]
 
 Array = NDArray[np.float64]
 Kind = Literal["trial", "setup"]
@@ -142,10 +151,8 @@ def leave_out(
     return LeftOut(trial, setup, trials, setups, pit, again, setup_pit)
 
 
-def leave_setups_out(model: Model, z: Array) -> ELPD:
-    """Leave each assembly of all of a model's boards out, without refits.
-
-    A refit takes seconds a group. Without, one whose Pareto k is above its limit stays marked.
+def setup_log_densities(model: Model, z: Array) -> list[Array]:
+    """Return the log density of each assembly given the others, a rig at a time.
 
     Parameters
     ----------
@@ -156,20 +163,35 @@ def leave_setups_out(model: Model, z: Array) -> ELPD:
 
     Returns
     -------
-    ELPD
-        Of all boards.
+    list of ndarray, each of shape (S, J)
 
     Raises
     ------
     ValueError
         A density is not finite for some draw.
     """
-    parts = []
-    for likelihood in model.likelihoods:
-        setup = by_blocks(model, likelihood.setup_log_likelihood, z)
-        if not np.isfinite(setup).all():
-            raise ValueError("the log density of an assembly is not finite")
-        parts.append(elpd(setup))
+    parts = [by_blocks(model, one.setup_log_likelihood, z) for one in model.likelihoods]
+    if not all(np.isfinite(part).all() for part in parts):
+        raise ValueError("the log density of an assembly is not finite")
+    return parts
+
+
+def leave_setups_out(densities: Sequence[Array]) -> ELPD:
+    """Leave each assembly of all of a model's boards out, without refits.
+
+    A refit takes seconds a group. Without, one whose Pareto k is above its limit stays marked.
+
+    Parameters
+    ----------
+    densities : sequence of ndarray, each of shape (S, J)
+        Of :func:`setup_log_densities`.
+
+    Returns
+    -------
+    ELPD
+        Of all boards.
+    """
+    parts = [elpd(one) for one in densities]
     return ELPD(
         np.concatenate([part.pointwise for part in parts]),
         np.concatenate([part.pareto_k for part in parts]),
@@ -226,9 +248,13 @@ def _distribution(pit: Array) -> Array:
     return np.stack([(pit <= place).mean(axis=-1) for place in GRID], axis=-1)
 
 
+def scores(pit: Array) -> Array:
+    """Return the normal scores of probabilities, finite."""
+    return np.asarray(ndtri(np.clip(pit, EDGE, 1 - EDGE)))
+
+
 def _spread(pit: Array) -> Array:
-    score = ndtri(np.clip(pit, EDGE, 1 - EDGE))
-    return np.asarray(np.sqrt((score**2).mean(axis=-1)))
+    return np.asarray(np.sqrt((scores(pit) ** 2).mean(axis=-1)))
 
 
 def _leave_out(

@@ -25,7 +25,7 @@ from bayesfric.report.quantities import (
     format_unit,
     interval_cells,
 )
-from bayesfric.report.rig_words import rig_words
+from bayesfric.report.rig_words import law_words, rig_words
 from bayesfric.schemas import Cause, DiagnosisFile, Gap, GapRow, Interval
 
 __all__ = [
@@ -58,7 +58,7 @@ def appendix(found: DiagnosisFile) -> Iterator[Block]:
 def _baseline(found: DiagnosisFile) -> str:
     simulator = found.simulator
     if simulator is None:
-        return f"the {found.baseline} law"
+        return f"the {law_words(found.baseline, found.rigs)} law"
     if not simulator.parameters:
         return f"what your simulator said ({simulator.name}), of which nothing is fitted"
     numbers = ", ".join(

@@ -98,9 +98,10 @@ def _assemblies(stored: StoredFit, found: tuple[AssemblyCheck, ...]) -> Iterator
         [
             "Assemblies, each against what all others predict of it. Above, left: distribution of "
             "the probabilities less the uniform one, with a band that 95 % of sets of independent "
-            "ones stay inside everywhere. Right: normal scores of these over those expected of "
-            "their rank, with 90 % of each. Below: the scores by condition; a condition whose "
-            "assemblies all lie on one side is one that the law misses. From ",
+            "ones stay inside everywhere. Beside it: normal scores of these over those expected of "
+            "their rank, with 90 % of each; and those of single trials given the others of their "
+            "assembly, with 90 % of recordings made again. Below: the scores by condition; a "
+            "condition whose assemblies all lie on one side is one that the law misses. From ",
             Code("predictive.nc"),
             ".",
         ],

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from bayesfric.plots.rig_tables import rig_tables
 from bayesfric.report.content import Block, Code, Heading, Listing, Paragraph, Table
 from bayesfric.report.quantities import MISSING, format_count
-from bayesfric.report.rig_words import rig_words
+from bayesfric.report.rig_words import law_words, rig_words
 from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import Provenance
 
@@ -23,7 +23,7 @@ def provenance(stored: StoredFit) -> Iterator[Block]:
             ["name", Code(fit.recording.name)],
             ["title", fit.recording.title or MISSING],
             ["rigs", ", ".join(rig_words(name).rig for name in fit.rigs)],
-            ["friction law", fit.baseline],
+            ["friction law", law_words(fit.baseline, fit.rigs)],
             *_counts(stored),
         ],
         label="data",

@@ -5,17 +5,25 @@ friction and 1 kg. On an axis of any size the same shares of its own stroke, top
 and mass are as plausible.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from bayesfric.analysis import HalfNormal, LogNormal, Normal, Prior, PriorOverrides
 from bayesfric.effects import Effect, EffectParameter
+from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.rotary import rotary_unit
-from bayesfric.rigs.single_axis.period import FORMS, Wave
+from bayesfric.rigs.single_axis.limit import LIMITS, Limit, drive_limit
+from bayesfric.rigs.single_axis.motion import Motion
+from bayesfric.rigs.single_axis.period import SEARCHED, Wave, strongest_wave
+from bayesfric.rigs.single_axis.readings import Readings, rough_law
 
-__all__ = ["Measures"]
+__all__ = ["Measures", "measures_of"]
 
 BOARD_M, BOARD_M_S = 0.6, 1.3
 KNOWN_MASS = 0.2  # relative error of a moving mass that somebody wrote down
+NEAR = 0.1  # relative error of a limit that was looked for
 WIDE = 3.0  # times the rough value, of a prior that says little
 
 
@@ -34,6 +42,8 @@ class Measures:
         Whether it turns.
     wave : Wave
         The strongest along the path.
+    limit : Limit
+        The likeliest of the drive.
     """
 
     stroke: float
@@ -45,6 +55,7 @@ class Measures:
     known_mass: float | None
     rotary: bool
     wave: Wave
+    limit: Limit
 
     def unit(self, unit: str) -> str:
         """Return a unit as it is here, radians for metres where the axis turns."""
@@ -73,10 +84,13 @@ class Measures:
         """Return an effect with priors in these measures."""
         shape = None if effect.shape is None else self._parameter(effect.shape)
         found = replace(effect, amplitude=self._parameter(effect.amplitude), shape=shape)
-        if shape is None or "period" not in effect.needs:
-            return found
-        prior = LogNormal(median=self.wave.period, sd_log=self.wave.spread)
-        return replace(found, shape=replace(shape, prior=prior), forms=FORMS)
+        if shape is not None and "period" in effect.needs:
+            prior = LogNormal(median=self.wave.period, sd_log=self.wave.spread)
+            return replace(found, shape=replace(shape, prior=prior), searched=SEARCHED)
+        if shape is not None and "limit" in effect.needs:
+            prior = LogNormal(median=self.limit.force, sd_log=NEAR)
+            return replace(found, shape=replace(shape, prior=prior), searched=LIMITS)
+        return found
 
     def _parameter(self, one: EffectParameter) -> EffectParameter:
         scale = self.scale(one.unit)
@@ -104,3 +118,36 @@ class Measures:
             c2=HalfNormal(scale=self.force),
             c3=HalfNormal(scale=self.force / self.speed),
         )
+
+
+def measures_of(readings: Readings, logs: Sequence[Motion], constants: RigConstants) -> Measures:
+    """Return the measures of a recording.
+
+    Parameters
+    ----------
+    readings : Readings
+        Rows of all runs.
+    logs : sequence of Motion
+        The runs.
+    constants : RigConstants
+        What somebody wrote down of the machine.
+    """
+    speed, limit = readings.speed @ readings.weights, drive_limit(readings)
+    inside = limit.within(readings)
+    law = (readings.force, readings.acceleration, speed)
+    mass, coulomb, _ = rough_law(*(values[inside] for values in law))
+    force = float(np.sqrt(np.mean(readings.force[inside] ** 2)))
+    acceleration = float(np.sqrt(np.mean(readings.acceleration**2)))
+    least = readings.position_sd / readings.half_s**2  # what the positions would not show
+    return Measures(
+        stroke=max(float(np.ptp(log.position)) for log in logs),
+        speed=float(speed.max()),
+        friction=max(coulomb, 1e-3 * force),
+        force=force,
+        mass=constants.moving_mass_kg or max(mass, 1e-3 * force / max(acceleration, least)),
+        acceleration=max(acceleration, least),
+        known_mass=constants.moving_mass_kg,
+        rotary=constants.rotary,
+        wave=strongest_wave(readings),
+        limit=limit,
+    )

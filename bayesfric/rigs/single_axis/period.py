@@ -7,13 +7,13 @@ from numpy.typing import NDArray
 
 from bayesfric.rigs.single_axis.readings import Readings
 
-__all__ = ["FORMS", "Wave", "strongest_wave"]
+__all__ = ["SEARCHED", "Wave", "strongest_wave"]
 
 Array = NDArray[np.float64]
 LEAST, MOST = 2.0, 100.0  # waves over the path that are looked for
 APART = 0.25  # waves over the path, between two that are tried
 PHASES = 6  # that tell a wave from its neighbours
-FORMS = round(2 * (MOST - LEAST)) * PHASES
+SEARCHED = round(2 * (MOST - LEAST)) * PHASES
 """Waves that data can tell apart: half a wave more over the path is another."""
 FINER = np.linspace(-1.0, 1.0, 21)
 

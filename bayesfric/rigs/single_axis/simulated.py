@@ -22,17 +22,19 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.priors import Parameter, from_normal
+from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.single_axis.measures import Measures
-from bayesfric.rigs.single_axis.motion import Motion, smooth_motion
+from bayesfric.rigs.single_axis.motion import Motion, even_grid, smooth_motion
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 from bayesfric.simulators import SimulatorCalls, SimulatorRun, Task, between
 
-__all__ = ["MOST_PARAMETERS", "SimulatedBaseline", "linearised", "recorded_forces"]
+__all__ = ["MOST_PARAMETERS", "SimulatedBaseline", "fitting", "linearised", "log_of"]
 
 Array = NDArray[np.float64]
 Forces = tuple[WeakForce, ...]
@@ -120,7 +122,7 @@ class Guide:
         return found
 
 
-def recorded_forces(log: Motion, mass: float | None) -> Forces:
+def _recorded_forces(log: Motion, mass: float | None) -> Forces:
     """Return the force that a simulator needed by what it left in a recording; empty if nothing.
 
     ``sim_force_n`` is the force of the simulated axis, and without it that of the log;
@@ -139,6 +141,33 @@ def recorded_forces(log: Motion, mass: float | None) -> Forces:
     if force is None and apart is None:
         return ()
     return (WeakForce(value=log.force if force is None else force, curvature=apart),)
+
+
+def log_of(samples: pd.DataFrame, constants: RigConstants) -> Motion | None:
+    """Return the log of a run, with what a simulator left in it; None where it is too short."""
+    names = {
+        "position": "position_m",
+        "force": "force_n",
+        "sim_force": "sim_force_n",
+        "sim_position": "sim_position_m",
+    }
+    if constants.moving_mass_kg is None:
+        del names["sim_position"]  # it takes the simulated mass to make a force of a path
+    columns = {
+        name: samples[column].to_numpy(dtype=np.float64)
+        for name, column in names.items()
+        if column in samples
+    }
+    log = even_grid(samples["time_s"].to_numpy(dtype=np.float64), columns)
+    return log and replace(log, forces=_recorded_forces(log, constants.moving_mass_kg))
+
+
+def fitting(table: pd.DataFrame) -> NDArray[np.bool_]:
+    """Return which trials a simulator is fitted to: those of role ``test`` only show the gap."""
+    tested = np.zeros(len(table), dtype=np.bool_)
+    if "role" in table:
+        tested = np.asarray(table["role"] == "test", dtype=np.bool_)
+    return ~tested if not tested.all() else tested
 
 
 def linearised(

@@ -24,13 +24,16 @@ from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.single_axis.likelihood import AxisLikelihood
 from bayesfric.rigs.single_axis.linear import AxisRows
-from bayesfric.rigs.single_axis.measures import Measures
+from bayesfric.rigs.single_axis.measures import Measures, measures_of
 from bayesfric.rigs.single_axis.motion import Motion as Log
-from bayesfric.rigs.single_axis.motion import even_grid
-from bayesfric.rigs.single_axis.period import strongest_wave
 from bayesfric.rigs.single_axis.predictions import runs as runs_dataset
 from bayesfric.rigs.single_axis.readings import Readings, readings_of, rough_law
-from bayesfric.rigs.single_axis.simulated import SimulatedBaseline, linearised, recorded_forces
+from bayesfric.rigs.single_axis.simulated import (
+    SimulatedBaseline,
+    fitting,
+    linearised,
+    log_of,
+)
 from bayesfric.rigs.single_axis.simulator import DESIGN
 from bayesfric.simulators import SimulatorCalls
 
@@ -147,6 +150,8 @@ class AxisRuns(PlainTrials):
             found.add("angle")
         if self._tested.any():
             found.add("test")
+        if self.measures.limit.there:
+            found.add("limit")
         return frozenset(found)
 
     @property
@@ -302,12 +307,12 @@ class AxisRuns(PlainTrials):
 
     @cached_property
     def _rough(self) -> AxisLaw:
-        rows = self.readings
-        mass, coulomb, viscous = rough_law(rows.force, rows.acceleration, rows.speed @ rows.weights)
-        measures = self.measures
-        if self.law.name != VISCOUS:
-            viscous = 0.0
-            mass, coulomb, _ = rough_law(rows.force, rows.acceleration, np.zeros(rows.count))
+        rows, measures = self.readings, self.measures
+        speed = rows.speed @ rows.weights if self.law.name == VISCOUS else np.zeros(rows.count)
+        inside = measures.limit.within(rows)
+        mass, coulomb, viscous = rough_law(
+            rows.force[inside], rows.acceleration[inside], speed[inside]
+        )
         return AxisLaw(
             max(mass, 1e-3 * measures.mass), max(coulomb, 1e-3 * measures.friction), viscous
         )
@@ -363,7 +368,7 @@ def _opened(
     by_run = dict(iter(axis.samples.groupby("run", sort=False)))
     still = []
     for _, run in axis.runs.iterrows():
-        log = _log(by_run[run["run"]], constants)
+        log = log_of(by_run[run["run"]], constants)
         if log is None:
             still.append(str(run["run"]))
             continue
@@ -377,7 +382,7 @@ def _opened(
     if readings is None:
         return None
     table = pd.DataFrame(rows)
-    measures, beside = _measures(readings, logs, constants), None
+    measures, beside = measures_of(readings, logs, constants), None
     if simulator is not None:
 
         def again(told: Sequence[Log]) -> Readings:
@@ -386,7 +391,7 @@ def _opened(
             return found
 
         beside, readings = linearised(
-            simulator, logs, runs, again, measures, readings.half_s, _fitting(table)
+            simulator, logs, runs, again, measures, readings.half_s, fitting(table)
         )
     elif readings.simulated.shape[1]:
         named = {"sim_force": "sim_force_n", "sim_position": "sim_position_m"}
@@ -410,49 +415,4 @@ def _opened(
         interval_s=float(np.median([log.interval_s for log in logs])),
         source=axis,
         simulated=beside,
-    )
-
-
-def _fitting(table: pd.DataFrame) -> NDArray[np.bool_]:
-    """Return which trials a simulator is fitted to: those of role ``test`` only show the gap."""
-    tested = np.zeros(len(table), dtype=np.bool_)
-    if "role" in table:
-        tested = np.asarray(table["role"] == "test", dtype=np.bool_)
-    return ~tested if not tested.all() else tested
-
-
-def _log(samples: pd.DataFrame, constants: RigConstants) -> Log | None:
-    names = {
-        "position": "position_m",
-        "force": "force_n",
-        "sim_force": "sim_force_n",
-        "sim_position": "sim_position_m",
-    }
-    if constants.moving_mass_kg is None:
-        del names["sim_position"]  # it takes the simulated mass to make a force of a path
-    columns = {
-        name: samples[column].to_numpy(dtype=np.float64)
-        for name, column in names.items()
-        if column in samples
-    }
-    log = even_grid(samples["time_s"].to_numpy(dtype=np.float64), columns)
-    return log and replace(log, forces=recorded_forces(log, constants.moving_mass_kg))
-
-
-def _measures(readings: Readings, logs: Sequence[Log], constants: RigConstants) -> Measures:
-    speed = readings.speed @ readings.weights
-    mass, coulomb, _ = rough_law(readings.force, readings.acceleration, speed)
-    force = float(np.sqrt(np.mean(readings.force**2)))
-    acceleration = float(np.sqrt(np.mean(readings.acceleration**2)))
-    least = readings.position_sd / readings.half_s**2  # what the positions would not show
-    return Measures(
-        stroke=max(float(np.ptp(log.position)) for log in logs),
-        speed=float(speed.max()),
-        friction=max(coulomb, 1e-3 * force),
-        force=force,
-        mass=constants.moving_mass_kg or max(mass, 1e-3 * force / max(acceleration, least)),
-        acceleration=max(acceleration, least),
-        known_mass=constants.moving_mass_kg,
-        rotary=constants.rotary,
-        wave=strongest_wave(readings),
     )

@@ -1,0 +1,59 @@
+"""Draws of the claims' law and of its rivals, laid out so that ArviZ compares them."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+
+from bayesfric.claims.studies import Studied, Task
+
+__all__ = ["models_kept"]
+
+SCREENED = (
+    "weighed by importance sampling alone; of a claim's rivals the best one is drawn, and the law"
+)
+
+
+def models_kept(studied: Mapping[Task, Studied]) -> dict[str, xr.Dataset]:
+    """Return the groups of ``claims.nc`` that hold draws.
+
+    Parameters
+    ----------
+    studied : mapping of Task to Studied
+        Every hypothesis.
+
+    Returns
+    -------
+    dict of str to Dataset
+        By the path of the group. ``models``: by ``hypothesis``, such as ``gravity/paper``, why
+        there are no draws of it, empty where there are. Below it, of each that has some,
+        ``HYPOTHESIS/posterior``, the parameters over ``chain`` and ``draw``, and
+        ``HYPOTHESIS/log_likelihood``, ``assembly`` over ``setup`` as in ``draws.nc``.
+    """
+    whole = {task: one for task, one in studied.items() if task.whole and not task.apart}
+    if not whole:
+        return {}
+    names = {task: f"{task.data}/{task.hypothesis.label}" for task in whole}
+    why = [
+        "" if one.kept is not None else (one.why if one.evidence is None else SCREENED)
+        for one in whole.values()
+    ]
+    groups = {
+        "models": xr.Dataset(
+            {"why": ("hypothesis", np.array(why))}, coords={"hypothesis": list(names.values())}
+        )
+    }
+    for task, one in whole.items():
+        if one.kept is None:
+            continue
+        chains, draws, _ = one.kept.log_likelihood.shape
+        place = {"chain": np.arange(chains), "draw": np.arange(draws)}
+        groups[f"models/{names[task]}/posterior"] = xr.Dataset(
+            {name: (("chain", "draw"), values) for name, values in one.kept.theta.items()},
+            coords=place,
+        )
+        groups[f"models/{names[task]}/log_likelihood"] = xr.Dataset(
+            {"assembly": (("chain", "draw", "setup"), one.kept.log_likelihood)},
+            coords=place | {"setup": list(one.kept.setups)},
+        )
+    return groups

@@ -1,0 +1,92 @@
+"""The force beyond which a drive gives less, looked for in what the motion answers to.
+
+A law that is read as a force has the command on its left side, and a loss beyond a limit takes
+what it explains from the command itself: with a limit below all commands, and no mass, it
+explains everything. What moves the axis is told by the other way round: acceleration, as a
+function of the command, is a line with a kink at the limit.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.rigs.single_axis.readings import Readings
+
+__all__ = ["LIMITS", "Limit", "drive_limit"]
+
+Array = NDArray[np.float64]
+LIMITS = 60
+"""Limits that are tried, at as many quantiles of the command."""
+LOW, HIGH = 0.05, 0.998  # of these quantiles
+MOST = 1.2  # of what is commanded beyond a limit may be lost
+TOLD = 0.5  # of what a line leaves that a kink explains at least; a lag explains a third
+ENOUGH = 10  # rows within the limit, which tell mass and friction roughly
+FINER = 9  # tried between two of them
+
+
+class Limit(NamedTuple):
+    """A kink.
+
+    Parameters
+    ----------
+    force : float
+        Where it is [N]; beyond all commands where there is none.
+    told : float
+        Part of what a line without a kink leaves of the acceleration, squared, that it explains.
+    """
+
+    force: float
+    told: float
+
+    @property
+    def there(self) -> bool:
+        """Whether the drive has one: it explains what nothing else that bends the line does."""
+        return self.told > TOLD
+
+    def within(self, readings: Readings) -> NDArray[np.bool_]:
+        """Return whether all of what a row commands lies within the limit, (W,).
+
+        All rows do where there is none, or where it leaves too few.
+        """
+        inside = np.abs(readings.drive).max(axis=1) < self.force
+        return np.asarray(inside | (not self.there or inside.sum() < ENOUGH))
+
+
+def drive_limit(readings: Readings) -> Limit:
+    """Return the limit by which a loss explains most of the acceleration.
+
+    Parameters
+    ----------
+    readings : Readings
+        Rows.
+    """
+    size = np.abs(readings.drive)
+    toward = np.sign(readings.drive) * readings.way[:, None]
+    one = np.ones(readings.count)
+    line = np.stack([readings.force, one, readings.force_rate], axis=1)
+    width = np.maximum(np.abs(line).max(axis=0), 1e-300)
+
+    def left(limit: float) -> float:
+        """Return the squares that a loss leaves; infinite where it makes no sense."""
+        lost = (toward * np.maximum(size - limit, 0.0)) @ readings.weights
+        most = float(np.abs(lost).max()) or 1.0
+        design = np.column_stack([line / width, lost / most])
+        found, squares, rank, _ = np.linalg.lstsq(design, readings.acceleration, rcond=1e-9)
+        by_force, rest, _, by_lost = found / np.append(width, most)
+        if rank < design.shape[1] or by_force <= 0:
+            return np.inf
+        share, friction = -by_lost / by_force, -rest / by_force
+        # A drive that could not overcome friction would move nothing: its limit lies above.
+        return float(squares[0]) if 0 < share < MOST and limit > friction else np.inf
+
+    places = np.quantile(size, np.linspace(LOW, HIGH, LIMITS))
+    best = int(np.argmin([left(limit) for limit in places]))
+    places = np.linspace(places[max(best - 1, 0)], places[min(best + 1, LIMITS - 1)], 2 * FINER)
+    squares = [left(limit) for limit in places]
+    best = int(np.argmin(squares))
+    fitted = line / width @ np.linalg.lstsq(line / width, readings.acceleration, rcond=1e-9)[0]
+    straight = float(np.sum((readings.acceleration - fitted) ** 2))
+    if not squares[best] < straight:
+        return Limit(float(size.max()), 0.0)
+    return Limit(float(places[best]), 1 - squares[best] / straight)
