@@ -107,8 +107,8 @@ def factor_error(one: Checked, other: Checked) -> tuple[float | None, str | None
     one, other : Checked
         Of both hypotheses; what their approximations have in common cancels.
     """
-    worst = max(one.pareto_k, other.pareto_k)
-    if worst > LIMIT_K:
+    worst = float(np.max([one.pareto_k, other.pareto_k]))
+    if not worst <= LIMIT_K:  # not a number where one draw has all the weight
         return None, (
             f"the closed form is poor here: importance draws of the noise have a Pareto k of "
             f"{worst:.2f}, above {LIMIT_K}"

@@ -236,7 +236,7 @@ def smooth_weights(log_weights: Array, r_eff: float = 1.0) -> tuple[Array, float
     pareto_k : float
         Shape of the tail: above 0.7 the weights are not to be relied on. 0 where the
         largest weights are all the same, inf where fewer than 25 are not zero or where a
-        quarter of the tail is one and the same draw.
+        quarter of the tail is one and the same draw or nothing beside the largest.
 
     References
     ----------
@@ -253,6 +253,9 @@ def smooth_weights(log_weights: Array, r_eff: float = 1.0) -> tuple[Array, float
     tail = int(np.ceil(min(ordered.size / 5, 3 * np.sqrt(ordered.size / r_eff))))
     if ordered[tail // 4 - tail] == ordered[-tail]:
         return log_weights, float("inf")  # a quarter of the tail is one draw
+    beside = np.exp(ordered[-tail - 1 :] - ordered[-1])
+    if beside[int(tail / 4 + 0.5)] == beside[0]:
+        return log_weights, float("inf")  # beside the largest, a quarter of the tail is nothing
     normalised, k = array_stats.psislw(-weights, r_eff=r_eff)
     # The library normalises; the smallest weight is as it was but for that.
     smallest = np.argmin(weights)

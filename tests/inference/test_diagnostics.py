@@ -147,6 +147,10 @@ def test_weights_of_zero_and_equal_weights():
     assert np.isfinite(k)
     few = np.concatenate([np.full(500, -np.inf), np.linspace(0, 1, 24)])
     assert smooth_weights(few)[1] == float("inf")
+    apart = -100.0 * np.arange(64)  # all but the seven largest are below the smallest number
+    smoothed, k = smooth_weights(apart)
+    assert k == float("inf")
+    assert (smoothed == apart).all()
     same, k = smooth_weights(np.zeros(400))
     assert (same == 0).all()
     assert k == 0
