@@ -12,7 +12,7 @@ from bayesfric.diagnosis.unknown import Unknown, unknown_force
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.schemas import Remainder
 
-__all__ = ["remainder_of"]
+__all__ = ["left_matters", "remainder_of"]
 
 Array = NDArray[np.float64]
 LN10 = float(np.log(10))
@@ -58,7 +58,8 @@ def remainder_of(
     gain = (further.log_evidence - before) / LN10
     significant = gain > SIGNIFICANT
     axis, share = None, None
-    if left is not None and not significant and np.quantile(left, 0.05) > LEFT:
+    practical = model.analysis.diagnosis.practical_share
+    if left is not None and not significant and left_matters(left, gap_share, practical):
         # The causes' laws are wrong by so much that something else must act: along which axis
         # a smooth force would do instead of their other forms.
         plain = replace(found, form=0.0)
@@ -89,6 +90,20 @@ def remainder_of(
         axis=axis,
         axis_why=None if axis is not None else why,
     )
+
+
+def left_matters(left: Array, gap_share: float, practical: float) -> bool:
+    """Return whether the causes surely leave much of the gap, or more than the practical share.
+
+    Parameters
+    ----------
+    left : ndarray
+        Draws of the part of the squared gap that the causes leave.
+    gap_share, practical : float
+        Rms of the gap, and what of it matters, over rms friction.
+    """
+    least = float(np.quantile(left, 0.05))
+    return least > LEFT or np.sqrt(max(least, 0.0)) * gap_share > practical
 
 
 def _widest(further: Unknown) -> str:

@@ -1,8 +1,10 @@
 """The verdict by the rules of the contract."""
 
+import numpy as np
 import pytest
 from report.diagnosis_sample import cause, diagnosis
 
+from bayesfric.diagnosis.remainder import left_matters
 from bayesfric.diagnosis.verdict import Known, decide, sentence_of, sets_of_one, sort_effects
 from bayesfric.schemas import Interval
 
@@ -75,3 +77,19 @@ def test_a_shrink_is_never_told_as_all_of_the_gap(low, told):
     shrink = Interval(mean=0.99, sd=0.01, q05=low, q50=max(low, 0.99), q95=max(low, 0.995))
     gap = diagnosis().gap.model_copy(update={"shrink": shrink, "shrink_why": None})
     assert told in sentence_of("named", 0.97, [cause("viscous")], gap, (), (), 0.02)
+
+
+@pytest.mark.parametrize(
+    ("left", "gap", "practical", "matters"),
+    [
+        (0.02, 0.047, 0.005, True),  # 0.66 % of friction
+        (0.02, 0.047, 0.02, False),
+        (0.03, 0.047, 0.02, True),  # more than a fortieth of the squared gap
+        (-0.01, 0.047, 0.005, False),
+    ],
+)
+def test_what_causes_leave_matters_beyond_a_part_of_the_gap_or_of_friction(
+    left, gap, practical, matters
+):
+    draws = left + np.linspace(0.0, 1e-4, 201)
+    assert left_matters(draws, gap, practical) == matters
