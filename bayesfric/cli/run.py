@@ -1,5 +1,8 @@
 """``bayesfric run``: everything, from a recording to the report."""
 
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -95,14 +98,32 @@ def run_into(
 ) -> set[str]:
     """Run all verbs and the report; return what happened that ``--fail-on`` can name."""
     from bayesfric.report.writing import write_report
+    from bayesfric.results import json_bytes, read_json, replace_outputs
+    from bayesfric.schemas import TimingsFile
 
     common: dict[str, Any] = {"baseline": baseline, "quiet": quiet}
     happened = fit_into([recording], output, analysis, rigs=rigs, loops=loops, **common)
-    happened |= claims_into(
-        recording, output, analysis, junit=junit, rigs=rigs, workers=workers, **common
-    )
-    happened |= diagnose_into(recording, output, analysis, **common)
+    seconds: dict[str, float] = {}
+    with _timed(seconds, "claims"):
+        happened |= claims_into(
+            recording, output, analysis, junit=junit, rigs=rigs, workers=workers, **common
+        )
+    with _timed(seconds, "diagnosis"):
+        happened |= diagnose_into(recording, output, analysis, **common)
     if loops:
-        happened |= margins_into(loops, output / "draws.nc", output, analysis, quiet=quiet)
-    write_report(output)
+        with _timed(seconds, "margins"):
+            happened |= margins_into(loops, output / "draws.nc", output, analysis, quiet=quiet)
+    with _timed(seconds, "report"):
+        write_report(output)
+    of_fit = read_json(TimingsFile, output / "timings.json")
+    timings = json_bytes(of_fit.model_copy(update={"seconds": of_fit.seconds | seconds}))
+    replace_outputs(output, {"timings.json": lambda path: path.write_bytes(timings)})
     return happened
+
+
+@contextmanager
+def _timed(seconds: dict[str, float], stage: str) -> Iterator[None]:
+    """Add the wall time of a stage."""
+    began = time.perf_counter()
+    yield
+    seconds[stage] = time.perf_counter() - began

@@ -41,7 +41,9 @@ def describe_recording(recording: Recording) -> tuple[tuple[str, str], ...]:
         if covariates:
             text += f", with {', '.join(covariates)}"
         lines.append(("single axis", text))
-    return (*lines, ("sha256", recording.sha256))
+    if recording.sha256:  # none before it is written
+        lines.append(("sha256", recording.sha256))
+    return tuple(lines)
 
 
 def _gravity(gravity: Gravity, g: float) -> list[tuple[str, str]]:

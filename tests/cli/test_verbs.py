@@ -14,7 +14,7 @@ from bayesfric.claims import registered
 from bayesfric.cli import app
 from bayesfric.recording import write_recording
 from bayesfric.results import read_json
-from bayesfric.schemas import ClaimsFile, FitFile
+from bayesfric.schemas import ClaimsFile, FitFile, TimingsFile
 
 SHORT = "seed = 5\n[sampler]\nburn = 60\nsteps = 80\nthin = 2\nextensions = 0\n"
 
@@ -88,6 +88,9 @@ def test_run_writes_results_and_report(board, ran):
         "timings.json",
     }
     assert {path.name for path in (board / "first").iterdir()} == expected
+    seconds = read_json(TimingsFile, board / "first" / "timings.json").seconds
+    assert {"claims", "diagnosis", "report"} < set(seconds)
+    assert len(seconds) > 4  # beside the stages of the fit
     entry = read_json(FitFile, board / "first" / "fit.json").pulleys["small"]["c1"]
     (line,) = [row for row in ran.stdout.splitlines() if row.startswith("small") and " c1 " in row]
     assert f"{entry.mean:.4g}" in line
