@@ -21,6 +21,7 @@ from bayesfric.rigs.gravity_board.linear_scatter import (
     WANDER,
     wander_weights,
 )
+from bayesfric.rigs.gravity_board.trial_sums import trial_sums
 
 NOISE = {
     "tau": 0.02,
@@ -106,7 +107,7 @@ def test_long_trials_whose_scatter_is_all_that_they_show(model):
     part.random[:, TRIAL] *= 1e4
     part._columns = 1e4 * part._columns
     part.__dict__.pop("columns", None)
-    part._summed(by_trial=False)
+    part._sums = trial_sums(part.rows, part._columns, part.random, part._sums.block)
     part._views = {}
     noise = NOISE | {"tau": 0.5, "omega": 1e-12, "omega_intercept": 1e-12}
     mixing = model.mixing(acting_of(model, phases=False))

@@ -32,6 +32,7 @@ from bayesfric.rigs.gravity_board.linear_scatter import (
 )
 from bayesfric.rigs.gravity_board.residual_motion import runs_of, whitening, windows_of
 from bayesfric.rigs.gravity_board.rows import GravityRows
+from bayesfric.rigs.gravity_board.trial_sums import orthogonal, trial_sums
 from bayesfric.rigs.layout import COEFFICIENTS, Layout
 from bayesfric.rigs.linear import Evaluated, Run
 from bayesfric.rigs.windows import Windows
@@ -39,7 +40,6 @@ from bayesfric.rigs.windows import Windows
 __all__ = ["GravityPart"]
 
 Array = NDArray[np.float64]
-LOG_2PI = float(np.log(2 * np.pi))
 
 
 @dataclass(frozen=True)
@@ -49,15 +49,6 @@ class _View:
     precision: tuple[Array, ...]  # by size, (k, k)
     slope: tuple[Array, ...]  # by size, (k,)
     across: Array  # (n, w, k)
-
-
-@dataclass(frozen=True)
-class _Beyond:
-    """What of the rows is orthogonal to the first columns that scatter, summed up."""
-
-    precision: Array  # (blocks, q, q)
-    slope: Array  # (N, q)
-    square: Array  # (N,)
 
 
 class GravityPart:
@@ -129,7 +120,8 @@ class GravityPart:
             if further is not None:
                 self.random[:, ELSEWHERE] += amplitude * further
         self.noise = noise_of(priors, float(np.median(rows.variance)), unstated=rows.unstated)
-        self._summed(by_trial)
+        block = np.arange(len(codes)) if by_trial else self.size
+        self._sums = trial_sums(rows, self._columns, self.random, block)
         self._views: dict[bytes, _View] = {}
 
     def _assemble(
@@ -184,35 +176,6 @@ class GravityPart:
         self._squeeze: Array | None = None
         self.random = np.hstack(random)
 
-    def _summed(self, by_trial: bool) -> None:
-        count, q, r = len(self.rows.table), self.layout.local, self.random.shape[1]
-        self._block = np.arange(count) if by_trial else self.size
-        blocks = int(self._block.max()) + 1
-        self._triangle = np.zeros((count, r, r))
-        self._across, self._right = np.zeros((count, r, q)), np.zeros((count, r))
-        self._beyond = {
-            width: _Beyond(np.zeros((blocks, q, q)), np.zeros((count, q)), np.zeros(count))
-            for width in (ALWAYS, r)
-        }
-        self._freedom, self._constant = np.zeros(count), np.zeros(count)
-        for trial, rows in enumerate(self.rows.rows_of_trials()):
-            white, project = whitening(self.rows, rows)
-            y = self.rows.residual[rows]
-            stack = np.column_stack([self._columns[rows], y, self.random[rows]])
-            whole = project(white[:, None] * stack)
-            triangle, along, apart = _orthogonal(whole[:, q + 1 :], whole[:, : q + 1])
-            told = len(triangle)
-            self._triangle[trial, :told] = triangle
-            self._across[trial, :told], self._right[trial, :told] = along[:, :q], along[:, q]
-            for width, beyond in self._beyond.items():
-                rest = np.vstack([apart, along[width:]])
-                square = rest.T @ rest
-                beyond.precision[self._block[trial]] += square[:q, :q]
-                beyond.slope[trial], beyond.square[trial] = square[:q, q], square[q, q]
-            nuisances = (self.rows.events.regressors[:3, rows] != 0).any(axis=1).sum()
-            self._freedom[trial] = white.size - nuisances
-            self._constant[trial] = np.log(white).sum() - 0.5 * self._freedom[trial] * LOG_2PI
-
     def _view(self, mixing: Array, trials: NDArray[np.bool_] | None, width: int) -> _View:
         key = mixing.tobytes() + str((*mixing.shape, width)).encode()
         if trials is None and key in self._views:
@@ -225,14 +188,12 @@ class GravityPart:
             parts = [values[..., :start], values[..., start:end] @ mixing, values[..., end:]]
             return np.concatenate(parts, axis=-1)
 
-        blocks = [np.unique(self._block[used & (self.size == s)]) for s in range(len(layout.sizes))]
-        beyond = self._beyond[width]
+        own = [used & (self.size == s) for s in range(len(layout.sizes))]
+        blocks = [np.unique(self._sums.block[mine]) for mine in own]
+        beyond = self._sums.beyond[width]
         both = [mixed(mixed(beyond.precision[one].sum(axis=0)).T) for one in blocks]
-        slopes = [
-            mixed(beyond.slope[used & (self.size == s)].sum(axis=0))
-            for s in range(len(layout.sizes))
-        ]
-        view = _View(tuple(both), tuple(slopes), mixed(self._across[used, :width]))
+        slopes = [mixed(beyond.slope[mine].sum(axis=0)) for mine in own]
+        view = _View(tuple(both), tuple(slopes), mixed(self._sums.across[used, :width]))
         if trials is None:
             if len(self._views) > 3:
                 self._views.clear()
@@ -266,7 +227,7 @@ class GravityPart:
         )
         # Where nothing else scatters, the other columns' directions are rows like any.
         width, kappa = (self.random.shape[1] if blocks else ALWAYS), noise["kappa"]
-        view, beyond = self._view(mixing, used, width), self._beyond[width]
+        view, beyond = self._view(mixing, used, width), self._sums.beyond[width]
         variance, growth = wander_weights(noise["wander_length"], self._travel)
         sd = np.zeros(chosen.size)
         sd[TRIAL], sd[ELSEWHERE] = noise["tau"], 1.0
@@ -279,14 +240,14 @@ class GravityPart:
         rows = np.flatnonzero(trials)
         # Of the rows along what scatters, what their scatter leaves; nothing is taken off that
         # could leave rounding alone, where trials are long and their scatter is all they show.
-        triangle = self._triangle[np.ix_(rows, np.arange(width), chosen)]
+        triangle = self._sums.triangle[np.ix_(rows, np.arange(width), chosen)]
         scaled = triangle * sd
         factor = np.linalg.cholesky(np.eye(width) + scaled @ scaled.swapaxes(1, 2) / kappa)
         root = np.linalg.inv(factor)
         triangle, across = root @ triangle, root @ view.across
-        right = (root @ self._right[rows, :width, None])[:, :, 0]
-        constant = self._constant[trials].sum()
-        freedom = self._freedom[trials].sum()
+        right = (root @ self._sums.right[rows, :width, None])[:, :, 0]
+        constant = self._sums.constant[trials].sum()
+        freedom = self._sums.freedom[trials].sum()
         square = (beyond.square[trials].sum() + (right**2).sum()) / kappa
         constant -= np.log(np.diagonal(factor, axis1=1, axis2=2)).sum()
         constant -= 0.5 * freedom * np.log(kappa)
@@ -365,13 +326,7 @@ class GravityPart:
         found.layout = layout
         found._squeeze = squeeze if self._squeeze is None else self._squeeze @ squeeze
         found.__dict__.pop("columns", None)
-        found._across = self._across @ squeeze
-        found._beyond = {
-            width: _Beyond(
-                squeeze.T @ beyond.precision @ squeeze, beyond.slope @ squeeze, beyond.square
-            )
-            for width, beyond in self._beyond.items()
-        }
+        found._sums = self._sums.squeezed(squeeze)
         found._views = {}
         return found
 
@@ -396,7 +351,7 @@ class GravityPart:
             x = project(white[:, None] * self.columns[rows]) / np.sqrt(noise["kappa"])
             z = project(white[:, None] * self.random[rows, :ALWAYS]) / np.sqrt(noise["kappa"])
             sd[TRIAL] = np.sqrt(scatter[trial])
-            triangle, along, apart = _orthogonal(z, x)
+            triangle, along, apart = orthogonal(z, x)
             # Trials that nobody has made may be so long that 1 is lost beside their square.
             both = np.vstack([(triangle * sd).T, np.eye(len(triangle))])
             seen = np.linalg.solve(np.linalg.qr(both)[1].T, along)
@@ -408,7 +363,7 @@ class GravityPart:
         if place not in self.blocks:
             return 0.0
         block = self.blocks[place]
-        return float((self._triangle[:, :, block] ** 2).sum())
+        return float((self._sums.triangle[:, :, block] ** 2).sum())
 
     def scatter(self, noise: Mapping[str, float]) -> Array:
         """Return the relative variance of trials' and assemblies' friction, (N, 2)."""
@@ -432,23 +387,6 @@ class GravityPart:
         """
         columns = self.columns, self.random
         return runs_of(self.rows, *columns, self._travel, self.scatter(noise), noise, numbers)
-
-
-def _orthogonal(columns: Array, values: Array) -> tuple[Array, Array, Array]:
-    """Part values into what is along columns and what is orthogonal to them.
-
-    Returns
-    -------
-    triangle : ndarray, shape (w, R)
-        The R columns in an orthonormal basis of theirs, upper triangular.
-    along : ndarray, shape (w, k)
-        The values in that basis.
-    apart : ndarray, shape (m, k)
-        Of the values, what is orthogonal to the columns.
-    """
-    basis, triangle = np.linalg.qr(columns)
-    along = basis.T @ values
-    return triangle, along, values - basis @ along
 
 
 def _fold(one: Array, other: Array) -> Array:

@@ -1,0 +1,140 @@
+"""Rows of trials, parted by what scatters and summed up.
+
+A trial's scatter may be most of what its events show: at the edge of standing still one per
+cent of friction moves them by metres. Were it taken off the sums of all rows, rounding would be
+what is left, so rows are parted first: along the columns that scatter, trial by trial, and
+orthogonal to them, summed.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.rigs.gravity_board.linear_scatter import ALWAYS
+from bayesfric.rigs.gravity_board.residual_motion import whitening
+from bayesfric.rigs.gravity_board.rows import GravityRows
+
+__all__ = ["Beyond", "TrialSums", "orthogonal", "trial_sums"]
+
+Array = NDArray[np.float64]
+LOG_2PI = float(np.log(2 * np.pi))
+
+
+@dataclass(frozen=True)
+class Beyond:
+    """What of the rows is orthogonal to the first columns that scatter, summed up.
+
+    Parameters
+    ----------
+    precision : ndarray, shape (blocks, q, q)
+        Of the local numbers.
+    slope : ndarray, shape (N, q)
+        Of them, trial by trial.
+    square : ndarray, shape (N,)
+        Of the residual.
+    """
+
+    precision: Array
+    slope: Array
+    square: Array
+
+
+@dataclass(frozen=True)
+class TrialSums:
+    """The rows of N trials for q local numbers, whitened and off their nuisances.
+
+    Parameters
+    ----------
+    block : ndarray of int, shape (N,)
+        Which trials are summed together.
+    triangle : ndarray, shape (N, r, r)
+        The r columns that scatter, in an orthonormal basis of theirs.
+    across : ndarray, shape (N, r, q)
+        The columns of the numbers along that basis.
+    right : ndarray, shape (N, r)
+        The residual along it.
+    beyond : mapping of int to Beyond
+        The rest, by how many of the columns that scatter it is orthogonal to.
+    freedom : ndarray, shape (N,)
+        Rows less nuisances.
+    constant : ndarray, shape (N,)
+        Log density that nothing moves.
+    """
+
+    block: NDArray[np.intp]
+    triangle: Array
+    across: Array
+    right: Array
+    beyond: Mapping[int, Beyond]
+    freedom: Array
+    constant: Array
+
+    def squeezed(self, squeeze: Array) -> "TrialSums":
+        """Return the sums of mixtures of the numbers, shape (q, k)."""
+        beyond = {
+            width: Beyond(squeeze.T @ one.precision @ squeeze, one.slope @ squeeze, one.square)
+            for width, one in self.beyond.items()
+        }
+        return replace(self, across=self.across @ squeeze, beyond=beyond)
+
+
+def trial_sums(
+    board: GravityRows, columns: Array, random: Array, block: NDArray[np.intp]
+) -> TrialSums:
+    """Sum the rows of trials up.
+
+    Parameters
+    ----------
+    board : GravityRows
+        Events.
+    columns : ndarray, shape (E, q)
+        Of the local numbers [m].
+    random : ndarray, shape (E, r)
+        Of what scatters [m].
+    block : ndarray of int, shape (N,)
+        Which trials are summed together.
+    """
+    count, q, r = len(block), columns.shape[1], random.shape[1]
+    blocks = int(block.max()) + 1
+    triangle, across = np.zeros((count, r, r)), np.zeros((count, r, q))
+    right, freedom, constant = np.zeros((count, r)), np.zeros(count), np.zeros(count)
+    beyond = {
+        width: Beyond(np.zeros((blocks, q, q)), np.zeros((count, q)), np.zeros(count))
+        for width in (ALWAYS, r)
+    }
+    for trial, rows in enumerate(board.rows_of_trials()):
+        white, project = whitening(board, rows)
+        stack = np.column_stack([columns[rows], board.residual[rows], random[rows]])
+        whole = project(white[:, None] * stack)
+        own, along, apart = orthogonal(whole[:, q + 1 :], whole[:, : q + 1])
+        told = len(own)
+        triangle[trial, :told] = own
+        across[trial, :told], right[trial, :told] = along[:, :q], along[:, q]
+        for width, one in beyond.items():
+            rest = np.vstack([apart, along[width:]])
+            square = rest.T @ rest
+            one.precision[block[trial]] += square[:q, :q]
+            one.slope[trial], one.square[trial] = square[:q, q], square[q, q]
+        nuisances = (board.events.regressors[:3, rows] != 0).any(axis=1).sum()
+        freedom[trial] = white.size - nuisances
+        constant[trial] = np.log(white).sum() - 0.5 * freedom[trial] * LOG_2PI
+    return TrialSums(block, triangle, across, right, beyond, freedom, constant)
+
+
+def orthogonal(columns: Array, values: Array) -> tuple[Array, Array, Array]:
+    """Part values into what is along columns and what is orthogonal to them.
+
+    Returns
+    -------
+    triangle : ndarray, shape (w, R)
+        The R columns in an orthonormal basis of theirs, upper triangular.
+    along : ndarray, shape (w, k)
+        The values in that basis.
+    apart : ndarray, shape (m, k)
+        Of the values, what is orthogonal to the columns.
+    """
+    basis, triangle = np.linalg.qr(columns)
+    along = basis.T @ values
+    return triangle, along, values - basis @ along
