@@ -12,8 +12,8 @@ from bayesfric.cli import app
 from bayesfric.errors import InputError
 from bayesfric.margins import read_loop
 from bayesfric.resources import loop_template
-from bayesfric.results import read_json
-from bayesfric.schemas import MarginsFile
+from bayesfric.results import json_bytes, read_json
+from bayesfric.schemas import MarginsFile, TimingsFile
 
 TEMPLATE = loop_template()
 
@@ -112,6 +112,7 @@ def test_fail_on_spec_of_a_run(folder, tmp_path, monkeypatch, metres, status):
 
     def fitted(recording, output, analysis, **options):
         write_draws(output / "draws.nc", n=200)
+        (output / "timings.json").write_bytes(json_bytes(TimingsFile(seconds={})))
         return set()
 
     monkeypatch.setattr("bayesfric.cli.run.fit_into", fitted)

@@ -37,8 +37,8 @@ def many_draws(tmp_path_factory):
     return write_draws(tmp_path_factory.mktemp("fit") / "draws.nc", n=1000)
 
 
-def computed(draws, changes=None, **options):
-    return compute_margins([loop(changes)], draws, simulated=8, **options).summary
+def computed(draws, changes=None, simulated=8, **options):
+    return compute_margins([loop(changes)], draws, simulated=simulated, **options).summary
 
 
 def metric(found, name, direction=None):
@@ -273,7 +273,7 @@ def test_formula_and_elastic_cable_agree_over_uncertain_loops(draws):
         "joint.inertia_kg_m2": {"family": "log-normal", "median": 0.1, "sd_log": 0.3},
         "controller.kd_n_m_s_per_rad": {"family": "uniform", "low": 2e-4, "high": 1.2e-3},
     }
-    found = computed(draws, changes, verify=200).loops[0].verification
+    found = computed(draws, changes, simulated=200, verify=200).loops[0].verification
     assert found.inside_conditions >= 150
     assert found.agreement >= 0.95
     assert found.steady_error_agreement >= 0.95
