@@ -21,6 +21,7 @@ from bayesfric.families import (
 from bayesfric.inference.priors import (
     draw,
     from_normal,
+    joined,
     log_density,
     prior_sd,
     prior_width,
@@ -180,3 +181,22 @@ def test_table_1_is_read_with_its_rounding():
     assert small.c3.rounding == pytest.approx(0.5e-7)
     assert table1()["large"].c3.rounding == pytest.approx(0.5e-8)
     assert small.radius_m == pytest.approx(0.0038)
+
+
+def test_priors_of_one_family_together_are_those_one_by_one():
+    priors = [
+        HalfNormal(0.05), LogNormal(0.1, 0.5), Normal(1.0, 2.0), HalfNormal(3.0), Gamma(2.0, 0.3),
+        Uniform(-1.0, 4.0), Normal(-5.0, 0.1), LogNormal(7.0, 0.2), Gamma(3.0, 1.0),
+    ]  # fmt: skip
+    z = np.random.default_rng(3).normal(0.0, 2.0, (20, len(priors)))
+    each = np.stack([from_normal(one, z[:, k]) for k, one in enumerate(priors)], axis=1)
+    seen = []
+    for places, prior in joined(priors):
+        seen += places
+        values = from_normal(prior, z[:, places])
+        assert values == pytest.approx(each[:, places], rel=1e-14)
+        assert to_normal(prior, values) == pytest.approx(z[:, places], abs=1e-9)
+        alone = np.stack([log_density(priors[k], each[:, k]) for k in places], axis=1)
+        assert log_density(prior, values) == pytest.approx(alone, rel=1e-12)
+    assert sorted(seen) == list(range(len(priors)))
+    assert len(joined(priors)) == 6  # those of SciPy stay apart
