@@ -3,9 +3,9 @@ import re
 from html.parser import HTMLParser
 
 import pytest
-from report.sample import HOSTILE, SVG, document
+from report.sample import SVG, document
 
-from bayesfric.report.content import Code, Document, Heading, Notice, Paragraph, Table
+from bayesfric.report.content import Document
 from bayesfric.report.formulas import FORMULAS, LAW
 from bayesfric.report.html import render_html
 
@@ -37,10 +37,6 @@ class Page(HTMLParser):
 
     def all(self, tag: str) -> list[dict[str, str | None]]:
         return [attributes for name, attributes in self.elements if name == tag]
-
-
-def script_of(html: str) -> str:
-    return html[html.rindex("<script>") :]
 
 
 @pytest.fixture(scope="module")
@@ -92,10 +88,10 @@ def test_identifiers_are_unique_and_every_link_arrives(page: Page) -> None:
 
 
 def test_tables_have_captions_and_scopes(page: Page) -> None:
-    assert len(page.all("caption")) == len(page.all("table")) == 2
+    assert len(page.all("caption")) == len(page.all("table")) == 1
     scopes = [a.get("scope") for a in page.all("th")]
-    assert scopes.count("col") == 4
-    assert scopes.count("row") == 3 + len(HOSTILE)
+    assert scopes.count("col") == 3
+    assert scopes.count("row") == 3
     assert None not in scopes
 
 
@@ -103,31 +99,6 @@ def test_decimal_points_stand_in_line(html: str) -> None:
     assert '0<span class="tail" style="min-width: 4.6ch">.0128</span>' in html
     assert '12<span class="tail" style="min-width: 4.6ch">.5</span>' in html
     assert '<td class="decimal">—</td>' in html
-
-
-@pytest.mark.parametrize("text", HOSTILE)
-def test_no_text_is_read_as_markup(page: Page, text: str) -> None:
-    assert page.texts.count(text) == 2
-
-
-def test_hostile_text_everywhere_else() -> None:
-    text = "\"'><script>alert(1)</script>{{ 1 }}&amp;"
-    blocks = [
-        Notice("info", Code(text), title=text),
-        Heading(1, text),
-        Table(text, [text], [[text]], note=text),
-        Paragraph("a\ud800\x00"),
-    ]
-    html = render_html(Document(text, text, blocks, authors=[text]))
-    page = Page(html)
-    assert page.open == []
-    # The template's script alone, and no word of the document in it.
-    empty = render_html(Document("title", "", [Paragraph("text")]))
-    assert len(page.all("script")) == 1
-    assert script_of(html) == script_of(empty)
-    assert sum(t.count(text) for t in page.texts) == 12
-    assert "a[U+D800][U+0000]" in page.texts
-    html.encode("utf-8")
 
 
 def test_formulas_are_mathml_with_words(page: Page) -> None:
