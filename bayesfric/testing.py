@@ -69,11 +69,11 @@ def check_effect(effect: Effect | str | Path) -> None:
     Parameters
     ----------
     effect : Effect, or path
-        To be checked, or the Python file that defines it: priors integrate to one; the plausible range lies where the prior
-        is; units are known; no amplitude is no effect; a law is finite, has as many
-        components as it should, and takes arrays of amplitudes; a force that changes
-        along a trial is said to; and every effect along a path, on a drive, on readings or
-        with components is linear in its amplitude.
+        To be checked, or the Python file that defines it: priors integrate to one; the
+        plausible range lies where the prior is; units are known; no amplitude is no effect; a
+        law is finite, has as many components as it should, and takes arrays of amplitudes; a
+        force that changes along a trial is said to; and every effect along a path, on a drive,
+        on readings or with components is linear in its amplitude.
 
     Raises
     ------

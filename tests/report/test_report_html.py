@@ -5,6 +5,7 @@ from html.parser import HTMLParser
 import pytest
 from report.sample import HOSTILE, SVG, document
 
+from bayesfric.report import content
 from bayesfric.report.content import Code, Document, Heading, Notice, Paragraph, Table
 from bayesfric.report.formulas import FORMULAS, LAW
 from bayesfric.report.html import render_html
@@ -45,7 +46,9 @@ def script_of(html: str) -> str:
 
 @pytest.fixture(scope="module")
 def html() -> str:
-    return render_html(document())
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(content, "SHORT", 0)  # of few headings, and yet with its contents
+        return render_html(document())
 
 
 @pytest.fixture(scope="module")
@@ -110,7 +113,14 @@ def test_no_text_is_read_as_markup(page: Page, text: str) -> None:
     assert page.texts.count(text) == 2
 
 
-def test_hostile_text_everywhere_else() -> None:
+def test_a_short_document_has_no_table_of_contents() -> None:
+    assert not Page(render_html(document())).all("nav")
+    long = [Heading(1, f"Part {number}") for number in range(content.SHORT + 1)]
+    assert len(Page(render_html(Document("title", "", long))).all("nav")) == 1
+
+
+def test_hostile_text_everywhere_else(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(content, "SHORT", 0)
     text = "\"'><script>alert(1)</script>{{ 1 }}&amp;"
     blocks = [
         Notice("info", Code(text), title=text),
