@@ -15,7 +15,7 @@ from importlib import resources
 import jinja2
 from markupsafe import Markup
 
-from bayesfric.report.characters import legible
+from bayesfric.characters import legible
 from bayesfric.report.content import (
     Block,
     BulletList,
