@@ -18,7 +18,8 @@ from bayesfric.margins.metrics import linear_of
 from bayesfric.margins.open_loop import OpenLoop
 from bayesfric.margins.posterior import RigDiscrepancy
 
-OPEN = {"runs.0.topology": "open", "joint.viscous_n_m_s": 0.1, "cable.length_m": 1.0, "controller.ki_n_m_per_rad_s": 0.05,
+OPEN = {"runs.0.topology": "open", "joint.viscous_n_m_s": 0.1, "cable.length_m": 1.0,
+        "controller.ki_n_m_per_rad_s": 0.05,
         "controller.velocity_filter": "low-pass", "controller.velocity_cutoff_hz": 80.0,
         "joint.inertia_kg_m2": {"family": "log-normal", "median": 0.1, "sd_log": 0.2}}  # fmt: skip
 

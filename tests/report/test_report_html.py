@@ -5,7 +5,8 @@ from html.parser import HTMLParser
 import pytest
 from report.sample import SVG, document
 
-from bayesfric.report.content import Document
+from bayesfric.report import content
+from bayesfric.report.content import Document, Heading
 from bayesfric.report.formulas import FORMULAS, LAW
 from bayesfric.report.html import render_html
 
@@ -41,7 +42,9 @@ class Page(HTMLParser):
 
 @pytest.fixture(scope="module")
 def html() -> str:
-    return render_html(document())
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(content, "SHORT", 0)  # of few headings, and yet with its contents
+        return render_html(document())
 
 
 @pytest.fixture(scope="module")
@@ -99,6 +102,12 @@ def test_decimal_points_stand_in_line(html: str) -> None:
     assert '0<span class="tail" style="min-width: 4.6ch">.0128</span>' in html
     assert '12<span class="tail" style="min-width: 4.6ch">.5</span>' in html
     assert '<td class="decimal">—</td>' in html
+
+
+def test_a_short_document_has_no_table_of_contents() -> None:
+    assert not Page(render_html(document())).all("nav")
+    long = [Heading(1, f"Part {number}") for number in range(content.SHORT + 1)]
+    assert len(Page(render_html(Document("title", "", long))).all("nav")) == 1
 
 
 def test_formulas_are_mathml_with_words(page: Page) -> None:
