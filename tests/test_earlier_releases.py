@@ -71,7 +71,7 @@ def test_the_report_shows_its_numbers(kept):
     rows = re.sub("<[^>]*>", "", shown)
     c1, c2 = (f"{1e3 * known[name][0]:.3g}" for name in ("c1", "c2"))
     assert f"c1 [10⁻³]{c1}" in rows
-    assert f"c2 [10⁻³ N]{c2}" in rows
+    assert f"c2 [10⁻³\N{NARROW NO-BREAK SPACE}N]{c2}" in rows
 
 
 def test_compare_says_how_far_a_number_moved(kept, tmp_path):
