@@ -84,13 +84,8 @@ def _swapped(table: Table) -> list[Fault]:
     """Pulleys in tens and angles of a few degrees: each is the other."""
     if not table.has("n_pulleys", "wrap_angle_deg"):
         return []
-    numbers, angles = table.frame["n_pulleys"].dropna(), table.frame["wrap_angle_deg"].dropna()
-    if (
-        numbers.empty
-        or angles.empty
-        or numbers.min() < LEAST_WRAP_DEG
-        or angles.max() > MOST_PULLEYS
-    ):
+    numbers, angles = table.frame["n_pulleys"], table.frame["wrap_angle_deg"]
+    if not (numbers.min() >= LEAST_WRAP_DEG and angles.max() <= MOST_PULLEYS):  # NaN: no entry
         return []
     expected = "a number of pulleys (are n_pulleys and wrap_angle_deg swapped?)"
     return _one(table, table.frame["n_pulleys"].notna(), "n_pulleys", expected)
