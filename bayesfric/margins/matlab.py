@@ -1,6 +1,5 @@
 """Loops with their uncertainty as a ``.mat`` file."""
 
-import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -75,10 +74,13 @@ def write_mat(path: Path, ensembles: Sequence[Ensemble]) -> None:
     entries = [_entry(one, along) for one in ensembles for along in one.drawn.directions]
     cells = np.empty(len(entries), dtype=object)
     cells[:] = entries
-    buffer = io.BytesIO()
-    savemat(buffer, {"loops": cells}, do_compression=True)
-    data = HEADER.ljust(HEADER_LENGTH) + buffer.getvalue()[HEADER_LENGTH:]
-    replace_outputs(path.parent, {path.name: lambda place: place.write_bytes(data)})
+
+    def write(place: Path) -> None:
+        savemat(str(place), {"loops": cells}, do_compression=True)
+        with place.open("r+b") as file:
+            file.write(HEADER.ljust(HEADER_LENGTH))
+
+    replace_outputs(path.parent, {path.name: write})
 
 
 def _entry(ensemble: Ensemble, along: Direction | None) -> dict[str, Any]:
