@@ -6,7 +6,7 @@ with what this would write.
 
 import json
 from pathlib import Path
-from typing import get_args
+from typing import Literal, get_args, get_origin
 
 import typer
 from pydantic import BaseModel
@@ -104,7 +104,7 @@ def _loop() -> str:
         "",
         "## Top level",
         "",
-        *_table(loop_file.Loop, {"name", "title", "assumptions", "stiction_ratio"}),
+        *_table(loop_file.Loop, {"name", "title", "assumptions", "extrapolate", "stiction_ratio"}),
     ]
     sections = {
         "[joint], revolute": loop_file.RevoluteJoint,
@@ -207,8 +207,17 @@ def _table(model: type[BaseModel], names: set[str] | None = None) -> list[str]:
     for name, field in model.model_fields.items():
         if names is None or name in names:
             default = "required" if field.is_required() else f"`{_default(field)}`"
-            lines.append(f"| `{name}` | {default} | {field.description} |")
+            words = _choices(field.annotation)
+            among = f" One of {', '.join(words)}." if len(words) > 1 else ""
+            lines.append(f"| `{name}` | {default} | {field.description}{among} |")
     return lines
+
+
+def _choices(annotation: object) -> list[str]:
+    """Return the words that a key takes, where they are not any; as they are written."""
+    if get_origin(annotation) is Literal:
+        return [f"`{json.dumps(word)}`" for word in get_args(annotation)]
+    return [word for inner in get_args(annotation) for word in _choices(inner)]
 
 
 def _default(field: object) -> str:

@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 LN10 = float(np.log(10))
 SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹"
 LARGE = 2.0  # log10, from which on odds are a power of ten
+MOST = 6.0  # log10, beyond which odds say more of the models than of the data
 FOUND_WITH = 0.9  # probability of finding the smallest effect that would have been found
 TINY = 1e-12
 STABLE_OVER = (10**-0.5, 10**0.5)  # a tenfold change of the width
@@ -284,8 +285,10 @@ def decide(
 
 
 def odds(log10: float) -> str:
-    """Return a Bayes factor in words, as in ``20 to 1``."""
+    """Return a Bayes factor in words, as in ``20 to 1``; nobody believes more than a million."""
     size = abs(log10)
+    if size > MOST:
+        return "more than 10⁶ to 1" if log10 > 0 else "less than 1 to 10⁶"
     digits = "".join(SUPERSCRIPTS[int(digit)] for digit in str(round(size)))
     number = f"{10**size:.2g}" if size < LARGE else f"10{digits}"
     return f"{number} to 1" if log10 >= 0 else f"1 to {number}"

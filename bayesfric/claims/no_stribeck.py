@@ -16,7 +16,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
     slowest = slowest_speed(case.entered.data[claim.subject(case.entered)])
     return replace(
         found,
-        reason=f"{found.reason} Below {slowest:.3f} m/s, the slowest recorded speed, the claim is "
+        reason=f"{found.reason} Below {slowest:.2g} m/s, the slowest recorded speed, the claim is "
         "not testable.",
         figures={**found.figures, "not_testable_below_m_s": slowest},
     )

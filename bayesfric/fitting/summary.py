@@ -1,5 +1,6 @@
 """Draws become the numbers of ``fit.json``: intervals, diagnostics, data quality."""
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, TypeVar
 
@@ -237,7 +238,9 @@ def _attention(
             "and effects of n and of the wrap angle rest on the prior of omega"
         )
     if quality.excluded:
-        lines.append(f"{len(quality.excluded)} of {quality.trials} trials left out")
+        of_rule = Counter(one.reason for one in quality.excluded)
+        why = "; ".join(f"{count} where {reason}" for reason, count in of_rule.items())
+        lines.append(f"{len(quality.excluded)} of {quality.trials} trials left out: {why}")
     return tuple(lines)
 
 

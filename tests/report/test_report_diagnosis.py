@@ -21,7 +21,7 @@ from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins
 from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters.diagnosis import diagnosis as chapter
-from bayesfric.report.chapters.diagnosis import verdict_line
+from bayesfric.report.chapters.diagnosis import law_alone, verdict_line
 from bayesfric.report.chapters.diagnosis_details import appendix
 from bayesfric.report.content import (
     BulletList,
@@ -118,6 +118,13 @@ def test_the_first_page_tells_all():
         # The verdict once; and so short a document is leafed through.
         assert page.count(stored.found.sentence[:40]) == 1
         assert "Contents" not in page
+
+
+def test_coefficients_of_a_law_that_misses_what_acts_say_so():
+    """A truth outside the fit's intervals is no fault of the fit."""
+    (told,) = law_alone(stored_diagnosis().found)
+    assert "taken up a part of viscous; law in diagnosis.json" in words(told.text)
+    assert not list(law_alone(without_gap().found))
 
 
 def test_a_named_board_says_what_and_how_much_at_a_glance():

@@ -41,7 +41,7 @@ from bayesfric.report.quantities import (
 from bayesfric.report.stored import StoredDiagnosis
 from bayesfric.schemas import Axis, DiagnosisFile, Gap, Interval
 
-__all__ = ["diagnosis", "verdict_line"]
+__all__ = ["diagnosis", "law_alone", "verdict_line"]
 
 FURTHER = 2  # axes after the first that the caption names
 
@@ -58,6 +58,25 @@ def verdict_line(found: DiagnosisFile) -> Notice:
         ],
         title="Sim-to-real gap",
     )
+
+
+def law_alone(found: DiagnosisFile) -> Iterator[Notice]:
+    """Yield a warning beside the coefficients of a fit whose law lacks what acts."""
+    acting = [cause for cause in found.causes if cause.makes_a_gap]
+    if found.verdict == "named" and acting:
+        yield Notice(
+            "attention",
+            [
+                "The coefficients are those of the law alone, and have taken up a part of ",
+                Code(", ".join(cause.effect for cause in acting)),
+                "; ",
+                Code("law"),
+                " in ",
+                Code("diagnosis.json"),
+                " has them refitted with it.",
+            ],
+            title="A law that misses what acts",
+        )
 
 
 def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:

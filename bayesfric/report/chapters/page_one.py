@@ -13,7 +13,7 @@ from bayesfric.report.chapters.blind import scorecard_line
 from bayesfric.report.chapters.boards import population
 from bayesfric.report.chapters.calibration import calibration_line
 from bayesfric.report.chapters.claims import fallen
-from bayesfric.report.chapters.diagnosis import verdict_line
+from bayesfric.report.chapters.diagnosis import law_alone, verdict_line
 from bayesfric.report.chapters.gain import gain_lines
 from bayesfric.report.chapters.plain_law import force_unit, in_a_sentence
 from bayesfric.report.content import (
@@ -55,6 +55,8 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
         yield from worries(pooled)
     if stored.diagnosis is not None:
         yield verdict_line(stored.diagnosis.found)
+        if fitted is not None:
+            yield from law_alone(stored.diagnosis.found)
     if stored.claims is not None:
         yield fallen(stored.claims.found)
     if stored.margins is not None:
