@@ -60,11 +60,13 @@ class Scatter(Section):
 
     by_size: bool = Field(False, description="A tau and an omega for each size, instead of one.")
     trial: Literal["normal", "student-t"] = Field(
-        "normal", description="Distribution of a trial's scatter; student-t forgives outliers."
+        "normal",
+        description="Distribution of a trial's scatter; student-t forgives outliers. It is that of "
+        "fits and claims on the gravity board: other rigs and diagnoses have normal scatter.",
     )
     assembly: Literal["normal", "student-t"] = Field(
         "normal",
-        description="Likewise of an assembly's, on the gravity board; not both are student-t.",
+        description="Likewise of an assembly's; not both are student-t.",
     )
     degrees_of_freedom: Annotated[float, Field(gt=2, le=100)] = Field(
         4.0, description="Of the student-t; tau, or omega and omega_intercept, are its scales."

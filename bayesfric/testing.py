@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import integrate
 
-from bayesfric.effects import PULLEYS, Effect, Reading, State
+from bayesfric.effects import PULLEYS, Effect, Reading, State, effect_of_file
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.priors import from_normal, log_density
 from bayesfric.physics.friction import Coefficients
@@ -63,23 +63,27 @@ class EffectError(ValueError):
     """An effect breaks a rule; the message says which, where, and by how much."""
 
 
-def check_effect(effect: Effect) -> None:
+def check_effect(effect: Effect | str | Path) -> None:
     """Check that an effect is one that the likelihood and the evidence can use.
 
     Parameters
     ----------
-    effect : Effect
-        To be checked: priors integrate to one; the plausible range lies where the prior
-        is; units are known; no amplitude is no effect; a law is finite, has as many
-        components as it should, and takes arrays of amplitudes; a force that changes
-        along a trial is said to; and every effect along a path, on a drive, on readings or
-        with components is linear in its amplitude.
+    effect : Effect, or path
+        To be checked, or the Python file that defines it: priors integrate to one; the
+        plausible range lies where the prior is; units are known; no amplitude is no effect; a
+        law is finite, has as many components as it should, and takes arrays of amplitudes; a
+        force that changes along a trial is said to; and every effect along a path, on a drive,
+        on readings or with components is linear in its amplitude.
 
     Raises
     ------
     EffectError
         At the first rule that is broken.
+    InputError
+        A file that there is not, or that defines no effect.
     """
+    if not isinstance(effect, Effect):
+        effect = effect_of_file(Path(effect))
     for parameter in effect.parameters:
         where = f"{effect.name}.{parameter.name}"
         if parameter.unit not in UNITS:

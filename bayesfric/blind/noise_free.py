@@ -1,8 +1,8 @@
 """The true gap of a case: without noise, after the baseline is refitted.
 
-The same case is made without noise, scatter and background, and the baseline is fitted
-to it with the weights of a usual noise. The residual is then systematic, and so is the part
-of it that the named causes leave.
+The same case is made without noise, scatter and background. What a law recalibrated by least
+squares leaves of it is systematic, and so is what it leaves beside the named causes: the gap
+and the shrink that :mod:`bayesfric.diagnosis.systematic` draws.
 """
 
 from collections.abc import Sequence
@@ -17,11 +17,13 @@ from bayesfric.analysis import Analysis
 from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals, residuals_of, spread_numbers
+from bayesfric.diagnosis.systematic import best_of
 from bayesfric.effects import all_effects
 from bayesfric.effects.candidates import Candidate, candidates_of
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.data import Data
+from bayesfric.rigs.layout import COEFFICIENTS
 from bayesfric.simulate import table1_coefficients
 
 __all__ = ["CleanCase"]
@@ -59,8 +61,8 @@ class CleanCase:
             model = model.around(laws, (), discrepancy=False)
         self._model = model
         residuals = residuals_of(model, self._psi)
-        self._friction = float(np.sqrt((residuals.weight * residuals.friction_n**2).sum()))
-        self.gap = self._left(model, residuals, Acting()) / self._friction
+        force = self._systematic(model, residuals, Acting())
+        self.gap = _rms(residuals, force) / residuals.friction_rms
 
     def shrink(self, causes: Sequence[tuple[str, str]]) -> float | None:
         """Return which part of the squared gap some causes take up.
@@ -96,11 +98,15 @@ class CleanCase:
             [law for law in laws if end - len(own) <= law.places[0] < end]
             for own, end in zip(each, ends, strict=True)
         ]
-        left = min(
-            self._left(model, residuals, Acting(choice, (0.0,) * len(choice)))
-            for choice in product(*own_laws)
-        )
-        return 1 - (left / self._friction / self.gap) ** 2
+        columns = residuals.columns[:, COEFFICIENTS : COEFFICIENTS + model.layout.candidates]
+        shrinks = []
+        for choice in product(*own_laws):
+            acting = Acting(choice, (0.0,) * len(choice))
+            force = self._systematic(model, residuals, acting)
+            own = residuals.without_law(columns @ model.mixing(acting))
+            left = force - best_of(residuals, own, force)
+            shrinks.append(1 - (_rms(residuals, left) / _rms(residuals, force)) ** 2)
+        return max(shrinks)
 
     def oracle_power(self) -> float:
         """Return the power of the best test that knows the force that is there.
@@ -110,7 +116,7 @@ class CleanCase:
         error and by the scatter of trials and of assemblies.
         """
         model, residuals = self._model, residuals_of(self._model, self._psi)
-        rest = self._rest(model, residuals, Acting())
+        rest = residuals.left(self._fitted(model, Acting()))
         square = 0.0
         for setup in np.unique(residuals.setup):
             rows = np.flatnonzero(residuals.setup == setup)
@@ -126,13 +132,19 @@ class CleanCase:
             square += float(rest[rows] @ np.linalg.solve(covariance, rest[rows]))
         return float(norm.cdf(np.sqrt(square) - norm.isf(FALSE_ALARMS)))
 
-    def _rest(self, model: LinearModel, residuals: Residuals, acting: Acting) -> Array:
-        at = model.evaluate(self._psi, acting)
-        return residuals.left(spread_numbers(model, at.mean, model.mixing(acting)))
+    def _systematic(self, model: LinearModel, residuals: Residuals, acting: Acting) -> Array:
+        """Return what a recalibrated law leaves, once trials' own nuisances are taken out."""
+        local = self._fitted(model, acting)
+        local[:, : COEFFICIENTS + model.layout.candidates] = 0.0
+        return residuals.without_law(residuals.left(local))
 
-    def _left(self, model: LinearModel, residuals: Residuals, acting: Acting) -> float:
-        rest = self._rest(model, residuals, acting)
-        return float(np.sqrt((residuals.weight * rest**2).sum()))
+    def _fitted(self, model: LinearModel, acting: Acting) -> Array:
+        at = model.evaluate(self._psi, acting)
+        return spread_numbers(model, at.mean, model.mixing(acting))
+
+
+def _rms(residuals: Residuals, force: Array) -> float:
+    return float(np.sqrt((residuals.weight * force**2).sum()))
 
 
 def _candidates(name: str, law: str) -> list[Candidate]:

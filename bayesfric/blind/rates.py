@@ -9,7 +9,7 @@ from scipy.stats import binomtest
 
 from bayesfric.schemas import Detected, Estimate, Rate, ReliabilityBin
 
-__all__ = ["estimate_of", "rate_of", "reliability_of", "smallest_detected"]
+__all__ = ["EDGES", "estimate_of", "rate_of", "reliability_of", "smallest_detected"]
 
 Array = NDArray[np.float64]
 LEVEL = 0.95
@@ -50,7 +50,9 @@ def estimate_of(values: Sequence[float]) -> Estimate:
     return Estimate(value=float(each.mean()), low=low, high=high, cases=each.size)
 
 
-def reliability_of(probability: Sequence[float], correct: Sequence[bool]) -> list[ReliabilityBin]:
+def reliability_of(
+    probability: Sequence[float], correct: Sequence[bool], edges: Sequence[float] = EDGES
+) -> list[ReliabilityBin]:
     """Return how often verdicts were correct, in bins of their probability.
 
     The band is that of Bröcker and Smith (Weather and Forecasting 22, 2007): each case of
@@ -62,12 +64,14 @@ def reliability_of(probability: Sequence[float], correct: Sequence[bool]) -> lis
         Of each verdict.
     correct : sequence of bool
         Whether it was.
+    edges : sequence of float
+        Of the bins, from 0 to 1.
     """
     chance, right = np.array(probability), np.array(correct, dtype=bool)
-    place = np.clip(np.searchsorted(EDGES, chance, side="right") - 1, 0, len(EDGES) - 2)
+    place = np.clip(np.searchsorted(edges, chance, side="right") - 1, 0, len(edges) - 2)
     rng = np.random.default_rng(SEED)
     found = []
-    for number in range(len(EDGES) - 1):
+    for number in range(len(edges) - 1):
         own = place == number
         if not own.any():
             continue
@@ -77,8 +81,8 @@ def reliability_of(probability: Sequence[float], correct: Sequence[bool]) -> lis
         assert rate.rate is not None
         found.append(
             ReliabilityBin(
-                lower=EDGES[number],
-                upper=EDGES[number + 1],
+                lower=edges[number],
+                upper=edges[number + 1],
                 cases=int(own.sum()),
                 probability=float(chance[own].mean()),
                 correct=rate,

@@ -8,7 +8,7 @@ import numpy as np
 
 from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.blind.design import SCORING_FROM
-from bayesfric.blind.rates import estimate_of, rate_of, reliability_of, smallest_detected
+from bayesfric.blind.rates import EDGES, estimate_of, rate_of, reliability_of, smallest_detected
 from bayesfric.blind.scoring import NO_CLAIM, OTHERS
 from bayesfric.results import created_date, package_versions
 from bayesfric.schemas import (
@@ -17,6 +17,7 @@ from bayesfric.schemas import (
     Oracle,
     Rate,
     RecordingId,
+    ReliabilityBin,
     ScorecardFile,
     ScoredCase,
     Target,
@@ -93,9 +94,11 @@ def scorecard_of(
             )
             for form in ("own", "foreign")
         },
-        reliability=tuple(
-            reliability_of([case.probability for case in cases], [case.came_true for case in cases])
-        ),
+        reliability=tuple(_reliability(cases)),
+        reliability_by_verdict={
+            verdict: _reliability([one for one in cases if one.verdict == verdict], (0.0, 1.0))[0]
+            for verdict in sorted({case.verdict for case in cases})
+        },
         brier=estimate_of([(case.probability - case.came_true) ** 2 for case in cases]),
         log_score=estimate_of([_log_score(case) for case in cases]),
         smallest_detected=_smallest(cases),
@@ -140,6 +143,14 @@ def _named_rates(cases: Sequence[ScoredCase]) -> dict[str, Rate]:
             found[strength, "own" if case.own else "foreign"].append(_named(case))
     ranked = sorted(found, key=lambda key: (-key[0], key[1] != "own"))
     return {f"{strength:g}/{form}": rate_of(found[strength, form]) for strength, form in ranked}
+
+
+def _reliability(
+    cases: Sequence[ScoredCase], edges: Sequence[float] = EDGES
+) -> list[ReliabilityBin]:
+    return reliability_of(
+        [case.probability for case in cases], [case.came_true for case in cases], edges
+    )
 
 
 def _log_score(case: ScoredCase) -> float:

@@ -15,6 +15,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
+from bayesfric.characters import legible
 from bayesfric.claims.base import Case, Claim, Finding
 from bayesfric.claims.comparison import bayes_factor, log_evidence
 from bayesfric.claims.contradictions import contradictions
@@ -115,10 +116,11 @@ class Checked:
         )
         for one in self.summary.claims:
             case = ElementTree.SubElement(suite, "testcase", classname="claims", name=one.id)
+            reason = legible(one.reason)  # it may name pulleys, and XML holds no controls
             if one.verdict == "refuted":
-                ElementTree.SubElement(case, "failure", message=one.reason)
+                ElementTree.SubElement(case, "failure", message=reason)
             elif one.verdict != "supported":
-                ElementTree.SubElement(case, "skipped", message=f"{one.verdict}: {one.reason}")
+                ElementTree.SubElement(case, "skipped", message=f"{one.verdict}: {reason}")
         ElementTree.indent(suite)
         return bytes(ElementTree.tostring(suite, encoding="utf-8", xml_declaration=True)) + b"\n"
 

@@ -58,7 +58,8 @@ def exit_status(verb: Callable[P, None]) -> Callable[P, None]:
             _cannot(error)
             raise typer.Exit(2) from error
         except Exception as error:
-            traceback.print_exc()
+            for line in traceback.format_exc().splitlines():
+                say(line, err=True)
             say("error: this is a fault of bayesfric itself; please report it", err=True)
             raise typer.Exit(70) from error
 

@@ -4,23 +4,13 @@ from contextlib import suppress
 
 import typer
 
-__all__ = ["escaped", "say"]
+from bayesfric.characters import legible
 
-
-def escaped(text: str) -> str:
-    r"""Return text with every character that is not printed written out, as in ``\x1b``.
-
-    These are control characters, marks that turn the direction of writing, line
-    separators and lone surrogates; line feeds are kept.
-    """
-    return "".join(
-        char if char.isprintable() or char in "\n\u00a0" else char.encode("unicode_escape").decode()
-        for char in text
-    )
+__all__ = ["say"]
 
 
 def say(text: str, *, err: bool = False) -> None:
-    """Print a line, on standard error if asked.
+    """Print one line, on standard error if asked.
 
     Raises
     ------
@@ -28,4 +18,4 @@ def say(text: str, *, err: bool = False) -> None:
         Standard output cannot be written. Chatter that nobody can read is no fault.
     """
     with suppress(*((OSError,) if err else ())):
-        typer.echo(escaped(text), err=err)
+        typer.echo(legible(text), err=err)

@@ -115,9 +115,11 @@ def causes_of(
         amplitude, shape = posterior.amplitudes[name], posterior.shapes.get(name, np.empty(0))
         middle = float(np.median(amplitude))
         low, high = effect.amplitude.plausible
-        parameters = {effect.amplitude.name: _number(effect.amplitude, amplitude)}
+        # The law may be a twin's, which this rig does not tell apart: so are its parameters.
+        whose = "" if effect.name == name else f"{effect.name}."
+        parameters = {whose + effect.amplitude.name: _number(effect.amplitude, amplitude)}
         if effect.shape is not None and shape.size:
-            parameters[effect.shape.name] = _number(effect.shape, shape)
+            parameters[whose + effect.shape.name] = _number(effect.shape, shape)
         strengths = posterior.strengths[name]
         strength = float(np.median(strengths[strengths > 0])) if (strengths > 0).any() else 0.0
         rivals: list[Weighed | Unknown] = [
@@ -130,7 +132,7 @@ def causes_of(
         found.append(
             Cause(
                 effect=name,
-                sentence=effect.sentence,
+                sentence=model.analysed(name).sentence,
                 inclusion_probability=chances.get(name, 0.0),
                 log10_bayes_factor=(best.log_evidence - rival.log_evidence) / LN10,
                 log10_bayes_factor_se=None if error is None else error / LN10,

@@ -16,7 +16,7 @@ from bayesfric.inference.smooths import KEPT, NARROW, SHARP, WHOLE, Smooth, Span
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.linear import LinearRows
 
-__all__ = ["Wide", "discrepancy_share", "relative_rms", "small_amounts", "smooth_forces"]
+__all__ = ["Discrepancy", "Wide", "discrepancy_share", "relative_rms"]
 
 Array = NDArray[np.float64]
 SHARED_AXES = ("velocity", "tension", "n_pulleys", "wrap_angle")
@@ -40,12 +40,63 @@ class Wide:
     axis: str | None
 
 
+@dataclass(frozen=True)
+class Discrepancy:
+    """Smooth forces and small amounts of effects.
+
+    Parameters
+    ----------
+    share : float
+        Rms of the smooth forces, as a share of rms friction.
+    own, shared : tuple of Smooth
+        Smooth forces of each size, and of all sizes.
+    amounts : tuple of (Candidate, float)
+        Effects with the standard deviations of their small amounts.
+    """
+
+    share: float
+    own: tuple[Smooth, ...] = ()
+    shared: tuple[Smooth, ...] = ()
+    amounts: tuple[tuple[Candidate, float], ...] = ()
+
+    @classmethod
+    def of(
+        cls,
+        rows: Sequence[LinearRows],
+        candidates: Sequence[Candidate],
+        share: float,
+        amounts: Sequence[tuple[Candidate, float]] | None,
+    ) -> "Discrepancy":
+        """Return the discrepancy on these rigs; `amounts` of None are those of all candidates."""
+        own, shared = _smooth_forces(rows)
+        if amounts is None:
+            amounts = _small_amounts(rows, candidates, share)
+        return cls(share, tuple(own), tuple(shared), tuple(amounts))
+
+    @property
+    def smooths(self) -> tuple[Smooth, ...]:
+        """All smooth forces."""
+        return (*self.own, *self.shared)
+
+    def rms(self, wide: Wide | None) -> tuple[Array, Array]:
+        """Return the rms of each number in its scale: of a size's own, and of what all share."""
+        shares = np.full(len(self.smooths), self.share)
+        if wide is not None:
+            # The discrepancy's variance is shared by all, that of the wide ones by these.
+            chosen = np.array([wide.axis in (None, one.axis) for one in self.smooths])
+            part = np.sqrt(len(self.smooths) / np.count_nonzero(chosen))
+            shares[chosen] = np.hypot(self.share, part * wide.share)
+        each = np.repeat(shares, np.array([one.count for one in self.smooths], dtype=np.intp))
+        first = sum(one.count for one in self.own)
+        return each[:first], np.concatenate([each[first:], np.ones(len(self.amounts))])
+
+
 def discrepancy_share(practical_share: float) -> float:
     """Return the rms of the discrepancy of every hypothesis, as a share of rms friction."""
     return max(PART * practical_share, LEAST)
 
 
-def smooth_forces(rows: Sequence[LinearRows]) -> tuple[list[Smooth], list[Smooth]]:
+def _smooth_forces(rows: Sequence[LinearRows]) -> tuple[list[Smooth], list[Smooth]]:
     """Return the smooth forces of each size, and those that sizes share.
 
     Parameters
@@ -77,7 +128,7 @@ def smooth_forces(rows: Sequence[LinearRows]) -> tuple[list[Smooth], list[Smooth
     return [one for one in own if one], [one for one in shared if one]
 
 
-def small_amounts(
+def _small_amounts(
     rows: Sequence[LinearRows], candidates: Sequence[Candidate], share: float
 ) -> list[tuple[Candidate, float]]:
     """Return effects with the standard deviations of their small amounts.

@@ -13,18 +13,12 @@ from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis, Prior
 from bayesfric.diagnosis.acting import Acting, At, Law, lawbook, merged, phase_name
-from bayesfric.diagnosis.discrepancy import (
-    Wide,
-    discrepancy_share,
-    small_amounts,
-    smooth_forces,
-)
+from bayesfric.diagnosis.discrepancy import Discrepancy, Wide, discrepancy_share
 from bayesfric.diagnosis.scales import coefficient_moments, rms_friction, scales_of_numbers
 from bayesfric.effects import Effect
 from bayesfric.effects.candidates import Candidate, on_friction, prior_moments
 from bayesfric.inference.information import Information, Reduced
 from bayesfric.inference.priors import log_density
-from bayesfric.inference.smooths import Smooth
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.layout import COEFFICIENTS, Layout
@@ -91,41 +85,37 @@ class LinearModel:
         self.data, self.laws, self.candidates = data, dict(laws), tuple(candidates)
         self.analysis, self.fixed = analysis, fixed
         self.scattering = tuple(on_friction(scattering))
-        self.share = discrepancy_share(analysis.diagnosis.practical_share)
         rows = [one.linear(laws, self.scattering) for one in data.rigs]
         self.friction_scale = rms_friction(data.sizes, rows)
-        self._own: list[Smooth] = []
-        self._smooths: list[Smooth] = []
-        self.amounts: list[tuple[Candidate, float]] = []
+        share = discrepancy_share(analysis.diagnosis.practical_share)
+        self.discrepancy = Discrepancy(share)
         if discrepancy:
-            self._own, self._smooths = smooth_forces(rows)
-            self.amounts = list(
-                small_amounts(rows, candidates, self.share) if small is None else small
-            )
+            self.discrepancy = Discrepancy.of(rows, candidates, share, small)
+        own, smooths = self.discrepancy.own, self.discrepancy.shared
         self.forms = list(forms)
         nuisances = [one.nuisance_scales(analysis.priors) for one in rows]
-        little = [candidate for candidate, _ in (*self.amounts, *self.forms)]
-        shared: list[Smooth | Candidate] = [*self._smooths, *little]
+        little = [*self.discrepancy.amounts, *forms]
+        shared = [*smooths, *(candidate for candidate, _ in little)]
         self.layout = Layout(
             data.sizes,
-            sum(one.count for one in self._own),
+            sum(one.count for one in own),
             len(candidates),
-            sum(one.count for one in self._smooths) + len(little),
+            sum(one.count for one in smooths) + len(little),
             tuple(len(one) for one in nuisances),
         )
         self.scales = scales_of_numbers(
             analysis.priors,
-            self._own,
+            own,
             self.candidates,
-            self._smooths,
-            [sd for _, sd in (*self.amounts, *self.forms)],
+            smooths,
+            [sd for _, sd in little],
             [sd for one in nuisances for sd in one],
         )
         self.rigs: tuple[LinearRig, ...] = tuple(
             one.laid_out(
                 self.layout,
                 place=place,
-                own=self._own,
+                own=own,
                 candidates=self.candidates,
                 shared=shared,
                 scales=self.scales,
@@ -166,7 +156,7 @@ class LinearModel:
             self.fixed,
             discrepancy=discrepancy,
             scattering=self.scattering if scattering is None else scattering,
-            small=self.amounts,
+            small=self.discrepancy.amounts,
             forms=forms,
             by_trial=by_trial,
         )
@@ -193,7 +183,7 @@ class LinearModel:
     def acting_axes(self) -> tuple[str, ...]:
         """Axes along which there are smooth forces that are no effect, each once."""
         owned = {one.effect.two_ends for one in self.candidates}
-        axes = dict.fromkeys(one.axis for one in (*self._own, *self._smooths))
+        axes = dict.fromkeys(one.axis for one in self.discrepancy.smooths)
         return tuple(axis for axis in axes if axis not in owned)
 
     def mixing(self, acting: Acting) -> Array:
@@ -230,41 +220,21 @@ class LinearModel:
         """
         layout, sizes = self.layout, len(self.layout.sizes)
         if self.squeeze is None:
-            own, shared = self._shares(wide)
-            shared = np.concatenate([shared, np.ones(len(self.amounts))])
+            own, shared = self.discrepancy.rms(wide)
         else:
             assert wide is None, "a force that is wide needs all of its numbers"
             own, shared = np.ones(layout.smooths), np.ones(layout.shared - len(self.forms))
-        own, shared = discrepancy * own, discrepancy * shared
         mean, sd = self._coefficients
         mean = np.hstack([mean, np.zeros((sizes, layout.smooths))])
-        sd = np.hstack([sd, np.tile(own, (sizes, 1))])
+        sd = np.hstack([sd, np.tile(discrepancy * own, (sizes, 1))])
         at = [prior_moments(one)[0] / prior_moments(one)[1] for one in priors]
         forms = [(form or {}).get(candidate.effect.name, 0.0) for candidate, _ in self.forms]
-        rest = np.concatenate(
-            [
-                np.ones(len(at)),
-                shared,
-                forms,
-                np.ones(sum(layout.nuisances)),
-            ]
-        )
+        nuisances = np.ones(sum(layout.nuisances))
+        rest = np.concatenate([np.ones(len(at)), discrepancy * shared, forms, nuisances])
         return (
             np.concatenate([mean.ravel(), at, np.zeros(rest.size - len(at))]),
             np.concatenate([sd.ravel(), rest]),
         )
-
-    def _shares(self, wide: Wide | None) -> tuple[Array, Array]:
-        """Return the rms of each smooth number, of a size's own and of shared ones."""
-        every = (*self._own, *self._smooths)
-        shares = np.full(len(every), self.share)
-        if wide is not None:
-            # The discrepancy's variance is shared by all, that of the wide ones by these.
-            chosen = np.array([wide.axis in (None, one.axis) for one in every])
-            part = np.sqrt(len(every) / np.count_nonzero(chosen))
-            shares[chosen] = np.hypot(self.share, part * wide.share)
-        numbers = np.repeat(shares, np.array([one.count for one in every], dtype=np.intp))
-        return numbers[: self.layout.smooths], numbers[self.layout.smooths :]
 
     def log_prior(self, psi: Array, acting: Acting) -> tuple[float, Array]:
         """Return the log prior density of the logarithms of the noise, and its gradient."""
@@ -321,8 +291,7 @@ class LinearModel:
             found: dict[str, float] = {}
             for part in parts:
                 found |= part.gradient(means, covariances)
-            names = [one.name for one in self.noise]
-            names += [phase_name(law) for law in acting.phases]
+            names = [*(one.name for one in self.noise), *map(phase_name, acting.phases)]
             slope = slope + np.array([found[name] for name in names])
         return At(psi, value + prior, slope if gradient else None, information, centre, covariance)
 
@@ -343,10 +312,7 @@ class LinearModel:
             rig.evaluate(noise, mixing, each, None if used is None else used[rig.rows.name])
             for rig in self.rigs
         ]
-        information = parts[0].information
-        for part in parts[1:]:
-            information = information + part.information
-        return parts, information
+        return parts, sum((one.information for one in parts[1:]), parts[0].information)
 
     def said_of(self, psi: Array, places: Sequence[int], phases: Sequence[Law] = ()) -> Information:
         """Return what the data say of the numbers with some candidates as effects."""

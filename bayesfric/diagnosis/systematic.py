@@ -20,7 +20,7 @@ from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed
 from bayesfric.effects.candidates import is_positive
 from bayesfric.schemas import Interval
 
-__all__ = ["SMALLEST", "Posterior", "interval", "left_of", "posterior_of", "shrink_of"]
+__all__ = ["SMALLEST", "Posterior", "best_of", "interval", "left_of", "posterior_of", "shrink_of"]
 
 Array = NDArray[np.float64]
 DRAWS = 1000
@@ -28,6 +28,8 @@ RARE = 0.003  # probability of a hypothesis that is not drawn from
 DISCREPANCIES = (0.3, 1.0)  # of its rms, each as likely before the data; the whole last
 TINY = 1e-300
 SMALLEST = 1e-9  # of friction, of a gap that can shrink
+# Of friction: what windows and linearisation leave of boards without noise (docs/blind.md).
+UNRESOLVED = 0.002
 
 
 @dataclass(frozen=True)
@@ -42,8 +44,11 @@ class Posterior:
         Systematic force in each window, the law recalibrated [N].
     hidden2 : ndarray, shape (S,)
         Mean square of forces whose phase nobody knows [N²].
+    unresolved2 : ndarray, shape (S,)
+        Mean square of what is too fine for windows and smooth forces to show [N²]. It is no
+        part of the gap, and bounds how surely causes can be said to leave nothing of it.
     gap : ndarray, shape (S,)
-        Rms of both [N].
+        Rms of the forces and of those whose phase nobody knows [N].
     strengths : dict of str to ndarray, shape (S,)
         By effect: rms of its force over rms friction, 0 where it does not act.
     left : dict of str to float
@@ -58,6 +63,7 @@ class Posterior:
     hypothesis: NDArray[np.str_]
     force: Array
     hidden2: Array
+    unresolved2: Array
     gap: Array
     strengths: dict[str, Array]
     left: dict[str, float]
@@ -159,6 +165,7 @@ def posterior_of(
         np.array(labels),
         force,
         hidden2,
+        (UNRESOLVED * rms * rng.standard_normal(DRAWS)) ** 2,
         gap,
         strengths,
         {name: float(np.mean(values)) for name, values in lefts.items()},
@@ -314,7 +321,8 @@ def shrink_of(residuals: Residuals, posterior: Posterior, columns: Array) -> Arr
     """Return draws of the part of the squared gap that causes take away.
 
     In each draw they have the amplitudes that take most of it: what their laws cannot have is
-    left, and what phases hide. That amplitudes are known with an error shows in held-out data.
+    left, what phases hide, and what is too fine to be resolved. That amplitudes are known with
+    an error shows in held-out data.
 
     Parameters
     ----------
@@ -325,11 +333,18 @@ def shrink_of(residuals: Residuals, posterior: Posterior, columns: Array) -> Arr
     columns : ndarray, shape (R, k)
         Force of each cause at amplitude 1, the law recalibrated [N].
     """
-    root = np.sqrt(residuals.weight)[:, None]
-    amplitudes = np.linalg.lstsq(root * columns, root * posterior.force, rcond=None)[0]
-    whole, left = posterior.gap**2, left_of(residuals, posterior, columns @ amplitudes)
-    there = whole > (SMALLEST * residuals.friction_rms) ** 2
+    taken = best_of(residuals, columns, posterior.force)
+    there = posterior.gap > SMALLEST * residuals.friction_rms
+    whole = posterior.gap**2 + posterior.unresolved2
+    left = left_of(residuals, posterior, taken) + posterior.unresolved2
     return np.asarray(1 - left[there] / whole[there]) if there.any() else None
+
+
+def best_of(residuals: Residuals, columns: Array, force: Array) -> Array:
+    """Return the combination of columns, (R, k), nearest to forces, (R, …), by the weights [N]."""
+    root = np.sqrt(residuals.weight)
+    target = (force.T * root).T
+    return np.asarray(columns @ np.linalg.lstsq(root[:, None] * columns, target, rcond=None)[0])
 
 
 def interval(draws: Array) -> Interval:

@@ -179,9 +179,11 @@ def sentence_of(
     if verdict == "unknown":
         axis = next((one.axis for one in where if not one.blind), None)
         place = f", most of all along {axis.replace('_', ' ')}" if axis else ""
+        matters = gap.systematic.q50 >= share * friction
+        small = " " if matters else f", less than the {share:.1%} that counts, "
         return (
-            f"A gap of {size} is there{place}, and none of the effects examined explains it "
-            f"(probability {chance:.2f})."
+            f"A gap of {size}{small}is there{place}, and none of the effects examined explains "
+            f"it (probability {chance:.2f})."
         )
     if verdict == "unseparated":
         sets = [one.effects for one in unseparated if one.reason == "these-data"]

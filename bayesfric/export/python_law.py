@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from bayesfric.characters import legible
 from bayesfric.export.stored_law import StoredLaw
 from bayesfric.physics.laws import BASELINES
 
@@ -81,8 +82,8 @@ def python_text(law: StoredLaw) -> str:
     rms = float(np.sqrt((law.friction**2).mean()))
     spans = (f"{axis} {low:g} to {high:g}" for axis in AXES for low, high in [law.span(axis)])
     return TEXT.format(
-        name=law.name,
-        causes=", ".join(one.effect for one in law.causes) or "none",
+        name=_in_docstring(law.name),
+        causes=_in_docstring(", ".join(one.effect for one in law.causes) or "none"),
         axis=made.axis.replace("_", " "),
         error=made.error,
         share=made.error / rms,
@@ -103,3 +104,8 @@ def python_text(law: StoredLaw) -> str:
             "wrap_angle": "np.asarray(wrap)",
         }[made.axis],
     )
+
+
+def _in_docstring(text: str) -> str:
+    """Return text that cannot end the string in which it stands, nor escape anything in it."""
+    return legible(text).replace("\\", r"\\").replace('"', r"\"")

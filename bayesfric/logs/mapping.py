@@ -13,6 +13,7 @@ __all__ = ["Mapping", "Run", "Signal", "Time", "read_mapping"]
 SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 LENGTHS = {"m": 1.0, "mm": 1e-3, "rad": 1.0, "deg": 0.017453292519943295, "turn": 6.283185307179586}
 FORCES = {"N": 1.0, "N·m": 1.0, "Nm": 1.0, "mNm": 1e-3, "A": 1.0}
+FORMULA = ("=", "+", "-", "@", "\t", "\r")  # what begins one in a cell
 ROTARY = {"rad", "deg", "turn"}
 Above = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
@@ -109,6 +110,12 @@ def checked_mapping(keys: dict[str, Any], name: str) -> Mapping:
         Fault(name, "to_s above from_s", column=f"runs.{run.name}", value=f"{run.to_s:g}")
         for run in found.runs
         if run.to_s <= run.from_s
+    ]
+    faults += [
+        Fault(name, "a name that no spreadsheet takes for a formula", column="runs", value=text)
+        for run in found.runs
+        for text in (run.name, *(run.model_extra or ()))
+        if text.startswith(FORMULA)
     ]
     if faults:
         raise InputError(faults)

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +18,10 @@ from bayesfric.margins.answer import (
     which_gain,
 )
 from bayesfric.margins.assembly import Assembly, draw_assembly, nominal_assembly
+from bayesfric.margins.cable_run import Direction
 from bayesfric.margins.diagnosed import Diagnosed, read_diagnosed, with_effects
 from bayesfric.margins.echo import plant_of
+from bayesfric.margins.ensemble import Ensemble
 from bayesfric.margins.inputs import beyond_the_draws, refused
 from bayesfric.margins.loop_at_shaft import LoopAtShaft, at_shaft
 from bayesfric.margins.loop_file import Loop, loop_sha256, read_loop
@@ -36,6 +39,9 @@ from bayesfric.margins.warnings import loop_warnings
 from bayesfric.results import identified, json_bytes, provenance, replace_outputs
 from bayesfric.schemas import HuntingMap, LoopMargins, MarginsFile, WithEffects
 
+if TYPE_CHECKING:
+    import control
+
 __all__ = ["Margins", "compute_margins"]
 
 Array = NDArray[np.float64]
@@ -52,9 +58,12 @@ class Margins:
     ----------
     summary : MarginsFile
         What ``margins.json`` says.
+    ensembles : tuple of Ensemble
+        Its loops with their draws; none where the margins were read from a file.
     """
 
     summary: MarginsFile
+    ensembles: tuple[Ensemble, ...] = ()
 
     def write(self, folder: Path | str) -> None:
         """Write ``margins.json``.
@@ -71,6 +80,43 @@ class Margins:
         """
         data = json_bytes(self.summary)
         replace_outputs(Path(folder), {"margins.json": lambda path: path.write_bytes(data)})
+
+    def to_control(
+        self, loop: str | None = None, *, draws: int = 50, direction: Direction | None = None
+    ) -> "list[control.StateSpace]":
+        """Return a loop's open loop L(s) as systems of python-control.
+
+        Parameters
+        ----------
+        loop : str, optional
+            Its name; needed where there are several.
+        draws : int
+            How many, spread evenly over those there are.
+        direction : {"driving", "overhauling"}, optional
+            Of a loop with an open run, in which the two differ; driving unless said.
+
+        Returns
+        -------
+        list of control.StateSpace
+            Nominal (means of the law, medians of the file's numbers), then the draws. From
+            angle error to motor angle, for negative feedback, SI units; hold, delay and first
+            difference are Padé approximants, off by less than 1e-7 up to 3/delay. Coulomb
+            friction is no part of a linear loop, nor are the effects of a diagnosis.
+
+        Raises
+        ------
+        InputError
+            python-control is not installed, there is no such loop or direction, or the
+            margins were read from a file, which holds no draws of loops.
+        """
+        if not self.ensembles:
+            expected = "margins that compute_margins has returned; margins.json holds no draws"
+            raise InputError([Fault("to_control", expected)])
+        found = [one for one in self.ensembles if loop in (one.name, None)]
+        if len(found) != 1:
+            names = ", ".join(one.name for one in self.ensembles)
+            raise InputError([Fault("to_control", f"one of {names}", column="loop", value=loop)])
+        return found[0].to_control(draws, direction)
 
 
 def compute_margins(
@@ -127,21 +173,22 @@ def compute_margins(
         diagnosed = read_diagnosed(Path(diagnosis), posterior, analysis.seed)
     for loop in read:
         _refuse_unstable(loop, posterior)
-    found = []
+    found, ensembles = [], []
     for place, loop in enumerate(read):
         progress(place, len(read))
-        found.append(
-            _one_loop(
-                loop,
-                posterior,
-                discrepancy,
-                diagnosed,
-                analysis.seed,
-                verify,
-                tune,
-                max(simulated, 2),
-            )
+        shaft, told = _one_loop(
+            loop,
+            posterior,
+            discrepancy,
+            diagnosed,
+            analysis.seed,
+            verify,
+            tune,
+            max(simulated, 2),
         )
+        found.append(told)
+        nominal = at_shaft(loop, nominal_assembly(loop, posterior), float(shaft.estimate.mean()))
+        ensembles.append(Ensemble(nominal, shaft))
     progress(len(read), len(read))
     common = provenance(
         recording=posterior.recording,
@@ -157,7 +204,7 @@ def compute_margins(
         rig_discrepancy_source=discrepancy.source,
         loops=tuple(found),
     )
-    return Margins(identified(summary))
+    return Margins(identified(summary), tuple(ensembles))
 
 
 def _read_all(loops: Sequence[Path | str | Loop]) -> list[Loop]:
@@ -211,7 +258,7 @@ def _one_loop(
     verify: int,
     tune: bool,
     simulated: int,
-) -> LoopMargins:
+) -> tuple[LoopAtShaft, LoopMargins]:
     given = draw_assembly(loop, posterior, discrepancy, seed)
     shaft = at_shaft(loop, given)
     linear = linear_of(shaft, with_peaks=True)
@@ -234,7 +281,7 @@ def _one_loop(
     hunts = float(hunting.now.mean())
     missed = missed_specs(rows, hunts, loop.spec)
     together = meets_all_now(shaft, hunting)
-    return LoopMargins(
+    told = LoopMargins(
         name=loop.name,
         title=loop.title,
         loop_sha256=loop_sha256(loop),
@@ -278,6 +325,7 @@ def _one_loop(
         nyquist=nyquist_fans(shaft),
         warnings=loop_warnings(shaft, given, linear, discrepancy, posterior),
     )
+    return shaft, told
 
 
 def _map(hunting: Hunting, shaft: LoopAtShaft) -> HuntingMap | None:

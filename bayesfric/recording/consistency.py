@@ -64,7 +64,11 @@ def _masses(trials: Table) -> list[Fault]:
     if not trials.has("mass_drive_kg", "mass_load_kg"):
         return []
     wrong = trials.frame["mass_drive_kg"] <= trials.frame["mass_load_kg"]
-    return trials.faults_where(wrong, "mass_drive_kg", "more than mass_load_kg of the same row")
+    expected = "more than mass_load_kg of the same row"
+    if wrong.sum() > 1 and wrong.all():
+        expected += " (are the columns swapped?)"
+        return trials.text.faults_at(np.flatnonzero(wrong), "mass_drive_kg", expected, most=1)
+    return trials.faults_where(wrong, "mass_drive_kg", expected)
 
 
 def _setups(table: Table) -> list[Fault]:

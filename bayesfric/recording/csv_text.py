@@ -17,6 +17,15 @@ __all__ = ["LISTED", "TextTable", "decode_utf8", "parse_csv", "with_rest"]
 
 LISTED = 20  # faults of one kind that are told one by one
 MOST_COLUMNS = 1000
+UTF16 = "this is UTF-16: is it a spreadsheet's “Unicode text”?"
+SPREADSHEET = "this is a spreadsheet: save its sheet as CSV"
+NOT_UTF8 = {
+    codecs.BOM_UTF16_LE: UTF16,
+    codecs.BOM_UTF16_BE: UTF16,
+    b"PK\3\4": SPREADSHEET,
+    b"\xd0\xcf\x11\xe0": SPREADSHEET,
+    b"": "is it saved in another encoding, such as Windows-1252?",
+}
 
 
 @dataclass(frozen=True)
@@ -82,9 +91,9 @@ def decode_utf8(file: str, data: bytes) -> str:
     except UnicodeDecodeError as error:
         row = error.object.count(b"\n", 0, error.start) + 1
         found = error.object[error.start : error.start + 1].hex()
-        expected = "UTF-8 text"
-        if data[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
-            expected += " (this is UTF-16: is it a spreadsheet's “Unicode text”?)"
+        expected = "UTF-8 text" + next(
+            (f" ({hint})" for begin, hint in NOT_UTF8.items() if data.startswith(begin)), ""
+        )
         raise InputError([Fault(file, expected, row=row, value=f"byte 0x{found}")]) from None
     nul = text.find("\0")
     if nul >= 0:
@@ -118,6 +127,8 @@ def parse_csv(file: str, data: bytes) -> TextTable:
         if len(ragged) == len(lines):
             raise InputError([_all_ragged(file, width, ragged, lines)])
         expected = f"{width} cells, as in the header"
+        if any(columns[0][position].startswith("#") for position in ragged):
+            expected += " (a line that begins with # is no comment here)"
         shown = [
             Fault(file, expected, row=lines[position], value=f"{count} cells")
             for position, count in list(ragged.items())[:LISTED]
@@ -150,6 +161,9 @@ def _check_header(file: str, header: list[str]) -> None:
         if len(header) == 1 and mark in header[0]:
             expected = f"commas between cells, not {name}; and a point as the decimal mark"
             raise InputError([Fault(file, expected, row=1, value=header[0])])
+    if header[0].startswith("#") and (len(header) == 1 or header[0][1:2] in ("", " ")):
+        expected = "a header, not a comment: each line is read"
+        raise InputError([Fault(file, expected, row=1, value=header[0])])
     if len(header) > MOST_COLUMNS:
         expected = f"at most {MOST_COLUMNS:,} columns"
         raise InputError([Fault(file, expected, row=1, value=f"{len(header):,} columns")])

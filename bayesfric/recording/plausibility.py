@@ -15,6 +15,7 @@ from bayesfric.recording.tables import RigConstants
 __all__ = ["implausible"]
 
 CABLE_BEARS_N = 311.0  # the paper's 0.61 mm 7×19 stainless cable
+MOST_PULLEYS, LEAST_WRAP_DEG = 19, 45.0  # of the paper; nobody has one for the other in all rows
 RADIANS_BELOW = 3.2  # wrap angles are tens of degrees, and never above π
 MINUTE_S = 60.0
 SLOWEST_M_S = 0.5 / MINUTE_S  # half a metre of travel takes seconds, not minutes
@@ -39,7 +40,7 @@ def implausible(
     faults: list[Fault] = []
     for file in ("gravity_trials.csv", "motor_runs.csv", "steady_friction.csv"):
         if table := tables.get(file):
-            faults += _radians(table)
+            faults += _radians(table) or _swapped(table)
     if trials := tables.get("gravity_trials.csv"):
         if trials.has("mass_drive_kg", "mass_load_kg"):
             mass = (trials.frame["mass_drive_kg"] + trials.frame["mass_load_kg"]) / 2
@@ -77,6 +78,17 @@ def _radians(table: Table) -> list[Fault]:
         return []
     expected = f"wrap angles in degrees; all are below {RADIANS_BELOW:g} (are they in radians?)"
     return _one(table, table.frame[column].notna(), column, expected)
+
+
+def _swapped(table: Table) -> list[Fault]:
+    """Pulleys in tens and angles of a few degrees: each is the other."""
+    if not table.has("n_pulleys", "wrap_angle_deg"):
+        return []
+    numbers, angles = table.frame["n_pulleys"], table.frame["wrap_angle_deg"]
+    if not (numbers.min() >= LEAST_WRAP_DEG and angles.max() <= MOST_PULLEYS):  # NaN: no entry
+        return []
+    expected = "a number of pulleys (are n_pulleys and wrap_angle_deg swapped?)"
+    return _one(table, table.frame["n_pulleys"].notna(), "n_pulleys", expected)
 
 
 def _overloaded(

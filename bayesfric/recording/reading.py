@@ -61,12 +61,14 @@ def read_recording(path: str | PathLike[str]) -> Recording:
         return _read_inside(folder, name)
 
     try:
-        is_folder = folder.is_dir()
+        is_folder, is_file = folder.is_dir(), folder.is_file()
         in_folder = [file for file in TABLES if (folder / file).exists()]
     except (OSError, ValueError):
-        is_folder = False
+        is_folder = is_file = False
     if not is_folder:
-        raise InputError([Fault(str(folder), f"a folder that holds {PACKAGE_FILE}")])
+        expected = f"a folder that holds {PACKAGE_FILE}"
+        expected += " (this is a file: is its folder meant?)" if is_file else ""
+        raise InputError([Fault(str(folder), expected)])
     return assemble(load, in_folder)
 
 
@@ -126,7 +128,11 @@ def _read_inside(folder: Path, name: str) -> bytes:
             raise InputError([Fault(name, "a file inside the recording's folder", value=name)])
         if not file.is_file():  # a pipe or a device might never end
             found = "a folder" if file.is_dir() else None
-            raise InputError([Fault(name, "a file of this name in the folder", value=found)])
+            beside = [file.with_suffix(end) for end in (".xlsx", ".xls", ".ods", ".txt")]
+            expected = "a file of this name in the folder" + "".join(
+                f" (is {one.name} meant? save it as CSV)" for one in beside if one.is_file()
+            )
+            raise InputError([Fault(name, expected, value=found)])
         if (size := file.stat().st_size) > LARGEST_FILE:
             expected = f"a file of at most {LARGEST_FILE:,} bytes"
             raise InputError([Fault(name, expected, value=f"{size:,} bytes")])

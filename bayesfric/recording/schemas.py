@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from bayesfric.errors import Fault
+from bayesfric.errors import Fault, InputError
 from bayesfric.recording.columns import Column, TableFormat
 from bayesfric.recording.csv_text import TextTable
 
@@ -22,6 +22,7 @@ __all__ = ["Table", "check_cells", "meant"]
 DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
 DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+", re.ASCII)
+MINUS = "\N{MINUS SIGN}"
 SEARCHED = 1000  # cells that are searched for one
 NOTED = 10  # columns that are named where more are kept out
 
@@ -74,7 +75,13 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
         The cells.
     table : TableFormat
         The rules.
+
+    Raises
+    ------
+    InputError
+        If the header has no column of the table.
     """
+    _check_header(text, table)
     known: dict[str, pd.Series] = {}
     for column in table.columns:
         if column.name in text.cells:
@@ -104,6 +111,18 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
     frame = pd.DataFrame(known, index=text.cells.index)
     frame, faults = _checked(frame, text, table)
     return Table(table, text, frame, (*text.faults, *faults), tuple(notes))
+
+
+def _check_header(text: TextTable, table: TableFormat) -> None:
+    names = [column.name for column in table.columns]
+    written = [str(name) for name in text.cells.columns]
+    if set(names) & set(written):
+        return
+    needed = [column.name for column in table.columns if column.required]
+    expected = f"a header with {', '.join(needed)} (is there none?)"
+    if {name.lower() for name in written} & set(names):
+        expected = f"columns in small letters: {', '.join(needed)}"
+    raise InputError([Fault(text.file, expected, row=1, value=",".join(written))])
 
 
 def _typed(cells: pd.Series, column: Column) -> pd.Series:
@@ -153,6 +172,8 @@ def _checked(
 def _expected(column: Column, cells: pd.Series) -> str:
     if column.is_numeric and any(DECIMAL_COMMA.fullmatch(cell) for cell in cells.head(SEARCHED)):
         return f"{column.expected}, with a point as the decimal mark"
+    if column.is_numeric and any(MINUS in cell for cell in cells.head(SEARCHED)):
+        return f"{column.expected}, with a hyphen as the minus sign"
     return column.expected
 
 

@@ -80,7 +80,8 @@ def _blocks(stored: StoredResults) -> Iterator[Block]:
     if pooled is not None and pooled.pooled is not None:
         yield from boards(pooled, pooled.pooled)
     if stored.diagnosis is not None:
-        yield from diagnosis(stored.diagnosis)
+        alone = fitted is None and pooled is None
+        yield from diagnosis(stored.diagnosis, alone=alone)
     if stored.claims is not None:
         yield from claims(stored.claims)
     if stored.margins is not None:

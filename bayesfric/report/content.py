@@ -5,8 +5,8 @@ renderers show it. Text is data: nothing in a string is ever read as markup, in
 any renderer. Where a text is wanted, a plain ``str``, a single inline or a
 sequence of both will do.
 
-The blocks before the first heading are the front matter: they stand between
-the title and the table of contents, on page one.
+The blocks before the first heading are the front matter: they stand on page one, between
+the title and the table of contents where there is one.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -54,6 +54,9 @@ __all__ = [
     "Text",
     "inlines",
 ]
+
+LISTED = 2  # levels of the table of contents
+SHORT = 12  # headings of a document that a reader leafs through
 
 
 @dataclass(frozen=True)
@@ -303,6 +306,12 @@ class Document:
                     f"got {block.level}",
                 )
                 level = block.level
+
+    @property
+    def listed(self) -> tuple[Heading, ...]:
+        """Headings of the table of contents; none where the document is too short for one."""
+        every = tuple(b for b in self.blocks if isinstance(b, Heading) and b.level <= LISTED)
+        return every if len(every) > SHORT else ()
 
 
 def _check_labels(blocks: Sequence[Block]) -> None:

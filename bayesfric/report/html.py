@@ -15,7 +15,7 @@ from importlib import resources
 import jinja2
 from markupsafe import Markup
 
-from bayesfric.report.characters import legible
+from bayesfric.characters import legible
 from bayesfric.report.content import (
     Block,
     BulletList,
@@ -61,11 +61,7 @@ def render_html(document: Document) -> str:
     shown = [
         _block(block, place, labels) for block, place in zip(document.blocks, places, strict=True)
     ]
-    headings = [
-        (block, place)
-        for block, place in zip(document.blocks, places, strict=True)
-        if isinstance(block, Heading)
-    ]
+    listed = document.listed
     first = next((i for i, b in enumerate(document.blocks) if isinstance(b, Heading)), len(shown))
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
@@ -81,8 +77,8 @@ def render_html(document: Document) -> str:
         body=shown[first:],
         contents=[
             (block.level, place.anchor, place.number, legible(block.text))
-            for block, place in headings
-            if place is not None and block.level <= 2
+            for block, place in zip(document.blocks, places, strict=True)
+            if place is not None and isinstance(block, Heading) and block in listed
         ],
     )
 

@@ -6,7 +6,7 @@ Figures are named by their captions; everything else is there.
 import re
 from collections.abc import Mapping
 
-from bayesfric.report.characters import legible
+from bayesfric.characters import legible
 from bayesfric.report.content import (
     Block,
     BulletList,
@@ -157,8 +157,13 @@ def _inline(inline: Inline, labels: Mapping[str, Place], in_table: bool) -> str:
 
 
 def _escape(text: str) -> str:
-    """Take its meaning from all that Markdown or HTML would read as markup."""
-    return re.sub(r"[\\`*_{}\[\]<>#|~$&]", r"\\\g<0>", legible(text))
+    """Take its meaning from all that Markdown or HTML would read as markup.
+
+    Code-hosting sites also link bare addresses, and notify whoever stands after an @: the
+    first are escaped too; no escape hinders the second, and an invisible word joiner does.
+    """
+    shown = re.sub(r"[\\`*_{}\[\]<>#|~$&]|(?<=\w):(?=//)|(?<=\bwww)\.", r"\\\g<0>", legible(text))
+    return re.sub(r"@(?=\w)", "@\u2060", shown)
 
 
 def _marked(mark: str, text: str) -> str:

@@ -127,6 +127,7 @@ def _document(document: Document) -> dict[str, object]:
         "day": None if date is None else date.date().isoformat(),
         "moment": moment.timetuple()[:6],
         "language": document.language,
+        "contents": bool(document.listed),
         "blocks": [
             _block(block, place, places)
             for block, place in zip(document.blocks, number_blocks(document), strict=True)

@@ -54,7 +54,9 @@ class Cause(Record):
     )
     log10_bayes_factor_se_why: str | None = Field(None, description="Why there is none.")
     law: str = Field(description="Most probable variant.")
-    parameters: dict[str, EffectNumber] = Field(description="Amplitude, and shape if any.")
+    parameters: dict[str, EffectNumber] = Field(
+        description="Amplitude, and shape if any; TWIN.NAME where the law is a twin's."
+    )
     plausible: bool = Field(description="Whether the amplitude's median is physically plausible.")
     plausible_range: tuple[Number, Number] = Field(description="Of the amplitude.")
     plausible_reference: str = Field(description="Where that range comes from.")

@@ -188,6 +188,9 @@ class ScorecardFile(Record):
     reliability: tuple[ReliabilityBin, ...] = Field(
         description="By the verdict's probability: how often what it is of is so."
     )
+    reliability_by_verdict: dict[str, ReliabilityBin] = Field(
+        default={}, description="The same of each verdict apart, at any probability."
+    )
     brier: Estimate = Field(description="Mean square of probability less whether it came true.")
     log_score: Estimate = Field(
         description="Mean log of the probability that the verdict gave to what came true [nat]."

@@ -112,6 +112,22 @@ def test_reliability_groups_by_probability(card):
     assert not last.inside
 
 
+def test_reliability_of_each_verdict_apart():
+    """Easy cases without a gap do not hide that the named ones are too sure."""
+    quiet = [scored(probability=0.9, came_true=True) for _ in range(20)]
+    named = {"verdict": "named", "outcome": "viscous", "probability": 0.99}
+    card = card_of(quiet + [scored("effect", **named, came_true=place < 3) for place in range(5)])
+    found = card.reliability_by_verdict
+    assert {name: (one.cases, one.correct.hits) for name, one in found.items()} == {
+        "named": (5, 3),
+        "no-gap": (20, 20),
+    }
+    assert found["named"].probability == pytest.approx(0.99)
+    # Of 5 at 0.99, P(X <= 3) = 0.1 %; of 20 at 0.9, P(X = 20) = 12 %.
+    assert not found["named"].inside
+    assert found["no-gap"].inside
+
+
 @pytest.mark.parametrize("true", [True, False])
 def test_reliability_is_of_what_the_verdict_states(true):
     """What an unseparated verdict states may come true; correct it is not, wherever."""

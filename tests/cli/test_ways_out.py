@@ -13,7 +13,6 @@ from typer.testing import CliRunner
 
 from bayesfric.cli import app
 from bayesfric.cli.locks import LOCK, hold
-from bayesfric.cli.printing import escaped
 from bayesfric.errors import InputError
 from bayesfric.recording import write_recording
 
@@ -145,19 +144,3 @@ def test_a_full_disk_ends_with_2_and_leaves_no_result(board, tmp_path):
     assert "Traceback" not in done.stderr
     assert "can be written" in done.stderr
     assert not (tmp_path / "out" / "fit.json").exists()
-
-
-def test_what_a_terminal_would_obey_is_printed_as_text(tmp_path, board):
-    """A name with an escape sequence, a mark that turns the writing, and a lone surrogate."""
-    assert escaped("a\x1b[31m\u202eb\u2066\x07\ud800 é°") == (
-        "a\\x1b[31m\\u202eb\\u2066\\x07\\ud800 é°"
-    )
-    for path in (board / "board").iterdir():
-        (tmp_path / path.name).write_bytes(path.read_bytes())
-    package = tmp_path / "datapackage.json"
-    text = package.read_text().replace('"name": "small-recording"', '"name": "a\\u001b[2J\\u202eb"')
-    package.write_text(text)
-    done = CliRunner().invoke(app, ["validate", str(tmp_path)])
-    assert done.exit_code == 0, done.stderr
-    assert "a\\x1b[2J\\u202eb" in done.stdout
-    assert not set("\x1b\u202e") & set(done.stdout + done.stderr)

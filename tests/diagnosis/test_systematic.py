@@ -18,16 +18,17 @@ def beyond():
     return basis[:, 2] / root[:, 0]
 
 
-@pytest.mark.parametrize("hidden", [0.0, 0.5])
-def test_the_share_is_what_the_laws_can_have_at_any_amplitude(hidden):
-    """By Pythagoras; what phases hide is left too."""
+@pytest.mark.parametrize(("hidden", "unresolved"), [(0.0, 0.0), (0.5, 0.0), (0.5, 0.3)])
+def test_the_share_is_what_the_laws_can_have_at_any_amplitude(hidden, unresolved):
+    """By Pythagoras; what phases hide is left too, and what is not resolved."""
     amplitudes, off = np.array([[3.0, -0.2], [0.5, 1.5]]), np.array([0.3, 2.0])
     had = CAUSES @ amplitudes
     force = had + np.outer(beyond(), off)
     hidden2 = np.full(2, hidden)
     gap = np.sqrt(WEIGHT @ force**2 + hidden2)
-    posterior = SimpleNamespace(force=force, hidden2=hidden2, gap=gap)
+    fine = np.full(2, unresolved)
+    posterior = SimpleNamespace(force=force, hidden2=hidden2, unresolved2=fine, gap=gap)
     residuals = SimpleNamespace(weight=WEIGHT, friction_rms=1.0)
     taken2 = WEIGHT @ had**2
-    expected = taken2 / (taken2 + off**2 + hidden2)
+    expected = taken2 / (taken2 + off**2 + hidden + unresolved)
     np.testing.assert_allclose(shrink_of(residuals, posterior, CAUSES), expected)

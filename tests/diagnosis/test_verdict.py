@@ -69,6 +69,17 @@ def test_a_cause_without_a_sure_gap_is_in_the_sentence(verdict):
     assert "no cause is sure" not in sentence([cause("viscous")])
 
 
+def test_an_unknown_force_that_is_too_small_to_count_is_said_to_be_so():
+    gap = diagnosis().gap
+    share = gap.systematic.q50 / gap.friction_rms
+
+    def sentence(practical):
+        return sentence_of("unknown", 0.75, [], gap, (), (), practical)
+
+    assert f"of friction, less than the {1.1 * share:.1%} that counts, is" in sentence(1.1 * share)
+    assert "of friction is there" in sentence(0.9 * share)
+
+
 @pytest.mark.parametrize(
     ("low", "told"),
     [(0.9995, "takes more than 99.9% of its square away"), (0.95, "takes 99.0% [95.0%, 99.5%]")],

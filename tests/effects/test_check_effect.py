@@ -69,3 +69,16 @@ def test_a_prior_that_is_not_normalised_is_named(monkeypatch):
     monkeypatch.setattr(testing, "log_density", lambda prior, x: np.log(0.5) - x**2)
     with pytest.raises(EffectError, match="integrates to"):
         check_effect(VISCOUS)
+
+
+def test_a_file_is_checked_by_its_name(tmp_path):
+    path = tmp_path / "mine.py"
+    path.write_text("from bayesfric.effects.viscous import EFFECT")
+    check_effect(str(path))
+    path.write_text(
+        "from dataclasses import replace\n"
+        "from bayesfric.effects.viscous import EFFECT as SOUND\n"
+        "EFFECT = replace(SOUND, laws={})"
+    )
+    with pytest.raises(EffectError, match="there is no law"):
+        check_effect(path)

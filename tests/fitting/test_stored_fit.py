@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from altered import by_acceleration, of_size, with_trials
+from report.hostile import IN_CELLS
 
 import bayesfric as bf
 from bayesfric.analysis import Analysis, Sampler
@@ -79,16 +80,15 @@ def test_csv_has_the_draws(small_fit, tmp_path):
     assert table["tau"].iloc[0] == posterior["tau"].isel(chain=0, draw=0).item()
 
 
-@pytest.mark.parametrize("size", ["=cmd()", "+1", "-2", "@SUM(A1)", 'a",=1+1,"'])
-def test_no_cell_of_the_csv_starts_a_formula(size, small_fit, tmp_path):
-    """Not even where a size is named like one: a header is a parameter with its size after."""
-    draws = small_fit.draws.copy()
-    posterior = draws["posterior"].to_dataset()
-    draws["posterior"] = xr.DataTree(posterior.assign_coords(pulley=[size, "medium", "large"]))
+def test_no_cell_of_the_csv_starts_a_formula(small_fit, tmp_path):
+    """A header is a parameter with its size after it, whatever a hundred sizes are named."""
+    draws = small_fit.draws.isel(draw=slice(0, 2), chain=slice(0, 2))
+    posterior = draws["posterior"].to_dataset().isel(pulley=np.zeros(len(IN_CELLS), dtype=int))
+    draws["posterior"] = xr.DataTree(posterior.assign_coords(pulley=list(IN_CELLS)))
     write_csv(draws, tmp_path / "draws.csv")
-    with (tmp_path / "draws.csv").open(newline="") as file:
+    with (tmp_path / "draws.csv").open(newline="", encoding="utf-8") as file:
         header, *rows = csv.reader(file)
-    assert f"c1[{size}]" in header
+    assert {f"c1[{text}]" for text in IN_CELLS} <= set(header)
     assert not [name for name in header if name.startswith(("=", "+", "-", "@", "\t", "\r"))]
     assert np.isfinite(np.array(rows, dtype=np.float64)).all()  # numbers alone, signs and all
 

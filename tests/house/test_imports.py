@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[2]
 
 # From the base up. Rooms of one row may import each other, in one direction.
 ROWS = (
-    ("errors", "files", "resources"),
+    ("errors", "characters", "files", "resources"),
     ("recording",),
     ("logs",),
     ("paper", "families", "priors", "analysis", "schemas"),
@@ -47,6 +47,7 @@ BASE = set(ROWS[0])
 # Rooms that may import fewer of ours than their place allows (the base always).
 ONLY = {
     "errors": set(),
+    "characters": set(),
     "files": set(),
     "resources": set(),
     "campaign": set(),  # maps any function over any cases

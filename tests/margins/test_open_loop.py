@@ -38,36 +38,6 @@ def test_friction_sees_the_damping_at_the_natural_frequency():
     assert seen.real == pytest.approx(1 / (1e-3 - 0.02 * 1.5e-3), rel=0.02)
 
 
-def test_margins_are_those_of_python_control_with_delays_by_pade():
-    changes = {
-        "joint.viscous_n_m_s": 0.1,
-        "cable.length_m": 0.5,
-        "controller.velocity_filter": "low-pass",
-        "controller.velocity_cutoff_hz": 80.0,
-    }
-    one = shaft(changes)
-    opened = OpenLoop(one)
-    omega = opened.frequencies()
-    assert is_stable(opened, omega).all()
-    found = linear_margins(opened, omega)
-    s = control.tf("s")
-    spring = float(one.stiffness[0]) + s * float(one.damping[0])
-    motor, load = 2e-5 * s**2, 1e-5 * s**2 + 1e-5 * s
-    plant = (load + spring) / (motor * load + spring * (motor + load))
-    lag = control.tf(*control.pade(1.5e-3, 8))
-    sample = control.tf(*control.pade(1e-3, 8))
-    derivative = 1e-3 * (1 - sample) / 1e-3 / (1 + s / (2 * np.pi * 80))
-    system = control.minreal((0.02 + derivative) * plant * lag, verbose=False)
-    response = system(1j * omega[0], warn_infinite=False)
-    assert opened(omega, ROW[:, None])[0] == pytest.approx(response, rel=1e-5, abs=1e-4)
-    gain, phase, _, _, at_gain, _ = control.stability_margins(
-        control.FRD(response, omega[0], smooth=True), returnall=True
-    )
-    assert found.phase[0] == pytest.approx(np.radians(np.abs(phase).min()), rel=1e-4)
-    assert found.phase_frequency[0] == pytest.approx(at_gain[np.abs(phase).argmin()], rel=1e-4)
-    assert found.gain[0] == pytest.approx(gain[np.abs(np.log(gain)).argmin()], rel=1e-4)
-
-
 def test_a_lightly_damped_cable_makes_several_crossings():
     one = shaft({"cable.length_m": 1.0, "cable.damping_ratio": 0.005})
     found = linear_of(one)[None]

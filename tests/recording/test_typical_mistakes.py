@@ -1,4 +1,4 @@
-"""Twenty mistakes that people make: each is one line that names it, before any fit."""
+"""Forty mistakes that people make: each is one line that names it, before any fit."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -46,6 +46,15 @@ def as_text(
         return files | {file: edit(files[file].decode()).encode(encoding)}
 
     return spoil
+
+
+def bytes_of(file: str, content: bytes) -> Callable[[Mini], Files]:
+    return lambda mini: mini.contents() | {file: content}
+
+
+def put(file: str, column: str, cell: str) -> Callable[[Mini], Files]:
+    """Write one cell, in the row below the header."""
+    return lambda mini: mini.set(file, 2, column, cell).contents()
 
 
 def renamed(file: str, old: str, new: str) -> Callable[[Mini], Files]:
@@ -112,6 +121,74 @@ MISTAKES = {
         "is 'mass_load_g' meant",
     ),
     "a spreadsheet's Unicode text": (as_text(TRIALS, str, "utf-16"), TRIALS, "UTF-16"),
+    "another encoding": (
+        as_text(RUNS, lambda text: text.replace("medium", "größe"), "latin-1"),
+        RUNS,
+        "saved in another encoding",
+    ),
+    "a spreadsheet named .csv": (
+        bytes_of(TRIALS, b"PK\3\4\x14\x00\x06\x00\xa9\x83"),
+        TRIALS,
+        "save its sheet as CSV",
+    ),
+    "an old spreadsheet": (bytes_of(TRIALS, b"\xd0\xcf\x11\xe0\xa1"), TRIALS, "as CSV"),
+    "a spreadsheet beside": (
+        lambda mini: {
+            file.replace(RUNS, "motor_runs.xlsx"): data for file, data in mini.contents().items()
+        },
+        RUNS,
+        "is motor_runs.xlsx meant? save it as CSV",
+    ),
+    "an empty file": (bytes_of(TRIALS, b""), TRIALS, "a header in line 1"),
+    "a header alone": (
+        as_text(RUNS, lambda text: text.splitlines()[0]),
+        RUNS,
+        "at least one row below the header",
+    ),
+    "no header": (as_text(RUNS, lambda text: text.split("\n", 1)[1]), RUNS, "(is there none?)"),
+    "a header in capitals": (
+        as_text(RUNS, lambda text: text.upper()),
+        RUNS,
+        "columns in small letters",
+    ),
+    "a comment first": (as_text(TRIALS, lambda text: f"# mine\n{text}"), TRIALS, "not a comment"),
+    "a comment between": (
+        as_text(RUNS, lambda text: text.replace("\nm2", "\n# the second day\nm2")),
+        RUNS,
+        "is no comment here",
+    ),
+    "a column without its unit": (
+        renamed(TRIALS, "mass_load_kg", "mass_load"),
+        TRIALS,
+        "is 'mass_load' meant",
+    ),
+    "a cell with its unit": (put(TRIALS, "mass_drive_kg", "1.6 kg"), TRIALS, "above 0 in kg"),
+    "a dash for a minus": (put(RUNS, "velocity_m_s", "−0.5"), RUNS, "a hyphen as the minus sign"),
+    "a spreadsheet's date": (put(STEADY, "friction_n", "01. Feb"), STEADY, "a finite number in N"),
+    "a negative tension": (put(STEADY, "tension_n", "-15"), STEADY, "at least 0 in N"),
+    "a run twice": (put(RUNS, "run", "m2"), RUNS, "a value that no other row has"),
+    "times that go back": (put(EVENTS, "time_s", "0.2"), EVENTS, "more than the time_s before it"),
+    "pulleys and angles swapped": (
+        as_text(
+            TRIALS,
+            lambda text: text.replace("n_pulleys,wrap_angle_deg", "wrap_angle_deg,n_pulleys"),
+        ),
+        TRIALS,
+        "are n_pulleys and wrap_angle_deg swapped?",
+    ),
+    "masses swapped": (
+        as_text(
+            TRIALS,
+            lambda text: text.replace("mass_drive_kg,mass_load_kg", "mass_load_kg,mass_drive_kg"),
+        ),
+        TRIALS,
+        "are the columns swapped?",
+    ),
+    "a comma too much in JSON": (
+        bytes_of("datapackage.json", b'{"name": "a",}'),
+        "datapackage.json",
+        "JSON",
+    ),
 }
 
 
@@ -127,6 +204,32 @@ def test_a_mistake_is_one_line_that_names_it(tmp_path: Path, mistake: str) -> No
     assert "\n" not in lines[0]
     if mistake != "quoted decimal commas":  # there two columns are at fault
         assert len(kinds) == 1
+
+
+@pytest.mark.parametrize("name", ["gravity_trials.csv", "datapackage.json", "data.xlsx"])
+def test_a_file_instead_of_its_folder_is_named(tmp_path: Path, name: str) -> None:
+    Mini().write(tmp_path)
+    (tmp_path / "data.xlsx").write_bytes(b"PK")
+    with pytest.raises(InputError, match="is its folder meant") as caught:
+        read_recording(tmp_path / name)
+    assert len(caught.value.faults) == 1
+
+
+def test_rows_of_nothing_at_the_end_are_passed_over(tmp_path: Path) -> None:
+    files = Mini().contents()
+    plain = read_recording(write_files(tmp_path / "plain", files))
+    files[RUNS] += b",,,,,,,,,\n" * 3 + b"\n\n"
+    found = read_recording(write_files(tmp_path / "more", files))
+    assert found.motor is not None
+    assert plain.motor is not None
+    assert found.motor.runs.equals(plain.motor.runs)
+
+
+def test_many_pulleys_at_their_angle_are_not_swapped(tmp_path: Path) -> None:
+    mini = Mini().keep(STEADY)
+    for line in (2, 3):
+        mini.set(STEADY, line, "n_pulleys", "50").set(STEADY, line, "wrap_angle_deg", "20")
+    read_recording(mini.write(tmp_path))
 
 
 def test_a_missed_event_is_no_fault_of_motion(tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ import sys
 import pytest
 from report.sample import SVG, document
 
-from bayesfric.report.characters import legible
+from bayesfric.characters import legible
 from bayesfric.report.content import (
     Column,
     Document,

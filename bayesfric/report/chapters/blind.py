@@ -169,6 +169,29 @@ def _tables(card: ScorecardFile) -> Iterator[Block]:
         [[name, *_cells(rate)] for name, rate in rows],
         label="rates",
     )
+    yield Table(
+        "How often what a verdict states is so, beside the probability that it gives.",
+        [
+            "verdict",
+            Column("cases", align="right"),
+            Column("said", align="right"),
+            Column("came true", align="right"),
+            Column("95 % of what was said", align="right"),
+        ],
+        [
+            [
+                Code(verdict),
+                str(one.cases),
+                f"{one.probability:.1%}",
+                f"{one.correct.hits} of {one.cases}",
+                "{:.0%} to {:.0%}".format(*one.band),
+            ]
+            for verdict, one in card.reliability_by_verdict.items()
+        ],
+        label="verdicts",
+        note="Said: the mean probability. Outside the last column, probabilities are too sure "
+        "or not sure enough.",
+    )
     yield Paragraph(
         [
             Strong("Scores. "),

@@ -60,16 +60,20 @@ def verdict_line(found: DiagnosisFile) -> Notice:
     )
 
 
-def diagnosis(stored: StoredDiagnosis) -> Iterator[Block]:
-    """Yield the verdict, how large the gap is, what causes it, where it lies, and what next."""
+def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:
+    """Yield the verdict, how large the gap is, what causes it, where it lies, and what next.
+
+    Alone, the chapter follows the verdict on page one, and does not repeat it.
+    """
     found = stored.found
     yield Heading(1, "The gap between simulation and reality", label="diagnosis")
     probability = format_probability(found.verdict_probability)
-    yield Notice(
-        box(found),
-        found.sentence,
-        title=f"{VERDICTS[found.verdict]} (probability {probability})",
-    )
+    if not alone:
+        yield Notice(
+            box(found),
+            found.sentence,
+            title=f"{VERDICTS[found.verdict]} (probability {probability})",
+        )
     yield _at_a_glance(found)
     yield Heading(2, "How large it is")
     yield gap_words(found)
@@ -93,8 +97,8 @@ def diagnosis(stored: StoredDiagnosis) -> Iterator[Block]:
 def _at_a_glance(found: DiagnosisFile) -> Table:
     gap = found.gap
     friction = format_number(gap.friction_rms, unit=gap.unit)
-    large = f"{_force(gap.systematic, gap.unit)}, where friction is {friction}; below "
-    large += f"{format_share(found.practical_share)} of that none would care"
+    large = f"{_force(gap.systematic, gap.unit)}, where friction is {friction}; less "
+    large += f"than {format_share(found.practical_share)} of that counts as no gap"
     rows: list[list[Text]] = [
         ["How large is the systematic gap?", large],
         ["Which effect causes it?", _caused(found)],

@@ -260,8 +260,8 @@ def gap_words(found: DiagnosisFile) -> Paragraph:
         [
             "The systematic gap, rms of the force that the recalibrated baseline leaves out, is ",
             f"{_thousandths(gap.systematic)} {milli}, where "
-            f"friction is {format_number(gap.friction_rms, unit=gap.unit)} (rms); below "
-            f"{format_share(found.practical_share)} of friction none would care. ",
+            f"friction is {format_number(gap.friction_rms, unit=gap.unit)} (rms); less "
+            f"than {format_share(found.practical_share)} of that counts as no gap. ",
             Reference("gap"),
             " has every figure on data that the fit has not seen; every parameter is refitted "
             "both before and after.",

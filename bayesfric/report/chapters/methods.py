@@ -60,7 +60,8 @@ def _diagnosis(found: DiagnosisFile) -> Iterator[Block]:
         "Around the fitted law each effect's force is linear in its amplitude, so that given the "
         "noise the evidence of a hypothesis is a closed form; the noise is climbed to its own mode "
         f"in each. Prior probabilities by number of effects: {prior}, shared equally within a "
-        "number. Every hypothesis has the same small discrepancy, since no law is quite right."
+        "number. Every hypothesis has the same small discrepancy, since no law is quite right. "
+        "Scatter of trials and of assemblies is normal, whatever the fit takes it to be."
     )
     yield Paragraph(
         "The gap is the rms of the residual friction force, resolved along the travel, on "

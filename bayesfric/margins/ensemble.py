@@ -1,0 +1,80 @@
+"""A loop's nominal and its draws, as other tools for control take them."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.errors import Fault, InputError
+from bayesfric.margins.cable_run import Direction
+from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.open_loop import OpenLoop
+from bayesfric.margins.state_space import state_space
+
+if TYPE_CHECKING:
+    import control
+
+__all__ = ["Ensemble"]
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """One loop, at the motor's shaft.
+
+    Parameters
+    ----------
+    nominal : LoopAtShaft
+        One draw: means of the law, medians of the file's numbers.
+    drawn : LoopAtShaft
+        All draws.
+    """
+
+    nominal: LoopAtShaft
+    drawn: LoopAtShaft
+
+    @property
+    def name(self) -> str:
+        """Of the loop."""
+        return self.drawn.loop.name
+
+    def some(self, draws: int) -> NDArray[np.intp]:
+        """Return the numbers of so many draws, or all there are, spread evenly."""
+        count = self.drawn.friction.size
+        return np.unique(np.linspace(0, count - 1, min(draws, count)).astype(np.intp))
+
+    def to_control(
+        self, draws: int, direction: Direction | None = None
+    ) -> "list[control.StateSpace]":
+        """Return the open loop L(s) as systems of python-control: nominal, then draws.
+
+        Parameters
+        ----------
+        draws : int
+            How many.
+        direction : {"driving", "overhauling"} or None
+            Of an open run; None is the first of those that the loop has.
+
+        Raises
+        ------
+        InputError
+            python-control is not installed, or the loop has no such direction.
+        """
+        try:
+            import control
+        except ImportError as error:
+            expected = "an installation with python-control: pip install 'bayesfric[control]'"
+            raise InputError([Fault("to_control", expected)]) from error
+        has = self.drawn.directions
+        if direction is not None and direction not in has:
+            expected = ", ".join(filter(None, has)) or "None: a pair of cables is one both ways"
+            raise InputError([Fault(self.name, expected, column="direction", value=direction)])
+        along = has[0] if direction is None else direction
+        nominal, drawn = OpenLoop(self.nominal, along), OpenLoop(self.drawn, along)
+        rows = self.some(draws)
+        found = [state_space(nominal, 0), *(state_space(drawn, int(row)) for row in rows)]
+        names = ["nominal", *(f"draw {row}" for row in rows)]
+        return [
+            control.ss(*one, name=f"{self.name} {name}", inputs="error", outputs="angle")
+            for one, name in zip(found, names, strict=True)
+        ]

@@ -1,0 +1,103 @@
+"""The linear open loop as matrices, for tools that take states instead of frequencies.
+
+Of the loop of :mod:`bayesfric.margins.open_loop` only the delays are no rational functions.
+Each becomes the [N−1/N] Padé approximant of e^{−sθ} in the coordinates of Legendre
+polynomials, which stay well conditioned where those of a polynomial's coefficients do not.
+
+References
+----------
+A. Voelker, I. Kajić, C. Eliasmith, "Legendre memory units", NeurIPS (2019), eq. (2).
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.margins.open_loop import OpenLoop
+
+__all__ = ["DELAY_STATES", "Matrices", "state_space"]
+
+Array = NDArray[np.float64]
+Matrices = tuple[Array, Array, Array, Array]
+
+DELAY_STATES = 6
+"""Of each delay θ: off by 4e-8 up to ωθ = 3; with more, python-control finds no polynomials."""
+
+
+def state_space(loop: OpenLoop, row: int) -> Matrices:
+    """Return A, B, C, D of L(s), from angle error to motor angle, for negative feedback.
+
+    Parameters
+    ----------
+    loop : OpenLoop
+        In one direction.
+    row : int
+        Number of the draw.
+
+    Returns
+    -------
+    tuple of ndarray
+        Shapes (n, n), (n, 1), (1, n), (1, 1). The states are the motor's angle, motor minus
+        load, the motor's and the load's speed, those of the delay of the torque, and of the
+        controller: the integral of the error where there is one, its delay by a sample, and
+        the low-pass where there is one. SI units.
+    """
+
+    def of(values: Array) -> float:
+        return float(values[row])
+
+    plant = _two_inertias(
+        of(loop.motor_inertia),
+        of(loop.load_inertia),
+        of(loop.motor_viscous),
+        of(loop.load_viscous),
+        of(loop.stiffness),
+        of(loop.damping),
+    )
+    period, kd = of(loop.sample_time), of(loop.kd)
+    # kd (1 − e^{−sT})/T, then the low-pass, beside kp and ki/s
+    feedback = _delay(period)
+    feedback = (*feedback[:2], -kd / period * feedback[2], np.array([[kd / period]]))
+    if loop.cutoff is not None:
+        corner = np.array([[of(loop.cutoff)]])
+        feedback = _in_series(feedback, (-corner, corner, np.eye(1), np.zeros((1, 1))))
+    feedback = (*feedback[:3], feedback[3] + of(loop.kp))
+    if loop.integral:
+        zero, one = np.zeros((1, 1)), np.eye(1)
+        feedback = _side_by_side((zero, one, of(loop.ki) * one, zero), feedback)
+    return _in_series(_in_series(feedback, _delay(of(loop.lag))), plant)
+
+
+def _two_inertias(
+    motor: float, load: float, motor_viscous: float, load_viscous: float, k: float, c: float
+) -> Matrices:
+    a = np.array(
+        [
+            [0.0, 0.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0, -1.0],
+            [0.0, -k / motor, -(motor_viscous + c) / motor, c / motor],
+            [0.0, k / load, c / load, -(load_viscous + c) / load],
+        ]
+    )
+    return a, np.array([[0.0], [0.0], [1 / motor], [0.0]]), np.eye(1, 4), np.zeros((1, 1))
+
+
+def _delay(theta: float) -> Matrices:
+    i = np.arange(DELAY_STATES)
+    weight = ((2 * i + 1) / theta)[:, None]
+    a = np.where(i[:, None] < i, -1.0, (-1.0) ** (i[:, None] - i + 1))
+    b = (-1.0) ** i[:, None]
+    return weight * a, weight * b, np.ones((1, DELAY_STATES)), np.zeros((1, 1))
+
+
+def _in_series(first: Matrices, second: Matrices) -> Matrices:
+    a1, b1, c1, d1 = first
+    a2, b2, c2, d2 = second
+    a = np.block([[a2, b2 @ c1], [np.zeros((len(a1), len(a2))), a1]])
+    return a, np.vstack([b2 @ d1, b1]), np.hstack([c2, d2 @ c1]), d2 @ d1
+
+
+def _side_by_side(one: Matrices, other: Matrices) -> Matrices:
+    a1, b1, c1, d1 = one
+    a2, b2, c2, d2 = other
+    a = np.block([[a1, np.zeros((len(a1), len(a2)))], [np.zeros((len(a2), len(a1))), a2]])
+    return a, np.vstack([b1, b2]), np.hstack([c1, c2]), d1 + d2

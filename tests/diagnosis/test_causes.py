@@ -1,0 +1,52 @@
+"""What is said of an effect that acts."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from diagnosis.boards import model_of
+
+from bayesfric.diagnosis.causes import causes_of
+from bayesfric.diagnosis.checked import Checked
+from bayesfric.effects import all_effects
+
+CLOCK, LENGTH = "clock-scale", "length-scale"
+DRAWS = np.linspace(0.01, 0.03, 201)
+
+
+@pytest.fixture(scope="module")
+def model():
+    found = model_of([CLOCK, LENGTH])
+    found.merge([[CLOCK, LENGTH]])
+    return found
+
+
+@pytest.mark.parametrize(
+    ("law", "parameter"),
+    [("proportional", "excess"), (f"proportional ({LENGTH})", f"{LENGTH}.excess")],
+)
+def test_a_twins_law_has_the_twins_parameters(model, law, parameter):
+    """Half a length's excess is a clock's: under the name of the other it would be false."""
+    acting = SimpleNamespace(
+        laws=[one for one in model.lawbook[CLOCK] if one.law == law], phases=()
+    )
+    search = SimpleNamespace(
+        weighed={
+            CLOCK: SimpleNamespace(names=(CLOCK,), acting=acting, log_evidence=5.0),
+            "none": SimpleNamespace(names=(), log_evidence=1.0),
+        },
+        worth=lambda one: one.log_evidence,
+        unknown=None,
+        probabilities=lambda: {CLOCK: 0.98, "none": 0.02},
+    )
+    posterior = SimpleNamespace(
+        amplitudes={CLOCK: DRAWS}, shapes={}, strengths={CLOCK: DRAWS}, left={CLOCK: 0.02}
+    )
+    exact = Checked(off=0.0, error=0.0, pareto_k=0.0)
+    (found,) = causes_of(
+        [CLOCK], model, search, posterior, practical=0.02, floor=0.01, check=lambda one: exact
+    )
+    assert (found.effect, found.law) == (CLOCK, law)
+    assert found.sentence == all_effects()[CLOCK].sentence
+    assert list(found.parameters) == [parameter]
+    assert found.parameters[parameter].q50 == pytest.approx(0.02)
