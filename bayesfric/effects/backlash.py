@@ -12,48 +12,20 @@ from numpy.typing import NDArray
 
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.effects.base import Effect, EffectParameter, Law, State
-
-__all__ = ["EFFECT", "taken_along"]
+from bayesfric.physics.loads import taken_along
 
 Array = NDArray[np.float64]
 SHARP = 10.0  # the gap closes over a tenth of it
-
-
-def taken_along(state: State, travel: Array, sharp: float) -> tuple[Array, Array]:
-    """Return what part of a load is left behind, and the force that takes it along.
-
-    Parameters
-    ----------
-    state : State
-        Where the axis is; the load is all of its mass.
-    travel : ndarray
-        After a reversal, at the end of which the load moves [m or rad].
-    sharp : float
-        One over the share of the travel over which it is taken along.
-
-    Returns
-    -------
-    behind : ndarray
-        From 1 after the reversal to 0.
-    force : ndarray
-        [N or N·m]: over time its integral is the mass times the speed, which is what
-        the load lacks.
-    """
-    end = np.tanh(sharp * (np.asarray(state.travel_m) / travel - 1))
-    there = np.abs(np.asarray(state.direction))
-    density = 0.5 * sharp * (1 - end**2) / travel
-    momentum_rate = np.asarray(state.mass_kg) * np.asarray(state.speed_m_s) ** 2 * density
-    return 0.5 * (1 - end) * there, momentum_rate * there
 
 
 def _gap(heavy: float) -> Law:
     """Return the law of a load with as large a share of the mass, times a number."""
 
     def law(p: Mapping[str, Array], state: State) -> Array:
-        behind, force = taken_along(state, p["gap"], SHARP)
-        inertia = heavy * np.asarray(state.mass_kg) * np.asarray(state.acceleration_m_s2)
-        missing = (state.friction_n + inertia) * behind
-        return np.asarray(p["share"] * (heavy * force - missing))
+        behind, caught = taken_along(state.travel_m, state.speed_m_s, p["gap"], SHARP)
+        load = heavy * np.asarray(state.mass_kg)
+        missing = (state.friction_n + load * np.asarray(state.acceleration_m_s2)) * behind
+        return np.asarray(p["share"] * np.abs(state.direction) * (load * caught - missing))
 
     return law
 

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.analysis import HalfNormal, LogNormal
-from bayesfric.effects.backlash import taken_along
 from bayesfric.effects.base import Effect, EffectParameter, Law, State
+from bayesfric.physics.loads import taken_along
 
 Array = NDArray[np.float64]
 SPREAD = 3.0  # a spring takes a load along over a third of the travel
@@ -30,11 +30,11 @@ def _wound_up(heavy: float) -> Law:
 
     def law(p: Mapping[str, Array], state: State) -> Array:
         length = p["length"]
-        _, force = taken_along(state, length, SPREAD)
+        _, caught = taken_along(state.travel_m, state.speed_m_s, length, SPREAD)
         left = np.maximum(1 - np.asarray(state.travel_m) / length, 0.0)
-        missing = 2 * state.friction_n * left * np.abs(np.asarray(state.direction))
+        taken = heavy * np.asarray(state.mass_kg) * caught - 2 * state.friction_n * left
         late = heavy * _late(heavy, length, state)
-        return np.asarray(p["share"] * (heavy * force - missing - late))
+        return np.asarray(p["share"] * (np.abs(state.direction) * taken - late))
 
     return law
 
