@@ -113,7 +113,7 @@ def _block(block: Block, place: Place | None, labels: Mapping[str, Place]) -> Ma
         case Figure() if place is not None:
             data = base64.b64encode(block.svg).decode("ascii")
             return Markup(
-                '<figure id="{}">\n<img style="width: {:.4g}%" alt="{}" '
+                '<figure id="{}" tabindex="0">\n<img style="width: {:.4g}%" alt="{}" '
                 'src="data:image/svg+xml;base64,{}">\n'
                 "<figcaption><strong>{}.</strong> {}</figcaption>\n</figure>"
             ).format(
@@ -136,11 +136,10 @@ def _table(table: Table, place: Place, labels: Mapping[str, Place]) -> Markup:
     heads, cells = [], []
     for i, column in enumerate(table.head):
         unit = Markup('<br><span class="unit">{}</span>').format(legible(column.unit))
-        heads.append(
-            Markup('<th scope="col" class="{}">{}{}</th>').format(
-                column.align, _text(column.title, labels), unit if column.unit else ""
-            )
-        )
+        head = _text(column.title, labels)
+        # A head without words is none: screen readers would announce an empty one.
+        tag = Markup('<th scope="col" class="{}">{}{}</th>' if head else '<td class="{}">{}{}</td>')
+        heads.append(tag.format(column.align, head, unit if column.unit else ""))
         tag = Markup('<th scope="row" class="{}">{}</th>' if i == 0 else '<td class="{}">{}</td>')
         values = [row[i] for row in table.rows]
         shown = (
@@ -214,6 +213,6 @@ def _inline(inline: Inline, labels: Mapping[str, Place]) -> Markup:
 
 def _formula(source: str, block: bool = False) -> Markup:
     known = FORMULAS[source]
-    return Markup('<math alttext="{}"{}>{}</math>').format(
-        known.spoken, Markup(' display="block"') if block else "", Markup(known.mathml)
-    )
+    # A symbol alone may name a row, whose name assistive technology takes from the label.
+    more = Markup(' display="block"' if block else ' aria-label="{}"').format(known.spoken)
+    return Markup('<math alttext="{}"{}>{}</math>').format(known.spoken, more, Markup(known.mathml))

@@ -6,7 +6,7 @@ import pytest
 from report.sample import SVG, document
 
 from bayesfric.report import content
-from bayesfric.report.content import Document, Heading
+from bayesfric.report.content import Document, Heading, Table
 from bayesfric.report.formulas import FORMULAS, LAW
 from bayesfric.report.html import render_html
 
@@ -98,6 +98,18 @@ def test_tables_have_captions_and_scopes(page: Page) -> None:
     assert None not in scopes
 
 
+def test_what_scrolls_can_be_scrolled_by_the_keyboard(page: Page) -> None:
+    regions = [one for one in page.all("div") if one.get("role") == "region"]
+    scrolling = [*page.all("figure"), *page.all("pre"), *regions]
+    assert len(scrolling) == 3 + len(page.all("table")) == 4
+    assert all(one.get("tabindex") == "0" for one in scrolling)
+
+
+def test_a_column_without_a_title_has_no_empty_head() -> None:
+    html = render_html(Document("title", "", [Table("Words.", ["", "value"], [["a", "b"]])]))
+    assert '<tr><td class="left"></td><th scope="col" class="left">value</th></tr>' in html
+
+
 def test_decimal_points_stand_in_line(html: str) -> None:
     assert '0<span class="tail" style="min-width: 4.6ch">.0128</span>' in html
     assert '12<span class="tail" style="min-width: 4.6ch">.5</span>' in html
@@ -112,7 +124,8 @@ def test_a_short_document_has_no_table_of_contents() -> None:
 
 def test_formulas_are_mathml_with_words(page: Page) -> None:
     assert [m["alttext"] for m in page.all("math")] == ["c_1", FORMULAS[LAW].spoken, "c_1"]
-    assert '<math alttext="c_1"><msub><mi>c</mi><mn>1</mn></msub></math>' in render_html(document())
+    symbol = '<math alttext="c_1" aria-label="c_1"><msub><mi>c</mi><mn>1</mn></msub></math>'
+    assert symbol in render_html(document())
 
 
 def test_text_stands_out_in_both_modes() -> None:
