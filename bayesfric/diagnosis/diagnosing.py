@@ -14,6 +14,7 @@ from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis
 from bayesfric.diagnosis.acting import Acting, Law
+from bayesfric.diagnosis.arms import Arms
 from bayesfric.diagnosis.baseline import data_of, fitted_baseline
 from bayesfric.diagnosis.causes import causes_of, inclusion_of, known_of
 from bayesfric.diagnosis.checked import Checked, noise_checked
@@ -21,7 +22,7 @@ from bayesfric.diagnosis.classes import classes_of
 from bayesfric.diagnosis.climbing import climb, curvature_at
 from bayesfric.diagnosis.examined import examinable, examined_effects, widened
 from bayesfric.diagnosis.forms import other_forms
-from bayesfric.diagnosis.held_out import Arms, measure_gap
+from bayesfric.diagnosis.held_out import measure_gap
 from bayesfric.diagnosis.law import law_of_diagnosis
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.next_experiment import next_experiment

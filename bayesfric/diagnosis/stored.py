@@ -7,7 +7,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bayesfric.diagnosis.acting import Acting
-from bayesfric.diagnosis.held_out import Arms, HeldOut, gap_row
+from bayesfric.diagnosis.arms import Arms
+from bayesfric.diagnosis.held_out import HeldOut, gap_row
 from bayesfric.diagnosis.refitted import RefittedLaw
 from bayesfric.diagnosis.residuals import AXES, Residuals
 from bayesfric.diagnosis.systematic import SMALLEST, Posterior, interval, left_of, shrink_of

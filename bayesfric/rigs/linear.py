@@ -208,7 +208,19 @@ class LinearRig(Protocol):
         phases: Sequence[tuple[int, float, str]] = (),
         used: NDArray[np.bool_] | None = None,
     ) -> Evaluated:
-        """Return what the data say of the numbers of a hypothesis."""
+        """Return what the data say of the numbers of a hypothesis.
+
+        Parameters
+        ----------
+        noise : mapping of str to float
+            Of :attr:`noise`.
+        mixing : ndarray, shape (candidates, k)
+            Column of each effect that acts, as a mixture of candidates.
+        phases : sequence of (int, float, str)
+            Candidates with phases that act, their amplitudes and what these are called.
+        used : ndarray of bool, shape (N,), or None
+            Trials that enter; None is all.
+        """
 
     def squeezed(self, squeeze: Array, layout: Layout) -> "LinearRig":
         """Return the rig with mixtures of its columns in their place."""

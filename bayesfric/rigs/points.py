@@ -1,188 +1,32 @@
-"""Rigs whose trials are one reading each, in the linear model.
+"""Rigs whose trials are one reading each, as information on the numbers of a hypothesis.
 
-A reading is friction times a known factor, beside a curve that all readings share and that
-may be known from readings at rest. Friction scatters from trial to trial, from one load to
+Friction scatters from trial to trial, from one load to
 the next on the same assembly, and from assembly to assembly; the latter two are integrated
 out group by group.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Priors
-from bayesfric.effects import ActsOn, State
-from bayesfric.effects.candidates import Candidate, unit_values
+from bayesfric.effects.candidates import Candidate
 from bayesfric.inference.information import Information
 from bayesfric.inference.smooths import Smooth
-from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.layout import COEFFICIENTS, Layout
-from bayesfric.rigs.linear import Evaluated, LinearRig, NoiseParameter, Run
+from bayesfric.rigs.linear import Evaluated, Run
+from bayesfric.rigs.point_rows import PointRows
 from bayesfric.rigs.shared_deviation import NestedDeviations, indicator, second_moments
 from bayesfric.rigs.windows import Windows
 
-__all__ = ["PointPart", "PointRows"]
+__all__ = ["PointPart"]
 
 Array = NDArray[np.float64]
 LOG_2PI = float(np.log(2 * np.pi))
-NO_EVENTS = Unsupported("it acts on readings of events, and steady runs have none")
-NO_MOTOR = Unsupported("it acts on a motor's current, which nobody reads here")
-AVERAGES = Unsupported("it goes round with the pulleys, which averages out in a steady run")
-
-
-@dataclass(frozen=True)
-class PointRows:
-    """Trials of one reading each around a reference law.
-
-    Parameters
-    ----------
-    name : str
-        Of the rig.
-    table : DataFrame
-        N trials, with ``trial``, ``setup`` and ``pulley_size``.
-    loads : tuple of str
-        Columns that, with size, number and wrap angle, make a condition.
-    state : State
-        Where each trial is, steadily.
-    friction_n : ndarray, shape (N,)
-        By the reference law, against the motion [N].
-    feedback : ndarray, shape (N,)
-        By which a force is multiplied since it adds to the tension.
-    reading : ndarray, shape (N,)
-        Less that of the reference law, in any unit.
-    per_newton : ndarray, shape (N,)
-        What a newton against the motion adds to a reading.
-    errors : tuple of ndarray, shape (N,)
-        By what each error of the noise is multiplied in a reading.
-    noise : callable
-        Of the priors to the noise parameters: scatter of a trial, of a load and of an
-        assembly; where there is an `intercept`, its scatter of a load and of an assembly;
-        then the errors.
-    curve : ndarray, shape (N, K)
-        What numbers that all readings share add to them.
-    still_curve, still : ndarray, shape (M, K) and (M,)
-        The same at rest, and what was read there; its error is the first.
-    curve_sd : callable
-        Of the priors to the prior standard deviations of these numbers.
-    direct : str or None
-        What an effect acts on that adds to the reading itself.
-    known_error : ndarray, shape (N,), or float
-        Standard error of each reading that is stated, beside those of the noise.
-    further : mapping of str to ndarray, shape (N,)
-        Covariates of the recording's own, by name.
-    intercept : ndarray, shape (N,), or None
-        What friction that does not grow with tension adds to a reading; None where it does
-        not scatter by itself.
-    """
-
-    name: str
-    table: pd.DataFrame
-    loads: tuple[str, ...]
-    state: State
-    friction_n: Array
-    feedback: Array
-    reading: Array
-    per_newton: Array
-    errors: tuple[Array, ...]
-    noise: Callable[[Priors], tuple[NoiseParameter, ...]]
-    curve: Array
-    still_curve: Array
-    still: Array
-    curve_sd: Callable[[Priors], tuple[float, ...]] = lambda _: ()
-    direct: ActsOn | None = None
-    known_error: Array | float = 0.0
-    further: Mapping[str, Array] = field(default_factory=dict)
-    intercept: Array | None = None
-
-    @property
-    def trial_axes(self) -> tuple[str, ...]:
-        """Covariates that only this rig has."""
-        return tuple(self.further)
-
-    @property
-    def acceleration(self) -> Array:
-        """None, shape (N,)."""
-        return np.zeros(len(self.table))
-
-    def covariates(self) -> dict[str, Array]:
-        """Return where every trial is, arrays of shape (N,)."""
-        state, count = self.state, len(self.table)
-        values = {
-            "velocity": state.speed_m_s,
-            "tension": state.tension_n,
-            "n_pulleys": state.n_pulleys,
-            "wrap_angle": state.wrap_angle_deg,
-        }
-        return {
-            name: np.broadcast_to(np.asarray(value, dtype=np.float64), (count,))
-            for name, value in (values | dict(self.further)).items()
-        }
-
-    def where(self, acts_on: ActsOn) -> Any:
-        """Return the places of a law, or Unsupported."""
-        return self._absent(acts_on) or self.state
-
-    def _absent(self, acts_on: ActsOn) -> Unsupported | None:
-        if acts_on == self.direct or acts_on in ("friction", "drive"):
-            return None
-        return NO_EVENTS if acts_on == "reading" else NO_MOTOR
-
-    def readings(self, force_n: Array) -> Array:
-        """Return what a force against the motion adds to each reading, (…, N)."""
-        return np.asarray(self.per_newton * self.feedback * force_n)
-
-    def coefficient_columns(self) -> Array:
-        """Return what c1, c2 and c3 add to each reading, shape (N, 3)."""
-        where = self.covariates()
-        n, tension = where["n_pulleys"], where["tension"]
-        turn = where["wrap_angle"] - REFERENCE_WRAP_ANGLE_DEG
-        return self.readings(np.stack([n * tension, n, n * tension * turn])).T
-
-    def scatter_column(self) -> Array:
-        """Return the reading of a relative deviation of friction of 1, (N,)."""
-        return np.asarray(self.per_newton * self.friction_n)
-
-    def candidate_column(self, candidate: Candidate) -> Array | Unsupported:
-        """Return what an effect of amplitude 1 adds to each reading, (N,)."""
-        effect = candidate.effect
-        if absent := self._absent(effect.acts_on):
-            return absent
-        if effect.components:
-            return AVERAGES
-        values, small = unit_values(candidate)
-        law = np.asarray(effect.laws[candidate.law](values, self.state)) / small
-        law = np.broadcast_to(law, (len(self.table),))
-        return law if effect.acts_on == self.direct else self.readings(law)
-
-    def relative_force(self, candidate: Candidate) -> Array | Unsupported:
-        """Return what amplitude 1 adds to friction as a share of it, (1, N, 1)."""
-        column = self.candidate_column(candidate)
-        if isinstance(column, Unsupported):
-            return column
-        return np.asarray(column / self.per_newton / self.friction_n)[None, :, None]
-
-    def size_of(self, candidate: Candidate) -> float:
-        """Return the rms of what amplitude 1 does, as a share of friction."""
-        force = self.relative_force(candidate)
-        return 0.0 if isinstance(force, Unsupported) else float(np.sqrt((force**2).mean()))
-
-    def strays(self) -> tuple[str, ...]:
-        """Return no trial: one is known by its own reading alone."""
-        return ()
-
-    def laid_out(self, layout: Layout, **given: Any) -> LinearRig:
-        """Return the rig with the columns of a model."""
-        return PointPart(self, layout, **given)
-
-    def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
-        """Return the prior standard deviations of the shared curve."""
-        return self.curve_sd(priors)
 
 
 class PointPart:
@@ -277,19 +121,7 @@ class PointPart:
         phases: Sequence[tuple[int, float, str]] = (),
         used: NDArray[np.bool_] | None = None,
     ) -> Evaluated:
-        """Return what the readings say of the numbers of a hypothesis.
-
-        Parameters
-        ----------
-        noise : mapping of str to float
-            Of :attr:`noise`.
-        mixing : ndarray, shape (candidates, k)
-            Column of each effect that acts, as a mixture of candidates.
-        phases : sequence of (int, float, str)
-            Nothing that goes round shows here.
-        used : ndarray of bool, shape (N,), or None
-            Trials that enter; None is all. What was read at rest always does.
-        """
+        """Return what the readings say; those at rest always enter, and no phases show."""
         runs = np.ones(len(self.setup), dtype=bool) if used is None else used
         start, end = self.layout.own, self.layout.own + self.layout.candidates
         whole = self.columns[runs]

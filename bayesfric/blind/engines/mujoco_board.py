@@ -1,7 +1,6 @@
 """The MuJoCo engine: the gravity board as a physics simulator of another hand has it.
 
-Two slide joints, coupled by an equality, carry the masses; a fixed tendon over both is the
-cable. Its frictionloss is set trial by trial from the tension T(a) at the acceleration that it
+Friction of the cable is set trial by trial from the tension T(a) at the acceleration that it
 leaves, so that trials are those of eq. (4) [Miyasaka et al., IROS 2015]. What a simulator has
 of its own is withheld: damping of the tendon, armature of the joints, the density of a
 fluid, the tendon's stiffness; and what it has not, through the applied force of a trial. How
@@ -19,130 +18,19 @@ from bayesfric.blind.engines.boards import SPACING_M, board_of
 from bayesfric.blind.engines.design import TRAVEL_M, Trials, trials_of
 from bayesfric.blind.engines.law import GRAVITY, SIZES, Nature, draw_nature
 from bayesfric.blind.engines.motion import Motion
+from bayesfric.blind.engines.mujoco_cable import STEP_S, Cable, closed_form, moved
 from bayesfric.blind.engines.recorder import event_trains, gravity_tables, recorded
 from bayesfric.blind.engines.reference import Made, Withheld
 from bayesfric.blind.engines.state import Array
 
-__all__ = [
-    "Cable",
-    "Made",
-    "Withheld",
-    "closed_form",
-    "effect_names",
-    "forms",
-    "make",
-    "moved",
-    "outsider_names",
-]
+__all__ = ["Made", "Withheld", "effect_names", "forms", "make", "outsider_names"]
 
-MODEL = """
-<mujoco>
-  <option integrator="RK4" timestep="{step}" gravity="0 0 -{gravity}" density="{density}"/>
-  <worldbody>
-    <body>
-      <joint name="drive" type="slide" axis="0 0 -1" armature="{armature}"/>
-      <inertial pos="0 0 0" mass="{drive}" diaginertia="{drive_box} {drive_box} {drive_box}"/>
-    </body>
-    <body pos="1 0 0">
-      <joint name="load" type="slide" axis="0 0 1" armature="{armature}"/>
-      <inertial pos="0 0 0" mass="{load}" diaginertia="{load_box} {load_box} {load_box}"/>
-    </body>
-  </worldbody>
-  <equality><joint joint1="drive" joint2="load" solref="{soft} 1"/></equality>
-  <tendon>
-    <fixed frictionloss="{friction}" damping="{damping}" stiffness="{stiffness}" springlength="0">
-      <joint joint="drive" coef="0.5"/>
-      <joint joint="load" coef="0.5"/>
-    </fixed>
-  </tendon>
-</mujoco>
-"""
-STEP_S = 1e-3
 LONGEST_S = 8.0
 BEYOND = 1.05  # of the travel, up to which a trial is simulated
 MIDDLE_N = 16.5  # tension about which friction may bend
-HALF_BOX_M = 0.05  # of the body that a fluid sees
 POINTS = 60  # of time in a trial, over which strength is a mean
 FULL = 0.1  # rms share of friction at strength 1
 NATURE, TRIALS, PHASES, EVENTS, SCATTER, SOLVER = range(20, 26)
-
-
-@dataclass(frozen=True)
-class Cable:
-    """Numbers of one trial.
-
-    Parameters
-    ----------
-    drive_kg, load_kg : float
-        Masses.
-    friction_n : float
-        Against the motion [N].
-    damping, armature_kg, drag, stiffness : float
-        Force per speed [N s/m], mass that moves along [kg], force per speed squared
-        [N s²/m²] and per travel [N/m].
-    applied_n : float
-        Against the motion, as an applied force [N].
-    soft_s : float
-        Time constant of the equality.
-    """
-
-    drive_kg: float
-    load_kg: float
-    friction_n: float
-    damping: float = 0.0
-    armature_kg: float = 0.0
-    drag: float = 0.0
-    stiffness: float = 0.0
-    applied_n: float = 0.0
-    soft_s: float = 0.002
-
-
-def closed_form(cable: Cable) -> float:
-    """Return the acceleration of eq. (4) with the friction of a trial [m/s²]."""
-    pull = (cable.drive_kg - cable.load_kg) * GRAVITY - cable.friction_n - cable.applied_n
-    return pull / (cable.drive_kg + cable.load_kg + cable.armature_kg)
-
-
-def moved(cable: Cable, seconds: float) -> tuple[Array, Array, Array]:
-    """Return times, travel and speed of a trial that MuJoCo runs, the release first."""
-    import mujoco
-    from mujoco import rollout
-
-    # Of a cube of half size r a fluid sees a drag of 2 ρ r² v² [MuJoCo, fluid model].
-    box = [2 / 3 * mass * HALF_BOX_M**2 for mass in (cable.drive_kg, cable.load_kg)]
-    model = mujoco.MjModel.from_xml_string(
-        MODEL.format(
-            step=STEP_S,
-            gravity=GRAVITY,
-            density=cable.drag / (4 * HALF_BOX_M**2),
-            armature=cable.armature_kg / 2,
-            drive=cable.drive_kg,
-            load=cable.load_kg,
-            drive_box=box[0],
-            load_box=box[1],
-            soft=cable.soft_s,
-            friction=cable.friction_n,
-            damping=cable.damping,
-            stiffness=cable.stiffness,
-        )
-    )
-    start = np.zeros((1, mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)))
-    steps = int(np.ceil(seconds / STEP_S))
-    applied = np.full((1, steps, 2), -cable.applied_n / 2)
-    spec = int(mujoco.mjtState.mjSTATE_QFRC_APPLIED)
-    states, _ = rollout.rollout(
-        model, mujoco.MjData(model), start, applied, control_spec=spec, nstep=steps
-    )
-    time, drive, load, speed_drive, speed_load = states[0, :, :5].T
-
-    def with_start(values: Array) -> Array:
-        return np.concatenate([[0.0], values])
-
-    return (
-        with_start(time),
-        with_start((drive + load) / 2),
-        with_start((speed_drive + speed_load) / 2),
-    )
 
 
 @dataclass(frozen=True)
@@ -269,18 +157,8 @@ def make(
 ) -> Made:
     """Make a recording with something withheld; see :func:`.reference.make`.
 
-    Parameters
-    ----------
-    withheld : Withheld
-        What.
-    seed : int
-        Of everything.
-    design : str
-        ``quick``: 180 trials in 30 assemblies.
-    background : bool
-        Whether the solver is softer than need be, by a time drawn anew a trial.
-    noise : bool
-        Whether there are noise and scatter.
+    There is the design ``quick`` alone, 180 trials in 30 assemblies; of a background, the
+    solver is softer than need be, by a time drawn anew a trial.
     """
     if design != "quick" or any(name not in BY_NAME for name, _ in withheld.effects):
         raise ValueError(f"no design {design!r}, or no effects {withheld.effects!r}")

@@ -207,19 +207,7 @@ class GravityPart:
         phases: Sequence[tuple[int, float, str]] = (),
         used: NDArray[np.bool_] | None = None,
     ) -> Evaluated:
-        """Return what the events say of the numbers of a hypothesis.
-
-        Parameters
-        ----------
-        noise : mapping of str to float
-            Of :attr:`noise`.
-        mixing : ndarray, shape (candidates, k)
-            Column of each effect that acts, as a mixture of candidates.
-        phases : sequence of (int, float, str)
-            Candidates with phases that act, their amplitudes and what these are called.
-        used : ndarray of bool, shape (N,), or None
-            Trials that enter; None is all.
-        """
+        """Return what the events say of the numbers of a hypothesis."""
         trials = np.ones(len(self.setup), dtype=bool) if used is None else used
         blocks = [(self.blocks[place], value) for place, value, _ in phases if place in self.blocks]
         chosen = np.concatenate(

@@ -113,7 +113,6 @@ class GravityRows:
         self.order = rank(gravity.trials)
         radii = pulley_radii(list(sizes.unique()), rig)
         self._radius = np.array([radii[size] for size in sizes])
-        self._measured = measured
         self._paths = measured.paths
         self._feedback = tension_feedback(self.law, self.condition)[:, None]
         self._slowed = self._feedback / mass[:, None]
@@ -419,11 +418,6 @@ class GravityRows:
             trial_in_setup=trial_in_setup(self.table)[:, None],
             gravity_m_s2=condition.gravity_m_s2,
         )
-
-    @property
-    def name_of_trials(self) -> tuple[str, ...]:
-        """Ids of the trials."""
-        return tuple(self.table["trial"])
 
     def _at_rows(self, values: Array) -> Array:
         """Interpolate what is known along the paths to the rows, shape (E,)."""

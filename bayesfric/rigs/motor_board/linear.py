@@ -18,7 +18,7 @@ from bayesfric.recording.tables import Motor, RigConstants
 from bayesfric.rigs.coefficients import intercept_of
 from bayesfric.rigs.linear import NoiseParameter, noise_parameter, pulley_radii, rank
 from bayesfric.rigs.motor_board.likelihood import idle_basis, run_condition
-from bayesfric.rigs.points import PointRows
+from bayesfric.rigs.point_rows import PointRows
 
 __all__ = ["motor_rows"]
 

@@ -25,7 +25,7 @@ from bayesfric.rigs.motor_board.predictions import runs as runs_dataset
 from bayesfric.rigs.motor_board.simulator import simulate_motor
 from bayesfric.rigs.motor_board.strength import change_of_runs
 from bayesfric.rigs.plain import PlainTrials
-from bayesfric.rigs.points import PointRows
+from bayesfric.rigs.point_rows import PointRows
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.truth import Truth
 

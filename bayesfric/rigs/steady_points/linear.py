@@ -9,7 +9,7 @@ from bayesfric.analysis import HalfNormal, Priors
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import Baseline
 from bayesfric.rigs.linear import NoiseParameter, noise_parameter
-from bayesfric.rigs.points import PointRows
+from bayesfric.rigs.point_rows import PointRows
 from bayesfric.rigs.steady_points.bench import Bench
 from bayesfric.rigs.steady_points.errors import (
     NAME,

@@ -19,7 +19,7 @@ from bayesfric.recording.tables import Recording
 from bayesfric.rigs.base import Motion, Predictive, Unsupported, Words
 from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.plain import PlainRig, PlainTrials
-from bayesfric.rigs.points import PointRows
+from bayesfric.rigs.point_rows import PointRows
 from bayesfric.rigs.steady_points.bench import Bench, bench_of
 from bayesfric.rigs.steady_points.errors import NAME
 from bayesfric.rigs.steady_points.likelihood import PointsLikelihood

@@ -26,7 +26,7 @@ from bayesfric.rigs.coefficients import SizeIndex, coefficient_parameters
 from bayesfric.rigs.grouped import GroupedLikelihood
 from bayesfric.rigs.linear import noise_parameter, rank
 from bayesfric.rigs.plain import PlainTrials
-from bayesfric.rigs.points import PointRows
+from bayesfric.rigs.point_rows import PointRows
 from bayesfric.rigs.residuals import check_residuals, measuring_order
 from bayesfric.rigs.truth import laws_of
 

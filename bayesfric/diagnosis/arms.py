@@ -1,0 +1,132 @@
+"""The law before and after the causes, refitted without the windows that are held out."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.diagnosis.acting import Acting
+from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis.residuals import (
+    Refit,
+    Residuals,
+    numbers_of_laws,
+    recalibrated,
+    refit_of,
+    spread_numbers,
+    used_of,
+)
+from bayesfric.physics.friction import Coefficients
+from bayesfric.rigs.layout import COEFFICIENTS
+
+__all__ = ["Arms", "Fitted"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """One arm, fitted to some windows.
+
+    Parameters
+    ----------
+    local : ndarray, shape (sizes, q)
+        Local numbers.
+    chance2 : ndarray, shape (R,)
+        Mean square that chance leaves in each window, friction's scatter included [N²].
+    spread : ndarray, shape (sizes, q, k)
+        Columns whose outer product is the covariance of the local numbers.
+    refit : Refit or None
+        How the law follows the windows; None where it does not.
+    further : ndarray, shape (R, k)
+        Forces of unit variance that the numbers beside the law are uncertain by [N].
+    """
+
+    local: Array
+    chance2: Array
+    spread: Array
+    refit: Refit | None
+    further: Array
+
+
+@dataclass(frozen=True)
+class Arms:
+    """The baseline, and the baseline with the causes, around the same reference law.
+
+    Parameters
+    ----------
+    plain : LinearModel
+        Without discrepancy; its candidates are the causes.
+    known : LinearModel
+        The same with discrepancy, from which the causes are known; trials can be left out.
+    psi : ndarray
+        Logarithms of the noise.
+    causes : Acting
+        The causes, by the laws of both models.
+    shipped : mapping of str to Coefficients, or None
+        Published values of every size, if there are any.
+    """
+
+    plain: LinearModel
+    known: LinearModel
+    psi: Array
+    causes: Acting
+    shipped: Mapping[str, Coefficients] | None
+
+    def fitted(self, residuals: Residuals, out: NDArray[np.bool_]) -> tuple[Fitted, ...]:
+        """Return the arms as shipped, before and after, without the windows that are left out.
+
+        The law is recalibrated before and after alike; after, with the causes as they are
+        known without the trials of the windows that are left out.
+        """
+        used = used_of(self.known, residuals, out) if out.any() else None
+        before = self._refitted(Acting(), residuals, out, used)
+        after = before
+        if self.causes.laws:
+            acting = Acting(self.causes.laws, self.causes.shapes)
+            after = self._refitted(acting, residuals, out, used)
+        shipped = before
+        if self.shipped is not None:
+            local = numbers_of_laws(self.plain, self.shipped, before.local)
+            nothing = np.zeros((len(residuals.chance2), 0))
+            spread = np.zeros_like(before.spread)
+            shipped = Fitted(local, residuals.chance2, spread, None, nothing)
+        return shipped, before, after
+
+    def _refitted(
+        self,
+        acting: Acting,
+        residuals: Residuals,
+        out: NDArray[np.bool_],
+        used: Mapping[str, NDArray[np.bool_]] | None,
+    ) -> Fitted:
+        at = self.known.evaluate(self.psi, acting, used=used)
+        mixing = self.known.mixing(acting)
+        layout, plain = self.known.layout, self.plain.layout
+
+        def held(numbers: Array) -> Array:
+            """Return local numbers of the plain model, those of the law left at zero."""
+            found = spread_numbers(self.known, numbers, mixing)
+            local = np.zeros((*found.shape[:-1], plain.local))
+            effects = found[..., layout.own : layout.own + layout.candidates]
+            local[..., COEFFICIENTS : COEFFICIENTS + plain.candidates] = effects
+            nuisances = sum(plain.nuisances)
+            local[..., plain.local - nuisances :] = found[..., layout.local - nuisances :]
+            return local
+
+        refit = refit_of(self.plain, residuals, ~out)
+        # What effects and nuisances are uncertain by, in columns of unit variance.
+        shared = slice(layout.own * len(layout.sizes), None)
+        values, vectors = np.linalg.eigh(at.covariance[shared, shared])
+        numbers = np.zeros((values.size, at.mean.size))
+        numbers[:, shared] = (vectors * np.sqrt(np.maximum(values, 0.0))).T
+        uncertain = held(numbers).transpose(1, 2, 0)
+        uncertain = uncertain[..., np.any(uncertain, axis=(0, 1))]
+        further = np.einsum("rq,rqk->rk", residuals.columns, uncertain[residuals.size])
+        moved = refit.spread(residuals, further).reshape(*uncertain.shape[:1], COEFFICIENTS, -1)
+        own = moved.shape[2] - uncertain.shape[2]
+        spread = np.concatenate([np.zeros((*uncertain.shape[:2], own)), uncertain], axis=2)
+        spread[:, :COEFFICIENTS] += moved
+        local = recalibrated(refit, residuals, held(at.mean))
+        return Fitted(local, refit.chance2(residuals, further), spread, refit, further)
