@@ -2,6 +2,7 @@
 
 import shutil
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from os.path import relpath
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -21,6 +22,17 @@ if TYPE_CHECKING:
     from bayesfric.schemas import FitFile
 
 __all__ = ["fit", "fit_into"]
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """What every fit of a call is asked for."""
+
+    analysis: "Analysis"
+    rigs: Sequence[str] | None
+    baseline: str
+    csv: bool
+    quiet: bool
 
 
 @exit_status
@@ -77,29 +89,11 @@ def fit_into(
         kind: [relpath(path, output) for path in paths]
         for kind, paths in {"recording": recordings, "loops": loops or []}.items()
     }
+    asked = _Asked(analysis, rigs, baseline, csv, quiet)
     if len(recordings) > 1:
-        summary = _pooled(
-            recordings,
-            output,
-            analysis,
-            rigs,
-            baseline=baseline,
-            csv=csv,
-            inputs=inputs,
-            quiet=quiet,
-        )
+        summary = _pooled(recordings, output, asked, inputs)
     else:
-        result = _fitted(
-            read_recording(recordings[0]),
-            output,
-            analysis,
-            rigs,
-            baseline=baseline,
-            csv=csv,
-            inputs=inputs,
-            quiet=quiet,
-        )
-        summary = result.summary
+        summary = _fitted(read_recording(recordings[0]), output, asked, inputs).summary
         _print_coefficients(summary)
     if not quiet:
         for line in summary.attention:
@@ -108,67 +102,42 @@ def fit_into(
 
 
 def _fitted(
-    recording: "Recording",
-    output: Path,
-    analysis: "Analysis",
-    rigs: Sequence[str] | None,
-    *,
-    baseline: str,
-    csv: bool,
-    inputs: dict[str, list[str]],
-    quiet: bool,
+    recording: "Recording", output: Path, asked: _Asked, inputs: dict[str, list[str]]
 ) -> "Fit":
     """Fit one recording and write it."""
     from bayesfric.fitting.posterior import fit as fit_recording
 
     checkpoint = output / ".checkpoint"
-    with progress_bar(f"sampling {recording.name}", quiet=quiet) as progress:
+    with progress_bar(f"sampling {recording.name}", quiet=asked.quiet) as progress:
         result = fit_recording(
             recording,
-            analysis,
+            asked.analysis,
             progress=progress,
             checkpoint=checkpoint,
-            baseline=baseline,
-            rigs=rigs,
+            baseline=asked.baseline,
+            rigs=asked.rigs,
         )
-    result.write(output, csv=csv, inputs=inputs)
+    result.write(output, csv=asked.csv, inputs=inputs)
     shutil.rmtree(checkpoint)
     return result
 
 
 def _pooled(
-    folders: Sequence[Path],
-    output: Path,
-    analysis: "Analysis",
-    rigs: list[str] | None,
-    *,
-    baseline: str,
-    csv: bool,
-    inputs: dict[str, list[str]],
-    quiet: bool,
+    folders: Sequence[Path], output: Path, asked: _Asked, inputs: dict[str, list[str]]
 ) -> "FitFile":
     """Fit several recordings, each by itself and then all as boards of one population."""
     from bayesfric.fitting.pooled import board_folder, check_boards, pool
     from bayesfric.recording import read_recording
 
     recordings = {name: read_recording(path) for name, path in _board_names(folders).items()}
-    chosen = check_boards(recordings, analysis, rigs)
+    asked = replace(asked, rigs=check_boards(recordings, asked.analysis, asked.rigs))
     fits = {}
     for (name, recording), path in zip(recordings.items(), folders, strict=True):
         own = output / board_folder(name)
-        fits[name] = _fitted(
-            recording,
-            own,
-            analysis,
-            chosen,
-            baseline=baseline,
-            csv=csv,
-            inputs={"recording": [relpath(path, own)]},
-            quiet=quiet,
-        )
-    with progress_bar("pooling", quiet=quiet) as progress:
-        result = pool(recordings, fits, analysis, progress=progress)
-    result.write(output, csv=csv, inputs=inputs)
+        fits[name] = _fitted(recording, own, asked, {"recording": [relpath(path, own)]})
+    with progress_bar("pooling", quiet=asked.quiet) as progress:
+        result = pool(recordings, fits, asked.analysis, progress=progress)
+    result.write(output, csv=asked.csv, inputs=inputs)
     _print_population(result.summary)
     return result.summary
 

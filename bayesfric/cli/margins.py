@@ -42,6 +42,10 @@ def margins(
     tune: Annotated[
         bool, typer.Option("--tune", help="Look for gains that meet all specs at once.")
     ] = False,
+    mat: Annotated[
+        Path | None,
+        typer.Option("--mat", help="Also write loops, draws and uncertainty as this .mat file."),
+    ] = None,
     template: Annotated[
         Path | None,
         typer.Option("--template", help="Write a loop file to begin with here, and end."),
@@ -71,6 +75,10 @@ def margins(
     if not loops or draws is None:
         expected = "loops and --draws draws.nc, or --template FILE, or --list-loops"
         raise InputError([Fault("command line", expected)])
+    from bayesfric.margins.matlab import checked_name
+
+    if mat is not None:
+        checked_name(mat)
     analysis = read_analysis(config, seed=seed)
     with hold(output, "margins"):
         happened = margins_into(
@@ -81,6 +89,7 @@ def margins(
             diagnosis=diagnosis,
             verify=verify,
             tune=tune,
+            mat=mat,
             quiet=quiet,
         )
     fail_on(fail_on_list, happened)
@@ -95,10 +104,12 @@ def margins_into(
     diagnosis: Path | None = None,
     verify: int = 0,
     tune: bool = False,
+    mat: Path | None = None,
     quiet: bool,
 ) -> set[str]:
     """Compute margins, write and print them; return what happened that ``--fail-on`` can name."""
     from bayesfric.margins import compute_margins
+    from bayesfric.margins.matlab import write_mat
     from bayesfric.margins.terms import in_degrees_or_decibels, tuning_told
 
     with progress_bar("margins", quiet=quiet) as progress:
@@ -112,6 +123,8 @@ def margins_into(
             progress=progress,
         )
     found.write(output)
+    if mat is not None:
+        write_mat(mat, found.ensembles)
     happened = set[str]()
     for loop in found.summary.loops:
         say(f"{loop.name}: {loop.answer}")

@@ -1,8 +1,7 @@
 """``bayesfric run``: everything, from a recording to the report."""
 
+import hashlib
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -27,6 +26,7 @@ from bayesfric.cli.options import (
     named_rigs,
 )
 from bayesfric.cli.printing import say
+from bayesfric.cli.stages import Stages
 
 if TYPE_CHECKING:
     from bayesfric.analysis import Analysis
@@ -102,28 +102,64 @@ def run_into(
     from bayesfric.schemas import TimingsFile
 
     common: dict[str, Any] = {"baseline": baseline, "quiet": quiet}
-    happened = fit_into([recording], output, analysis, rigs=rigs, loops=loops, **common)
-    seconds: dict[str, float] = {}
-    with _timed(seconds, "claims"):
-        happened |= claims_into(
+    key = _key(recording, analysis, loops, junit, rigs, baseline)
+    stages = Stages(output, key, quiet=quiet)
+    happened = stages.after(
+        "fit", lambda: fit_into([recording], output, analysis, rigs=rigs, loops=loops, **common)
+    )
+    happened |= stages.after(
+        "claims",
+        lambda: claims_into(
             recording, output, analysis, junit=junit, rigs=rigs, workers=workers, **common
-        )
-    with _timed(seconds, "diagnosis"):
-        happened |= diagnose_into(recording, output, analysis, **common)
+        ),
+        *([] if junit is None else [junit]),
+    )
+    happened |= stages.after(
+        "diagnosis", lambda: diagnose_into(recording, output, analysis, **common)
+    )
     if loops:
-        with _timed(seconds, "margins"):
-            happened |= margins_into(loops, output / "draws.nc", output, analysis, quiet=quiet)
-    with _timed(seconds, "report"):
-        write_report(output)
-    of_fit = read_json(TimingsFile, output / "timings.json")
+        happened |= stages.after(
+            "margins",
+            lambda: margins_into(loops, output / "draws.nc", output, analysis, quiet=quiet),
+        )
+    began = time.perf_counter()
+    write_report(output)
+    seconds = {name: value for name, value in stages.seconds.items() if name != "fit"}
+    seconds["report"] = time.perf_counter() - began
+    of_fit = read_json(TimingsFile, output / "timings.json")  # which has stages of its own
     timings = json_bytes(of_fit.model_copy(update={"seconds": of_fit.seconds | seconds}))
     replace_outputs(output, {"timings.json": lambda path: path.write_bytes(timings)})
+    stages.forget()
     return happened
 
 
-@contextmanager
-def _timed(seconds: dict[str, float], stage: str) -> Iterator[None]:
-    """Add the wall time of a stage."""
-    began = time.perf_counter()
-    yield
-    seconds[stage] = time.perf_counter() - began
+def _key(
+    recording: Path,
+    analysis: "Analysis",
+    loops: list[Path],
+    junit: Path | None,
+    rigs: list[str] | None,
+    baseline: str,
+) -> dict[str, object]:
+    """Return all that the results of a run depend on."""
+    from bayesfric.analysis import analysis_sha256
+    from bayesfric.recording import read_recording
+    from bayesfric.recording.package import PACKAGE_FILE
+    from bayesfric.results import created_date, package_versions
+
+    return {
+        "recording": str(recording.resolve()),
+        "tables": read_recording(recording).sha256,
+        "descriptor": _digest(recording / PACKAGE_FILE),
+        "analysis": analysis_sha256(analysis),
+        "loops": [_digest(path) for path in loops],
+        "junit": None if junit is None else str(junit.resolve()),
+        "rigs": rigs,
+        "baseline": baseline,
+        "created": created_date(None),
+        "versions": package_versions(),
+    }
+
+
+def _digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()

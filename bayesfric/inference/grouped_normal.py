@@ -21,7 +21,7 @@ from scipy.special import ndtr
 
 from bayesfric.inference.quadratic import eliminate, gram, matrices
 
-__all__ = ["LOG_2PI", "GroupedNormal", "Groups"]
+__all__ = ["LOG_2PI", "Grouped", "GroupedNormal", "Groups"]
 
 Array = NDArray[np.float64]
 LOG_2PI = float(np.log(2 * np.pi))
@@ -85,7 +85,7 @@ class _Sums(NamedTuple):
 
 
 @dataclass(frozen=True)
-class GroupedNormal:
+class Grouped:
     """M measurements in G groups, for W sets of parameters at once.
 
     Parameters
@@ -95,18 +95,29 @@ class GroupedNormal:
     residual : ndarray, shape (W, M)
         r, what was measured less its mean.
     variance : ndarray, shape (W, M)
-        d, of the errors that each measurement has to itself.
+        d, of the errors that each measurement has to itself; of one that is Student-t, its
+        squared scale.
     moved : ndarray, shape (R, W, M)
-        u, by how much one standard deviation of each of a group's numbers moves a
-        measurement.
-    columns : ndarray, shape (M, K), or None
-        B, the shared curve; None without one.
+        u, by how much one standard deviation (or scale) of each of a group's R numbers
+        moves a measurement.
     """
 
     groups: Groups
     residual: Array
     variance: Array
     moved: Array
+
+
+@dataclass(frozen=True)
+class GroupedNormal(Grouped):
+    """Measurements that are normal.
+
+    Parameters
+    ----------
+    columns : ndarray, shape (M, K), or None
+        B, the shared curve; None without one.
+    """
+
     columns: Array | None = None
 
     def log_density(self) -> Array:

@@ -1,8 +1,9 @@
 """Groups whose own numbers are Student-t: :mod:`.grouped_normal` over widths of each group.
 
 The numbers that a group draws are normal with a variance over λ, which the group draws first,
-λ ~ Γ(ν/2, ν/2): together they are Student-t, so that a group that is far out forgives itself.
-Given λ all is one normal; λ is integrated by the trapezoid rule in its logarithm.
+λ ~ Γ(ν/2, ν/2): together they are Student-t, so that a group that is far out moves the law and
+the scatter of all groups less than it would if groups were normal. Given λ all is one normal; λ
+is integrated by the trapezoid rule in its logarithm.
 """
 
 from dataclasses import dataclass
@@ -13,8 +14,9 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.special import logsumexp
 
-from bayesfric.inference.grouped_normal import LOG_2PI, GroupedNormal, Groups
+from bayesfric.inference.grouped_normal import LOG_2PI, Grouped, GroupedNormal
 from bayesfric.inference.quadratic import eliminate, gram
+from bayesfric.inference.student import drawn_node, log_density_given, weight_given
 
 __all__ = ["HeavyGroups"]
 
@@ -24,27 +26,15 @@ LOWER, UPPER = 1e-12, 1e-8  # probability beyond the grid; groups far out are at
 
 
 @dataclass(frozen=True)
-class HeavyGroups:
-    """M measurements in G groups, for W sets of parameters at once.
+class HeavyGroups(Grouped):
+    """Measurements that are normal, in groups whose numbers are Student-t.
 
     Parameters
     ----------
-    groups : Groups
-        Of the measurements.
-    residual : ndarray, shape (W, M)
-        What was measured less its mean.
-    variance : ndarray, shape (W, M)
-        Of the errors that each measurement has to itself.
-    moved : ndarray, shape (R, W, M)
-        By how much one scale of each of a group's R numbers moves a measurement.
     freedom : float
         Degrees of freedom.
     """
 
-    groups: Groups
-    residual: Array
-    variance: Array
-    moved: Array
     freedom: float
 
     def group_log_density(self) -> Array:
@@ -53,9 +43,7 @@ class HeavyGroups:
 
     def single_log_density(self) -> Array:
         """Return the log density of each measurement given its group's others, (W, M)."""
-        single = np.stack([one.single_log_density() for one in self._normals])
-        together = self._group[..., self.groups.of_each]
-        return np.asarray(logsumexp(together, axis=0) - logsumexp(together - single, axis=0))
+        return log_density_given(self._group[..., self.groups.of_each], self._single)
 
     def single_cdf(self) -> Array:
         """Return the probability of less of each measurement given its group's others, (W, M)."""
@@ -70,10 +58,8 @@ class HeavyGroups:
         rng : Generator
             Source of randomness.
         """
-        weight = self._given_the_rest()
-        below = (weight.cumsum(axis=0) < rng.uniform(size=weight.shape[1:])).sum(axis=0)
+        node = drawn_node(self._given_the_rest(), rng)
         again = np.stack([one.draw_again(rng) for one in self._normals])
-        node = np.minimum(below, len(weight) - 1)[None]
         return np.asarray(np.take_along_axis(again, node, axis=0)[0])
 
     @cached_property
@@ -107,7 +93,9 @@ class HeavyGroups:
 
     def _given_the_rest(self) -> Array:
         """Return the probability of each node given a group's others, shape (Q, W, M)."""
-        single = np.stack([one.single_log_density() for one in self._normals])
-        rest = self._group[..., self.groups.of_each] - single
-        weight = np.exp(rest - rest.max(axis=0))
-        return np.asarray(weight / weight.sum(axis=0))
+        return weight_given(self._group[..., self.groups.of_each], self._single)
+
+    @property
+    def _single(self) -> Array:
+        """Log density of each measurement and node given its group's others, (Q, W, M)."""
+        return np.stack([one.single_log_density() for one in self._normals])

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gammaln, logsumexp, stdtr
 
-from bayesfric.inference.grouped_normal import LOG_2PI, Groups
+from bayesfric.inference.grouped_normal import LOG_2PI, Grouped
 from bayesfric.inference.quadratic import gram, matrices
 
-__all__ = ["GroupedStudent"]
+__all__ = ["GroupedStudent", "drawn_node", "log_density_given", "weight_given"]
 
 Array = NDArray[np.float64]
 REWEIGHTINGS = 12
@@ -35,29 +35,40 @@ GROUP_NODES = {1: _Nodes(41, 8.0), 2: _Nodes(15, 6.5)}
 SINGLE_NODES = {1: _Nodes(161, 8.0), 2: _Nodes(21, 7.0)}
 
 
-@dataclass(frozen=True)
-class GroupedStudent:
-    """M measurements in G groups, for W sets of parameters at once.
+def log_density_given(together: Array, single: Array) -> Array:
+    """Return the log density of each measurement given its group's others, (W, M).
 
     Parameters
     ----------
-    groups : Groups
-        Of the measurements.
-    residual : ndarray, shape (W, M)
-        What was measured less its mean.
-    variance : ndarray, shape (W, M)
-        Squared scale of each measurement's own scatter.
-    moved : ndarray, shape (R, W, M)
-        By how much one standard deviation of each of a group's R ≤ 2 numbers moves a
-        measurement.
+    together, single : ndarray, shape (Q, W, M)
+        Log density of its group and of the measurement at Q nodes, the first weighed.
+    """
+    return np.asarray(logsumexp(together, axis=0) - logsumexp(together - single, axis=0))
+
+
+def weight_given(together: Array, single: Array) -> Array:
+    """Return the probability of each node given a group's others, shape (Q, W, M)."""
+    rest = together - single
+    weight = np.exp(rest - rest.max(axis=0))
+    return np.asarray(weight / weight.sum(axis=0))
+
+
+def drawn_node(weight: Array, rng: np.random.Generator) -> NDArray[np.intp]:
+    """Draw a node for each measurement by their probabilities, shape (1, W, M)."""
+    below = (weight.cumsum(axis=0) < rng.uniform(size=weight.shape[1:])).sum(axis=0)
+    return np.asarray(np.minimum(below, len(weight) - 1)[None])
+
+
+@dataclass(frozen=True)
+class GroupedStudent(Grouped):
+    """Measurements that are Student-t, in groups of one or two numbers.
+
+    Parameters
+    ----------
     freedom : float
         Degrees of freedom.
     """
 
-    groups: Groups
-    residual: Array
-    variance: Array
-    moved: Array
     freedom: float
 
     def group_log_density(self) -> Array:
@@ -69,7 +80,7 @@ class GroupedStudent:
         """Return the log density of each measurement given its group's others, (W, M)."""
         log_weight, single, _ = self._on_grid(SINGLE_NODES[len(self.moved)], leave_out=True)
         together = (log_weight + self.groups.total(single))[..., self.groups.of_each]
-        return np.asarray(logsumexp(together, axis=0) - logsumexp(together - single, axis=0))
+        return log_density_given(together, single)
 
     def single_cdf(self) -> Array:
         """Return the probability of less of each measurement given its group's others, (W, M)."""
@@ -85,8 +96,7 @@ class GroupedStudent:
             Source of randomness.
         """
         weight, distance = self._given_the_rest()
-        below = (weight.cumsum(axis=0) < rng.uniform(size=weight.shape[1:])).sum(axis=0)
-        node = np.minimum(below, len(weight) - 1)[None]
+        node = drawn_node(weight, rng)
         centre = np.take_along_axis(distance, node, axis=0)[0]
         again = rng.standard_t(self.freedom, centre.shape)
         return np.asarray(np.sqrt(self.variance) * (again - centre))
@@ -95,9 +105,8 @@ class GroupedStudent:
         """Return the probability of each node given the others, and the distance, (Q, W, M)."""
         nodes = SINGLE_NODES[len(self.moved)]
         log_weight, single, distance = self._on_grid(nodes, leave_out=True)
-        rest = (log_weight + self.groups.total(single))[..., self.groups.of_each] - single
-        weight = np.exp(rest - rest.max(axis=0))
-        return weight / weight.sum(axis=0), distance
+        together = (log_weight + self.groups.total(single))[..., self.groups.of_each]
+        return weight_given(together, single), distance
 
     def _on_grid(self, nodes: _Nodes, *, leave_out: bool) -> tuple[Array, Array, Array]:
         """Return the log weight of each node, (Q, W, G), and of measurements, (Q, W, M), two.

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from margins.loops import write_draws
+from scipy.io import loadmat
 from typer.testing import CliRunner
 
 from bayesfric.cli import app
@@ -45,8 +46,9 @@ def test_it_writes_prints_and_repeats_to_the_byte(folder):
     assert first.stdout.startswith(f"my-joint: {found.loops[0].answer}\n")
     assert "warning: my-joint: Assumed" in first.stderr
     assert found.seed == 4
-    again = bayesfric(*arguments, "two", "--quiet", cwd=folder)
+    again = bayesfric(*arguments, "two", "--quiet", "--mat", "two/loops.mat", cwd=folder)
     assert again.stderr == ""
+    assert loadmat(folder / "two" / "loops.mat", simplify_cells=True)["loops"]["name"] == "my-joint"
     first_bytes, second_bytes = (
         (folder / name / "margins.json").read_bytes() for name in ("one", "two")
     )
@@ -157,8 +159,9 @@ def test_bundled_loops_are_listed_and_found_by_name(tmp_path, monkeypatch):
         (["raven-elbow"], "--draws"),
         ([], "--template"),
         (["raven-elbow", "--list-loops"], "no loop beside"),
+        (["raven-elbow", "--draws", "draws.nc", "--mat", "loops.m"], "ends in .mat"),
     ],
-    ids=["no such loop", "no draws", "nothing", "both"],
+    ids=["no such loop", "no draws", "nothing", "both", "no such file"],
 )
 def test_what_is_missing_is_said(folder, tmp_path, arguments, said):
     arguments = [str(folder / one) if one == "draws.nc" else one for one in arguments]

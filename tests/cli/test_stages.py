@@ -1,0 +1,110 @@
+"""An interrupted run goes on after the stages that it had done."""
+
+import importlib
+from collections import Counter
+
+import pytest
+from altered import by_acceleration
+from typer.testing import CliRunner
+
+from bayesfric.cli import app
+from bayesfric.recording import write_recording
+from bayesfric.results import json_bytes
+from bayesfric.schemas import TimingsFile
+
+RUN = importlib.import_module("bayesfric.cli.run")
+
+
+@pytest.fixture
+def stages(monkeypatch, small_recording, tmp_path):
+    """Stand-ins that write a file each; one of them is interrupted as often as it is told."""
+    called, interrupted = Counter(), Counter()
+
+    def stage(name, file, happened):
+        def work(*arguments, **options):
+            output = tmp_path / "out"
+            called[name] += 1
+            if interrupted[name] > 0:
+                interrupted[name] -= 1
+                raise KeyboardInterrupt
+            (output / file).write_text(name)
+            if name == "fit":
+                timings = TimingsFile(seconds={"draws": 1.0})
+                (output / "timings.json").write_bytes(json_bytes(timings))
+            return happened
+
+        return work
+
+    monkeypatch.setattr(RUN, "fit_into", stage("fit", "fit.json", {"unconverged"}))
+    monkeypatch.setattr(RUN, "claims_into", stage("claims", "claims.json", {"refuted"}))
+    monkeypatch.setattr(RUN, "diagnose_into", stage("diagnosis", "diagnosis.json", set()))
+    monkeypatch.setattr(
+        "bayesfric.report.writing.write_report", stage("report", "report.pdf", None)
+    )
+    write_recording(by_acceleration(small_recording), tmp_path / "board")
+    (tmp_path / "analysis.toml").write_text("seed = 5")
+    return called, interrupted
+
+
+def run(folder, *more):
+    arguments = [
+        "run",
+        folder / "board",
+        "-o",
+        folder / "out",
+        "--config",
+        folder / "analysis.toml",
+    ]
+    return CliRunner().invoke(app, [*map(str, arguments), *more])
+
+
+def test_stages_that_are_done_are_kept_with_what_happened_in_them(stages, tmp_path):
+    called, interrupted = stages
+    interrupted["diagnosis"] = 1
+    assert run(tmp_path).exit_code == 3
+    done = run(tmp_path, "--fail-on", "refuted")
+    assert called == {"fit": 1, "claims": 1, "diagnosis": 2, "report": 1}
+    assert done.exit_code == 1  # the claims had been refuted before the interruption
+    assert "claims: done before" in done.stderr
+    seconds = TimingsFile.model_validate_json((tmp_path / "out/timings.json").read_bytes()).seconds
+    assert set(seconds) == {"draws", "claims", "diagnosis", "report"}
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert names == {"fit.json", "timings.json", "claims.json", "diagnosis.json", "report.pdf"}
+
+
+def test_a_run_that_was_whole_begins_anew(stages, tmp_path):
+    called, _ = stages
+    assert [run(tmp_path).exit_code for _ in range(2)] == [0, 0]
+    assert called == dict.fromkeys(("fit", "claims", "diagnosis", "report"), 2)
+
+
+def settings(folder):
+    (folder / "analysis.toml").write_text("seed = 6")
+
+
+def descriptor(folder):
+    package = folder / "board" / "datapackage.json"
+    package.write_text(package.read_text().replace("9.80665", "9.81"))
+
+
+def output(folder):
+    (folder / "out" / "fit.json").write_text("of another hand")
+
+
+def gone(folder):
+    (folder / "out" / "fit.json").unlink()
+
+
+def list_of_stages(folder):
+    (folder / "out" / ".stages.json").write_text("{")
+
+
+@pytest.mark.parametrize("change", [settings, descriptor, output, gone, list_of_stages])
+def test_what_has_changed_is_done_again(stages, tmp_path, change):
+    called, interrupted = stages
+    interrupted["claims"] = 1
+    assert run(tmp_path).exit_code == 3
+    change(tmp_path)
+    assert run(tmp_path).exit_code == 0
+    assert called["fit"] == 2
+    assert (tmp_path / "out" / "fit.json").read_text() == "fit"
