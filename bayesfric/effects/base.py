@@ -64,6 +64,8 @@ class State(NamedTuple):
         it runs; 0 where there is no such thing.
     drive_force_n : array_like
         Of a driven axis: the drive force, positive along the position [N, or N·m].
+    mass_kg : array_like
+        Of a driven axis: all the mass that moves, by the baseline [kg, or kg·m²].
     force_rate_n_s, force_curvature_n_s2 : array_like
         First and second derivative of the drive force along the motion [N/s], [N/s²]; the
         first half of a delay ago.
@@ -101,6 +103,7 @@ class State(NamedTuple):
     position_m: ArrayLike = 0.0
     direction: ArrayLike = 0.0
     drive_force_n: ArrayLike = 0.0
+    mass_kg: ArrayLike = 0.0
     force_rate_n_s: ArrayLike = 0.0
     lagging_rate_n_s: ArrayLike = 0.0
     force_curvature_n_s2: ArrayLike = 0.0

@@ -1,36 +1,75 @@
-"""A transmission that gives: part of the mass follows the drive late."""
+"""A transmission that gives: friction winds it up, and part of the mass follows late.
+
+After a reversal the load stands still, while the drive winds the transmission from the friction
+on one side to that on the other. Over this travel, l = 2 C / s for a friction C and a stiffness s,
+the force that is missing falls in proportion to the travel, from 2 C to nothing; then the load is
+taken along.
+"""
 
 from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bayesfric.analysis import Normal
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.analysis import HalfNormal, LogNormal
+from bayesfric.effects.base import Effect, EffectParameter, Law, State
+from bayesfric.physics.loads import taken_along
 
 Array = NDArray[np.float64]
+SPREAD = 3.0  # a spring takes a load along over a third of the travel
 
 
-def _two_masses(p: Mapping[str, Array], state: State) -> Array:
-    # With the load's mass M behind a stiffness K it is M/K of the second derivative.
-    return np.asarray(-p["square"] * np.asarray(state.force_curvature_n_s2))
+def _late(heavy: float, length: Array, state: State) -> Array:
+    """Return the load's mass over the stiffness, times the force's second derivative."""
+    square = heavy * np.asarray(state.mass_kg) * length / (2 * state.friction_n)
+    return np.asarray(square * np.asarray(state.force_curvature_n_s2))
+
+
+def _wound_up(heavy: float) -> Law:
+    """Return the law of a load with as large a share of the mass, times a number."""
+
+    def law(p: Mapping[str, Array], state: State) -> Array:
+        length = p["length"]
+        _, caught = taken_along(state.travel_m, state.speed_m_s, length, SPREAD)
+        left = np.maximum(1 - np.asarray(state.travel_m) / length, 0.0)
+        taken = heavy * np.asarray(state.mass_kg) * caught - 2 * state.friction_n * left
+        late = heavy * _late(heavy, length, state)
+        return np.asarray(p["share"] * (np.abs(state.direction) * taken - late))
+
+    return law
+
+
+def _seen_at_load(p: Mapping[str, Array], state: State) -> Array:
+    # What is wound up is not seen; the motor, half of the mass, is ahead of the position.
+    return np.asarray(p["share"] * 0.5 * _late(0.5, p["length"], state))
 
 
 EFFECT = Effect(
     name="transmission-compliance",
     acts_on="drive",
-    sentence="the transmission gives, so that part of the mass follows late",
+    sentence="the transmission gives, so that friction winds it up and part of the mass follows "
+    "late",
     amplitude=EffectParameter(
-        name="square",
-        unit="s²",
-        meaning="load's mass over the stiffness of the transmission: one over the square of the "
-        "angular frequency at which it rings against a held drive; negative where the position "
-        "is the load's",
-        prior=Normal(mean=0.0, sd=1e-4),
-        plausible=(-1e-3, 1e-3),
-        reference="argued: arms ring at 5 to 50 Hz against a held drive: 1e-3 to 1e-5 s²",
+        name="share",
+        unit="1",
+        meaning="part of the friction that is behind the spring, and of the mass half as large a "
+        "part, or as large a one",
+        prior=HalfNormal(scale=0.5),
+        plausible=(0.0, 1.0),
+        reference="by definition: between nothing and all of it is behind the spring",
     ),
-    laws={"two-masses": _two_masses},
+    shape=EffectParameter(
+        name="length",
+        unit="m",
+        meaning="travel after a reversal over which friction winds the transmission up: twice "
+        "the friction over the stiffness",
+        prior=LogNormal(median=6e-4, sd_log=1.0),
+        plausible=(1e-5, 0.02),
+        reference="argued: harmonic drives, belts and long screws give a ten-thousandth to a "
+        "hundredth of the travel under their friction",
+        typical=0.004,
+    ),
+    laws={"half-mass": _wound_up(0.5), "mass": _wound_up(1.0), "seen-at-load": _seen_at_load},
     along_path=True,
-    needs=frozenset({"drive"}),
+    needs=frozenset({"direction", "drive"}),
 )

@@ -27,8 +27,8 @@ from bayesfric.inference.priors import Parameter
 from bayesfric.rigs.grouped import GroupedLikelihood
 from bayesfric.rigs.single_axis.covariance import Pieces
 from bayesfric.rigs.single_axis.deviations import integrated, map_columns, map_spectrum
-from bayesfric.rigs.single_axis.linear import AxisRows
 from bayesfric.rigs.single_axis.measures import Measures
+from bayesfric.rigs.single_axis.rows import AxisRows
 
 __all__ = ["AxisLikelihood"]
 

@@ -261,7 +261,9 @@ def _of_run(
     place = np.flatnonzero(one_way)
     centres = centres[one_way]
     sign = way[centres]
-    at = motion.time_s[centres][:, None] + node_weights()[0] * (half + 1) * motion.interval_s
+    # The outermost places may lie between a window's last sample and the next, which turned.
+    places = np.clip(node_weights()[0] * (half + 1), -half, half)
+    at = motion.time_s[centres][:, None] + places * motion.interval_s
 
     def inside(values: Array) -> Array:
         return np.asarray(np.interp(at, motion.time_s, values))

@@ -98,6 +98,7 @@ def _state(path: Path, law: AxisLaw, tested: Array) -> State:
         position_m=path.position,
         direction=way,
         drive_force_n=force,
+        mass_kg=law.mass,
         force_rate_n_s=way * rate,
         lagging_rate_n_s=way * rate,
         force_curvature_n_s2=way * np.gradient(rate, path.time_s, axis=1),

@@ -19,15 +19,14 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, VISCOUS, Baseline
 from bayesfric.recording.tables import Axis, Recording, RigConstants
 from bayesfric.rigs.base import Motion, OwnLaw, Predictive, Unsupported, Words, why_inert
-from bayesfric.rigs.linear import rank
 from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.single_axis.likelihood import AxisLikelihood
-from bayesfric.rigs.single_axis.linear import AxisRows
 from bayesfric.rigs.single_axis.measures import Measures, measures_of
 from bayesfric.rigs.single_axis.motion import Motion as Log
 from bayesfric.rigs.single_axis.predictions import runs as runs_dataset
 from bayesfric.rigs.single_axis.readings import Readings, readings_of, rough_law
+from bayesfric.rigs.single_axis.rows import AxisRows, state_of
 from bayesfric.rigs.single_axis.simulated import (
     SimulatedBaseline,
     fitting,
@@ -218,7 +217,7 @@ class AxisRuns(PlainTrials):
         found = self.measures.effect(effect)
         if found.acts_on not in ("friction", "drive") or found.components:
             return found
-        values, state = small_values(found), self._rows(self._rough).state
+        values, state = small_values(found), self._state(self._rough)
         laws: dict[str, Law] = {}
         seen: list[Array] = []
         for name, law in found.laws.items():
@@ -249,7 +248,7 @@ class AxisRuns(PlainTrials):
         if missing := effect.needs - self.offers:
             return Unsupported(f"It needs what an axis has not: {', '.join(sorted(missing))}.")
         suited = self.measures.effect(effect)
-        state = self._rows(self._rough).state
+        state = self._state(self._rough)
         for law in suited.laws.values():
             response = np.asarray(law(small_values(suited), state), dtype=np.float64)
             if reason := why_inert(response):
@@ -324,36 +323,16 @@ class AxisRuns(PlainTrials):
         theta = tuple(float(np.asarray(one)) for one in law)
         return replace(self._rows(self._rough), simulated=self._beside, theta=theta)
 
+    def _state(self, law: AxisLaw) -> State:
+        return state_of(self.readings, law, self.table, self._tested, self.measures, self.constants)
+
     def _rows(self, law: AxisLaw) -> AxisRows:
-        rows, one = self.readings, np.ones((self.readings.count, 1))
-        tested = self._tested.astype(np.float64)
-        state = State(
-            n_pulleys=1.0,
-            wrap_angle_deg=85.0,
-            tension_n=15.0,
-            speed_m_s=rows.speed,
-            tension_friction_n=0.0,
-            constant_friction_n=law.coulomb + law.viscous * rows.speed,
-            pulley_friction_n=law.coulomb,
-            travel_m=rows.travel,
-            acceleration_m_s2=rows.acceleration[:, None],
-            order=rank(self.table)[rows.trial][:, None],
-            gravity_m_s2=self.constants.gravity_m_s2,
-            position_m=rows.position,
-            direction=rows.way[:, None] * one,
-            drive_force_n=rows.drive,
-            force_rate_n_s=rows.force_rate[:, None],
-            lagging_rate_n_s=rows.lagging_rate[:, None],
-            force_curvature_n_s2=rows.force_curvature[:, None],
-            wave_from_m=self.measures.wave.start,
-            tested=tested[rows.trial][:, None],
-        )
         return AxisRows(
             self.rig.name,
             self.table,
-            rows,
+            self.readings,
             law,
-            state,
+            self._state(law),
             self.measures.stroke,
             float(np.hypot(MARGIN_S, 0.5 * self.interval_s)),
             viscous=self.law.name == VISCOUS,

@@ -31,7 +31,7 @@ from scipy.special import roots_jacobi
 __all__ = ["NODES", "TestFunction", "WeakForce", "node_weights", "test_function"]
 
 Array = NDArray[np.float64]
-NODES = 5  # of a mean over a window of what is known all through it
+NODES = 25  # of a mean over a window of what is known all through it, as edges along the path
 HEIGHT = 35 / 32  # of (1 − u²)³, so that its integral is 1
 
 

@@ -1,0 +1,216 @@
+"""Rows of an axis around a reference law: mean forces, and what each number and effect adds."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bayesfric.analysis import Priors
+from bayesfric.effects import ActsOn, State
+from bayesfric.effects.candidates import Candidate, unit_values
+from bayesfric.physics.axis import AxisLaw
+from bayesfric.recording.tables import RigConstants
+from bayesfric.rigs.base import Unsupported
+from bayesfric.rigs.layout import Layout
+from bayesfric.rigs.linear import LinearRig, rank
+from bayesfric.rigs.single_axis.measures import Measures
+from bayesfric.rigs.single_axis.readings import Readings
+from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
+
+__all__ = ["AxisRows", "state_of"]
+
+Array = NDArray[np.float64]
+NO_SENSOR = Unsupported("it acts on readings of sensors that an axis has not")
+UNKNOWN_PHASE = Unsupported("its phase would be anew in every run, and an axis knows its place")
+
+
+@dataclass(frozen=True)
+class AxisRows:
+    """Rows around a reference law.
+
+    Parameters
+    ----------
+    name : str
+        Of the rig.
+    table : DataFrame
+        N trials.
+    readings : Readings
+        W rows.
+    law : AxisLaw
+        The reference.
+    state : State
+        Where the axis is at places inside every row, arrays that broadcast to (W, P).
+    stroke : float
+        Range of positions [m or rad].
+    latency_s : float
+        Prior standard deviation of the time by which the clocks of force and position may be
+        off.
+    viscous : bool
+        Whether the law has viscous friction.
+    simulated : SimulatedBaseline or None
+        A simulator in the place of the law, which then is only a scale.
+    theta : tuple of float
+        The simulator's parameters at the reference.
+    """
+
+    name: str
+    table: pd.DataFrame
+    readings: Readings
+    law: AxisLaw
+    state: State
+    stroke: float
+    latency_s: float
+    viscous: bool = False
+    simulated: SimulatedBaseline | None = None
+    theta: tuple[float, ...] = ()
+    loads: tuple[str, ...] = ()
+    # Along the path there is a map in the scatter; a row's acceleration has the row's own error.
+    trial_axes: tuple[str, ...] = ()
+
+    @property
+    def friction_n(self) -> Array:
+        """By the reference law, the mean over each trial's rows, (N,) [N]."""
+        rows = self.readings
+        count = np.bincount(rows.trial, minlength=len(self.table))
+        total = np.bincount(rows.trial, self.friction_of_row, len(self.table))
+        return np.asarray(total / np.maximum(count, 1))
+
+    @property
+    def friction_of_row(self) -> Array:
+        """By the reference law, (W,) [N]."""
+        return np.asarray(self.law.coulomb + self.law.viscous * self.mean(self.readings.speed))
+
+    @property
+    def acceleration(self) -> Array:
+        """Of no use here: it changes along a run; zeros, (N,)."""
+        return np.zeros(len(self.table))
+
+    def mean(self, values: Array) -> Array:
+        """Return means over the windows of what is known at places inside, (W,)."""
+        rows = self.readings
+        return np.asarray(np.broadcast_to(values, rows.speed.shape) @ rows.weights)
+
+    def covariates(self) -> dict[str, Array]:
+        """Return where every row is, arrays of shape (W,)."""
+        rows = self.readings
+        one = np.ones(rows.count)
+        return {
+            "velocity": self.mean(rows.speed),
+            "tension": one,
+            "n_pulleys": one,
+            "wrap_angle": one,
+            "displacement": self.mean(rows.position),
+            "acceleration": rows.acceleration,
+        }
+
+    def where(self, acts_on: ActsOn) -> Any:
+        """Return the places of a law, or Unsupported."""
+        return self.state if acts_on in ("friction", "drive") else NO_SENSOR
+
+    def coefficient_columns(self) -> Array:
+        """Return what each number of the law, or of the simulator, adds to each row, (W, 3)."""
+        rows = self.readings
+        if self.simulated is not None:
+            return self.simulated.columns(rows)
+        return np.stack(
+            [rows.acceleration, np.ones(rows.count), self.viscous * self.mean(rows.speed)], axis=1
+        )
+
+    def residual(self) -> Array:
+        """Return the rows less the reference law, or the simulator at its reference, (W,) [N]."""
+        if self.simulated is not None:
+            return self.readings.force - self.simulated.needed(self.readings, self.theta)
+        return np.asarray(self.readings.force - self.coefficient_columns() @ np.array(self.law))
+
+    def candidate_column(self, candidate: Candidate) -> Array | Unsupported:
+        """Return what an effect of amplitude 1 adds to each row, (W,)."""
+        effect = candidate.effect
+        if effect.acts_on not in ("friction", "drive"):
+            return NO_SENSOR
+        if effect.components:
+            return UNKNOWN_PHASE
+        values, small = unit_values(candidate)
+        return self.mean(np.asarray(effect.laws[candidate.law](values, self.state)) / small)
+
+    def relative_force(self, candidate: Candidate) -> Array | Unsupported:
+        """Return what amplitude 1 adds to friction as a share of it, (1, 1, W)."""
+        column = self.candidate_column(candidate)
+        if isinstance(column, Unsupported):
+            return column
+        return np.asarray(column / self.friction_of_row)[None, None]
+
+    def size_of(self, candidate: Candidate) -> float:
+        """Return the rms of what amplitude 1 does, as a share of friction."""
+        force = self.relative_force(candidate)
+        return 0.0 if isinstance(force, Unsupported) else float(np.sqrt((force**2).mean()))
+
+    def strays(self) -> tuple[str, ...]:
+        """Return no trial: runs differ by their scatter."""
+        return ()
+
+    def laid_out(self, layout: Layout, **given: Any) -> LinearRig:
+        """Return the rig with the columns of a model."""
+        from bayesfric.rigs.single_axis.linear import AxisPart
+
+        return AxisPart(self, layout, **given)
+
+    def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
+        """Return the prior standard deviation of the clocks' difference [s]."""
+        del priors
+        return (self.latency_s,)
+
+
+def state_of(
+    rows: Readings,
+    law: AxisLaw,
+    table: pd.DataFrame,
+    tested: NDArray[np.bool_],
+    measures: Measures,
+    constants: RigConstants,
+) -> State:
+    """Return where the axis is at places inside every row.
+
+    Parameters
+    ----------
+    rows : Readings
+        W rows, with P places each.
+    law : AxisLaw
+        The baseline.
+    table : DataFrame
+        N trials.
+    tested : ndarray of bool, shape (N,)
+        Trials in which something may differ from calibration.
+    measures : Measures
+        Of the whole recording.
+    constants : RigConstants
+        The machine.
+
+    Returns
+    -------
+    State
+        Arrays that broadcast to (W, P).
+    """
+    return State(
+        n_pulleys=1.0,
+        wrap_angle_deg=85.0,
+        tension_n=15.0,
+        speed_m_s=rows.speed,
+        tension_friction_n=0.0,
+        constant_friction_n=law.coulomb + law.viscous * rows.speed,
+        pulley_friction_n=law.coulomb,
+        travel_m=rows.travel,
+        acceleration_m_s2=rows.acceleration[:, None],
+        order=rank(table)[rows.trial][:, None],
+        gravity_m_s2=constants.gravity_m_s2,
+        position_m=rows.position,
+        direction=np.broadcast_to(rows.way[:, None], rows.speed.shape),
+        drive_force_n=rows.drive,
+        mass_kg=law.mass,
+        force_rate_n_s=rows.force_rate[:, None],
+        lagging_rate_n_s=rows.lagging_rate[:, None],
+        force_curvature_n_s2=rows.force_curvature[:, None],
+        wave_from_m=measures.wave.start,
+        tested=tested.astype(np.float64)[rows.trial][:, None],
+    )
