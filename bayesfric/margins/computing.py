@@ -239,7 +239,8 @@ def _refuse_unstable(loop: Loop, posterior: Posterior) -> None:
             loop.name,
             "a loop that is stable without friction, at the medians of its numbers"
             + ("" if direction is None else f" ({direction})")
-            + "; or controller.relies_on_friction = true",
+            + ": smaller gains, less delay, or controller.relies_on_friction = true, which "
+            f"computes it as it is. {plant_of(shaft).sentence.removesuffix('.')}",
             column="controller",
         )
         for direction, one in linear_of(shaft).items()

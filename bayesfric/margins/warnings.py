@@ -104,11 +104,11 @@ def _beyond_the_models(
             "(Armstrong & Amin 1996): hunting rests on the simulator, and on the stiction ratio, "
             "for which the paper says 1."
         )
-    slack = 1 - shaft.taut.mean()
-    if slack > 0:
+    slack = int((~shaft.taut).sum())
+    if slack:
         yield (
-            f"Under the load at rest a side of the pair goes slack in {slack:.1%} of the draws: "
-            "friction, hunting and backdrive take it as taut there, and are not to be relied on."
+            f"Under the load at rest a side of the pair goes slack in {slack} of {shaft.taut.size} "
+            "draws: friction, hunting and backdrive take it as taut there, and are not to be relied on."
         )
     falls = float((np.abs(shaft.load_torque) > shaft.breakaway).mean())
     if falls > 0:
