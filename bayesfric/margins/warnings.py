@@ -108,7 +108,8 @@ def _beyond_the_models(
     if slack:
         yield (
             f"Under the load at rest a side of the pair goes slack in {slack} of {shaft.taut.size} "
-            "draws: friction, hunting and backdrive take it as taut there, and are not to be relied on."
+            "draws: friction, hunting and backdrive take it as taut there, and are not to be "
+            "relied on."
         )
     falls = float((np.abs(shaft.load_torque) > shaft.breakaway).mean())
     if falls > 0:
