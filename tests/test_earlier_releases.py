@@ -61,6 +61,7 @@ def test_python_reads_it(kept):
     assert list(verdicts[verdicts == "supported"].index) == known["supported"]
 
 
+@pytest.mark.nightly
 def test_the_report_shows_its_numbers(kept):
     folder, known = kept
     done = CliRunner().invoke(app, ["report", str(folder / "results")])

@@ -147,6 +147,7 @@ def test_probabilities_add_up_and_effects_are_all_told(named):
         assert (entry.log10_bayes_factor is None) == (entry.log10_bayes_factor_why is not None)
 
 
+@pytest.mark.nightly  # another diagnosis
 def test_same_recording_same_bytes(named, tmp_path):
     recording = simulate_recording(SMALL, seed=1, effects={"viscous": 1.0})
     again = diagnose(recording, target=ASKED)
