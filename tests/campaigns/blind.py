@@ -20,7 +20,7 @@ from bayesfric.plots.scorecard import promises_and_reliability
 from bayesfric.plots.style import to_svg
 
 FIXED_SEEDS = range(1, 16)
-SCORING_SEED, PRIOR_SEED = 71_114, 60_000
+SCORING_SEED, PRIOR_SEED = 71_154, 60_000
 PRIOR_CASES = 200
 SHORT = ("withheld", "form", "strength", "noise_free_gap", "verdict", "causes", "correct")
 
