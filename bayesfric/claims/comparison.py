@@ -285,7 +285,7 @@ def decide(
 
 
 def odds(log10: float) -> str:
-    """Return a Bayes factor in words, as in ``20 to 1``; nobody believes more than a million."""
+    """Return a Bayes factor in words, as in ``20 to 1``, up to a million to one."""
     size = abs(log10)
     if size > MOST:
         return "more than 10⁶ to 1" if log10 > 0 else "less than 1 to 10⁶"

@@ -1,6 +1,5 @@
 """``bayesfric run``: everything, from a recording to the report."""
 
-import hashlib
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -26,7 +25,6 @@ from bayesfric.cli.options import (
     named_rigs,
 )
 from bayesfric.cli.printing import say
-from bayesfric.cli.stages import Stages
 
 if TYPE_CHECKING:
     from bayesfric.analysis import Analysis
@@ -97,6 +95,7 @@ def run_into(
     quiet: bool,
 ) -> set[str]:
     """Run all verbs and the report; return what happened that ``--fail-on`` can name."""
+    from bayesfric.cli.stages import Stages
     from bayesfric.report.writing import write_report
     from bayesfric.results import json_bytes, read_json, replace_outputs
     from bayesfric.schemas import TimingsFile
@@ -143,6 +142,7 @@ def _key(
 ) -> dict[str, object]:
     """Return all that the results of a run depend on."""
     from bayesfric.analysis import analysis_sha256
+    from bayesfric.cli.stages import digest
     from bayesfric.recording import read_recording
     from bayesfric.recording.package import PACKAGE_FILE
     from bayesfric.results import created_date, package_versions
@@ -150,16 +150,12 @@ def _key(
     return {
         "recording": str(recording.resolve()),
         "tables": read_recording(recording).sha256,
-        "descriptor": _digest(recording / PACKAGE_FILE),
+        "descriptor": digest(recording / PACKAGE_FILE),
         "analysis": analysis_sha256(analysis),
-        "loops": [_digest(path) for path in loops],
+        "loops": [digest(path) for path in loops],
         "junit": None if junit is None else str(junit.resolve()),
         "rigs": rigs,
         "baseline": baseline,
         "created": created_date(None),
         "versions": package_versions(),
     }
-
-
-def _digest(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()

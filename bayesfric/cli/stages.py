@@ -11,7 +11,7 @@ from pydantic import BaseModel, ValidationError
 from bayesfric.cli.printing import say
 from bayesfric.results import json_bytes
 
-__all__ = ["Stages"]
+__all__ = ["Stages", "digest"]
 
 LIST = ".stages.json"
 
@@ -47,13 +47,13 @@ class Stages:
 
     def __init__(self, folder: Path, key: dict[str, object], *, quiet: bool) -> None:
         self._folder, self._quiet = folder, quiet
-        digest = hashlib.sha256(json.dumps(key, sort_keys=True).encode()).hexdigest()
-        self._listed = Listed(key=digest)
+        whole = hashlib.sha256(json.dumps(key, sort_keys=True).encode()).hexdigest()
+        self._listed = Listed(key=whole)
         try:
             listed = Listed.model_validate_json((folder / LIST).read_bytes())
         except (OSError, ValidationError):
             return
-        if listed.key == digest:
+        if listed.key == whole:
             self._listed = listed
 
     @property
@@ -75,7 +75,7 @@ class Stages:
         """
         known = self._listed.stages.get(name)
         if known is not None and all(
-            _digest(Path(path)) == digest for path, digest in known.files.items()
+            digest(Path(path)) == kept for path, kept in known.files.items()
         ):
             if not self._quiet:
                 say(f"{name}: done before this run was interrupted, and kept", err=True)
@@ -88,7 +88,7 @@ class Stages:
         self._listed.stages[name] = Stage(
             happened=sorted(happened),
             seconds=seconds,
-            files={str(path.resolve()): _digest(path) for path in [*new, *also]},
+            files={str(path.resolve()): digest(path) for path in [*new, *also]},
         )
         partial = self._folder / f"{LIST}.partial"
         partial.write_bytes(json_bytes(self._listed))
@@ -106,6 +106,6 @@ class Stages:
         return {path: (state.st_mtime_ns, state.st_size) for path, state in states.items()}
 
 
-def _digest(path: Path) -> str:
-    """Return a file's digest; nothing where there is none."""
+def digest(path: Path) -> str:
+    """Return the SHA-256 of a file, in hexadecimal digits; nothing where there is no file."""
     return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else ""

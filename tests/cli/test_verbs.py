@@ -241,7 +241,7 @@ def test_every_verb_has_help_with_an_example(verb):
 
 def test_help_loads_nothing_heavy():
     code = (
-        "import sys; from bayesfric import cli; "
+        "import sys; import bayesfric.cli.verbs; "
         "print([m for m in ('numpy', 'pandas', 'scipy', 'pydantic') if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

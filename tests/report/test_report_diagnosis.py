@@ -123,7 +123,7 @@ def test_the_first_page_tells_all():
 def test_coefficients_of_a_law_that_misses_what_acts_say_so():
     """A truth outside the fit's intervals is no fault of the fit."""
     (told,) = law_alone(stored_diagnosis().found)
-    assert "taken up a part of viscous; law in diagnosis.json" in words(told.text)
+    assert "a part of the force of viscous has gone into them" in words(told.text)
     assert not list(law_alone(without_gap().found))
 
 

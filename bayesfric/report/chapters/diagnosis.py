@@ -67,13 +67,13 @@ def law_alone(found: DiagnosisFile) -> Iterator[Notice]:
         yield Notice(
             "attention",
             [
-                "The coefficients are those of the law alone, and have taken up a part of ",
+                "The coefficients above are those of the law alone: a part of the force of ",
                 Code(", ".join(cause.effect for cause in acting)),
-                "; ",
+                " has gone into them. Under ",
                 Code("law"),
-                " in ",
+                ", ",
                 Code("diagnosis.json"),
-                " has them refitted with it.",
+                " has the coefficients of a refit in which that force acts too.",
             ],
             title="A law that misses what acts",
         )
