@@ -18,6 +18,7 @@ from bayesfric.fitting.hypothesis import Hypothesis
 from bayesfric.inference.priors import draw
 from bayesfric.simulate import AppliedEffect, simulate_recording
 
+RIGS = ("gravity_board",)
 SEEDS = range(400)  # of each effect
 AMPLITUDES = {
     ("viscous", "constant"): HalfNormal(scale=1.2e-4),

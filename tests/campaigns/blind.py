@@ -19,6 +19,7 @@ from bayesfric.blind.design import cases_of
 from bayesfric.plots.scorecard import promises_and_reliability
 from bayesfric.plots.style import to_svg
 
+RIGS = ("gravity_board", "motor_board")
 FIXED_SEEDS = range(1, 16)
 SCORING_SEED, PRIOR_SEED = 71_154, 60_000
 PRIOR_CASES = 200

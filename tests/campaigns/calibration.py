@@ -2,6 +2,7 @@
 
 from bayesfric.calibration.running import calibrate
 
+RIGS = ("gravity_board", "motor_board")
 CASES = 500
 NIGHTLY_CASES = 50
 QUANTITIES = 20

@@ -9,6 +9,7 @@ from bayesfric.diagnosis import diagnose
 from bayesfric.effects import all_effects
 from bayesfric.simulate import simulate_recording
 
+RIGS = ("gravity_board", "motor_board")
 NULL_SEEDS = range(200)
 STRENGTHS = (1.0, 0.3)
 PAIRS = (

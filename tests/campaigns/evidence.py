@@ -5,6 +5,7 @@ come from, with a hash of each: evidence that is older than its code is told.
 ``python -m campaigns.evidence``, with ``tests`` on the path, prints how old each file is.
 """
 
+import ast
 import hashlib
 import json
 import subprocess
@@ -56,7 +57,8 @@ def code_of(campaign, root=ROOT):
         Relative to the root: the file itself, the helpers of tests that it imports, and
         every room of the package that it imports, directly or by another room, save those
         that make no number. A room counts whole, since rigs, effects and claims are found
-        by being there.
+        by being there; of the rigs those alone that the campaign names under ``RIGS``,
+        where its recordings hold no other.
     """
     files = {campaign} | _helpers_imported(campaign, root)
     rooms, waiting = set(), set()
@@ -72,8 +74,22 @@ def code_of(campaign, root=ROOT):
             waiting |= _rooms_imported(root / "bayesfric", file, root)
     folder = {room: (root / "bayesfric" / room).is_dir() for room in rooms}
     paths = {f"bayesfric/{room}" if folder[room] else f"bayesfric/{room}.py" for room in rooms}
+    named = _rigs_of(campaign)
+    if named and "bayesfric/rigs" in paths:
+        paths.remove("bayesfric/rigs")
+        shared = (root / "bayesfric" / "rigs").glob("*.py")
+        paths |= {f"bayesfric/rigs/{rig}" for rig in named}
+        paths |= {file.relative_to(root).as_posix() for file in shared}
     paths |= {BESIDE[room] for room in rooms & set(BESIDE)}
     return sorted(paths | {file.relative_to(root).as_posix() for file in files})
+
+
+def _rigs_of(campaign):
+    """Return what a campaign assigns to ``RIGS``, without importing it."""
+    for line in ast.parse(campaign.read_text(encoding="utf-8")).body:
+        if isinstance(line, ast.Assign) and getattr(line.targets[0], "id", "") == "RIGS":
+            return ast.literal_eval(line.value)
+    return ()
 
 
 def _helpers_imported(file, root):

@@ -12,6 +12,7 @@ from bayesfric.rigs import all_rigs
 from bayesfric.rigs.data import Data
 from bayesfric.simulate import simulate_recording
 
+RIGS = ("gravity_board",)
 SEED = 3
 DRAWS = 300_000
 HYPOTHESES = {

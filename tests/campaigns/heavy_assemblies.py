@@ -16,6 +16,7 @@ from bayesfric.inference.model import Model
 from bayesfric.rigs.opening import open_rigs
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 
+RIGS = ("gravity_board",)
 FREEDOM = 3.0
 LEVELS = ("student-t", "normal")  # of the fit's assemblies
 SEEDS = range(41_000, 41_060)

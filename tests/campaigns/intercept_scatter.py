@@ -17,6 +17,7 @@ from bayesfric.inference.model import Model
 from bayesfric.rigs.opening import open_rigs
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 
+RIGS = ("gravity_board",)
 LEVELS = (0.0, 0.07, 0.15)
 SEEDS = range(40_000, 40_200)
 COVERED = (0.05, 0.95)  # ranks inside the interval of 90 %

@@ -7,6 +7,7 @@ import os
 
 from bayesfric.blind.running import run_blind
 
+RIGS = ("gravity_board",)
 SCORING_SEED = 90_000
 CASES = 100
 SHORT = ("withheld", "form", "strength", "noise_free_gap", "verdict", "causes", "correct")

@@ -4,6 +4,7 @@ from bayesfric.analysis import ClaimRules
 from bayesfric.claims import check_claims, registered, screen_claims
 from bayesfric.simulate import simulate_recording
 
+RIGS = ("gravity_board", "motor_board")
 SEEDS = range(100)
 
 

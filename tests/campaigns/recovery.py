@@ -5,6 +5,7 @@ import numpy as np
 from bayesfric.fitting.posterior import fit
 from bayesfric.simulate import simulate_recording, table1_coefficients
 
+RIGS = ("gravity_board", "motor_board")
 SEEDS = range(100)
 LEVELS = {"50": (0.25, 0.75), "90": (0.05, 0.95)}
 

@@ -16,6 +16,7 @@ from bayesfric.analysis import Analysis
 from bayesfric.diagnosis import diagnose
 from bayesfric.recording import read_recording
 
+RIGS = ("gravity_board", "motor_board")
 WORLD = "BAYESFRIC_SECOND_WORLD"
 SEEDS = range(1, 1 + int(os.environ.get("BAYESFRIC_SECOND_SEEDS", "20")))
 STRENGTHS = (1.0, 0.3)

@@ -17,6 +17,7 @@ from bayesfric.rigs.data import Data
 from bayesfric.rigs.opening import open_rigs
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 
+RIGS = ("gravity_board",)
 SEEDS = range(60)
 MORE_FRICTION = 1.5
 LAWS = {

@@ -70,6 +70,23 @@ def test_a_change_of_its_code_makes_evidence_stale(tree, name, text, expected):
     assert evidence.changed(record, tree) == ([expected] if expected else [])
 
 
+def test_of_the_rigs_those_that_a_campaign_names_count(tree):
+    """What all rigs share counts too, another rig's folder does not."""
+    campaign = tree / "tests/campaigns/falls.py"
+    campaign.write_text(MADE["tests/campaigns/falls.py"] + '\nRIGS = ("one",)')
+    for rig in ("one", "other"):
+        (tree / "bayesfric/rigs" / rig).mkdir()
+        (tree / "bayesfric/rigs" / rig / "rows.py").write_text("")
+    record = record_of(tree)
+    for changed, expected in [("other/rows.py", []), ("one/rows.py", ["bayesfric/rigs/one"])]:
+        (tree / "bayesfric/rigs" / changed).write_text("n = 1")
+        evidence.digest.cache_clear()
+        assert evidence.changed(record, tree) == expected
+    (tree / "bayesfric/rigs/board.py").write_text("")
+    evidence.digest.cache_clear()
+    assert evidence.changed(record, tree) == ["bayesfric/rigs/board.py", "bayesfric/rigs/one"]
+
+
 def test_a_file_of_another_name_or_gone_makes_it_stale(tree):
     record = record_of(tree)
     (tree / "bayesfric/physics/law.py").rename(tree / "bayesfric/physics/laws.py")
@@ -89,7 +106,7 @@ def test_a_campaign_writes_what_is_read_back_as_fresh(tmp_path, monkeypatch):
     evidence.write("recovery", recovery, seeds=[0, 1], figures={"n": 2}, cases=[])
     record = evidence.read("recovery")
     assert evidence.names() == ["recovery"]
-    rooms = {"analysis.py", "effects", "fitting", "inference", "physics", "rigs", "simulate"}
+    rooms = {"analysis.py", "effects", "fitting", "inference", "physics", "simulate"}
     assert {f"bayesfric/{room}" for room in rooms} <= set(record["code"])
     assert not {"bayesfric/diagnosis", "bayesfric/schemas"} & set(record["code"])
     assert evidence.changed(record) == []

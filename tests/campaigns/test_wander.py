@@ -13,7 +13,7 @@ def test_coverage_of_the_wander_on_a_hundred_recordings():
         done = list(run_campaign(wander.case, cases, evidence.WORK / "wander", executor).values())
     figures = wander.coverage(done)
     seeds = [wander.SEEDS.start, wander.SEEDS.stop - 1]
-    evidence.write("wander", command="make test-long", seeds=seeds, figures=figures, cases=done)
+    evidence.write("wander", wander, seeds=seeds, figures=figures, cases=done)
     low, high = wander.BOUNDS
     assert all(case["converged"] for case in done)
     for name in ("wander", "wander_length"):

@@ -5,6 +5,7 @@ from scipy import stats
 from bayesfric.fitting.posterior import fit
 from bayesfric.simulate import Truth, simulate_recording
 
+RIGS = ("gravity_board", "motor_board")
 SEEDS = range(100)
 FACTOR = 1.03
 LEAST_COVERED = 85  # of 100; intervals of exactly 90 % cover fewer once in 25 campaigns

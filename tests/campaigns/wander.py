@@ -6,6 +6,7 @@ from bayesfric.fitting.posterior import fit
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import Truth, simulate_recording
 
+RIGS = ("gravity_board",)
 SEEDS = range(100)
 DESIGN = Protocol({(9, 85.0): 2, (15, 50.0): 1, (5, 135.0): 1}, (6.0, 16.0), (6.0, 16.0), 3)
 TRUTH = Truth(wander=0.015, wander_length=0.1, omega_intercept=0.07, push=0.05)
