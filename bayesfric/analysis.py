@@ -89,10 +89,12 @@ class Sampler(Section):
         None, description="Walkers an ensemble; even. Absent: the larger of 36 and 2 a parameter."
     )
     burn: Annotated[int, Field(ge=10, le=100_000)] = Field(
-        100, description="Steps of an ensemble that are thrown away."
+        60,
+        description="Steps of an ensemble that are thrown away, and of the first of three pilots; "
+        "each further pilot is twice as long.",
     )
     steps: Annotated[int, Field(ge=50, le=1_000_000)] = Field(
-        600, description="Steps of an ensemble that are kept, before thinning."
+        480, description="Steps of an ensemble that are kept, before thinning."
     )
     thin: Annotated[int, Field(ge=1, le=1000)] = Field(3, description="Keep each thin-th step.")
     extensions: Annotated[int, Field(ge=0, le=100)] = Field(
@@ -228,7 +230,7 @@ class CalibrationRules(Section):
     sigma_x: Positive = Field(3e-5, description="Centre of the position error of an event [m].")
     sigma_t: Positive = Field(2e-5, description="Centre of the clock error of an event [s].")
     sampler: Sampler = Field(
-        Sampler(burn=60, steps=60, thin=3, extensions=0),
+        Sampler(burn=30, steps=60, thin=3, extensions=0),
         description="Ensemble sampler of each fit; keys as in [sampler], whose defaults hold "
         "for those that a file leaves out.",
     )

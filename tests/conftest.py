@@ -13,7 +13,8 @@ from bayesfric.fitting.posterior import fit
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import simulate_recording
 
-QUICK_SAMPLER = Sampler(burn=60, steps=80, thin=3, extensions=0)  # all draws are stored
+# All draws are stored, and no walker stays where it is for all of them.
+QUICK_SAMPLER = Sampler(burn=60, steps=80, thin=3, extensions=0, independence_share=0.7)
 
 
 @pytest.fixture(autouse=True)

@@ -15,7 +15,7 @@ from bayesfric.resources import data_folder, reference_folder
 from bayesfric.results import read_json
 from bayesfric.schemas import ClaimsFile, DiagnosisFile
 
-QUICK = {"sampler": {"burn": 60, "steps": 80, "thin": 2, "extensions": 0}}
+QUICK = {"sampler": {"burn": 30, "steps": 80, "thin": 2, "extensions": 0}}
 
 
 @pytest.fixture(scope="module")

@@ -22,12 +22,12 @@ from numpy.typing import NDArray
 
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import from_normal, log_density, prior_width
-from bayesfric.inference.sampling import PROPOSAL_FREEDOM, PROPOSAL_INFLATION
 
 __all__ = ["NormalBoard", "second_stage"]
 
 Array = NDArray[np.float64]
 LEAST_PRECISION = 0.01  # of a direction that a board leaves open, its prior's being 1
+FREEDOM, INFLATION = 6.0, 1.3  # of the proposals of a board, whose tails may be heavy
 
 
 @dataclass(frozen=True)
@@ -140,22 +140,22 @@ class NormalBoard:
         widths = np.sqrt(np.diagonal(inner, axis1=1, axis2=2))
         # Widths may differ by any factor: the root is taken of correlations.
         near = np.linalg.cholesky(inner / (widths[:, :, None] * widths[:, None, :]))
-        near = PROPOSAL_INFLATION**0.5 * widths[..., None] * near
+        near = INFLATION**0.5 * widths[..., None] * near
         normal = rng.standard_normal((len(mean), tries, size))
-        far = np.sqrt(PROPOSAL_FREEDOM / rng.chisquare(PROPOSAL_FREEDOM, (len(mean), tries, 1)))
+        far = np.sqrt(FREEDOM / rng.chisquare(FREEDOM, (len(mean), tries, 1)))
         student = normal * far
         x = np.empty_like(student)
         x[..., :count] = centre[:, None] + np.einsum("wij,wtj->wti", near, student[..., :count])
         # The rest follows the coefficients as it does in the board's own posterior.
         along = self.root[count:, :count] @ np.linalg.inv(self.root[:count, :count])
-        own = PROPOSAL_INFLATION**0.5 * self.root[count:, count:]
+        own = INFLATION**0.5 * self.root[count:, count:]
         x[..., count:] = (
             self.centre[count:]
             + (x[..., :count] - self.centre[:count]) @ along.T
             + student[..., count:] @ own.T
         )
-        log_proposed = -0.5 * (PROPOSAL_FREEDOM + size) * np.log1p(
-            (student**2).sum(axis=-1) / PROPOSAL_FREEDOM
+        log_proposed = -0.5 * (FREEDOM + size) * np.log1p(
+            (student**2).sum(axis=-1) / FREEDOM
         ) - np.log(np.diagonal(near, axis1=1, axis2=2)).sum(axis=1, keepdims=True)
         off = (x[..., :count] - mean[:, None]) / sd[:, None]
         log_population = -0.5 * (off**2).sum(axis=-1) - np.log(sd).sum(axis=1)[:, None]
@@ -198,9 +198,9 @@ def second_stage(log_weight: Array, rng: np.random.Generator) -> NDArray[np.intp
     threshold = np.log(rng.uniform(size=log_weight.shape))
     at = np.zeros(log_weight.shape, dtype=np.intp)
     for row, weights in enumerate(log_weight):
-        here = 0  # −inf at first leaves for any weight that is finite
+        here = 0  # with a weight of −inf it leaves for any that is finite
         for step in range(1, len(weights)):
-            if threshold[row, step] < weights[step] - weights[here]:
+            if weights[step] - threshold[row, step] > weights[here]:
                 here = step
             at[row, step] = here
     return at

@@ -3,7 +3,7 @@
 Nothing here knows of friction. Nine moves in ten are independence proposals, from a
 Student-t fitted to the density and with their Hastings ratio; the tenth is differential
 evolution, which explores where the Student-t does not fit.
-The proposal is fitted to a pilot run, in the coordinates of a :class:`Chart`, before the
+The proposal is fitted to pilot runs, in the coordinates of a :class:`Chart`, before the
 first draw that is kept, and then left alone. Draws that have not converged are taken as a
 better pilot, and the ensembles are run on for new draws.
 
@@ -37,8 +37,9 @@ Arrays = dict[str, NDArray[Any]]
 # Points to proposals and log q(points) − log q(proposals), as emcee wants it.
 Propose = Callable[[Array, np.random.RandomState], tuple[Array, Array]]
 
-PROPOSAL_FREEDOM = 6.0  # heavier tails than the posterior's, as independence needs
-PROPOSAL_INFLATION = 1.3  # of its covariance: a posterior that is not normal is covered too
+LEAST_FREEDOM = 6.0  # heavier tails than the posterior's, as independence needs
+PROPOSAL_INFLATION = 1.1  # of its covariance: a posterior that is not normal is covered too
+PILOTS = 3  # each twice as long as the one before, whose second half it is fitted to
 PIECE_STEPS = 50  # steps between two checkpoints
 LEAST_WALKERS = 36
 START_INFLATION = 1.5  # starts are wider than the posterior, so that R-hat can tell
@@ -84,12 +85,14 @@ class StudentT:
         Centre.
     scale : ndarray, shape (D, D)
         Scale matrix.
-    freedom : float
-        Degrees of freedom.
+    freedom : float or None
+        Degrees of freedom; None is D, at least 6: in many dimensions most draws of a tail so
+        heavy as suits a few would be refused.
     """
 
-    def __init__(self, location: Array, scale: Array, freedom: float = PROPOSAL_FREEDOM) -> None:
+    def __init__(self, location: Array, scale: Array, freedom: float | None = None) -> None:
         self.location = location
+        freedom = max(LEAST_FREEDOM, location.size) if freedom is None else freedom
         self.freedom = freedom
         self._root = np.linalg.cholesky(scale)
         size = location.size
@@ -189,7 +192,7 @@ def sample(
     settings : Sampler
         Ensembles, walkers and steps.
     seed : int
-        Seeds a pilot and each ensemble on its own.
+        Seeds each pilot and each ensemble on its own.
     progress : callable or None
         Called with the steps done and the steps in all.
     checkpoint : Checkpoint or None
@@ -220,9 +223,9 @@ def sample(
         expected = f"at least {2 * size}, twice the number of parameters of this recording"
         fault = Fault("analysis", expected, column="sampler.walkers", value=str(walkers))
         raise InputError([fault])
-    seeds = np.random.SeedSequence(seed).spawn(settings.ensembles + 1)
+    seeds = np.random.SeedSequence(seed).spawn(settings.ensembles + PILOTS)
     total_steps = settings.burn + settings.steps  # of an ensemble
-    total = settings.burn + settings.ensembles * total_steps
+    total = (2**PILOTS - 1) * settings.burn + settings.ensembles * total_steps
 
     def report(done: int) -> None:
         if progress is not None:
@@ -231,17 +234,20 @@ def sample(
     keeping = checkpoint or Checkpoint(None, "")
     runs = _Runs(log_density, settings, walkers, keeping, report)
 
-    # The pilot replaces the curvature at the mode by the spread of the density itself.
+    # Pilots replace the curvature at the mode by the spread of the density itself.
     around_mode = StudentT(laplace.mode, laplace.covariance)
-    pilot = runs.run("pilot", around_mode.propose, settings.burn, (around_mode, seeds[0]))
-    student = _around(pilot["chain"][settings.burn // 2 :].reshape(-1, size))
-
-    propose = _charted(pilot["chain"][settings.burn // 2 :].reshape(-1, size), chart)
+    propose: Propose = around_mode.propose
+    student, length = around_mode, settings.burn
+    for stage in range(PILOTS):
+        fresh = (student, seeds[stage])
+        chain = runs.run(f"pilot-{stage}", propose, length, fresh)["chain"]
+        points = chain[length // 2 :].reshape(-1, size)
+        propose, student, length = _charted(points, chart), _around(points), 2 * length
     steps, thin, extensions = settings.steps, settings.thin, 0
     while True:
         ensembles = [
             runs.run(f"ensemble-{place}", propose, total_steps, (student, child))
-            for place, child in enumerate(seeds[1:])
+            for place, child in enumerate(seeds[PILOTS:])
         ]
         kept = slice(total_steps - steps + thin - 1, None, thin)
         draws = Draws(

@@ -70,7 +70,7 @@ def fit(
     Examples
     --------
     >>> import bayesfric as bf
-    >>> quick = {"sampler": {"burn": 60, "steps": 80, "thin": 2, "extensions": 0}}
+    >>> quick = {"sampler": {"burn": 30, "steps": 80, "thin": 2, "extensions": 0}}
     >>> fitted = bf.fit("my-board", quick, seed=3, priors={"c1": bf.HalfNormal(0.05)})
     >>> fitted.summary.seed
     3

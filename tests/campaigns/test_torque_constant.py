@@ -16,7 +16,7 @@ from bayesfric.simulate import Truth, simulate_recording
 
 NIGHTLY_SEEDS = (0, 1)
 ONE_CELL = Protocol({(9, 85.0): 1}, (6.0, 28.0), (6.0,), 2)
-SHORT = Sampler(burn=60, steps=80, thin=2, extensions=0)
+SHORT = Sampler(burn=30, steps=80, thin=2, extensions=0)
 
 
 def run(seeds, folder):

@@ -21,7 +21,7 @@ from bayesfric.rigs.protocols import Protocol
 from bayesfric.schemas import FitFile
 from bayesfric.simulate import simulate_recording
 
-SHORT = Sampler(burn=60, steps=80, thin=3, extensions=0)
+SHORT = Sampler(burn=30, steps=80, thin=3, extensions=0)
 
 
 @pytest.fixture(scope="module")
@@ -140,7 +140,7 @@ def test_two_recordings_are_fitted_reported_and_rerun(tmp_path):
         recording = simulate_recording(design, seed=seed, name=name)
         write_recording(recording, tmp_path / name)
     config = tmp_path / "analysis.toml"
-    config.write_text("[sampler]\nburn = 60\nsteps = 80\nthin = 3\nextensions = 0\n")
+    config.write_text("[sampler]\nburn = 30\nsteps = 80\nthin = 3\nextensions = 0\n")
     runner = CliRunner()
     boards = [str(tmp_path / name) for name in ("monday", "friday")]
     output = tmp_path / "pooled"

@@ -77,7 +77,7 @@ def test_ensembles_differ_and_are_kept_apart():
 def test_progress_counts_every_step_once():
     seen = []
     draw(6, lambda done, total: seen.append((done, total)), SHORT)
-    total = 50 + 4 * 150
+    total = 50 + 100 + 200 + 4 * 150  # three pilots, then the ensembles
     assert seen == [(step, total) for step in range(1, total + 1)]
 
 
@@ -117,7 +117,7 @@ def test_ensembles_run_on_until_the_draws_are_good(enough, extensions, steps):
     assert (draws.extensions, draws.steps, draws.thin) == (extensions, steps, steps // 25)
     assert set(asked) == {(4, 25, 32, 3)}  # as many draws each time
     assert [done for done, _ in seen] == list(range(1, len(seen) + 1))
-    assert seen[-1][0] == seen[-1][1] == 50 + 4 * (50 + 100 * 2**extensions)
+    assert seen[-1][0] == seen[-1][1] == 350 + 4 * (50 + 100 * 2**extensions)
 
 
 def test_draws_that_are_good_are_left_alone():
@@ -131,7 +131,7 @@ def test_a_run_that_was_stopped_while_it_ran_on_goes_on_to_the_same_draws(tmp_pa
     unbroken = draw(5, **again_and_again)
 
     def stop(done, total):
-        if done == 1111:  # in the second extension
+        if done == 1411:  # in the second extension
             raise KeyboardInterrupt
 
     keeping = Checkpoint(tmp_path / "c", "key")

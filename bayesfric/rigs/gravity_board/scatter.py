@@ -27,7 +27,14 @@ def scatter_parameters(sizes: Sequence[str], analysis: Analysis) -> tuple[Parame
     """
     groups = [f"[{size}]" for size in sizes] if analysis.scatter.by_size else [""]
     return tuple(
-        Parameter(f"{name}{group}", "1", getattr(analysis.priors, name), "scatter")
+        Parameter(
+            f"{name}{group}",
+            "1",
+            getattr(analysis.priors, name),
+            "scatter",
+            # May be far below the scale of its prior, where its logarithm has a long tail.
+            linear=name == "omega_intercept",
+        )
         for name in NAMES
         for group in groups
     )
