@@ -131,6 +131,8 @@ def diagnose_into(
     say(f"{summary.verdict}: {summary.sentence}")
     for name, chance in list(summary.probabilities.items())[:5]:
         say(f"  {name:<28} {chance:.3f}")
+    for line in summary.attention:
+        say(f"attention: {line}", err=True)
     if summary.target is not None:
         for line in target_lines(summary.target):
             say(line)

@@ -252,6 +252,7 @@ def _diagnose(
         fixed=tuple(sorted(held)),
         shipped=None if shipped is None else shipped_numbers(law_shipped, data),
         stray_trials=stray,
+        attention=not_followed(analysis),
         practical_share=practical,
         verdict=verdict,
         verdict_probability=chance,
@@ -286,6 +287,20 @@ def _diagnose(
     )
     amplitudes = {name: posterior.amplitudes[name] for name in named}
     return summary, curves_of(held_out, amplitudes, posterior.law)
+
+
+def not_followed(analysis: Analysis) -> tuple[str, ...]:
+    """Return, in sentences, the settings that a diagnosis does not follow."""
+    scatter = analysis.scatter
+    return tuple(
+        f"The scatter of {of} is taken as normal in a diagnosis: scatter.{key} = "
+        f'"{value}" holds for fits and claims.'
+        for key, value, of in (
+            ("trial", scatter.trial, "trials"),
+            ("assembly", scatter.assembly, "assemblies"),
+        )
+        if value != "normal"
+    )
 
 
 def _first_look(model: LinearModel, psi: Array) -> Search:

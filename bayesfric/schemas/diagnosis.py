@@ -287,6 +287,9 @@ class DiagnosisFile(Provenance):
     stray_trials: tuple[str, ...] = Field(
         (), description="Trials left out: each lies far from the others of its own assembly."
     )
+    attention: tuple[str, ...] = Field(
+        (), description="Settings that a diagnosis does not follow; usually none."
+    )
     practical_share: Number = Field(description="Share of rms friction below which none cares.")
     verdict: Literal["no-gap", "named", "unseparated", "unknown", "undecided"] = Field(
         description="By the rules of the contract."

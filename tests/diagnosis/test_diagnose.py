@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 from altered import by_acceleration, with_trials
 
-from bayesfric.analysis import Analysis
+from bayesfric.analysis import Analysis, Scatter
 from bayesfric.diagnosis import diagnose
 from bayesfric.effects import State, all_effects
 from bayesfric.errors import InputError
@@ -48,6 +48,15 @@ def named():
     recording = simulate_recording(SMALL, seed=1, effects={"viscous": 1.0})
     (truth,) = recording.metadata["simulation"]["truth"]["effects"]
     return diagnose(recording, target=ASKED), truth["parameters"]["slope"]
+
+
+def test_a_setting_that_is_not_followed_is_told(nothing, empty):
+    """Student-t scatter changes no number of a diagnosis, which says so."""
+    found = diagnose(nothing, Analysis(scatter=Scatter(assembly="student-t"))).summary
+    (line,) = found.attention
+    assert 'scatter.assembly = "student-t"' in line
+    assert empty.attention == ()
+    assert found.gap == empty.gap
 
 
 def test_a_cause_is_named_with_its_size(named):

@@ -4,6 +4,9 @@ import numpy as np
 import xarray as xr
 
 from bayesfric.analysis import HalfNormal
+from bayesfric.report.chapters.diagnosis import diagnosis as chapter
+from bayesfric.report.chapters.diagnosis_details import appendix
+from bayesfric.report.content import BulletList, Figure, Notice, Paragraph, Table, inlines
 from bayesfric.report.stored import StoredDiagnosis
 from bayesfric.schemas import (
     Absorbed,
@@ -281,4 +284,48 @@ def without_gap() -> StoredDiagnosis:
         gap=gap,
         next_experiment=(),
         next_experiment_why="no two hypotheses are left to separate",
+    )
+
+
+def words(text):
+    return "".join(i if isinstance(i, str) else getattr(i, "text", "") for i in inlines(text))
+
+
+def blocks_of(stored):
+    """Return the chapter and its long tables."""
+    return [*chapter(stored, alone=False), *appendix(stored.found)]
+
+
+def tables(stored):
+    return {b.label: b for b in blocks_of(stored) if isinstance(b, Table)}
+
+
+def rows(stored, label):
+    return {words(row[0]): [words(cell) for cell in row[1:]] for row in tables(stored)[label].rows}
+
+
+def paragraphs(stored):
+    blocks = blocks_of(stored)
+    said = [words(b.text) for b in blocks if isinstance(b, Paragraph | Notice)]
+    said += [words(item) for b in blocks if isinstance(b, BulletList) for item in b.items]
+    return " ".join(said)
+
+
+def figures(stored):
+    return {b.label: b for b in chapter(stored, alone=False) if isinstance(b, Figure)}
+
+
+def two_causes():
+    """Much of everything: a long sentence, two causes of long names, many axes."""
+    many = tuple(axis(f"covariate_{k}", "m", 0.02) for k in range(8))
+    return stored_diagnosis(
+        sentence="Friction grows with the speed of the cable (viscous) and more than in proportion "
+        "to the number of pulleys (pulley-count-curvature), with probability 0.93; adding both "
+        "closes 98 % of the systematic gap on assemblies held out of the fit.",
+        probabilities={"viscous+pulley-count-curvature": 0.93, **diagnosis().probabilities},
+        causes=(
+            cause("viscous"),
+            cause("pulley-count-curvature", plausible=False, below_floor=True),
+        ),
+        where=diagnosis().where + many,
     )

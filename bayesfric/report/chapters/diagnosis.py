@@ -93,6 +93,8 @@ def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:
             found.sentence,
             title=f"{VERDICTS[found.verdict]} (probability {probability})",
         )
+    for line in found.attention:
+        yield Notice("attention", line)
     yield _at_a_glance(found)
     yield Heading(2, "How large it is")
     yield gap_words(found)
