@@ -16,18 +16,23 @@ __all__ = ["report"]
 @exit_status
 def report(
     folder: Annotated[Path, typer.Argument(help="Folder with the results of fit.")],
+    before: Annotated[
+        Path | None,
+        typer.Option("--compare", help="Folder with results of an earlier run: what changed."),
+    ] = None,
     quiet: Quiet = False,
 ) -> None:
     """Write report.pdf, report.html and summary.md from the files in a folder alone.
 
-    Example: bayesfric report my-results
+    Example: bayesfric report my-results --compare last-night
     """
     from bayesfric.errors import Fault, InputError
     from bayesfric.report.writing import write_report
 
-    if not folder.is_dir():
-        raise InputError([Fault(str(folder), "a folder with results of the verbs")])
+    for place in (folder, before):
+        if place is not None and not place.is_dir():
+            raise InputError([Fault(str(place), "a folder with results of the verbs")])
     with hold(folder, "report"):
-        write_report(folder)
+        write_report(folder, before)
     if not quiet:
         say(f"{folder / 'report.pdf'}", err=True)

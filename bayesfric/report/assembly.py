@@ -8,6 +8,7 @@ from bayesfric.report.chapters.boards import boards
 from bayesfric.report.chapters.calibration import calibrated_from, calibration
 from bayesfric.report.chapters.checks import checks
 from bayesfric.report.chapters.claims import claims
+from bayesfric.report.chapters.comparison import comparison
 from bayesfric.report.chapters.data_quality import data_quality
 from bayesfric.report.chapters.diagnosis import diagnosis
 from bayesfric.report.chapters.diagnosis_details import appendix as diagnosis_tables
@@ -95,6 +96,8 @@ def _blocks(stored: StoredResults) -> Iterator[Block]:
         yield from blind_chapter(stored.scorecard)
     if stored.calibration is not None:
         yield from calibration(stored.calibration)
+    if stored.comparison is not None:
+        yield from comparison(stored.comparison)
     yield from methods(stored)
     if fitted is not None:
         yield from diagnostics(fitted)

@@ -10,6 +10,7 @@ from bayesfric.results import read_beside, read_json
 from bayesfric.schemas import (
     CalibrationFile,
     ClaimsFile,
+    ComparisonFile,
     DiagnosisFile,
     FitFile,
     MarginsFile,
@@ -93,6 +94,8 @@ class StoredResults:
         Of the loops that were given.
     calibration : CalibrationFile or None
         Whether posteriors of simulated recordings hold their truths.
+    comparison : ComparisonFile or None
+        What changed since another run.
     """
 
     fitted: StoredFit | None = None
@@ -102,6 +105,7 @@ class StoredResults:
     scorecard: ScorecardFile | None = None
     margins: MarginsFile | None = None
     calibration: CalibrationFile | None = None
+    comparison: ComparisonFile | None = None
 
     @property
     def records(self) -> dict[str, Provenance]:

@@ -1,7 +1,9 @@
 """A folder of results becomes its report in three forms."""
 
+from dataclasses import replace
 from pathlib import Path
 
+from bayesfric.comparing import compare
 from bayesfric.report.assembly import build_document
 from bayesfric.report.html import render_html
 from bayesfric.report.markdown import render_summary
@@ -12,20 +14,26 @@ from bayesfric.results import replace_outputs
 __all__ = ["write_report"]
 
 
-def write_report(folder: Path) -> None:
+def write_report(folder: Path, before: Path | None = None) -> None:
     """Write ``report.pdf``, ``report.html`` and ``summary.md``.
 
     Parameters
     ----------
     folder : Path
         Where the verbs wrote; the only source.
+    before : Path or None
+        Results of an earlier run, which these are compared with.
 
     Raises
     ------
     InputError
-        A result is missing or damaged, or the folder cannot be written.
+        A result is missing or damaged, the runs have no result in common, or the folder
+        cannot be written.
     """
-    document = build_document(read_stored(folder))
+    stored = read_stored(folder)
+    if before is not None:
+        stored = replace(stored, comparison=compare(before, folder))
+    document = build_document(stored)
     pdf = render_pdf(document)
     html = render_html(document).encode()
     summary = render_summary(document).encode()

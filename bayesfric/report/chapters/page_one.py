@@ -13,6 +13,7 @@ from bayesfric.report.chapters.blind import scorecard_line
 from bayesfric.report.chapters.boards import population
 from bayesfric.report.chapters.calibration import calibration_line
 from bayesfric.report.chapters.claims import fallen
+from bayesfric.report.chapters.comparison import comparison_line
 from bayesfric.report.chapters.diagnosis import law_alone, verdict_line
 from bayesfric.report.chapters.gain import gain_lines
 from bayesfric.report.chapters.plain_law import force_unit, in_a_sentence
@@ -65,6 +66,8 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
         yield scorecard_line(stored.scorecard)
     if stored.calibration is not None and fitted is None:
         yield calibration_line(stored.calibration)
+    if stored.comparison is not None:
+        yield comparison_line(stored.comparison)
     if fitted is not None:
         yield from worries(fitted.fit)
 
