@@ -6,9 +6,9 @@ from typing import Annotated
 
 import typer
 
-from bayesfric.cli.exits import exit_status, fail_on, failures_of
+from bayesfric.cli.exits import check_fail_on, exit_status, fail_on, failures_of
 from bayesfric.cli.locks import hold
-from bayesfric.cli.options import Config, FailOn, Folder, Quiet, Workers
+from bayesfric.cli.options import Config, Folder, Quiet, Workers, fails
 from bayesfric.cli.printing import say
 
 __all__ = ["blind"]
@@ -18,15 +18,25 @@ __all__ = ["blind"]
 def blind(
     output: Folder = Path("bayesfric-run"),
     engine: Annotated[
-        str, typer.Option("--engine", help="Who makes the recordings: reference, or mujoco.")
+        str,
+        typer.Option(
+            "--engine", metavar="TEXT", help="Who makes the recordings: reference, or mujoco."
+        ),
     ] = "reference",
     number: Annotated[
-        int, typer.Option("--n", min=1, help="Cases; with more, a campaign is continued.")
+        int,
+        typer.Option(
+            "--n", metavar="INTEGER", min=1, help="Cases; with more, a campaign is continued."
+        ),
     ] = 30,
     workers: Workers = 1,
     scheduler: Annotated[
         str | None,
-        typer.Option("--scheduler", help="Of a Dask cluster that runs the cases: tcp://host:8786."),
+        typer.Option(
+            "--scheduler",
+            metavar="TEXT",
+            help="Of a Dask cluster that runs the cases: tcp://host:8786.",
+        ),
     ] = None,
     from_prior: Annotated[
         bool, typer.Option("--from-prior", help="Draw what is withheld from the reported prior.")
@@ -36,12 +46,17 @@ def blind(
     ] = False,
     recording: Annotated[
         Path | None,
-        typer.Option("--from", help="Folder of a recording of your own, instead of a campaign."),
+        typer.Option(
+            "--from",
+            metavar="PATH",
+            help="Folder of a recording of your own, instead of a campaign.",
+        ),
     ] = None,
     answer: Annotated[
         Path | None,
         typer.Option(
             "--answer",
+            metavar="PATH",
             help='What is there, as JSON: {"withheld": [{"name": "viscous"}]}, or {"withheld": '
             '[]}. An effect that bayesfric does not have needs "axes" as well, as in ["tension"]. '
             "Its SHA-256 is written down before the recording is diagnosed.",
@@ -50,12 +65,15 @@ def blind(
     seed: Annotated[
         int | None,
         typer.Option(
-            "--seed", min=0, help="Of the first case; else 10000. With --from, of the diagnosis."
+            "--seed",
+            metavar="INTEGER",
+            min=0,
+            help="Seed of the first case, 10000 without it; with --from, of the diagnosis.",
         ),
     ] = None,
     config: Config = None,
     quiet: Quiet = False,
-    fail_on_list: FailOn = "",
+    fail_on_list: Annotated[str, fails("blind")] = "",
 ) -> None:
     """Diagnose recordings whose effect is withheld; write scorecard.json.
 
@@ -71,7 +89,7 @@ def blind(
     from bayesfric.errors import Fault, InputError
     from bayesfric.recording import read_recording
 
-    fail_on(fail_on_list, set())  # an unknown name is told before the work
+    check_fail_on(fail_on_list, "blind")
     if (recording is None) != (answer is None):
         missing = "--from" if recording is None else "--answer"
         expected = "--from RECORDING and --answer FILE together"

@@ -5,9 +5,9 @@ from typing import Annotated
 
 import typer
 
-from bayesfric.cli.exits import exit_status, fail_on
+from bayesfric.cli.exits import check_fail_on, exit_status, fail_on
 from bayesfric.cli.locks import hold
-from bayesfric.cli.options import Config, FailOn, Folder, Quiet, Seed, Workers
+from bayesfric.cli.options import Config, Folder, Quiet, Seed, Workers, fails
 from bayesfric.cli.printing import say
 
 __all__ = ["calibrate"]
@@ -17,17 +17,24 @@ __all__ = ["calibrate"]
 def calibrate(
     output: Folder = Path("bayesfric-run"),
     number: Annotated[
-        int, typer.Option("--n", min=1, help="Cases; with more, a campaign is continued.")
+        int,
+        typer.Option(
+            "--n", metavar="INTEGER", min=1, help="Cases; with more, a campaign is continued."
+        ),
     ] = 50,
     workers: Workers = 1,
     scheduler: Annotated[
         str | None,
-        typer.Option("--scheduler", help="Of a Dask cluster that runs the cases: tcp://host:8786."),
+        typer.Option(
+            "--scheduler",
+            metavar="TEXT",
+            help="Of a Dask cluster that runs the cases: tcp://host:8786.",
+        ),
     ] = None,
     seed: Seed = None,
     config: Config = None,
     quiet: Quiet = False,
-    fail_on_list: FailOn = "",
+    fail_on_list: Annotated[str, fails("calibrate")] = "",
 ) -> None:
     """Fit recordings of known truth, rank the truths; write calibration.json.
 
@@ -40,7 +47,7 @@ def calibrate(
     from bayesfric.calibration.running import calibrate as run
     from bayesfric.cli.progress import progress_bar
 
-    fail_on(fail_on_list, set())  # an unknown name is told before the work
+    check_fail_on(fail_on_list, "calibrate")
     with hold(output, "calibrate"), progress_bar("calibrate", quiet=quiet) as progress:
         found = run(
             output,

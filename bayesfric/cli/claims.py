@@ -5,18 +5,18 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from bayesfric.cli.exits import exit_status, fail_on
+from bayesfric.cli.exits import check_fail_on, exit_status, fail_on
 from bayesfric.cli.locks import hold
 from bayesfric.cli.options import (
     Baseline,
     Config,
-    FailOn,
     Folder,
     Junit,
     Quiet,
     Rigs,
     Seed,
     Workers,
+    fails,
     named_rigs,
 )
 from bayesfric.cli.printing import say
@@ -40,7 +40,7 @@ def claims(
     seed: Seed = None,
     config: Config = None,
     quiet: Quiet = False,
-    fail_on_list: FailOn = "",
+    fail_on_list: Annotated[str, fails("claims")] = "",
     listing: Annotated[
         bool, typer.Option("--list", help="List the claims with what the paper states, and where.")
     ] = False,
@@ -57,7 +57,7 @@ def claims(
         return
     if recording is None:
         raise InputError([Fault("command line", "a RECORDING, or --list")])
-    fail_on(fail_on_list, set())  # an unknown name is told before the work
+    check_fail_on(fail_on_list, "claims")
     with hold(output, "claims"):
         happened = claims_into(
             recording,

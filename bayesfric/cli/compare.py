@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
-from bayesfric.cli.exits import exit_status, fail_on
-from bayesfric.cli.options import FailOn
+from bayesfric.cli.exits import check_fail_on, exit_status, fail_on
+from bayesfric.cli.options import fails
 from bayesfric.cli.printing import say
 
 __all__ = ["compare"]
@@ -17,9 +17,10 @@ def compare(
     first: Annotated[Path, typer.Argument(metavar="A", help="Folder with results.")],
     second: Annotated[Path, typer.Argument(metavar="B", help="Folder with results.")],
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Folder for comparison.json.")
+        Path | None,
+        typer.Option("-o", "--output", metavar="PATH", help="Folder for comparison.json."),
     ] = None,
-    fail_on_list: FailOn = "",
+    fail_on_list: Annotated[str, fails("compare")] = "",
 ) -> None:
     """Say what changed from A to B: verdicts, numbers in their sd, and settings.
 
@@ -28,7 +29,7 @@ def compare(
     from bayesfric.comparing import compare as compare_folders
     from bayesfric.comparing import comparison_text, write_comparison
 
-    fail_on(fail_on_list, set())  # an unknown name is told before the work
+    check_fail_on(fail_on_list, "compare")
     found = compare_folders(first, second)
     if output is not None:
         write_comparison(found, output)

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from bayesfric.cli.exits import exit_status, fail_on, failures_of
+from bayesfric.cli.exits import check_fail_on, exit_status, fail_on, failures_of
 from bayesfric.cli.locks import hold
-from bayesfric.cli.options import Baseline, Config, FailOn, Folder, Quiet, Seed, Workers
+from bayesfric.cli.options import Baseline, Config, Folder, Quiet, Seed, Workers, fails
 from bayesfric.cli.printing import say
 
 if TYPE_CHECKING:
@@ -29,20 +29,29 @@ def diagnose(
     baseline: Baseline = "paper",
     shipped: Annotated[
         Path | None,
-        typer.Option("--shipped", help="Folder of a fit whose means are the shipped values."),
+        typer.Option(
+            "--shipped", metavar="PATH", help="Folder of a fit whose means are the shipped values."
+        ),
     ] = None,
     fixed: Annotated[
         str,
-        typer.Option("--fixed", help="Held at their shipped values, as in c3,c1[small], or mass."),
+        typer.Option(
+            "--fixed",
+            metavar="TEXT",
+            help="Held at their shipped values, as in c3,c1[small], or mass.",
+        ),
     ] = "",
     effect_module: Annotated[
         list[Path] | None,
-        typer.Option("--effect-module", help="A Python file with an EFFECT of your own."),
+        typer.Option(
+            "--effect-module", metavar="PATH", help="A Python file with an EFFECT of your own."
+        ),
     ] = None,
     simulator: Annotated[
         str | None,
         typer.Option(
             "--simulator",
+            metavar="TEXT",
             help="A simulator of your own in the place of the law: module:object, with "
             "parameters and predict(run, theta, extra_force=None).",
         ),
@@ -51,6 +60,7 @@ def diagnose(
         Path | None,
         typer.Option(
             "--target",
+            metavar="PATH",
             help="A CSV file of conditions at which friction is asked for, with the columns by "
             "which the recording says its own.",
         ),
@@ -59,7 +69,7 @@ def diagnose(
     seed: Seed = None,
     config: Config = None,
     quiet: Quiet = False,
-    fail_on_list: FailOn = "",
+    fail_on_list: Annotated[str, fails("diagnose")] = "",
 ) -> None:
     """Attribute the sim-to-real gap to an effect; write diagnosis.json and diagnosis.nc.
 
@@ -69,7 +79,7 @@ def diagnose(
     from bayesfric.recording import read_conditions
     from bayesfric.results import fitted_numbers
 
-    fail_on(fail_on_list, set())  # an unknown name is told before the work
+    check_fail_on(fail_on_list, "diagnose")
     with hold(output, "diagnose"):
         happened = diagnose_into(
             recording,

@@ -20,12 +20,33 @@ import typer
 from bayesfric.cli.printing import say
 from bayesfric.errors import Fault, InputError
 
-__all__ = ["FAILURES", "exit_status", "fail_on", "failures_of", "unprinted"]
+__all__ = [
+    "CAN_HAPPEN",
+    "FAILURES",
+    "check_fail_on",
+    "exit_status",
+    "fail_on",
+    "failures_of",
+    "unprinted",
+]
 
 P = ParamSpec("P")
 SHOWN_FAULTS = 50
 FAILURES = ("refuted", "unconverged", "gap", "undecided", "changed", "uncalibrated", "spec")
 """What ``--fail-on`` can name."""
+CAN_HAPPEN = {
+    "run": ("refuted", "unconverged", "gap", "undecided", "spec"),
+    "simulate": (),
+    "fit": ("unconverged",),
+    "claims": ("refuted",),
+    "diagnose": ("gap", "undecided"),
+    "blind": ("gap", "undecided"),
+    "calibrate": ("uncalibrated",),
+    "margins": ("spec",),
+    "compare": ("changed",),
+    "rerun": ("changed",),
+}
+"""Which of them each verb can have."""
 VERDICT_FAILURES = {
     "named": {"gap"},
     "unseparated": {"gap"},
@@ -119,28 +140,51 @@ def _signals_raise() -> Iterator[None]:
             signal.signal(number, handler)
 
 
-def fail_on(names: str, happened: set[str]) -> None:
-    """Exit with status 1 where something that the user named has happened.
+def check_fail_on(names: str, verb: str) -> None:
+    """Refuse unknown names before the work, and tell those that this verb never has.
 
     Parameters
     ----------
     names : str
         The value of ``--fail-on``: names of :data:`FAILURES`, separated by commas.
-    happened : set of str
-        Which of them came true.
+    verb : str
+        A key of :data:`CAN_HAPPEN`.
 
     Raises
     ------
     InputError
         A name is unknown.
     """
-    wanted = {name.strip() for name in names.split(",") if name.strip()}
-    for name in sorted(wanted - set(FAILURES)):
-        expected = f"one of {', '.join(FAILURES)}"
-        raise InputError([Fault("command line", expected, column="--fail-on", value=name)])
-    for name in sorted(wanted & happened):
+    for name in sorted(_names_of(names)):
+        if name not in FAILURES:
+            expected = f"one of {', '.join(FAILURES)}"
+            raise InputError([Fault("command line", expected, column="--fail-on", value=name)])
+        if name not in CAN_HAPPEN[verb]:
+            said = f"--fail-on {name} waits in vain: `{verb}` can have {_listed(verb)}"
+            say(f"note: {said}", err=True)
+
+
+def fail_on(names: str, happened: set[str]) -> None:
+    """Exit with status 1 where something that the user named has happened.
+
+    Parameters
+    ----------
+    names : str
+        The value of ``--fail-on``, as checked.
+    happened : set of str
+        Which of :data:`FAILURES` came true.
+    """
+    for name in sorted(_names_of(names) & happened):
         say(f"failed: {name}", err=True)
         raise typer.Exit(1)
+
+
+def _listed(verb: str) -> str:
+    return ", ".join(CAN_HAPPEN[verb]) or "none of them"
+
+
+def _names_of(names: str) -> set[str]:
+    return {name.strip() for name in names.split(",") if name.strip()}
 
 
 def failures_of(verdict: str) -> set[str]:

@@ -15,7 +15,9 @@ __all__ = ["export"]
 @exit_status
 def export(
     folder: Annotated[Path, typer.Argument(help="Folder with the results of fit and diagnose.")],
-    to: Annotated[str, typer.Option("--to", help="json, python, mjcf or urdf.")] = "json",
+    to: Annotated[
+        str, typer.Option("--to", metavar="TEXT", help="json, python, mjcf or urdf.")
+    ] = "json",
 ) -> None:
     """Write the law with the named causes into the folder: law.json, law.py, law.xml, law.urdf.
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from bayesfric.cli.exits import exit_status, fail_on
+from bayesfric.cli.exits import check_fail_on, exit_status, fail_on
 from bayesfric.cli.locks import hold
-from bayesfric.cli.options import Baseline, Config, FailOn, Folder, Quiet, Rigs, Seed, named_rigs
+from bayesfric.cli.options import Baseline, Config, Folder, Quiet, Rigs, Seed, fails, named_rigs
 from bayesfric.cli.printing import say
 from bayesfric.cli.progress import progress_bar
 
@@ -51,7 +51,7 @@ def fit(
     seed: Seed = None,
     config: Config = None,
     quiet: Quiet = False,
-    fail_on_list: FailOn = "",
+    fail_on_list: Annotated[str, fails("fit")] = "",
 ) -> None:
     """Draw from the posterior; write fit.json, draws.nc, predictive.nc, timings.json.
 
@@ -61,7 +61,7 @@ def fit(
     """
     from bayesfric.analysis import read_analysis
 
-    fail_on(fail_on_list, set())  # an unknown name is told before the work
+    check_fail_on(fail_on_list, "fit")
     analysis = read_analysis(config, seed=seed)
     chosen = named_rigs(rigs)
     with hold(output, "fit"):

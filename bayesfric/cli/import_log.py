@@ -16,12 +16,17 @@ __all__ = ["import_log"]
 def import_log(
     log: Annotated[Path, typer.Argument(help="CSV, .mcap, or a ROS 2 bag's folder.")],
     output: Annotated[
-        Path, typer.Option("-o", "--output", help="New folder; refused if it is not empty.")
+        Path,
+        typer.Option(
+            "-o", "--output", metavar="PATH", help="New folder; refused if it is not empty."
+        ),
     ],
-    joint: Annotated[str, typer.Option("--joint", help="Which one.")],
+    joint: Annotated[str, typer.Option("--joint", metavar="TEXT", help="Which one.")],
     mapping: Annotated[
         Path | None,
-        typer.Option("--map", help="A TOML file: columns, units, signs, gear ratios, runs."),
+        typer.Option(
+            "--map", metavar="PATH", help="A TOML file: columns, units, signs, gear ratios, runs."
+        ),
     ] = None,
     quiet: Quiet = False,
 ) -> None:

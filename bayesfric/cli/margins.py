@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from bayesfric.cli.exits import exit_status, fail_on
+from bayesfric.cli.exits import check_fail_on, exit_status, fail_on
 from bayesfric.cli.locks import hold
 from bayesfric.cli.new_file import write_new
-from bayesfric.cli.options import Config, FailOn, Folder, Quiet, Seed
+from bayesfric.cli.options import Config, Folder, Quiet, Seed, fails
 from bayesfric.cli.printing import say
 from bayesfric.cli.progress import progress_bar
 
@@ -26,17 +26,23 @@ def margins(
         typer.Argument(help="Loop files (docs/loop.md), or names of bundled loops."),
     ] = None,
     draws: Annotated[
-        Path | None, typer.Option("--draws", help="The draws.nc of a fit; loops need it.")
+        Path | None,
+        typer.Option("--draws", metavar="PATH", help="The draws.nc of a fit; loops need it."),
     ] = None,
     output: Folder = Path("bayesfric-run"),
     diagnosis: Annotated[
         Path | None,
-        typer.Option("--diagnosis", help="A diagnosis.json, its diagnosis.nc beside it."),
+        typer.Option(
+            "--diagnosis", metavar="PATH", help="A diagnosis.json, its diagnosis.nc beside it."
+        ),
     ] = None,
     verify: Annotated[
         int,
         typer.Option(
-            "--verify", min=0, help="Draws of each loop to hold against an elastic cable."
+            "--verify",
+            metavar="INTEGER",
+            min=0,
+            help="Draws of each loop to hold against an elastic cable.",
         ),
     ] = 0,
     tune: Annotated[
@@ -44,11 +50,17 @@ def margins(
     ] = False,
     mat: Annotated[
         Path | None,
-        typer.Option("--mat", help="Also write loops, draws and uncertainty as this .mat file."),
+        typer.Option(
+            "--mat",
+            metavar="PATH",
+            help="Also write loops, draws and uncertainty as this .mat file.",
+        ),
     ] = None,
     template: Annotated[
         Path | None,
-        typer.Option("--template", help="Write a loop file to begin with here, and end."),
+        typer.Option(
+            "--template", metavar="PATH", help="Write a loop file to begin with here, and end."
+        ),
     ] = None,
     list_loops: Annotated[
         bool, typer.Option("--list-loops", help="List the bundled loops, and end.")
@@ -56,7 +68,7 @@ def margins(
     seed: Seed = None,
     config: Config = None,
     quiet: Quiet = False,
-    fail_on_list: FailOn = "",
+    fail_on_list: Annotated[str, fails("margins")] = "",
 ) -> None:
     """Compute controller margins over the draws of a fit; write margins.json.
 
@@ -68,7 +80,7 @@ def margins(
     from bayesfric.analysis import read_analysis
     from bayesfric.errors import Fault, InputError
 
-    fail_on(fail_on_list, set())  # an unknown name is told before the work
+    check_fail_on(fail_on_list, "margins")
     if template is not None or list_loops:
         _to_begin_with(template, list_loops, loops)
         return

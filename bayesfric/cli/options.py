@@ -1,68 +1,83 @@
 """Options that several verbs share."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+
+from bayesfric.cli.exits import CAN_HAPPEN
 
 __all__ = [
     "Baseline",
     "Config",
-    "FailOn",
     "Folder",
     "Junit",
     "Quiet",
     "Rigs",
     "Seed",
     "Workers",
+    "fails",
     "named_rigs",
 ]
 
-Folder = Annotated[Path, typer.Option("-o", "--output", help="Folder for the results.")]
+Folder = Annotated[
+    Path, typer.Option("-o", "--output", metavar="PATH", help="Folder for the results.")
+]
 Junit = Annotated[
     Path | None,
-    typer.Option("--junit", help="Also write the claims as a JUnit test report, for CI."),
+    typer.Option(
+        "--junit", metavar="PATH", help="Also write the claims as a JUnit test report, for CI."
+    ),
 ]
 Seed = Annotated[
     int | None,
     typer.Option(
         "--seed",
+        metavar="INTEGER",
         min=0,
-        help="Seed of everything random. Absent: `seed` of --config, 2015 if it has none.",
+        help="Seed of everything random. Without it, `seed` of --config; 2015 if that has none.",
     ),
 ]
 Config = Annotated[
     Path | None,
-    typer.Option("--config", help="Settings of the analysis: an analysis.toml."),
+    typer.Option("--config", metavar="PATH", help="Settings of the analysis: an analysis.toml."),
 ]
 Rigs = Annotated[
     str | None,
     typer.Option(
         "--rigs",
-        help="Rigs whose data enter: NAME,… (bayesfric info lists them). Absent: the first there "
-        "is for a fit, all for claims.",
+        metavar="NAME,…",
+        help="Rigs whose data enter (bayesfric info lists them). Without it a fit takes the first "
+        "that the recording has, and claims take all.",
     ),
 ]
 Baseline = Annotated[
     str,
     typer.Option(
         "--baseline",
+        metavar="LAW",
         help="Friction law: paper (c1 T + c2), recursive (pulley by pulley), proportional (no "
         "constant) or constant (nothing else).",
     ),
 ]
 Workers = Annotated[
-    int, typer.Option("--workers", min=1, help="Processes; any number gives the same result.")
-]
-Quiet = Annotated[bool, typer.Option("--quiet", help="No progress and no chatter.")]
-FailOn = Annotated[
-    str,
+    int,
     typer.Option(
-        "--fail-on",
-        help="Exit with 1 if one of these happened: refuted, unconverged, gap, undecided, "
-        "changed, uncalibrated, spec.",
+        "--workers", metavar="INTEGER", min=1, help="Processes; any number gives the same result."
     ),
 ]
+Quiet = Annotated[bool, typer.Option("--quiet", help="No progress and no chatter.")]
+
+
+def fails(verb: str) -> Any:
+    """Return ``--fail-on`` of a verb, with the names of what can happen in it."""
+    named = ", ".join(CAN_HAPPEN[verb])
+    said = (
+        f"Exit with 1 if this happened: {named}."
+        if named
+        else "Taken like everywhere; nothing that it can name happens here."
+    )
+    return typer.Option("--fail-on", metavar="NAME,…", help=said)
 
 
 def named_rigs(text: str | None) -> list[str] | None:

@@ -18,7 +18,9 @@ def report(
     folder: Annotated[Path, typer.Argument(help="Folder with the results of fit.")],
     before: Annotated[
         Path | None,
-        typer.Option("--compare", help="Folder with results of an earlier run: what changed."),
+        typer.Option(
+            "--compare", metavar="PATH", help="Folder with results of an earlier run: what changed."
+        ),
     ] = None,
     quiet: Quiet = False,
 ) -> None:

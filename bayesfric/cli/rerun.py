@@ -8,11 +8,11 @@ import typer
 
 from bayesfric.cli.claims import claims_into
 from bayesfric.cli.diagnose import diagnose_into
-from bayesfric.cli.exits import exit_status, fail_on
+from bayesfric.cli.exits import check_fail_on, exit_status, fail_on
 from bayesfric.cli.fit import fit_into
 from bayesfric.cli.locks import hold
 from bayesfric.cli.margins import margins_into
-from bayesfric.cli.options import FailOn, Quiet, Workers
+from bayesfric.cli.options import Quiet, Workers, fails
 from bayesfric.cli.printing import say
 
 if TYPE_CHECKING:
@@ -27,15 +27,24 @@ def rerun(
     folder: Annotated[Path, typer.Argument(help="Folder with the results of a run.")],
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="Keep the new results here; else they are not kept."),
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="PATH",
+            help="Folder that keeps the new results. Without it, they are not kept.",
+        ),
     ] = None,
     recording: Annotated[
         Path | None,
-        typer.Option("--recording", help="Folder of the recording; else where the run had it."),
+        typer.Option(
+            "--recording",
+            metavar="PATH",
+            help="Folder of the recording. Without it, where the run had it.",
+        ),
     ] = None,
     workers: Workers = 2,
     quiet: Quiet = False,
-    fail_on_list: FailOn = "",
+    fail_on_list: Annotated[str, fails("rerun")] = "",
 ) -> None:
     """Repeat what was run into a folder, with its settings and seed, and say what differs.
 
@@ -43,7 +52,7 @@ def rerun(
     """
     from bayesfric.comparing import compare, comparison_text
 
-    fail_on(fail_on_list, set())  # an unknown name is told before the work
+    check_fail_on(fail_on_list, "rerun")
     with TemporaryDirectory(prefix="bayesfric-") as scratch:
         again = Path(scratch) if output is None else output
         with hold(again, "rerun"):

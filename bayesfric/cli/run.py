@@ -8,20 +8,20 @@ import typer
 
 from bayesfric.cli.claims import claims_into
 from bayesfric.cli.diagnose import diagnose_into
-from bayesfric.cli.exits import exit_status, fail_on
+from bayesfric.cli.exits import check_fail_on, exit_status, fail_on
 from bayesfric.cli.fit import fit_into
 from bayesfric.cli.locks import hold
 from bayesfric.cli.margins import margins_into
 from bayesfric.cli.options import (
     Baseline,
     Config,
-    FailOn,
     Folder,
     Junit,
     Quiet,
     Rigs,
     Seed,
     Workers,
+    fails,
     named_rigs,
 )
 from bayesfric.cli.printing import say
@@ -35,13 +35,15 @@ __all__ = ["run"]
 @exit_status
 def run(
     recording: Annotated[
-        Path | None, typer.Argument(help="Folder of the recording; else the bundled one.")
+        Path | None, typer.Argument(help="Folder of the recording. Without it, the bundled one.")
     ] = None,
     output: Folder = Path("bayesfric-run"),
     loop: Annotated[
         list[Path] | None,
         typer.Option(
-            "--loop", help="A loop file, or the name of a bundled loop; its margins are computed."
+            "--loop",
+            metavar="PATH",
+            help="A loop file, or the name of a bundled loop; its margins are computed.",
         ),
     ] = None,
     junit: Junit = None,
@@ -51,7 +53,7 @@ def run(
     seed: Seed = None,
     config: Config = None,
     quiet: Quiet = False,
-    fail_on_list: FailOn = "",
+    fail_on_list: Annotated[str, fails("run")] = "",
 ) -> None:
     """Fit a recording, judge the claims, diagnose the gap, write the report, in one go.
 
@@ -61,7 +63,7 @@ def run(
     from bayesfric.margins import loop_path, read_loop
     from bayesfric.resources import bundled_recording
 
-    fail_on(fail_on_list, set())  # an unknown name is told before the work
+    check_fail_on(fail_on_list, "run")
     loops = [loop_path(path) for path in loop or []]
     for path in loops:  # a fault in one, likewise
         read_loop(path)

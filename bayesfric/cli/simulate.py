@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from bayesfric.cli.exits import exit_status, fail_on
-from bayesfric.cli.options import Config, FailOn, Quiet, Seed
+from bayesfric.cli.exits import check_fail_on, exit_status
+from bayesfric.cli.options import Config, Quiet, Seed, fails
 from bayesfric.cli.printing import say
 
 __all__ = ["simulate"]
@@ -44,7 +44,7 @@ def simulate(
     seed: Seed = None,
     config: Config = None,
     quiet: Quiet = False,
-    fail_on_list: FailOn = "",
+    fail_on_list: Annotated[str, fails("simulate")] = "",
 ) -> None:
     """Simulate the paper's two boards with Table I, or another rig, and write the recording.
 
@@ -55,7 +55,7 @@ def simulate(
     from bayesfric.results import created_date
     from bayesfric.simulate import simulate_recording
 
-    fail_on(fail_on_list, set())
+    check_fail_on(fail_on_list, "simulate")
     analysis = read_analysis(config, seed=seed)
     recording = simulate_recording(
         protocol.value,

@@ -7,7 +7,6 @@ from importlib import metadata
 from typing import Annotated, Any
 
 import typer
-from typer.core import TyperCommand
 
 from bayesfric.cli.blind import blind
 from bayesfric.cli.calibrate import calibrate
@@ -17,6 +16,7 @@ from bayesfric.cli.diagnose import diagnose
 from bayesfric.cli.effects import effects
 from bayesfric.cli.export import export
 from bayesfric.cli.fit import fit
+from bayesfric.cli.help import Verb
 from bayesfric.cli.import_log import import_log
 from bayesfric.cli.info import info
 from bayesfric.cli.margins import margins
@@ -41,7 +41,7 @@ OF_ONE = (run, validate, claims, diagnose)
 """Verbs whose argument is a recording, and one alone."""
 
 
-class OneRecording(TyperCommand):
+class OneRecording(Verb):
     """A verb that says why it refuses a second recording."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
@@ -73,8 +73,8 @@ for verb in (
     effects,
     info,
 ):
-    app.command(cls=OneRecording if verb in OF_ONE else TyperCommand)(verb)
-app.command("import")(import_log)
+    app.command(cls=OneRecording if verb in OF_ONE else Verb)(verb)
+app.command("import", cls=Verb)(import_log)
 
 
 def _print_version(wanted: bool) -> None:

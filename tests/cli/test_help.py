@@ -1,0 +1,59 @@
+"""Help texts: types that people know, whole summaries, an example, and what can happen."""
+
+import re
+
+import pytest
+from typer.testing import CliRunner
+
+from bayesfric.cli.exits import CAN_HAPPEN, FAILURES, check_fail_on
+from bayesfric.cli.verbs import app
+from bayesfric.errors import InputError
+
+VERBS = [found.name or found.callback.__name__ for found in app.registered_commands]
+
+
+def help_of(*verb):
+    done = CliRunner().invoke(app, [*verb, "--help"], terminal_width=80, env={"COLUMNS": "80"})
+    assert done.exit_code == 0, done.output
+    return done.output
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_a_verb_shows_types_that_people_know_and_an_example(verb):
+    said = help_of(verb)
+    assert f"Example: bayesfric {verb}" in said
+    taking = re.findall(r"^  (?:-\w, )?--[\w-]+ (\S+)", said.split("Options:")[-1], re.MULTILINE)
+    assert set(taking) <= {"PATH", "TEXT", "INTEGER", "NUMBER", "LAW", "NAME,…"} | {
+        "NAME[=STRENGTH]",
+        "ADDRESS",
+        *re.findall(r"<[\w|]+\|[\w|]+>", said),  # choices, spelled out
+    }
+    assert max(map(len, said.splitlines())) <= 80
+
+
+def test_summaries_are_whole_sentences():
+    listed = help_of().split("Commands:")[1]
+    assert "..." not in listed
+    for verb in VERBS:
+        summary = re.split(r"\n  \w", listed.split(f"\n  {verb} ")[1])[0].strip()
+        assert summary.endswith("."), verb
+
+
+@pytest.mark.parametrize("verb", CAN_HAPPEN)
+def test_a_verb_lists_what_can_happen_in_it(verb):
+    text = " ".join(help_of(verb).split())
+    said = re.search(r"--fail-on NAME,… (.*?) --help", text).group(1)
+    assert {name for name in FAILURES if re.search(rf"\b{name}\b", said)} == set(CAN_HAPPEN[verb])
+
+
+def test_every_failure_can_happen_somewhere():
+    assert set().union(*CAN_HAPPEN.values()) == set(FAILURES)
+
+
+def test_what_a_verb_never_has_is_told_and_what_nobody_has_is_refused(capsys):
+    check_fail_on("unconverged, spec", "fit")
+    assert capsys.readouterr().err == (
+        "note: --fail-on spec waits in vain: `fit` can have unconverged\n"
+    )
+    with pytest.raises(InputError, match="found 'rain'"):
+        check_fail_on("rain", "fit")
