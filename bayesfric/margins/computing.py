@@ -27,7 +27,8 @@ from bayesfric.margins.loop_at_shaft import LoopAtShaft, at_shaft
 from bayesfric.margins.loop_file import Loop, loop_sha256, read_loop
 from bayesfric.margins.metrics import Key, closed_forms, linear_of
 from bayesfric.margins.nyquist import nyquist_fans
-from bayesfric.margins.posterior import Posterior, RigDiscrepancy, read_posterior, rig_discrepancy
+from bayesfric.margins.population import read_draws
+from bayesfric.margins.posterior import Posterior, RigDiscrepancy
 from bayesfric.margins.rows import metric_rows
 from bayesfric.margins.spec import missed_specs
 from bayesfric.margins.thresholds import Hunting, find_hunting
@@ -166,8 +167,7 @@ def compute_margins(
     analysis = Analysis() if analysis is None else analysis
     read = _read_all([loops] if isinstance(loops, Path | str | Loop) else loops)
     path = Path(draws)
-    posterior = read_posterior(path)
-    discrepancy = rig_discrepancy(path.parent)
+    posterior, discrepancy = read_draws(path)
     diagnosed = None
     if diagnosis is not None:
         diagnosed = read_diagnosed(Path(diagnosis), posterior, analysis.seed)

@@ -16,7 +16,16 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.results import read_json, read_tree, refuse_mixed
 from bayesfric.schemas import ClaimsFile, FitFile, RecordingId
 
-__all__ = ["Posterior", "RigDiscrepancy", "read_posterior", "rig_discrepancy"]
+__all__ = [
+    "Posterior",
+    "RigDiscrepancy",
+    "coefficients_of",
+    "effective_draws",
+    "read_posterior",
+    "recording_of",
+    "rig_discrepancy",
+    "thinned",
+]
 
 Array = NDArray[np.float64]
 
@@ -102,9 +111,6 @@ def read_posterior(path: Path) -> Posterior:
         raise InputError([fault])
     table = tree["posterior"].to_dataset()
     omegas = {name: name for name in map(str, table.data_vars) if name.partition("[")[0] == "omega"}
-    if "board" in table.sizes:
-        several = "draws of one board; these are of several, and the scatter of its assemblies is "
-        raise InputError([Fault(path.name, f"{several}in boards/NAME/draws.nc of each")])
     dimensions = {"chain", "draw", "pulley"}
     if not ({"c1", "c2", "c3"} <= set(table.data_vars) and dimensions <= set(table.sizes)):
         raise InputError([fault])
@@ -112,20 +118,12 @@ def read_posterior(path: Path) -> Posterior:
         omegas = {"omega": "omega_motor"}  # a fit of the motor board alone
     if not omegas:
         raise InputError([fault])
-    stride = max(1, -(-table.sizes["chain"] * table.sizes["draw"] // MOST_DRAWS))
-    thinned = table.isel(draw=slice(None, None, stride))
-
-    def flat(name: str, size: str) -> Array:
-        column = thinned[name]
-        column = column.sel(pulley=size) if "pulley" in column.dims else column
-        return np.asarray(column.transpose("chain", "draw").to_numpy(), dtype=np.float64).ravel()
-
-    sizes = [str(size) for size in table["pulley"].to_numpy()]
-    coefficients = {
-        size: Coefficients(*(flat(name, size) for name in Coefficients._fields)) for size in sizes
+    few = thinned(table)
+    coefficients = coefficients_of(few)
+    own = {
+        size: f"omega[{size}]" if f"omega[{size}]" in omegas else "omega" for size in coefficients
     }
-    own = {size: f"omega[{size}]" if f"omega[{size}]" in omegas else "omega" for size in sizes}
-    omega = {size: flat(omegas.get(own[size], own[size]), size) for size in sizes}
+    omega = {size: _flat(few, omegas.get(own[size], own[size]), size) for size in coefficients}
     values = [*omega.values(), *(np.asarray(c) for one in coefficients.values() for c in one)]
     if not all(np.isfinite(one).all() for one in values):
         raise InputError([Fault(path.name, "draws that are finite numbers")])
@@ -133,12 +131,8 @@ def read_posterior(path: Path) -> Posterior:
     return Posterior(
         coefficients,
         omega,
-        min(float(values[0].size), _effective(table)),
-        RecordingId(
-            name=str(attributes.get("recording.name", path.name)),
-            title=str(attributes.get("recording.title", "")),
-            sha256=str(attributes.get("recording.sha256", "")),
-        ),
+        min(float(values[0].size), effective_draws(table)),
+        recording_of(attributes, path),
         str(attributes.get("analysis_sha256", "")),
         str(attributes.get("created", "")) or None,
         _tested(attributes),
@@ -148,6 +142,35 @@ def read_posterior(path: Path) -> Posterior:
             if str(key).startswith("informed.")
         },
     )
+
+
+def thinned(table: xr.Dataset) -> xr.Dataset:
+    """Return every so manieth draw of each chain, at most 4,000 in all."""
+    stride = max(1, -(-table.sizes["chain"] * table.sizes["draw"] // MOST_DRAWS))
+    return table.isel(draw=slice(None, None, stride))
+
+
+def coefficients_of(table: xr.Dataset) -> dict[str, Coefficients]:
+    """Return c1, c2 and c3 by pulley size, arrays of shape (draws,)."""
+    return {
+        size: Coefficients(*(_flat(table, name, size) for name in Coefficients._fields))
+        for size in map(str, table["pulley"].to_numpy())
+    }
+
+
+def recording_of(attributes: Mapping[Any, Any], path: Path) -> RecordingId:
+    """Return the data behind draws, by the attributes of their file."""
+    return RecordingId(
+        name=str(attributes.get("recording.name", path.name)),
+        title=str(attributes.get("recording.title", "")),
+        sha256=str(attributes.get("recording.sha256", "")),
+    )
+
+
+def _flat(table: xr.Dataset, name: str, size: str) -> Array:
+    column = table[name]
+    column = column.sel(pulley=size) if "pulley" in column.dims else column
+    return np.asarray(column.transpose("chain", "draw").to_numpy(), dtype=np.float64).ravel()
 
 
 def _tested(attributes: Mapping[Any, Any]) -> dict[str, dict[str, tuple[float, float]]]:
@@ -162,7 +185,7 @@ def _tested(attributes: Mapping[Any, Any]) -> dict[str, dict[str, tuple[float, f
     return found
 
 
-def _effective(table: xr.Dataset) -> float:
+def effective_draws(table: xr.Dataset) -> float:
     """Return the smallest effective number of draws of any coefficient."""
     least = np.inf
     ensemble = table["ensemble"].to_numpy() if "ensemble" in table.coords else np.zeros(1)

@@ -13,15 +13,15 @@ from bayesfric.analysis import Analysis, Sampler
 from bayesfric.cli.verbs import app
 from bayesfric.errors import InputError
 from bayesfric.fitting.pooled import check_boards, pool
-from bayesfric.margins.posterior import read_posterior
+from bayesfric.margins.population import read_draws
 from bayesfric.recording import write_recording
 from bayesfric.report.writing import write_report
-from bayesfric.results import read_json
+from bayesfric.results import read_json, write_netcdf
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.schemas import FitFile
 from bayesfric.simulate import simulate_recording
 
-SHORT = Sampler(burn=30, steps=80, thin=3, extensions=0)
+SHORT = Sampler(burn=60, steps=80, thin=3, extensions=0)
 
 
 @pytest.fixture(scope="module")
@@ -80,9 +80,30 @@ def test_report_has_the_population_on_page_one_and_a_table_of_boards(folder, tmp
     assert "boards/friday" in html
 
 
-def test_margins_refuse_draws_of_several_boards(folder):
-    with pytest.raises(InputError, match="draws of one board"):
-        read_posterior(folder / "draws.nc")
+def test_margins_are_those_of_a_board_that_was_not_measured(folder, small_fit, tmp_path):
+    """Its coefficients are new_board's; its assemblies scatter as those of either board."""
+    shutil.copytree(folder, tmp_path / "pooled")
+    path = tmp_path / "pooled" / "draws.nc"
+    for board, omega in (("monday", 0.01), ("friday", 0.03)):
+        draws = small_fit.draws.copy(deep=True)
+        draws["posterior"]["omega"][:] = omega
+        (path.parent / "boards" / board).mkdir(parents=True)
+        write_netcdf(draws, path.parent / "boards" / board / "draws.nc")
+    posterior, discrepancy = read_draws(path)
+    with xr.open_datatree(path.with_name("predictive.nc"), engine="h5netcdf") as tree:
+        c1 = tree["new_board"]["c1"].sel(pulley="small").to_numpy()
+    assert posterior.coefficients["small"].c1 == pytest.approx(
+        c1[:, :: -(-c1.size // 4000)].ravel()
+    )
+    assert np.unique(posterior.omega["small"]).tolist() == [0.01, 0.03]
+    assert posterior.omega["small"].mean() == pytest.approx(0.02, rel=1e-3)
+    assert discrepancy.sd == 0.0  # the scatter between boards is in the draws
+    assert "not measured" in discrepancy.source
+
+
+def test_margins_of_several_boards_need_each(folder):
+    with pytest.raises(InputError, match=r"monday/draws\.nc"):
+        read_draws(folder / "draws.nc")
 
 
 def test_a_recording_counts_once(small_recording):
@@ -140,7 +161,7 @@ def test_two_recordings_are_fitted_reported_and_rerun(tmp_path):
         recording = simulate_recording(design, seed=seed, name=name)
         write_recording(recording, tmp_path / name)
     config = tmp_path / "analysis.toml"
-    config.write_text("[sampler]\nburn = 30\nsteps = 80\nthin = 3\nextensions = 0\n")
+    config.write_text("[sampler]\nburn = 60\nsteps = 80\nthin = 3\nextensions = 0\n")
     runner = CliRunner()
     boards = [str(tmp_path / name) for name in ("monday", "friday")]
     output = tmp_path / "pooled"
