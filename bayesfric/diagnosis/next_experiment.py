@@ -16,11 +16,13 @@ from bayesfric.diagnosis.search import UNKNOWN, Search
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.layout import COEFFICIENTS
+from bayesfric.rigs.linear import LinearRig
 from bayesfric.schemas import NextExperiment
 
 __all__ = ["next_experiment"]
 
 Array = NDArray[np.float64]
+Places = NDArray[np.intp]
 RIVAL = 0.05  # probability of a hypothesis that is still in question
 RIVALS = 3
 PULLEYS = ("pulley_size", "n_pulleys", "wrap_angle_deg")
@@ -59,7 +61,7 @@ def next_experiment(
     laid = [one.next_trials(model.laws) for one in model.data.rigs]
     rigs = tuple(one for one in laid if one is not None)
     if not rigs:
-        return (), "no rig could run another trial within what was recorded"
+        return (), "no rig could run, or nobody can predict, another trial within what was recorded"
     found = []
     for one, other in combinations(open_, 2):
         best = _most_telling(model, Data(rigs), one, other)
@@ -97,23 +99,15 @@ def _most_telling(
         spreads = []
         start = 0
         for which, sign in ((one, 1.0), (other, -1.0)):
-            count = len(which.acting.laws)
             for size in range(len(model.layout.sizes)):
                 mine = rig.size == size
-                own = size * model.layout.own + np.arange(COEFFICIENTS)
-                kept = np.concatenate([own, model.places(count)])
-                place = np.concatenate(
-                    [
-                        np.arange(COEFFICIENTS),
-                        COEFFICIENTS + start + np.arange(count),
-                    ]
-                )
+                place, kept = _shared(model, rows, rig, which, start, size)
                 mean[np.ix_(mine, place)] += sign * which.at.mean[kept]
-            spreads.append((start, count, which))
-            start += count
+            spreads.append((start, which))
+            start += len(which.acting.laws)
         found = np.array(
             [
-                _expected(model, told[trial], mean[trial], spreads, int(rig.size[trial]))
+                _expected(model, rows, rig, trial, told[trial], mean[trial], spreads)
                 for trial in range(len(told))
             ]
         )
@@ -133,33 +127,69 @@ def _most_telling(
     return best
 
 
+def _shared(
+    model: LinearModel, rows: LinearModel, rig: LinearRig, which: Weighed, start: int, size: int
+) -> tuple[Places, Places]:
+    """Return where a new trial and a hypothesis have the numbers that they share.
+
+    Parameters
+    ----------
+    model, rows : LinearModel
+        Of the hypothesis, and of new trials.
+    rig : LinearRig
+        Of the new trials.
+    which : Weighed
+        The hypothesis.
+    start : int
+        Place of its first effect among those of the new trials.
+    size : int
+        Of the trial's pulleys.
+
+    Returns
+    -------
+    local, kept : ndarray of int
+        Coefficients, effects, and the rig's own nuisances, which are the machine's.
+    """
+    layout, count = model.layout, len(which.acting.laws)
+    own = np.arange(COEFFICIENTS)
+    names = [one.rows.name for one in model.rigs]
+    mine = layout.nuisance(names.index(rig.rows.name))
+    # Of the local numbers to those of all sizes: candidates are mixed, sizes stand side by side.
+    moved = count - layout.candidates + layout.own * (len(layout.sizes) - 1)
+    laid = np.arange(rows.layout.local)[rows.layout.nuisance(rows.rigs.index(rig))]
+    local = np.r_[own, COEFFICIENTS + start + np.arange(count), laid]
+    # A new trial may lack those of a sensor that it does not have.
+    nuisances = mine.start + moved + np.arange(laid.size)
+    return local, np.r_[size * layout.own + own, model.places(count), nuisances]
+
+
 def _expected(
     model: LinearModel,
+    rows: LinearModel,
+    rig: LinearRig,
+    trial: int,
     told: Array,
     mean: Array,
-    spreads: list[tuple[int, int, Weighed]],
-    size: int,
+    spreads: list[tuple[int, Weighed]],
 ) -> float:
     """Return the expected log10 Bayes factor of one trial.
 
     Parameters
     ----------
-    model : LinearModel
-        For what is known of the numbers.
+    model, rows, rig
+        As of :func:`_shared`.
+    trial : int
+        Its place.
     told : ndarray, shape (q, q)
         Information of the trial on the local numbers, scatter taken up.
     mean : ndarray, shape (q,)
         Difference of what the hypotheses predict, in local numbers.
-    spreads : list of (int, int, Weighed)
-        Where each one's effects begin, how many, and the hypothesis.
-    size : int
-        Of the trial's pulleys.
+    spreads : list of (int, Weighed)
+        Where each one's effects begin, and the hypothesis.
     """
     covariance = np.zeros_like(told)
-    for start, count, which in spreads:
-        own = size * model.layout.own + np.arange(COEFFICIENTS)
-        kept = np.concatenate([own, model.places(count)])
-        place = np.concatenate([np.arange(COEFFICIENTS), COEFFICIENTS + start + np.arange(count)])
+    for start, which in spreads:
+        place, kept = _shared(model, rows, rig, which, start, int(rig.size[trial]))
         covariance[np.ix_(place, place)] += which.at.covariance[np.ix_(kept, kept)]
     taken = told @ mean
     values, vectors = np.linalg.eigh(covariance)

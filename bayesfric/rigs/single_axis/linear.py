@@ -127,19 +127,7 @@ class AxisPart:
         phases: Sequence[tuple[int, float, str]] = (),
         used: NDArray[np.bool_] | None = None,
     ) -> Evaluated:
-        """Return what the rows say of the numbers of a hypothesis.
-
-        Parameters
-        ----------
-        noise : mapping of str to float
-            Of :attr:`noise`.
-        mixing : ndarray, shape (candidates, k)
-            Column of each effect that acts, as a mixture of candidates.
-        phases : sequence of (int, float, str)
-            None here: what has phases does not enter.
-        used : ndarray of bool, shape (N,), or None
-            Trials that enter; None is all.
-        """
+        """Return what the rows say of the numbers; none of its effects has phases."""
         trial = self.rows.readings.trial
         kept = np.ones(trial.size, dtype=bool) if used is None else used[trial]
         start, end = self.layout.own, self.layout.own + self.layout.candidates

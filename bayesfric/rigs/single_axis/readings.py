@@ -58,10 +58,8 @@ class Readings:
         its own, per mass squared; and by an error of the force, of 1 where it is quiet.
     simulated : ndarray, shape (W, K)
         Means of what a simulator says of the force, times the direction; K is 0 without one.
-    position_sd : float
-        Standard deviation of a position's error.
-    half_s : float
-        Half the width of a window [s].
+    position_sd, half_s, hop : float
+        Standard deviation of a position's error, half a window [s], windows' distance over that.
     """
 
     trial: NDArray[np.intp]
@@ -82,6 +80,7 @@ class Readings:
     simulated: Array
     position_sd: float
     half_s: float
+    hop: float
 
     @property
     def count(self) -> int:
@@ -110,7 +109,10 @@ class Readings:
 
 
 def readings_of(
-    motions: Sequence[Motion], starts: Sequence[NDArray[np.intp]], resolution: float | None
+    motions: Sequence[Motion],
+    starts: Sequence[NDArray[np.intp]],
+    resolution: float | None,
+    like: Readings | None = None,
 ) -> Readings | None:
     """Reduce runs to rows; None where no window runs one way.
 
@@ -122,13 +124,18 @@ def readings_of(
         Of each run, the samples at which its trials begin, 0 first.
     resolution : float or None
         Of the encoder.
+    like : Readings or None
+        Rows whose windows and noise these have, on time; None looks for them.
     """
-    noise = float(np.median([position_noise(one, resolution) for one in motions]))
     stroke = max(float(np.ptp(one.position)) for one in motions)
-    half_s, hop = _width(motions, noise, stroke)
+    if like is None:
+        noise = float(np.median([position_noise(one, resolution) for one in motions]))
+        half_s, hop = _width(motions, noise, stroke)
+        late_s = _late_by(motions, half_s, noise, stroke)
+    else:
+        noise, half_s, hop, late_s = like.position_sd, like.half_s, like.hop, 0.0
     parts: list[dict[str, Any]] = []
     trials = pieces = 0
-    late_s = _late_by(motions, half_s, noise, stroke)
     for motion, begin in zip(motions, starts, strict=True):
         half = max(NARROWEST, round(half_s / motion.interval_s))
         step = max(1, round(hop * half))
@@ -150,7 +157,7 @@ def readings_of(
     if not joined["way"].size:
         return None
     whole: dict[str, Any] = {name: joined.pop(name).astype(np.intp) for name in ("trial", "piece")}
-    return Readings(**whole, **joined, position_sd=noise, half_s=half_s)
+    return Readings(**whole, **joined, position_sd=noise, half_s=half_s, hop=hop)
 
 
 def _width(motions: Sequence[Motion], noise: float, stroke: float) -> tuple[float, float]:

@@ -24,15 +24,11 @@ from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.single_axis.likelihood import AxisLikelihood
 from bayesfric.rigs.single_axis.measures import Measures, measures_of
 from bayesfric.rigs.single_axis.motion import Motion as Log
+from bayesfric.rigs.single_axis.next_runs import SETTINGS, lay_out
 from bayesfric.rigs.single_axis.predictions import runs as runs_dataset
 from bayesfric.rigs.single_axis.readings import Readings, readings_of, rough_law
 from bayesfric.rigs.single_axis.rows import AxisRows, state_of
-from bayesfric.rigs.single_axis.simulated import (
-    SimulatedBaseline,
-    fitting,
-    linearised,
-    log_of,
-)
+from bayesfric.rigs.single_axis.simulated import SimulatedBaseline, fitting, linearised, log_of
 from bayesfric.rigs.single_axis.simulator import DESIGN
 from bayesfric.simulators import SimulatorCalls
 
@@ -53,9 +49,9 @@ WORDS = Words(
     "and position may be off by a little (latency), which no friction is blamed for.",
 )
 SIZE = "axis"  # in the place of a pulley size
+NO_CABLE: dict[str, Any] = {"pulley_size": SIZE, "n_pulleys": 1, "wrap_angle_deg": 85.0}
 ENOUGH = 6  # trials, so that something can be held out; few runs are cut in parts
 SETUPS = 3  # assemblies from which on they are taken for what differs; fewer say nothing
-TOO_SHORT = "no-motion"
 MARGIN_S = 1e-3  # by which two clocks may be off at the least
 NOTHING = 1e-12
 
@@ -266,6 +262,17 @@ class AxisRuns(PlainTrials):
         del acting
         return self._around(laws[SIZE])
 
+    def next_trials(self, laws: Mapping[str, Coefficients]) -> "AxisRuns | None":
+        """Return recorded paths, run otherwise; None beside a simulator, which says no force."""
+        if self._beside is not None or self.source is None:
+            return None
+        law = AxisLaw.of(laws[SIZE])
+        laid = lay_out(self.source, set(self.table["run"]), self.constants, self.readings, law)
+        if laid is None:
+            return None
+        table, readings = laid
+        return replace(self, table=table.assign(**NO_CABLE), readings=readings, loads=SETTINGS)
+
     def likelihood(
         self,
         analysis: Analysis,
@@ -280,10 +287,6 @@ class AxisRuns(PlainTrials):
         if beside is not None:
             rows = own._around(Coefficients(*(*beside.centre, 0.0, 0.0, 0.0)[:3]))
         return AxisLikelihood(own.table, rows, own.measures, viscous=law.name == VISCOUS)
-
-    def quality(self) -> Mapping[str, Any]:
-        """Return nothing of a board."""
-        return {}
 
     def predicted(self, view: Predictive) -> xr.Dataset:
         """Return friction of each run, and predicted for a new run."""
@@ -336,6 +339,7 @@ class AxisRuns(PlainTrials):
             self.measures.stroke,
             float(np.hypot(MARGIN_S, 0.5 * self.interval_s)),
             viscous=self.law.name == VISCOUS,
+            loads=self.loads,
         )
 
 
@@ -360,7 +364,7 @@ def _opened(
     readings = readings_of(logs, starts, constants.encoder_resolution) if logs else None
     if readings is None:
         return None
-    table = pd.DataFrame(rows)
+    table = pd.DataFrame(rows).assign(**NO_CABLE)
     measures, beside = measures_of(readings, logs, constants), None
     if simulator is not None:
 
@@ -376,7 +380,6 @@ def _opened(
         named = {"sim_force": "sim_force_n", "sim_position": "sim_position_m"}
         columns = [column for name, column in named.items() if name in logs[0].further]
         beside = SimulatedBaseline(" and ".join(columns))
-    table["pulley_size"], table["n_pulleys"], table["wrap_angle_deg"] = SIZE, 1, 85.0
     if "setup" not in table or table["setup"].nunique() < SETUPS:
         table["setup"] = table["trial"]
     moving = np.unique(readings.trial)

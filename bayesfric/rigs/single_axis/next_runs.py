@@ -1,0 +1,143 @@
+"""Runs that the axis could make next: recorded paths again, and others over the same range.
+
+Each run gives four paths, and each path is run at several speeds. A path is a spline, so that
+its speed and acceleration are known in closed form; the drive force is what the law takes for
+it. No run leaves the positions of the run that it is made of or takes longer, and none but
+a recorded run again asks for a larger drive force than was seen.
+"""
+
+from collections.abc import Collection, Mapping
+from itertools import product
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.interpolate import BSpline, make_lsq_spline
+
+from bayesfric.physics.axis import AxisLaw
+from bayesfric.recording.tables import Axis, RigConstants
+from bayesfric.rigs.single_axis.motion import Motion
+from bayesfric.rigs.single_axis.readings import Readings, readings_of
+from bayesfric.rigs.single_axis.simulated import log_of
+
+__all__ = ["SETTINGS", "lay_out"]
+
+Array = NDArray[np.float64]
+SETTINGS = ("run", "path", "velocity_m_s", "duration_s", "drive_force_n")
+ROUND = {"at a steady speed": 0.5, "sine": 50.0}  # by how a path there and back turns
+RUNS = 3  # of each role: the slowest, the fastest and one between them
+SPEEDS = 5  # beside that of the run itself
+LEAST = 4.0  # half windows that a run has at the least
+SLOWEST = 0.25  # of the slowest run's top speed, which every axis can do
+
+
+def lay_out(
+    axis: Axis, moved: Collection[str], rig: RigConstants, like: Readings, law: AxisLaw
+) -> tuple[pd.DataFrame, Readings] | None:
+    """Return feasible runs, one a trial and assembly, and their rows; None where none has any.
+
+    Top speeds lie within ``rig.limits.velocity_m_s``, without it at most at the highest that
+    was recorded.
+
+    Parameters
+    ----------
+    axis : Axis
+        What was recorded.
+    moved : collection of str
+        Runs in which the axis moves.
+    rig : RigConstants
+        The machine.
+    like : Readings
+        Rows of what was recorded, whose windows and noise those of the runs have.
+    law : AxisLaw
+        That says what drive force a path takes.
+    """
+    read = {str(run): log_of(samples, rig) for run, samples in axis.samples.groupby("run")}
+    logs = {run: log for run, log in read.items() if log is not None and run in moved}
+    own = {run: _spline(log, log.position, like.half_s) for run, log in logs.items()}
+    tops = {run: _top(path) for run, path in own.items()}
+    most = float(np.abs(like.drive).max())
+    speeds = _speeds(tops, rig)
+    motions, rows = [], []
+    for run in _chosen(axis.runs, tops):
+        name = str(run["run"])
+        paths = _paths(logs[name], own[name], like.half_s, speeds[-1])
+        for (kind, path), speed in product(paths.items(), sorted({*speeds, tops[name]})):
+            motion = _motion(path, speed / _top(path), logs[name], law)
+            length = motion.time_s.size * motion.interval_s
+            peak = float(np.abs(motion.force).max())
+            again = kind == "as recorded" and speed == tops[name]
+            inside = again or (speeds[0] <= speed <= speeds[-1] and peak <= most)
+            if inside and length >= LEAST * like.half_s:
+                motions.append(motion)
+                settings = (name, kind, speed, length, peak)
+                rows.append(run | dict(zip(SETTINGS, settings, strict=True)))
+    if not motions:
+        return None
+    starts = [np.zeros(1, dtype=np.intp)] * len(motions)
+    readings = readings_of(motions, starts, None, like)
+    if readings is None:
+        return None
+    moving = np.unique(readings.trial)
+    table = pd.DataFrame(rows).drop(columns="order", errors="ignore").iloc[moving]
+    table = table.reset_index(drop=True)
+    table["trial"] = table["setup"] = [f"t{place:04d}" for place in range(len(table))]
+    return table, readings.of(moving)
+
+
+def _spline(log: Motion, position: Array, knot_s: float) -> BSpline:
+    """Return a path that a window resolves, from time 0 on."""
+    time = log.time_s - log.time_s[0]
+    inner = np.linspace(0.0, time[-1], max(2, round(time[-1] / knot_s)))
+    return make_lsq_spline(time, position, np.pad(inner, 3, mode="edge"))
+
+
+def _paths(log: Motion, own: BSpline, knot_s: float, fastest: float) -> dict[str, BSpline]:
+    """Return paths over the range of a run, by what they are called.
+
+    A path there and back is a triangle wave whose corners are round: A arcsin(r cos φ), whose
+    speed is A sin φ / √(sin² φ + ε²) with r² = 1 / (1 + ε²); a large ε makes a sine of it.
+    """
+    low, high = float(log.position.min()), float(log.position.max())
+    found = {"as recorded": own, "mirrored": BSpline(own.t, low + high - own.c, own.k)}
+    phase = np.pi * fastest / (high - low) * (log.time_s - log.time_s[0])  # fast enough for all
+    for name, corner in ROUND.items():
+        r = 1 / np.hypot(1.0, corner)
+        wave = -np.arcsin(r * np.cos(phase)) / np.arcsin(r)
+        found[name] = _spline(log, 0.5 * (low + high) + 0.5 * (high - low) * wave, knot_s)
+    return found
+
+
+def _top(path: BSpline) -> float:
+    return float(np.abs(path.derivative()(path.t)).max())
+
+
+def _speeds(tops: Mapping[str, float], rig: RigConstants) -> list[float]:
+    slowest, fastest = SLOWEST * min(tops.values()), max(tops.values())
+    low, high = rig.limits.get("velocity_m_s", (slowest, fastest))
+    high = max(high, slowest)  # what is said to stand still was seen to move
+    return [float(one) for one in np.geomspace(min(max(low, slowest), high), high, SPEEDS)]
+
+
+def _chosen(runs: pd.DataFrame, tops: Mapping[str, float]) -> list[dict[str, Any]]:
+    """Return runs of every role, evenly by their top speeds."""
+    runs = runs[runs["run"].isin(list(tops))]
+    runs = runs.iloc[np.argsort(runs["run"].map(tops).to_numpy(), kind="stable")]
+    roles = runs["role"].fillna("") if "role" in runs else pd.Series("", runs.index)
+    found = []
+    for role in dict.fromkeys(roles):
+        own = runs[roles == role]
+        at = np.unique(np.linspace(0, len(own) - 1, RUNS).astype(int))
+        found += [{str(k): v for k, v in one.items()} for one in own.iloc[at].to_dict("records")]
+    return found
+
+
+def _motion(path: BSpline, faster: float, log: Motion, law: AxisLaw) -> Motion:
+    """Return a path run so much faster, and the drive force that it takes, on time."""
+    time = np.arange(0.0, path.t[-1] / max(faster, 1.0), log.interval_s)
+    velocity = faster * path(faster * time, 1)
+    force = law.mass * faster**2 * path(faster * time, 2)
+    force = force + np.sign(velocity) * law.coulomb + law.viscous * velocity
+    known = np.ones(time.size, dtype=np.bool_)
+    return Motion(time, path(faster * time), force, known, log.interval_s, {})
