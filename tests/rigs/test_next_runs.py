@@ -183,7 +183,12 @@ def test_a_new_run_has_the_clocks_of_the_machine(question):
     def proposed(late, unknown):
         doubt = one.at.covariance + np.diag([0.0] * 4 + [unknown])
         each = [
-            replace(one, at=replace(one.at, mean=one.at.mean + [0, 0, 0, 0, off], covariance=doubt))
+            replace(
+                one,
+                at=replace(
+                    one.at, mean=one.at.mean + np.array([0, 0, 0, 0, off]), covariance=doubt
+                ),
+            )
             for off in (0.0, late)
         ]
         pair = dict(zip(("one", "other"), each, strict=True))
