@@ -48,6 +48,12 @@ def margins(
     tune: Annotated[
         bool, typer.Option("--tune", help="Look for gains that meet all specs at once.")
     ] = False,
+    ensembles: Annotated[
+        bool,
+        typer.Option(
+            "--ensembles", help="Simulate ramp, reversal, sine and step with each compensator."
+        ),
+    ] = False,
     mat: Annotated[
         Path | None,
         typer.Option(
@@ -101,6 +107,7 @@ def margins(
             diagnosis=diagnosis,
             verify=verify,
             tune=tune,
+            ensembles=ensembles,
             mat=mat,
             quiet=quiet,
         )
@@ -116,6 +123,7 @@ def margins_into(
     diagnosis: Path | None = None,
     verify: int = 0,
     tune: bool = False,
+    ensembles: bool = False,
     mat: Path | None = None,
     quiet: bool,
 ) -> set[str]:
@@ -132,6 +140,7 @@ def margins_into(
             diagnosis=diagnosis,
             verify=verify,
             tune=tune,
+            ensembles=ensembles,
             progress=progress,
         )
     found.write(output)
@@ -151,6 +160,8 @@ def margins_into(
                     _say(one)
         if loop.tuning is not None:
             say(f"  {tuning_told(loop.tuning)}")
+        if loop.following is not None:
+            say(f"  {loop.following.answer}")
         believed = loop.with_effects or loop
         if believed.missed_specs:
             happened.add("spec")

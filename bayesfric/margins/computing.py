@@ -22,6 +22,7 @@ from bayesfric.margins.cable_run import Direction
 from bayesfric.margins.diagnosed import Diagnosed, read_diagnosed, with_effects
 from bayesfric.margins.echo import plant_of
 from bayesfric.margins.ensemble import Ensemble
+from bayesfric.margins.following import follow_all, needs_motion
 from bayesfric.margins.inputs import beyond_the_draws, refused
 from bayesfric.margins.loop_at_shaft import LoopAtShaft, at_shaft
 from bayesfric.margins.loop_file import Loop, loop_sha256, read_loop
@@ -128,6 +129,7 @@ def compute_margins(
     diagnosis: Path | str | None = None,
     verify: int = 0,
     tune: bool = False,
+    ensembles: bool = False,
     simulated: int = SIMULATED,
     progress: Callable[[int, int], object] = lambda done, total: None,
 ) -> Margins:
@@ -148,8 +150,10 @@ def compute_margins(
         Draws of each loop that are held against motor and joint on an elastic cable.
     tune : bool
         Whether to look for gains that meet all specs at once.
+    ensembles : bool
+        Whether to simulate references that move, with each compensator.
     simulated : int
-        Draws in which hunting is simulated where no closed form holds.
+        Draws in which hunting is simulated where no closed form holds, and motion.
     progress : callable
         Told how many of how many loops are done.
 
@@ -172,8 +176,8 @@ def compute_margins(
     if diagnosis is not None:
         diagnosed = read_diagnosed(Path(diagnosis), posterior, analysis.seed)
     for loop in read:
-        _refuse_unstable(loop, posterior)
-    found, ensembles = [], []
+        _refuse_unstable(loop, posterior, ensembles)
+    found, loops_drawn = [], []
     for place, loop in enumerate(read):
         progress(place, len(read))
         shaft, told = _one_loop(
@@ -184,11 +188,12 @@ def compute_margins(
             analysis.seed,
             verify,
             tune,
+            ensembles,
             max(simulated, 2),
         )
         found.append(told)
         nominal = at_shaft(loop, nominal_assembly(loop, posterior), float(shaft.estimate.mean()))
-        ensembles.append(Ensemble(nominal, shaft))
+        loops_drawn.append(Ensemble(nominal, shaft))
     progress(len(read), len(read))
     common = provenance(
         recording=posterior.recording,
@@ -204,7 +209,7 @@ def compute_margins(
         rig_discrepancy_source=discrepancy.source,
         loops=tuple(found),
     )
-    return Margins(identified(summary), tuple(ensembles))
+    return Margins(identified(summary), tuple(loops_drawn))
 
 
 def _read_all(loops: Sequence[Path | str | Loop]) -> list[Loop]:
@@ -225,13 +230,13 @@ def _read_all(loops: Sequence[Path | str | Loop]) -> list[Loop]:
     return read
 
 
-def _refuse_unstable(loop: Loop, posterior: Posterior) -> None:
+def _refuse_unstable(loop: Loop, posterior: Posterior, moves: bool) -> None:
     """Raise for a loop whose median is unstable, unless the file says that friction holds it."""
     sizes = {run.pulley_size for run in loop.runs} - set(posterior.coefficients)
     if sizes:  # told with its place by the drawing
         draw_assembly(loop, posterior, RigDiscrepancy(0.0, ""), 0)
     shaft = at_shaft(loop, nominal_assembly(loop, posterior))
-    unknown = list(refused(loop, posterior))
+    unknown = [*refused(loop, posterior), *(needs_motion(shaft) if moves else ())]
     if unknown:
         raise InputError(unknown)
     faults = [
@@ -258,6 +263,7 @@ def _one_loop(
     seed: int,
     verify: int,
     tune: bool,
+    moves: bool,
     simulated: int,
 ) -> tuple[LoopAtShaft, LoopMargins]:
     given = draw_assembly(loop, posterior, discrepancy, seed)
@@ -323,6 +329,8 @@ def _one_loop(
         meets_all=together,
         tuning=find_gains(shaft, loop.spec.violation_probability_max) if tune else None,
         tuning_why=None if tune else "it was not asked for (--tune)",
+        following=follow_all(shaft, simulated) if moves else None,
+        following_why=None if moves else "it was not asked for (--ensembles)",
         nyquist=nyquist_fans(shaft),
         warnings=loop_warnings(shaft, given, linear, discrepancy, posterior),
     )

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from bayesfric.margins.reference import Reference
 from bayesfric.margins.sampled_loop import SampledLoop
 
 __all__ = ["Controller"]
@@ -26,12 +27,13 @@ class Controller:
     ----------
     loop : SampledLoop
         Its numbers.
-    position, reference : ndarray, shape (draws,)
-        Of the shaft at the first sample [rad], and the speed of the reference, with which
-        the shaft is found moving [rad/s].
+    position : ndarray, shape (draws,)
+        Of the shaft at the first sample [rad].
+    reference : Reference
+        What it follows, with whose first speed the shaft is found moving.
     """
 
-    def __init__(self, loop: SampledLoop, position: Floats, reference: Floats) -> None:
+    def __init__(self, loop: SampledLoop, position: Floats, reference: Reference) -> None:
         self.signal, self.at_rest = loop.compensation_signal, loop.at_rest
         self.reference = reference
         self.kp, self.kd, self.ki = (loop.array(name) for name in ("kp", "kd", "ki"))
@@ -48,13 +50,15 @@ class Controller:
         self.step = 2.0 * np.pi / np.where(self.stepped, counts, 1.0)
         self.integrates = bool((self.ki != 0.0).any())
         self.filters = bool((self.fresh < 1.0).any())
-        self.reading = self._read(position - reference * self.period)
-        self.filtered = reference.copy()
+        speed = reference.speed(np.zeros(loop.draws))
+        self.reading = self._read(position - speed * self.period)
+        self.filtered = speed.copy()
         self.integral = np.zeros(loop.draws)
         self.last_share = np.zeros(loop.draws)
 
     def keep(self, rows: NDArray[np.intp]) -> None:
         """Go on with some of the draws alone."""
+        self.reference = self.reference.taken(rows)
         for name, value in vars(self).items():
             if isinstance(value, np.ndarray):
                 setattr(self, name, value[rows])
@@ -75,25 +79,26 @@ class Controller:
         reading = self._read(position)
         speed = (reading - self.reading) / self.period
         self.reading = reading
-        error = self.reference * (k * self.period) - reading
+        now = k * self.period
+        error, asked = self.reference.position(now) - reading, self.reference.speed(now)
         if self.filters:
             self.filtered += self.fresh * (speed - self.filtered)
         used = self.filtered if self.filters else speed
-        wanted = self.kp * error + self.kd * (self.reference - used)
+        wanted = self.kp * error + self.kd * (asked - used)
         if self.integrates:
             integral = self.integral + error * self.period
             wanted += self.ki * integral
         if self.signal != "none":
-            wanted += self.feed * self._share(error, speed)
+            wanted += self.feed * self._share(asked, error, speed)
         torque = np.minimum(np.maximum(wanted, -self.limit), self.limit)
         if self.integrates:  # wind-up: no further integration into a limit
             waits = (torque != wanted) & (wanted * error > 0)
             self.integral = np.where(waits, self.integral, integral)
         return torque, speed
 
-    def _share(self, error: Floats, speed: Floats) -> Floats:
+    def _share(self, asked: Floats, error: Floats, speed: Floats) -> Floats:
         """Return the compensation as a share of its full size, −1 to 1."""
-        signals = {"reference": self.reference, "measured": speed, "error": error}
+        signals = {"reference": asked, "measured": speed, "error": error}
         signal = signals[self.signal]
         inside = np.abs(signal) < self.boundary
         share = np.divide(signal, self.boundary, out=np.sign(signal), where=inside)
@@ -106,26 +111,28 @@ class Controller:
         """Return the coming commands of a shaft that stays where it is.
 
         That at sample k + j is ``constant`` + ``linear`` j + ``square`` j² [N·m], while the
-        readings stay and nothing is clipped; NaN where it is no such thing.
+        readings stay, the reference keeps its speed and nothing is clipped; NaN where it is
+        no such thing.
 
         Parameters
         ----------
         k : ndarray of int, shape (draws,)
             The next sample, whose command is not given yet.
         """
-        error = self.reference * (k * self.period) - self.reading
-        ramp = self.reference * self.period
+        now = k * self.period
+        error, asked = self.reference.position(now) - self.reading, self.reference.speed(now)
+        ramp = asked * self.period
         by_integral = self.ki * self.period
         square = by_integral * ramp / 2.0
         linear = self.kp * ramp + by_integral * error + square
-        constant = self.kp * error + self.kd * self.reference
+        constant = self.kp * error + self.kd * asked
         constant += self.ki * self.integral + by_integral * error
         if self.filters:
             left = self.kd * self.filtered
             constant = np.where(np.abs(left) > SILENT * self.breakaway, np.nan, constant)
         match self.signal:
             case "reference" | "measured":
-                moves = self.reference if self.signal == "reference" else np.zeros_like(error)
+                moves = asked if self.signal == "reference" else np.zeros_like(error)
                 inside = np.abs(moves) < self.boundary
                 share = np.divide(moves, self.boundary, out=np.sign(moves), where=inside)
                 if self.at_rest == "hold":
@@ -139,10 +146,11 @@ class Controller:
         return np.where(room, np.nan, constant), linear, square
 
     def wait(self, k: NDArray[np.intp], rows: NDArray[np.intp], samples: NDArray[np.intp]) -> None:
-        """Let some draws stand still for a number of samples from k on."""
+        """Let some draws stand still for a number of samples from k on, at one reference speed."""
         if not self.integrates:
             return
-        error = self.reference * (k * self.period) - self.reading
-        ramp = self.reference * self.period
+        now = k * self.period
+        error = self.reference.position(now) - self.reading
+        ramp = self.reference.speed(now) * self.period
         total = samples * error[rows] + ramp[rows] * samples * (samples - 1) / 2.0
         self.integral[rows] += self.period[rows] * total

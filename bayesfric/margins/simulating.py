@@ -17,13 +17,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bayesfric.margins.elastic_cable import Ends
+from bayesfric.margins.reference import ConstantSpeed, Reference
 from bayesfric.margins.sampled_controller import Controller
 from bayesfric.margins.sampled_loop import SampledLoop
 from bayesfric.margins.shaft import Shaft, StiffShaft
 from bayesfric.margins.swing import STEADY_SHARE, Swing
 from bayesfric.margins.traces import Record, Traces
 
-__all__ = ["Motion", "simulate"]
+__all__ = ["Motion", "follow", "simulate"]
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.intp]
@@ -137,7 +138,7 @@ def simulate(
     if not (settled > 0.0).all():
         raise ValueError(f"settling: expected a positive time, got {settled.min()}")
     kept = loop.per_draw("lasts", lasts)
-    run = _Run(loop, begin, reference, length, settled, kept, substeps)
+    run = _Run(loop, begin, ConstantSpeed(reference), length, settled, kept, substeps)
     record = Record(begin, reference) if traces else None
     looks = 0
     while run.rows.size:
@@ -155,6 +156,36 @@ def simulate(
     return Motion(**run.found, traces=None if record is None else record.traces())
 
 
+def follow(loop: SampledLoop, reference: Reference, duration: ArrayLike) -> Floats:
+    """Return by how much the joint is behind a reference, sample by sample.
+
+    Motor and joint begin where the reference does and as fast, at 0, the load hanging in its cable.
+
+    Parameters
+    ----------
+    loop : SampledLoop
+        The loop.
+    reference : Reference
+        Of as many draws, at 0 at the beginning.
+    duration : array_like
+        Length of the run [s], rounded up to whole samples, a scalar or (draws,).
+
+    Returns
+    -------
+    ndarray, shape (samples + 1, draws)
+        Reference minus joint, seen from the motor's shaft [rad]; the last value stays where
+        other draws take more samples.
+    """
+    whole, never = np.zeros(loop.draws), np.full(loop.draws, np.inf)
+    length = loop.per_draw("duration", duration)
+    run = _Run(loop, whole, reference, length, never, whole, 1)
+    errors = [run.joint_error()]
+    while (run.k < run.swing.end).any():
+        run.advance(None)
+        errors.append(run.joint_error())
+    return np.array(errors)
+
+
 class _Run:
     """Draws on their way, each at a sample of its own."""
 
@@ -162,7 +193,7 @@ class _Run:
         self,
         loop: SampledLoop,
         begin: Floats,
-        reference: Floats,
+        reference: Reference,
         duration: Floats,
         settling: Floats,
         lasts: Floats,
@@ -170,7 +201,7 @@ class _Run:
     ) -> None:
         self.controller = Controller(loop, begin, reference)
         period = self.controller.period
-        self.plant = _plant(loop, begin, reference)
+        self.plant = _plant(loop, begin, reference.speed(np.zeros(loop.draws)))
         # Command k − whole − 1 acts until `late` after t_k, that of k − whole from there.
         samples_late = loop.array("delay") / period
         self.whole = np.floor(samples_late + 1e-9).astype(np.intp)
@@ -219,11 +250,16 @@ class _Run:
         self.k = self.k + running
         self.moving = np.where(BRIEFLY * self.quiet > self.settling, 0, self.moving + 1)
         error = self._error()
-        self.swing.see(self.k, error, plant.speed - self.controller.reference, running)
+        asked = self.controller.reference.speed(self.k * self.controller.period)
+        self.swing.see(self.k, error, plant.speed - asked, running)
 
     def _error(self) -> Floats:
         controller = self.controller
-        return controller.reference * (self.k * controller.period) - self.plant.position
+        return controller.reference.position(self.k * controller.period) - self.plant.position
+
+    def joint_error(self) -> Floats:
+        """Return the reference minus the joint, of shape (draws,) [rad]."""
+        return self._error() + self.plant.twist
 
     def _acting(self, older: int) -> Floats:
         """Return the command that acts, of an age in samples a draw."""

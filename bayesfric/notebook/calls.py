@@ -161,7 +161,7 @@ def compute_margins(
         As of :func:`fit`; the seed is used.
     **options
         Of :func:`bayesfric.margins.compute_margins`: ``diagnosis``, ``verify``,
-        ``simulated``, ``progress``.
+        ``tune``, ``ensembles``, ``simulated``, ``progress``.
     """
     several = [loops] if isinstance(loops, str | PathLike | Loop) else loops
     path = Path(draws)

@@ -54,6 +54,8 @@ from bayesfric.schemas.fit import (
     WithoutExclusions,
 )
 from bayesfric.schemas.margins import (
+    FollowedWith,
+    Following,
     GammaProbability,
     Held,
     HuntingMap,
@@ -62,6 +64,7 @@ from bayesfric.schemas.margins import (
     Metric,
     NyquistFan,
     Plant,
+    Trajectory,
     Tuning,
     Verification,
     VerifiedDraw,
@@ -106,6 +109,8 @@ __all__ = [
     "Excluded",
     "FitFile",
     "Flip",
+    "FollowedWith",
+    "Following",
     "FrictionAsked",
     "GammaProbability",
     "Gap",
@@ -146,6 +151,7 @@ __all__ = [
     "SimulatorUsed",
     "Target",
     "TimingsFile",
+    "Trajectory",
     "Tuning",
     "Uniformity",
     "Unseparated",

@@ -7,6 +7,8 @@ from pydantic import ConfigDict, Field
 from bayesfric.schemas.base import Interval, Number, Provenance, Record, Why
 
 __all__ = [
+    "FollowedWith",
+    "Following",
     "GammaProbability",
     "Held",
     "HuntingMap",
@@ -15,6 +17,7 @@ __all__ = [
     "Metric",
     "NyquistFan",
     "Plant",
+    "Trajectory",
     "Tuning",
     "Verification",
     "VerifiedDraw",
@@ -158,6 +161,49 @@ class Tuning(Record):
     why: Why = Field(None, description="Why there is no such setting.")
 
 
+class FollowedWith(Record):
+    """The error at the tool tip on one trajectory with one compensator, joint behind reference."""
+
+    compensator: Literal["none", "reference", "measured", "error"] = Field(
+        description="Whose sign it takes; γ, F̂ and what it does at rest are the file's."
+    )
+    rms_m: Interval = Field(description="Root mean square in the judged time, over the draws.")
+    peak_m: Interval = Field(description="Largest size in the judged time, over the draws.")
+    least: Number = Field(
+        description="Share of the draws in which its rms error is within 2 % of the least of all."
+    )
+    q05_m: tuple[Number, ...] = Field(description="5 % of the draws over `time_s`.")
+    q50_m: tuple[Number, ...] = Field(description="Their median.")
+    q95_m: tuple[Number, ...] = Field(description="95 % of them.")
+
+
+class Trajectory(Record):
+    """One reference that moves."""
+
+    name: Literal["ramp", "reversal", "sine", "step"] = Field(description="Its kind.")
+    sentence: str = Field(description="Speeds and amplitudes at the motor and at the tool tip.")
+    best: tuple[Literal["none", "reference", "measured", "error"], ...] = Field(
+        description="Compensators with the largest `least`, or less than 5 % of the draws below it."
+    )
+    compensators: tuple[FollowedWith, ...] = Field(description="Each of them.")
+
+
+class Following(Record):
+    """How the joint follows references that move, simulated on the elastic cable."""
+
+    draws: int = Field(description="Draws that were simulated.")
+    settling_s: Number = Field(
+        description="Time of rest, after which the reference sets off, and goes on for twice that: "
+        "errors are judged in the second half, from the turn of a reversal on."
+    )
+    time_s: tuple[Number, ...] = Field(description="Of the bands, since setting off.")
+    answer: str = Field(description="Which compensator follows best, in a sentence.")
+    error_band_rad: Number = Field(
+        description="Half width of the band of the error's sign, at the motor; median."
+    )
+    trajectories: tuple[Trajectory, ...] = Field(description="Ramp, reversal, sine, step.")
+
+
 class WithEffects(Record):
     """The same loop with the law and the effects on friction of a diagnosis."""
 
@@ -234,6 +280,10 @@ class LoopMargins(Record):
     )
     tuning: Tuning | None = Field(None, description="What meets them with the asked probability.")
     tuning_why: Why = None
+    following: Following | None = Field(
+        None, description="Errors on references that move, without the effects of a diagnosis."
+    )
+    following_why: Why = None
     nyquist: tuple[NyquistFan, ...] = Field(description="What the figures draw.")
     warnings: tuple[str, ...] = Field(description="Assumptions and doubts; read them first.")
 

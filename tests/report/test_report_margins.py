@@ -10,6 +10,7 @@ from margins.loops import loop, write_draws
 from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins
 from bayesfric.notebook.results import MarginsResult
+from bayesfric.plots.following import errors_over_time
 from bayesfric.plots.margins import hunting_over_speed, limit_cycle_against_gain, nyquist_fan
 from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters.gain import gain_lines
@@ -18,6 +19,7 @@ from bayesfric.report.content import Heading, Paragraph, Strong, Table
 from bayesfric.report.markdown import render_markdown
 from bayesfric.report.stored import StoredResults, read_stored
 from bayesfric.report.writing import write_report
+from bayesfric.schemas import FollowedWith, Following, Interval, Trajectory
 
 
 @pytest.fixture(scope="module")
@@ -135,3 +137,41 @@ def test_the_figures_draw_what_is_stored(computed):
     loops = [fan for fan in one.nyquist if fan.what == "loop"]
     assert left.lines[0].get_xdata().tolist() == list(loops[0].real[0])
     assert len(right.lines) >= len(loops[0].real)
+
+
+def test_references_that_move_are_drawn_and_tabled(computed):
+    first = computed.summary.loops[0]
+    steps = np.linspace(-1.0, 2.0, 4)
+
+    def followed(name, rms, least):
+        numbers = {"mean": rms, "sd": 0.0, "q05": rms / 2, "q50": rms, "q95": 2 * rms}
+        bands = {key: rms * factor * steps for key, factor in
+                 (("q05_m", 0.5), ("q50_m", 1.0), ("q95_m", 2.0))}  # fmt: skip
+        return FollowedWith(compensator=name, rms_m=Interval(**numbers), least=least,
+                            peak_m=Interval(**numbers), **bands)  # fmt: skip
+
+    rows = tuple(
+        followed(*one) for one in (("none", 4e-3, 0.0), ("reference", 1e-3, 0.9),
+                                   ("measured", 2e-3, 0.0), ("error", 3e-3, 0.1))
+    )  # fmt: skip
+    found = Following(
+        draws=20, settling_s=1.0, time_s=tuple(steps), answer="Reference.", error_band_rad=0.1,
+        trajectories=tuple(
+            Trajectory(name=name, sentence="1 mm", best=("reference",), compensators=rows)
+            for name in ("ramp", "reversal", "sine", "step")
+        ),
+    )  # fmt: skip
+    moving = first.model_copy(update={"following": found, "following_why": None})
+    blocks = list(margins(computed.summary.model_copy(update={"loops": (moving,)}), alone=False))
+    (table,) = [one for one in blocks if getattr(one, "label", "") == "followed-bench"]
+    assert len(table.rows) == 16
+    assert table.rows[1][:3] == ["ramp", "reference", "1.0"]
+    assert table.rows[1][-1].startswith("90")
+    panels = errors_over_time(found).axes
+    assert [one.get_title() for one in panels] == [
+        "ramp: reference", "reversal: reference", "sine: reference", "step: reference",
+    ]  # fmt: skip
+    drawn = [np.asarray(line.get_ydata()).tolist() for line in panels[3].lines]
+    assert (1e3 * 4e-3 * steps).tolist() in drawn
+    bare = [one for one in margins(computed.summary, alone=False) if isinstance(one, Paragraph)]
+    assert any("it was not asked for (--ensembles)" in str(one.text) for one in bare)

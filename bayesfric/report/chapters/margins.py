@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator
 
 from bayesfric.margins.terms import in_degrees_or_decibels, tuning_told
+from bayesfric.plots.following import errors_over_time
 from bayesfric.plots.margins import hunting_over_speed, nyquist_fan
 from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.gain import WORDS, gain_figures
@@ -110,6 +111,7 @@ def _loop(loop: LoopMargins) -> Iterator[Block]:
     if loop.tuning is not None:
         yield Paragraph(tuning_told(loop.tuning))
     yield from _over_speed(loop)
+    yield from _following(loop)
     yield from _shares(loop)
     yield from _verification(loop)
     yield from _before_and_after(loop)
@@ -144,6 +146,55 @@ def _over_speed(loop: LoopMargins) -> Iterator[Block]:
         ],
         "Two tables of grey cells, reference speed to the right and compensation gain upwards.",
         label=f"hunting-map-{loop.name}",
+    )
+
+
+def _following(loop: LoopMargins) -> Iterator[Block]:
+    """Yield how the joint follows references that move."""
+    found = loop.following
+    if found is None:
+        yield Paragraph(f"Errors on references that move: {loop.following_why}.")
+        return
+    yield Paragraph(found.answer)
+    yield BulletList([[Emphasis(one.name), f": {one.sentence}."] for one in found.trajectories])
+    yield Figure(
+        svg_of(errors_over_time, found),
+        [
+            f"Over {format_count(found.draws)} draws, how far the joint is behind the reference at "
+            "the tool tip, with each compensator: median, and 5 % to 95 %. What is shaded grey is "
+            "judged. From ",
+            Code("margins.json"),
+            ".",
+        ],
+        "Four panels of bands over time: ramp, reversal, sine and step, a colour a compensator.",
+        label=f"following-{loop.name}",
+    )
+    yield Table(
+        ["Error at the tool tip of ", Code(loop.name), " on references that move [mm]."],
+        [
+            "trajectory",
+            "compensator",
+            *(Column(text, align="decimal") for text in ("rms", "5 %", "95 %")),
+            *(Column(text, align="decimal") for text in ("peak", "5 %", "95 %")),
+            Column("least", align="right"),
+        ],
+        [
+            [
+                one.name,
+                each.compensator,
+                *_cells(each.rms_m, 1e3),
+                *_cells(each.peak_m, 1e3),
+                format_share(each.least),
+            ]
+            for one in found.trajectories
+            for each in one.compensators
+        ],
+        label=f"followed-{loop.name}",
+        note="Reference less joint, with the load and the stretch of the cable; judged for "
+        f"{format_number(found.settling_s, 3)} s once the loop has settled, of a reversal from the "
+        "turn on. Compensators have the file's γ and F̂; the sign of the error is linear within ± "
+        f"{format_number(found.error_band_rad, 3)} rad of the motor. Least: share of the draws in "
+        "which the rms error is within 2 % of the least.",
     )
 
 

@@ -1,0 +1,174 @@
+"""How the joint follows references that move, over draws, with each compensator.
+
+Each run begins at rest, for as long as the loop takes to settle. Then the reference sets off
+and goes on for twice that time; the error is judged in the last of the three.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.errors import Fault
+from bayesfric.margins.hunting import run_length
+from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.quantities import central
+from bayesfric.margins.reference import Stroke
+from bayesfric.margins.rows import interval_of
+from bayesfric.margins.sampled_loop import CompensationSignal, SampledLoop
+from bayesfric.margins.scanning import speeds_of
+from bayesfric.margins.simulating import follow
+from bayesfric.schemas import FollowedWith, Following, Trajectory
+
+__all__ = ["follow_all", "needs_motion", "strokes", "with_compensator"]
+
+Array = NDArray[np.float64]
+
+COMPENSATORS: tuple[CompensationSignal, ...] = ("none", "reference", "measured", "error")
+LEVELS = (0.05, 0.5, 0.95)
+POINTS = 121
+"""Of a band over time."""
+ALIKE = 0.02
+"""Share of an rms error by which two compensators may differ and count as equal."""
+CLOSE = 0.05
+"""Share of the draws by which a compensator may fall behind and be named with the best."""
+BAND = 2.0
+"""Over F̂/kp: half width of the band of an error's sign where the file has none."""
+
+
+def fastest(shaft: LoopAtShaft) -> float:
+    """Return the fastest reference of those at which hunting is looked for [rad/s]."""
+    return max(float(np.median(one.speed_of(shaft))) for one in speeds_of(shaft))
+
+
+def needs_motion(shaft: LoopAtShaft) -> list[Fault]:
+    """Return what is wrong with a loop whose reference never moves."""
+    if fastest(shaft) > 0.0:
+        return []
+    expected = "a range above 0, or none, for --ensembles: this reference never moves"
+    return [Fault(shaft.loop.name, expected, column="kick.reference_range_rad_s")]
+
+
+def strokes(shaft: LoopAtShaft) -> tuple[float, Mapping[str, tuple[Stroke, str]]]:
+    """Return how long the reference rests first [s], and each trajectory with its words.
+
+    Speeds are the fastest of those at which hunting is looked for, the period of the sine is
+    the time of rest, and the step is the file's kick.
+    """
+    n = shaft.friction.size
+    rest = float(np.median(run_length(shaft.sampled()).settling))
+    speed, kick = fastest(shaft), float(np.median(shaft.kick))
+    omega = 2 * np.pi / rest
+    begin = np.rint(rest / shaft.sample_time) * shaft.sample_time
+    still, never = np.zeros(n), np.full(n, np.inf)
+    ramp = Stroke(begin, still, np.full(n, speed), never, still, still)
+    sine = Stroke(begin, still, still, never, np.full(n, speed / omega), np.full(n, omega))
+
+    def angle(value: float, per: str = "") -> str:
+        tip = 1e3 * value * float(np.median(shaft.tip_per_rad))
+        return f"{np.rad2deg(value):.3g}°{per} at the motor ({tip:.3g} mm{per} at the tip)"
+
+    return rest, {
+        "ramp": (ramp, f"{angle(speed, '/s')} from rest on"),
+        "reversal": (
+            replace(ramp, turn=begin),
+            f"{angle(speed, '/s')}, and after {rest:.3g} s back at the same speed",
+        ),
+        "sine": (sine, f"± {angle(speed / omega)} at {1 / rest:.3g} Hz"),
+        "step": (replace(ramp, ramp=still, step=np.full(n, kick)), angle(kick)),
+    }
+
+
+def with_compensator(shaft: LoopAtShaft, signal: CompensationSignal) -> SampledLoop:
+    """Return the loop with another compensator: the file's γ, F̂ and choice at rest.
+
+    Half widths of linear pieces are the file's; that of the error, which needs one, is
+    2F̂/kp where the file has none.
+    """
+    compensation = shaft.loop.compensation
+    if signal == compensation.signal or signal == "none":
+        return replace(shaft.sampled(), compensation_signal=signal)
+    if signal != "error":
+        boundary = np.full(shaft.friction.shape, central(compensation.boundary_rad_s))
+    elif central(compensation.boundary_rad) > 0.0:
+        boundary = np.full(shaft.friction.shape, central(compensation.boundary_rad))
+    else:
+        boundary = BAND * shaft.estimate / shaft.kp
+    return replace(shaft.sampled(), compensation_signal=signal, boundary=boundary)
+
+
+def follow_all(shaft: LoopAtShaft, most: int) -> Following:
+    """Simulate every trajectory with every compensator.
+
+    Parameters
+    ----------
+    shaft : LoopAtShaft
+        The loop, all draws.
+    most : int
+        Draws that are simulated at most, taken evenly.
+
+    Returns
+    -------
+    Following
+        Errors at the tool tip, joint behind reference.
+    """
+    some = shaft.taken(np.unique(np.linspace(0, shaft.friction.size - 1, most).astype(np.intp)))
+    n = some.friction.size
+    rest, paths = strokes(some)
+    asked = [path for path, _ in paths.values()]
+    together = Stroke(*(np.concatenate(parts) for parts in zip(*map(_parts, asked), strict=True)))
+    seen = np.linspace(0.0, 3 * rest, POINTS)
+    at = np.rint(seen[:, None] / some.sample_time).astype(np.intp)
+    found: dict[CompensationSignal, tuple[Array, Array, Array]] = {}
+    for signal in COMPENSATORS:
+        loop = with_compensator(some, signal).taken(np.tile(np.arange(n), len(paths)))
+        errors = follow(loop, together, 3 * rest)
+        errors = errors.reshape(-1, len(paths), n) * some.tip_per_rad
+        number = np.arange(errors.shape[0])[:, None] * some.sample_time
+        judged = ((number > 2 * rest) & (number <= 3 * rest))[:, None]
+        rms = np.sqrt((errors**2).mean(axis=0, where=judged))
+        peak = np.abs(errors).max(axis=0, where=judged, initial=0.0)
+        shown = errors[np.minimum(at, errors.shape[0] - 1), :, np.arange(n)]
+        found[signal] = rms, peak, np.quantile(shown, LEVELS, axis=1)
+    least = np.min([rms for rms, _, _ in found.values()], axis=0)
+    trajectories = []
+    for row, (name, (_, words)) in enumerate(paths.items()):
+        each = tuple(
+            FollowedWith(
+                compensator=signal,
+                rms_m=interval_of(rms[row]),
+                peak_m=interval_of(peak[row]),
+                least=float((rms[row] <= (1 + ALIKE) * least[row]).mean()),
+                **dict(zip(("q05_m", "q50_m", "q95_m"), bands[:, :, row].tolist(), strict=True)),
+            )
+            for signal, (rms, peak, bands) in found.items()
+        )
+        highest = max(one.least for one in each)
+        best = tuple(one.compensator for one in each if one.least > highest - CLOSE)
+        trajectories.append(Trajectory(name=name, sentence=words, best=best, compensators=each))
+    return Following(
+        draws=n,
+        settling_s=rest,
+        time_s=tuple(seen - rest),
+        answer=_answer(trajectories),
+        error_band_rad=float(np.median(with_compensator(some, "error").array("boundary"))),
+        trajectories=tuple(trajectories),
+    )
+
+
+def _parts(path: Stroke) -> tuple[Array, ...]:
+    return path.begin, path.step, path.ramp, path.turn, path.amplitude, path.omega
+
+
+def _answer(trajectories: Sequence[Trajectory]) -> str:
+    """Return which compensator follows best, trajectory by trajectory."""
+    said = []
+    for one in trajectories:
+        rms = {each.compensator: 1e3 * each.rms_m.q50 for each in one.compensators}
+        words = f"{one.name}: {' or '.join(one.best)}, {rms[one.best[0]]:.2g} mm"
+        if "none" not in one.best:
+            words += f" in place of {rms['none']:.2g} mm with none"
+        most = max(each.least for each in one.compensators)
+        said.append(f"{words} (in {most:.0%} of the draws)")
+    return f"Compensators with the least rms error at the tip, medians: {'; '.join(said)}."

@@ -1,0 +1,45 @@
+"""How far the joint is behind references that move, a band a compensator."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from bayesfric.plots.style import COLORS, LINES, NEUTRAL, figure
+from bayesfric.schemas import Following
+
+__all__ = ["errors_over_time"]
+
+SHADES = tuple(COLORS[name] for name in ("black", "blue", "vermilion", "green"))
+
+
+def errors_over_time(found: Following) -> Figure:
+    """Draw the error at the tip over time: median and 5 to 95 % of the draws.
+
+    Parameters
+    ----------
+    found : Following
+        A panel a trajectory, a colour a compensator; what is judged is shaded.
+    """
+    time = np.array(found.time_s)
+    with figure(height=120.0) as fig:
+        fig.suptitle("Which compensator leaves least error at the tip?", fontsize=9.0)
+        panels = fig.subplots(2, 2, sharex=True).ravel()
+        for axes, one in zip(panels, found.trajectories, strict=True):
+            axes.axvspan(found.settling_s, time[-1], color=NEUTRAL, alpha=0.1, linewidth=0)
+            axes.axhline(0, color=NEUTRAL, linewidth=0.5)
+            for each, color, line in zip(one.compensators, SHADES, LINES, strict=True):
+                low, middle, high = (
+                    1e3 * np.array(band) for band in (each.q05_m, each.q50_m, each.q95_m)
+                )
+                axes.fill_between(time, low, high, color=color, alpha=0.12, linewidth=0)
+                for edge in (low, high):
+                    axes.plot(time, edge, color=color, linestyle=line, linewidth=0.4)
+                axes.plot(time, middle, color=color, linestyle=line, linewidth=1.0,
+                          label=each.compensator)  # fmt: skip
+            axes.set_title(f"{one.name}: {' or '.join(one.best)}")
+        for axes in panels[2:]:
+            axes.set_xlabel("time since the reference set off [s]")
+        for axes in panels[::2]:
+            axes.set_ylabel("behind at the tip [mm]")
+        handles, labels = panels[0].get_legend_handles_labels()
+        fig.legend(handles, labels, loc="outside lower center", ncols=4)
+    return fig
