@@ -2,7 +2,10 @@
 
 import numpy as np
 import pytest
+from rigs.driven_mass import Machine, simulate, write
 
+from bayesfric.recording import read_recording
+from bayesfric.rigs import all_rigs
 from bayesfric.rigs.single_axis.motion import even_grid, position_noise, smooth_motion
 from bayesfric.rigs.single_axis.readings import (
     PIECE,
@@ -148,3 +151,13 @@ def test_travel_counts_from_rest():
     assert travel[79] == pytest.approx(0.3, abs=0.011)
     begun = _since_reversal(position[20:], way[20:], 9.0)  # nobody saw where it came from
     assert begun[:20] == pytest.approx(9.0)
+
+
+def test_a_coarse_encoder_leaves_the_mass_alone(tmp_path):
+    """Steps of a two-hundredth of the path: over nine samples the axis seems to stand still."""
+    machine = Machine(resolution=1e-3, top_speed=0.3)
+    table, samples = simulate(machine, runs=3, seconds=6.0, seed=5)
+    recording = read_recording(write(tmp_path / "axis", machine, table, samples))
+    law = all_rigs()["single-axis"].trials(recording)._rough
+    assert law.mass == pytest.approx(machine.mass, rel=0.03)
+    assert law.coulomb == pytest.approx(machine.coulomb, rel=0.03)

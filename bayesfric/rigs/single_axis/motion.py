@@ -8,13 +8,14 @@ from scipy.signal import savgol_filter
 
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 
-__all__ = ["Motion", "even_grid", "position_noise", "smooth_motion"]
+__all__ = ["Motion", "even_grid", "position_noise", "resolving", "smooth_motion"]
 
 Array = NDArray[np.float64]
 UNEVEN = 0.01  # of the interval, from which on samples are put on a grid
 GAP = 3.0  # intervals without a sample that are a gap
 NORMAL = 1.4826  # from the median of absolute deviations to a standard deviation
 SURE = 4.0  # standard deviations of a speed's noise
+SLOW = 0.2  # of the top speed: speeds from which on it shall be known which way the axis runs
 LEAST_SAMPLES = 16
 
 
@@ -88,6 +89,24 @@ def position_noise(motion: Motion, resolution: float | None) -> float:
     return float(max(found, resolution / 12**0.5))
 
 
+def resolving(motion: Motion, half: int, noise: float) -> int:
+    """Return samples on either side, `half` at least, over which the axis' speed is resolved.
+
+    Over a few samples of a coarse encoder nothing seems to move.
+    """
+    while 8 * half < motion.time_s.size:
+        velocity = savgol_filter(motion.position, 2 * half + 1, 2, deriv=1, delta=motion.interval_s)
+        if SURE * _speed_error(motion, half, noise) < SLOW * np.abs(velocity).max():
+            break
+        half += max(1, half // 4)
+    return half
+
+
+def _speed_error(motion: Motion, half: int, noise: float) -> float:
+    # Least squares: the variance of a slope through n samples is 12 σ² / (n³ Δt²).
+    return float(noise * np.sqrt(12 / (2 * half + 1) ** 3) / motion.interval_s)
+
+
 def smooth_motion(motion: Motion, half: int, noise: float) -> tuple[Array, Array, Array]:
     """Return position, speed, and where it is known which way the axis runs.
 
@@ -109,7 +128,6 @@ def smooth_motion(motion: Motion, half: int, noise: float) -> tuple[Array, Array
     length = 2 * half + 1
     position = savgol_filter(motion.position, length, 2)
     velocity = savgol_filter(motion.position, length, 2, deriv=1, delta=motion.interval_s)
-    # Least squares: the variance of a slope through n samples is 12 σ² / (n³ Δt²).
-    error = noise * np.sqrt(12 / length**3) / motion.interval_s
+    error = _speed_error(motion, half, noise)
     way = np.where(np.abs(velocity) > SURE * error, np.sign(velocity), 0.0)
     return position, velocity, np.where(motion.known, way, 0.0)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 from scipy.signal import savgol_filter
 
-from bayesfric.rigs.single_axis.motion import Motion, position_noise, smooth_motion
+from bayesfric.rigs.single_axis.motion import Motion, position_noise, resolving, smooth_motion
 from bayesfric.rigs.single_axis.weak_form import TestFunction, node_weights, test_function
 
 __all__ = ["PIECE", "Readings", "readings_of", "rough_law"]
@@ -186,7 +186,7 @@ def _pass_s(motions: Sequence[Motion], noise: float) -> float:
     """Return the median time that the axis runs one way [s]; a quarter of it counts at least."""
     found = []
     for one in motions:
-        way = smooth_motion(one, SMOOTHED, noise)[2]
+        way = smooth_motion(one, resolving(one, SMOOTHED, noise), noise)[2]
         edges = np.flatnonzero(np.diff(way, prepend=0.0, append=0.0))
         each = np.diff(edges)[way[edges[:-1]] != 0] if edges.size > 1 else np.zeros(0)
         found.append(each * one.interval_s)
