@@ -160,7 +160,7 @@ def test_posteriors_that_are_not_normal_are_pooled_exactly():
         draws[f"b{centre}"] = gamma.rvs((3000, 1), random_state=rng)
     analysis = Analysis(
         seed=4,
-        sampler=Sampler(burn=60, steps=160, thin=2, extensions=0),
+        sampler=Sampler(burn=60, steps=640, thin=2, extensions=0),
         priors=Priors(boards=HalfNormal(scale=scale)),
     )
     found = draw_pooled(models, draws, analysis)
