@@ -61,7 +61,7 @@ def next_experiment(
     laid = [one.next_trials(model.laws) for one in model.data.rigs]
     rigs = tuple(one for one in laid if one is not None)
     if not rigs:
-        return (), "no rig could run, or nobody can predict, another trial within what was recorded"
+        return (), "within what was recorded, no rig can run another trial that can be predicted"
     found = []
     for one, other in combinations(open_, 2):
         best = _most_telling(model, Data(rigs), one, other)
