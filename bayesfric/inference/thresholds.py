@@ -22,7 +22,8 @@ from bayesfric.inference.grouped_normal import LOG_2PI
 __all__ = ["Thresholds", "log_probability_above"]
 
 Array = NDArray[np.float64]
-NEWTON_STEPS = 20
+NEWTON_STEPS = 20  # at most
+CLOSE = 1e-6  # to the mode, in standard deviations of u: nodes need be no closer
 REACH = 7.0  # of the nodes around the mode, in standard deviations of u
 STEEPEST = 8.0  # |a| up to which steps follow it: there the error is below 1e-6 nat
 
@@ -113,5 +114,8 @@ def _mode(slope: Array, gap: Array) -> Array:
         bend = hazard * (hazard + place)
         curvature = identity + np.einsum("wm,wmr,wms->wrs", bend, slope, slope)
         gradient = np.einsum("wm,wmr->wr", hazard, slope) - mode
-        mode = mode + np.linalg.solve(curvature, gradient[..., None])[..., 0]
+        change = np.linalg.solve(curvature, gradient[..., None])[..., 0]
+        mode = mode + change
+        if np.abs(change).max() < CLOSE:
+            break
     return mode

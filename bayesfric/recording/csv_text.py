@@ -17,6 +17,7 @@ __all__ = ["LISTED", "TextTable", "decode_utf8", "parse_csv", "with_rest"]
 
 LISTED = 20  # faults of one kind that are told one by one
 MOST_COLUMNS = 1000
+COMMAS = " (are there commas in numbers? the decimal mark is a point)"
 UTF16 = "this is UTF-16: is it a spreadsheet's “Unicode text”?"
 SPREADSHEET = "this is a spreadsheet: save its sheet as CSV"
 NOT_UTF8 = {
@@ -129,6 +130,8 @@ def parse_csv(file: str, data: bytes) -> TextTable:
         expected = f"{width} cells, as in the header"
         if any(columns[0][position].startswith("#") for position in ragged):
             expected += " (a line that begins with # is no comment here)"
+        elif min(ragged.values()) > width:
+            expected += COMMAS
         shown = [
             Fault(file, expected, row=lines[position], value=f"{count} cells")
             for position, count in list(ragged.items())[:LISTED]
@@ -147,9 +150,8 @@ def parse_csv(file: str, data: bytes) -> TextTable:
 
 def _all_ragged(file: str, width: int, ragged: dict[int, int], lines: list[int]) -> Fault:
     counts = set(ragged.values())
-    hint = " (are there commas in numbers? the decimal mark is a point)"
     expected = f"{width} cells, as in the header, in each row"
-    expected += hint if min(counts) > width else ""
+    expected += COMMAS if min(counts) > width else ""
     first = min(ragged)
     fault = Fault(file, expected, row=lines[first], value=f"{ragged[first]} cells")
     return replace(fault, like=len(ragged) - 1)

@@ -26,6 +26,9 @@ __all__ = ["read_recording"]
 Load = Callable[[str], bytes]  # a file of the recording, by its path in the folder
 
 LARGEST_FILE = 512 * 1024**2  # bytes; ten times a table of a million rows
+WHAT_IT_IS = (
+    "it lists the tables and describes the rig; `bayesfric simulate example` writes one to copy"
+)
 
 # A table and the one that it cannot do without.
 NEEDS = {
@@ -132,6 +135,8 @@ def _read_inside(folder: Path, name: str) -> bytes:
             expected = "a file of this name in the folder" + "".join(
                 f" (is {one.name} meant? save it as CSV)" for one in beside if one.is_file()
             )
+            if name == PACKAGE_FILE:
+                expected += f" ({WHAT_IT_IS})"
             raise InputError([Fault(name, expected, value=found)])
         if (size := file.stat().st_size) > LARGEST_FILE:
             expected = f"a file of at most {LARGEST_FILE:,} bytes"

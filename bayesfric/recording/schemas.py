@@ -14,7 +14,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from bayesfric.errors import Fault, InputError
-from bayesfric.recording.columns import Column, TableFormat
+from bayesfric.recording.columns import TABLES, Column, TableFormat
 from bayesfric.recording.csv_text import TextTable
 
 __all__ = ["Table", "check_cells", "meant"]
@@ -79,9 +79,11 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
     Raises
     ------
     InputError
-        If the header has no column of the table.
+        If the header has no column of the table or is that of another, or if the row below
+        it holds units.
     """
     _check_header(text, table)
+    _check_units(text, table)
     known: dict[str, pd.Series] = {}
     for column in table.columns:
         if column.name in text.cells:
@@ -114,15 +116,36 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
 
 
 def _check_header(text: TextTable, table: TableFormat) -> None:
-    names = [column.name for column in table.columns]
+    names = {column.name for column in table.columns}
     written = [str(name) for name in text.cells.columns]
-    if set(names) & set(written):
-        return
     needed = [column.name for column in table.columns if column.required]
+    shared = {
+        file: len(set(written) & {column.name for column in other.columns})
+        for file, other in TABLES.items()
+    }
+    likest = max(shared, key=lambda file: shared[file])
+    if not set(needed) <= set(written) and shared[likest] > len(names & set(written)):
+        expected = f"the columns {', '.join(needed)} (is this {likest}?)"
+        raise InputError([Fault(text.file, expected, row=1, value=",".join(written))])
+    if names & set(written):
+        return
     expected = f"a header with {', '.join(needed)} (is there none?)"
-    if {name.lower() for name in written} & set(names):
+    if {name.lower() for name in written} & names:
         expected = f"columns in small letters: {', '.join(needed)}"
     raise InputError([Fault(text.file, expected, row=1, value=",".join(written))])
+
+
+def _check_units(text: TextTable, table: TableFormat) -> None:
+    """Refuse a row of units: words where numbers belong, and numbers below them."""
+    numeric = [c.name for c in table.columns if c.is_numeric and c.name in text.cells]
+    first, *below = text.cells[numeric].head(2).to_numpy().tolist()
+    words = [cell[:1].isalpha() or cell in ("-", "%", "°") for cell in first]
+    numbers = [bool(DECIMAL.fullmatch(cell)) for row in below for cell in row]
+    if len(words) > 1 and all(words) and any(numbers):
+        expected = "numbers below the header (are these units? take the row out)"
+        raise InputError(
+            [Fault(text.file, expected, row=int(text.lines[0]), value=",".join(first))]
+        )
 
 
 def _typed(cells: pd.Series, column: Column) -> pd.Series:

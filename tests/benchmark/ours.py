@@ -15,11 +15,11 @@ from bayesfric.analysis import Analysis, Sampler
 from bayesfric.fitting.drawing import draw_posterior
 from bayesfric.inference.diagnostics import smooth_weights
 from bayesfric.inference.laplace import laplace_approximation
-from bayesfric.inference.sampling import StudentT
+from bayesfric.inference.sampling import PILOTS, StudentT
 
 INDEPENDENT = 40_000
 FREEDOM = 5.0
-SETTINGS = Sampler(burn=100, steps=800, thin=4)  # thinned less than by default
+SETTINGS = Sampler(steps=800, thin=4)  # thinned less than by default
 
 
 def ours(model):
@@ -30,7 +30,8 @@ def ours(model):
         model, Analysis(sampler=settings), lambda done, total: clock.append(time.process_time())
     )
     spent = time.process_time()
-    steps = np.diff(clock)[settings.burn - 1 :]  # what follows the pilot
+    pilots = (2**PILOTS - 1) * settings.burn
+    steps = np.diff(clock)[pilots - 1 :]
     ensembles = steps[: settings.ensembles * (settings.burn + settings.steps)]
     kept = ensembles.reshape(settings.ensembles, -1)[:, settings.burn :].sum()
     theta = model.natural(draws.z)

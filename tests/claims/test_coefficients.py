@@ -17,7 +17,7 @@ from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 
 RULES = ClaimRules()
-SHORT = Sampler(burn=30, steps=80, thin=3, extensions=0)
+SHORT = Sampler(burn=10, steps=80, thin=3, extensions=0)
 
 
 def draws_of(**factors):

@@ -19,7 +19,7 @@ from bayesfric.recording import write_recording
 
 KILLS = 4
 # Steps enough that a fit does not end before the signal on a busy machine.
-SETTINGS = "seed = 5\n[sampler]\nburn = 30\nsteps = 200\nthin = 2\nextensions = 0\n"
+SETTINGS = "seed = 5\n[sampler]\nburn = 10\nsteps = 200\nthin = 2\nextensions = 0\n"
 FILES = ("fit.json", "draws.nc", "predictive.nc")
 
 

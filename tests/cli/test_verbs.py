@@ -16,7 +16,7 @@ from bayesfric.recording import write_recording
 from bayesfric.results import read_json
 from bayesfric.schemas import ClaimsFile, FitFile, TimingsFile
 
-SHORT = "seed = 5\n[sampler]\nburn = 30\nsteps = 80\nthin = 2\nextensions = 0\n"
+SHORT = "seed = 5\n[sampler]\nburn = 10\nsteps = 80\nthin = 2\nextensions = 0\n"
 
 
 def bayesfric(*arguments, cwd, **environment):

@@ -17,7 +17,7 @@ from bayesfric.export import export_text, read_law
 from bayesfric.export.joint_friction import joint_friction
 from bayesfric.export.stored_law import StoredLaw
 
-SHORT = Analysis(seed=3, sampler=Sampler(burn=30, steps=60, thin=3))
+SHORT = Analysis(seed=3, sampler=Sampler(burn=10, steps=60, thin=3))
 SPEEDS = np.array([0.1, 0.5, 1.0, 2.0])
 
 

@@ -109,7 +109,7 @@ def test_scores_stand_beside_those_of_their_rank():
 
 def test_the_fit_names_it():
     recording, setup = one_far(3, by=0.2)
-    sampler = Sampler(burn=30, steps=80, thin=2, extensions=0)
+    sampler = Sampler(burn=10, steps=80, thin=2, extensions=0)
     summary = fit(recording, Analysis(seed=2, sampler=sampler)).summary
     (check,) = summary.assemblies
     assert [one.setup for one in check.outlying] == [setup]

@@ -19,7 +19,7 @@ from bayesfric.recording.tables import Gravity
 from bayesfric.rigs.gravity_board.likelihood import trial_condition
 from bayesfric.simulate import table1_coefficients
 
-QUICK = Analysis(seed=5, sampler=Sampler(burn=30, steps=80, thin=3, extensions=0))
+QUICK = Analysis(seed=5, sampler=Sampler(burn=10, steps=80, thin=3, extensions=0))
 NORMAL_90 = 2 * 1.6449  # standard deviations between the 5 and 95 % quantiles
 FRICTIONLESS = Coefficients(0.0, 0.0, 0.0)
 

@@ -20,7 +20,7 @@ PRIORS = {
 @pytest.fixture(scope="module")
 def other_fit(small_recording):
     priors = Priors(**{name: prior for name, (prior, _) in PRIORS.items()})
-    sampler = Sampler(burn=30, steps=80, thin=3, extensions=0)  # as of the fit beside it
+    sampler = Sampler(burn=10, steps=80, thin=3, extensions=0)  # as of the fit beside it
     return fit(small_recording, Analysis(seed=6, priors=priors, sampler=sampler))
 
 

@@ -25,7 +25,7 @@ from bayesfric.rigs.motor_board.likelihood import run_condition
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import simulate_recording, table1_coefficients
 
-SHORT = Sampler(burn=30, steps=80, thin=2, extensions=0)
+SHORT = Sampler(burn=10, steps=80, thin=2, extensions=0)
 # A ridge needs a proposal that follows it, and that a first run to be fitted to.
 RIDGE = Sampler(burn=100, steps=300, thin=3, extensions=8)
 NORMAL_90 = 2 * 1.6449  # standard deviations between the 5 and 95 % quantiles

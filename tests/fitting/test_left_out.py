@@ -148,7 +148,7 @@ def test_the_band_holds_nineteen_in_twenty_recordings_everywhere():
 
 def test_the_fit_says_that_its_trials_scatter_more_than_it_assumes():
     recording = simulate_recording(DESIGN, seed=11, truth=Truth(tau=0.02, omega=0.03))
-    sampler = Sampler(burn=30, steps=80, thin=2, extensions=0)
+    sampler = Sampler(burn=10, steps=80, thin=2, extensions=0)
     summary = fit(recording, Analysis(priors=KNOWN_SCATTER, sampler=sampler)).summary
     (found,) = summary.uniformity
     assert (found.rig, found.trials) == ("gravity", 48)

@@ -128,7 +128,7 @@ def test_law_of_the_wrap_slope_is_n_times_tension_times_c3(wrap_fit):
 def test_a_recording_of_one_tension_has_no_lines_and_still_a_report():
     recording = simulate_recording(Protocol({(9, 85.0): 1}, (16.0,), (), 2), seed=3)
     recording = with_trials(recording, of_size(recording, "medium"))
-    found = fit(recording, Analysis(sampler=Sampler(burn=60, steps=80, thin=2, extensions=0)))
+    found = fit(recording, Analysis(sampler=Sampler(burn=20, steps=80, thin=2, extensions=0)))
     for group in ("tension_lines", "wrap_lines"):
         assert not found.predictive[group].data_vars
     document = build_document(

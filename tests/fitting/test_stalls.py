@@ -8,7 +8,7 @@ from bayesfric.analysis import Analysis, Sampler
 from bayesfric.physics.friction import Coefficients
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 
-SHORT = Analysis(seed=5, sampler=Sampler(burn=30, steps=80, thin=2, extensions=0))
+SHORT = Analysis(seed=5, sampler=Sampler(burn=10, steps=80, thin=2, extensions=0))
 
 
 @pytest.fixture(scope="module")

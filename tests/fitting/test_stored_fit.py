@@ -21,7 +21,7 @@ from bayesfric.simulate import simulate_recording
 
 SCATTER = {"tau", "omega", "omega_intercept", "wander", "wander_length"}
 SCATTER_AND_NOISE = (*sorted(SCATTER), "sigma_x", "sigma_t")
-SHORT = Sampler(burn=30, steps=80, thin=3, extensions=0)
+SHORT = Sampler(burn=10, steps=80, thin=3, extensions=0)
 
 
 def test_public_names_are_the_functions():

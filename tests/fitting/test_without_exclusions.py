@@ -12,7 +12,7 @@ from bayesfric.recording.tables import Gravity
 from bayesfric.rigs.gravity_board import trials
 from bayesfric.rigs.gravity_board.screening import screen_trials
 
-SHORT = Analysis(seed=5, sampler=Sampler(burn=30, steps=80, thin=2, extensions=0))
+SHORT = Analysis(seed=5, sampler=Sampler(burn=10, steps=80, thin=2, extensions=0))
 
 
 def with_fast_clock(recording, trials, factor):

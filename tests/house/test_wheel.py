@@ -93,7 +93,7 @@ def test_the_command_runs_in_an_empty_folder(elsewhere, tmp_path, arguments):
     assert list(tmp_path.iterdir()) == []
 
 
-SHORT = "[sampler]\nburn = 30\nsteps = 80\nthin = 2\nextensions = 0\n"
+SHORT = "[sampler]\nburn = 10\nsteps = 80\nthin = 2\nextensions = 0\n"
 
 
 def test_the_bundled_recording_is_read(elsewhere, tmp_path):

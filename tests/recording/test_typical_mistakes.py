@@ -73,6 +73,13 @@ def quoted_decimal_commas(text: str) -> str:
     return "\n".join([head, *map(",".join, quoted)]) + "\n"
 
 
+def with_units(text: str) -> str:
+    """Write a row of units under the header, as a spreadsheet often has it."""
+    head, *rows = text.splitlines()
+    units = [name.rpartition("_")[2] if "_" in name else "-" for name in head.split(",")]
+    return "\n".join([head, ",".join(units), *rows]) + "\n"
+
+
 MISTAKES = {
     "grams on the gravity board": (
         scaled(TRIALS, "mass_drive_kg", "mass_load_kg", by=1000),
@@ -105,6 +112,27 @@ MISTAKES = {
     ),
     "tabs": (as_text(TRIALS, lambda text: text.replace(",", "\t")), TRIALS, "tabs"),
     "decimal commas": (as_text(EVENTS, decimal_commas), EVENTS, "the decimal mark is a point"),
+    "decimal commas in some rows": (
+        as_text(EVENTS, lambda text: text.replace("0.", "0,", 1)),
+        EVENTS,
+        "the decimal mark is a point",
+    ),
+    "a row of units": (as_text(EVENTS, with_units), EVENTS, "are these units? take the row out"),
+    "a row of units above few numbers": (
+        as_text(RUNS, with_units),
+        RUNS,
+        "are these units? take the row out",
+    ),
+    "another table's content": (
+        lambda mini: mini.contents() | {EVENTS: mini.contents()[RUNS]},
+        EVENTS,
+        "is this motor_runs.csv?",
+    ),
+    "no datapackage.json": (
+        lambda mini: {k: v for k, v in mini.contents().items() if k != "datapackage.json"},
+        "datapackage.json",
+        "`bayesfric simulate example` writes one to copy",
+    ),
     "quoted decimal commas": (
         as_text("motor_idle.csv", quoted_decimal_commas),
         "motor_idle.csv",

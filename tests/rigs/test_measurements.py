@@ -134,7 +134,7 @@ def test_a_fit_of_accelerations_alone_recovers_the_law(small_recording):
     gravity = Gravity(table, small_recording.gravity.events.iloc[:0])
     recording = dataclasses.replace(small_recording, gravity=gravity)
     result = bf.fit(
-        recording, Analysis(seed=1, sampler=Sampler(burn=30, steps=80, thin=2, extensions=0))
+        recording, Analysis(seed=1, sampler=Sampler(burn=10, steps=80, thin=2, extensions=0))
     )
     assert set(result.summary.noise) == set()
     for size, expected in table1_coefficients().items():
