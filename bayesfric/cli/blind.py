@@ -85,8 +85,8 @@ def blind(
     from bayesfric.analysis import read_analysis
     from bayesfric.blind.design import SCORING_FROM
     from bayesfric.blind.running import run_blind, score_recording
-    from bayesfric.cli.progress import progress_bar
     from bayesfric.errors import Fault, InputError
+    from bayesfric.progress import stage
     from bayesfric.recording import read_recording
 
     check_fail_on(fail_on_list, "blind")
@@ -106,7 +106,7 @@ def blind(
         return
     # A campaign that is running may be scored so far.
     held = nullcontext() if so_far else hold(output, "blind")
-    with held, progress_bar("blind", quiet=quiet) as progress:
+    with held, stage("running the blind cases", quiet=quiet) as progress:
         scorecard = run_blind(
             output,
             engine=engine,

@@ -45,10 +45,13 @@ def calibrate(
     """
     from bayesfric.analysis import read_analysis
     from bayesfric.calibration.running import calibrate as run
-    from bayesfric.cli.progress import progress_bar
+    from bayesfric.progress import stage
 
     check_fail_on(fail_on_list, "calibrate")
-    with hold(output, "calibrate"), progress_bar("calibrate", quiet=quiet) as progress:
+    with (
+        hold(output, "calibrate"),
+        stage("calibrating", quiet=quiet) as progress,
+    ):
         found = run(
             output,
             number=number,

@@ -20,6 +20,7 @@ from bayesfric.cli.options import (
     named_rigs,
 )
 from bayesfric.cli.printing import say
+from bayesfric.progress import stage
 
 if TYPE_CHECKING:
     from bayesfric.analysis import Analysis
@@ -97,9 +98,8 @@ def claims_into(
     from bayesfric.recording import read_recording
 
     found = read_recording(recording)
-    if not quiet:
-        say("comparing the claims with their rivals", err=True)
-    with processes(workers) as executor:
+    title = "comparing the claims with their rivals"
+    with stage(title, quiet=quiet), processes(workers) as executor:
         checked = check_claims(
             found,
             analysis,

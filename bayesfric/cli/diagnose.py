@@ -11,6 +11,7 @@ from bayesfric.cli.exits import check_fail_on, exit_status, fail_on, failures_of
 from bayesfric.cli.locks import hold
 from bayesfric.cli.options import Baseline, Config, Folder, Quiet, Seed, Workers, fails
 from bayesfric.cli.printing import say
+from bayesfric.progress import stage
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -121,9 +122,9 @@ def diagnose_into(
 
     effects = [checked(effect_of_file(path), path) for path in effect_modules or []]
     found = read_recording(recording)
-    if not quiet:
-        say("weighing the effects that the baseline leaves out", err=True)
-    with processes(workers) if simulator is not None else nullcontext() as executor:
+    title = "weighing the effects that the baseline leaves out"
+    pool = processes(workers) if simulator is not None else nullcontext()
+    with stage(title, quiet=quiet), pool as executor:
         diagnosed = diagnose_recording(
             found,
             analysis,

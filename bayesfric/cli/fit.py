@@ -13,7 +13,7 @@ from bayesfric.cli.exits import check_fail_on, exit_status, fail_on
 from bayesfric.cli.locks import hold
 from bayesfric.cli.options import Baseline, Config, Folder, Quiet, Rigs, Seed, fails, named_rigs
 from bayesfric.cli.printing import say
-from bayesfric.cli.progress import progress_bar
+from bayesfric.progress import stage
 
 if TYPE_CHECKING:
     from bayesfric.analysis import Analysis
@@ -108,7 +108,7 @@ def _fitted(
     from bayesfric.fitting.posterior import fit as fit_recording
 
     checkpoint = output / ".checkpoint"
-    with progress_bar(f"sampling {recording.name}", quiet=asked.quiet) as progress:
+    with stage(f"sampling {recording.name}", quiet=asked.quiet) as progress:
         result = fit_recording(
             recording,
             asked.analysis,
@@ -135,7 +135,7 @@ def _pooled(
     for (name, recording), path in zip(recordings.items(), folders, strict=True):
         own = output / board_folder(name)
         fits[name] = _fitted(recording, own, asked, {"recording": [relpath(path, own)]})
-    with progress_bar("pooling", quiet=asked.quiet) as progress:
+    with stage("pooling the boards", quiet=asked.quiet) as progress:
         result = pool(recordings, fits, asked.analysis, progress=progress)
     result.write(output, csv=asked.csv, inputs=inputs)
     _print_population(result.summary)

@@ -10,7 +10,7 @@ from bayesfric.cli.locks import hold
 from bayesfric.cli.new_file import write_new
 from bayesfric.cli.options import Config, Folder, Quiet, Seed, fails
 from bayesfric.cli.printing import say
-from bayesfric.cli.progress import progress_bar
+from bayesfric.progress import stage
 
 if TYPE_CHECKING:
     from bayesfric.analysis import Analysis
@@ -132,7 +132,7 @@ def margins_into(
     from bayesfric.margins.matlab import write_mat
     from bayesfric.margins.terms import in_degrees_or_decibels, tuning_told
 
-    with progress_bar("margins", quiet=quiet) as progress:
+    with stage("computing margins", quiet=quiet) as progress:
         found = compute_margins(
             loops,
             draws,

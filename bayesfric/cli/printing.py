@@ -1,12 +1,14 @@
 """What the verbs print, with nothing in it that a terminal would obey."""
 
+import logging
 from contextlib import suppress
 
 import typer
 
 from bayesfric.characters import legible
+from bayesfric.progress import LOGGER
 
-__all__ = ["say"]
+__all__ = ["say", "show_log"]
 
 
 def say(text: str, *, err: bool = False) -> None:
@@ -19,3 +21,17 @@ def say(text: str, *, err: bool = False) -> None:
     """
     with suppress(*((OSError,) if err else ())):
         typer.echo(legible(text), err=err)
+
+
+class _Said(logging.Handler):
+    """Says what the package logs, on standard error."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        say(record.getMessage(), err=True)
+
+
+def show_log() -> None:
+    """Have the package's log said; nothing but the command line decides that."""
+    if not any(isinstance(handler, _Said) for handler in LOGGER.handlers):
+        LOGGER.addHandler(_Said())
+    LOGGER.setLevel(logging.INFO)

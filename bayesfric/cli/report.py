@@ -9,6 +9,7 @@ from bayesfric.cli.exits import exit_status
 from bayesfric.cli.locks import hold
 from bayesfric.cli.options import Quiet
 from bayesfric.cli.printing import say
+from bayesfric.progress import stage
 
 __all__ = ["report"]
 
@@ -34,7 +35,7 @@ def report(
     for place in (folder, before):
         if place is not None and not place.is_dir():
             raise InputError([Fault(str(place), "a folder with results of the verbs")])
-    with hold(folder, "report"):
+    with hold(folder, "report"), stage("writing the report", quiet=quiet):
         write_report(folder, before)
     if not quiet:
         say(f"{folder / 'report.pdf'}", err=True)

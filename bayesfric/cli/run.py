@@ -25,6 +25,7 @@ from bayesfric.cli.options import (
     named_rigs,
 )
 from bayesfric.cli.printing import say
+from bayesfric.progress import stage
 
 if TYPE_CHECKING:
     from bayesfric.analysis import Analysis
@@ -124,7 +125,8 @@ def run_into(
             lambda: margins_into(loops, output / "draws.nc", output, analysis, quiet=quiet),
         )
     began = time.perf_counter()
-    write_report(output)
+    with stage("writing the report", quiet=quiet):
+        write_report(output)
     seconds = {name: value for name, value in stages.seconds.items() if name != "fit"}
     seconds["report"] = time.perf_counter() - began
     of_fit = read_json(TimingsFile, output / "timings.json")  # which has stages of its own

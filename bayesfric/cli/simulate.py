@@ -10,6 +10,7 @@ import typer
 from bayesfric.cli.exits import check_fail_on, exit_status
 from bayesfric.cli.options import Config, Quiet, Seed, fails
 from bayesfric.cli.printing import say
+from bayesfric.progress import stage
 
 __all__ = ["simulate"]
 
@@ -57,14 +58,16 @@ def simulate(
 
     check_fail_on(fail_on_list, "simulate")
     analysis = read_analysis(config, seed=seed)
-    recording = simulate_recording(
-        protocol.value,
-        seed=analysis.seed,
-        name=folder.resolve().name,
-        created=created_date(None),
-        effects=_strengths(effect or []),
-    )
-    write_recording(recording, folder)
+    strengths = _strengths(effect or [])
+    with stage("simulating", quiet=quiet):
+        recording = simulate_recording(
+            protocol.value,
+            seed=analysis.seed,
+            name=folder.resolve().name,
+            created=created_date(None),
+            effects=strengths,
+        )
+        write_recording(recording, folder)
     if not quiet:
         for label, text in describe_recording(recording):
             say(f"{label}: {text}", err=True)

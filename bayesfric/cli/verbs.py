@@ -20,6 +20,7 @@ from bayesfric.cli.help import Verb
 from bayesfric.cli.import_log import import_log
 from bayesfric.cli.info import info
 from bayesfric.cli.margins import margins
+from bayesfric.cli.printing import show_log
 from bayesfric.cli.report import report
 from bayesfric.cli.rerun import rerun
 from bayesfric.cli.run import run
@@ -92,4 +93,4 @@ def _options(
         ),
     ] = False,
 ) -> None:
-    pass
+    show_log()

@@ -48,7 +48,7 @@ def ran(board):
     """One whole run on it."""
     done = bayesfric(
         "run", "board", "--config", "analysis.toml", "-o", "first", "--junit", "ci/claims.xml",
-        cwd=board,
+        cwd=board, FORCE_COLOR="1",
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     return done
@@ -94,8 +94,23 @@ def test_run_writes_results_and_report(board, ran):
     entry = read_json(FitFile, board / "first" / "fit.json").pulleys["small"]["c1"]
     (line,) = [row for row in ran.stdout.splitlines() if row.startswith("small") and " c1 " in row]
     assert f"{entry.mean:.4g}" in line
-    assert "report.pdf" in ran.stderr
-    assert "%" not in ran.stderr  # no bar where standard error is not a terminal
+
+
+def test_a_log_has_a_line_where_a_stage_begins_and_where_it_is_done(ran):
+    """Standard error is no terminal, though FORCE_COLOR is set, as in many a CI job."""
+    lines = [line for line in ran.stderr.split("\n") if not line.startswith("attention: ")]
+    assert lines == [
+        "sampling small-recording: started",
+        "sampling small-recording: done",
+        "comparing the claims with their rivals: started",
+        "comparing the claims with their rivals: done",
+        "weighing the effects that the baseline leaves out: started",
+        "weighing the effects that the baseline leaves out: done",
+        "writing the report: started",
+        "writing the report: done",
+        "first/report.pdf",
+        "",
+    ]
 
 
 @pytest.mark.nightly

@@ -21,7 +21,7 @@ ROWS = (
     ("logs",),
     ("paper", "families", "priors", "analysis", "schemas"),
     ("physics",),
-    ("campaign", "checkpoint"),
+    ("campaign", "checkpoint", "progress"),
     ("inference",),
     ("effects", "simulators"),
     ("rigs",),
@@ -52,6 +52,7 @@ ONLY = {
     "resources": set(),
     "campaign": set(),  # maps any function over any cases
     "checkpoint": set(),  # any computation
+    "progress": set(),  # any stage
     "families": set(),  # densities, of whatever
     "inference": {"families", "analysis", "checkpoint"},  # any density; analysis has its settings
     "blind/engines": {"recording"},  # realities of another hand share no physics with us
@@ -72,6 +73,7 @@ OWNERS = {
     "distributed": {"campaign", "cli"},
     "emcee": {"inference"},
     "jinja2": {"report"},
+    "IPython": {"progress"},
     "matplotlib": {"plots", "notebook"},  # the latter names its Figure in annotations
     "mujoco": {"blind/engines"},
     "rosbags": {"logs"},
@@ -79,7 +81,7 @@ OWNERS = {
     "typst": {"report"},
 }
 # Extras, and corner, which drags in arviz: imported where they are used.
-INSIDE_FUNCTIONS = {"control", "corner", "dask", "distributed", "mujoco", "rosbags"}
+INSIDE_FUNCTIONS = {"IPython", "control", "corner", "dask", "distributed", "mujoco", "rosbags"}
 
 # Effects do not import each other; these files are what they have in common.
 SHARED_BY_EFFECTS = {"__init__", "base", "candidates", "terms"}

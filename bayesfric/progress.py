@@ -1,0 +1,66 @@
+"""What is being done, told where somebody is there to read it.
+
+A terminal and a notebook have a bar. Elsewhere, as in the log of a CI job, the logger
+``bayesfric`` is told at the level INFO when a stage begins and when it is done.
+"""
+
+import logging
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from bayesfric.characters import legible
+
+__all__ = ["LOGGER", "stage"]
+
+LOGGER = logging.getLogger("bayesfric")
+
+
+@contextmanager
+def stage(title: str, *, quiet: bool = False) -> Iterator[Callable[[int, int], None]]:
+    """Tell of a stage that may take over a second.
+
+    Parameters
+    ----------
+    title : str
+        What is being done.
+    quiet : bool
+        Tell nothing.
+
+    Yields
+    ------
+    callable
+        To be called with the steps done and the steps in all. Before the first call, a bar
+        shows that something is done, and not how much.
+    """
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    if quiet:
+        yield lambda done, total: None
+    elif console.is_jupyter:
+        yield _in_notebook(title)
+    elif sys.stderr.isatty() and not console.is_dumb_terminal:  # whatever FORCE_COLOR says
+        from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
+        from rich.progress import TimeRemainingColumn as TimeRemaining
+
+        name = TextColumn("{task.description}", markup=False)
+        columns = (name, BarColumn(), TaskProgressColumn(), TimeRemaining())
+        with Progress(*columns, console=console) as bar:
+            task = bar.add_task(legible(title), total=None)
+            yield lambda done, total: bar.update(task, completed=done, total=total)
+    else:
+        LOGGER.info("%s: started", title)
+        yield lambda done, total: None
+        LOGGER.info("%s: done", title)
+
+
+def _in_notebook(title: str) -> Callable[[int, int], None]:
+    """Show a line below the cell, and return what brings it up to date."""
+    from IPython.display import display
+
+    def line(state: str) -> dict[str, str]:
+        return {"text/plain": f"{legible(title)}: {state}"}
+
+    shown = display(line("started"), raw=True, display_id=True)
+    return lambda done, total: shown.update(line(f"{done / total:.0%}"), raw=True)

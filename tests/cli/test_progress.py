@@ -1,0 +1,100 @@
+"""A stage is told: as a bar on a terminal and in a notebook, else to the log."""
+
+import builtins
+import logging
+import os
+import pty
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from bayesfric.progress import stage
+
+POINTS = ("simulate", "points", "--protocol", "points")
+
+
+def test_the_package_logs_and_whoever_runs_it_decides_where_to(capfd, caplog):
+    with caplog.at_level(logging.INFO, "bayesfric"), stage("dig [red]\x1b[31m{x}") as progress:
+        progress(1, 2)
+    assert [(one.name, one.levelname, one.message) for one in caplog.records] == [
+        ("bayesfric", "INFO", "dig [red]\x1b[31m{x}: started"),
+        ("bayesfric", "INFO", "dig [red]\x1b[31m{x}: done"),
+    ]
+    assert capfd.readouterr() == ("", "")
+    code = (
+        "import logging, bayesfric.progress as p; print(p.LOGGER.handlers, logging.root.handlers)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "[] []\n"
+
+
+def test_a_stage_that_fails_is_not_done(caplog):
+    with (
+        caplog.at_level(logging.INFO, "bayesfric"),
+        pytest.raises(ZeroDivisionError),
+        stage("dig"),
+    ):
+        raise ZeroDivisionError
+    assert [one.message for one in caplog.records] == ["dig: started"]
+
+
+def run(*arguments, cwd, stderr):
+    command = Path(sys.executable).with_name("bayesfric")
+    environment = os.environ | {"TERM": "xterm", "COLUMNS": "80"}
+    return subprocess.run(
+        [command, *arguments], cwd=cwd, env=environment, stderr=stderr, check=True
+    )
+
+
+def test_quiet_has_no_line(tmp_path):
+    assert run(*POINTS, "--quiet", cwd=tmp_path, stderr=subprocess.PIPE).stderr == b""
+
+
+def test_a_terminal_has_a_bar(tmp_path):
+    """And no line that says what the bar says."""
+    ours, theirs = pty.openpty()
+    run(*POINTS, cwd=tmp_path, stderr=theirs)
+    os.close(theirs)
+    shown = os.read(ours, 100_000).decode()
+    os.close(ours)
+    assert "simulating \x1b[" in shown  # followed by a coloured bar
+    assert "started" not in shown
+
+
+def test_a_name_is_no_markup_on_a_terminal(monkeypatch, capfd):
+    ours, theirs = pty.openpty()
+    with os.fdopen(theirs, "w") as terminal:
+        monkeypatch.setattr(sys, "stderr", terminal)
+        monkeypatch.setenv("TERM", "xterm")
+        with stage("dig [red]\x1b[31m{x}") as progress:
+            progress(1, 4)
+    shown = os.read(ours, 100_000).decode()
+    os.close(ours)
+    assert "dig [red][U+001B][31m{x}" in shown
+    assert "25%" in shown
+
+
+def test_a_notebook_has_a_line_that_is_brought_up_to_date(monkeypatch):
+    """Of the kernel of a notebook what is asked of it; it is no dependency."""
+    shown = []
+
+    class Handle:
+        def update(self, data, *, raw):
+            shown.append(data)
+
+    def display(data, *, raw, display_id):
+        shown.append(data)
+        return Handle()
+
+    kernel = ModuleType("IPython.display")
+    kernel.display = display
+    monkeypatch.setitem(sys.modules, "IPython", ModuleType("IPython"))
+    monkeypatch.setitem(sys.modules, "IPython.display", kernel)
+    shell = type("ZMQInteractiveShell", (), {})
+    monkeypatch.setattr(builtins, "get_ipython", shell, raising=False)
+    with stage("sampling") as progress:
+        progress(1, 4)
+    assert shown == [{"text/plain": "sampling: started"}, {"text/plain": "sampling: 25%"}]
