@@ -5,8 +5,8 @@ import numpy as np
 from bayesfric.diagnosis.acting import At
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.inference.priors import describe
-from bayesfric.rigs.base import OwnLaw
 from bayesfric.rigs.data import Data
+from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.schemas import EffectNumber, SimulatorUsed
 
 __all__ = ["own_law_of", "simulator_used"]

@@ -18,12 +18,12 @@ from bayesfric.analysis import Analysis, PriorOverrides
 from bayesfric.effects import Effect, State
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.inference.model import RigLikelihood
-from bayesfric.inference.priors import Parameter
 from bayesfric.physics.compliant import Cable
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Recording, RigConstants
 from bayesfric.rigs.changes import Change
+from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.protocols import Protocol as Design
 from bayesfric.rigs.remaking import Remade
 from bayesfric.rigs.truth import Truth
@@ -32,7 +32,6 @@ from bayesfric.simulators import SimulatorCalls
 
 __all__ = [
     "Motion",
-    "OwnLaw",
     "Predictive",
     "Resting",
     "Rig",
@@ -96,25 +95,6 @@ class Words:
     trial: str
     trials: str
     law: str = ""
-
-
-@dataclass(frozen=True)
-class OwnLaw:
-    """A user's simulator in the place of a law, in a diagnosis.
-
-    Parameters
-    ----------
-    law : Baseline
-        By the simulator's name, without the coefficients that it has no parameter for.
-    parameters : tuple of Parameter
-        In the places of c1, c2 and c3.
-    calls : int
-        Of the simulator; 0 of what it left in a recording.
-    """
-
-    law: Baseline
-    parameters: tuple[Parameter, ...]
-    calls: int
 
 
 class Rig(Protocol):
@@ -262,7 +242,7 @@ class RigTrials(Protocol):
         """Return an effect in the rig's words, with priors in its own measures."""
 
     @property
-    def own_law(self) -> "OwnLaw | None":
+    def own_law(self) -> OwnLaw | None:
         """What has the place of a law in a diagnosis: a user's simulator; None without one."""
 
     def beside(self, simulator: SimulatorCalls) -> "RigTrials | Unsupported":

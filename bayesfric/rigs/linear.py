@@ -34,6 +34,7 @@ __all__ = [
     "noise_parameter",
     "pulley_radii",
     "rank",
+    "rms_of",
 ]
 
 Array = NDArray[np.float64]
@@ -239,6 +240,11 @@ class LinearRig(Protocol):
 
     def runs(self, noise: Mapping[str, float], numbers: Array) -> dict[int, Run]:
         """Return trials that run freely from their first events; none where nothing runs."""
+
+
+def rms_of(force: Array | Unsupported) -> float:
+    """Return the rms of what amplitude 1 adds to friction; 0 of what a rig cannot show."""
+    return 0.0 if isinstance(force, Unsupported) else float(np.sqrt((force**2).mean()))
 
 
 def rank(trials: pd.DataFrame) -> Array:

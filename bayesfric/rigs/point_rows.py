@@ -18,7 +18,7 @@ from bayesfric.effects.candidates import Candidate, unit_values
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.layout import Layout
-from bayesfric.rigs.linear import LinearRig, NoiseParameter
+from bayesfric.rigs.linear import LinearRig, NoiseParameter, rms_of
 
 __all__ = ["PointRows"]
 
@@ -161,8 +161,7 @@ class PointRows:
 
     def size_of(self, candidate: Candidate) -> float:
         """Return the rms of what amplitude 1 does, as a share of friction."""
-        force = self.relative_force(candidate)
-        return 0.0 if isinstance(force, Unsupported) else float(np.sqrt((force**2).mean()))
+        return rms_of(self.relative_force(candidate))
 
     def strays(self) -> tuple[str, ...]:
         """Return no trial: one is known by its own reading alone."""

@@ -1,6 +1,8 @@
 """What is true of every rig whose cable runs over pulleys: it is what all was argued for."""
 
 from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, Self, cast
 
 import numpy as np
 import pandas as pd
@@ -9,8 +11,9 @@ from bayesfric.analysis import PriorOverrides
 from bayesfric.effects import PULLEYS, Effect, State
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import VISCOUS, Baseline
-from bayesfric.rigs.base import OwnLaw, RigTrials, Unsupported
+from bayesfric.rigs.base import RigTrials, Unsupported
 from bayesfric.rigs.coefficients import coefficient_name, coefficient_units
+from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.simulators import SimulatorCalls
 
 __all__ = ["PulleyTrials"]
@@ -77,3 +80,8 @@ class PulleyTrials:
     def suited(self, effect: Effect) -> Effect:
         """Return the effect as it is: it was described for cables over pulleys."""
         return effect
+
+    def under(self, law: Baseline) -> Self:
+        """Return the same trials, which a diagnosis makes linear around another law."""
+        found: Self = replace(cast(Any, self), law=law)  # each rig's trials are a dataclass
+        return found

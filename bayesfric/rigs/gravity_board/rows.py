@@ -15,44 +15,39 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Priors
-from bayesfric.effects import ActsOn, Effect, Law, Reading, State
+from bayesfric.effects import ActsOn, Effect, Law, Reading
 from bayesfric.effects.candidates import Candidate, unit_values
 from bayesfric.inference.cosines import cosines
 from bayesfric.inference.smooths import Smooth
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
-from bayesfric.physics.gravity import nominal_tension, tension_feedback
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Gravity, RigConstants
-from bayesfric.rigs.acting import drive_end, trial_in_setup
 from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.coefficients import intercept_of
 from bayesfric.rigs.gravity_board.double_integral import DoubleIntegral
 from bayesfric.rigs.gravity_board.event_rows import (
     rows_of_trials,
     variance_of,
     with_accelerations,
 )
-from bayesfric.rigs.gravity_board.likelihood import trial_condition
-from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion, travel_to_speed
+from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion
 from bayesfric.rigs.gravity_board.measurements import optional_column
 from bayesfric.rigs.gravity_board.paths import POINTS, motion_untold
+from bayesfric.rigs.gravity_board.reference_motion import PUSHED, ReferenceMotion
 from bayesfric.rigs.layout import Layout
-from bayesfric.rigs.linear import LinearRig, pulley_radii, rank
+from bayesfric.rigs.linear import LinearRig, rms_of
 
 __all__ = ["NO_CURRENT", "GravityRows"]
 
 Array = NDArray[np.float64]
 LEAST_ACCELERATION = 0.02  # m/s², where the reference law predicts that the cable stands
-PUSHED = 0.15  # of the travel from rest to the first speed, that a push may have spared
 LATE_S = 1e-3  # by which one sensor may be late
-SPACING_M = 0.01  # where the rig does not say
 PRETENDED = 8  # windows of a trial
 FEWEST, FAR = 3, 10.0  # trials of an assembly that has a middle; times the usual distance
 MAD = 1.4826  # standard deviation of a normal over its median absolute deviation
 NO_CURRENT = Unsupported("it acts on a motor's current, and no motor drives these trials")
 
 
-class GravityRows:
+class GravityRows(ReferenceMotion):
     """Events as rows of a linear model.
 
     Parameters
@@ -102,46 +97,16 @@ class GravityRows:
         acting: Sequence[tuple[Candidate, float]] = (),
         law: Baseline = BASELINES["paper"],
     ) -> None:
-        self.table, self.constants, self._gravity = gravity.trials, rig, gravity
-        self.condition = trial_condition(gravity.trials, rig)
-        sizes = gravity.trials["pulley_size"]
-        self.law = Coefficients(*(np.array(c) for c in zip(*(laws[s] for s in sizes), strict=True)))
-        mass = self.condition.total_mass_kg
-        self.friction_n = law.gravity(self.law, self.condition)
-        predicted = (self.condition.drive_force_n - self.friction_n) / mass
-        self.acceleration = np.maximum(predicted, 0.0)
-        self.order = rank(gravity.trials)
-        radii = pulley_radii(list(sizes.unique()), rig)
-        self._radius = np.array([radii[size] for size in sizes])
-        self._paths = measured.paths
-        self._feedback = tension_feedback(self.law, self.condition)[:, None]
-        self._slowed = self._feedback / mass[:, None]
-        self._before = self._travel_before(acting)
-        self._travel = self._travelled()
-        self.state = self._state_at(self._travel, self._paths.speed_m_s)
+        super().__init__(gravity, rig, laws, measured, acting, law)
         duration = self._paths.step_s[:, 0] * (POINTS - 1)
         self.events, alone, stated = with_accelerations(self.table, measured.events, duration)
         displacement = self.events.displacement
-        self.residual = displacement - predicted[self.events.trial] * self.events.tau**2 / 2
+        self.residual = displacement - self._predicted[self.events.trial] * self.events.tau**2 / 2
         self.unstated = bool(
             alone.all() and np.isnan(optional_column(self.table, "acceleration_sd_m_s2")).all()
         )
         self._speed = self._at_rows(self._paths.speed_m_s)
         self.variance = variance_of(self.events, measured.rough, self._speed**2, alone, stated)
-
-    def covariates(self) -> dict[str, Array]:
-        """Return where every trial is along its path, arrays that broadcast to (N, P)."""
-        return {
-            "velocity": self._paths.speed_m_s,
-            "displacement": self._travel,
-            "tension": np.asarray(self.state.tension_n),
-            "n_pulleys": np.asarray(self.state.n_pulleys, dtype=np.float64),
-            "wrap_angle": np.asarray(self.state.wrap_angle_deg, dtype=np.float64),
-            "order": self.order[:, None],
-            "acceleration": self.acceleration[:, None],
-            "drive_end": np.asarray(self.state.drive_end),
-            "trial_in_setup": np.asarray(self.state.trial_in_setup),
-        }
 
     def where(self, acts_on: ActsOn) -> Any:
         """Return the places of a law, or Unsupported."""
@@ -173,11 +138,6 @@ class GravityRows:
         tension = np.asarray(self.state.tension_n)
         turn = np.asarray(self.state.wrap_angle_deg) - REFERENCE_WRAP_ANGLE_DEG
         return self.forces(np.stack([n * tension, n, n * tension * turn]))
-
-    @property
-    def intercept_n(self) -> Array:
-        """The part of friction that scatters beside all of it, (N,) [N]."""
-        return np.asarray(self.condition.n_pulleys) * intercept_of(self.law)
 
     def scatter_columns(self) -> Array:
         """Return what relative deviations of friction do, of all and of the intercept's part.
@@ -306,8 +266,7 @@ class GravityRows:
             columns = self.candidate_columns(candidate)
             assert not isinstance(columns, Unsupported)
             return float(np.sqrt((columns.sum(axis=1) ** 2).mean()))
-        force = self.relative_force(candidate)
-        return 0.0 if isinstance(force, Unsupported) else float(np.sqrt((force**2).mean()))
+        return rms_of(self.relative_force(candidate))
 
     def strays(self) -> tuple[str, ...]:
         """Return the trials whose friction is far from that of their assembly.
@@ -377,47 +336,6 @@ class GravityRows:
             for name, values in self.covariates().items()
         }
         return columns, places
-
-    def _travelled(self) -> Array:
-        """Return the travel since the release along every path, shape (N, P) [m]."""
-        speed = self._paths.speed_m_s
-        step = self._paths.step_s * 0.5 * (speed[:, 1:] + speed[:, :-1])
-        before = self._before[:, None]
-        return np.concatenate([before, before + np.cumsum(step, axis=1)], axis=1)
-
-    def _travel_before(self, acting: Sequence[tuple[Candidate, float]]) -> Array:
-        """Return the travel from the release to the first event, shape (N,) [m]."""
-
-        def acceleration(travel: Array, speed: Array) -> Array:
-            state = self._state_at(travel, speed)
-            force = np.zeros_like(travel)
-            for candidate, amplitude in acting:
-                values, small = unit_values(candidate)
-                law = candidate.effect.laws[candidate.law]
-                force = force + amplitude / small * np.asarray(law(values, state))
-            return np.asarray(self.acceleration[:, None] - self._slowed * force)
-
-        from_rest = travel_to_speed(self._paths.speed_m_s[:, 0], acceleration)
-        # The first event comes within one spacing of the release; a push spares some travel.
-        most = np.minimum(from_rest, self.constants.hall_spacing_m or SPACING_M)
-        return np.asarray((1 - PUSHED) * most)
-
-    def _state_at(self, travel_m: Array, speed_m_s: Array) -> State:
-        condition = self.condition
-        return State.of(
-            Coefficients(*(np.asarray(part)[:, None] for part in self.law)),
-            np.asarray(condition.n_pulleys)[:, None],
-            np.asarray(condition.wrap_angle_deg)[:, None],
-            nominal_tension(condition, self.acceleration)[:, None],
-            speed_m_s,
-            travel_m=travel_m,
-            acceleration_m_s2=self.acceleration[:, None],
-            radius_m=self._radius[:, None],
-            order=self.order[:, None],
-            drive_end=drive_end(self.table)[:, None],
-            trial_in_setup=trial_in_setup(self.table)[:, None],
-            gravity_m_s2=condition.gravity_m_s2,
-        )
 
     def _at_rows(self, values: Array) -> Array:
         """Interpolate what is known along the paths to the rows, shape (E,)."""

@@ -176,10 +176,6 @@ class GravityTrials(PulleyTrials):
         """What events say of the motion, whatever the law is."""
         return measured_motion(self.gravity, self.constants)
 
-    def under(self, law: Baseline) -> "GravityTrials":
-        """Return the same trials, made linear around another law."""
-        return replace(self, law=law)
-
     def linear(
         self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
     ) -> GravityRows:

@@ -122,10 +122,6 @@ class MotorRuns(PlainTrials):
         """Return why an effect cannot enter the likelihood; None where it can."""
         return RunPlaces(self.motor.runs, self.constants).supports(effect)
 
-    def under(self, law: Baseline) -> "MotorRuns":
-        """Return the same trials, made linear around another law."""
-        return replace(self, law=law)
-
     def linear(
         self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
     ) -> PointRows:

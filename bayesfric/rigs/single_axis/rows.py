@@ -14,7 +14,7 @@ from bayesfric.physics.axis import AxisLaw
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.layout import Layout
-from bayesfric.rigs.linear import LinearRig, rank
+from bayesfric.rigs.linear import LinearRig, rank, rms_of
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
@@ -143,8 +143,7 @@ class AxisRows:
 
     def size_of(self, candidate: Candidate) -> float:
         """Return the rms of what amplitude 1 does, as a share of friction."""
-        force = self.relative_force(candidate)
-        return 0.0 if isinstance(force, Unsupported) else float(np.sqrt((force**2).mean()))
+        return rms_of(self.relative_force(candidate))
 
     def strays(self) -> tuple[str, ...]:
         """Return no trial: runs differ by their scatter."""

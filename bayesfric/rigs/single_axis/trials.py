@@ -18,8 +18,9 @@ from bayesfric.physics.axis import AxisLaw
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, VISCOUS, Baseline
 from bayesfric.recording.tables import Axis, Recording, RigConstants
-from bayesfric.rigs.base import Motion, OwnLaw, Predictive, Unsupported, Words, why_inert
+from bayesfric.rigs.base import Motion, Predictive, Unsupported, Words, why_inert
 from bayesfric.rigs.own_design import OwnDesign
+from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.single_axis.likelihood import AxisLikelihood
 from bayesfric.rigs.single_axis.measures import Measures, measures_of
@@ -250,10 +251,6 @@ class AxisRuns(PlainTrials):
             if reason := why_inert(response):
                 return reason
         return Unsupported("A fit of an axis has mass and friction alone; effects are diagnosed.")
-
-    def under(self, law: Baseline) -> "AxisRuns":
-        """Return the same trials, made linear around another law."""
-        return replace(self, law=law)
 
     def linear(
         self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()

@@ -175,10 +175,6 @@ class SteadyTrials(PlainTrials):
             return effect
         return bench.scale.adapted(effect, rotary=bench.rotary)
 
-    def under(self, law: Baseline) -> "SteadyTrials":
-        """Return the same points, made linear around another law."""
-        return replace(self, law=law)
-
     def linear(
         self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
     ) -> PointRows:

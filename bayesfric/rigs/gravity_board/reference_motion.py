@@ -1,0 +1,125 @@
+"""Where trials of the gravity board are along their paths, by the reference law.
+
+The speed along a path is the measured one; the travel to the first event, which nobody
+measured, is that of the reference law from the release.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.effects import State
+from bayesfric.effects.candidates import Candidate, unit_values
+from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.gravity import nominal_tension, tension_feedback
+from bayesfric.physics.laws import Baseline
+from bayesfric.recording.tables import Gravity, RigConstants
+from bayesfric.rigs.acting import drive_end, trial_in_setup
+from bayesfric.rigs.coefficients import intercept_of
+from bayesfric.rigs.gravity_board.likelihood import trial_condition
+from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion, travel_to_speed
+from bayesfric.rigs.linear import pulley_radii, rank
+
+__all__ = ["PUSHED", "ReferenceMotion"]
+
+Array = NDArray[np.float64]
+PUSHED = 0.15  # of the travel from rest to the first speed, that a push may have spared
+SPACING_M = 0.01  # where the rig does not say
+
+
+class ReferenceMotion:
+    """Trials along their paths: P places in each of N.
+
+    Parameters
+    ----------
+    gravity, rig, laws, measured, acting, law
+        As in :class:`bayesfric.rigs.gravity_board.rows.GravityRows`.
+    """
+
+    def __init__(
+        self,
+        gravity: Gravity,
+        rig: RigConstants,
+        laws: Mapping[str, Coefficients],
+        measured: MeasuredMotion,
+        acting: Sequence[tuple[Candidate, float]],
+        law: Baseline,
+    ) -> None:
+        self.table, self.constants, self._gravity = gravity.trials, rig, gravity
+        self.condition = trial_condition(gravity.trials, rig)
+        sizes = gravity.trials["pulley_size"]
+        self.law = Coefficients(*(np.array(c) for c in zip(*(laws[s] for s in sizes), strict=True)))
+        mass = self.condition.total_mass_kg
+        self.friction_n = law.gravity(self.law, self.condition)
+        self._predicted = (self.condition.drive_force_n - self.friction_n) / mass
+        self.acceleration = np.maximum(self._predicted, 0.0)
+        self.order = rank(gravity.trials)
+        radii = pulley_radii(list(sizes.unique()), rig)
+        self._radius = np.array([radii[size] for size in sizes])
+        self._paths = measured.paths
+        self._feedback = tension_feedback(self.law, self.condition)[:, None]
+        self._slowed = self._feedback / mass[:, None]
+        self._before = self._travel_before(acting)
+        self._travel = self._travelled()
+        self.state = self._state_at(self._travel, self._paths.speed_m_s)
+
+    def covariates(self) -> dict[str, Array]:
+        """Return where every trial is along its path, arrays that broadcast to (N, P)."""
+        return {
+            "velocity": self._paths.speed_m_s,
+            "displacement": self._travel,
+            "tension": np.asarray(self.state.tension_n),
+            "n_pulleys": np.asarray(self.state.n_pulleys, dtype=np.float64),
+            "wrap_angle": np.asarray(self.state.wrap_angle_deg, dtype=np.float64),
+            "order": self.order[:, None],
+            "acceleration": self.acceleration[:, None],
+            "drive_end": np.asarray(self.state.drive_end),
+            "trial_in_setup": np.asarray(self.state.trial_in_setup),
+        }
+
+    @property
+    def intercept_n(self) -> Array:
+        """The part of friction that scatters beside all of it, (N,) [N]."""
+        return np.asarray(self.condition.n_pulleys) * intercept_of(self.law)
+
+    def _travelled(self) -> Array:
+        """Return the travel since the release along every path, shape (N, P) [m]."""
+        speed = self._paths.speed_m_s
+        step = self._paths.step_s * 0.5 * (speed[:, 1:] + speed[:, :-1])
+        before = self._before[:, None]
+        return np.concatenate([before, before + np.cumsum(step, axis=1)], axis=1)
+
+    def _travel_before(self, acting: Sequence[tuple[Candidate, float]]) -> Array:
+        """Return the travel from the release to the first event, shape (N,) [m]."""
+
+        def acceleration(travel: Array, speed: Array) -> Array:
+            state = self._state_at(travel, speed)
+            force = np.zeros_like(travel)
+            for candidate, amplitude in acting:
+                values, small = unit_values(candidate)
+                law = candidate.effect.laws[candidate.law]
+                force = force + amplitude / small * np.asarray(law(values, state))
+            return np.asarray(self.acceleration[:, None] - self._slowed * force)
+
+        from_rest = travel_to_speed(self._paths.speed_m_s[:, 0], acceleration)
+        # The first event comes within one spacing of the release; a push spares some travel.
+        most = np.minimum(from_rest, self.constants.hall_spacing_m or SPACING_M)
+        return np.asarray((1 - PUSHED) * most)
+
+    def _state_at(self, travel_m: Array, speed_m_s: Array) -> State:
+        condition = self.condition
+        return State.of(
+            Coefficients(*(np.asarray(part)[:, None] for part in self.law)),
+            np.asarray(condition.n_pulleys)[:, None],
+            np.asarray(condition.wrap_angle_deg)[:, None],
+            nominal_tension(condition, self.acceleration)[:, None],
+            speed_m_s,
+            travel_m=travel_m,
+            acceleration_m_s2=self.acceleration[:, None],
+            radius_m=self._radius[:, None],
+            order=self.order[:, None],
+            drive_end=drive_end(self.table)[:, None],
+            trial_in_setup=trial_in_setup(self.table)[:, None],
+            gravity_m_s2=condition.gravity_m_s2,
+        )
