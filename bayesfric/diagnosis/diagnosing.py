@@ -280,7 +280,7 @@ def _diagnose(
         ),
         where=where,
         gap=gap,
-        effects=examined_effects(found, first_found, sorted({**examined, **lacking}), lacking),
+        effects=examined_effects(first_found, sorted({**examined, **lacking}), lacking),
         next_experiment=proposals,
         next_experiment_why=no_proposal,
         target=asked_for,

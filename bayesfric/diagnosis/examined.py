@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from bayesfric.analysis import Analysis
-from bayesfric.diagnosis.search import NONE, Search
+from bayesfric.diagnosis.search import Search
 from bayesfric.effects import Effect, all_effects
 from bayesfric.errors import Fault, InputError
 from bayesfric.rigs.data import Data
@@ -52,24 +52,27 @@ def widened(effect: Effect, analysis: Analysis) -> Effect:
 
 
 def examined_effects(
-    found: Search, first: Search, names: list[str], lacking: Mapping[str, tuple[str, ...]]
+    first: Search, names: list[str], lacking: Mapping[str, tuple[str, ...]]
 ) -> tuple[ExaminedEffect, ...]:
-    """Return what is said of each effect: its Bayes factor against the baseline, or why not."""
-    absorbed = {one.effect for one in found.classes.absorbed}
-    stands = {name: members[0] for members in found.classes.members for name in members}
+    """Return what is said of each effect: its Bayes factor against the baseline, or why not.
+
+    All are of the model around the baseline, where every effect has been weighed: evidences
+    of the model around the leader's law, which has its finalists alone, have another zero.
+    """
+    absorbed = {one.effect for one in first.classes.absorbed}
+    stands = {name: members[0] for members in first.classes.members for name in members}
     listed = []
     for name in names:
         value, bound = None, False
-        why, needs = found.classes.left_out.get(name), lacking.get(name, ())
+        why, needs = first.classes.left_out.get(name), lacking.get(name, ())
         if needs:
             why = f"absent from these data: it needs what no rig here has ({', '.join(needs)})"
         if name in absorbed:
             why = "it only moves a parameter of the baseline"
         elif name in stands:
-            own = stands[name]
-            source = found if own in found.weighed else first
-            value = (source.weighed[own].log_evidence - source.weighed[NONE].log_evidence) / LN10
-            bound = source.weighed[own].bound
+            own = first.weighed[stands[name]]
+            value = (own.log_evidence - first.none.log_evidence) / LN10
+            bound = own.bound
         listed.append(
             ExaminedEffect(
                 effect=name,

@@ -210,7 +210,9 @@ class ExaminedEffect(Record):
     """An effect that was weighed, or why it was not."""
 
     effect: str = Field(description="Name of the effect.")
-    log10_bayes_factor: Number | None = Field(description="Alone, against the baseline.")
+    log10_bayes_factor: Number | None = Field(
+        description="Alone, against the baseline, around the baseline's own law."
+    )
     log10_bayes_factor_why: str | None = Field(None, description="Why there is none.")
     bound: bool = Field(
         False, description="Whether it is a lower bound: the noise was not climbed to its mode."

@@ -218,6 +218,9 @@ def test_viscous_friction_is_named_with_its_size(tmp_path):
     assert found.law["coulomb"].after.q50 == pytest.approx(1.5, rel=0.05)
     assert found.law["coulomb"].before.q50 > 1.05 * 1.5
     assert found.law["mass"].unit == "kg"
+    # Alone, too, no effect that is in the same model explains as much.
+    alone = {one.effect: one.log10_bayes_factor or 0.0 for one in found.effects}
+    assert max(alone, key=alone.__getitem__) == "viscous"
 
 
 def test_friction_that_is_missing_after_a_reversal_leaves_the_mass_alone(tmp_path):

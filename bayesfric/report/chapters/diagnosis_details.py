@@ -334,7 +334,9 @@ def _examined(found: DiagnosisFile) -> Table:
             if one not in absent
         ],
         label="effects",
-        note=f"{len(absent)} further effects need what no rig here has." if absent else "",
+        note="Around the baseline's own law; hypotheses of the table of probabilities are compared "
+        "again around the law of the leader."
+        + (f" {len(absent)} further effects need what no rig here has." if absent else ""),
     ).filled()
 
 
