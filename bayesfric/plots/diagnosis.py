@@ -58,8 +58,8 @@ def where_it_lies(axes: Sequence[Axis], residuals: xr.Dataset | None, unit: str 
         if left is not None:
             _shares(left.subplots(), shares)
             keys = [
-                Patch(color=COLORS["sky"], label="share"),
-                Patch(color=COLORS["blue"], label="of it, no other axis's"),
+                Patch(color=COLORS["sky"], label="by this axis alone"),
+                Patch(color=COLORS["blue"], label="lost without it"),
             ]
             left.legend(handles=keys, loc="outside upper left", ncols=2, columnspacing=1.0)
         if right is not None:
@@ -87,8 +87,8 @@ def _shares(panel: Axes, axes: Sequence[Axis]) -> None:
     panel.axvline(0.0, color=COLORS["black"], linewidth=0.8)
     panel.set_yticks(range(len(axes)), [axis_label(axis.axis) for axis in axes])
     panel.set_ylim(len(axes) - 0.4, -0.6)
-    least = min([0.0, *(100 * axis.share for axis in axes if axis.share is not None)])
-    most = max([10.0, *(100 * axis.share for axis in axes if axis.share is not None)])
+    each = [100 * s for axis in axes for s in (axis.share, axis.unique_share) if s is not None]
+    least, most = min([0.0, *each]), max([10.0, *each])
     panel.set_xlim(1.1 * least, 1.15 * most)
     panel.grid(visible=False, axis="y")
     panel.set_xlabel("part of gap² explained [%]")

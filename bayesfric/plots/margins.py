@@ -96,6 +96,7 @@ def hunting_over_speed(chart: HuntingMap) -> Figure:
                           color="white" if value > 0.55 * top else "black")  # fmt: skip
             axes.set_xticks(range(len(speeds)), speeds)
             axes.set_yticks(range(len(gammas)), gammas)
+            axes.grid(visible=False)  # lines through the middle of a cell strike its number out
             axes.set_xlabel("reference speed at the tip [mm/s]")
             axes.set_title(title)
         fig.axes[0].set_ylabel("compensation gain γ")
@@ -139,7 +140,8 @@ def nyquist_fan(fans: Sequence[NyquistFan]) -> Figure:
             axes.set_xlabel("real")
         left.set_ylabel("imaginary")
         handles, labels = right.get_legend_handles_labels()
-        fig.legend(handles, labels, loc="outside lower center", ncols=4)
+        # The hat over F reaches out of the line that a legend reserves.
+        fig.legend(handles, labels, loc="outside lower center", ncols=4, borderaxespad=1.0)
     return fig
 
 

@@ -52,7 +52,7 @@ def _promises(panel: Axes, targets: tuple[Target, ...]) -> None:
         panel.plot([100 * rate.low, 100 * rate.high], [place, place], color=color, linewidth=1.6)
         panel.plot(100 * rate.rate, place, "o" if target.met else "X", color=color, markersize=5)
         panel.text(
-            103, place, f"{rate.hits}/{rate.cases}", va="center", fontsize=6.5, clip_on=False
+            108, place, f"{rate.hits}/{rate.cases}", va="center", fontsize=6.5, clip_on=False
         )
     panel.set_yticks(range(len(names)), names, fontsize=7)
     panel.set_ylim(len(names) - 0.4, -0.6)
