@@ -124,12 +124,37 @@ def _repeat(folder: Path, again: Path, recording: Path | None, workers: int, qui
             quiet=quiet,
         )
     if _has(folder, "margins") and fitted is not None:
-        loops = [folder / path for path in inputs.get("loops", ())]
-        if loops:
-            analysis = _settings(fitted, "fit.json")
-            margins_into(loops, again / "draws.nc", again, analysis, quiet=quiet)
-        else:
-            say("margins.json is not repeated: its loop files are not known", err=True)
+        _repeat_margins(folder, again, [folder / path for path in inputs.get("loops", ())], quiet)
+
+
+def _repeat_margins(folder: Path, again: Path, loops: list[Path], quiet: bool) -> None:
+    """Compute margins over the new draws, with what the stored ones were asked for."""
+    from bayesfric.margins.loop_file import loop_sha256, read_loop
+    from bayesfric.resources import bundled_loops
+    from bayesfric.results import read_json
+    from bayesfric.schemas import MarginsFile
+
+    stored = read_json(MarginsFile, folder / "margins.json")
+    known = {loop_sha256(read_loop(path)): path for path in [*bundled_loops().values(), *loops]}
+    if unknown := [one.name for one in stored.loops if one.loop_sha256 not in known]:
+        names = ", ".join(unknown)
+        say(f"margins.json is not repeated: the loop files of {names} are not known", err=True)
+        return
+    diagnosed = any(one.with_effects is not None for one in stored.loops)
+    if diagnosed and not _has(again, "diagnosis"):
+        say("margins.json is not repeated: its diagnosis is not in the folder", err=True)
+        return
+    margins_into(
+        [known[one.loop_sha256] for one in stored.loops],
+        again / "draws.nc",
+        again,
+        _settings(stored, "margins.json"),
+        diagnosis=again / "diagnosis.json" if diagnosed else None,
+        verify=max(one.verification.draws if one.verification else 0 for one in stored.loops),
+        tune=any(one.tuning is not None for one in stored.loops),
+        ensembles=any(one.following is not None for one in stored.loops),
+        quiet=quiet,
+    )
 
 
 def _has(folder: Path, name: str) -> bool:

@@ -8,8 +8,11 @@ from altered import by_acceleration, of_size, with_trials
 from rigs.friction_points import joint, recorded
 from typer.testing import CliRunner
 
+from bayesfric.analysis import Analysis
 from bayesfric.cli import app
+from bayesfric.margins import compute_margins
 from bayesfric.recording import write_recording
+from bayesfric.resources import bundled_loops
 
 SHORT = "seed = 5\n[sampler]\nburn = 10\nsteps = 50\nthin = 2\nwalkers = 36\nextensions = 0\n"
 
@@ -54,6 +57,49 @@ def test_results_that_do_not_come_out_again_are_told(ran, tmp_path):
     assert "fit.json  pulleys.small.c1" in done.stdout
     assert "draws.nc: other bytes" in done.stdout
     assert "predictive.nc: the same bytes" in done.stdout
+
+
+@pytest.fixture(scope="module")
+def with_margins(ran):
+    """The fit, and margins of which two draws were verified and motion was simulated."""
+    folder = ran / "margins"
+    shutil.copytree(ran / "a", folder)
+    compute_margins(
+        "raven-insertion", folder / "draws.nc", Analysis(seed=9), verify=2, ensembles=True,
+        simulated=2,
+    ).write(folder)  # fmt: skip
+    return folder
+
+
+def test_margins_are_repeated_with_what_they_were_asked_for(with_margins, tmp_path, monkeypatch):
+    """The loop by its contents, the options by what the stored file shows."""
+    asked = {}
+
+    def kept(loops, draws, output, analysis, **options):
+        asked.update(options, loops=loops, draws=draws, seed=analysis.seed)
+
+    monkeypatch.setattr("bayesfric.cli.rerun.margins_into", kept)
+    done = bayesfric("rerun", with_margins, "-o", tmp_path / "b")
+    assert done.exit_code == 0, done.stderr
+    assert asked == {
+        "loops": [bundled_loops()["raven-insertion"]],
+        "draws": tmp_path / "b" / "draws.nc",
+        "seed": 9,
+        "diagnosis": None,
+        "verify": 2,
+        "tune": False,
+        "ensembles": True,
+        "quiet": False,
+    }
+
+
+def test_margins_of_a_loop_that_is_nowhere_are_told(with_margins, tmp_path):
+    stored = json.loads((with_margins / "margins.json").read_text())
+    stored["loops"][0]["loop_sha256"] = "0" * 64
+    shutil.copytree(with_margins, with_margins.parent / "gone")
+    (with_margins.parent / "gone" / "margins.json").write_text(json.dumps(stored))
+    done = bayesfric("rerun", with_margins.parent / "gone", "-o", tmp_path / "b")
+    assert "margins.json is not repeated: the loop files of raven-insertion are not" in done.stderr
 
 
 @pytest.mark.nightly
