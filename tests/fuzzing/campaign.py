@@ -1,10 +1,12 @@
 """``make fuzz``: mutants from where the last campaign stopped, for some minutes.
 
-What was found stands in ``reports/evidence/fuzz.json``: cases by kind, and the seed of each
-mutant that was neither read nor refused. Where the code has changed since, it begins anew.
+What was found stands in ``reports/evidence/fuzz.json``: mutants by kind, and the seed of each
+that was neither read nor refused; beside them the most memory that the process ever held.
+Where the code has changed since, it begins anew.
 """
 
 import argparse
+import resource
 import sys
 import time
 
@@ -13,6 +15,7 @@ from fuzzing.mutants import KINDS, outcome
 
 NAME = "fuzz"
 WHOLE = {"recording": 100_000, "toml": 20_000, "json": 5_000, "netcdf": 5_000}
+PEAK_MIB = 1024  # of the whole process, so that no mutant takes more
 
 
 def main() -> int:
@@ -20,23 +23,27 @@ def main() -> int:
     parser.add_argument("--minutes", type=float, default=10.0, help="of processor time")
     minutes = parser.parse_args().minutes
     kept = evidence.read(NAME) if NAME in evidence.names() else {}
-    kept = {} if evidence.changed(kept) else kept["figures"]
-    found = {kind: kept.get(kind, {"read": 0, "refused": 0, "faults": {}}) for kind in KINDS}
+    kept = {} if evidence.changed(kept) else kept
+    found = kept.get("figures") or {kind: {"read": 0, "refused": 0, "faults": {}} for kind in KINDS}
+    before = kept.get("cases", {}).get("peak_mib", 0)
     ends = time.process_time() + 60 * minutes
     while time.process_time() < ends:
         # The kind that is furthest behind its share.
         kind = min(KINDS, key=lambda one: done(found[one]) / WHOLE[one])
         if done(found[kind]) >= WHOLE[kind]:
             break
-        seed = done(found[kind])
+        seed, held = done(found[kind]), peak_mib()
         try:
-            found[kind][outcome(kind, seed)] += 1
+            said = outcome(kind, seed)
+            if held <= PEAK_MIB < peak_mib():
+                raise MemoryError(f"{peak_mib()} MiB")
+            found[kind][said] += 1
         except Exception as error:
             found[kind]["faults"][str(seed)] = f"{type(error).__name__}: {error}"[:200]
             sys.stdout.write(f"{kind} {seed}: {error!r}\n")
         if seed % 500 == 0:
-            save(found)
-    save(found)
+            save(found, before)
+    save(found, before)
     for kind, one in found.items():
         sys.stdout.write(f"{kind}: {done(one)} of {WHOLE[kind]}, {len(one['faults'])} faults\n")
     return 1 if any(one["faults"] for one in found.values()) else 0
@@ -46,10 +53,15 @@ def done(one: dict) -> int:
     return one["read"] + one["refused"] + len(one["faults"])
 
 
-def save(found: dict) -> None:
+def peak_mib() -> int:
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
+
+
+def save(found: dict, before: int) -> None:
     last = max(done(one) for one in found.values()) - 1
     this = sys.modules[__name__]
-    evidence.write(NAME, this, seeds=[0, last], figures=found, cases={}, command="make fuzz")
+    most = {"peak_mib": max(before, peak_mib())}
+    evidence.write(NAME, this, seeds=[0, last], figures=found, cases=most, command="make fuzz")
 
 
 if __name__ == "__main__":
