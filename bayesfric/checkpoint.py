@@ -2,26 +2,36 @@
 
 A piece appears whole or not at all, so a computation that is killed at any moment
 finds only pieces that it can trust. Pieces of another computation (another seed,
-recording, analysis or version), and pieces that do not read, are thrown away.
+recording, analysis, version or code), and pieces that do not read, are thrown away.
 """
 
+import hashlib
 import io
+import json
 import shutil
 import zipfile
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import fields, is_dataclass
+from functools import cache
+from itertools import count, repeat
 from pathlib import Path
-from typing import Any
+from types import NoneType, UnionType
+from typing import Any, ParamSpec, TypeVar, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.errors import Fault, InputError
 
-__all__ = ["Checkpoint"]
+__all__ = ["Checkpoint", "code_sha256"]
 
+P = ParamSpec("P")
+T = TypeVar("T")
 Arrays = dict[str, NDArray[Any]]
+RECORD = "record"
+"""Name of the array that says how the others make up a record."""
 DAMAGED = (
     OSError,
     ValueError,
@@ -42,13 +52,14 @@ class Checkpoint:
     folder : Path or None
         Where the pieces are kept; None keeps nothing.
     key : str
-        Names the computation: everything on which its result depends.
+        Names the computation: everything on which its result depends but the code.
     """
 
     def __init__(self, folder: Path | None, key: str) -> None:
         self._folder = folder
         if folder is None:
             return
+        key = f"{code_sha256()} {key}"
         label = folder / "key"
         with _told(folder):
             if not label.is_file() or label.read_bytes() != key.encode():
@@ -87,6 +98,101 @@ class Checkpoint:
             if kept is None:
                 raise InputError([Fault(str(path), "a file that reads back as it was written")])
         return kept
+
+    def has(self, name: str) -> bool:
+        """Return whether a piece is there; one that is damaged may be."""
+        return self._folder is not None and (self._folder / f"{name}.npz").is_file()
+
+    def record(self, name: str, kind: Any, compute: Callable[[], T]) -> T:
+        """Return a piece that is more than arrays.
+
+        Parameters
+        ----------
+        name : str
+            As of :meth:`piece`.
+        kind : type
+            What `compute` returns: a dataclass or a named tuple, or None beside one. Its
+            fields are such again, or arrays, numbers, texts, None, tuples and mappings of these.
+        compute : callable
+            Returns it.
+
+        Returns
+        -------
+        object
+            The same, whether it was computed or kept, or nothing is kept at all.
+        """
+        found = self.piece(name, lambda: _taken_apart(compute()))
+        return cast(T, _put_together(kind, json.loads(str(found[RECORD])), found))
+
+    def each(self, name: str, kind: Any, function: Callable[P, T]) -> Callable[P, T]:
+        """Return a function of which each call is a piece, by its place among the calls.
+
+        Parameters
+        ----------
+        name : str
+            With which the names of the pieces begin.
+        kind : type
+            What the function returns, as of :meth:`record`.
+        function : callable
+            Called in the same order whenever the computation is run.
+        """
+        places = count()
+
+        def kept(*args: P.args, **kwargs: P.kwargs) -> T:
+            call = f"{name}-{next(places):04d}"
+            return self.record(call, kind, lambda: function(*args, **kwargs))
+
+        return kept
+
+
+@cache
+def code_sha256() -> str:
+    """Return the SHA-256 of the package's own source, by which a change of it is known."""
+    files = sorted(Path(__file__).parent.rglob("*.py"))
+    return hashlib.sha256(b"\0".join(path.read_bytes() for path in files)).hexdigest()
+
+
+def _taken_apart(value: Any) -> Arrays:
+    """Return the arrays of a record, and beside them all else as JSON."""
+    arrays: Arrays = {}
+
+    def plain(one: Any) -> Any:
+        if isinstance(one, np.ndarray):
+            name = f"array-{len(arrays)}"
+            # Laid out as it will be read: sums of an array that is not whole round otherwise.
+            arrays[name] = np.asarray(one, order="A")
+            return name
+        if is_dataclass(one):
+            return {field.name: plain(getattr(one, field.name)) for field in fields(one)}
+        if hasattr(one, "_asdict"):
+            one = one._asdict()
+        if isinstance(one, Mapping):
+            return {name: plain(part) for name, part in one.items()}
+        if isinstance(one, tuple):
+            return [plain(part) for part in one]
+        return one.item() if isinstance(one, np.generic) else one
+
+    told = json.dumps(plain(value))
+    return {RECORD: np.array(told), **arrays}
+
+
+def _put_together(kind: Any, told: Any, arrays: Arrays) -> Any:
+    """Return a record of a type, or a part of one."""
+    outer, parts = get_origin(kind), get_args(kind)
+    if outer is UnionType:
+        (kind,) = (part for part in parts if part is not NoneType)
+        return None if told is None else _put_together(kind, told, arrays)
+    if outer is np.ndarray:
+        return arrays[told]
+    if outer is tuple:
+        each = repeat(parts[0]) if Ellipsis in parts else parts
+        return tuple(_put_together(part, one, arrays) for part, one in zip(each, told))  # noqa: B905
+    if isinstance(told, dict):
+        if outer is not None:  # a mapping
+            return {name: _put_together(parts[1], one, arrays) for name, one in told.items()}
+        hints = get_type_hints(kind)
+        return kind(**{name: _put_together(hints[name], one, arrays) for name, one in told.items()})
+    return told
 
 
 def _read(path: Path) -> Arrays | None:

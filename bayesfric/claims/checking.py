@@ -6,8 +6,10 @@ from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
+from itertools import count
 from pathlib import Path
 from pkgutil import iter_modules
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -16,12 +18,13 @@ from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
 from bayesfric.characters import legible
+from bayesfric.checkpoint import Checkpoint
 from bayesfric.claims.base import Case, Claim, Finding
 from bayesfric.claims.comparison import bayes_factor, log_evidence
 from bayesfric.claims.contradictions import contradictions
 from bayesfric.claims.entered import PAPER, Entered
 from bayesfric.claims.kept_draws import models_kept
-from bayesfric.claims.studies import Studied, Task, study_all
+from bayesfric.claims.studies import NOTHING_KEPT, Studied, Task, study_all
 from bayesfric.effects import Effect, all_effects, with_priors
 from bayesfric.recording.tables import Recording
 from bayesfric.results import identified, json_bytes, provenance, replace_outputs, write_netcdf
@@ -134,6 +137,8 @@ def check_claims(
     only: Sequence[str] | None = None,
     rigs: Sequence[str] | None = None,
     baseline: str = PAPER,
+    progress: Callable[[int, int], None] | None = None,
+    checkpoint: Path | None = None,
 ) -> Checked:
     """Judge the paper's claims on a recording.
 
@@ -155,6 +160,11 @@ def check_claims(
     baseline : str
         The friction law that the claims are about, a name in
         :data:`bayesfric.physics.laws.BASELINES`.
+    progress : callable or None
+        Called with the hypotheses studied, and about how many there are.
+    checkpoint : Path or None
+        Folder that keeps what is studied: claims that are interrupted and judged again go
+        on to the same result. Remove it when they are written.
 
     Returns
     -------
@@ -171,14 +181,16 @@ def check_claims(
     claims = [claim for claim in registered() if only is None or claim.name in only]
     entered = Entered.of(recording, rigs, baseline)
     effects = rival_effects(analysis)
-    studied = _studied(claims, entered, analysis, effects, executor)
-    case = Case(recording, analysis, entered, studied, effects, posterior or {})
-    findings = [(claim, claim.judge(claim, case)) for claim in claims]
     attributes = provenance(
         recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
         analysis=analysis,
         created=recording.created,
     )
+    inputs = (entered.rigs, baseline, recording.rig, recording.metadata)
+    keeping = Checkpoint(checkpoint, f"{inputs} {attributes.model_dump_json()}")
+    studied = _studied(claims, entered, analysis, effects, executor, progress, keeping)
+    case = Case(recording, analysis, entered, studied, effects, posterior or {})
+    findings = [(claim, claim.judge(claim, case)) for claim in claims]
     summary = ClaimsFile(
         **attributes.model_dump(),
         rigs=entered.rigs,
@@ -200,13 +212,24 @@ def _studied(
     analysis: Analysis,
     effects: dict[str, Effect],
     executor: Executor | None,
+    progress: Callable[[int, int], None] | None = None,
+    keeping: Checkpoint = NOTHING_KEPT,
 ) -> dict[Task, Studied]:
     """Study all hypotheses: the law and each claim's best rival with draws, the rest screened."""
     by_claim = [claim.tasks(entered) for claim in claims]
     tasks = list(dict.fromkeys(task for some in by_claim for task in some))
     own = {task for task in tasks if task.hypothesis == entered.baseline}
     rivals = [[task for task in some if task.whole and task not in own] for some in by_claim]
-    studied = study_all(tasks, entered.data, analysis, effects, executor, sampled=own)
+    steps = count(1)
+    total = len(tasks) + sum(map(bool, rivals))  # claims may share their best rival
+
+    def done() -> None:
+        step = next(steps)
+        if progress is not None:
+            progress(step, max(step, total))
+
+    kept: dict[str, Any] = {"keeping": keeping, "done": done}
+    studied = study_all(tasks, entered.data, analysis, effects, executor, sampled=own, **kept)
     # One whose draws sit in separate places has no evidence after all: then the next best.
     while best := {one for some in rivals if (one := _best_rival(some, studied))}:
         studied |= study_all(
@@ -217,6 +240,7 @@ def _studied(
             executor,
             sampled=best,
             screened=studied,
+            **kept,
         )
     return studied
 

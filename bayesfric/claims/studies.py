@@ -1,8 +1,10 @@
 """A hypothesis studied: its evidence, what it predicts, and how large its effect is."""
 
-from collections.abc import Collection, Mapping
-from concurrent.futures import Executor
+from collections.abc import Callable, Collection, Mapping
+from concurrent.futures import Executor, as_completed
 from dataclasses import dataclass, field
+from functools import partial
+from hashlib import sha256
 from itertools import product
 from typing import NamedTuple
 
@@ -11,6 +13,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis, Sampler
+from bayesfric.checkpoint import Checkpoint
 from bayesfric.claims.apart import ApartModel
 from bayesfric.effects import Effect, State
 from bayesfric.fitting.hypothesis import Hypothesis, chart_of, model_of
@@ -31,13 +34,23 @@ from bayesfric.inference.sampling import sample
 from bayesfric.rigs.coefficients import law_of
 from bayesfric.rigs.data import Data
 
-__all__ = ["WIDTHS", "Kept", "Studied", "Task", "prior_ratios", "slowest_speed", "study_all"]
+__all__ = [
+    "NOTHING_KEPT",
+    "WIDTHS",
+    "Kept",
+    "Studied",
+    "Task",
+    "prior_ratios",
+    "slowest_speed",
+    "study_all",
+]
 
 Array = NDArray[np.float64]
 SHORT_RUN = Sampler(burn=20, steps=60, thin=3, extensions=5)  # run on where it is not enough
 WALKERS = 60  # at least: many walkers and few steps are quicker than the other way round
 POINTWISE_DRAWS = 1000
 MIDDLE = {"n_pulleys": 9.0, "wrap_angle_deg": 85.0, "tension_n": 15.0, "speed_m_s": 0.65}
+NOTHING_KEPT = Checkpoint(None, "")
 AMPLITUDES = (-4.0, -3.0, -2.0, -1.0, -0.3, 0.0, 0.3, 1.0, 2.0)
 SHAPES = (-2.0, -1.0, 0.0, 1.0, 2.0)
 """Places to climb from, as normal quantiles of the prior."""
@@ -135,6 +148,8 @@ def study_all(
     *,
     sampled: Collection[Task],
     screened: Mapping[Task, Studied] | None = None,
+    keeping: Checkpoint = NOTHING_KEPT,
+    done: Callable[[], None] = lambda: None,
 ) -> dict[Task, Studied]:
     """Study hypotheses, each with a seed of its own.
 
@@ -155,6 +170,10 @@ def study_all(
         reliable.
     screened : mapping of Task to Studied, or None
         Studies without draws, whose modes need not be looked for again.
+    keeping : Checkpoint
+        Keeps each study when it is done, and has those that were done before.
+    done : callable
+        Called after each study.
 
     Returns
     -------
@@ -166,9 +185,21 @@ def study_all(
         (data[task.data], analysis, task, effects, task not in sampled, before.get(task))
         for task in sorted(tasks, key=lambda task: _cost(task, effects), reverse=True)
     ]
-    run = map if executor is None else executor.map
-    found = run(_study_one, each)
-    return {one[2]: studied for one, studied in zip(each, found, strict=True)}
+    found: dict[Task, Studied] = {}
+
+    def take(given: Given, compute: Callable[[], Studied]) -> None:
+        found[given[2]] = keeping.record(_name(given), Studied, compute)
+        done()
+
+    running = {}
+    for one in each:
+        if executor is None or keeping.has(_name(one)):
+            take(one, partial(_study_one, one))
+        else:
+            running[executor.submit(_study_one, one)] = one
+    for future in as_completed(running):
+        take(running[future], future.result)
+    return {one[2]: found[one[2]] for one in each}
 
 
 def _cost(task: Task, effects: dict[str, Effect]) -> int:
@@ -179,6 +210,13 @@ def _cost(task: Task, effects: dict[str, Effect]) -> int:
 
 
 Given = tuple[Data, Analysis, Task, dict[str, Effect], bool, Studied | None]
+
+
+def _name(given: Given) -> str:
+    """Return the name of a study as a piece, which says all that differs from another's."""
+    _, _, task, _, screen, _ = given
+    digest = sha256(repr(task).encode()).hexdigest()[:16]
+    return f"{'screened' if screen else 'drawn'}-{digest}"
 
 
 def _study_one(given: Given) -> Studied:

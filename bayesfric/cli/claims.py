@@ -1,5 +1,6 @@
 """``bayesfric claims``: the paper's claims, judged by model comparison."""
 
+import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -99,7 +100,8 @@ def claims_into(
 
     found = read_recording(recording)
     title = "comparing the claims with their rivals"
-    with stage(title, quiet=quiet), processes(workers) as executor:
+    checkpoint = output / ".checkpoint-claims"
+    with stage(title, quiet=quiet) as progress, processes(workers) as executor:
         checked = check_claims(
             found,
             analysis,
@@ -107,8 +109,11 @@ def claims_into(
             executor=executor,
             rigs=rigs,
             baseline=baseline,
+            progress=progress,
+            checkpoint=checkpoint,
         )
     checked.write(output, junit=junit)
+    shutil.rmtree(checkpoint)
     for one in checked.summary.claims:
         say(f"{one.id:<24} {one.verdict:<13} {one.reason}")
     return {"refuted"} if checked.refuted else set()

@@ -1,5 +1,6 @@
 """``bayesfric diagnose``: where the simulation misses, why, and how far that shrinks."""
 
+import shutil
 from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
@@ -123,6 +124,7 @@ def diagnose_into(
     effects = [checked(effect_of_file(path), path) for path in effect_modules or []]
     found = read_recording(recording)
     title = "weighing the effects that the baseline leaves out"
+    checkpoint = output / ".checkpoint-diagnosis"
     pool = processes(workers) if simulator is not None else nullcontext()
     with stage(title, quiet=quiet), pool as executor:
         diagnosed = diagnose_recording(
@@ -136,8 +138,10 @@ def diagnose_into(
             target=target,
             executor=executor,
             announce=None if quiet else partial(say, err=True),
+            checkpoint=checkpoint,
         )
     diagnosed.write(output)
+    shutil.rmtree(checkpoint, ignore_errors=True)  # of a simulator nothing is kept
     summary = diagnosed.summary
     say(f"{summary.verdict}: {summary.sentence}")
     for name, chance in list(summary.probabilities.items())[:5]:

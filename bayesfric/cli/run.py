@@ -146,6 +146,7 @@ def _key(
 ) -> dict[str, object]:
     """Return all that the results of a run depend on."""
     from bayesfric.analysis import analysis_sha256
+    from bayesfric.checkpoint import code_sha256
     from bayesfric.cli.stages import digest
     from bayesfric.recording import read_recording
     from bayesfric.recording.package import PACKAGE_FILE
@@ -162,4 +163,5 @@ def _key(
         "baseline": baseline,
         "created": created_date(None),
         "versions": package_versions(),
+        "code": code_sha256(),
     }

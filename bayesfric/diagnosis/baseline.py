@@ -1,12 +1,12 @@
 """Which trials are diagnosed, and the law that is fitted to them before any effect acts."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
-from bayesfric.diagnosis.acting import Acting
+from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.climbing import climb
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.errors import Fault, InputError
@@ -53,8 +53,9 @@ def fitted_baseline(
     fixed: frozenset[str],
     shipped: Mapping[str, Coefficients],
     law: Baseline,
+    climb: Callable[..., At] = climb,
 ) -> tuple[Data, tuple[str, ...], dict[str, Coefficients], Array]:
-    """Fit the law, leave out trials that stray, and fit again.
+    """Fit the law, leave out trials that stray, and fit again, by climbing as asked.
 
     Returns
     -------

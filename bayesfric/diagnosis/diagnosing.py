@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis
-from bayesfric.diagnosis.acting import Acting, Law
+from bayesfric.checkpoint import Checkpoint
+from bayesfric.diagnosis.acting import Acting, At, Law
 from bayesfric.diagnosis.arms import Arms
 from bayesfric.diagnosis.baseline import data_of, fitted_baseline
 from bayesfric.diagnosis.causes import causes_of, inclusion_of, known_of
@@ -22,20 +23,20 @@ from bayesfric.diagnosis.classes import classes_of
 from bayesfric.diagnosis.climbing import climb, curvature_at
 from bayesfric.diagnosis.examined import examinable, examined_effects, widened
 from bayesfric.diagnosis.forms import other_forms
-from bayesfric.diagnosis.held_out import measure_gap
+from bayesfric.diagnosis.held_out import HeldOut, measure_gap
 from bayesfric.diagnosis.law import law_of_diagnosis
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.remainder import remainder_of
 from bayesfric.diagnosis.residuals import residuals_of
-from bayesfric.diagnosis.search import NONE, UNKNOWN, Search, compare, search
+from bayesfric.diagnosis.search import NONE, UNKNOWN, Search, Steps, compare, search
 from bayesfric.diagnosis.shipped import Shipped, held_of, shipped_numbers, shipped_of
 from bayesfric.diagnosis.simulated import own_law_of, simulator_used
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.stored import curves_of, gap_of
 from bayesfric.diagnosis.systematic import posterior_of
 from bayesfric.diagnosis.target import check_target, friction_at
-from bayesfric.diagnosis.unknown import Unknown
+from bayesfric.diagnosis.unknown import Unknown, unknown_force
 from bayesfric.diagnosis.verdict import (
     decide,
     sentence_of,
@@ -115,6 +116,7 @@ def diagnose(
     target: pd.DataFrame | None = None,
     executor: Executor | None = None,
     announce: Callable[[str], None] | None = None,
+    checkpoint: Path | None = None,
 ) -> Diagnosed:
     """Diagnose the gap between a friction law and a recording.
 
@@ -144,6 +146,10 @@ def diagnose(
         Over which calls of the simulator are spread; None makes one after another.
     announce : callable or None
         Is told how many calls of the simulator are coming.
+    checkpoint : Path or None
+        Folder that keeps what is weighed, so that a diagnosis that was interrupted goes on
+        to the same result. Remove it when that is written. With effects or a simulator of the
+        user's own nothing is kept: whether their code has changed cannot be told.
 
     Returns
     -------
@@ -163,7 +169,7 @@ def diagnose(
         calls = SimulatorCalls(simulator, executor=executor, announce=announce)
     with threadpool_limits(limits=1):
         summary, curves = _diagnose(
-            recording, analysis, fixed, effects, shipped, baseline, calls, target
+            recording, analysis, fixed, effects, shipped, baseline, calls, target, checkpoint
         )
     return Diagnosed(identified(summary), curves, time.perf_counter() - began)
 
@@ -177,6 +183,7 @@ def _diagnose(
     baseline: str,
     simulator: SimulatorCalls | None,
     target: pd.DataFrame | None,
+    checkpoint: Path | None,
 ) -> tuple[DiagnosisFile, xr.DataTree]:
     data, law = data_of(recording, baseline, simulator)
     own = own_law_of(data)
@@ -189,12 +196,26 @@ def _diagnose(
     examined, lacking = examinable(data, {effect.name: effect for effect in effects})
     examined = with_priors(examined, analysis.priors.effects)
     examined = {name: widened(one, analysis) for name, one in examined.items()}
-    data, stray, laws, psi = fitted_baseline(data, analysis, held, law_shipped, law)
+    attributes = provenance(
+        recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
+        analysis=analysis,
+        created=recording.created,
+    )
+    inputs = (baseline, sorted(fixed), shipped, recording.rig, recording.metadata)
+    if effects or simulator is not None:
+        checkpoint = None
+    keeping = Checkpoint(checkpoint, f"{inputs} {attributes.model_dump_json()}")
+    climbing = keeping.each("climb", At, climb)
+    steps = Steps(
+        keeping.each("weigh", Weighed, weigh),
+        keeping.each("unknown", Unknown | None, unknown_force),
+    )
+    data, stray, laws, psi = fitted_baseline(data, analysis, held, law_shipped, law, climbing)
     candidates = [one for effect in examined.values() for one in candidates_of(effect)]
     first = LinearModel(data, laws, candidates, analysis, held | frozenset(law.without))
     first = squeezed(first, psi)
-    first_found = _first_look(first, psi)
-    model, found = _finals(first, first_found)
+    first_found = _first_look(first, climbing(first, psi, Acting()), steps)
+    model, found = _finals(first, first_found, steps)
     chances = found.probabilities()
     fold_rng, gap_rng, where_rng, draw_rng, check_rng = (
         np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(5)
@@ -213,7 +234,7 @@ def _diagnose(
     verdict, chance = decide(chances, of_causes, above, together)
     arms = _arms(model, found, best, named, settled.psi, law_shipped)
     plain = residuals_of(arms.plain, arms.psi)
-    held_out = measure_gap(arms, plain, fold_rng)
+    held_out = keeping.record("held-out", HeldOut, lambda: measure_gap(arms, plain, fold_rng))
     gap, left = gap_of(held_out, posterior, residuals, arms, practical, gap_rng, data.unit)
     gap2 = float(np.median(posterior.gap)) ** 2 if above >= MOSTLY else 0.0
     where = where_it_lies(plain, held_out.before, held_out.fold, gap2, where_rng)
@@ -238,11 +259,6 @@ def _diagnose(
     if target is not None:
         doubt = chances.get(UNKNOWN, 0.0)
         asked_for = friction_at(target, model, law, law_found, posterior, named, examined, doubt)
-    attributes = provenance(
-        recording=RecordingId(name=recording.name, title=recording.title, sha256=recording.sha256),
-        analysis=analysis,
-        created=recording.created,
-    )
     prior = analysis.diagnosis.hypotheses
     summary = DiagnosisFile(
         **attributes.model_dump(),
@@ -303,18 +319,17 @@ def not_followed(analysis: Analysis) -> tuple[str, ...]:
     )
 
 
-def _first_look(model: LinearModel, psi: Array) -> Search:
+def _first_look(model: LinearModel, at: At, steps: Steps) -> Search:
     """Weigh hypotheses around the baseline."""
-    at = climb(model, psi, Acting())
     classes = classes_of(model, at.psi)
     model.merge(classes.members)
     curvature = curvature_at(model, at, Acting())
     inverse = np.asarray(np.linalg.inv(curvature), dtype=np.float64)
-    none = weigh(model, (), [at.psi], inverse, 0.0)
-    return search(model, none, inverse, 0.0, classes)
+    none = steps.weigh(model, (), [at.psi], inverse, 0.0)
+    return search(model, none, inverse, 0.0, classes, steps)
 
 
-def _finals(first: LinearModel, found: Search) -> tuple[LinearModel, Search]:
+def _finals(first: LinearModel, found: Search, steps: Steps) -> tuple[LinearModel, Search]:
     """Compare the finalists alike, around the law that was fitted with the leader."""
     model = first
     if found.probabilities().get(NONE, 0.0) > SURELY:
@@ -332,7 +347,7 @@ def _finals(first: LinearModel, found: Search) -> tuple[LinearModel, Search]:
         )
         around.merge(found.classes.members)
         around = squeezed(around, leader.at.psi)
-        model, found = around, compare(around, found)
+        model, found = around, compare(around, found, steps)
         if found.best().names == leader.names:
             break
     return model, found

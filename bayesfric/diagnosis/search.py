@@ -4,10 +4,11 @@ All hypotheses that are listed are weighed alike, in one model, each at its own 
 noise. The search goes forward from the best ones; what is only screened is a bound.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from math import comb
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,13 +21,14 @@ from bayesfric.diagnosis.climbing import curvature_at
 from bayesfric.diagnosis.discrepancy import relative_rms
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.shapes import Quadratic
-from bayesfric.diagnosis.unknown import Unknown, unknown_force
-from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed, label, log_volume, weigh
+from bayesfric.diagnosis.unknown import Unknown
+from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed, label, log_volume
 
 __all__ = [
     "NONE",
     "UNKNOWN",
     "Search",
+    "Steps",
     "compare",
     "search",
 ]
@@ -45,6 +47,13 @@ FINALISTS = 8
 NEAREST = 4.0  # nat from the best, of a hypothesis whose own noise is integrated over
 NEARLY = 12.0  # nat from the best, of an unknown force whose own noise is
 LISTED = 1e-6  # probability below which a hypothesis is not listed
+
+
+class Steps(NamedTuple):
+    """What takes long of a search, and may have been kept from one that was interrupted."""
+
+    weigh: Callable[..., Weighed]
+    unknown_force: Callable[..., Unknown | None]
 
 
 @dataclass(frozen=True)
@@ -124,7 +133,12 @@ class Search:
 
 
 def search(
-    model: LinearModel, none: Weighed, inverse: Array, volume: float, classes: Classes
+    model: LinearModel,
+    none: Weighed,
+    inverse: Array,
+    volume: float,
+    classes: Classes,
+    steps: Steps,
 ) -> Search:
     """Look for effects that act, forward from none.
 
@@ -140,6 +154,8 @@ def search(
         Log Laplace volume of that.
     classes : Classes
         Effects that enter.
+    steps : Steps
+        By which hypotheses are weighed.
     """
     priors = model.analysis.diagnosis.hypotheses
     found = Search({NONE: none}, {}, None, classes, priors, inverse, volume)
@@ -153,7 +169,7 @@ def search(
         first = [*starts, quiet] if rough[name] > none.log_evidence + GAIN else starts
         if leader is not none:
             first = [*first, leader.at.psi]
-        one = weigh(model, (name,), first, inverse, volume, shapes=shapes)
+        one = steps.weigh(model, (name,), first, inverse, volume, shapes=shapes)
         found.weighed[one.label] = one
         if one.log_evidence > leader.log_evidence:
             leader = one
@@ -166,7 +182,7 @@ def search(
             there = np.append(leader.at.psi[: len(model.noise)], one.at.psi[len(model.noise) :])
             if model.evaluate(there, one.acting).value < one.at.value - NEAR:
                 continue
-            again = weigh(
+            again = steps.weigh(
                 model, one.names, [leader.at.psi], inverse, volume, shapes=_shapes_of(one)
             )
             if again.log_evidence > one.log_evidence:
@@ -188,17 +204,19 @@ def search(
                 if rough[name] < base.log_evidence + GAIN:
                     continue
                 names = tuple(name.split("+"))
-                one = weigh(model, names, [base.at.psi], inverse, volume, shapes=shapes)
+                one = steps.weigh(model, names, [base.at.psi], inverse, volume, shapes=shapes)
                 found.weighed[name] = one
                 grown |= found.worth(one) > top
                 top = max(top, found.worth(one))
         if not grown and number > 2:
             break
-    found = replace(found, unknown=unknown_force(model, found.none, Acting(), inverse, volume))
+    found = replace(
+        found, unknown=steps.unknown_force(model, found.none, Acting(), inverse, volume)
+    )
     return found
 
 
-def compare(model: LinearModel, first: Search) -> Search:
+def compare(model: LinearModel, first: Search, steps: Steps) -> Search:
     """Weigh the finalists again, alike, in one model around the leader, with their forms.
 
     Parameters
@@ -207,10 +225,12 @@ def compare(model: LinearModel, first: Search) -> Search:
         Around the law fitted with the leading hypothesis; it has the finalists' forms.
     first : Search
         By the model around the baseline.
+    steps : Steps
+        By which hypotheses are weighed.
     """
     finalists = [first.weighed[name] for name in _finalists(first)]
     leader = first.best()
-    none = weigh(
+    none = steps.weigh(
         model, (), [first.none.at.psi, leader.at.psi], first.inverse, 0.0, own_volume=False
     )
     curvature = curvature_at(model, none.at, Acting())
@@ -222,7 +242,7 @@ def compare(model: LinearModel, first: Search) -> Search:
     for one in finalists:
         if not one.names:
             continue
-        again = weigh(
+        again = steps.weigh(
             model,
             one.names,
             [one.at.psi, noise],
@@ -246,7 +266,7 @@ def compare(model: LinearModel, first: Search) -> Search:
         for name in sorted(rough, key=lambda name: -rough[name])[:TRIED]:
             if name in found or rough[name] < best.log_evidence + GAIN:
                 continue
-            found[name] = weigh(
+            found[name] = steps.weigh(
                 model,
                 tuple(name.split("+")),
                 [best.at.psi],
@@ -267,9 +287,9 @@ def compare(model: LinearModel, first: Search) -> Search:
     }
     result = replace(result, rough=rough)
     near = best.log_evidence - NEARLY
-    unknown = unknown_force(model, none, Acting(), inverse, volume, [noise], near)
+    unknown = steps.unknown_force(model, none, Acting(), inverse, volume, [noise], near)
     if best.names and unknown is not None:
-        beside = unknown_force(model, best, best.acting, inverse, volume, (), near)
+        beside = steps.unknown_force(model, best, best.acting, inverse, volume, (), near)
         if beside is not None and _outweighs(model, beside, best):
             weights = np.log([1 - BESIDE, BESIDE])
             parts = weights + np.array([unknown.log_evidence, beside.log_evidence])

@@ -18,7 +18,7 @@ def test_the_next_best_is_sampled_where_draws_of_the_best_sit_apart(monkeypatch)
     """Gaussian is best until it is sampled, and refused; then exponential is."""
     values = {"paper": 0.0, "stribeck/exponential": 1.0, "stribeck/gaussian": 2.0}
 
-    def study_all(tasks, *rest, sampled, screened=None):
+    def study_all(tasks, *rest, sampled, screened=None, **more):
         found = {}
         for task in tasks:
             evidence = Evidence(values[task.hypothesis.label], 0.01, "made up", None)

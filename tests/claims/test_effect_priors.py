@@ -56,7 +56,7 @@ def test_a_prior_ten_times_wider_favours_the_claim_by_a_factor_of_ten():
 def test_claims_take_the_priors_of_the_analysis(monkeypatch):
     taken = {}
 
-    def study(tasks, data, analysis, effects, executor, *, sampled):
+    def study(tasks, data, analysis, effects, executor, *, sampled, **more):
         taken.update(effects)
         return dict.fromkeys(tasks, Studied(None))
 

@@ -1,18 +1,24 @@
 """A fit that is killed goes on, when it is called again, to the same bytes."""
 
+import hashlib
 import os
 import random
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 from altered import by_acceleration
+from numpy.typing import NDArray
 from typer.testing import CliRunner
 
+from bayesfric import checkpoint
 from bayesfric.checkpoint import Checkpoint
 from bayesfric.cli import app
 from bayesfric.recording import write_recording
@@ -117,3 +123,58 @@ def test_a_piece_that_was_cut_short_is_not_trusted(tmp_path):
     checkpoint = Checkpoint(tmp_path / "c", "key")
     (tmp_path / "c" / "a.partial").write_bytes(b"half")
     assert checkpoint.piece("a", lambda: {"x": np.array(3.0)})["x"] == 3.0
+
+
+class Named(NamedTuple):
+    values: Mapping[str, NDArray[np.float64]]
+    place: float
+
+
+@dataclass(frozen=True)
+class Part:
+    name: str
+    several: tuple[Named, ...]
+    none: Named | None
+    one: Named | None
+    flag: bool
+    texts: dict[str, str]
+
+
+def test_a_record_comes_back_as_it_was(tmp_path):
+    """Numbers to the last bit, what is not finite among them; arrays with their order."""
+    columns = np.arange(6.0).reshape(2, 3).T
+    named = Named({"a": columns, "b": np.array([np.nan, 0.1])}, np.float64(0.1) + 0.2)
+    part = Part("π", (named, named), None, Named({}, np.inf), np.bool_(True), {"k": "v"})
+    keeping = Checkpoint(tmp_path / "c", "key")
+    keeping.record("a", Part | None, lambda: part)
+    found = keeping.record("a", Part | None, lambda: pytest.fail("it is kept"))
+    assert found.several[1].values["a"].flags.f_contiguous
+    np.testing.assert_array_equal(found.several[1].values["a"], columns)
+    np.testing.assert_array_equal(found.several[0].values["b"], [np.nan, 0.1])
+    assert found.several[0].place == 0.30000000000000004
+    assert replace(found, several=()) == replace(part, several=())
+    assert keeping.record("n", Part | None, lambda: None) is None
+    assert keeping.record("n", Part | None, lambda: pytest.fail("it is kept")) is None
+
+
+def test_calls_are_pieces_by_their_places(tmp_path):
+    calls = []
+
+    def square(x):
+        calls.append(x)
+        return x * x
+
+    for _ in range(2):
+        kept = Checkpoint(tmp_path / "c", "key").each("square", float, square)
+        assert [kept(x) for x in (3.0, 4.0)] == [9.0, 16.0]
+    assert calls == [3.0, 4.0]
+
+
+def test_the_code_is_known_by_its_bytes(tmp_path, monkeypatch):
+    for text in ("x = 1", "x = 2", "x = 1"):
+        (tmp_path / "a.py").write_text(text)
+        monkeypatch.setattr(checkpoint, "__file__", str(tmp_path / "checkpoint.py"))
+        checkpoint.code_sha256.cache_clear()
+        digest = hashlib.sha256(text.encode()).hexdigest()
+        assert checkpoint.code_sha256() == digest
+    checkpoint.code_sha256.cache_clear()

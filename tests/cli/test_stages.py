@@ -108,3 +108,12 @@ def test_what_has_changed_is_done_again(stages, tmp_path, change):
     assert run(tmp_path).exit_code == 0
     assert called["fit"] == 2
     assert (tmp_path / "out" / "fit.json").read_text() == "fit"
+
+
+def test_stages_of_other_code_are_done_again(stages, tmp_path, monkeypatch):
+    called, interrupted = stages
+    interrupted["claims"] = 1
+    assert run(tmp_path).exit_code == 3
+    monkeypatch.setattr("bayesfric.checkpoint.code_sha256", lambda: "other")
+    assert run(tmp_path).exit_code == 0
+    assert called["fit"] == 2

@@ -1,0 +1,127 @@
+"""A diagnosis that is interrupted goes on: nothing is weighed twice, and the result is the same."""
+
+from collections import Counter
+from dataclasses import replace
+
+import pytest
+
+from bayesfric import checkpoint
+from bayesfric.analysis import Analysis
+from bayesfric.diagnosis import diagnose, diagnosing
+from bayesfric.results import json_bytes
+from bayesfric.rigs.protocols import Protocol
+from bayesfric.simulate import simulate_recording
+
+LONG = ("climb", "weigh", "unknown_force", "measure_gap")
+
+
+@pytest.fixture(scope="module")
+def recording():
+    """Of a board with an effect, so that finalists are compared."""
+    design = Protocol({(9, 85.0): 2, (15, 50.0): 1}, (6.0, 28.0), (6.0, 28.0), 2)
+    return simulate_recording(design, seed=21, effects={"viscous": 1.0}, rigs=("gravity",))
+
+
+class Counted:
+    """Calls that came to their end, and where the next one is interrupted."""
+
+    def __init__(self, monkeypatch):
+        self.done, self.stop = Counter(), (None, 0)
+        for name in LONG:
+            monkeypatch.setattr(diagnosing, name, self.counting(name, getattr(diagnosing, name)))
+
+    def counting(self, name, function):
+        def counted(*arguments, **options):
+            if (name, self.done[name]) == self.stop:
+                raise KeyboardInterrupt
+            found = function(*arguments, **options)
+            self.done[name] += 1
+            return found
+
+        return counted
+
+
+@pytest.fixture
+def counted(monkeypatch):
+    return Counted(monkeypatch)
+
+
+@pytest.fixture(scope="module")
+def whole(recording):
+    """At one go, with nothing kept, and what that took."""
+    with pytest.MonkeyPatch.context() as patch:
+        calls = Counted(patch)
+        return diagnose(recording, Analysis(seed=3)), calls.done
+
+
+def start(recording, folder, counted, stop):
+    counted.stop = stop
+    with pytest.raises(KeyboardInterrupt):
+        diagnose(recording, Analysis(seed=3), checkpoint=folder)
+    counted.stop = (None, 0)
+
+
+def test_nothing_is_weighed_twice_and_the_bytes_are_the_same(recording, whole, counted, tmp_path):
+    """Interrupted in the fit of the baseline, among hypotheses and finalists, and in the folds."""
+    found, calls = whole
+    assert calls["climb"] == 3
+    assert calls["weigh"] > 10
+    assert calls["unknown_force"] > 1  # once of the first look, again of the finalists
+    places = [("climb", 1), ("weigh", 4), ("weigh", calls["weigh"] - 1), ("measure_gap", 0)]
+    for place in places:
+        start(recording, tmp_path / "c", counted, place)
+        assert len(list((tmp_path / "c").glob("*.npz"))) == counted.done.total()
+    again = diagnose(recording, Analysis(seed=3), checkpoint=tmp_path / "c")
+    assert counted.done == calls
+    assert json_bytes(again.summary) == json_bytes(found.summary)
+    assert again.curves.identical(found.curves)
+
+
+def other_settings(recording):
+    return {"recording": recording, "analysis": Analysis(seed=4)}
+
+
+def other_data(recording):
+    return {"recording": replace(recording, sha256="0" * 64)}
+
+
+def other_gravity(recording):
+    rig = replace(recording.rig, gravity_m_s2=9.81)
+    return {"recording": replace(recording, rig=rig)}
+
+
+def other_law(recording):
+    return {"recording": recording, "fixed": ["c3"]}
+
+
+@pytest.mark.parametrize("change", [other_settings, other_data, other_gravity, other_law])
+def test_pieces_of_other_inputs_are_dropped(recording, counted, tmp_path, change):
+    start(recording, tmp_path / "c", counted, ("climb", 2))
+    counted.stop = ("climb", 3)
+    given = {"analysis": Analysis(seed=3), "checkpoint": tmp_path / "c", **change(recording)}
+    with pytest.raises(KeyboardInterrupt):
+        diagnose(**given)
+    assert {path.stem for path in (tmp_path / "c").glob("*.npz")} == {"climb-0000"}
+    assert counted.done == {"climb": 3}
+
+
+def test_pieces_of_other_code_are_dropped(recording, counted, tmp_path, monkeypatch):
+    start(recording, tmp_path / "c", counted, ("climb", 2))
+    monkeypatch.setattr(checkpoint, "code_sha256", lambda: "other")
+    start(recording, tmp_path / "c", counted, ("climb", 3))
+    assert counted.done == {"climb": 3}
+
+
+def test_with_an_effect_of_the_users_own_nothing_is_kept(recording, counted, tmp_path):
+    """Its code may have changed, which cannot be told."""
+    from bayesfric.effects import all_effects
+
+    counted.stop = ("climb", 2)
+    with pytest.raises(KeyboardInterrupt):
+        diagnose(
+            recording,
+            Analysis(seed=3),
+            effects=[all_effects()["viscous"]],
+            checkpoint=tmp_path / "c",
+        )
+    assert not (tmp_path / "c").exists()
