@@ -1,0 +1,86 @@
+"""Twenty kills and ten interrupts at random places lose nothing, and mix nothing.
+
+Seeds, and so the moments as shares of an undisturbed run, were fixed before the first run.
+"""
+
+import pytest
+from campaigns import evidence, kills
+
+NIGHTLY = 2
+
+
+def assert_whole(case):
+    assert case["same_bytes"], case
+    if "status" not in case:
+        assert case["state"] != "mixed", case
+        return
+    assert case["status"] in (0, 3), case
+    assert not case["traceback"], case
+    assert case["twice"] == [], case
+
+
+def test_results_of_two_runs_are_told_from_those_of_one(tmp_path, monkeypatch):
+    """Two sets of files: whole ones are old or new, and one of each is mixed."""
+    for name in ("old", "new", "here"):
+        (tmp_path / name).mkdir()
+    for name in ("old", "new"):
+        for file in ("claims.json", "claims.nc", "diagnosis.json", "diagnosis.nc"):
+            (tmp_path / name / file).write_text(f"{name} {file}")
+    monkeypatch.setattr(kills, "read_stored", lambda folder: None)
+    bench = kills.Bench.__new__(kills.Bench)
+    bench.folder = tmp_path
+    bench.wanted = {"run": kills.digests(tmp_path / "new"), "blind": {}}
+
+    def put(**sources):
+        for file, source in sources.items():
+            name = file.replace("_", ".")
+            (tmp_path / "here" / name).write_text(f"{source} {name}")
+        return bench.state(tmp_path / "here")
+
+    assert put() == ""
+    assert put(claims_json="old", claims_nc="old") == "old"
+    assert put(diagnosis_json="new", diagnosis_nc="new") == "new+old"
+    assert put(claims_json="new") == "mixed"
+    assert put(claims_nc="new") == "new"
+
+
+@pytest.mark.nightly
+def test_some_kills_lose_nothing(tmp_path):
+    bench = kills.Bench(tmp_path)
+    for seed in kills.SEEDS["run"][:NIGHTLY]:
+        assert_whole(kills.killed(bench, "run", seed))
+    for seed in kills.SEEDS["interrupted"][:NIGHTLY]:
+        assert_whole(kills.interrupted(bench, seed))
+
+
+@pytest.mark.long
+def test_kills_at_random_places(tmp_path):
+    bench = kills.Bench(tmp_path)
+    cases = [
+        *(
+            kills.killed(bench, verb, seed)
+            for verb in ("run", "blind")
+            for seed in kills.SEEDS[verb]
+        ),
+        *(kills.interrupted(bench, seed) for seed in kills.SEEDS["interrupted"]),
+    ]
+    ended = [one["ended_after_s"] for one in cases if one.get("status") == 3]
+    evidence.write(
+        "kills",
+        kills,
+        seeds=[0, 29],
+        figures={
+            "kills": sum("state" in one for one in cases),
+            "mixed": sum(one.get("state") == "mixed" for one in cases),
+            "interrupts": sum("status" in one for one in cases),
+            "of_them_running": len(ended),
+            "slowest_end_s": max(ended, default=0.0),
+            "tracebacks": sum(one.get("traceback", False) for one in cases),
+            "stages_done_twice": sum(len(one.get("twice", ())) for one in cases),
+            "other_bytes": sum(not one["same_bytes"] for one in cases),
+            "undisturbed_s": bench.seconds,
+        },
+        cases=cases,
+    )
+    for case in cases:
+        assert_whole(case)
