@@ -1,6 +1,7 @@
 """The package at a prompt: paths or objects in, lines, tables and figures out."""
 
 import doctest
+import logging
 from dataclasses import replace
 
 import pytest
@@ -38,6 +39,42 @@ def test_the_examples_of_the_docstrings_run(desk, monkeypatch, name):
     assert example.examples
     result = doctest.DocTestRunner().run(example)
     assert result.failed == 0
+
+
+@pytest.mark.parametrize(
+    ("verb", "computes", "title"),
+    [
+        ("fit", "fit_recording", "sampling small-recording"),
+        ("check_claims", "judge", "comparing the claims with their rivals"),
+        ("diagnose", "diagnose_recording", "weighing the effects that the baseline leaves out"),
+        ("compute_margins", "compute", "computing margins"),
+    ],
+)
+def test_what_takes_long_is_told(desk, monkeypatch, caplog, verb, computes, title):
+    """Where there is neither terminal nor notebook to the log; a user's own progress is told."""
+
+    told, steps = [], []
+
+    def compute(*arguments, progress=None, **options):
+        told.append(list(caplog.messages))
+        if progress is not None:
+            progress(1, 2)
+        raise KeyboardInterrupt
+
+    def own(done, total):
+        steps.append((done, total))
+
+    monkeypatch.setattr(calls, computes, compute)
+    given = ("own.toml", desk / "my-results") if verb == "compute_margins" else (desk / "my-board",)
+    caplog.set_level(logging.INFO, "bayesfric")
+    with pytest.raises(KeyboardInterrupt):
+        getattr(bf, verb)(*given)
+    assert told == [[f"{title}: started"]]
+    caplog.clear()
+    if verb != "diagnose":  # which has no progress to take the place of
+        with pytest.raises(KeyboardInterrupt):
+            getattr(bf, verb)(*given, progress=own)
+        assert (told[1:], steps) == ([[]], [(1, 2)])
 
 
 def test_a_path_and_an_object_settings_as_keys_and_as_an_object_are_the_same(desk, monkeypatch):

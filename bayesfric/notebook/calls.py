@@ -1,6 +1,7 @@
 """The verbs as functions that take a path, a mapping or an object where each makes sense."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -22,6 +23,7 @@ from bayesfric.notebook.results import (
 )
 from bayesfric.planning import Power
 from bayesfric.planning import power as power_of
+from bayesfric.progress import stage
 from bayesfric.recording import read_recording
 from bayesfric.recording.tables import Recording
 from bayesfric.report.stored import read_stored
@@ -54,8 +56,8 @@ def fit(
     priors : mapping of str to prior, or None
         By parameter, in the place of those of the analysis.
     **options
-        Of :func:`bayesfric.fitting.posterior.fit`: ``rigs``, ``baseline``, ``progress``,
-        ``checkpoint``.
+        Of :func:`bayesfric.fitting.posterior.fit`: ``rigs``, ``baseline``, ``checkpoint``,
+        and ``progress``, in the place of the bar of a terminal or a notebook.
 
     Returns
     -------
@@ -77,8 +79,9 @@ def fit(
     >>> list(fitted.to_dataframe().columns[:4])
     ['mean', 'sd', 'q05', 'q50']
     """
-    found = fit_recording(_recording(recording), _analysis(analysis, seed, priors), **options)
-    return FitResult.of(found)
+    board, settings = _recording(recording), _analysis(analysis, seed, priors)
+    with _told(f"sampling {board.name}", options) as told:
+        return FitResult.of(fit_recording(board, settings, **told))
 
 
 def check_claims(
@@ -97,10 +100,11 @@ def check_claims(
         As of :func:`fit`.
     **options
         Of :func:`bayesfric.claims.check_claims`: ``rigs``, ``baseline``, ``only``,
-        ``executor``, ``posterior``.
+        ``executor``, ``posterior``, ``checkpoint``, ``progress`` (as of :func:`fit`).
     """
-    found = judge(_recording(recording), _analysis(analysis, seed, priors), **options)
-    return ClaimsResult.of(found)
+    board, settings = _recording(recording), _analysis(analysis, seed, priors)
+    with _told("comparing the claims with their rivals", options) as told:
+        return ClaimsResult.of(judge(board, settings, **told))
 
 
 def power(
@@ -135,10 +139,11 @@ def diagnose(
         As of :func:`fit`.
     **options
         Of :func:`bayesfric.diagnosis.diagnose`: ``fixed``, ``effects``, ``shipped``,
-        ``baseline``.
+        ``baseline``, ``checkpoint``.
     """
-    found = diagnose_recording(_recording(recording), _analysis(analysis, seed, priors), **options)
-    return DiagnosisResult.of(found)
+    board, settings = _recording(recording), _analysis(analysis, seed, priors)
+    with stage("weighing the effects that the baseline leaves out"):
+        return DiagnosisResult.of(diagnose_recording(board, settings, **options))
 
 
 def compute_margins(
@@ -161,16 +166,17 @@ def compute_margins(
         As of :func:`fit`; the seed is used.
     **options
         Of :func:`bayesfric.margins.compute_margins`: ``diagnosis``, ``verify``,
-        ``tune``, ``ensembles``, ``simulated``, ``progress``.
+        ``tune``, ``ensembles``, ``simulated``, ``progress`` (as of :func:`fit`).
     """
     several = [loops] if isinstance(loops, str | PathLike | Loop) else loops
     path = Path(draws)
-    found = compute(
-        [one if isinstance(one, Loop | str) else Path(one) for one in several],
-        path / "draws.nc" if path.is_dir() else path,
-        _analysis(analysis, seed, None),
-        **options,
-    )
+    with _told("computing margins", options) as told:
+        found = compute(
+            [one if isinstance(one, Loop | str) else Path(one) for one in several],
+            path / "draws.nc" if path.is_dir() else path,
+            _analysis(analysis, seed, None),
+            **told,
+        )
     return MarginsResult.of(found)
 
 
@@ -203,6 +209,13 @@ def load(folder: FilePath) -> Results:
     True
     """
     return Results.of(read_stored(Path(folder)))
+
+
+@contextmanager
+def _told(title: str, options: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    """Tell of a stage, unless the user's own ``progress`` does; return options that have one."""
+    with stage(title, quiet="progress" in options) as progress:
+        yield {"progress": progress, **options}
 
 
 def _recording(given: Recording | FilePath) -> Recording:
