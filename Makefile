@@ -3,13 +3,14 @@
 VENV ?= .venv
 python = "$(VENV)/bin/python"
 
-.PHONY: help setup report docs test quality test-nightly test-long fuzz bench clean
+.PHONY: help setup report docs test quality coverage test-nightly test-long fuzz bench clean
 
 help:
 	@echo 'make report        the bundled recording to posteriors and a PDF, in reports/latest/'
 	@echo 'make docs          the documentation as HTML, in docs/_build/'
 	@echo 'make test          what CI runs: quality, then the tests; minutes'
 	@echo 'make quality       lint, formatting, types, and how old the evidence is'
+	@echo 'make coverage      the tests again, with the branches that they take; 90 % or it fails'
 	@echo 'make test-nightly  cases of the campaigns again, compared with reports/evidence/; an hour'
 	@echo 'make test-long     the campaigns, hours; results in reports/evidence/'
 	@echo 'make fuzz          altered files for ten minutes, from where it stopped'
@@ -36,6 +37,11 @@ quality: setup
 	$(python) -m ruff format --check .
 	$(python) -m mypy
 	@PYTHONPATH=tests $(python) -m campaigns.evidence
+
+# Processes of their own, which xdist's workers are too, leave data that are put together here.
+coverage: setup
+	@mkdir -p build
+	$(python) -m pytest -n 2 --dist loadfile --no-loadscope-reorder --cov --cov-report=term
 
 # Campaigns start two processes of their own.
 test-nightly: setup
