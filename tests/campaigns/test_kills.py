@@ -15,8 +15,32 @@ def assert_whole(case):
         assert case["state"] != "mixed", case
         return
     assert case["status"] in (0, 3), case
+    assert case["status"] == 0 or case["ended_after_s"] <= kills.PROMPT_S, case
     assert not case["traceback"], case
     assert case["twice"] == [], case
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [
+        {"status": 70},
+        {"ended_after_s": 2.5},
+        {"traceback": True},
+        {"twice": ["fit"]},
+        {"same_bytes": False},
+    ],
+)
+def test_each_fault_of_an_interrupt_is_told(fault):
+    fine = {
+        "status": 3,
+        "ended_after_s": 1.5,
+        "traceback": False,
+        "twice": [],
+        "same_bytes": True,
+    }
+    assert_whole(fine)
+    with pytest.raises(AssertionError):
+        assert_whole(fine | fault)
 
 
 def test_results_of_two_runs_are_told_from_those_of_one(tmp_path, monkeypatch):
