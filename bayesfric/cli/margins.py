@@ -130,7 +130,7 @@ def margins_into(
     """Compute margins, write and print them; return what happened that ``--fail-on`` can name."""
     from bayesfric.margins import compute_margins
     from bayesfric.margins.matlab import write_mat
-    from bayesfric.margins.terms import in_degrees_or_decibels, tuning_told
+    from bayesfric.margins.terms import certificate_told, in_degrees_or_decibels, tuning_told
 
     with stage("computing margins", quiet=quiet) as progress:
         found = compute_margins(
@@ -158,6 +158,8 @@ def margins_into(
             for one in (metric, in_degrees_or_decibels(metric)):
                 if one is not None:
                     _say(one)
+        if (certificate := certificate_told(loop)) is not None:
+            say(f"  {certificate}")
         if loop.tuning is not None:
             say(f"  {tuning_told(loop.tuning)}")
         if loop.following is not None:

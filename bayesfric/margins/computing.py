@@ -19,6 +19,7 @@ from bayesfric.margins.answer import (
 )
 from bayesfric.margins.assembly import Assembly, draw_assembly, nominal_assembly
 from bayesfric.margins.cable_run import Direction
+from bayesfric.margins.certificate import certify
 from bayesfric.margins.diagnosed import Diagnosed, read_diagnosed, with_effects
 from bayesfric.margins.echo import plant_of
 from bayesfric.margins.ensemble import Ensemble
@@ -288,6 +289,7 @@ def _one_loop(
     hunts = float(hunting.now.mean())
     missed = missed_specs(rows, hunts, loop.spec)
     together = meets_all_now(shaft, hunting)
+    certificate, no_certificate = certify(shaft, hunting)
     told = LoopMargins(
         name=loop.name,
         title=loop.title,
@@ -329,6 +331,8 @@ def _one_loop(
         meets_all=together,
         tuning=find_gains(shaft, loop.spec.violation_probability_max) if tune else None,
         tuning_why=None if tune else "it was not asked for (--tune)",
+        certificate=certificate,
+        certificate_why=no_certificate,
         following=follow_all(shaft, simulated) if moves else None,
         following_why=None if moves else "it was not asked for (--ensembles)",
         nyquist=nyquist_fans(shaft),

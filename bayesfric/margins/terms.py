@@ -4,9 +4,9 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from bayesfric.schemas import Interval, Metric, Tuning
+from bayesfric.schemas import Interval, LoopMargins, Metric, Tuning
 
-__all__ = ["in_degrees_or_decibels", "tuning_told"]
+__all__ = ["certificate_told", "in_degrees_or_decibels", "tuning_told"]
 
 NORMAL_WIDTH = 3.29
 """Standard deviations from 5 to 95 %."""
@@ -46,6 +46,14 @@ def in_degrees_or_decibels(metric: Metric) -> Metric | None:
             "quantiles": tuple(turned(one) for one in metric.quantiles),
         }
     )
+
+
+def certificate_told(loop: LoopMargins) -> str | None:
+    """Return what is certified of a loop, or why nothing is; None in files of earlier versions."""
+    if loop.certificate is not None:
+        return loop.certificate.sentence
+    why = loop.certificate_why
+    return why and f"Circle criterion: not applicable, since {why}."
 
 
 def tuning_told(found: Tuning) -> str:

@@ -21,7 +21,7 @@ from bayesfric.margins.simulating import Motion, simulate
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
 from bayesfric.schemas import Held, Verification, VerifiedDraw
 
-__all__ = ["TOLERANCE", "verify"]
+__all__ = ["TOLERANCE", "jeffreys", "verify"]
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -201,18 +201,25 @@ def _ratio(simulated: Array, predicted: Array) -> Array:
 
 
 def _held(what: str, holds: Flags, ratio: Array | None, why: str) -> Held:
-    """Return the share in which something holds, with Jeffreys' interval of 95 %."""
+    """Return the share in which something holds, with its interval."""
     count, hits = holds.size, int(holds.sum())
     if count == 0:
         return Held(what=what, draws=0, share=None, share_why=why, low=0.0, high=1.0)
+    low, high = jeffreys(hits, count)
     return Held(
         what=what,
         draws=count,
         share=hits / count,
-        low=float(beta.ppf(0.025, hits + 0.5, count - hits + 0.5)) if hits else 0.0,
-        high=float(beta.ppf(0.975, hits + 0.5, count - hits + 0.5)) if hits < count else 1.0,
+        low=low,
+        high=high,
         ratio=None if ratio is None or not ratio.size else interval_of(ratio),
     )
+
+
+def jeffreys(hits: int, count: int) -> tuple[float, float]:
+    """Return Jeffreys' interval of 95 % of a share that was seen `hits` times of `count`."""
+    low, high = beta.ppf(np.array([0.025, 0.975]), hits + 0.5, count - hits + 0.5)
+    return float(low) if hits else 0.0, float(high) if hits < count else 1.0
 
 
 def _number(value: float) -> float | None:

@@ -54,6 +54,7 @@ from bayesfric.schemas.fit import (
     WithoutExclusions,
 )
 from bayesfric.schemas.margins import (
+    Certificate,
     FollowedWith,
     Following,
     GammaProbability,
@@ -95,6 +96,7 @@ __all__ = [
     "CalibrationCase",
     "CalibrationFile",
     "Cause",
+    "Certificate",
     "ClaimResult",
     "ClaimsFile",
     "ComparisonFile",

@@ -7,6 +7,7 @@ from pydantic import ConfigDict, Field
 from bayesfric.schemas.base import Interval, Number, Provenance, Record, Why
 
 __all__ = [
+    "Certificate",
     "FollowedWith",
     "Following",
     "GammaProbability",
@@ -161,6 +162,21 @@ class Tuning(Record):
     why: Why = Field(None, description="Why there is no such setting.")
 
 
+class Certificate(Record):
+    """In which draws friction and its compensator are proven not to make the loop hunt."""
+
+    draws: int = Field(description="Draws that were looked at.")
+    probability: Number = Field(description="Share of them certified at the γ of the file.")
+    low: Number = Field(description="Lower end of its 95 % Monte Carlo interval (Jeffreys).")
+    high: Number = Field(description="Upper end.")
+    gamma: Interval | None = Field(
+        description="Largest certified γ over the draws; 0 where none is."
+    )
+    gamma_why: Why = None
+    covers: str = Field(description="What it covers, and what not.")
+    sentence: str = Field(description="All that, beside the γ that hunts.")
+
+
 class FollowedWith(Record):
     """The error at the tool tip on one trajectory with one compensator, joint behind reference."""
 
@@ -280,6 +296,10 @@ class LoopMargins(Record):
     )
     tuning: Tuning | None = Field(None, description="What meets them with the asked probability.")
     tuning_why: Why = None
+    certificate: Certificate | None = Field(
+        None, description="By the circle criterion, without the effects of a diagnosis."
+    )
+    certificate_why: Why = None
     following: Following | None = Field(
         None, description="Errors on references that move, without the effects of a diagnosis."
     )

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator
 
-from bayesfric.margins.terms import in_degrees_or_decibels, tuning_told
+from bayesfric.margins.terms import certificate_told, in_degrees_or_decibels, tuning_told
 from bayesfric.plots.following import errors_over_time
 from bayesfric.plots.margins import hunting_over_speed, nyquist_fan
 from bayesfric.plots.style import svg_of
@@ -102,12 +102,16 @@ def _loop(loop: LoopMargins) -> Iterator[Block]:
             for metric in loop.metrics
             for one in (metric, in_degrees_or_decibels(metric))
             if one is not None
-        ],
+        ]
+        + _certified(loop),
         label=f"margins-{loop.name}",
         note="A dash stands where a figure does not exist, for the reason given below, or where "
         "no spec is set.",
     )
     yield BulletList(list(_remarks(loop)))
+    if (certificate := certificate_told(loop)) is not None:
+        covers = loop.certificate and f" It holds {loop.certificate.covers}."
+        yield Paragraph([certificate, covers or ""])
     if loop.tuning is not None:
         yield Paragraph(tuning_told(loop.tuning))
     yield from _over_speed(loop)
@@ -215,6 +219,24 @@ def _row(metric: Metric) -> list[str]:
         spec,
         format_probability(chance),
         MISSING if chance is None else format_number(metric.monte_carlo_se, 1),
+    ]
+
+
+def _certified(loop: LoopMargins) -> list[list[str]]:
+    """Return the row of the largest certified gain, where there is one."""
+    found = loop.certificate
+    if found is None or found.gamma is None:
+        return []
+    return [
+        [
+            "certified γ (circle criterion)",
+            "",
+            "loop",
+            *_cells(found.gamma, 1.0),
+            f"≥ {format_number(loop.compensation_gain, 3)}",
+            format_probability(1 - found.probability),
+            format_number((found.high - found.low) / 3.92, 1),
+        ]
     ]
 
 

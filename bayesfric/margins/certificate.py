@@ -1,0 +1,191 @@
+"""A certificate that Coulomb friction and its smoothed compensator cannot make a loop hunt.
+
+Friction opposes the motor's and the joint's speed and never falls with it: as a function of
+speed it is monotone, in the sector from 0 to infinity, whatever its size. The compensator
+adds γF̂ sat(w/δ) at the measured speed w, which is monotone in the sector from 0 to k = γF̂/δ.
+About any constant speed of the reference both stay in their sectors. The linear part is that
+of :mod:`bayesfric.margins.open_loop`: with C the controller, Z_m and Z_l what the inertias and
+viscosities of motor and load are to speed, K = c + κ/jω the cable, and w = H v, H being the
+delay and the first difference,
+
+    (friction at the motor, at the joint) = (c, 0) − Z (v_m, v_l),
+    Z = [[Z_m + C/jω + K, −K], [−K, Z_l + K]].
+
+With the multipliers m = 1 + jωq for friction at the motor, n (1 or m) at the joint and
+1 + jωp (p = q, 0 or −q) for the compensator, the loop comes to rest, or to the reference's
+speed, from any start if at every ω
+
+    k |m + (1 + jωp) H|² < 4 a,   a = A₁₁ − |A₁₂|²/A₂₂,   A₂₂ > 0,
+
+A being the Hermitian part of diag(m, n)* Z. The circle criterion has q = p = 0; the others are
+Popov's. The largest k over some q is the limit, of which nine tenths are certified.
+
+References
+----------
+V. M. Popov, "Absolute stability of nonlinear systems of automatic control", Automation and
+Remote Control 22(8) (1961). V. A. Yakubovich, G. A. Leonov, A. Kh. Gelig, "Stability of
+stationary sets in control systems with discontinuous nonlinearities", World Scientific (2004).
+A. Megretski, A. Rantzer, "System analysis via integral quadratic constraints", IEEE
+Transactions on Automatic Control 42(6) (1997): several nonlinearities at once.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.margins.linear import is_stable
+from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.open_loop import OpenLoop
+from bayesfric.margins.rows import ROUNDING, interval_of
+from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
+from bayesfric.margins.verification import jeffreys
+from bayesfric.schemas import Certificate
+
+__all__ = ["certified_gain", "certify", "largest_slope", "not_applicable"]
+
+Array = NDArray[np.float64]
+
+MOST = 200
+"""Draws that are looked at."""
+POINTS = 1200
+SHARES = np.geomspace(1e-8, 0.9, 40)
+"""q over b_eff/kp, above which no loop passes at low frequency."""
+KEPT_BACK = 0.1
+"""Share of the largest slope that is not used: near it swings die out, but so slowly that the
+simulator tells them from hunting only some 10 % below."""
+COVERS = (
+    "for rest and every constant speed of the reference, friction of any size at motor and joint, "
+    "a constant load, and the continuous stand-in of the sampled loop; not covered are encoder "
+    "steps, clipping, backlash, and integral action with stiction. The criterion is sufficient "
+    "only: a loop that is not certified need not hunt"
+)
+
+
+def not_applicable(shaft: LoopAtShaft) -> str | None:
+    """Return why no finite sector or no criterion holds of a loop; None where one does."""
+    compensation = shaft.loop.compensation
+    follows = compensation.signal == "measured"
+    if (shaft.ki != 0).any():
+        return (
+            "integral action leaves the loop a pole at rest (z = 1), where friction of any slope "
+            "is outside every sector that the criterion allows"
+        )
+    if (shaft.breakaway > (1 + ROUNDING) * shaft.friction).any():
+        return (
+            "breakaway is more than moving friction in some draw, so that friction falls as "
+            "speed grows and is in no sector about a reference that moves"
+        )
+    if compensation.signal == "error":
+        return "the compensator follows the error, and the criterion is one of speeds"
+    if follows and (shaft.boundary == 0).any():
+        return (
+            "the compensator takes the bare sign of the measured speed, of infinite slope at "
+            "rest, so that no finite sector holds it; boundary_rad_s smooths it"
+        )
+    if follows and compensation.at_rest == "hold":
+        return "a compensator that holds its last sign at rest has memory, and no sector"
+    return None
+
+
+def largest_slope(shaft: LoopAtShaft) -> Array:
+    """Return the largest certified slope k = γF̂/δ of a compensator of the measured speed.
+
+    Parameters
+    ----------
+    shaft : LoopAtShaft
+        A loop of which :func:`not_applicable` says nothing.
+
+    Returns
+    -------
+    ndarray, shape (draws,)
+        [N·m·s/rad], the least of the directions; 0 where not even friction alone is certified.
+    """
+    slope = np.full(shaft.friction.shape, np.inf)
+    for direction in shaft.directions:
+        loop = OpenLoop(shaft, direction)
+        omega = loop.frequencies(POINTS)
+        found = _largest(loop, omega, rigid=shaft.cable is None)
+        slope = np.minimum(slope, np.where(is_stable(loop, omega), found, 0.0))
+    return slope
+
+
+def certified_gain(shaft: LoopAtShaft, slope: Array) -> Array:
+    """Return the largest certified γ of a compensator of the measured speed, shape (draws,)."""
+    return np.asarray((1 - KEPT_BACK) * slope * shaft.boundary / shaft.estimate)
+
+
+def _largest(loop: OpenLoop, omega: Array, *, rigid: bool) -> Array:
+    rows, s = np.arange(len(omega))[:, None], 1j * omega
+    period, lag = loop.sample_time[:, None], loop.lag[:, None]
+    measured = np.exp(-s * lag) * -np.expm1(-s * period) / (s * period)
+    cable = loop.damping[:, None] + loop.stiffness[:, None] / s
+    motor = loop.motor_viscous[:, None] + loop.motor_inertia[:, None] * s
+    motor = motor + loop.controller(omega, rows) / s
+    load = loop.load_viscous[:, None] + loop.load_inertia[:, None] * s
+    damping = loop.kd + loop.motor_viscous + loop.load_viscous - loop.kp * loop.lag
+    best = np.zeros(len(omega))
+    for share in SHARES:
+        q = (share * np.maximum(damping, 0.0) / loop.kp)[:, None]
+        m = 1 + s * q
+        for n in (m,) if rigid else (m, np.ones_like(m)):
+            if rigid:
+                left = (m.conj() * (motor + load)).real
+            else:
+                across = (m.conj() * cable + n * cable.conj()) / 2
+                own = (n.conj() * (load + cable)).real
+                held = np.where(own > 0, own, 1.0)
+                left = (m.conj() * (motor + cable)).real - np.abs(across) ** 2 / held
+                left = np.where(own > 0, left, -1.0)
+            for turn in (-1, 0, 1):
+                both = m + (1 + turn * s * q) * measured
+                best = np.maximum(best, (4 * left / np.abs(both) ** 2).min(axis=1))
+    return best
+
+
+def certify(shaft: LoopAtShaft, hunting: Hunting) -> tuple[Certificate | None, str | None]:
+    """Return what is certified of a loop, or why the criterion does not apply.
+
+    Parameters
+    ----------
+    shaft : LoopAtShaft
+        The loop, all draws.
+    hunting : Hunting
+        Thresholds, to stand beside the certified gains.
+    """
+    why = not_applicable(shaft)
+    if why is not None:
+        return None, why
+    place = np.unique(np.linspace(0, hunting.rows.size - 1, MOST).astype(np.intp))
+    some, threshold = shaft.taken(hunting.rows[place]), hunting.threshold[place]
+    slope = largest_slope(some)
+    count = slope.size
+    follows = shaft.loop.compensation.signal == "measured"
+    gamma = certified_gain(some, slope)
+    now = (slope > 0) & ((gamma >= some.gamma) if follows else True)
+    low, high = jeffreys(int(now.sum()), count)
+    told = f"γ = {np.median(some.gamma):.3g}" if follows else "any γ, which is not in the loop"
+    sentence = (
+        f"Circle criterion with Popov multipliers: at {told}, the loop is certified not to hunt "
+        f"in {now.sum()} of {count} draws (95 %: {low:.2g} to {high:.2g})"
+    )
+    if follows:
+        half, few = np.quantile(gamma, [0.5, 0.05])
+        sentence += f"; the largest certified γ is {half:.3g} (5 % of the draws: {few:.3g} or less)"
+        middle = float(np.median(threshold))
+        sentence += (
+            f", where {'the simulation' if hunting.method == 'simulation' else 'the formula'} "
+            + (f"hunts from {middle:.3g} on" if middle <= GAMMA_MAX else "does not hunt")
+            + " (median)"
+        )
+    return (
+        Certificate(
+            draws=count,
+            probability=float(now.mean()),
+            low=low,
+            high=high,
+            gamma=interval_of(gamma) if follows else None,
+            gamma_why=None if follows else "the compensator is not in the loop: any γ will do",
+            covers=COVERS,
+            sentence=f"{sentence}.",
+        ),
+        None,
+    )

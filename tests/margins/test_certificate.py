@@ -1,0 +1,108 @@
+"""The circle criterion against loops by hand, and against the simulator, which must hunt later."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from margins.loops import loop, posterior, shaft, write_draws
+
+from bayesfric.margins import compute_margins
+from bayesfric.margins.assembly import draw_assembly
+from bayesfric.margins.certificate import certified_gain, largest_slope, not_applicable
+from bayesfric.margins.hunting import hunting_threshold
+from bayesfric.margins.loop_at_shaft import at_shaft
+from bayesfric.margins.posterior import RigDiscrepancy
+from bayesfric.margins.scanning import GAMMAS
+
+SMOOTHED = {"compensation.boundary_rad_s": 2.0}
+STIFF = {"cable.axial_stiffness_n": 1e9}
+QUICK = {"cable.axial_stiffness_n": 1e13, "controller.sample_time_s": 1e-6, "controller.delay_s": 0}
+
+
+@pytest.mark.parametrize("viscous", [0.0, 5e-4])
+def test_without_delay_the_slope_may_be_all_of_the_damping(viscous):
+    """J s + b + kd + kp/s has the real part b + kd at every ω: the circle is left of it."""
+    one = shaft({**SMOOTHED, **QUICK, "drive.viscous_n_m_s": viscous})
+    assert one.cable is None
+    assert largest_slope(one) == pytest.approx(viscous + 1e-3, rel=1e-3)
+
+
+def test_delay_takes_kp_tau_from_it():
+    """At low frequency the compensator may take b_eff = kd − kp τ, τ = 1.5 ms, and no more."""
+    found = largest_slope(shaft({**SMOOTHED, **STIFF}))
+    b_eff = 1e-3 - 0.02 * 1.5e-3
+    assert found <= b_eff
+    assert found == pytest.approx(b_eff, rel=0.01)
+
+
+def test_a_loop_that_friction_holds_is_not_certified():
+    one = shaft({**SMOOTHED, **STIFF, "controller.kd_n_m_s_per_rad": 2e-5,
+                 "controller.relies_on_friction": True})  # fmt: skip
+    assert largest_slope(one) == 0.0
+
+
+RANDOM = {
+    "compensation.boundary_rad_s": {"family": "uniform", "low": 1.0, "high": 4.0},
+    "drive.inertia_kg_m2": {"family": "log-normal", "median": 2e-5, "sd_log": 0.4},
+    "drive.friction_n_m": {"family": "uniform", "low": 0.0, "high": 0.002},
+    "controller.kp_n_m_per_rad": {"family": "log-normal", "median": 0.02, "sd_log": 0.4},
+    "controller.kd_n_m_s_per_rad": {"family": "log-normal", "median": 1e-3, "sd_log": 0.4},
+    "controller.delay_s": {"family": "uniform", "low": 0.0002, "high": 0.002},
+    "compensation.estimate_n_m": {"family": "log-normal", "median": 0.004, "sd_log": 0.3},
+}
+
+
+@pytest.mark.parametrize("cable", [STIFF, {}, {"cable.length_m": 0.1}])
+def test_what_is_certified_does_not_hunt_when_simulated(cable):
+    """At rest and along, within and beyond the linear piece; encoder steps are not covered."""
+    one = loop({**RANDOM, **cable})
+    drawn = at_shaft(one, draw_assembly(one, posterior(12), RigDiscrepancy(0.0, ""), seed=3))
+    certified = certified_gain(drawn, largest_slope(drawn))
+    assert (certified > 0).mean() > 0.5
+    speeds = np.array([0.0, 0.3, 1.2])[:, None] * drawn.boundary
+    hunts = hunting_threshold(
+        replace(drawn.sampled(), counts_per_revolution=1e7),
+        kick=np.broadcast_to(2 * drawn.kick, speeds.shape),
+        reference_speed=speeds,
+        gammas=GAMMAS,
+    ).gamma
+    assert (certified <= hunts).all()
+    # where a reference creeps, the linear piece alone decides, and the criterion is near it
+    near = (certified > 0) & np.isfinite(hunts)
+    assert near.any()
+    assert np.median(certified[near] / hunts[near]) > 0.6
+
+
+@pytest.mark.parametrize(
+    ("changes", "why"),
+    [
+        ({}, "bare sign"),
+        ({**SMOOTHED, "compensation.at_rest": "hold"}, "memory"),
+        ({**SMOOTHED, "controller.ki_n_m_per_rad_s": 0.1}, "z = 1"),
+        ({**SMOOTHED, "stiction_ratio": 1.3}, "breakaway"),
+        ({"compensation.signal": "error", "compensation.boundary_rad": 0.01}, "follows the error"),
+        (SMOOTHED, None),
+        ({"compensation.signal": "none"}, None),
+    ],
+)
+def test_no_number_where_no_sector_holds(changes, why):
+    found = not_applicable(shaft(changes))
+    assert (found is None) if why is None else (why in found)
+
+
+def test_the_answer_counts_draws_at_the_gain_of_the_file(tmp_path):
+    """F̂ from 2 to 6 mN·m: γ = 0.5 is certified where it is below 0.9 δ b_eff/0.5 = 3.49 mN·m."""
+    draws = write_draws(tmp_path / "draws.nc", n=400)
+    changes = {
+        **SMOOTHED,
+        **STIFF,
+        "compensation.gain": 0.5,
+        "compensation.estimate_n_m": {"family": "uniform", "low": 0.002, "high": 0.006},
+    }
+    found = compute_margins([loop(changes)], draws, simulated=8).summary.loops[0]
+    one = found.certificate
+    assert one.low < (3.492 - 2) / 4 < one.high
+    assert one.gamma.q05 == pytest.approx(0.9 * 2 * 0.97e-3 / 0.0058, rel=0.05)
+    bare = compute_margins([loop()], draws, simulated=8).summary.loops[0]
+    assert bare.certificate is None
+    assert "bare sign" in bare.certificate_why
