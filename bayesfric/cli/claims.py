@@ -112,7 +112,7 @@ def claims_into(
             progress=progress,
             checkpoint=checkpoint,
         )
-    checked.write(output, junit=junit)
+        checked.write(output, junit=junit)
     shutil.rmtree(checkpoint)
     for one in checked.summary.claims:
         say(f"{one.id:<24} {one.verdict:<13} {one.reason}")

@@ -140,7 +140,7 @@ def diagnose_into(
             announce=None if quiet else partial(say, err=True),
             checkpoint=checkpoint,
         )
-    diagnosed.write(output)
+        diagnosed.write(output)
     shutil.rmtree(checkpoint, ignore_errors=True)  # of a simulator nothing is kept
     summary = diagnosed.summary
     say(f"{summary.verdict}: {summary.sentence}")

@@ -117,7 +117,7 @@ def _fitted(
             baseline=asked.baseline,
             rigs=asked.rigs,
         )
-    result.write(output, csv=asked.csv, inputs=inputs)
+        result.write(output, csv=asked.csv, inputs=inputs)
     shutil.rmtree(checkpoint)
     return result
 

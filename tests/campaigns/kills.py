@@ -147,7 +147,10 @@ def interrupted(bench, seed):
         "ended_after_s": ended,
         "status": process.returncode,
         "traceback": "Traceback" in said,
-        "twice": sorted(lines(said, "done") & lines(again, "started")),
+        # A run that had ended is begun anew when it is called again.
+        "twice": sorted(lines(said, "done") & lines(again, "started"))
+        if process.returncode
+        else [],
         "same_bytes": digests(folder) == bench.wanted["run"],
     }
 

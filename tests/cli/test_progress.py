@@ -10,7 +10,10 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from rigs.friction_points import joint, recorded
+from typer.testing import CliRunner
 
+from bayesfric.cli import app
 from bayesfric.progress import stage
 
 POINTS = ("simulate", "points", "--protocol", "points")
@@ -39,6 +42,20 @@ def test_a_stage_that_fails_is_not_done(caplog):
     ):
         raise ZeroDivisionError
     assert [one.message for one in caplog.records] == ["dig: started"]
+
+
+def test_a_stage_is_done_when_its_results_are_written(tmp_path, monkeypatch, caplog):
+    """An interrupt while they are written leaves a stage that will be done again."""
+
+    def interrupted(self, folder):
+        raise KeyboardInterrupt
+
+    recorded(tmp_path / "joint", joint(3.0))
+    monkeypatch.setattr("bayesfric.diagnosis.Diagnosed.write", interrupted)
+    with caplog.at_level(logging.INFO, "bayesfric"):
+        CliRunner().invoke(app, ["diagnose", str(tmp_path / "joint"), "-o", str(tmp_path / "a")])
+    (told,) = [one.message for one in caplog.records]
+    assert told.endswith(": started")
 
 
 def run(*arguments, cwd, stderr):
