@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from bayesfric.errors import Fault, InputError
 
-__all__ = ["Checkpoint", "code_sha256"]
+__all__ = ["NOTHING_KEPT", "Checkpoint", "code_sha256"]
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -143,6 +143,9 @@ class Checkpoint:
             return self.record(call, kind, lambda: function(*args, **kwargs))
 
         return kept
+
+
+NOTHING_KEPT = Checkpoint(None, "")
 
 
 @cache

@@ -18,13 +18,13 @@ from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
 from bayesfric.characters import legible
-from bayesfric.checkpoint import Checkpoint
+from bayesfric.checkpoint import NOTHING_KEPT, Checkpoint
 from bayesfric.claims.base import Case, Claim, Finding
 from bayesfric.claims.comparison import bayes_factor, log_evidence
 from bayesfric.claims.contradictions import contradictions
 from bayesfric.claims.entered import PAPER, Entered
 from bayesfric.claims.kept_draws import models_kept
-from bayesfric.claims.studies import NOTHING_KEPT, Studied, Task, study_all
+from bayesfric.claims.studies import Studied, Task, study_all
 from bayesfric.effects import Effect, all_effects, with_priors
 from bayesfric.recording.tables import Recording
 from bayesfric.results import identified, json_bytes, provenance, replace_outputs, write_netcdf

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis, Sampler
-from bayesfric.checkpoint import Checkpoint
+from bayesfric.checkpoint import NOTHING_KEPT, Checkpoint
 from bayesfric.claims.apart import ApartModel
 from bayesfric.effects import Effect, State
 from bayesfric.fitting.hypothesis import Hypothesis, chart_of, model_of
@@ -34,23 +34,13 @@ from bayesfric.inference.sampling import sample
 from bayesfric.rigs.coefficients import law_of
 from bayesfric.rigs.data import Data
 
-__all__ = [
-    "NOTHING_KEPT",
-    "WIDTHS",
-    "Kept",
-    "Studied",
-    "Task",
-    "prior_ratios",
-    "slowest_speed",
-    "study_all",
-]
+__all__ = ["WIDTHS", "Kept", "Studied", "Task", "prior_ratios", "slowest_speed", "study_all"]
 
 Array = NDArray[np.float64]
 SHORT_RUN = Sampler(burn=20, steps=60, thin=3, extensions=5)  # run on where it is not enough
 WALKERS = 60  # at least: many walkers and few steps are quicker than the other way round
 POINTWISE_DRAWS = 1000
 MIDDLE = {"n_pulleys": 9.0, "wrap_angle_deg": 85.0, "tension_n": 15.0, "speed_m_s": 0.65}
-NOTHING_KEPT = Checkpoint(None, "")
 AMPLITUDES = (-4.0, -3.0, -2.0, -1.0, -0.3, 0.0, 0.3, 1.0, 2.0)
 SHAPES = (-2.0, -1.0, 0.0, 1.0, 2.0)
 """Places to climb from, as normal quantiles of the prior."""
@@ -214,9 +204,8 @@ Given = tuple[Data, Analysis, Task, dict[str, Effect], bool, Studied | None]
 
 def _name(given: Given) -> str:
     """Return the name of a study as a piece, which says all that differs from another's."""
-    _, _, task, _, screen, _ = given
-    digest = sha256(repr(task).encode()).hexdigest()[:16]
-    return f"{'screened' if screen else 'drawn'}-{digest}"
+    task, screen = given[2], given[4]
+    return f"{'screened' if screen else 'drawn'}-{sha256(repr(task).encode()).hexdigest()[:16]}"
 
 
 def _study_one(given: Given) -> Studied:
