@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from functools import cache
-from itertools import count, repeat
+from itertools import count
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, ParamSpec, TypeVar, cast, get_args, get_origin, get_type_hints
@@ -188,8 +188,9 @@ def _put_together(kind: Any, told: Any, arrays: Arrays) -> Any:
     if outer is np.ndarray:
         return arrays[told]
     if outer is tuple:
-        each = repeat(parts[0]) if Ellipsis in parts else parts
-        return tuple(_put_together(part, one, arrays) for part, one in zip(each, told))  # noqa: B905
+        each = parts[:1] * len(told) if Ellipsis in parts else parts
+        whole = zip(each, told, strict=True)
+        return tuple(_put_together(part, one, arrays) for part, one in whole)
     if isinstance(told, dict):
         if outer is not None:  # a mapping
             return {name: _put_together(parts[1], one, arrays) for name, one in told.items()}

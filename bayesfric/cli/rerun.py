@@ -135,7 +135,8 @@ def _repeat_margins(folder: Path, again: Path, loops: list[Path], quiet: bool) -
     from bayesfric.schemas import MarginsFile
 
     stored = read_json(MarginsFile, folder / "margins.json")
-    known = {loop_sha256(read_loop(path)): path for path in [*bundled_loops().values(), *loops]}
+    there = [*bundled_loops().values(), *(path for path in loops if path.is_file())]
+    known = {loop_sha256(read_loop(path)): path for path in there}
     if unknown := [one.name for one in stored.loops if one.loop_sha256 not in known]:
         names = ", ".join(unknown)
         say(f"margins.json is not repeated: the loop files of {names} are not known", err=True)

@@ -51,7 +51,7 @@ SHARES = np.geomspace(1e-8, 0.9, 40)
 """q over b_eff/kp, above which no loop passes at low frequency."""
 KEPT_BACK = 0.1
 """Share of the largest slope that is not used: near it swings die out, but so slowly that the
-simulator tells them from hunting only some 10 % below."""
+simulator takes some of them for hunting."""
 COVERS = (
     "for rest and every constant speed of the reference, friction of any size at motor and joint, "
     "a constant load, and the continuous stand-in of the sampled loop; not covered are encoder "

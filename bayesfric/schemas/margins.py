@@ -163,7 +163,7 @@ class Tuning(Record):
 
 
 class Certificate(Record):
-    """In which draws friction and its compensator are proven not to make the loop hunt."""
+    """In which draws a criterion excludes hunting, of the loop's continuous stand-in."""
 
     draws: int = Field(description="Draws that were looked at.")
     probability: Number = Field(description="Share of them certified at the γ of the file.")

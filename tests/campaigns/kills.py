@@ -31,7 +31,7 @@ SETS = (
 )
 SEEDS = {"run": range(10), "blind": range(10, 20), "interrupted": range(20, 30)}
 PROMPT_S = 2.0  # within which an interrupted run ends
-PROGRAM = str(app.info.name)
+PROGRAM = str(app.info.name)  # of which the evidence speaks, and so of all that it imports
 
 
 class Bench:

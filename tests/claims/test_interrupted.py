@@ -70,9 +70,12 @@ def test_no_study_is_done_twice_and_the_bytes_are_the_same(
     assert pieces_of(tmp_path / "c") == set(studied)
     assert len(studied) == 3
     told = []
+
+    def progress(done, total):
+        told.append((done, total))
+
     with ThreadPoolExecutor(1) as pool:
         executor = pool if threads else None
-        progress = lambda done, total: told.append((done, total))  # noqa: E731
         found = judge(recording, tmp_path / "c", executor=executor, progress=progress)
     assert set(studied.values()) == {1}
     assert pieces_of(tmp_path / "c") == set(studied)

@@ -1,10 +1,11 @@
-"""The circle criterion against loops by hand, and against the simulator, which must hunt later."""
+"""The circle criterion against loops by hand, sampled loops exactly, and the simulator."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from margins.loops import loop, posterior, shaft, write_draws
+from scipy.linalg import expm
 
 from bayesfric.margins import compute_margins
 from bayesfric.margins.assembly import draw_assembly
@@ -50,6 +51,47 @@ RANDOM = {
     "controller.delay_s": {"family": "uniform", "low": 0.0002, "high": 0.002},
     "compensation.estimate_n_m": {"family": "log-normal", "median": 0.004, "sd_log": 0.3},
 }
+
+
+def radius_of_sampled_loop(inertia, kp, kd, period, delay):
+    """Spectral radius of a mass under a held and delayed kp q + kd Δq/T, by a matrix exponential.
+
+    States: angle, speed, the last sample's angle, and the torques that are still under way.
+    """
+    whole, part = int(delay // period), delay % period
+
+    def moved(duration):
+        both = expm(np.array([[0, 1, 0], [0, 0, 1 / inertia], [0, 0, 0]]) * duration)
+        return both[:2, :2], both[:2, 2:]
+
+    (first, old), (second, new) = moved(part), moved(period - part)
+    states = np.eye(whole + 4)
+    torque = -(kp + kd / period) * states[0] + kd / period * states[2]
+    sent = [torque, *states[3:]]
+    motion = second @ first @ states[:2] + second @ old * sent[whole + 1] + new * sent[whole]
+    return np.abs(np.linalg.eigvals(np.vstack([motion, states[0], sent[:-1]]))).max()
+
+
+def test_the_limit_is_just_below_that_of_the_sampled_loop():
+    """Inside the linear piece the compensator takes k from kd: exactly, of fresh random loops.
+
+    A stiff loop without viscosity, by the sampled loop's eigenvalues: at the limit of the
+    criterion, which knows the continuous stand-in alone, all are stable, and at 1.05 none is.
+    """
+    one = loop({**RANDOM, **STIFF})
+    drawn = at_shaft(one, draw_assembly(one, posterior(200), RigDiscrepancy(0.0, ""), seed=9003))
+    limit = largest_slope(drawn)
+    assert (limit > 0).all()
+    for share, stable in ((1.0, True), (1.05, False)):
+        for place, slope in enumerate(share * limit):
+            radius = radius_of_sampled_loop(
+                drawn.motor_inertia[place] + drawn.load_inertia[place],
+                drawn.kp[place],
+                drawn.kd[place] - slope,
+                0.001,
+                drawn.delay[place],
+            )
+            assert (radius < 1) == stable, (place, share, radius)
 
 
 @pytest.mark.parametrize("cable", [STIFF, {}, {"cable.length_m": 0.1}])

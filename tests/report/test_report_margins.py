@@ -19,7 +19,7 @@ from bayesfric.report.content import Heading, Paragraph, Strong, Table
 from bayesfric.report.markdown import render_markdown
 from bayesfric.report.stored import StoredResults, read_stored
 from bayesfric.report.writing import write_report
-from bayesfric.schemas import FollowedWith, Following, Interval, Trajectory
+from bayesfric.schemas import Certificate, FollowedWith, Following, Interval, Trajectory
 
 
 @pytest.fixture(scope="module")
@@ -175,3 +175,17 @@ def test_references_that_move_are_drawn_and_tabled(computed):
     assert (1e3 * 4e-3 * steps).tolist() in drawn
     bare = [one for one in margins(computed.summary, alone=False) if isinstance(one, Paragraph)]
     assert any("it was not asked for (--ensembles)" in str(one.text) for one in bare)
+
+
+def test_a_gain_that_is_not_certified_violates_no_spec(computed):
+    """Its row has the largest certified γ, and no share of draws that miss."""
+    certificate = Certificate(
+        draws=20, probability=0.0, low=0.0, high=0.2, covers="", sentence="",
+        gamma=Interval(mean=0.3, sd=0.1, q05=0.1, q50=0.25, q95=0.4),
+    )  # fmt: skip
+    one = computed.summary.loops[0].model_copy(update={"certificate": certificate})
+    found = computed.summary.model_copy(update={"loops": (one,)})
+    tables = [block for block in margins(found, alone=False) if isinstance(block, Table)]
+    (row,) = [r for t in tables for r in t.rows if str(r[0]).startswith("certified γ")]
+    assert float(row[3]) == 0.25
+    assert row[6:] == ["—", "—", "—"]
