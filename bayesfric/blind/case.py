@@ -1,6 +1,7 @@
 """One case: made, sealed, diagnosed, its verdict written, and only then opened and scored."""
 
 from dataclasses import replace
+from functools import partial
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -90,10 +91,12 @@ def run_case(case: Case, folder: Path, analysis: Analysis) -> dict[str, Any]:
     found = diagnose_sealed(recording, analysis.model_copy(update={"seed": case.seed}), place)
     gap, shrink, power = 0.0, None, None
     if case.effects:
-        clean = engine.make(withheld, case.seed, design=case.design, noise=False)
-        without_noise = CleanCase(clean.recording, analysis)
-        gap, power = without_noise.gap, without_noise.oracle_power()
-        shrink = without_noise.shrink([(cause.effect, cause.law) for cause in found.causes])
+        clean = partial(engine.make, withheld, case.seed, design=case.design, noise=False)
+        alone = CleanCase(clean(beside=False).recording, analysis)
+        gap, power = alone.gap, alone.oracle_power()
+        # Causes shrink the gap of the whole recording, small amounts of other effects included.
+        whole = CleanCase(clean().recording, analysis)
+        shrink = whole.shrink([(cause.effect, cause.law) for cause in found.causes])
     scored = score(
         public | {"envelope_sha256": digest},
         open_envelope(place),
@@ -110,7 +113,7 @@ def run_case(case: Case, folder: Path, analysis: Analysis) -> dict[str, Any]:
 def diagnose_sealed(recording: Recording, analysis: Analysis, place: Path) -> DiagnosisFile:
     """Diagnose a recording whose answer is sealed, and write the verdict beside it."""
     found = diagnose(recording, analysis).summary
-    partial = place / f"{VERDICT}.partial"
-    partial.write_bytes(json_bytes(found))
-    partial.replace(place / VERDICT)
+    unfinished = place / f"{VERDICT}.partial"
+    unfinished.write_bytes(json_bytes(found))
+    unfinished.replace(place / VERDICT)
     return found

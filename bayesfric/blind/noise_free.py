@@ -1,6 +1,6 @@
 """The true gap of a case: without noise, after the baseline is refitted.
 
-The same case is made without noise, scatter and background. What a law recalibrated by least
+The same case is made without noise and scatter. What a law recalibrated by least
 squares leaves of it is systematic, and so is what it leaves beside the named causes: the gap
 and the shrink that :mod:`bayesfric.diagnosis.systematic` draws.
 """

@@ -10,7 +10,7 @@ from bayesfric.diagnosis.search import Search
 from bayesfric.diagnosis.systematic import interval
 from bayesfric.diagnosis.unknown import Unknown, unknown_force
 from bayesfric.diagnosis.weighing import Weighed
-from bayesfric.schemas import Remainder
+from bayesfric.schemas import Interval, Remainder
 
 __all__ = ["left_matters", "remainder_of"]
 
@@ -56,40 +56,35 @@ def remainder_of(
         )
     before = model.evaluate(found.at.psi, found.acting, None, found.forms).value + search.volume
     gain = (further.log_evidence - before) / LN10
-    significant = gain > SIGNIFICANT
-    axis, share = None, None
+    found_by = [_beside(further, gap_share)] if gain > SIGNIFICANT else []
     practical = model.analysis.diagnosis.practical_share
-    if left is not None and not significant and left_matters(left, gap_share, practical):
+    if left is not None and left_matters(left, gap_share, practical):
         # The causes' laws are wrong by so much that something else must act: along which axis
         # a smooth force would do instead of their other forms.
         plain = replace(found, form=0.0)
         instead = unknown_force(model, plain, found.acting, search.inverse, search.volume)
         assert instead is not None
-        return Remainder(
-            significant=True,
-            log10_bayes_factor=float(gain),
-            share_of_gap=interval(left),
-            axis=instead.best.axis or _widest(instead),
-        )
-    if significant:
-        axis = further.best.axis
-        if axis is None:
-            axis = _widest(further)
-        shares = np.array([wide.share for wide in further.nodes])
-        weights = np.exp(further.log_weights)
-        order = np.argsort(shares)
-        ladder = (np.arange(DRAWS) + 0.5) / DRAWS
-        place = np.searchsorted(np.cumsum(weights[order]), ladder).clip(max=shares.size - 1)
-        drawn = shares[order][place] ** 2
-        share = interval(drawn / (drawn + gap_share**2))
+        found_by.append((interval(left), instead.best.axis or _widest(instead)))
+    # Both may speak of one force, of which each sees a part.
+    share, axis = max(found_by, key=lambda one: one[0].q50, default=(None, None))
     return Remainder(
-        significant=bool(significant),
+        significant=bool(found_by),
         log10_bayes_factor=float(gain),
         share_of_gap=share,
         share_of_gap_why=None if share is not None else why,
         axis=axis,
         axis_why=None if axis is not None else why,
     )
+
+
+def _beside(further: Unknown, gap_share: float) -> tuple[Interval, str]:
+    """Return the share of the gap of a smooth force beside the causes, and its axis."""
+    shares = np.array([wide.share for wide in further.nodes])
+    order = np.argsort(shares)
+    ladder = (np.arange(DRAWS) + 0.5) / DRAWS
+    place = np.searchsorted(np.cumsum(np.exp(further.log_weights)[order]), ladder)
+    drawn = shares[order][place.clip(max=shares.size - 1)] ** 2
+    return interval(drawn / (drawn + gap_share**2)), further.best.axis or _widest(further)
 
 
 def left_matters(left: Array, gap_share: float, practical: float) -> bool:

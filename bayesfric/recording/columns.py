@@ -58,6 +58,11 @@ class Column:
         return self.kind in ("number", "integer")
 
     @property
+    def is_text(self) -> bool:
+        """Whether any text will do."""
+        return self.kind in ("id", "text")
+
+    @property
     def expected(self) -> str:
         """The rule of one cell, as a sentence fragment."""
         if self.kind == "choice":

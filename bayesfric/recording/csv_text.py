@@ -6,6 +6,7 @@ import io
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -15,9 +16,13 @@ from bayesfric.errors import Fault, InputError
 
 __all__ = ["LISTED", "TextTable", "decode_utf8", "parse_csv", "with_rest"]
 
+Ragged: TypeAlias = dict[int, list[str]]
+"""Rows of another length than the header, as they were written, by position."""
+
 LISTED = 20  # faults of one kind that are told one by one
 MOST_COLUMNS = 1000
 COMMAS = " (are there commas in numbers? the decimal mark is a point)"
+TRAILING = " (is there a comma too much at the end?)"
 UTF16 = "this is UTF-16: is it a spreadsheet's “Unicode text”?"
 SPREADSHEET = "this is a spreadsheet: save its sheet as CSV"
 NOT_UTF8 = {
@@ -130,11 +135,11 @@ def parse_csv(file: str, data: bytes) -> TextTable:
         expected = f"{width} cells, as in the header"
         if any(columns[0][position].startswith("#") for position in ragged):
             expected += " (a line that begins with # is no comment here)"
-        elif min(ragged.values()) > width:
-            expected += COMMAS
+        else:
+            expected += _too_many(width, ragged)
         shown = [
-            Fault(file, expected, row=lines[position], value=f"{count} cells")
-            for position, count in list(ragged.items())[:LISTED]
+            Fault(file, expected, row=lines[position], value=f"{len(row)} cells")
+            for position, row in list(ragged.items())[:LISTED]
         ]
         faults += with_rest(shown, len(ragged) - len(shown))
     cells = {name: column for name, column in zip(header, columns, strict=True) if name}
@@ -148,13 +153,18 @@ def parse_csv(file: str, data: bytes) -> TextTable:
     )
 
 
-def _all_ragged(file: str, width: int, ragged: dict[int, int], lines: list[int]) -> Fault:
-    counts = set(ragged.values())
-    expected = f"{width} cells, as in the header, in each row"
-    expected += COMMAS if min(counts) > width else ""
+def _all_ragged(file: str, width: int, ragged: Ragged, lines: list[int]) -> Fault:
+    expected = f"{width} cells, as in the header, in each row{_too_many(width, ragged)}"
     first = min(ragged)
-    fault = Fault(file, expected, row=lines[first], value=f"{ragged[first]} cells")
+    fault = Fault(file, expected, row=lines[first], value=f"{len(ragged[first])} cells")
     return replace(fault, like=len(ragged) - 1)
+
+
+def _too_many(width: int, ragged: Ragged) -> str:
+    """Return what may have made each of these rows too long, in brackets."""
+    if min(map(len, ragged.values())) <= width:
+        return ""
+    return COMMAS if any(any(row[width:]) for row in ragged.values()) else TRAILING
 
 
 def _check_header(file: str, header: list[str]) -> None:
@@ -166,12 +176,15 @@ def _check_header(file: str, header: list[str]) -> None:
     if header[0].startswith("#") and (len(header) == 1 or header[0][1:2] in ("", " ")):
         expected = "a header, not a comment: each line is read"
         raise InputError([Fault(file, expected, row=1, value=header[0])])
+    if header[0].lower().startswith("sep="):
+        expected = "a header, not a spreadsheet's note of its separator: take the line out"
+        raise InputError([Fault(file, expected, row=1, value=",".join(header))])
     if len(header) > MOST_COLUMNS:
         expected = f"at most {MOST_COLUMNS:,} columns"
         raise InputError([Fault(file, expected, row=1, value=f"{len(header):,} columns")])
 
 
-def _split(file: str, text: str) -> tuple[list[str], list[list[str]], list[int], dict[int, int]]:
+def _split(file: str, text: str) -> tuple[list[str], list[list[str]], list[int], Ragged]:
     """Return header, columns, the line on which each row starts, and rows of another length.
 
     Rows that hold nothing are passed over. Equal cells share one string: ids and
@@ -181,7 +194,7 @@ def _split(file: str, text: str) -> tuple[list[str], list[list[str]], list[int],
     header: list[str] | None = None
     columns: list[list[str]] = []
     lines: list[int] = []
-    ragged: dict[int, int] = {}
+    ragged: Ragged = {}
     once: dict[str, str] = {}
     start = 1
     try:
@@ -195,8 +208,11 @@ def _split(file: str, text: str) -> tuple[list[str], list[list[str]], list[int],
                     header = stripped
                     columns = [[] for _ in header]
                 else:
+                    if stripped == header:
+                        expected = "rows below one header (are two files joined? take it out)"
+                        raise InputError([Fault(file, expected, row=start, value=",".join(header))])
                     if len(stripped) != len(header):
-                        ragged[len(lines)] = len(stripped)
+                        ragged[len(lines)] = stripped.copy()
                         stripped += [""] * (len(header) - len(stripped))
                     lines.append(start)
                     for column, cell in zip(columns, stripped, strict=False):

@@ -27,6 +27,7 @@ SEARCHED = 1000  # cells that are searched for one
 NOTED = 10  # columns that are named where more are kept out
 
 CONTROL_CHARACTER = re.compile(r"[\x00-\x1f\x7f-\x9f]")
+TYPOGRAPHIC = re.compile("[“”„‘’‚«»].*[“”„‘’‚«»]")
 
 
 @dataclass(frozen=True)
@@ -197,16 +198,19 @@ def _expected(column: Column, cells: pd.Series) -> str:
         return f"{column.expected}, with a point as the decimal mark"
     if column.is_numeric and any(MINUS in cell for cell in cells.head(SEARCHED)):
         return f"{column.expected}, with a hyphen as the minus sign"
+    if column.is_text and any(TYPOGRAPHIC.fullmatch(cell) for cell in cells.head(SEARCHED)):
+        return f'{column.expected}, in " or in no quotation marks (these are typographic)'
     return column.expected
 
 
 def _obeys(values: pd.Series, column: Column) -> "pd.Series[bool]":
     """Whether each value that is there obeys the rules of its column."""
     obeys = pd.Series(True, index=values.index)
-    if column.kind in ("id", "text"):
+    if column.is_text:
         # Ids repeat: looking at each once is faster by far.
-        unprintable = [c for c in values.dropna().unique() if CONTROL_CHARACTER.search(c)]
-        obeys &= ~values.isin(unprintable)
+        each = values.dropna().unique()
+        obeys &= ~values.isin([c for c in each if CONTROL_CHARACTER.search(c)])
+        obeys &= ~values.isin([c for c in each if TYPOGRAPHIC.fullmatch(c)])
     if column.kind == "choice":
         obeys &= values.isin(column.choices)
     if column.kind == "integer":

@@ -44,7 +44,7 @@ class Engine:
     def outsider_names(self):
         return ("wave",)
 
-    def make(self, withheld, seed, *, design, noise=True):
+    def make(self, withheld, seed, *, design, noise=True, beside=True):
         told = [
             {"name": name, "form": "plain", "own": True, "strength": s, "axes": ["order"]}
             for name, s in withheld

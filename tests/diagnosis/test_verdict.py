@@ -1,11 +1,19 @@
 """The verdict by the rules of the contract."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from report.diagnosis_sample import cause, diagnosis
 
-from bayesfric.diagnosis.remainder import left_matters
+from bayesfric.analysis import Analysis
+from bayesfric.diagnosis import remainder
+from bayesfric.diagnosis.acting import Acting, At
+from bayesfric.diagnosis.discrepancy import Wide
+from bayesfric.diagnosis.remainder import left_matters, remainder_of
+from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.verdict import Known, decide, sentence_of, sets_of_one, sort_effects
+from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.schemas import Interval
 
 
@@ -104,3 +112,36 @@ def test_what_causes_leave_matters_beyond_a_part_of_the_gap_or_of_friction(
 ):
     draws = left + np.linspace(0.0, 1e-4, 201)
     assert left_matters(draws, gap, practical) == matters
+
+
+NUMBERS = np.zeros(0)
+AT = At(NUMBERS, 0.0, None, SimpleNamespace(), NUMBERS, np.zeros((0, 0)), at_mode=True)
+
+
+@pytest.mark.parametrize(
+    ("left", "beside", "share", "axis"),
+    [
+        (0.31, 0.02, 0.31, "velocity"),  # causes in place of a step in speed
+        (0.03, 0.20, 0.20 / 1.20, "travel"),
+        (None, 0.20, 0.20 / 1.20, "travel"),
+    ],
+)
+def test_a_remainder_is_all_that_causes_leave(monkeypatch, left, beside, share, axis):
+    """A force beside the causes and what their laws leave speak of one thing: the larger tells."""
+    gap = 0.07
+
+    def smooth(share, axis):
+        return Unknown((Wide(share, axis),), np.zeros(1), 30.0, AT, Acting())
+
+    def unknown_force(model, found, *rest):
+        instead = found.form == 0.0
+        return smooth(gap, "velocity") if instead else smooth(np.sqrt(beside) * gap, "travel")
+
+    monkeypatch.setattr(remainder, "unknown_force", unknown_force)
+    model = SimpleNamespace(analysis=Analysis(), evaluate=lambda *_: SimpleNamespace(value=0.0))
+    found = Weighed(("viscous",), 0.0, None, Acting(), AT, form=0.1)
+    draws = None if left is None else left + np.linspace(-0.01, 0.01, 201)
+    told = remainder_of(model, SimpleNamespace(inverse=None, volume=0.0), found, gap, draws)
+    assert told.significant
+    assert told.axis == axis
+    assert told.share_of_gap.q50 == pytest.approx(share, abs=1e-3)

@@ -1,4 +1,4 @@
-"""Forty mistakes that people make: each is one line that names it, before any fit."""
+"""Fifty mistakes that people make: each is one line that names it, before any fit."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -180,6 +180,26 @@ MISTAKES = {
         "columns in small letters",
     ),
     "a comment first": (as_text(TRIALS, lambda text: f"# mine\n{text}"), TRIALS, "not a comment"),
+    "a spreadsheet's separator": (
+        as_text(TRIALS, lambda text: f"sep=,\n{text}"),
+        TRIALS,
+        "a spreadsheet's note of its separator",
+    ),
+    "a comma after each row": (
+        as_text(RUNS, lambda text: text.replace("\nm", ",\nm").replace(",\n", "\n", 1) + ","),
+        RUNS,
+        "a comma too much at the end",
+    ),
+    "two files joined": (
+        as_text(RUNS, lambda text: text + text.replace("\nm", "\nn")),
+        RUNS,
+        "are two files joined",
+    ),
+    "typographic quotation marks": (
+        put(RUNS, "pulley_size", "“small”"),
+        RUNS,
+        "these are typographic",
+    ),
     "a comment between": (
         as_text(RUNS, lambda text: text.replace("\nm2", "\n# the second day\nm2")),
         RUNS,

@@ -154,12 +154,15 @@ def make(
     design: str = "quick",
     background: bool = True,
     noise: bool = True,
+    beside: bool = True,
 ) -> Made:
     """Make a recording with something withheld; see :func:`.reference.make`.
 
     There is the design ``quick`` alone, 180 trials in 30 assemblies; of a background, the
-    solver is softer than need be, by a time drawn anew a trial.
+    solver is softer than need be, by a time drawn anew a trial. That is no systematic force, so
+    `beside` changes nothing.
     """
+    del beside
     if design != "quick" or any(name not in BY_NAME for name, _ in withheld.effects):
         raise ValueError(f"no design {design!r}, or no effects {withheld.effects!r}")
     nature, trials = draw_nature(_stream(seed, NATURE)), trials_of(_stream(seed, TRIALS))

@@ -121,6 +121,7 @@ def make(
     design: str = "quick",
     background: bool = True,
     noise: bool = True,
+    beside: bool = True,
 ) -> Made:
     """Make a recording with something withheld.
 
@@ -137,8 +138,11 @@ def make(
         nuisances of :mod:`.nuisances`, a trial that nearly stalls, a dropped and a doubled
         event, and at times a sensor, the motor board or some trials missing.
     noise : bool
-        False gives the same truth and design without noise, scatter, background effects
-        and awkward trials: what is left of the gap is what is withheld.
+        False gives the same truth and design without noise, scatter and awkward trials.
+    beside : bool
+        Whether what a background adds to the systematic force is there: small amounts of other
+        effects, and ends that differ. Without it and without noise the gap is that of what is
+        withheld.
 
     Returns
     -------
@@ -175,21 +179,23 @@ def make(
             scaled(effect, clean)
             for effect in background_of(kinds, awkward, len(trials), _stream(seed, BACKGROUND))
         ]
-        if background
+        if background and beside
         else []
     )
-    acting = effects + (other if noise else [])
+    acting = effects + other
     factor, motor_factor = _scatter(nature, trials, bench, background, seed)
     if noise and background:
         slow, trials = nearly_stalling(nature, trials, acting, _stream(seed, AWKWARD, 2))
         awkward = replace(awkward, nearly_stalls=slow)
     board = board_of(nature, trials, factor if noise else None)
     nuisances = Nuisances()
-    if noise and background:
+    if background and (noise or beside):
         nuisances = draw_nuisances(_stream(seed, NUISANCES))
-        if "end-asymmetry" in {kind.name for kind in kinds}:
+        if not beside or "end-asymmetry" in {kind.name for kind in kinds}:
             # The ends then differ by what is withheld, and by nothing beside it.
             nuisances = replace(nuisances, ends=0.0)
+        if not noise:
+            nuisances = Nuisances(ends=nuisances.ends)
         board = disturbed(board, trials, nuisances, _stream(seed, NUISANCES, 1))
     clock_start = _stream(seed, PHASES, 2).uniform(0.0, 1.0, (len(trials), 1))
     motion = move(board, acting)
@@ -216,7 +222,7 @@ def make(
             nature,
             _stream(seed, CURRENTS) if noise else None,
         )
-    truth = _truth(nature, withheld, effects, other if noise else [], awkward)
+    truth = _truth(nature, withheld, effects, other, awkward)
     truth["nuisances"] = nuisances.as_json()
     stalled = np.flatnonzero(np.isfinite(motion.stall_m) & (motion.stall_m < 0.6))
     truth["awkward"]["stalled"] = [f"g{i + 1:04d}" for i in stalled]

@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from bayesfric.blind.engines import awkward, reference
@@ -32,7 +33,7 @@ def pair():
 
 @pytest.fixture(scope="module")
 def bare():
-    return make(PAIR, 3, noise=False)
+    return make(PAIR, 3, noise=False, beside=False)
 
 
 def test_the_design_is_quick(none):
@@ -93,7 +94,7 @@ def test_without_noise_the_truth_is_the_same_and_the_events_are_exact(pair, bare
     assert bare.truth["withheld"] == pair.truth["withheld"]
     assert bare.truth["background"] == []
     assert bare.truth["awkward"]["nearly_stalls"] == ""
-    pure = make(NONE, 3, noise=False).recording
+    pure = make(NONE, 3, noise=False, beside=False).recording
     for _, train in pure.gravity.events.groupby(["trial", "sensor"]):
         # Under the law alone the acceleration is constant: events are one spacing apart.
         time = train["time_s"] - train["time_s"].mean()
@@ -104,6 +105,36 @@ def test_without_noise_the_truth_is_the_same_and_the_events_are_exact(pair, bare
     )
     # The two start at one instant from one place; speed then costs time.
     assert (both["time_s_x"] != both["time_s_y"]).mean() > 0.99
+
+
+def test_what_acts_beside_is_small_and_is_what_the_noisy_recording_has(pair, bare):
+    beside = make(PAIR, 3, noise=False)
+    assert beside.truth["background"] == pair.truth["background"]
+    ends = pair.truth["nuisances"]["ends"]
+    assert {key for key, value in beside.truth["nuisances"].items() if value} == {
+        "ends",
+        "wander_length_m",
+    }
+    assert beside.truth["nuisances"]["ends"] == ends
+
+    def acceleration(made):
+        events = made.recording.gravity.events.query("sensor == 'drive'")
+        fits = {
+            trial: np.polyfit(train["time_s"], train["displacement_m"], 2)[0] * 2
+            for trial, train in events.groupby("trial")
+        }
+        return pd.Series(fits)
+
+    trials = bare.recording.gravity.trials.set_index("trial")
+    mass = trials["mass_drive_kg"] + trials["mass_load_kg"]
+    drive = 9.80665 * (trials["mass_drive_kg"] - trials["mass_load_kg"])
+    friction = drive - mass * acceleration(bare)
+    more = mass * (acceleration(bare) - acceleration(beside)) / friction
+    # Half of the ends' difference with either sign, beside small amounts of other effects:
+    # they are below 0.5 % of friction in the rms, and friction takes pulleys' inertia in here.
+    assert 0 < np.sqrt((more**2).mean()) < 0.01
+    sign = np.where(trials["drive_end"] == "left", 0.5, -0.5)
+    assert np.polyfit(sign, more, 1)[0] == pytest.approx(ends, abs=0.002)
 
 
 def test_faults_are_where_the_truth_says(pair):
