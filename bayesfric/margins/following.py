@@ -11,21 +11,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.errors import Fault
+from bayesfric.margins.describing import natural_frequency
 from bayesfric.margins.hunting import run_length
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.observers import DisturbanceObserver, LuGreObserver, Observer
 from bayesfric.margins.quantities import central
 from bayesfric.margins.reference import Stroke
 from bayesfric.margins.rows import interval_of
 from bayesfric.margins.sampled_loop import CompensationSignal, SampledLoop
 from bayesfric.margins.scanning import speeds_of
 from bayesfric.margins.simulating import follow
-from bayesfric.schemas import FollowedWith, Following, Trajectory
+from bayesfric.schemas import Compensator, FollowedWith, Following, Trajectory
 
-__all__ = ["follow_all", "needs_motion", "strokes", "with_compensator"]
+__all__ = ["band_of", "follow_all", "needs_motion", "observers", "strokes", "with_compensator"]
 
 Array = NDArray[np.float64]
 
-COMPENSATORS: tuple[CompensationSignal, ...] = ("none", "reference", "measured", "error")
+SIGNALS: tuple[CompensationSignal, ...] = ("none", "reference", "measured", "error")
+CUTOFF = 0.5
+"""Of the disturbance observer's low-pass, over the loop's natural frequency √(kp/J)."""
 LEVELS = (0.05, 0.5, 0.95)
 POINTS = 121
 """Of a band over time."""
@@ -89,13 +93,38 @@ def with_compensator(shaft: LoopAtShaft, signal: CompensationSignal) -> SampledL
     compensation = shaft.loop.compensation
     if signal == compensation.signal or signal == "none":
         return replace(shaft.sampled(), compensation_signal=signal)
-    if signal != "error":
-        boundary = np.full(shaft.friction.shape, central(compensation.boundary_rad_s))
-    elif central(compensation.boundary_rad) > 0.0:
-        boundary = np.full(shaft.friction.shape, central(compensation.boundary_rad))
+    if signal == "error":
+        boundary = band_of(shaft)
     else:
-        boundary = BAND * shaft.estimate / shaft.kp
+        boundary = np.full(shaft.friction.shape, central(compensation.boundary_rad_s))
     return replace(shaft.sampled(), compensation_signal=signal, boundary=boundary)
+
+
+def band_of(shaft: LoopAtShaft) -> Array:
+    """Return the half width of the error's band: the file's, or 2F̂/kp, (draws,) [rad]."""
+    given = central(shaft.loop.compensation.boundary_rad)
+    if given > 0.0:
+        return np.full(shaft.friction.shape, given)
+    return BAND * shaft.estimate / shaft.kp
+
+
+def observers(shaft: LoopAtShaft) -> dict[Compensator, Observer]:
+    """Return both observers, at rest.
+
+    That of the LuGre model has the file's γ and F̂, and stretches over the band of the error;
+    the other knows the median inertia and damping, as a designer would.
+    """
+    period = np.full(shaft.friction.shape, shaft.sample_time)
+    loop = shaft.sampled()
+    full = loop.array("compensation_gain") * loop.array("compensation_estimate")
+    inertia, viscous = (
+        np.full_like(period, np.median(loop.array(name))) for name in ("inertia", "viscous")
+    )
+    cutoff = CUTOFF * natural_frequency(shaft)
+    return {
+        "LuGre observer": LuGreObserver(full, band_of(shaft), period),
+        "disturbance observer": DisturbanceObserver(inertia, viscous, cutoff, period),
+    }
 
 
 def follow_all(shaft: LoopAtShaft, most: int) -> Following:
@@ -120,10 +149,15 @@ def follow_all(shaft: LoopAtShaft, most: int) -> Following:
     together = Stroke(*(np.concatenate(parts) for parts in zip(*map(_parts, asked), strict=True)))
     seen = np.linspace(0.0, 3 * rest, POINTS)
     at = np.rint(seen[:, None] / some.sample_time).astype(np.intp)
-    found: dict[CompensationSignal, tuple[Array, Array, Array]] = {}
-    for signal in COMPENSATORS:
-        loop = with_compensator(some, signal).taken(np.tile(np.arange(n), len(paths)))
-        errors = follow(loop, together, 3 * rest)
+    each_run = np.tile(np.arange(n), len(paths))
+    runs: list[tuple[Compensator, SampledLoop, Observer | None]] = [
+        (signal, with_compensator(some, signal).taken(each_run), None) for signal in SIGNALS
+    ]
+    plain = runs[0][1]
+    runs += [(name, plain, one) for name, one in observers(some.taken(each_run)).items()]
+    found: dict[Compensator, tuple[Array, Array, Array]] = {}
+    for signal, loop, observer in runs:
+        errors = follow(loop, together, 3 * rest, observer)
         errors = errors.reshape(-1, len(paths), n) * some.tip_per_rad
         number = np.arange(errors.shape[0])[:, None] * some.sample_time
         judged = ((number > 2 * rest) & (number <= 3 * rest))[:, None]
@@ -152,7 +186,8 @@ def follow_all(shaft: LoopAtShaft, most: int) -> Following:
         settling_s=rest,
         time_s=tuple(seen - rest),
         answer=_answer(trajectories),
-        error_band_rad=float(np.median(with_compensator(some, "error").array("boundary"))),
+        error_band_rad=float(np.median(band_of(some))),
+        disturbance_cutoff_rad_s=float(np.median(CUTOFF * natural_frequency(some))),
         trajectories=tuple(trajectories),
     )
 

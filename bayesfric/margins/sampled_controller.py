@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from bayesfric.margins.observers import Observer
 from bayesfric.margins.reference import Reference
 from bayesfric.margins.sampled_loop import SampledLoop
 
@@ -31,9 +32,19 @@ class Controller:
         Of the shaft at the first sample [rad].
     reference : Reference
         What it follows, with whose first speed the shaft is found moving.
+    observer : Observer or None
+        Adds its estimate of friction; what it adds at a standstill is not known beforehand, so
+        that runs with one go sample by sample.
     """
 
-    def __init__(self, loop: SampledLoop, position: Floats, reference: Reference) -> None:
+    def __init__(
+        self,
+        loop: SampledLoop,
+        position: Floats,
+        reference: Reference,
+        observer: Observer | None = None,
+    ) -> None:
+        self.observer = observer
         self.signal, self.at_rest = loop.compensation_signal, loop.at_rest
         self.reference = reference
         self.kp, self.kd, self.ki = (loop.array(name) for name in ("kp", "kd", "ki"))
@@ -55,6 +66,7 @@ class Controller:
         self.filtered = speed.copy()
         self.integral = np.zeros(loop.draws)
         self.last_share = np.zeros(loop.draws)
+        self.last_torque = np.zeros(loop.draws)
 
     def keep(self, rows: NDArray[np.intp]) -> None:
         """Go on with some of the draws alone."""
@@ -90,7 +102,9 @@ class Controller:
             wanted += self.ki * integral
         if self.signal != "none":
             wanted += self.feed * self._share(asked, error, speed)
-        torque = np.minimum(np.maximum(wanted, -self.limit), self.limit)
+        if self.observer is not None:
+            wanted += self.observer.torque(used, self.last_torque)
+        self.last_torque = torque = np.minimum(np.maximum(wanted, -self.limit), self.limit)
         if self.integrates:  # wind-up: no further integration into a limit
             waits = (torque != wanted) & (wanted * error > 0)
             self.integral = np.where(waits, self.integral, integral)

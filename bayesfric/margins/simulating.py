@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bayesfric.margins.elastic_cable import Ends
+from bayesfric.margins.observers import Observer
 from bayesfric.margins.reference import ConstantSpeed, Reference
 from bayesfric.margins.sampled_controller import Controller
 from bayesfric.margins.sampled_loop import SampledLoop
@@ -156,7 +157,12 @@ def simulate(
     return Motion(**run.found, traces=None if record is None else record.traces())
 
 
-def follow(loop: SampledLoop, reference: Reference, duration: ArrayLike) -> Floats:
+def follow(
+    loop: SampledLoop,
+    reference: Reference,
+    duration: ArrayLike,
+    observer: Observer | None = None,
+) -> Floats:
     """Return by how much the joint is behind a reference, sample by sample.
 
     Motor and joint begin where the reference does and as fast, at 0, the load hanging in its cable.
@@ -169,6 +175,8 @@ def follow(loop: SampledLoop, reference: Reference, duration: ArrayLike) -> Floa
         Of as many draws, at 0 at the beginning.
     duration : array_like
         Length of the run [s], rounded up to whole samples, a scalar or (draws,).
+    observer : Observer or None
+        Adds its estimate of friction to the command.
 
     Returns
     -------
@@ -178,7 +186,7 @@ def follow(loop: SampledLoop, reference: Reference, duration: ArrayLike) -> Floa
     """
     whole, never = np.zeros(loop.draws), np.full(loop.draws, np.inf)
     length = loop.per_draw("duration", duration)
-    run = _Run(loop, whole, reference, length, never, whole, 1)
+    run = _Run(loop, whole, reference, length, never, whole, 1, observer)
     errors = [run.joint_error()]
     while (run.k < run.swing.end).any():
         run.advance(None)
@@ -198,8 +206,9 @@ class _Run:
         settling: Floats,
         lasts: Floats,
         substeps: int,
+        observer: Observer | None = None,
     ) -> None:
-        self.controller = Controller(loop, begin, reference)
+        self.controller = Controller(loop, begin, reference, observer)
         period = self.controller.period
         self.plant = _plant(loop, begin, reference.speed(np.zeros(loop.draws)))
         # Command k − whole − 1 acts until `late` after t_k, that of k − whole from there.

@@ -1,4 +1,4 @@
-"""How far the joint is behind references that move, a band a compensator."""
+"""How far the joint is behind references that move, with each compensator."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -8,11 +8,13 @@ from bayesfric.schemas import Following
 
 __all__ = ["errors_over_time"]
 
-SHADES = tuple(COLORS[name] for name in ("black", "blue", "vermilion", "green"))
+SHADES = tuple(COLORS[name] for name in ("black", "blue", "vermilion", "green", "purple", "orange"))
+
+DASHES = (*LINES, (0, (8, 2)), (0, (4, 1, 1, 1, 1, 1)))
 
 
 def errors_over_time(found: Following) -> Figure:
-    """Draw the error at the tip over time: median and 5 to 95 % of the draws.
+    """Draw the error at the tip over time: medians, and 5 to 95 % of none and of the best.
 
     Parameters
     ----------
@@ -26,13 +28,14 @@ def errors_over_time(found: Following) -> Figure:
         for axes, one in zip(panels, found.trajectories, strict=True):
             axes.axvspan(found.settling_s, time[-1], color=NEUTRAL, alpha=0.1, linewidth=0)
             axes.axhline(0, color=NEUTRAL, linewidth=0.5)
-            for each, color, line in zip(one.compensators, SHADES, LINES, strict=True):
+            for each, color, line in zip(one.compensators, SHADES, DASHES, strict=True):
                 low, middle, high = (
                     1e3 * np.array(band) for band in (each.q05_m, each.q50_m, each.q95_m)
                 )
-                axes.fill_between(time, low, high, color=color, alpha=0.12, linewidth=0)
-                for edge in (low, high):
-                    axes.plot(time, edge, color=color, linestyle=line, linewidth=0.4)
+                if each.compensator in ("none", *one.best):  # more bands would hide each other
+                    axes.fill_between(time, low, high, color=color, alpha=0.15, linewidth=0)
+                    for edge in (low, high):
+                        axes.plot(time, edge, color=color, linestyle=line, linewidth=0.4)
                 axes.plot(time, middle, color=color, linestyle=line, linewidth=1.0,
                           label=each.compensator)  # fmt: skip
             axes.set_title(f"{one.name}: {' or '.join(one.best)}")
@@ -41,5 +44,5 @@ def errors_over_time(found: Following) -> Figure:
         for axes in panels[::2]:
             axes.set_ylabel("behind at the tip [mm]")
         handles, labels = panels[0].get_legend_handles_labels()
-        fig.legend(handles, labels, loc="outside lower center", ncols=4)
+        fig.legend(handles, labels, loc="outside lower center", ncols=3)
     return fig

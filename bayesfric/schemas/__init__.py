@@ -55,6 +55,7 @@ from bayesfric.schemas.fit import (
 )
 from bayesfric.schemas.margins import (
     Certificate,
+    Compensator,
     FollowedWith,
     Following,
     GammaProbability,
@@ -100,6 +101,7 @@ __all__ = [
     "ClaimResult",
     "ClaimsFile",
     "ComparisonFile",
+    "Compensator",
     "ConditionAsked",
     "Confusion",
     "DataQuality",

@@ -1,6 +1,6 @@
 """``margins.json``."""
 
-from typing import Literal
+from typing import Literal, TypeAlias
 
 from pydantic import ConfigDict, Field
 
@@ -177,11 +177,17 @@ class Certificate(Record):
     sentence: str = Field(description="All that, beside the γ that hunts.")
 
 
+Compensator: TypeAlias = Literal[
+    "none", "reference", "measured", "error", "LuGre observer", "disturbance observer"
+]
+
+
 class FollowedWith(Record):
     """The error at the tool tip on one trajectory with one compensator, joint behind reference."""
 
-    compensator: Literal["none", "reference", "measured", "error"] = Field(
-        description="Whose sign it takes; γ, F̂ and what it does at rest are the file's."
+    compensator: Compensator = Field(
+        description="Whose sign it takes, or which observer estimates friction; γ, F̂ and what "
+        "it does at rest are the file's."
     )
     rms_m: Interval = Field(description="Root mean square in the judged time, over the draws.")
     peak_m: Interval = Field(description="Largest size in the judged time, over the draws.")
@@ -198,7 +204,7 @@ class Trajectory(Record):
 
     name: Literal["ramp", "reversal", "sine", "step"] = Field(description="Its kind.")
     sentence: str = Field(description="Speeds and amplitudes at the motor and at the tool tip.")
-    best: tuple[Literal["none", "reference", "measured", "error"], ...] = Field(
+    best: tuple[Compensator, ...] = Field(
         description="Compensators with the largest `least`, or less than 5 % of the draws below it."
     )
     compensators: tuple[FollowedWith, ...] = Field(description="Each of them.")
@@ -215,7 +221,11 @@ class Following(Record):
     time_s: tuple[Number, ...] = Field(description="Of the bands, since setting off.")
     answer: str = Field(description="Which compensator follows best, in a sentence.")
     error_band_rad: Number = Field(
-        description="Half width of the band of the error's sign, at the motor; median."
+        description="Half width of the band of the error's sign, and stretch of the LuGre "
+        "observer, at the motor; median."
+    )
+    disturbance_cutoff_rad_s: Number = Field(
+        description="Corner of the disturbance observer's low-pass; median."
     )
     trajectories: tuple[Trajectory, ...] = Field(description="Ramp, reversal, sine, step.")
 

@@ -14,6 +14,7 @@ from bayesfric.margins import compute_margins
 from bayesfric.margins.assembly import draw_assembly
 from bayesfric.margins.following import follow_all, strokes, with_compensator
 from bayesfric.margins.loop_at_shaft import at_shaft
+from bayesfric.margins.observers import DisturbanceObserver, LuGreObserver
 from bayesfric.margins.posterior import RigDiscrepancy
 from bayesfric.margins.reference import ConstantSpeed, Stroke
 from bayesfric.margins.sampled_loop import SampledLoop
@@ -128,6 +129,52 @@ def test_a_compensator_of_the_reference_takes_friction_off_the_ramp():
                  compensation_estimate=4e-3)  # fmt: skip
     path = Stroke(*np.array([[0.1] * 2, [0] * 2, [2.0] * 2, [np.inf] * 2, [0] * 2, [0] * 2]))
     assert follow(one, path, 3.0)[-1] == pytest.approx((friction - 2e-3 + B * 2.0) / KP, rel=1e-6)
+
+
+# --- observers --------------------------------------------------------------------------
+
+
+def test_the_lugre_observer_builds_up_over_its_stretch_and_turns_round_over_twice_that():
+    """At constant speed z = 1 − exp(−x/ε), and from there back z = −1 + (1 + z₀) exp(−x/ε)."""
+    full, stretch, speed = np.array([3e-3]), np.array([0.05]), np.array([2.0])
+    observer = LuGreObserver(full, stretch, np.array([T]))
+    there = [observer.torque(speed, full)[0] for _ in range(100)]
+    way = speed * T * np.arange(1, 101)
+    assert there == pytest.approx(full * -np.expm1(-way / stretch))
+    back = [observer.torque(-speed, full)[0] for _ in range(100)]
+    first = there[-1] / full
+    assert back == pytest.approx(full * (-1 + (1 + first) * np.exp(-way / stretch)))
+    assert observer.torque(0 * speed, full) == pytest.approx(back[-1])  # bristles keep their bend
+
+
+def test_the_disturbance_observer_finds_a_torque_as_its_low_pass_does():
+    """A shaft under τ − d: J dω/dt + b ω = τ − d, and the estimate is d (1 − exp(−gt))."""
+    step, torque, met, cutoff = 1e-5, 5e-3, 2e-3, 80.0
+    observer = DisturbanceObserver(*(np.array([one]) for one in (J, B, cutoff, step)))
+    time = step * np.arange(1, 4001)
+    speed = (torque - met) / B * -np.expm1(-time * B / J)
+    found = [observer.torque(np.array([one]), np.array([torque]))[0] for one in speed]
+    assert found == pytest.approx(met * -np.expm1(-cutoff * time), abs=2e-3 * met)
+
+
+def test_a_disturbance_observer_takes_friction_and_load_off_the_ramp():
+    """What is left is the velocity error of the viscous friction, which it knows and leaves."""
+    load = np.array([2e-3, -1e-3])
+    one = a_loop(friction=3e-3, kd=8e-4, load_torque=load)
+    path = Stroke(*np.array([[0.1] * 2, [0] * 2, [2.0] * 2, [np.inf] * 2, [0] * 2, [0] * 2]))
+    numbers = (np.full(2, value) for value in (J, B, 17.0, T))
+    left = follow(one, path, 3.0, DisturbanceObserver(*numbers))[-1]
+    assert left == pytest.approx(B * 2.0 / KP, rel=1e-3)
+    without = follow(one, path, 3.0)[-1]
+    assert without == pytest.approx((B * 2.0 + 3e-3 + load) / KP, rel=1e-3)
+
+
+def test_a_lugre_observer_takes_its_share_of_friction_off_the_ramp():
+    friction = 3e-3
+    one = a_loop(friction=friction, kd=8e-4)
+    observer = LuGreObserver(*(np.array([value]) for value in (0.5 * friction, 0.05, T)))
+    left = follow(one, stroke(begin=0.1, ramp=2.0), 3.0, observer)[-1]
+    assert left == pytest.approx((B * 2.0 + 0.5 * friction) / KP, rel=1e-3)
 
 
 # --- over draws -------------------------------------------------------------------------

@@ -152,10 +152,13 @@ def test_references_that_move_are_drawn_and_tabled(computed):
 
     rows = tuple(
         followed(*one) for one in (("none", 4e-3, 0.0), ("reference", 1e-3, 0.9),
-                                   ("measured", 2e-3, 0.0), ("error", 3e-3, 0.1))
+                                   ("measured", 2e-3, 0.0), ("error", 3e-3, 0.1),
+                                   ("LuGre observer", 3.5e-3, 0.0),
+                                   ("disturbance observer", 1.5e-3, 0.0))
     )  # fmt: skip
     found = Following(
         draws=20, settling_s=1.0, time_s=tuple(steps), answer="Reference.", error_band_rad=0.1,
+        disturbance_cutoff_rad_s=12.5,
         trajectories=tuple(
             Trajectory(name=name, sentence="1 mm", best=("reference",), compensators=rows)
             for name in ("ramp", "reversal", "sine", "step")
@@ -164,7 +167,8 @@ def test_references_that_move_are_drawn_and_tabled(computed):
     moving = first.model_copy(update={"following": found, "following_why": None})
     blocks = list(margins(computed.summary.model_copy(update={"loops": (moving,)}), alone=False))
     (table,) = [one for one in blocks if getattr(one, "label", "") == "followed-bench"]
-    assert len(table.rows) == 16
+    assert len(table.rows) == 24
+    assert "its corner at 12.5 rad/s" in str(table.note)
     assert table.rows[1][:3] == ["ramp", "reference", "1.0"]
     assert table.rows[1][-1].startswith("90")
     panels = errors_over_time(found).axes
