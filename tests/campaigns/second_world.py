@@ -18,7 +18,8 @@ from bayesfric.recording import read_recording
 
 RIGS = ("gravity_board", "motor_board")
 WORLD = "BAYESFRIC_SECOND_WORLD"
-SEEDS = range(1, 1 + int(os.environ.get("BAYESFRIC_SECOND_SEEDS", "20")))
+FIRST = int(os.environ.get("BAYESFRIC_SECOND_FIRST", "1"))
+SEEDS = range(FIRST, FIRST + int(os.environ.get("BAYESFRIC_SECOND_SEEDS", "20")))
 STRENGTHS = (1.0, 0.3)
 PRACTICAL = 0.005
 FLOOR, SHRINK, LEAST = (0.005, 0.04), (-0.05, 1.2), 0.003  # what is not absurd

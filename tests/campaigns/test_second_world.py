@@ -29,7 +29,7 @@ def group_of(case):
 
 @pytest.mark.long
 def test_the_second_world():
-    """Resumable; ``BAYESFRIC_SECOND_SEEDS=6`` runs the first six seeds.
+    """Resumable; ``BAYESFRIC_SECOND_SEEDS=6`` runs six seeds, from ``BAYESFRIC_SECOND_FIRST`` on.
 
     With ``BAYESFRIC_SECOND_SO_FAR`` what is done is scored, and no more is run.
     """
