@@ -1,19 +1,22 @@
 """What is being done, told where somebody is there to read it.
 
 A terminal and a notebook have a bar. Elsewhere, as in the log of a CI job, the logger
-``bayesfric`` is told at the level INFO when a stage begins and when it is done.
+``bayesfric`` is told at the level INFO when a stage begins, about how long a long one still
+takes, and when it is done.
 """
 
 import logging
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from time import monotonic
 
 from bayesfric.characters import legible
 
 __all__ = ["LOGGER", "stage"]
 
 LOGGER = logging.getLogger("bayesfric")
+PATIENCE_S = 5.0  # until steps that are done say how long the rest takes
 
 
 @contextmanager
@@ -51,8 +54,24 @@ def stage(title: str, *, quiet: bool = False) -> Iterator[Callable[[int, int], N
             yield lambda done, total: bar.update(task, completed=done, total=total)
     else:
         LOGGER.info("%s: started", title)
-        yield lambda done, total: None
+        yield _in_log(title)
         LOGGER.info("%s: done", title)
+
+
+def _in_log(title: str) -> Callable[[int, int], None]:
+    """Return what tells once about how long a stage still takes."""
+    began, told = monotonic(), False
+
+    def tell(done: int, total: int) -> None:
+        nonlocal told
+        passed = monotonic() - began
+        left = passed * (total - done) / done if done else 0.0
+        if not told and passed > PATIENCE_S and left > PATIENCE_S:
+            about = f"{left / 60:.0f} min" if left > 90.0 else f"{max(left, 10.0):.0f} s"
+            LOGGER.info("%s: about %s to go", title, about)
+            told = True
+
+    return tell
 
 
 def _in_notebook(title: str) -> Callable[[int, int], None]:

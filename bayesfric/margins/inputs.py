@@ -86,7 +86,10 @@ def _tensions(shaft: LoopAtShaft, place: int, tested: Range) -> Iterator[str]:
             f"{known:.0%} of the draws"
         )
     if peak > known:
-        yield f"its peak in the fastest motion is above {high:.0f} N in {peak:.0%}"
+        yield (
+            f"the tension of run {place + 1} peaks above {high:.0f} N in the fastest motion in "
+            f"{peak:.0%} of the draws"
+        )
     if slack := int((least < 0).sum()):
         yield f"a side goes slack in the fastest motion in {slack} of {least.size} draws"
 

@@ -36,6 +36,25 @@ def test_the_package_logs_and_whoever_runs_it_decides_where_to(capfd, caplog, mo
     assert done.stdout == "[] []\n"
 
 
+@pytest.mark.parametrize(
+    ("seconds", "done", "said"),
+    [
+        (4.0, 1, []),  # too early to say
+        (6.0, 1, ["dig: about 54 s to go"]),
+        (60.0, 1, ["dig: about 9 min to go"]),
+        (6.0, 8, []),  # soon over
+        (6.0, 0, []),
+    ],
+)
+def test_a_log_says_once_how_long_a_long_stage_takes(monkeypatch, caplog, seconds, done, said):
+    now = iter([0.0, seconds, 2 * seconds])
+    monkeypatch.setattr("bayesfric.progress.monotonic", lambda: next(now))
+    with caplog.at_level(logging.INFO, "bayesfric"), stage("dig") as progress:
+        progress(done, 10)
+        progress(10, 10)
+    assert [one.message for one in caplog.records][1:-1] == said
+
+
 def test_a_stage_that_fails_is_not_done(caplog):
     with (
         caplog.at_level(logging.INFO, "bayesfric"),
