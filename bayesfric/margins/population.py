@@ -48,7 +48,7 @@ def read_draws(path: Path) -> tuple[Posterior, RigDiscrepancy]:
     tree = read_tree(path)
     population = tree.children.get("posterior")
     if population is None or "board" not in population.sizes:
-        return read_posterior(path), rig_discrepancy(path.parent)
+        return read_posterior(path, tree), rig_discrepancy(path.parent)
     fit = path.with_name("fit.json")
     if fit.is_file():
         refuse_mixed(read_json(FitFile, fit), fit)

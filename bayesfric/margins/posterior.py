@@ -89,20 +89,22 @@ class RigDiscrepancy:
     source: str
 
 
-def read_posterior(path: Path) -> Posterior:
+def read_posterior(path: Path, tree: xr.DataTree | None = None) -> Posterior:
     """Read ``draws.nc``, thinned evenly to at most 4,000 draws.
 
     Parameters
     ----------
     path : Path
         What ``bayesfric fit`` wrote.
+    tree : DataTree or None
+        What is in it, where that is read already.
 
     Raises
     ------
     InputError
         The file is missing, is not netCDF, or has no draws of c1, c2 and c3.
     """
-    tree = read_tree(path)
+    tree = read_tree(path) if tree is None else tree
     fit = path.with_name("fit.json")
     if fit.is_file():
         refuse_mixed(read_json(FitFile, fit), fit)
