@@ -130,6 +130,7 @@ def test_same_seed_same_bytes(board, ran):
         assert (board / "first" / name).read_bytes() == (board / "again" / name).read_bytes(), name
 
 
+@pytest.mark.nightly
 def test_report_needs_the_folder_alone(board, ran, tmp_path):
     stored = ("fit.json", "draws.nc", "predictive.nc", "claims.json", "claims.nc")
     for name in (*stored, "diagnosis.json", "diagnosis.nc"):

@@ -37,9 +37,10 @@ APART = {"presliding": 0.08, "hysteresis": 0.08, "slip": 0.04}
 STRENGTHS = {"slip": 0.1, "magnet-spacing": 100.0}  # some 1 % of travel; a tenth of a millimetre
 OF_THE_WHOLE = {"wear-drift"}  # its place is a share of the recording
 FOUND = [
-    (name, law)
+    # Of each effect its first law; the others nightly.
+    pytest.param(name, law, marks=[pytest.mark.nightly] if place else [])
     for name, effect in all_effects().items()
-    for law in effect.laws
+    for place, law in enumerate(effect.laws)
     if not effect.components and name != "cable-compliance"
 ]
 STRENGTH = 0.7

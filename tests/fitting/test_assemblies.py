@@ -57,6 +57,7 @@ def drawn(recording, without=()):
     return model, likelihood, laplace.mode, z
 
 
+@pytest.mark.nightly
 def test_a_probability_is_that_of_a_posterior_that_never_saw_the_assembly():
     recording, setup = one_far(3)
     model, likelihood, mode, z = drawn(recording)

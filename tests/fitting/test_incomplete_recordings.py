@@ -110,7 +110,11 @@ CASES = {
         NOTHING,
     ),
 }
-NIGHTLY = {"one trial"}  # a sampler on a ridge, on events
+# A sampler on a ridge, and what differs from a neighbour by one column.
+NIGHTLY = {
+    *("one trial", "no motor board", "motor board", "one pulley", "no order column"),
+    *("accelerations", "accelerations and events", "no setup column"),
+}
 
 
 def true_laws():
@@ -190,6 +194,7 @@ def test_columns_that_are_left_out_say_what_is_lost(fit_of):
     assert any("no replicates" in line for line in summary.attention)
 
 
+@pytest.mark.nightly
 def test_one_tension_leaves_the_split_of_c1_and_c2_wide(tmp_path):
     """Friction at 16 N is known to a few per cent, its two parts are not."""
     recording = simulated({(5, 85.0): 1, (9, 85.0): 2, (9, 50.0): 1}, (16.0,), (16.0,))

@@ -100,6 +100,7 @@ def probabilities(seed, factor):
     return left.pit, uniformity(left.pit, left.again)
 
 
+@pytest.mark.nightly
 def test_recordings_of_the_model_have_uniform_probabilities():
     found = [probabilities(seed, 1.0) for seed in range(3)]
     together = np.concatenate([pit for pit, _ in found])
@@ -146,6 +147,7 @@ def test_the_band_holds_nineteen_in_twenty_recordings_everywhere():
     assert stats.kstest(ranks, "uniform").pvalue > 0.01
 
 
+@pytest.mark.nightly
 def test_the_fit_says_that_its_trials_scatter_more_than_it_assumes():
     recording = simulate_recording(DESIGN, seed=11, truth=Truth(tau=0.02, omega=0.03))
     sampler = Sampler(burn=10, steps=80, thin=2, extensions=0)

@@ -23,6 +23,7 @@ def recording():
     return with_trials(whole, of_size(whole, "medium"))
 
 
+@pytest.mark.nightly
 def test_stalls_raise_friction_and_are_shown_beside_the_fit_without_them(recording):
     trials = recording.gravity.trials
     still = trials["trial"][trials["did_not_move"] == "true"]

@@ -220,6 +220,7 @@ def test_rigs_that_are_not_there_are_refused(small_recording, rigs, message):
         bf.fit(dataclasses.replace(small_recording, motor=None), rigs=rigs)
 
 
+@pytest.mark.nightly
 def test_both_rigs_share_the_coefficients_and_not_the_scatter(small_recording, small_fit):
     """The joint posterior is narrower than either, and knows the torque constant."""
     both = bf.fit(small_recording, Analysis(seed=5, sampler=SHORT), rigs=("motor", "gravity"))

@@ -78,6 +78,7 @@ def test_a_gross_fault_is_noise_that_no_prior_expected(medium):
         assert laws["c1"].sd > 1.2 * summary.pulleys[size]["c1"].sd
 
 
+@pytest.mark.nightly
 def test_it_is_the_fit_of_the_recording_that_has_no_rules(spoilt, found, monkeypatch):
     """Number by number what the one code path gives where nothing is left out."""
     screen = trials.screen_trials
@@ -93,6 +94,7 @@ def test_it_is_the_fit_of_the_recording_that_has_no_rules(spoilt, found, monkeyp
     assert found.without_exclusions.converged == plain.converged
 
 
+@pytest.mark.nightly
 def test_the_trials_change_nothing_in_the_fit_without_them(found, spoilt, odd):
     gravity = spoilt.gravity
     trials = gravity.trials[~gravity.trials["trial"].isin(odd)].reset_index(drop=True)

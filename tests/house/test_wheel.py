@@ -103,6 +103,7 @@ def test_the_bundled_recording_is_read(elsewhere, tmp_path):
     assert "medium" in said
 
 
+@pytest.mark.nightly
 def test_a_recording_is_fitted_and_reported(elsewhere, small_recording, tmp_path):
     """With few draws of few trials; `tests/test_reference_run.py` has the bundled one."""
     (tmp_path / "analysis.toml").write_text(SHORT)

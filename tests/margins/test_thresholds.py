@@ -23,6 +23,7 @@ def drawn(changes):
     return at_shaft(one, draw_assembly(one, posterior(40), RigDiscrepancy(0.0, ""), seed=1))
 
 
+@pytest.mark.nightly
 def test_outside_the_formula_each_draw_has_its_own_simulated_threshold():
     shaft = drawn({"stiction_ratio": 1.1, "compensation.gain": 2.9})
     found = find_hunting(shaft, 3, 0.05)

@@ -70,6 +70,7 @@ def test_what_no_gain_can_meet_is_named():
     assert found.probability == 0.0
 
 
+@pytest.mark.nightly
 def test_today_counts_every_spec_and_hunting_at_once():
     shaft = made({"compensation.gain": 0.5}, seed=1, draws=60)
     hunting = find_hunting(shaft, 60, 0.05)

@@ -56,6 +56,7 @@ def test_page_one_says_how_many_verdicts_differ_and_is_green_only_where_nothing_
     assert comparison_line(compare(folder / "before", folder / "before")).kind == "good"
 
 
+@pytest.mark.nightly
 def test_the_verb_s_report_has_it_and_without_the_option_has_not(small_fit, tmp_path):
     now, before = tmp_path / "now", tmp_path / "before"
     small_fit.write(now)

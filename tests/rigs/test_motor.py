@@ -311,7 +311,9 @@ def test_the_board_alone_recovers_the_law_and_its_torque_constant():
     assert abs(factor.mean() - 1) < 3.5 * factor.std()
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize(
+    "seed", [1, *(pytest.param(seed, marks=pytest.mark.nightly) for seed in (2, 3))]
+)
 def test_both_boards_recover_a_torque_constant_three_per_cent_off(seed):
     truth = Truth(torque_constant_factor=1.03)
     errors, factor = posterior(simulated(seed, truth, ("gravity", "motor")), truth)

@@ -199,6 +199,7 @@ def test_a_new_run_has_the_clocks_of_the_machine(question):
     assert not proposed(3.0, 100.0)
 
 
+@pytest.mark.nightly
 def test_the_expected_bayes_factor_is_that_of_runs_that_are_made(question, tmp_path):
     """Runs by numbers drawn from the first hypothesis given the data; about 3 s each.
 

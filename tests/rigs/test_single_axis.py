@@ -165,6 +165,7 @@ def test_what_an_axis_has_not_is_refused_with_a_reason(trials):
     assert "test" in fitting.supports(all_effects(None)["payload"]).reason
 
 
+@pytest.mark.nightly
 def test_a_payload_of_runs_without_roles_is_found_beside_a_mass_that_is_held(recording):
     # The machine has 2 kg. Runs without a role show the gap too: a free mass takes it up.
     free = bf.diagnose(recording).summary
@@ -200,6 +201,7 @@ def test_one_run_is_cut_in_parts_so_that_something_is_held_out(tmp_path):
     assert np.bincount(trials.readings.trial).min() > 0
 
 
+@pytest.mark.nightly
 def test_late_commands_are_called_late_and_nothing_viscous(tmp_path):
     found = bf.diagnose(recorded(tmp_path, seed=5, delay_s=0.010)).summary
     assert [one.effect for one in found.causes] == ["delay"]

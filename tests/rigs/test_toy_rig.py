@@ -77,6 +77,7 @@ def test_an_effect_of_it_is_named(scale, tmp_path):
     assert found.inclusion[0].probability > 0.9
 
 
+@pytest.mark.nightly
 def test_it_is_reported(fitted, tmp_path):
     fitted.write(tmp_path)
     write_report(tmp_path)

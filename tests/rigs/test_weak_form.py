@@ -153,6 +153,7 @@ def test_travel_counts_from_rest():
     assert begun[:20] == pytest.approx(9.0)
 
 
+@pytest.mark.nightly
 def test_a_coarse_encoder_leaves_the_mass_alone(tmp_path):
     """Steps of a two-hundredth of the path: over nine samples the axis seems to stand still."""
     machine = Machine(resolution=1e-3, top_speed=0.3)
