@@ -74,6 +74,12 @@ class Arms:
     causes: Acting
     shipped: Mapping[str, Coefficients] | None
 
+    def of_causes(self, windows: Residuals) -> Array:
+        """Return each cause's force at amplitude 1 in the windows of `plain`, (R, k) [N]."""
+        acting = Acting(self.causes.laws, self.causes.shapes)
+        own = slice(COEFFICIENTS, COEFFICIENTS + self.plain.layout.candidates)
+        return np.asarray(windows.columns[:, own] @ self.plain.mixing(acting))
+
     def fitted(self, residuals: Residuals, out: NDArray[np.bool_]) -> tuple[Fitted, ...]:
         """Return the arms as shipped, before and after, without the windows that are left out.
 

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.diagnosis.checked import Checked, factor_error
+from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.model import LinearModel
-from bayesfric.diagnosis.search import Search
 from bayesfric.diagnosis.systematic import Posterior, inclusion, interval
 from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.verdict import Known, measures

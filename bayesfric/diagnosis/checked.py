@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from bayesfric.diagnosis.climbing import at_bounds, curvature_at
+from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.model import LinearModel
-from bayesfric.diagnosis.search import Search
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.weighing import Weighed, log_volume

@@ -1,9 +1,9 @@
 """A recording to a diagnosis: where it misses, which effect causes it, how far it shrinks."""
 
 import time
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -14,41 +14,38 @@ from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis
 from bayesfric.checkpoint import Checkpoint
-from bayesfric.diagnosis.acting import Acting, At, Law
-from bayesfric.diagnosis.arms import Arms
+from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.baseline import data_of, fitted_baseline
-from bayesfric.diagnosis.causes import causes_of, inclusion_of, known_of
+from bayesfric.diagnosis.causes import causes_of, inclusion_of
 from bayesfric.diagnosis.checked import Checked, noise_checked
 from bayesfric.diagnosis.classes import classes_of
 from bayesfric.diagnosis.climbing import climb, curvature_at
 from bayesfric.diagnosis.examined import examinable, examined_effects, widened
 from bayesfric.diagnosis.forms import other_forms
 from bayesfric.diagnosis.held_out import HeldOut, measure_gap
+from bayesfric.diagnosis.hypotheses import NONE, UNKNOWN, Search
+from bayesfric.diagnosis.judging import judge
 from bayesfric.diagnosis.law import law_of_diagnosis
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.remainder import remainder_of
-from bayesfric.diagnosis.residuals import residuals_of
-from bayesfric.diagnosis.search import NONE, UNKNOWN, Search, Steps, compare, search
+from bayesfric.diagnosis.search import Steps, compare, search
 from bayesfric.diagnosis.shipped import Shipped, held_of, shipped_numbers, shipped_of
 from bayesfric.diagnosis.simulated import own_law_of, simulator_used
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.stored import curves_of, gap_of
-from bayesfric.diagnosis.systematic import posterior_of
 from bayesfric.diagnosis.target import check_target, friction_at
 from bayesfric.diagnosis.unknown import Unknown, unknown_force
 from bayesfric.diagnosis.verdict import (
     decide,
     sentence_of,
     sets_of_one,
-    sort_effects,
     unseparated_of,
 )
 from bayesfric.diagnosis.weighing import Weighed, weigh
 from bayesfric.diagnosis.where import where_it_lies
 from bayesfric.effects import Effect, with_priors
 from bayesfric.effects.candidates import Candidate, candidates_of
-from bayesfric.physics.friction import Coefficients
 from bayesfric.recording.tables import Recording
 from bayesfric.results import identified, json_bytes, provenance, replace_outputs, write_netcdf
 from bayesfric.rigs.opening import with_own_priors
@@ -216,24 +213,20 @@ def _diagnose(
     first = squeezed(first, psi)
     first_found = _first_look(first, climbing(first, psi, Acting()), steps)
     model, found = _finals(first, first_found, steps)
-    chances = found.probabilities()
     fold_rng, gap_rng, where_rng, draw_rng, check_rng = (
         np.random.default_rng(child) for child in np.random.SeedSequence(analysis.seed).spawn(5)
     )
-    best = found.best()
-    unknown = chances.get(UNKNOWN, 0.0) >= MOSTLY and found.unknown is not None
-    settled = found.unknown.at if unknown and found.unknown is not None else best.at
-    residuals = residuals_of(model.full, settled.psi)
-    posterior = posterior_of(model, found, residuals, draw_rng)
-    known = known_of(model, found, posterior, practical)
-    named, present, possible = sort_effects(known)
+    judged = judge(model, found, law_shipped, practical, draw_rng)
+    found, best = judged.search, judged.search.best()
+    residuals, posterior, arms = judged.residuals, judged.posterior, judged.arms
+    known, named, settled = judged.known, judged.named, judged.settled
+    chances = found.probabilities()
     friction = residuals.friction_rms
     above = float(np.mean(posterior.gap >= practical * friction))
     together = sets_of_one(chances, known, named)
     of_causes = [one for one in known if one.effect in named]
     verdict, chance = decide(chances, of_causes, above, together)
-    arms = _arms(model, found, best, named, settled.psi, law_shipped)
-    plain = residuals_of(arms.plain, arms.psi)
+    plain = judged.plain
     held_out = keeping.record("held-out", HeldOut, lambda: measure_gap(arms, plain, fold_rng))
     gap, left = gap_of(held_out, posterior, residuals, arms, practical, gap_rng, data.unit)
     gap2 = float(np.median(posterior.gap)) ** 2 if above >= MOSTLY else 0.0
@@ -282,8 +275,8 @@ def _diagnose(
         unvisited_probability=found.unvisited(),
         inclusion=inclusion_of(known, posterior, practical),
         causes=causes,
-        present=told(present),
-        possible=told(possible),
+        present=told(judged.present),
+        possible=told(judged.possible),
         scatter=model.named(settled.psi),
         law=law_found,
         unseparated=unseparated,
@@ -364,35 +357,3 @@ def _acting_once(model: LinearModel, found: Search) -> list[tuple[Candidate, flo
         for candidate, amplitude in model.amplitudes(one.at, one.acting):
             acting.setdefault(candidate.effect.name, (candidate, amplitude))
     return list(acting.values())
-
-
-def _arms(
-    model: LinearModel,
-    found: Search,
-    best: Weighed,
-    named: Collection[str],
-    psi: Array,
-    shipped: Mapping[str, Coefficients],
-) -> Arms:
-    within = [one for one in found.weighed.values() if set(one.names) == set(named)]
-    chosen = within[0] if within else best
-    laws = [law for law in chosen.acting.laws if law.effect in named]
-    shapes = [
-        shape
-        for law, shape in zip(chosen.acting.laws, chosen.acting.shapes, strict=True)
-        if law.effect in named
-    ]
-    own = [model.candidate(law, shape) for law, shape in zip(laws, shapes, strict=True)]
-    own = [replace(one, node=shape) for one, shape in zip(own, shapes, strict=True)]
-    plain = model.around(model.laws, own, discrepancy=False, by_trial=False)
-    known = model.around(model.laws, own, by_trial=True)
-    acting = tuple(
-        Law(law.effect, law.law, (place,), (shape,), 0.0)
-        for place, (law, shape) in enumerate(zip(laws, shapes, strict=True))
-    )
-    complete = set(shipped) >= set(model.layout.sizes)
-    causes = Acting(
-        acting, tuple(shapes), tuple(law for law in chosen.acting.phases if law.effect in named)
-    )
-    shipped_here = {size: shipped[size] for size in model.layout.sizes if size in shipped}
-    return Arms(plain, known, psi[: len(model.noise)], causes, shipped_here if complete else None)

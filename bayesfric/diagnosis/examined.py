@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from bayesfric.analysis import Analysis
-from bayesfric.diagnosis.search import Search
+from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.effects import Effect, all_effects
 from bayesfric.errors import Fault, InputError
 from bayesfric.rigs.data import Data

@@ -11,8 +11,8 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from bayesfric.diagnosis.hypotheses import UNKNOWN, Search
 from bayesfric.diagnosis.model import LinearModel
-from bayesfric.diagnosis.search import UNKNOWN, Search
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.layout import COEFFICIENTS

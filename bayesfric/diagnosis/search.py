@@ -5,36 +5,27 @@ noise. The search goes forward from the best ones; what is only screened is a bo
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
-from math import comb
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from bayesfric.analysis import HypothesisPriors
 from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.classes import Classes
 from bayesfric.diagnosis.climbing import curvature_at
 from bayesfric.diagnosis.discrepancy import relative_rms
+from bayesfric.diagnosis.hypotheses import NONE, Search
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.shapes import Quadratic
 from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed, label, log_volume
 
-__all__ = [
-    "NONE",
-    "UNKNOWN",
-    "Search",
-    "Steps",
-    "compare",
-    "search",
-]
+__all__ = ["Steps", "compare", "search"]
 
 Array = NDArray[np.float64]
-NONE, UNKNOWN = "none", "unknown"
 MOST = 4  # effects at a time
 BEAM = 3  # hypotheses of each number that are gone on from
 TRIED = 5  # of those with an effect more, by a first look
@@ -46,7 +37,6 @@ GAIN = 0.5  # nat that a further effect has to gain to be gone on from
 FINALISTS = 8
 NEAREST = 4.0  # nat from the best, of a hypothesis whose own noise is integrated over
 NEARLY = 12.0  # nat from the best, of an unknown force whose own noise is
-LISTED = 1e-6  # probability below which a hypothesis is not listed
 
 
 class Steps(NamedTuple):
@@ -54,82 +44,6 @@ class Steps(NamedTuple):
 
     weigh: Callable[..., Weighed]
     unknown_force: Callable[..., Unknown | None]
-
-
-@dataclass(frozen=True)
-class Search:
-    """Hypotheses weighed.
-
-    Parameters
-    ----------
-    weighed : dict of str to Weighed
-        Named ones and ``none``.
-    rough : dict of str to float
-        Log evidence of hypotheses that were screened only.
-    unknown : Unknown or None
-        An unknown force; None where there are no smooth forces.
-    classes : Classes
-        What is identical, absorbed or left out.
-    priors : HypothesisPriors
-        Of hypotheses by their number of effects.
-    inverse : ndarray
-        Of the curvature of the noise without effects.
-    volume : float
-        Log Laplace volume of the noise, where a hypothesis has none of its own.
-    """
-
-    weighed: dict[str, Weighed]
-    rough: dict[str, float]
-    unknown: Unknown | None
-    classes: Classes
-    priors: HypothesisPriors
-    inverse: Array
-    volume: float
-
-    @property
-    def none(self) -> Weighed:
-        """The baseline alone."""
-        return self.weighed[NONE]
-
-    def log_prior(self, name: str, none: float | None = None) -> float:
-        """Return the log prior probability of a hypothesis, with another one of none."""
-        prior = self.priors
-        rest = 1.0 if none is None else (1 - none) / (1 - prior.none)
-        if name == NONE:
-            return float(np.log(prior.none if none is None else none))
-        if name == UNKNOWN:
-            return float(np.log(rest * prior.unknown))
-        number = name.count("+") + 1
-        mass = {1: prior.one, 2: prior.two}.get(number, prior.more)
-        return float(np.log(rest * mass / comb(len(self.classes.members), number)))
-
-    def worth(self, one: Weighed) -> float:
-        """Return the log of evidence times prior."""
-        return one.log_evidence + self.log_prior(one.label)
-
-    def probabilities(self, none: float | None = None) -> dict[str, float]:
-        """Return posterior probabilities, the largest first, summing to 1."""
-        values = {name: one.log_evidence for name, one in self.weighed.items()}
-        values |= {name: one for name, one in self.rough.items() if name not in values}
-        if self.unknown is not None:
-            values[UNKNOWN] = self.unknown.log_evidence
-        names = list(values)
-        logs = np.array([values[name] + self.log_prior(name, none) for name in names])
-        chances = dict(zip(names, np.exp(logs - logsumexp(logs)), strict=True))
-        listed = {n for n, chance in chances.items() if chance > LISTED} | {NONE}
-        ranked = sorted(listed, key=lambda name: (-chances[name], name))
-        total = sum(chances[name] for name in ranked)
-        found = {name: float(chances[name] / total) for name in ranked}
-        return found if UNKNOWN in found else found | {UNKNOWN: 0.0}
-
-    def unvisited(self) -> float:
-        """Return the probability of hypotheses that were screened only."""
-        chances = self.probabilities()
-        return float(sum(chances.get(name, 0.0) for name in self.rough if name not in self.weighed))
-
-    def best(self) -> Weighed:
-        """Return the most probable hypothesis of those with names, none among them."""
-        return max(self.weighed.values(), key=self.worth)
 
 
 def search(

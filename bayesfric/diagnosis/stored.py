@@ -6,13 +6,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.arms import Arms
 from bayesfric.diagnosis.held_out import HeldOut, gap_row
 from bayesfric.diagnosis.refitted import RefittedLaw
 from bayesfric.diagnosis.residuals import AXES, Residuals
 from bayesfric.diagnosis.systematic import SMALLEST, Posterior, interval, left_of, shrink_of
-from bayesfric.rigs.layout import COEFFICIENTS
 from bayesfric.schemas import Gap
 
 __all__ = ["curves_of", "floor_disagrees", "gap_of"]
@@ -80,10 +78,8 @@ def gap_of(
         force = held_out.residuals.left(before.local) - held_out.residuals.left(after.local)
         taken = residuals.without_law(force)
         open2 = left_of(residuals, posterior, taken)
-        acting = Acting(arms.causes.laws, arms.causes.shapes)
-        start, count = COEFFICIENTS, arms.plain.layout.candidates
-        own = held_out.residuals.columns[:, start : start + count] @ arms.plain.mixing(acting)
-        draws = shrink_of(residuals, posterior, residuals.without_law(own))
+        own = residuals.without_law(arms.of_causes(held_out.residuals))
+        draws = shrink_of(residuals, posterior, own)
         if draws is None or np.median(posterior.gap) < practical * friction / 2:
             why = NO_GAP
         else:

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from scipy.stats import truncnorm
 
 from bayesfric.diagnosis.acting import Acting, At
+from bayesfric.diagnosis.hypotheses import NONE, UNKNOWN, Search
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.refitted import RefittedLaw
 from bayesfric.diagnosis.residuals import Residuals, spread_numbers
-from bayesfric.diagnosis.search import NONE, UNKNOWN, Search
 from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed
 from bayesfric.effects.candidates import is_positive
 from bayesfric.schemas import Interval

@@ -61,6 +61,8 @@ def _diagnosis(found: DiagnosisFile) -> Iterator[Block]:
         "noise the evidence of a hypothesis is a closed form; the noise is climbed to its own mode "
         f"in each. Prior probabilities by number of effects: {prior}, shared equally within a "
         "number. Every hypothesis has the same small discrepancy, since no law is quite right. "
+        "Where effects leave more than 15\u202f% of the squared gap at their best amplitudes, that "
+        "hypothesis counts as an unknown force. "
         "Scatter of trials and of assemblies is normal, whatever the fit takes it to be."
     )
     yield Paragraph(

@@ -1,0 +1,110 @@
+"""Hypotheses that were weighed, and their posterior probabilities."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import comb
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import logsumexp
+
+from bayesfric.analysis import HypothesisPriors
+from bayesfric.diagnosis.classes import Classes
+from bayesfric.diagnosis.unknown import Unknown
+from bayesfric.diagnosis.weighing import Weighed
+
+__all__ = ["NONE", "UNKNOWN", "Search"]
+
+Array = NDArray[np.float64]
+NONE, UNKNOWN = "none", "unknown"
+LISTED = 1e-6  # probability below which a hypothesis is not listed
+
+
+@dataclass(frozen=True)
+class Search:
+    """Hypotheses weighed.
+
+    Parameters
+    ----------
+    weighed : dict of str to Weighed
+        Named ones and ``none``.
+    rough : dict of str to float
+        Log evidence of hypotheses that were screened only.
+    unknown : Unknown or None
+        An unknown force; None where there are no smooth forces.
+    classes : Classes
+        What is identical, absorbed or left out.
+    priors : HypothesisPriors
+        Of hypotheses by their number of effects.
+    inverse : ndarray
+        Of the curvature of the noise without effects.
+    volume : float
+        Log Laplace volume of the noise, where a hypothesis has none of its own.
+    foreign : mapping of frozenset of str to float
+        By effects that act together: the probability, given that they do, that they leave so
+        much that an unknown force acts. That share of theirs counts as ``unknown``.
+    """
+
+    weighed: dict[str, Weighed]
+    rough: dict[str, float]
+    unknown: Unknown | None
+    classes: Classes
+    priors: HypothesisPriors
+    inverse: Array
+    volume: float
+    foreign: Mapping[frozenset[str], float] = field(default_factory=dict)
+
+    @property
+    def none(self) -> Weighed:
+        """The baseline alone."""
+        return self.weighed[NONE]
+
+    def log_prior(self, name: str, none: float | None = None) -> float:
+        """Return the log prior probability of a hypothesis, with another one of none."""
+        prior = self.priors
+        rest = 1.0 if none is None else (1 - none) / (1 - prior.none)
+        if name == NONE:
+            return float(np.log(prior.none if none is None else none))
+        if name == UNKNOWN:
+            return float(np.log(rest * prior.unknown))
+        number = name.count("+") + 1
+        mass = {1: prior.one, 2: prior.two}.get(number, prior.more)
+        return float(np.log(rest * mass / comb(len(self.classes.members), number)))
+
+    def worth(self, one: Weighed) -> float:
+        """Return the log of evidence times prior."""
+        return one.log_evidence + self.log_prior(one.label)
+
+    def probabilities(self, none: float | None = None) -> dict[str, float]:
+        """Return posterior probabilities, the largest first, summing to 1."""
+        values = {name: one.log_evidence for name, one in self.weighed.items()}
+        values |= {name: one for name, one in self.rough.items() if name not in values}
+        if self.unknown is not None:
+            values[UNKNOWN] = self.unknown.log_evidence
+        names = list(values)
+        logs = np.array([values[name] + self.log_prior(name, none) for name in names])
+        chances = dict(zip(names, np.exp(logs - logsumexp(logs)), strict=True))
+        listed = {n for n, chance in chances.items() if chance > LISTED} | {NONE}
+        ranked = sorted(listed, key=lambda name: (-chances[name], name))
+        total = sum(chances[name] for name in ranked)
+        found = {name: float(chances[name] / total) for name in ranked}
+        found.setdefault(UNKNOWN, 0.0)
+        return self._with_foreign(found) if self.foreign else found
+
+    def _with_foreign(self, chances: dict[str, float]) -> dict[str, float]:
+        found = chances.copy()
+        for effects, share in self.foreign.items():
+            for name in chances:
+                if effects <= set(name.split("+")):
+                    found[name] -= share * chances[name]
+                    found[UNKNOWN] += share * chances[name]
+        return dict(sorted(found.items(), key=lambda one: (-one[1], one[0])))
+
+    def unvisited(self) -> float:
+        """Return the probability of hypotheses that were screened only."""
+        chances = self.probabilities()
+        return float(sum(chances.get(name, 0.0) for name in self.rough if name not in self.weighed))
+
+    def best(self) -> Weighed:
+        """Return the most probable hypothesis of those with names, none among them."""
+        return max(self.weighed.values(), key=self.worth)

@@ -1,0 +1,75 @@
+"""Effects that leave too much of the gap are no causes: an unknown force acts."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from bayesfric.analysis import Analysis
+from bayesfric.diagnosis.acting import Acting, At
+from bayesfric.diagnosis.classes import Classes
+from bayesfric.diagnosis.hypotheses import Search
+from bayesfric.diagnosis.judging import _leaves_too_much
+from bayesfric.diagnosis.weighing import Weighed
+
+OWN, REST = np.array([1.0, 1.0, -1.0, -1.0]), np.array([1.0, -1.0, 1.0, -1.0])  # orthogonal
+
+
+def judged(shares, labels):
+    """Draws of a force of rms 0.1 of friction, of whose square effects leave these shares."""
+    shares = np.asarray(shares)
+    force = 0.1 * (np.outer(OWN, np.sqrt(1 - shares)) + np.outer(REST, np.sqrt(shares)))
+    posterior = SimpleNamespace(
+        hypothesis=np.array(labels),
+        force=force,
+        hidden2=np.zeros(shares.size),
+        unresolved2=np.zeros(shares.size),
+        gap=np.full(shares.size, 0.1),
+    )
+    residuals = SimpleNamespace(
+        weight=np.full(4, 0.25), friction_rms=1.0, without_law=lambda column: column
+    )
+    arms = SimpleNamespace(
+        causes=SimpleNamespace(laws=("viscous",)), of_causes=lambda windows: OWN[:, None]
+    )
+    return SimpleNamespace(
+        residuals=residuals, posterior=posterior, arms=arms, plain=residuals, named=["viscous"]
+    )
+
+
+@pytest.mark.parametrize(
+    ("shares", "labels", "practical", "expected"),
+    [
+        ([0.14, 0.14, 0.14, 0.16], ["viscous"] * 4, 0.02, 0.25),
+        ([0.5] * 4, ["viscous"] * 4, 0.02, 1.0),
+        ([0.5] * 4, ["viscous"] * 4, 0.08, 0.0),  # 7.1 % of friction, which does not matter
+        # Draws in which something else acts say nothing of what viscous friction leaves.
+        ([0.5, 0.5, 0.1, 0.1], ["unknown", "slip", "viscous", "slip+viscous"], 0.02, 0.0),
+    ],
+)
+def test_what_is_left_counts_where_it_is_large_and_matters(shares, labels, practical, expected):
+    assert _leaves_too_much(judged(shares, labels), practical) == pytest.approx(expected)
+
+
+def test_what_leaves_too_much_counts_as_unknown_with_all_that_holds_it():
+    weighed = {
+        name: Weighed(() if name == "none" else tuple(name.split("+")), value, None, Acting(), AT)
+        for name, value in (("none", 0.0), ("viscous", 9.0), ("slip+viscous", 11.0), ("slip", 5.0))
+    }
+    classes = Classes(members=(("slip",), ("viscous",)), absorbed=(), left_out={})
+    priors = Analysis().diagnosis.hypotheses
+    plain = Search(weighed, {}, None, classes, priors, np.eye(1), 0.0)
+    before = plain.probabilities()
+    moved = Search(
+        weighed, {}, None, classes, priors, np.eye(1), 0.0, {frozenset(["viscous"]): 0.75}
+    ).probabilities()
+    for name in ("viscous", "slip+viscous"):
+        assert moved[name] == pytest.approx(0.25 * before[name])
+    assert moved["slip"] == before["slip"]
+    assert moved["unknown"] == pytest.approx(0.75 * (before["viscous"] + before["slip+viscous"]))
+    assert sum(moved.values()) == pytest.approx(1.0)
+    assert list(moved.values()) == sorted(moved.values(), reverse=True)
+
+
+NUMBERS = np.zeros(0)
+AT = At(NUMBERS, 0.0, None, SimpleNamespace(), NUMBERS, np.zeros((0, 0)), at_mode=True)
