@@ -17,6 +17,7 @@ __all__ = ["LOGGER", "stage"]
 
 LOGGER = logging.getLogger("bayesfric")
 PATIENCE_S = 5.0  # until steps that are done say how long the rest takes
+ENOUGH = 0.1  # of all steps, since the longest may come first
 
 
 @contextmanager
@@ -66,7 +67,7 @@ def _in_log(title: str) -> Callable[[int, int], None]:
         nonlocal told
         passed = monotonic() - began
         left = passed * (total - done) / done if done else 0.0
-        if not told and passed > PATIENCE_S and left > PATIENCE_S:
+        if not told and done >= ENOUGH * total and passed > PATIENCE_S and left > PATIENCE_S:
             about = f"{left / 60:.0f} min" if left > 90.0 else f"{max(left, 10.0):.0f} s"
             LOGGER.info("%s: about %s to go", title, about)
             told = True

@@ -44,6 +44,7 @@ def test_the_package_logs_and_whoever_runs_it_decides_where_to(capfd, caplog, mo
         (60.0, 1, ["dig: about 9 min to go"]),
         (6.0, 8, []),  # soon over
         (6.0, 0, []),
+        (6.0, 0.9, []),  # less than a tenth, and the longest steps may come first
     ],
 )
 def test_a_log_says_once_how_long_a_long_stage_takes(monkeypatch, caplog, seconds, done, said):

@@ -56,6 +56,7 @@ def test_a_mutant_that_takes_too_much_memory_is_noticed(monkeypatch, tmp_path):
 
     monkeypatch.setattr(evidence, "EVIDENCE", tmp_path)
     monkeypatch.setattr(campaign, "PEAK_MIB", campaign.peak_mib() + 4)
+    monkeypatch.setattr(mutants, "HANGS_S", 60)  # a machine short of memory is slow to give it
     monkeypatch.setattr(campaign, "WHOLE", dict.fromkeys(KINDS, 1))
     monkeypatch.setattr("sys.argv", ["campaign"])
     for kind in KINDS:
