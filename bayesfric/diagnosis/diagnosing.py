@@ -28,7 +28,7 @@ from bayesfric.diagnosis.judging import judge
 from bayesfric.diagnosis.law import law_of_diagnosis
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.next_experiment import next_experiment
-from bayesfric.diagnosis.remainder import remainder_of
+from bayesfric.diagnosis.remainder import all_left, remainder_of
 from bayesfric.diagnosis.search import Steps, compare, search
 from bayesfric.diagnosis.shipped import Shipped, held_of, shipped_numbers, shipped_of
 from bayesfric.diagnosis.simulated import own_law_of, simulator_used
@@ -252,6 +252,11 @@ def _diagnose(
     if target is not None:
         doubt = chances.get(UNKNOWN, 0.0)
         asked_for = friction_at(target, model, law, law_found, posterior, named, examined, doubt)
+    if verdict == "unknown" and found.unknown is not None:
+        remainder = all_left(found, found.unknown)
+    else:
+        gap_share = float(np.median(posterior.gap)) / friction
+        remainder = remainder_of(model, found, best, gap_share, left)
     prior = analysis.diagnosis.hypotheses
     summary = DiagnosisFile(
         **attributes.model_dump(),
@@ -284,9 +289,7 @@ def _diagnose(
             Absorbed(effect=one.effect, by=one.by, bias=one.bias, unit=one.unit)
             for one in found.classes.absorbed
         ),
-        remainder=remainder_of(
-            model, found, best, float(np.median(posterior.gap)) / friction, left
-        ),
+        remainder=remainder,
         where=where,
         gap=gap,
         effects=examined_effects(first_found, sorted({**examined, **lacking}), lacking),

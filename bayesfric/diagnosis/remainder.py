@@ -12,13 +12,14 @@ from bayesfric.diagnosis.unknown import Unknown, unknown_force
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.schemas import Interval, Remainder
 
-__all__ = ["left_matters", "remainder_of"]
+__all__ = ["all_left", "left_matters", "remainder_of"]
 
 Array = NDArray[np.float64]
 LN10 = float(np.log(10))
 LEFT = 0.025  # of the squared gap, that the causes leave with probability 0.95
 SIGNIFICANT = 1.0  # log10 Bayes factor
 DRAWS = 1000
+ALL_LEFT = "no cause is named, so that all of the gap is left"
 
 
 def remainder_of(
@@ -74,6 +75,26 @@ def remainder_of(
         share_of_gap_why=None if share is not None else why,
         axis=axis,
         axis_why=None if axis is not None else why,
+    )
+
+
+def all_left(search: Search, force: Unknown) -> Remainder:
+    """Return the remainder where no cause is named and an unknown force makes the gap.
+
+    Parameters
+    ----------
+    search : Search
+        The hypotheses.
+    force : Unknown
+        The unknown force.
+    """
+    gain = (force.log_evidence - search.none.log_evidence) / LN10
+    return Remainder(
+        significant=gain > SIGNIFICANT,
+        log10_bayes_factor=float(gain),
+        share_of_gap=None,
+        share_of_gap_why=ALL_LEFT,
+        axis=force.best.axis or _widest(force),
     )
 
 

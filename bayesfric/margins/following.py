@@ -111,8 +111,9 @@ def band_of(shaft: LoopAtShaft) -> Array:
 def observers(shaft: LoopAtShaft) -> dict[Compensator, Observer]:
     """Return both observers, at rest.
 
-    That of the LuGre model has the file's γ and F̂, and stretches over the band of the error;
-    the other knows the median inertia and damping, as a designer would.
+    That of the LuGre model has the file's γ and F̂, and stretches over the band of the error,
+    or over 2γF̂/kp where that is wider: its push stays below half of kp. The other knows the
+    median inertia and damping, as a designer would.
     """
     period = np.full(shaft.friction.shape, shaft.sample_time)
     loop = shaft.sampled()
@@ -121,8 +122,9 @@ def observers(shaft: LoopAtShaft) -> dict[Compensator, Observer]:
         np.full_like(period, np.median(loop.array(name))) for name in ("inertia", "viscous")
     )
     cutoff = CUTOFF * natural_frequency(shaft)
+    stretch = np.maximum(band_of(shaft), BAND * full / shaft.kp)
     return {
-        "LuGre observer": LuGreObserver(full, band_of(shaft), period),
+        "LuGre observer": LuGreObserver(full, stretch, period),
         "disturbance observer": DisturbanceObserver(inertia, viscous, cutoff, period),
     }
 

@@ -30,7 +30,7 @@ class Observer(Protocol):
         Parameters
         ----------
         speed : ndarray, shape (draws,)
-            As read since the last sample [rad/s].
+            As the derivative has it, through the low-pass where there is one [rad/s].
         commanded : ndarray, shape (draws,)
             At the last sample [N·m].
         """

@@ -221,8 +221,8 @@ class Following(Record):
     time_s: tuple[Number, ...] = Field(description="Of the bands, since setting off.")
     answer: str = Field(description="Which compensator follows best, in a sentence.")
     error_band_rad: Number = Field(
-        description="Half width of the band of the error's sign, and stretch of the LuGre "
-        "observer, at the motor; median."
+        description="Half width of the band of the error's sign, at the motor; the LuGre observer "
+        "stretches over it, or over 2γF̂/kp where that is wider; median."
     )
     disturbance_cutoff_rad_s: Number = Field(
         description="Corner of the disturbance observer's low-pass; median."

@@ -6,10 +6,14 @@ import numpy as np
 import pytest
 
 from bayesfric.analysis import Analysis
+from bayesfric.diagnosis import judging
 from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.classes import Classes
+from bayesfric.diagnosis.discrepancy import Wide
 from bayesfric.diagnosis.hypotheses import Search
-from bayesfric.diagnosis.judging import _leaves_too_much
+from bayesfric.diagnosis.judging import _leaves_too_much, judge
+from bayesfric.diagnosis.remainder import all_left
+from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.weighing import Weighed
 
 OWN, REST = np.array([1.0, 1.0, -1.0, -1.0]), np.array([1.0, -1.0, 1.0, -1.0])  # orthogonal
@@ -69,6 +73,35 @@ def test_what_leaves_too_much_counts_as_unknown_with_all_that_holds_it():
     assert moved["unknown"] == pytest.approx(0.75 * (before["viscous"] + before["slip+viscous"]))
     assert sum(moved.values()) == pytest.approx(1.0)
     assert list(moved.values()) == sorted(moved.values(), reverse=True)
+
+
+@pytest.mark.parametrize(("force", "times"), [(None, 1), ("an unknown force", 2)])
+def test_effects_are_judged_again_where_they_leave_too_much(monkeypatch, force, times):
+    asked = []
+
+    def once(model, search, shipped, practical, rng):
+        asked.append(dict(search.foreign))
+        return judged([0.5] * 4, ["viscous"] * 3 + ["slip"])
+
+    monkeypatch.setattr(judging, "_judged", once)
+    search = Search({}, {}, force, None, None, np.eye(1), 0.0)
+    judge(None, search, {}, 0.02, np.random.default_rng(0))
+    assert asked == [{}, {frozenset(["viscous"]): 1.0}][:times]
+
+
+def test_the_remainder_of_an_unknown_force_is_that_force():
+    """4.6 nat are two powers of ten; more of the gap than all of it there is not."""
+    search = Search(
+        {"none": Weighed((), 1.0, None, Acting(), AT)}, {}, None, None, None, np.eye(1), 0.0
+    )
+    nodes = Wide(0.1, None), Wide(0.1, "velocity"), Wide(0.1, "tension")
+    force = Unknown(nodes, np.log([0.5, 0.1, 0.4]), 1.0 + 2 * np.log(10), AT, Acting())
+    told = all_left(search, force)
+    assert told.significant
+    assert told.log10_bayes_factor == pytest.approx(2.0)
+    assert told.share_of_gap is None
+    assert "no cause is named" in told.share_of_gap_why
+    assert told.axis == "tension"  # of the single ones, where it is along all
 
 
 NUMBERS = np.zeros(0)

@@ -12,7 +12,7 @@ from bayesfric.cli import app
 from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins
 from bayesfric.margins.assembly import draw_assembly
-from bayesfric.margins.following import follow_all, strokes, with_compensator
+from bayesfric.margins.following import follow_all, observers, strokes, with_compensator
 from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.observers import DisturbanceObserver, LuGreObserver
 from bayesfric.margins.posterior import RigDiscrepancy
@@ -175,6 +175,14 @@ def test_a_lugre_observer_takes_its_share_of_friction_off_the_ramp():
     observer = LuGreObserver(*(np.array([value]) for value in (0.5 * friction, 0.05, T)))
     left = follow(one, stroke(begin=0.1, ramp=2.0), 3.0, observer)[-1]
     assert left == pytest.approx((B * 2.0 + 0.5 * friction) / KP, rel=1e-3)
+
+
+def test_the_lugre_observer_never_pushes_harder_than_half_of_kp():
+    for changes in ({}, {"compensation.gain": 5.0}, {"compensation.boundary_rad": 1e-4}):
+        some = drawn(changes)
+        one = observers(some)["LuGre observer"]
+        assert (one.full / one.stretch <= 0.5 * some.kp * (1 + 1e-12)).all()
+    assert one.full.min() > 0
 
 
 # --- over draws -------------------------------------------------------------------------

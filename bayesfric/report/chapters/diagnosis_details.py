@@ -212,6 +212,8 @@ def remainder(found: DiagnosisFile) -> Iterator[Block]:
                 for q in (rest.share_of_gap.q05, rest.share_of_gap.q50, rest.share_of_gap.q95)
             )
             said += f" It would be {format_interval(middle, low, high)}\u202f% of gap²."
+        elif not found.causes:
+            said += " No cause is named, so that it is all of the gap."
         if rest.axis is not None:
             said += f" It is largest along {axis_words(rest.axis)}."
     yield Paragraph([Strong("Remainder."), said])

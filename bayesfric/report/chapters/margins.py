@@ -197,8 +197,9 @@ def _following(loop: LoopMargins) -> Iterator[Block]:
         note="Reference less joint, with the load and the stretch of the cable; judged for "
         f"{format_number(found.settling_s, 3)} s once the loop has settled, of a reversal from the "
         "turn on. Compensators have the file's γ and F̂; the sign of the error is linear within ± "
-        f"{format_number(found.error_band_rad, 3)} rad of the motor, over which the LuGre "
-        "observer's friction builds up; the disturbance observer's low-pass has its corner at "
+        f"{format_number(found.error_band_rad, 3)} rad of the motor, over which, or over "
+        "2γF̂/kp, the LuGre observer's friction builds up; the disturbance observer's low-pass has "
+        "its corner at "
         f"{format_number(found.disturbance_cutoff_rad_s, 3)} rad/s; neither observer is "
         "looked at for hunting. Least: share of the draws in "
         "which the rms error is within 2 % of the least.",
