@@ -174,6 +174,9 @@ def test_remainder_effects_and_next_experiment_are_the_stored_ones():
     told = paragraphs(stored_diagnosis(remainder=asked))
     assert "The evidence asks for" in told
     assert "It would be 50.0 [45.9, 54.1]\u202f% of gap²" in told
+    whole = asked.model_copy(update={"share_of_gap": None, "share_of_gap_why": "no cause"})
+    assert "it is all of the gap" in paragraphs(stored_diagnosis(remainder=whole, causes=()))
+    assert "it is all of the gap" not in paragraphs(stored_diagnosis(remainder=whole))
 
 
 def test_conditions_that_were_asked_about_have_a_table():
