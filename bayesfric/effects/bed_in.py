@@ -11,9 +11,18 @@ from bayesfric.effects.base import Effect, EffectParameter, State
 Array = NDArray[np.float64]
 
 
-def _settling(p: Mapping[str, Array], state: State) -> Array:
-    left = np.exp(-np.asarray(state.trial_in_setup) / p["trials"])
-    return np.asarray(p["excess"] * state.friction_n * left * (not state.steady))
+def _first(p: Mapping[str, Array], state: State) -> Array:
+    """Return the excess in an assembly's first trial, none where that is long past."""
+    return np.asarray(p["excess"] * state.friction_n * (not state.steady))
+
+
+def _exponential(p: Mapping[str, Array], state: State) -> Array:
+    return np.asarray(_first(p, state) * np.exp(-np.asarray(state.trial_in_setup) / p["trials"]))
+
+
+def _hyperbolic(p: Mapping[str, Array], state: State) -> Array:
+    """Return what is left of surfaces that settle by the square of what is still to settle."""
+    return np.asarray(_first(p, state) / (1 + np.asarray(state.trial_in_setup) / p["trials"]))
 
 
 EFFECT = Effect(
@@ -32,13 +41,13 @@ EFFECT = Effect(
     shape=EffectParameter(
         name="trials",
         unit="1",
-        meaning="trials after which 1/e of the excess is left",
+        meaning="trials after which 1/e of the excess is left, or half of it",
         prior=LogNormal(median=3.0, sd_log=0.7),
         plausible=(0.3, 20.0),
         reference="argued: what takes longer than an assembly's trials is wear or warm-up",
         typical=3.0,
     ),
-    laws={"exponential": _settling},
+    laws={"exponential": _exponential, "hyperbolic": _hyperbolic},
     edge={"trial_in_setup": 0.0},
     needs=frozenset({"pulleys"}),
 )

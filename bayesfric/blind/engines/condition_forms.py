@@ -240,8 +240,14 @@ BED_IN = Kind(
             share(lambda p, s: np.exp(-s.trial_in_setup / p["trials"]) * (not s.steady)),
             draw=uniform(trials=(1.0, 4.0)),
         ),
-        Form(  # of two surfaces that wear where they touch
-            "reciprocal", False, share(lambda p, s: (not s.steady) / (1 + s.trial_in_setup))
+        Form(
+            "hyperbolic",
+            True,
+            share(lambda p, s: (not s.steady) / (1 + s.trial_in_setup / p["trials"])),
+            draw=uniform(trials=(1.0, 4.0)),
+        ),
+        Form(  # of a cable that creeps into its groove, by a power of the number of runs
+            "power", False, share(lambda p, s: (not s.steady) / np.sqrt(1 + s.trial_in_setup))
         ),
     ),
     ("trial_in_setup",),

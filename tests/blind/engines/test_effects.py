@@ -49,6 +49,7 @@ OWN = [
     ("wear-drift", "saturating", "saturating", 0.3, {}),
     ("end-asymmetry", "relative", "relative", -0.2, {}),
     ("bed-in", "exponential", "exponential", 0.3, {"trials": 2.0}),
+    ("bed-in", "hyperbolic", "hyperbolic", 0.3, {"trials": 2.0}),
     ("length-scale", "proportional", "proportional", 0.02, {}),
     ("clock-scale", "proportional", "proportional", 0.01, {}),
     ("slip", "proportional", "proportional", 0.03, {}),
@@ -263,7 +264,8 @@ def test_beds_in_by_the_trials_of_its_own_assembly(clean):
     forms = {form.name: form for form in EFFECTS["bed-in"].forms}
     for name, shape, left in (
         ("exponential", {"trials": 2.0}, np.exp(-place / 2)),
-        ("reciprocal", {}, 1 / (1 + place)),
+        ("hyperbolic", {"trials": 2.0}, 1 / (1 + place / 2)),
+        ("power", {}, 1 / np.sqrt(1 + place)),
     ):
         effect = Acting(EFFECTS["bed-in"], forms[name], shape, 0.2)
         entering = np.full_like(state.slope, 15.0)
