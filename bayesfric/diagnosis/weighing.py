@@ -133,18 +133,20 @@ def weigh(
     form, weights = 0.0, np.zeros(len(forms))
     for _ in range(ROUNDS):
         at = climb(model, psi, acting, None, dict.fromkeys(names, form), inverse)
-        before, moved = acting, at.psi
+        before = acting, form
+        psi = at.psi
         known |= {f"{w.effect}:{w.law}": s for w, s in zip(acting.laws, acting.shapes, strict=True)}
-        results = _chosen(model, free, phases, moved, known, forms)
+        results = _chosen(model, free, phases, psi, known, forms)
         weights = np.array([total for _, (total, _) in results])
         form = forms[int(np.argmax(weights))]
         acting, (_, choices) = results[int(np.argmax(weights))]
-        psi = moved
-        if _same(before, acting):
+        if _same(before[0], acting) and before[1] == form:
             break
+    share = dict.fromkeys(names, form)
+    # What follows is measured from the value of these laws, shapes and forms, and no others.
+    at = replace(model.evaluate(psi, acting, None, share), at_mode=at.at_mode)
     prior, _ = model.log_prior(psi, acting)
     total = float(logsumexp(weights) - np.log(len(forms))) + prior
-    share = dict.fromkeys(names, form)
     if phases:
         total += _over_amplitudes(model, at, acting, share)
     shares = np.exp(weights - logsumexp(weights))

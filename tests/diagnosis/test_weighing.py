@@ -1,19 +1,25 @@
 """Bayes factors against what they cannot be, and the closed form over the noise against draws."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from diagnosis.boards import model_of
+from diagnosis.boards import SMALL, data_of, model_of
 from scipy.integrate import quad
 from scipy.stats import norm
 
+from bayesfric.analysis import Analysis
 from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.checked import Checked, factor_error, noise_checked
 from bayesfric.diagnosis.climbing import climb, curvature_at
+from bayesfric.diagnosis.forms import other_forms
+from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.squeezing import squeezed
-from bayesfric.diagnosis.weighing import Weighed, log_volume, weigh
-from bayesfric.effects.candidates import is_positive
+from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed, log_volume, weigh
+from bayesfric.effects import all_effects
+from bayesfric.effects.candidates import candidates_of, is_positive
+from bayesfric.rigs.truth import AppliedEffect, Truth
+from bayesfric.simulate import simulate_recording, table1_coefficients
 
 NAMES = ("viscous", "stribeck", "wear-drift", "fixed-drag", "mass-error", "cable-weight")
 
@@ -41,6 +47,38 @@ def test_a_nested_effect_loses_no_more_than_its_own_width():
         one = weigh(model, (name,), [none.at.psi], inverse, 0.0)
         assert one.log_evidence - none.log_evidence > min(least) - 0.1, name
         assert not one.bound, name
+
+
+def test_an_effect_of_phases_that_is_not_there_gains_nothing_beside_one_of_another_form():
+    """What another form of viscous friction gains is counted once.
+
+    The wave is not there, and its amplitude has a proper prior: with it the evidence is
+    at most what it is without.
+    """
+    effect = all_effects()["viscous"]
+    (name, own), *_ = effect.laws.items()
+    foreign = replace(effect, laws={name: lambda p, state: own(p, state) * state.speed_m_s})
+    truth = Truth(effects=[AppliedEffect(foreign, name, {effect.amplitude.name: 1.0})])
+    recording = simulate_recording(SMALL, seed=5, rigs=("gravity",), truth=truth)
+    names = ("runout", "viscous")
+    candidates = [one for name in names for one in candidates_of(all_effects()[name])]
+    first = LinearModel(data_of(recording), table1_coefficients(), candidates, Analysis())
+    at = climb(first, first.start, Acting())
+    inverse = np.linalg.inv(curvature_at(first, at, Acting()))
+    known = weigh(first, ("viscous",), [at.psi], inverse, 0.0)
+    acting = first.amplitudes(known.at, known.acting)
+    forms = other_forms([rig.rows for rig in first.rigs], acting)
+    model = first.around(first.fitted_laws(known.at), candidates, scattering=acting, forms=forms)
+    alone, both = (
+        weigh(model, names, [known.at.psi], inverse, 0.0, forms=FORM_SHARES)
+        for names in (("viscous",), ("viscous", "runout"))
+    )
+    assert alone.form > 0
+    assert alone.log_evidence > known.log_evidence
+    assert both.log_evidence < alone.log_evidence + 0.1
+    # Steps along its log amplitude are measured from here.
+    at_own_form = model.evaluate(both.at.psi, both.acting, None, both.forms)
+    assert both.at.value == pytest.approx(at_own_form.value, rel=1e-12)
 
 
 @dataclass
