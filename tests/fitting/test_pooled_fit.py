@@ -53,7 +53,7 @@ def test_boards_with_the_same_data_stay_where_they_are(folder, small_fit):
 
 def test_draws_hold_the_population_and_each_board(folder):
     summary = read_json(FitFile, folder / "fit.json")
-    with xr.open_datatree(folder / "draws.nc", engine="h5netcdf") as tree:
+    with xr.open_datatree(folder / "draws.nc", engine="netcdf4") as tree:
         posterior = tree["posterior"].to_dataset().load()
     assert posterior["c1"].dims == ("chain", "draw", "pulley")
     assert posterior["board_c1"].dims == ("chain", "draw", "board", "pulley")
@@ -90,7 +90,7 @@ def test_margins_are_those_of_a_board_that_was_not_measured(folder, small_fit, t
         (path.parent / "boards" / board).mkdir(parents=True)
         write_netcdf(draws, path.parent / "boards" / board / "draws.nc")
     posterior, discrepancy = read_draws(path)
-    with xr.open_datatree(path.with_name("predictive.nc"), engine="h5netcdf") as tree:
+    with xr.open_datatree(path.with_name("predictive.nc"), engine="netcdf4") as tree:
         c1 = tree["new_board"]["c1"].sel(pulley="small").to_numpy()
     assert posterior.coefficients["small"].c1 == pytest.approx(
         c1[:, :: -(-c1.size // 4000)].ravel()

@@ -25,10 +25,10 @@ TESTED = {
 
 def with_ranges(path, **changes):
     write_draws(path, n=40)
-    with xr.open_datatree(path, engine="h5netcdf") as opened:
+    with xr.open_datatree(path, engine="netcdf4") as opened:
         tree = opened.load()
     tree.attrs |= TESTED | changes
-    tree.to_netcdf(path.with_name("known.nc"), engine="h5netcdf")
+    tree.to_netcdf(path.with_name("known.nc"), engine="netcdf4")
     return path.with_name("known.nc")
 
 
