@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.stats import truncnorm
 
 from bayesfric.diagnosis.acting import Acting, At
+from bayesfric.diagnosis.discrepancy import Wide
 from bayesfric.diagnosis.hypotheses import NONE, UNKNOWN, Search
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.refitted import RefittedLaw
@@ -109,9 +110,9 @@ def posterior_of(
         if not count:
             continue
         one = search.weighed[name if name != UNKNOWN else NONE]
-        at = one.at
+        at, wide, form = one.at, None, one.forms
         if name == UNKNOWN and search.unknown is not None:
-            at = search.unknown.at
+            at, wide, form = search.unknown.at, search.unknown.best, search.unknown.forms
             one = replace(one, acting=search.unknown.acting, at=at)
         own = model.full if name == UNKNOWN else model
         if name == UNKNOWN:
@@ -146,8 +147,8 @@ def posterior_of(
                 _shape_draws(own, one, column, int(count), rng)
             )
         for place, law in enumerate(acting.phases):
-            spread = 1 / np.sqrt(max(_amplitude_curvature(own, one, place), 1e-2))
             middle = at.psi[len(model.noise) + place]
+            spread = _log_spread(own, at.psi, acting, place, wide, form)
             values = np.exp(middle + spread * rng.standard_normal(int(count)))
             amplitudes.setdefault(law.effect, []).append(values)
             share = values * _phase_share(model, law.places[0])
@@ -257,14 +258,21 @@ def _phase_share(model: LinearModel, place: int) -> float:
     return relative_rms([rig.rows for rig in model.rigs], model.candidates[place])
 
 
-def _amplitude_curvature(model: LinearModel, one: Weighed, place: int) -> float:
-    psi = one.at.psi
+def _log_spread(
+    model: LinearModel,
+    psi: Array,
+    acting: Acting,
+    place: int,
+    wide: Wide | None,
+    form: Mapping[str, float],
+) -> float:
+    """Return the standard deviation of the logarithm of an amplitude with phases."""
     step = np.zeros_like(psi)
     step[len(model.noise) + place] = 0.1
-    values = [
-        model.evaluate(psi + sign * step, one.acting, None, one.forms).value for sign in (1, -1)
-    ]
-    return (2 * one.at.value - sum(values)) / 0.01
+    below, here, above = (
+        model.evaluate(one, acting, wide, form).value for one in (psi - step, psi, psi + step)
+    )
+    return float(np.sqrt(0.1**2 / max(2 * here - below - above, 1e-2 * 0.1**2)))
 
 
 def _shape_draws(

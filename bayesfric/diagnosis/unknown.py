@@ -13,7 +13,7 @@ from bayesfric.diagnosis.climbing import climb, curvature_at
 from bayesfric.diagnosis.discrepancy import Wide
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.squeezing import squeezed
-from bayesfric.diagnosis.weighing import Weighed, log_volume
+from bayesfric.diagnosis.weighing import Weighed, log_volume, over_amplitudes
 
 __all__ = ["Unknown", "unknown_force"]
 
@@ -38,6 +38,8 @@ class Unknown:
         With the most probable node.
     acting : Acting
         Effects beside it, which make less of the gap than it does.
+    form : float
+        The share by which their laws are wrong.
     """
 
     nodes: tuple[Wide, ...]
@@ -45,11 +47,17 @@ class Unknown:
     log_evidence: float
     at: At
     acting: Acting
+    form: float = 0.0
 
     @property
     def best(self) -> Wide:
         """The most probable node."""
         return self.nodes[int(np.argmax(self.log_weights))]
+
+    @property
+    def forms(self) -> dict[str, float]:
+        """The share of each effect beside it."""
+        return dict.fromkeys(self.acting.names, self.form)
 
 
 def unknown_force(
@@ -116,8 +124,9 @@ def unknown_force(
             break
     at = model.evaluate(psi, acting, nodes[int(np.argmax(found))], form)
     total = float(logsumexp(found) - np.log(len(nodes))) + volume
+    total += over_amplitudes(small, there, acting, form)
     if near is not None and total > near:
         noise = slice(len(model.noise))
         total += log_volume(curvature_at(small, there, acting, form)[noise, noise]) - volume
     # Along all axes is as likely as along any one.
-    return Unknown(nodes, found - logsumexp(found), total, at, acting)
+    return Unknown(nodes, found - logsumexp(found), total, at, acting, without.form)

@@ -12,7 +12,7 @@ from bayesfric.diagnosis.climbing import climb, curvature_at
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.shapes import Choice, Quadratic, choose
 
-__all__ = ["FORM_SHARES", "Weighed", "label", "log_volume", "weigh"]
+__all__ = ["FORM_SHARES", "Weighed", "label", "log_volume", "over_amplitudes", "weigh"]
 
 Array = NDArray[np.float64]
 NONE = "none"
@@ -147,8 +147,7 @@ def weigh(
     at = replace(model.evaluate(psi, acting, None, share), at_mode=at.at_mode)
     prior, _ = model.log_prior(psi, acting)
     total = float(logsumexp(weights) - np.log(len(forms))) + prior
-    if phases:
-        total += _over_amplitudes(model, at, acting, share)
+    total += over_amplitudes(model, at, acting, share)
     shares = np.exp(weights - logsumexp(weights))
     found = Weighed(
         names,
@@ -204,10 +203,18 @@ def log_volume(curvature: Array) -> float:
     return float(0.5 * (values.size * np.log(2 * np.pi) - np.log(values).sum()))
 
 
-def _over_amplitudes(
-    model: LinearModel, at: At, acting: Acting, form: Mapping[str, float]
-) -> float:
-    """Return the log integral over amplitudes with phases, one at a time, over its mode."""
+def over_amplitudes(model: LinearModel, at: At, acting: Acting, form: Mapping[str, float]) -> float:
+    """Return the log integral over amplitudes with phases, one at a time, over its mode.
+
+    Parameters
+    ----------
+    model : LinearModel
+        All rigs.
+    at : At
+        The mode, of the same effects and forms: their value there is what others are held to.
+    acting, form
+        As of :meth:`~bayesfric.diagnosis.model.LinearModel.evaluate`.
+    """
     total, noise = 0.0, len(model.noise)
     for place in range(noise, at.psi.size):
 
