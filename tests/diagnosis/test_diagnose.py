@@ -9,6 +9,9 @@ import pytest
 from altered import by_acceleration, with_trials
 
 from bayesfric.analysis import Analysis, Scatter
+from bayesfric.blind.engines import reference
+from bayesfric.blind.engines.nuisances import Nuisances
+from bayesfric.blind.engines.reference import Withheld
 from bayesfric.diagnosis import diagnose
 from bayesfric.effects import State, all_effects
 from bayesfric.errors import InputError
@@ -284,3 +287,15 @@ def test_eight_empty_boards():
         agree += found.gap.floor_agrees
     assert outside <= 0.05 * panels
     assert agree >= 7
+
+
+@pytest.mark.nightly
+def test_rough_wander_is_no_force_of_its_own(monkeypatch):
+    """Friction wanders over 25 mm; ten cosines left 1 % of it to an unknown force."""
+    rough = Nuisances(wander=0.02, wander_length_m=0.025)
+    monkeypatch.setattr(reference, "draw_nuisances", lambda _: rough)
+    made = reference.make(Withheld("none", (), "own"), 11)
+    rules = Analysis().diagnosis.model_copy(update={"practical_share": 0.005})
+    found = diagnose(made.recording, Analysis(diagnosis=rules)).summary
+    assert found.verdict == "no-gap"
+    assert found.gap.systematic.q95 < 0.005 * found.gap.friction_rms

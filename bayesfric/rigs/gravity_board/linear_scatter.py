@@ -23,7 +23,7 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
-WAVES = 10  # cosines along the travel
+WAVES = 20  # cosines along the travel; half the wavelength of the last is 3 cm of 0.6 m
 TRIAL, INTERCEPT, WANDER, ELSEWHERE = 0, 1, slice(2, 2 + WAVES), 2 + WAVES
 ALWAYS = 3 + WAVES  # columns that scatter in every hypothesis
 EVENT_SD_M = 30e-6  # of an event on a good board
