@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from bayesfric import results
 from bayesfric.checkpoint import Checkpoint
 from bayesfric.claims.checking import Checked
 from bayesfric.claims.stored_fit import current_posterior
@@ -165,6 +166,13 @@ def test_damaged_netcdf_is_refused_wherever_it_is_damaged(pairs, tmp_path):
             read_tree(path)
     path.write_bytes(whole[:mark] + b"B" + whole[mark + 1 :])
     xr.testing.assert_identical(read_tree(path), expected)
+
+
+def test_an_array_of_more_bytes_than_any_result_has_is_refused(pairs, tmp_path, monkeypatch):
+    pairs["claims"][0].write(tmp_path)
+    monkeypatch.setattr(results, "LARGEST_ARRAY", 7)  # of a single number
+    with pytest.raises(InputError, match=r"claims\.nc"):
+        read_tree(tmp_path / "claims.nc")
 
 
 def test_arrays_that_another_library_changed_are_read_as_they_are(pairs, tmp_path):
