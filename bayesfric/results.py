@@ -23,12 +23,12 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
 from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.checksum import add_checksum, checksum_differs, has_checksum
 from bayesfric.errors import Fault, InputError
 from bayesfric.files import file_bytes
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.coefficients import NO_PULLEY, coefficient_name, law_of
 from bayesfric.schemas import FitFile, Provenance, RecordingId
-from bayesfric.seal import add_seal, broken_seal, has_seal
 
 __all__ = [
     "created_date",
@@ -175,19 +175,20 @@ def identified(record: File) -> File:
 
 
 def write_netcdf(tree: xr.DataTree, path: Path, run_id: str = "") -> None:
-    """Write a tree as netCDF-4, compressed, without creation times, with its run id, sealed."""
+    """Write a tree as netCDF-4, compressed, with its run id and a checksum, without times."""
     tree = tree.copy()
     tree.attrs = tree.attrs | {"run_id": run_id, "layout": _layout(tree)}
     encoding = {
         f"/{node.path.strip('/')}": {
-            str(name): {"zlib": True, "complevel": 4, "shuffle": True}
+            # Where the checksum of the file is lost, those of its arrays are left.
+            str(name): {"zlib": True, "complevel": 4, "shuffle": True, "fletcher32": True}
             for name, variable in node.data_vars.items()
             if variable.dtype.kind == "f" and variable.size > 1
         }
         for node in tree.subtree
     }
     tree.to_netcdf(path, engine=ENGINE, encoding=encoding)
-    add_seal(path)
+    add_checksum(path)
 
 
 def json_bytes(record: BaseModel) -> bytes:
@@ -258,16 +259,16 @@ def read_tree(path: Path) -> xr.DataTree:
 
 
 def _check_bytes(path: Path) -> None:
-    """Find damage before it meets the netCDF library: by the seal, else by arrays' checksums."""
-    sealed = has_seal(path)
-    if sealed and broken_seal(path):
+    """Find damage before it meets the netCDF library: by its checksum, else by its arrays'."""
+    whole = has_checksum(path)
+    if whole and checksum_differs(path):
         raise ValueError("its bytes have changed")
 
     def check(name: str, item: h5py.HLObject) -> None:
         if isinstance(item, h5py.Dataset) and item.shape is not None:
             if item.nbytes > LARGEST_ARRAY:
                 raise ValueError(f"{name} has {item.nbytes:,} bytes")
-            if not sealed:
+            if not whole:
                 item[()]
 
     with h5py.File(path, "r") as file:

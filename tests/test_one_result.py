@@ -176,7 +176,7 @@ def test_an_array_of_more_bytes_than_any_result_has_is_refused(pairs, tmp_path, 
 
 
 def test_arrays_that_another_library_changed_are_read_as_they_are(pairs, tmp_path):
-    """HDF5 cuts the seal off: the file is one without."""
+    """HDF5 cuts the checksum off: the file is read like one without."""
     pairs["claims"][0].write(tmp_path)
     path = tmp_path / "claims.nc"
     expected = read_tree(path)

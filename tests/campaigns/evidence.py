@@ -17,7 +17,7 @@ from house.imports import imports_of
 
 ROOT = Path(__file__).resolve().parents[2]
 EVIDENCE = ROOT / "reports" / "evidence"
-WORK = EVIDENCE / "work"  # cases of a campaign under way; not tracked
+WORK = EVIDENCE / "cases"  # cases of a campaign under way; not tracked
 PACKAGE = ROOT / "bayesfric"
 COMMAND = "make test-long"
 STORES_AND_SHOWS = {"campaign", "checkpoint", "errors", "plots", "resources", "results", "schemas"}

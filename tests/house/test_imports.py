@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[2]
 
 # From the base up. Rooms of one row may import each other, in one direction.
 ROWS = (
-    ("errors", "characters", "files", "resources", "seal"),
+    ("errors", "characters", "files", "resources", "checksum"),
     ("recording",),
     ("logs",),
     ("paper", "families", "priors", "analysis", "schemas"),
@@ -50,7 +50,7 @@ ONLY = {
     "characters": set(),
     "files": set(),
     "resources": set(),
-    "seal": set(),
+    "checksum": set(),
     "campaign": set(),  # maps any function over any cases
     "checkpoint": set(),  # any computation
     "progress": set(),  # any stage

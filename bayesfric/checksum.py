@@ -1,33 +1,33 @@
-"""A hash behind a file's own bytes: damage is told before a library reads them.
+"""A checksum behind a file's own bytes: damage is told before a library reads them.
 
-HDF5 looks for nothing behind its end, so that a sealed netCDF file opens everywhere. A file
-that is changed with such a library loses its seal, and is then read like one without.
+HDF5 ignores what stands behind its end, so that such a netCDF file opens everywhere. A library
+that changes the file cuts the checksum off; the file is then read like one without.
 """
 
 import hashlib
 from pathlib import Path
 
-__all__ = ["add_seal", "broken_seal", "has_seal"]
+__all__ = ["add_checksum", "checksum_differs", "has_checksum"]
 
 MARK = b"bayesfric sha256 "
 LENGTH = len(MARK) + hashlib.sha256().digest_size
 CHUNK = 1024**2
 
 
-def add_seal(path: Path) -> None:
-    """Write the hash of a file behind it."""
+def add_checksum(path: Path) -> None:
+    """Write the SHA-256 of a file behind it."""
     digest = _digest(path, path.stat().st_size)
     with path.open("ab") as file:
         file.write(MARK + digest)
 
 
-def has_seal(path: Path) -> bool:
-    """Return whether a hash stands behind a file, right or wrong."""
+def has_checksum(path: Path) -> bool:
+    """Return whether a checksum stands behind a file, right or wrong."""
     return _end(path).startswith(MARK)
 
 
-def broken_seal(path: Path) -> bool:
-    """Return whether the hash behind a file is of other bytes than those before it."""
+def checksum_differs(path: Path) -> bool:
+    """Return whether the checksum behind a file is not that of the bytes before it."""
     return _end(path) != MARK + _digest(path, path.stat().st_size - LENGTH)
 
 
