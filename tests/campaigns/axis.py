@@ -13,6 +13,7 @@ from scipy.stats import binomtest
 from bayesfric.diagnosis import diagnose
 from bayesfric.recording import read_recording
 
+RIGS = ("single_axis",)
 TEST_RUNS = (3, 4, 5)
 EFFECTS = {
     "viscous": {"viscous": 0.8},

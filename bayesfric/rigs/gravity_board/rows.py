@@ -351,11 +351,10 @@ class GravityRows(ReferenceMotion):
         at_ends = [np.full_like(self.residual, end) for end in (0.0, 1.0)]
         if not all(np.any(law(values, reading._replace(is_load=end))) for end in at_ends):
             # Seen by one sensor alone: where there is another one, that tells it from any
-            # motion, so that the measured motion may stand for the true one.
+            # motion, so that what was read and how fast may stand for the reference law's.
             both = self._seen_by_both()
-            travel = self._at_rows(self._travel) - self._before[self.events.trial]
             reading = reading._replace(
-                displacement_m=np.where(both, travel, reading.displacement_m),
+                displacement_m=np.where(both, self.events.displacement, reading.displacement_m),
                 speed_m_s=np.where(both, self._speed, reading.speed_m_s),
             )
         return np.asarray(law(values, reading))
