@@ -15,6 +15,12 @@ def _relative(p: Mapping[str, Array], state: State) -> Array:
     return np.asarray(p["difference"] * state.friction_n * np.asarray(state.drive_end))
 
 
+def _constant_part(p: Mapping[str, Array], state: State) -> Array:
+    """Return the difference where it is one of seals or grease, which no tension changes."""
+    ends = np.asarray(state.drive_end) * np.ones_like(state.tension_n)
+    return np.asarray(p["difference"] * np.asarray(state.constant_friction_n) * ends)
+
+
 EFFECT = Effect(
     name="end-asymmetry",
     acts_on="friction",
@@ -22,13 +28,14 @@ EFFECT = Effect(
     amplitude=EffectParameter(
         name="difference",
         unit="1",
-        meaning="friction with the drive mass on the right less that on the left, as a share",
+        meaning="friction, or its constant part, with the drive mass on the right less that on "
+        "the left, as a share",
         prior=Normal(mean=0.0, sd=0.1),
         plausible=(-0.2, 0.2),
         reference="argued: two ends of one board are built alike; a guide that rubs at one of "
         "them may cost a tenth",
     ),
-    laws={"relative": _relative},
+    laws={"relative": _relative, "constant-part": _constant_part},
     edge={"drive_end": 0.5},
     needs=frozenset({"pulleys"}),
     two_ends="drive_end",
