@@ -219,10 +219,9 @@ END_ASYMMETRY = Kind(
     "1",
     (
         Form("relative", True, share(lambda p, s: s.drive_end)),
-        # A guide that rubs alike at every tension.
-        Form(
-            "constant", False, lambda p, s, t: p["amplitude"] * s.drive_end * s.constant_n + 0 * t
-        ),
+        Form("constant", True, lambda p, s, t: p["amplitude"] * s.drive_end * s.constant_n + 0 * t),
+        # A guide that rubs alike whatever the tension and the pulleys.
+        Form("guide", False, lambda p, s, t: p["amplitude"] * s.drive_end + 0 * t),
     ),
     ("drive_end",),
     signed=True,

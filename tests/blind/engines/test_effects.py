@@ -48,6 +48,7 @@ OWN = [
     ("wear-drift", "linear", "linear", 0.3, {}),
     ("wear-drift", "saturating", "saturating", 0.3, {}),
     ("end-asymmetry", "relative", "relative", -0.2, {}),
+    ("end-asymmetry", "constant", "constant-part", -0.2, {}),
     ("bed-in", "exponential", "exponential", 0.3, {"trials": 2.0}),
     ("bed-in", "hyperbolic", "hyperbolic", 0.3, {"trials": 2.0}),
     ("length-scale", "proportional", "proportional", 0.02, {}),
@@ -281,6 +282,14 @@ def test_only_the_constant_part_differs_with_the_end(clean):
     expected = 0.2 * np.tile([0.5, -0.5], 90)[:, None] * state.constant_n
     for tension in (5.0, 30.0):
         assert effect(state, np.full_like(state.slope, tension)) == pytest.approx(expected)
+
+
+def test_a_guide_rubs_by_as_much_in_every_trial(clean):
+    state = clean.board.state
+    forms = {form.name: form for form in EFFECTS["end-asymmetry"].forms}
+    effect = Acting(EFFECTS["end-asymmetry"], forms["guide"], {}, 0.2)
+    force = effect(state, np.full_like(state.slope, 15.0))
+    assert force[:, 0] == pytest.approx(np.tile([0.1, -0.1], 90))
 
 
 @pytest.mark.parametrize("name", ["end-asymmetry", "bed-in"])
