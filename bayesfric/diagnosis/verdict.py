@@ -165,6 +165,8 @@ def sentence_of(
             f"Once recalibrated, the simulation is systematically off by less than {share:.1%} of "
             f"friction (probability {chance:.2f}); the median is {size}.{absorbed}"
         )
+    if verdict == "undecided" and not causes and gap.systematic.q05 >= share * friction:
+        return f"A gap of {size} is there (probability {chance:.2f}); what causes it stays open."
     if verdict == "undecided":
         left = (
             f"{acting}; whether more than {share:.1%} of friction is left once the law is "

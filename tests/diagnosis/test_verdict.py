@@ -67,6 +67,8 @@ def test_effects_of_which_one_acts():
 def test_a_cause_without_a_sure_gap_is_in_the_sentence(verdict):
     """An effect of a practical size acts, and the refitted law absorbs most of its force."""
     gap = diagnosis().gap
+    open_still = gap.systematic.model_copy(update={"q05": 0.01 * gap.friction_rms})
+    gap = gap.model_copy(update={"systematic": open_still})
 
     def sentence(causes):
         return sentence_of(verdict, 0.97, causes, gap, (), (), 0.02)
@@ -75,6 +77,14 @@ def test_a_cause_without_a_sure_gap_is_in_the_sentence(verdict):
     assert "acts" not in sentence([])
     assert ("no cause is sure" in sentence([])) == (verdict == "undecided")
     assert "no cause is sure" not in sentence([cause("viscous")])
+
+
+def test_a_gap_that_is_surely_there_is_not_said_to_be_open():
+    gap = diagnosis().gap
+    share = gap.systematic.q05 / gap.friction_rms
+    there = sentence_of("undecided", 0.97, [], gap, (), (), 0.9 * share)
+    assert "is there (probability 0.97); what causes it stays open" in there
+    assert "gap of up to" in sentence_of("undecided", 0.97, [], gap, (), (), 1.1 * share)
 
 
 def test_an_unknown_force_that_is_too_small_to_count_is_said_to_be_so():
