@@ -50,7 +50,7 @@ class LinearModel:
         Whether there are smooth forces and small amounts.
     scattering : sequence of (Candidate, float)
         Effects that act, with their amplitudes: what they add to friction scatters with it,
-        and trials start to move with them.
+        trials start to move with them, and sensors disagree unevenly by them.
     small : sequence of (Candidate, float), or None
         Small amounts of effects; None is of all candidates.
     forms : sequence of (Candidate, float)
@@ -84,8 +84,8 @@ class LinearModel:
     ) -> None:
         self.data, self.laws, self.candidates = data, dict(laws), tuple(candidates)
         self.analysis, self.fixed = analysis, fixed
-        self.scattering = tuple(on_friction(scattering))
-        rows = [one.linear(laws, self.scattering) for one in data.rigs]
+        self.scattering = tuple(scattering)
+        rows = [one.linear(laws, on_friction(scattering)) for one in data.rigs]
         self.friction_scale = rms_friction(data.sizes, rows)
         share = discrepancy_share(analysis.diagnosis.practical_share)
         self.discrepancy = Discrepancy(share)

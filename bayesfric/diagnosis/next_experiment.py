@@ -2,7 +2,8 @@
 
 Conditions that a rig can have, by what was recorded, are laid out as trials without noise; the
 expected log Bayes factor of one trial is half the squared distance of what two hypotheses
-predict, in units of the noise, friction's scatter and what is not known of the law.
+predict, in units of the noise, friction's scatter, what is not known of the law, and the
+discrepancy that every hypothesis leaves open.
 """
 
 from collections.abc import Mapping
@@ -88,10 +89,11 @@ def _most_telling(
         candidates,
         model.analysis,
         model.fixed,
-        discrepancy=False,
         scattering=model.scattering,
+        small=model.full.discrepancy.amounts,
     )
     noise = model.named(one.at.psi)
+    left_open = _left_open(rows)
     best: NextExperiment | None = None
     for trials, rig in zip(data.rigs, rows.rigs, strict=True):
         told = rig.told(noise)
@@ -107,7 +109,7 @@ def _most_telling(
             start += len(which.acting.laws)
         found = np.array(
             [
-                _expected(model, rows, rig, trial, told[trial], mean[trial], spreads)
+                _expected(model, rows, rig, trial, told[trial], mean[trial], spreads, left_open)
                 for trial in range(len(told))
             ]
         )
@@ -125,6 +127,17 @@ def _most_telling(
                 log10_bayes_factor=float(found[top]),
             )
     return best
+
+
+def _left_open(rows: LinearModel) -> Array:
+    """Return the variance of the discrepancy's local numbers, 0 of all others, shape (q,)."""
+    layout = rows.layout
+    own, shared = rows.discrepancy.rms(None)
+    found = np.zeros(layout.local)
+    found[COEFFICIENTS : COEFFICIENTS + own.size] = own**2
+    start = layout.own + layout.candidates
+    found[start : start + shared.size] = shared**2
+    return found
 
 
 def _shared(
@@ -152,12 +165,13 @@ def _shared(
     """
     layout, count = model.layout, len(which.acting.laws)
     own = np.arange(COEFFICIENTS)
+    first = rows.layout.own + start
     names = [one.rows.name for one in model.rigs]
     mine = layout.nuisance(names.index(rig.rows.name))
     # Of the local numbers to those of all sizes: candidates are mixed, sizes stand side by side.
     moved = count - layout.candidates + layout.own * (len(layout.sizes) - 1)
     laid = np.arange(rows.layout.local)[rows.layout.nuisance(rows.rigs.index(rig))]
-    local = np.r_[own, COEFFICIENTS + start + np.arange(count), laid]
+    local = np.r_[own, first + np.arange(count), laid]
     # A new trial may lack those of a sensor that it does not have.
     nuisances = mine.start + moved + np.arange(laid.size)
     return local, np.r_[size * layout.own + own, model.places(count), nuisances]
@@ -171,6 +185,7 @@ def _expected(
     told: Array,
     mean: Array,
     spreads: list[tuple[int, Weighed]],
+    left_open: Array,
 ) -> float:
     """Return the expected log10 Bayes factor of one trial.
 
@@ -186,8 +201,10 @@ def _expected(
         Difference of what the hypotheses predict, in local numbers.
     spreads : list of (int, Weighed)
         Where each one's effects begin, and the hypothesis.
+    left_open : ndarray, shape (q,)
+        Variance of what every hypothesis leaves open, of the local numbers.
     """
-    covariance = np.zeros_like(told)
+    covariance = np.diag(left_open)
     for start, which in spreads:
         place, kept = _shared(model, rows, rig, which, start, int(rig.size[trial]))
         covariance[np.ix_(place, place)] += which.at.covariance[np.ix_(kept, kept)]

@@ -13,7 +13,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Priors
-from bayesfric.effects.candidates import Candidate
+from bayesfric.effects.candidates import Candidate, on_friction
 from bayesfric.inference.information import Information
 from bayesfric.inference.smooths import Smooth
 from bayesfric.rigs.base import Unsupported
@@ -103,7 +103,7 @@ class PointPart:
         self._mine = slice(mine.start - layout.local, mine.stop - layout.local or None)
         self._still = rows.still_curve * scales[mine]
         self._moved = rows.scatter_column()
-        for candidate, amplitude in scattering:
+        for candidate, amplitude in on_friction(scattering):
             self._moved = self._moved + amplitude * candidate_column(candidate)
         # What deviations of a load and of an assembly move: friction, and its intercept alone.
         shared_moves = [self._moved] if rows.intercept is None else [self._moved, rows.intercept]

@@ -224,7 +224,7 @@ def test_wander_has_its_rms():
     assert (weights @ waves**2).mean() == pytest.approx(1.0, rel=1e-3)
     longer, _ = wander_weights(0.1 * np.exp(1e-5), 0.6)
     np.testing.assert_allclose(np.log(longer / weights) / 1e-5, slope, rtol=1e-4, atol=1e-6)
-    assert weights.size == WANDER.stop - WANDER.start == ALWAYS - 3
+    assert weights.size == WANDER.stop - WANDER.start == ALWAYS - 4
 
 
 def test_a_model_does_not_outlive_its_use():

@@ -2,9 +2,10 @@
 
 Offsets and first speed are projected out of each trial. What scatters has columns of its own:
 friction's deviation in a trial, its wander along the travel (cosines), in an assembly the
-deviation of its slope and of its intercept, phases of effects that go round, and the travel
-that a trial had made before its first event. They are integrated out at the noise that is asked
-for; derivatives by the noise follow from Fisher's identity.
+deviation of its slope and of its intercept, phases of effects that go round, the travel that a
+trial had made before its first event, and how unevenly a cable slips from trial to trial. They
+are integrated out at the noise that is asked for; derivatives by the noise follow from Fisher's
+identity.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,7 +18,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Priors
-from bayesfric.effects.candidates import Candidate
+from bayesfric.effects.candidates import Candidate, on_friction
 from bayesfric.inference.information import Information
 from bayesfric.inference.smooths import Smooth
 from bayesfric.rigs.base import Unsupported
@@ -25,6 +26,8 @@ from bayesfric.rigs.gravity_board.linear_scatter import (
     ALWAYS,
     ELSEWHERE,
     TRIAL,
+    UNEVEN,
+    UNEVEN_SHARE,
     WANDER,
     WAVES,
     noise_of,
@@ -73,7 +76,8 @@ class GravityPart:
     friction_scale : mapping of str to float
         Unit of smooth forces of each size [N].
     scattering : sequence of (Candidate, float)
-        Effects whose force scatters with friction, with their amplitudes.
+        Effects whose force scatters with friction, and errors of readings that differ from
+        trial to trial, with their amplitudes.
     by_trial : bool
         Whether trials can be left out.
     priors : Priors
@@ -113,6 +117,8 @@ class GravityPart:
         force = np.array([friction_scale[size] for size in sizes])
         self._assemble(own, candidates, shared, scales, force)
         for candidate, amplitude in scattering:
+            self.random[:, UNEVEN] += amplitude * rows.uneven_column(candidate)
+        for candidate, amplitude in on_friction(scattering):
             column = rows.candidate_columns(candidate)
             further = rows.elsewhere(candidate)
             if not isinstance(column, Unsupported):
@@ -141,7 +147,7 @@ class GravityPart:
             if smooth.rig in (None, rows.name):
                 columns[:, place : place + smooth.count] = rows.smooth_columns(smooth, force)
             place += smooth.count
-        random = [rows.scatter_columns(), rows.wander_columns(WAVES), np.zeros((count, 1))]
+        random = [rows.scatter_columns(), rows.wander_columns(WAVES), np.zeros((count, 2))]
         width, known = ALWAYS, {}
         self.blocks: dict[int, slice] = {}
         for index, candidate in enumerate(candidates):
@@ -218,7 +224,7 @@ class GravityPart:
         view, beyond = self._view(mixing, used, width), self._sums.beyond[width]
         variance, growth = wander_weights(noise["wander_length"], self._travel)
         sd = np.zeros(chosen.size)
-        sd[TRIAL], sd[ELSEWHERE] = noise["tau"], 1.0
+        sd[TRIAL], sd[ELSEWHERE], sd[UNEVEN] = noise["tau"], 1.0, UNEVEN_SHARE
         sd[WANDER] = noise["wander"] * np.sqrt(variance)
         places, start = {}, ALWAYS
         for (block, value), (_, _, name) in zip(blocks, phases, strict=False):
@@ -329,6 +335,7 @@ class GravityPart:
         Its scatter and its assembly's, wander and measurement are taken up.
         """
         sd = np.zeros(ALWAYS)
+        sd[UNEVEN] = UNEVEN_SHARE
         scatter = self.scatter(noise).sum(axis=1)
         sd[WANDER] = noise["wander"] * np.sqrt(
             wander_weights(noise["wander_length"], self._travel)[0]

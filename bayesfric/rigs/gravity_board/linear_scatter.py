@@ -14,8 +14,11 @@ from bayesfric.rigs.linear import NoiseParameter, noise_parameter
 __all__ = [
     "ALWAYS",
     "ELSEWHERE",
+    "EVENT_SD_M",
     "INTERCEPT",
     "TRIAL",
+    "UNEVEN",
+    "UNEVEN_SHARE",
     "WANDER",
     "WAVES",
     "noise_of",
@@ -25,7 +28,9 @@ __all__ = [
 Array = NDArray[np.float64]
 WAVES = 20  # cosines along the travel; half the wavelength of the last is 3 cm of 0.6 m
 TRIAL, INTERCEPT, WANDER, ELSEWHERE = 0, 1, slice(2, 2 + WAVES), 2 + WAVES
-ALWAYS = 3 + WAVES  # columns that scatter in every hypothesis
+UNEVEN = 3 + WAVES
+ALWAYS = 4 + WAVES  # columns that scatter in every hypothesis
+UNEVEN_SHARE = 0.03  # by which two sensors disagree otherwise from trial to trial
 EVENT_SD_M = 30e-6  # of an event on a good board
 KAPPA_SD_LOG = 0.3  # of the events' variance over its first estimate
 UNSTATED = (1e-3, 1e4)  # bounds of the same, of accelerations whose error nobody stated

@@ -33,6 +33,7 @@ from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion
 from bayesfric.rigs.gravity_board.measurements import optional_column
 from bayesfric.rigs.gravity_board.paths import POINTS, motion_untold
 from bayesfric.rigs.gravity_board.reference_motion import PUSHED, ReferenceMotion
+from bayesfric.rigs.gravity_board.stray_trials import far_from_their_own
 from bayesfric.rigs.layout import Layout
 from bayesfric.rigs.linear import LinearRig, rms_of
 
@@ -42,8 +43,6 @@ Array = NDArray[np.float64]
 LEAST_ACCELERATION = 0.02  # m/s², where the reference law predicts that the cable stands
 LATE_S = 1e-3  # by which one sensor may be late
 PRETENDED = 8  # windows of a trial
-FEWEST, FAR = 3, 10.0  # trials of an assembly that has a middle; times the usual distance
-MAD = 1.4826  # standard deviation of a normal over its median absolute deviation
 NO_CURRENT = Unsupported("it acts on a motor's current, and no motor drives these trials")
 
 
@@ -219,6 +218,24 @@ class GravityRows(ReferenceMotion):
         change = (np.asarray(further) - np.asarray(law(values, self.state))) / small
         return self.forces(change) if np.any(change) else None
 
+    def uneven_column(self, candidate: Candidate) -> Array:
+        """Return what an effect does that differs from trial to trial, shape (E,) [m].
+
+        It is an error of one sensor alone, where there is another one; 0 of all other effects.
+        How much a cable slips hangs on friction, which no two trials share, and on much else:
+        with events known to some 30 µm a slip of centimetres would have to keep to its law
+        within a thousandth.
+        """
+        effect = candidate.effect
+        found = np.zeros_like(self.residual)
+        if effect.acts_on != "reading" or effect.components or self._untold(effect):
+            return found
+        values, small = unit_values(candidate)
+        law = effect.laws[candidate.law]
+        if self._of_one_sensor(law, values):
+            found -= self._beyond(law, values) / small * self._seen_by_both()
+        return found
+
     def relative_force(self, candidate: Candidate) -> Array | Unsupported:
         """Return what an effect of amplitude 1 adds to friction, or its equivalent.
 
@@ -269,21 +286,9 @@ class GravityRows(ReferenceMotion):
         return rms_of(self.relative_force(candidate))
 
     def strays(self) -> tuple[str, ...]:
-        """Return the trials whose friction is far from that of their assembly.
-
-        A cable that caught for once, or a run that all but stalled, is no effect; left in, it
-        passes for scatter of all trials. Distances are relative deviations from the law less
-        the assembly's median; the usual one is their median over all trials, which an effect
-        widens and one trial does not.
-        """
-        deviation, setup = self.relative_deviation(), self.table["setup"].to_numpy()
-        distance = np.zeros_like(deviation)
-        for one in dict.fromkeys(setup):
-            own = setup == one
-            if np.count_nonzero(own) >= FEWEST:
-                distance[own] = np.abs(deviation[own] - np.median(deviation[own]))
-        usual = MAD * float(np.median(distance[distance > 0])) if (distance > 0).any() else np.inf
-        return tuple(str(trial) for trial in self.table["trial"][distance > FAR * usual])
+        """Return the trials whose friction is far from that of their assembly."""
+        far = far_from_their_own(self.relative_deviation(), self.table["setup"].to_numpy())
+        return tuple(str(trial) for trial in self.table["trial"][far])
 
     def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
         """Return the prior standard deviations of the board's own numbers: a sensor is late."""
@@ -348,8 +353,7 @@ class GravityRows(ReferenceMotion):
     def _beyond(self, law: Law, values: Mapping[str, Any]) -> Array:
         """Return how far magnets pass beyond their places [m]."""
         reading = self.readings()
-        at_ends = [np.full_like(self.residual, end) for end in (0.0, 1.0)]
-        if not all(np.any(law(values, reading._replace(is_load=end))) for end in at_ends):
+        if self._of_one_sensor(law, values):
             # Seen by one sensor alone: where there is another one, that tells it from any
             # motion, so that what was read and how fast may stand for the reference law's.
             both = self._seen_by_both()
@@ -358,6 +362,11 @@ class GravityRows(ReferenceMotion):
                 speed_m_s=np.where(both, self._speed, reading.speed_m_s),
             )
         return np.asarray(law(values, reading))
+
+    def _of_one_sensor(self, law: Law, values: Mapping[str, Any]) -> bool:
+        reading = self.readings()
+        at_ends = [np.full_like(self.residual, end) for end in (0.0, 1.0)]
+        return not all(np.any(law(values, reading._replace(is_load=end))) for end in at_ends)
 
     def _seen_by_both(self) -> NDArray[np.bool_]:
         """Return which rows are of trials that both sensors recorded, shape (E,)."""

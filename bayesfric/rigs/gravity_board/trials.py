@@ -23,6 +23,7 @@ from bayesfric.rigs.base import Motion, Predictive, Resting, Simulated, Unsuppor
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.gravity_board.estimator import estimate_as_the_paper
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood, trial_condition
+from bayesfric.rigs.gravity_board.linear_scatter import EVENT_SD_M
 from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion, measured_motion
 from bayesfric.rigs.gravity_board.next_trials import lay_out, on_time
 from bayesfric.rigs.gravity_board.places import TrialPlaces
@@ -117,6 +118,8 @@ class GravityTrials(PulleyTrials):
         Trials that did not move, of which the likelihood knows.
     law : Baseline
         Around which a diagnosis makes them linear.
+    event_error_m : float or None
+        Rms error of an event, of trials that nobody has made; None is what events show [m].
     """
 
     constants: RigConstants
@@ -125,6 +128,7 @@ class GravityTrials(PulleyTrials):
     source: Gravity
     at_rest: pd.DataFrame
     law: Baseline = BASELINES["paper"]
+    event_error_m: float | None = None
     rig: GravityBoard = RIG
     loads: tuple[str, ...] = ("mass_drive_kg", "mass_load_kg")
 
@@ -174,7 +178,10 @@ class GravityTrials(PulleyTrials):
     @cached_property
     def measured(self) -> MeasuredMotion:
         """What events say of the motion, whatever the law is."""
-        return measured_motion(self.gravity, self.constants)
+        found = measured_motion(self.gravity, self.constants)
+        if self.event_error_m is None:
+            return found
+        return found._replace(rough=np.full_like(found.rough, self.event_error_m))
 
     def linear(
         self, laws: Mapping[str, Coefficients], acting: Sequence[tuple[Candidate, float]] = ()
@@ -210,8 +217,11 @@ class GravityTrials(PulleyTrials):
     def next_trials(self, laws: Mapping[str, Coefficients]) -> "GravityTrials | None":
         """Return a trial at every feasible condition; see :mod:`.next_trials`."""
         laid = lay_out(self.gravity.trials, self.constants, laws)
-        none = self.at_rest.iloc[:0]
-        return None if laid is None else replace(self, gravity=laid, at_rest=none)
+        if laid is None:
+            return None
+        seen = self.measured.rough
+        error = float(np.sqrt(np.mean(seen**2))) if seen.size else EVENT_SD_M
+        return replace(self, gravity=laid, at_rest=self.at_rest.iloc[:0], event_error_m=error)
 
     def likelihood(
         self,

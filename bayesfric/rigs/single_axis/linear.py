@@ -9,7 +9,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bayesfric.analysis import HalfNormal, LogNormal, Priors
-from bayesfric.effects.candidates import Candidate
+from bayesfric.effects.candidates import Candidate, on_friction
 from bayesfric.inference.information import Information
 from bayesfric.inference.smooths import Smooth
 from bayesfric.rigs.base import Unsupported
@@ -109,7 +109,7 @@ class AxisPart:
         self.columns = columns * scales
         self._response = rows.residual()
         moved: Array = rows.friction_of_row
-        for candidate, amplitude in scattering:
+        for candidate, amplitude in on_friction(scattering):
             moved = moved + amplitude * candidate_column(candidate)
         # Friction that is missing while it builds up is no better known than when it is whole.
         moved = np.maximum(moved, rows.friction_of_row)

@@ -1,0 +1,37 @@
+"""Trials that stray from their assembly: the cable caught for once, or all but stalled.
+
+One that does is no effect; left in, it passes for scatter of all trials.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["far_from_their_own"]
+
+Array = NDArray[np.float64]
+FEWEST, FAR = 3, 10.0  # trials of an assembly that has a middle; times the usual distance
+MAD = 1.4826  # standard deviation of a normal over its median absolute deviation
+
+
+def far_from_their_own(deviation: Array, setup: NDArray[Any]) -> NDArray[np.bool_]:
+    """Return which trials are far from their assembly.
+
+    Distances are relative deviations from the law less the assembly's median; the usual one is
+    their median over all trials, which an effect widens and one trial does not.
+
+    Parameters
+    ----------
+    deviation : ndarray, shape (N,)
+        Of each trial's friction from the law, as a share of it.
+    setup : ndarray, shape (N,)
+        Names of assemblies.
+    """
+    distance = np.zeros_like(deviation)
+    for one in dict.fromkeys(setup):
+        own = setup == one
+        if np.count_nonzero(own) >= FEWEST:
+            distance[own] = np.abs(deviation[own] - np.median(deviation[own]))
+    usual = MAD * float(np.median(distance[distance > 0])) if (distance > 0).any() else np.inf
+    return np.asarray(distance > FAR * usual)

@@ -1,0 +1,155 @@
+"""The trial that a diagnosis proposes, run on the same board: does it tell apart what was open?
+
+Boards have the effect of few pulleys in common with that of the wrap angle, since both change
+together from cell to cell; at the other corners nothing was recorded. One effect acts. Where two
+hypotheses stay in question, the first of the proposed trials runs on an assembly of its own, on
+a board with the same law and the same effect, and the diagnosis is repeated.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+from campaigns.rigs_agree import bounds
+
+from bayesfric.analysis import Analysis
+from bayesfric.diagnosis import diagnose
+from bayesfric.plots.style import COLORS, NEUTRAL, figure
+from bayesfric.recording.tables import Gravity
+from bayesfric.rigs.protocols import Assembly, GravityTrial, Protocol
+from bayesfric.simulate import Truth, simulate_recording
+from bayesfric.simulate.strength import at_strength
+
+RIGS = ("gravity_board",)
+DESIGNS = {
+    "few-at-wide": Protocol({(5, 135.0): 2, (15, 50.0): 2}, (6.0, 28.0), (6.0, 28.0), 2),
+    "few-at-narrow": Protocol({(5, 50.0): 2, (15, 135.0): 2}, (6.0, 28.0), (6.0, 28.0), 2),
+}
+EFFECTS = (
+    "fixed-drag",
+    "mass-error",
+    "pulley-count-curvature",
+    "tension-curvature",
+    "wrap-curvature",
+    "wrap-intercept",
+)
+STRENGTHS = (0.5, 1.0)
+FIRST_SEED, EACH = 43_000, 9
+ANEW = 500_000  # added to a board's seed for the scatter and noise of a further trial
+TOLD_APART = 20.0  # odds
+LEAST_OPEN = 50
+LEAST_SEPARATED = 0.8
+
+
+@dataclass(frozen=True)
+class OneTrial:
+    """A design of one trial on one assembly, for the simulator."""
+
+    assembly: Assembly
+
+    def assemblies(self):
+        """Yield the assembly."""
+        yield self.assembly
+
+
+def cases():
+    """Return design, effect, strength and seed of every case, by name."""
+    kinds = [
+        (design, effect, strength)
+        for _ in range(EACH)
+        for design in DESIGNS
+        for effect in EFFECTS
+        for strength in STRENGTHS
+    ]
+    return {f"{FIRST_SEED + k}": (*kind, FIRST_SEED + k) for k, kind in enumerate(kinds)}
+
+
+def case(given):
+    """Diagnose a board; run the proposed trial where there is one, and diagnose again."""
+    design, effect, strength, seed = given
+    protocol = DESIGNS[design]
+    rig = simulate_recording(protocol, seed=seed, rigs=("gravity",)).rig
+    truth = Truth(effects=(at_strength(effect, strength, protocol, rig, Truth()),))
+    board = simulate_recording(protocol, seed=seed, truth=truth, rigs=("gravity",))
+    before = diagnose(board, Analysis()).summary
+    found = {"design": design, "effect": effect, "strength": strength, "seed": seed}
+    found |= {"verdict": before.verdict, "separates": None}
+    if not before.next_experiment:
+        return found
+    asked = before.next_experiment[0]
+    after = diagnose(with_trial(board, asked.condition, truth, seed), Analysis()).summary
+    return found | {
+        "separates": list(asked.separates),
+        "expected": asked.log10_bayes_factor,
+        "before": log_odds(before.probabilities, asked.separates),
+        "after": log_odds(after.probabilities, asked.separates),
+    }
+
+
+def with_trial(board, condition, truth, seed):
+    """Return a recording with one further trial, on an assembly of its own."""
+    assembly = Assembly(
+        condition["pulley_size"],
+        int(condition["n_pulleys"]),
+        condition["wrap_angle_deg"],
+        (GravityTrial(condition["mass_drive_kg"], condition["mass_load_kg"]),),
+    )
+    further = simulate_recording(
+        OneTrial(assembly), seed=seed + ANEW, truth=truth, rigs=("gravity",)
+    ).gravity
+    order = board.gravity.trials["order"].max() + 1
+    trials = further.trials.assign(trial="next", setup="next", order=order)
+    return replace(
+        board,
+        gravity=Gravity(
+            pd.concat([board.gravity.trials, trials], ignore_index=True),
+            pd.concat([board.gravity.events, further.events.assign(trial="next")]),
+        ),
+    )
+
+
+def log_odds(probabilities, pair):
+    """Return the log10 odds of the first to the second; what is not listed is below 1e-6."""
+    one, other = (max(probabilities.get(name, 0.0), 1e-6) for name in pair)
+    return float(np.log10(one / other))
+
+
+def figures(done):
+    """Return how many were open, told apart, and told apart in favour of what acts."""
+    open_ = [one for one in done if one["separates"]]
+    apart = [one for one in open_ if abs(one["after"]) >= np.log10(TOLD_APART)]
+    known = [one for one in apart if one["effect"] in one["separates"]]
+    right = [one for one in known if towards(one) > 0]
+    return {
+        "boards": len(done),
+        "open": len(open_),
+        "told_apart": share(len(apart), len(open_)),
+        "of_these_in_favour_of_what_acts": share(len(right), len(known)),
+        "median_expected": float(np.median([one["expected"] for one in open_])),
+        "median_realised": float(np.median([abs(one["after"] - one["before"]) for one in open_])),
+    }
+
+
+def towards(one):
+    """Return the log10 odds, after the trial, of the effect that acts."""
+    return one["after"] if one["separates"][0] == one["effect"] else -one["after"]
+
+
+def share(hits, number):
+    """Return a share with its 95 % interval."""
+    return {"count": hits, "of": number, "share": hits / number} | bounds(hits, number)
+
+
+def picture(done):
+    """Draw the realised change of log10 odds over the expected Bayes factor, case by case."""
+    open_ = [one for one in done if one["separates"]]
+    with figure(height=70.0) as fig:
+        panel = fig.subplots()
+        expected = np.array([one["expected"] for one in open_])
+        realised = np.array([abs(one["after"] - one["before"]) for one in open_])
+        panel.plot([0.3, 30], [0.3, 30], color=NEUTRAL, linewidth=0.8)
+        panel.plot(expected, np.maximum(realised, 0.03), ".", color=COLORS["blue"])
+        panel.set(xscale="log", yscale="log")
+        panel.set_xlabel("expected log10 Bayes factor of the proposed trial")
+        panel.set_ylabel("change of log10 odds that it made")
+        return fig
