@@ -10,10 +10,15 @@ from diagnosis.boards import model_of
 from scipy.linalg import null_space
 from scipy.stats import multivariate_normal
 
+from bayesfric.analysis import Analysis
+from bayesfric.blind.engines import reference
 from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.climbing import climb, curvature_at
+from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.inference.cosines import cosines
+from bayesfric.rigs import all_rigs
+from bayesfric.rigs.data import Data
 from bayesfric.rigs.gravity_board.linear_scatter import (
     ALWAYS,
     INTERCEPT,
@@ -22,6 +27,7 @@ from bayesfric.rigs.gravity_board.linear_scatter import (
     wander_weights,
 )
 from bayesfric.rigs.gravity_board.trial_sums import trial_sums
+from bayesfric.simulate import table1_coefficients
 
 NOISE = {
     "tau": 0.02,
@@ -239,3 +245,12 @@ def test_a_model_does_not_outlive_its_use():
         assert [one() for one in known] == [None, None]
     finally:
         gc.enable()
+
+
+def test_events_without_any_error_are_known_to_a_micrometre():
+    """A recording by somebody's simulator: rounding alone would be its noise."""
+    made = reference.make(reference.Withheld("none", (), "random"), 5, noise=False, beside=False)
+    board = all_rigs()["gravity"].trials(made.recording)
+    model = LinearModel(Data((board,)), table1_coefficients(), (), Analysis())
+    assert np.sqrt(model.rigs[0].rows.variance) == pytest.approx(1e-6)
+    assert np.isfinite(climb(model, model.start, Acting()).value)

@@ -14,6 +14,7 @@ __all__ = ["ROUGH_SD", "rows_of_trials", "variance_of", "with_accelerations"]
 
 Array = NDArray[np.float64]
 ROUGH_SD = 0.01  # m/s², of an acceleration that comes without its standard error
+LEAST_SD_M = 1e-6  # of an event: below it, as without noise, rounding is all that is left
 ROUGH = 9.0  # times the noise: squared, what no smooth path follows
 
 
@@ -99,4 +100,4 @@ def variance_of(
         # force does along it is not known: the trial counts by so much less.
         beyond = square[own].mean() / variance[own].mean()
         variance[own] *= beyond if beyond > ROUGH else 1.0
-    return np.where(alone, stated, variance)
+    return np.where(alone, stated, np.maximum(variance, LEAST_SD_M**2))
