@@ -247,10 +247,10 @@ def test_a_model_does_not_outlive_its_use():
         gc.enable()
 
 
-def test_events_without_any_error_are_known_to_a_micrometre():
+def test_events_without_any_error_are_known_to_a_tenth_of_a_micrometre():
     """A recording by somebody's simulator: rounding alone would be its noise."""
     made = reference.make(reference.Withheld("none", (), "random"), 5, noise=False, beside=False)
     board = all_rigs()["gravity"].trials(made.recording)
     model = LinearModel(Data((board,)), table1_coefficients(), (), Analysis())
-    assert np.sqrt(model.rigs[0].rows.variance) == pytest.approx(1e-6)
+    assert np.sqrt(model.rigs[0].rows.variance) == pytest.approx(1e-7)
     assert np.isfinite(climb(model, model.start, Acting()).value)
