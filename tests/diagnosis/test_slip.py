@@ -22,7 +22,7 @@ BOARD = Protocol({(9, 85.0): 2, (15, 50.0): 1}, (6.0, 28.0), (6.0, 28.0), 2)
 SHARE = -0.1
 
 
-def found(law, acting=(), **scatter):
+def found(law, acting=False, **scatter):
     """Return share and factor of the events' variance, at the mode of the noise."""
     effect = all_effects()["slip"]
     truth = Truth(**scatter, effects=(AppliedEffect(effect, law, {"share": SHARE}),))
@@ -36,8 +36,8 @@ def found(law, acting=(), **scatter):
         discrepancy=False,
     )
     chosen = next(one for one in model.lawbook["slip"] if one.law == law)
-    acts = [(model.candidate(chosen, 0.0), SHARE)]
     if acting:
+        acts = [(model.candidate(chosen, 0.0), SHARE)]
         model = model.around(model.laws, model.candidates, discrepancy=False, scattering=acts)
     at = climb(model, model.start, Acting((chosen,), (0.0,)))
     share = at.mean[model.places(1)[0]] * model.amplitude_scale(chosen)
