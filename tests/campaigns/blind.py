@@ -8,7 +8,8 @@ and, from the prior, 20,000 to 20,199 commit bde1875, 70,000 to 70,051 commit e1
 9e9287a, 71,114 to 71,153 commit ccb36c5, 71,154 to 71,193 commit 3aa40f8, 71,194 to
 71,233 commit c51231a, 71,234 to 71,273 commit 5887a0a, 71,274 to 71,313 commit 7b37d59,
 71,314 to 71,353 commit 9df2f12, 71,354 to 71,393 commit 005671f, 71,394 to 71,433 commit
-4be024a, 71,434 to 71,473 commit a208700; all have been looked at since.
+4be024a, 71,434 to 71,473 commit a208700, 71,474 to 71,513
+commit 740d861; all have been looked at since.
 """
 
 import os
@@ -24,7 +25,7 @@ from bayesfric.plots.style import to_svg
 
 RIGS = ("gravity_board", "motor_board")
 FIXED_SEEDS = range(1, 16)
-SCORING_SEED, PRIOR_SEED = 71_474, 60_000
+SCORING_SEED, PRIOR_SEED = 71_514, 60_000
 PRIOR_CASES = 200
 SHORT = ("withheld", "form", "strength", "noise_free_gap", "verdict", "causes", "correct")
 

@@ -117,6 +117,8 @@ def log_odds(probabilities, pair):
 def figures(done):
     """Return how many were open, told apart, and told apart in favour of what acts."""
     open_ = [one for one in done if one["separates"]]
+    if not open_:
+        return {"boards": len(done), "open": 0}
     apart = [one for one in open_ if abs(one["after"]) >= np.log10(TOLD_APART)]
     known = [one for one in apart if one["effect"] in one["separates"]]
     right = [one for one in known if towards(one) > 0]
@@ -136,8 +138,9 @@ def towards(one):
 
 
 def share(hits, number):
-    """Return a share with its 95 % interval."""
-    return {"count": hits, "of": number, "share": hits / number} | bounds(hits, number)
+    """Return a share with its 95 % interval; of nothing there is none."""
+    counted = {"count": hits, "of": number}
+    return counted | {"share": hits / number} | bounds(hits, number) if number else counted
 
 
 def picture(done):

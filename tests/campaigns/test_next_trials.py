@@ -44,6 +44,16 @@ def test_figures_by_hand():
     assert found["median_realised"] == 1.5
 
 
+def test_where_nothing_was_open_there_is_no_share():
+    found = next_trials.figures([{"effect": "a", "separates": None}])
+    assert found == {"boards": 1, "open": 0}
+
+
+def test_where_no_pair_had_what_acts_there_is_no_share_in_its_favour():
+    one = {"effect": "a", "separates": ["b", "c"], "expected": 2.0, "before": 0.0, "after": 2.0}
+    assert next_trials.figures([one])["of_these_in_favour_of_what_acts"] == {"count": 0, "of": 0}
+
+
 def run(cases, folder):
     return list(run_on_processes(next_trials.case, cases, folder, workers=2).values())
 
