@@ -74,6 +74,12 @@ def not_applicable(shaft: LoopAtShaft) -> str | None:
             "breakaway is more than moving friction in some draw, so that friction falls as "
             "speed grows and is in no sector about a reference that moves"
         )
+    if shaft.sees_joint:
+        return "the encoder is at the joint, and the criterion is for one where the motor pushes"
+    if (shaft.backlash > 0).any():
+        return "there is play, and the criterion is for a cable that always pulls"
+    if shaft.position_cutoff is not None:
+        return "the position is filtered, and the compensator's speed is not"
     if compensation.signal == "error":
         return "the compensator follows the error, and the criterion is one of speeds"
     if follows and (shaft.boundary == 0).any():

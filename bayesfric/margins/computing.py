@@ -102,7 +102,7 @@ class Margins:
         -------
         list of control.StateSpace
             Nominal (means of the law, medians of the file's numbers), then the draws. From
-            angle error to motor angle, for negative feedback, SI units; hold, delay and first
+            angle error to measured angle, for negative feedback, SI units; hold, delay and first
             difference are Padé approximants, off by less than 1e-7 up to 3/delay. Coulomb
             friction is no part of a linear loop, nor are the effects of a diagnosis.
 

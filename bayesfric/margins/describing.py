@@ -1,7 +1,8 @@
 """What friction and its compensation do to the loop's oscillation, in closed form.
 
 For swings near the natural frequency ω_n = √(kp/J), the loop's damping is
-b_eff = kd + b − kp τ with τ the delay and half a sample of hold. Over one swing of
+b_eff = kd + b − kp τ with τ the delay, half a sample of hold, and the time constant of the
+position's low-pass where there is one. Over one swing of
 amplitude A, damping takes π b_eff ω_n A² and friction of net size F − γ F̂ takes
 4 (F − γ F̂) A. Where they cancel, a swing may last:
 
@@ -57,7 +58,7 @@ def effective_damping(shaft: LoopAtShaft) -> Array:
 
     Friction that falls with speed takes its first slope from it.
     """
-    return shaft.kd + shaft.viscous + shaft.slope - shaft.kp * shaft.lag
+    return shaft.kd + shaft.viscous + shaft.slope - shaft.kp * shaft.slow_lag
 
 
 def amplitude_margin(shaft: LoopAtShaft) -> Array:
@@ -112,6 +113,9 @@ def formula_conditions(shaft: LoopAtShaft) -> tuple[NDArray[np.bool_], tuple[str
         "breakaway is no more than moving friction": shaft.breakaway
         <= MOST_STICTION * shaft.friction,
         "the velocity is a raw first difference": everywhere & (shaft.cutoff is None),
+        "the position is not filtered": everywhere & (shaft.position_cutoff is None),
+        "the encoder is at the motor": everywhere & (not shaft.sees_joint),
+        "there is no play": shaft.backlash == 0,
         "no load is left to the loop": np.abs(shaft.net_load) <= LEAST_LOAD * shaft.friction,
         "the reference rests": shaft.reference_speed == 0,
         "the loop is damped without friction": effective_damping(shaft) > 0,

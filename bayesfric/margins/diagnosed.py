@@ -151,18 +151,20 @@ def with_effects(
         fall = np.maximum(low - high, 0.0)
         falling += fall
         slope += fall / (fallen_at / rho)
-    cable = np.maximum(shaft.friction - shaft.drive_friction + rho * rest, 0.0)
-    friction = cable + shaft.drive_friction
+    ends = shaft.drive_friction + shaft.joint_friction
+    cable = np.maximum(shaft.cable_friction + rho * rest, 0.0)
+    friction = cable + ends
     falling = rho * falling
-    before = np.divide(cable, shaft.friction - shaft.drive_friction, out=np.ones_like(cable),
-                       where=shaft.friction > shaft.drive_friction)  # fmt: skip
+    before = np.divide(cable, shaft.cable_friction, out=np.ones_like(cable),
+                       where=shaft.cable_friction > 0.0)  # fmt: skip
+    of_joint = shaft.joint_friction / shaft.stiffness
     after = replace(
         shaft,
         friction=friction,
         falling=falling,
         falling_speed=np.divide(falling, rho * slope, out=np.ones_like(falling), where=slope > 0),
         motor_viscous=shaft.motor_viscous + rho * rising,
-        lost_motion=shaft.lost_motion * before,
+        lost_motion=(shaft.lost_motion - of_joint) * before + of_joint,
         estimate=shaft.estimate
         if shaft.loop.compensation.estimate_n_m is not None
         else np.full(given.draws, float(friction.mean())),

@@ -43,6 +43,11 @@ def plant_of(shaft: LoopAtShaft) -> Plant:
         f"{2e3 * np.pi * found['tip_m_per_rad']:.3g} mm at the tip; the joint has "
         f"{central(whole):.4g} rad of it per {way}."
     )
+    if shaft.sees_joint:
+        sentence += f" The joint's encoder has {_median(shaft.counts):.4g} counts a turn of it."
+    if (shaft.backlash > 0).any():
+        at_tip = 1e3 * _median(shaft.backlash * shaft.tip_per_rad)
+        sentence += f" The gearbox plays by {at_tip:.3g} mm at the tip."
     return Plant(**found, sentence=sentence)
 
 

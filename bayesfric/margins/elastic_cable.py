@@ -10,13 +10,14 @@ Friction takes speed off an end until none is left, and holds what it can hold.
 """
 
 from dataclasses import dataclass, fields
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Cable", "Ends"]
+__all__ = ["Cable", "EncoderAt", "Ends"]
 
+EncoderAt = Literal["motor", "joint"]
 Floats = NDArray[np.float64]
 Whole = NDArray[np.intp]
 
@@ -43,6 +44,8 @@ class Cable:
     hangs : ndarray
         Load on the joint, of which the loop's load torque is what nothing is fed forward
         against [N·m].
+    play : ndarray
+        Of motor against cable, its whole width [rad].
     """
 
     motor_inertia: Floats
@@ -52,6 +55,7 @@ class Cable:
     damping: Floats
     behind: Floats
     hangs: Floats
+    play: Floats
 
     @property
     def ringing(self) -> Floats:
@@ -95,8 +99,10 @@ class Ends:
         Coulomb torque of both ends together, and beyond it at the lowest speed [N·m].
     falling_speed, stiction_ratio, viscous, load : ndarray, shape (draws,)
         As of :class:`~bayesfric.margins.sampled_loop.SampledLoop`.
+    encoder_at : {"motor", "joint"}
+        Which end is measured.
     position, speed : ndarray, shape (draws,)
-        Of both ends at the beginning, the load hanging in its cable [rad, rad/s].
+        Of the measured end at the beginning, the load hanging in its cable [rad, rad/s].
     """
 
     def __init__(
@@ -109,6 +115,7 @@ class Ends:
         stiction_ratio: Floats,
         viscous: Floats,
         load: Floats,
+        encoder_at: EncoderAt,
         position: Floats,
         speed: Floats,
     ) -> None:
@@ -121,18 +128,27 @@ class Ends:
         self.falling_speed = falling_speed
         self.breakaway = (self.friction + self.falling) * stiction_ratio
         self.hangs, self.fed = cable.hangs, cable.hangs - load
-        self.ends = np.stack([position, position - cable.hangs / cable.stiffness])
+        self.half_play, self.plays = cable.play / 2, bool(cable.play.any())
+        twist = cable.hangs / cable.stiffness + np.sign(cable.hangs) * self.half_play
+        self.measured = 0 if encoder_at == "motor" else 1
+        motor = position if encoder_at == "motor" else position + twist
+        self.ends = np.stack([motor, motor - twist])
         self.speeds = np.stack([speed, speed])
 
     @property
     def position(self) -> Floats:
-        """Of the motor, shape (draws,) [rad]."""
-        return np.asarray(self.ends[0])
+        """Of the measured end, shape (draws,) [rad]."""
+        return np.asarray(self.ends[self.measured])
 
     @property
     def speed(self) -> Floats:
-        """Of the motor, shape (draws,) [rad/s]."""
-        return np.asarray(self.speeds[0])
+        """Of the measured end, shape (draws,) [rad/s]."""
+        return np.asarray(self.speeds[self.measured])
+
+    @property
+    def joint(self) -> Floats:
+        """Position of the joint's end, shape (draws,) [rad]."""
+        return np.asarray(self.ends[1])
 
     @property
     def twist(self) -> Floats:
@@ -146,7 +162,11 @@ class Ends:
 
     def withstands(self) -> tuple[Floats, Floats]:
         """Return what pulls at a motor that stands, and what more it withstands [N·m]."""
-        return self.stiffness * self.twist - self.fed, self.breakaway[0]
+        return self.stiffness * self._stretched(self.twist) - self.fed, self.breakaway[0]
+
+    def _stretched(self, twist: Floats) -> Floats:
+        """Return what of a twist stretches the cable, beyond the play."""
+        return twist - np.clip(twist, -self.half_play, self.half_play) if self.plays else twist
 
     def cut(self, length: Floats, parts: int) -> tuple[int, Step]:
         """Return into how many steps an interval is cut, at least some parts, and the step."""
@@ -175,8 +195,10 @@ class Ends:
             Which draws go on; None is all of them.
         """
         speed = self.speeds
-        pull = self.stiffness * (self.ends[0] - self.ends[1])
-        pull += self.damping * (speed[0] - speed[1])
+        stretched = self._stretched(self.ends[0] - self.ends[1])
+        pull = self.stiffness * stretched
+        rate = self.damping * (speed[0] - speed[1])
+        pull += np.where(stretched == 0.0, 0.0, rate) if self.plays else rate
         push = np.empty_like(speed)
         np.subtract(command + self.fed, pull, out=push[0])
         np.subtract(pull, self.hangs, out=push[1])

@@ -36,9 +36,9 @@ class LoopAtShaft:
     stiffness, damping : ndarray
         Of the cable [N·m/rad, N·m·s/rad].
     friction : ndarray
-        F: cable runs, motor and gearbox [N·m].
-    drive_friction : ndarray
-        Its part that is the motor's and gearbox's [N·m].
+        F: motor and gearbox, cable runs and joint [N·m].
+    drive_friction, joint_friction : ndarray
+        Its parts that are the motor's and gearbox's, and the joint's own [N·m].
     stiction_ratio : ndarray
         Breakaway over friction at rest, at least 1 [-].
     falling, falling_speed : ndarray
@@ -50,8 +50,8 @@ class LoopAtShaft:
         [s]; `delay` without the hold's half sample.
     counts : ndarray
         Of the encoder, a revolution of the shaft.
-    cutoff : ndarray or None
-        Corner of the velocity's low-pass [rad/s].
+    cutoff, position_cutoff : ndarray or None
+        Corners of the low-passes of velocity and position [rad/s].
     clip, continuous : ndarray, ndarray or None
         Torque limits [N·m].
     net_load : ndarray
@@ -71,7 +71,9 @@ class LoopAtShaft:
     tip_per_rad : ndarray
         Travel of the tool tip per motor angle [m/rad].
     lost_motion : ndarray
-        At the motor's shaft, one side [rad].
+        What friction stores in the cable, one side, at the motor's shaft [rad].
+    backlash : ndarray
+        Play between motor and cable, its whole width, at the motor's shaft [rad].
     kick, reference_speed : ndarray
         What the loop is tried with for hunting [rad, rad/s].
     tension : tuple of ndarray
@@ -89,6 +91,7 @@ class LoopAtShaft:
     damping: Array
     friction: Array
     drive_friction: Array
+    joint_friction: Array
     stiction_ratio: Array
     falling: Array
     falling_speed: Array
@@ -98,6 +101,7 @@ class LoopAtShaft:
     sample_time: Array
     delay: Array
     cutoff: Array | None
+    position_cutoff: Array | None
     counts: Array
     clip: Array
     continuous: Array | None
@@ -112,6 +116,7 @@ class LoopAtShaft:
     cable_per_rad: Array
     tip_per_rad: Array
     lost_motion: Array
+    backlash: Array
     kick: Array
     reference_speed: Array
     tension: tuple[Array, ...]
@@ -128,6 +133,34 @@ class LoopAtShaft:
         return self.motor_viscous + self.load_viscous
 
     @property
+    def cable_friction(self) -> Array:
+        """The part of F that the pulleys make [N·m]."""
+        return self.friction - self.drive_friction - self.joint_friction
+
+    @property
+    def sees_joint(self) -> bool:
+        """Whether the encoder sits at the joint."""
+        return self.loop.controller.encoder_at == "joint"
+
+    @property
+    def unseen_motion(self) -> Array:
+        """What of lost motion and play the encoder does not see, one side [rad].
+
+        Play stays on one side where the load outweighs all friction behind it.
+        """
+        if self.sees_joint:
+            return np.zeros_like(self.lost_motion)
+        held = np.abs(self.load_torque) > self.friction - self.drive_friction
+        return self.lost_motion + np.where(held, 0.0, self.backlash / 2)
+
+    @property
+    def unseen_stretch(self) -> Array:
+        """Stretch of the cable under the load that the encoder does not see [rad]."""
+        if self.sees_joint:
+            return np.zeros_like(self.load_torque)
+        return np.asarray(np.abs(self.load_torque) / self.stiffness)
+
+    @property
     def breakaway(self) -> Array:
         """Friction at the lowest speed times the stiction ratio [N·m]."""
         return (self.friction + self.falling) * self.stiction_ratio
@@ -141,6 +174,13 @@ class LoopAtShaft:
     def lag(self) -> Array:
         """τ: delay and half a sample of hold [s]."""
         return self.delay + self.sample_time / 2
+
+    @property
+    def slow_lag(self) -> Array:
+        """τ and what the position's low-pass adds to it in slow swings [s]."""
+        if self.position_cutoff is None:
+            return self.lag
+        return self.lag + 1 / self.position_cutoff
 
     @property
     def directions(self) -> tuple[Direction | None, ...]:
@@ -165,7 +205,11 @@ class LoopAtShaft:
         Of a pair, each side takes half of what the load and its inertia ask, and friction
         comes on one side's way.
         """
-        swing = self.load_inertia * self.peak_acceleration + self.load_viscous * self.peak_velocity
+        swing = (
+            self.load_inertia * self.peak_acceleration
+            + self.load_viscous * self.peak_velocity
+            + self.joint_friction
+        )
         pair = self.directions == (None,)
         asked = (self.load_force if pair else 0.0) + swing / self.cable_per_rad
         each = (asked + sum(run.loop for run in self.runs)) / (2 if pair else 1)
@@ -201,17 +245,26 @@ class LoopAtShaft:
 
     @property
     def cable(self) -> Cable | None:
-        """The cable with the friction behind it; None where it rings so fast that it is stiff."""
-        if (self.ringing * self.sample_time).max() > STIFF:
+        """The cable with the friction behind it; None where it rings so fast that it is stiff.
+
+        With play, friction of pulleys and joint is all behind it, and a cable that would count
+        as stiff is as soft as one that just does not: its flanks meet in more than an instant.
+        """
+        play = bool((self.backlash > 0).any())
+        softer = np.minimum(1.0, (STIFF / (self.ringing * self.sample_time)) ** 2)
+        if not play and softer.min() < 1.0:
             return None
+        stored = self.lost_motion * self.stiffness
+        behind = self.friction - self.drive_friction if play else stored
         return Cable(
             motor_inertia=self.motor_inertia,
             load_inertia=self.load_inertia,
             load_viscous=self.load_viscous,
-            stiffness=self.stiffness,
-            damping=self.damping,
-            behind=np.minimum(self.lost_motion * self.stiffness / self.friction, 1.0),
+            stiffness=self.stiffness * softer,
+            damping=self.damping * np.sqrt(softer),
+            behind=np.minimum(behind / self.friction, 1.0),
             hangs=self.load_torque,
+            play=self.backlash,
         )
 
     def sampled(self, gamma: Array | None = None) -> SampledLoop:
@@ -232,6 +285,8 @@ class LoopAtShaft:
             falling_speed=self.falling_speed,
             load_torque=self.net_load,
             velocity_cutoff=np.inf if self.cutoff is None else self.cutoff,
+            position_cutoff=np.inf if self.position_cutoff is None else self.position_cutoff,
+            encoder_at=self.loop.controller.encoder_at,
             kp=self.kp,
             kd=self.kd,
             ki=self.ki,
@@ -281,7 +336,8 @@ def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> Loop
         for place, (run, factor) in enumerate(zip(loop.runs, given.factor, strict=True))
     )
     drive = given["drive.friction_n_m"]
-    friction = np.maximum(rho * sum(run.loop for run in runs), 0.0) + drive
+    own = given[f"joint.{'friction_n_m' if revolute else 'friction_n'}"] / ratio
+    friction = np.maximum(rho * sum(run.loop for run in runs), 0.0) + drive + own
     stiction = np.maximum(given["stiction_ratio"], 1.0)
     pair = loop.runs[0].topology == "antagonist-pair"
     per_strain = given["cable.axial_stiffness_n"]
@@ -302,7 +358,8 @@ def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> Loop
     }
     constant = given["drive.torque_constant_n_m_per_a"]
     continuous = given.numbers.get("drive.continuous_current_a")
-    cutoff = given.numbers.get("controller.velocity_cutoff_hz")
+    corners = (given.numbers.get(f"controller.{of}_cutoff_hz") for of in ("velocity", "position"))
+    cutoff, position_cutoff = (None if one is None else 2 * np.pi * one for one in corners)
     guess = given.numbers.get("compensation.estimate_n_m")
     if guess is None:
         guess = np.full(given.draws, float(friction.mean()) if estimate is None else estimate)
@@ -316,6 +373,7 @@ def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> Loop
         damping=2 * given["cable.damping_ratio"] * np.sqrt(stiffness * reduced),
         friction=friction,
         drive_friction=drive,
+        joint_friction=own,
         stiction_ratio=stiction,
         falling=np.zeros(given.draws),
         falling_speed=np.ones(given.draws),
@@ -324,8 +382,10 @@ def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> Loop
         ki=to_shaft * given["controller.ki_n_m_per_rad_s"],
         sample_time=given["controller.sample_time_s"],
         delay=given["controller.delay_s"],
-        cutoff=None if cutoff is None else 2 * np.pi * cutoff,
-        counts=given["controller.encoder_counts_per_revolution"],
+        cutoff=cutoff,
+        position_cutoff=position_cutoff,
+        counts=given["controller.encoder_counts_per_revolution"]
+        / (ratio if loop.controller.encoder_at == "joint" else 1.0),
         clip=constant * given["drive.current_limit_a"],
         continuous=None if continuous is None else constant * continuous,
         load_torque=joint["load"] / ratio,
@@ -339,7 +399,8 @@ def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> Loop
         efficiency=np.ones(given.draws) if pair else np.prod([r.efficiency for r in runs], axis=0),
         cable_per_rad=rho,
         tip_per_rad=(given["tool.lever_m"] if revolute else 1.0) / ratio,
-        lost_motion=sum(run.lost_length for run in runs) / per_strain / rho,
+        lost_motion=sum(run.lost_length for run in runs) / per_strain / rho + own / stiffness,
+        backlash=given["drive.backlash_rad"],
         kick=given["kick.over_stuck_band"]
         * stiction
         * friction

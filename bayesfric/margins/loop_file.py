@@ -47,6 +47,9 @@ class RevoluteJoint(_Section):
 
     kind: Literal["revolute"] = Field(description="`revolute` or `prismatic`.")
     inertia_kg_m2: Positive = Field(description="Inertia behind the cable, about the joint.")
+    friction_n_m: NonNegative = Field(
+        0.0, description="Coulomb friction of the joint's own bearings and seals."
+    )
     viscous_n_m_s: NonNegative = Field(0.0, description="Viscous friction of the joint.")
     load_n_m: Quantity = Field(0.0, description="Steady torque on the joint: gravity, contact.")
     transmission_rad_per_rad: Positive = Field(description="Motor angle per joint angle.")
@@ -59,6 +62,9 @@ class PrismaticJoint(_Section):
 
     kind: Literal["prismatic"] = Field(description="`revolute` or `prismatic`.")
     mass_kg: Positive = Field(description="Mass behind the cable.")
+    friction_n: NonNegative = Field(
+        0.0, description="Coulomb friction of the joint's own guides and seals."
+    )
     viscous_n_s_per_m: NonNegative = Field(0.0, description="Viscous friction of the joint.")
     load_n: Quantity = Field(0.0, description="Steady force on the joint: gravity, contact.")
     transmission_rad_per_m: Positive = Field(description="Motor angle per travel of the joint.")
@@ -77,6 +83,11 @@ class Drive(_Section):
     )
     inertia_kg_m2: Positive = Field(description="Of rotor, gearbox and capstan, at the motor.")
     viscous_n_m_s: NonNegative = Field(0.0, description="Viscous friction at the motor.")
+    backlash_rad: NonNegative = Field(
+        0.0,
+        description="Play of the gearbox, its whole width, at the motor: that at the output times "
+        "`gearbox_ratio`.",
+    )
     current_limit_a: Positive = Field(description="Where the drive clips the current.")
     continuous_current_a: Positive | None = Field(
         None, description="What the motor bears for ever."
@@ -142,7 +153,7 @@ class Cable(_Section):
 
 
 class Controller(_Section):
-    """A sampled PD or PI·D loop on the motor's encoder."""
+    """A sampled PD or PI·D loop on one encoder."""
 
     kp_n_m_per_rad: Positive = Field(description="Proportional gain, in the frames below.")
     kd_n_m_s_per_rad: NonNegative = Field(0.0, description="Derivative gain, likewise.")
@@ -164,7 +175,20 @@ class Controller(_Section):
     delay_s: NonNegative = Field(
         description="From reading the encoder to the torque; the hold's half sample is added."
     )
-    encoder_counts_per_revolution: Positive = Field(description="Of the motor's shaft.")
+    encoder_at: Literal["motor", "joint"] = Field(
+        "motor",
+        description="Where the encoder sits: before the cable, or behind it (of a revolute joint), "
+        "which sees what cable and play do and gives the loop their resonance.",
+    )
+    encoder_counts_per_revolution: Positive = Field(
+        description="Of the motor's shaft, or of the joint where the encoder is there."
+    )
+    position_cutoff_hz: Positive | None = Field(
+        None,
+        description="Corner of a first-order low-pass that the measured position goes through "
+        "before the gains; absent: none. A compensator of the measured speed follows what is "
+        "not filtered.",
+    )
     velocity_filter: Literal["first-difference", "low-pass"] = Field(
         "first-difference",
         description="Of the derivative: raw, or through a first-order low-pass as well.",
@@ -312,6 +336,10 @@ class Loop(_Section):
             raise ValueError("tool.lever_m for a revolute joint")
         if self.joint.kind == "prismatic" and self.tool.lever_m is not None:
             raise ValueError("no tool.lever_m for a prismatic joint")
+        if self.joint.kind == "prismatic" and self.controller.encoder_at == "joint":
+            raise ValueError(
+                'controller.encoder_at = "motor" for a prismatic joint: counts are those of a turn'
+            )
         if (
             self.spec.headroom_continuous_min is not None
             and self.drive.continuous_current_a is None

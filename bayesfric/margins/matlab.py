@@ -101,7 +101,7 @@ def _entry(ensemble: Ensemble, along: Direction | None) -> dict[str, Any]:
         "covered": COVERED,
         "draws": {name: getattr(ensemble.drawn, name)[rows][:, None] for name in UNITS},
         "units": {**UNITS, "frequency": "rad/s", "uncertainty_weight": "1",
-                  "nominal": "from angle error [rad] to motor angle [rad]"},
+                  "nominal": "from angle error [rad] to measured angle [rad]"},
     }  # fmt: skip
 
 

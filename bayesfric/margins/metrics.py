@@ -89,14 +89,16 @@ def closed_forms(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) 
         ("friction_nominal", None): np.sum([run.nominal for run in shaft.runs], axis=0),
         ("friction_recursive", None): np.sum([run.recursive for run in shaft.runs], axis=0),
         ("steady_error_servo", None): stuck * tip,
-        ("lost_motion", None): shaft.lost_motion * tip,
+        ("lost_motion", None): shaft.unseen_motion * tip,
         ("headroom_clip", None): 1 - needed / shaft.clip,
         ("gamma_necessary", None): necessary_gain(shaft),
         ("amplitude_margin", None): amplitude_margin(shaft),
         ("backdrive_force", None): backdrive / tip,
         ("smallest_step", None): step * tip,
-        ("reversal_error", None): 2 * (steady_error(shaft, loaded=False) + shaft.lost_motion) * tip,
-        ("cable_stretch", None): np.abs(shaft.load_torque) / shaft.stiffness * tip,
+        ("reversal_error", None): 2
+        * (steady_error(shaft, loaded=False) + shaft.unseen_motion)
+        * tip,
+        ("cable_stretch", None): shaft.unseen_stretch * tip,
         ("least_tension", None): least,
         ("peak_tension", None): largest,
     }

@@ -1,9 +1,9 @@
 """The open loop of a cable-driven joint as a function of frequency.
 
-The plant is continuous: motor and load on a cable with stiffness and damping, the
-encoder at the motor. The controller's sampling enters as a delay e^{−sτ}, τ being the
+The plant is continuous: motor and load on a cable with stiffness and damping, play taken
+up, the encoder at either end. The controller's sampling enters as a delay e^{−sτ}, τ being the
 stated delay and half a sample of hold, and as the first difference (1 − e^{−sT})/T that
-stands for the derivative; a low-pass follows it where there is one. This is the
+stands for the derivative; low-passes of position and speed follow where there are any. This is the
 continuous stand-in for the sampled loop, good well below half the sampling rate.
 """
 
@@ -45,10 +45,11 @@ class OpenLoop:
             # Inside its band the compensator is a spring beside kp.
             self.kp = self.kp + shaft.gamma * shaft.estimate / shaft.boundary
         self.lag, self.sample_time, self.cutoff = shaft.lag, shaft.sample_time, shaft.cutoff
+        self.position_cutoff, self.sees_joint = shaft.position_cutoff, shaft.sees_joint
         self.integral = bool((self.ki > 0).any())
 
-    def plant(self, omega: Array, rows: NDArray[np.intp]) -> Complex:
-        """Return motor angle per motor torque [rad/(N·m)]; arguments as for the loop."""
+    def plant(self, omega: Array, rows: NDArray[np.intp]) -> tuple[Complex, Complex]:
+        """Return motor's and joint's angle per motor torque [rad/(N·m)]; arguments as for L."""
 
         def of(values: Array) -> Array:
             return np.asarray(values[rows])
@@ -58,7 +59,8 @@ class OpenLoop:
         motor = 1j * omega * of(self.motor_viscous) - of(self.motor_inertia) * square
         load = 1j * omega * of(self.load_viscous) - of(self.load_inertia) * square
         # the product of both ends minus cable², with the large cable² taken out by hand
-        return np.asarray((load + cable) / (motor * load + cable * (motor + load)))
+        both = motor * load + cable * (motor + load)
+        return np.asarray((load + cable) / both), np.asarray(cable / both)
 
     def controller(self, omega: Array, rows: NDArray[np.intp]) -> Complex:
         """Return torque per angle, hold and delay included [N·m/rad]."""
@@ -75,6 +77,8 @@ class OpenLoop:
         feedback = of(self.kp) + difference
         if self.integral:
             feedback = feedback + of(self.ki) / (1j * omega)
+        if self.position_cutoff is not None:
+            feedback = feedback / (1 + 1j * omega / of(self.position_cutoff))
         return np.asarray(feedback * np.exp(-1j * omega * of(self.lag)))
 
     def __call__(self, omega: Array, rows: NDArray[np.intp]) -> Complex:
@@ -92,7 +96,8 @@ class OpenLoop:
         ndarray of complex
             Of the broadcast shape.
         """
-        return self.controller(omega, rows) * self.plant(omega, rows)
+        motor, joint = self.plant(omega, rows)
+        return self.controller(omega, rows) * (joint if self.sees_joint else motor)
 
     def seen_by_friction(self, omega: Array, rows: NDArray[np.intp]) -> Complex:
         """Return motor speed per friction torque with the loop closed [rad/(N·m·s)].
@@ -100,8 +105,8 @@ class OpenLoop:
         Where it crosses −1/N(A), N = 4 F/(π ω A) being what friction of net size F is to a
         swing of amplitude A, the loop can keep swinging.
         """
-        plant = self.plant(omega, rows)
-        return 1j * omega * plant / (1 + self.controller(omega, rows) * plant)
+        motor, _ = self.plant(omega, rows)
+        return 1j * omega * motor / (1 + self(omega, rows))
 
     def frequencies(self, count: int = FREQUENCIES) -> Array:
         """Return frequencies for each draw that its crossings lie well inside of.

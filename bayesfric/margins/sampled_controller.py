@@ -21,8 +21,9 @@ class Controller:
     The torque commanded is kp e + kd (ω_ref − ω) + ki ∫e dt plus the friction compensation
     γ F̂ s, with e the measured position error and s the sign of the compensator's signal, or
     that signal over its boundary where it is inside. The sum is clipped, and the integral
-    waits while it is. ω is the first difference of the readings, through the low-pass where
-    there is one; the compensator follows the raw difference.
+    waits while it is. e and ω come from the readings, through the position's low-pass where
+    there is one; ω is their first difference, through its own low-pass where there is one. A
+    compensator of the speed follows the raw difference.
 
     Parameters
     ----------
@@ -54,15 +55,20 @@ class Controller:
         self.breakaway = loop.breakaway
         self.feed = loop.array("compensation_gain") * loop.array("compensation_estimate")
         self.boundary = loop.array("boundary")
-        cutoff = loop.array("velocity_cutoff")
-        self.fresh = -np.expm1(-cutoff * self.period)  # share of a new reading in the low-pass
+        # share of a new value in a low-pass
+        self.fresh, self.fresh_position = (
+            -np.expm1(-loop.array(name) * self.period)
+            for name in ("velocity_cutoff", "position_cutoff")
+        )
         counts = loop.array("counts_per_revolution")
         self.stepped = counts > 0.0
         self.step = 2.0 * np.pi / np.where(self.stepped, counts, 1.0)
         self.integrates = bool((self.ki != 0.0).any())
         self.filters = bool((self.fresh < 1.0).any())
+        self.smooths = bool((self.fresh_position < 1.0).any())
         speed = reference.speed(np.zeros(loop.draws))
         self.reading = self._read(position - speed * self.period)
+        self.smoothed = self.reading.copy()
         self.filtered = speed.copy()
         self.integral = np.zeros(loop.draws)
         self.last_share = np.zeros(loop.draws)
@@ -91,11 +97,16 @@ class Controller:
         reading = self._read(position)
         speed = (reading - self.reading) / self.period
         self.reading = reading
+        used, place = speed, reading
+        if self.smooths:
+            place = self.smoothed + self.fresh_position * (reading - self.smoothed)
+            used = (place - self.smoothed) / self.period
+            self.smoothed = place
         now = k * self.period
-        error, asked = self.reference.position(now) - reading, self.reference.speed(now)
+        error, asked = self.reference.position(now) - place, self.reference.speed(now)
         if self.filters:
-            self.filtered += self.fresh * (speed - self.filtered)
-        used = self.filtered if self.filters else speed
+            self.filtered += self.fresh * (used - self.filtered)
+            used = self.filtered
         wanted = self.kp * error + self.kd * (asked - used)
         if self.integrates:
             integral = self.integral + error * self.period
@@ -143,6 +154,9 @@ class Controller:
         constant += self.ki * self.integral + by_integral * error
         if self.filters:
             left = self.kd * self.filtered
+            constant = np.where(np.abs(left) > SILENT * self.breakaway, np.nan, constant)
+        if self.smooths:
+            left = (self.kp + self.kd / self.period) * (self.reading - self.smoothed)
             constant = np.where(np.abs(left) > SILENT * self.breakaway, np.nan, constant)
         match self.signal:
             case "reference" | "measured":

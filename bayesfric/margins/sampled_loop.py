@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bayesfric.margins.elastic_cable import Cable
+from bayesfric.margins.elastic_cable import Cable, EncoderAt
 
 __all__ = ["AtRest", "CompensationSignal", "SampledLoop"]
 
@@ -14,12 +14,14 @@ Floats = NDArray[np.float64]
 CompensationSignal = Literal["none", "reference", "measured", "error"]
 AtRest = Literal["off", "hold"]
 
-_POSITIVE = ("inertia", "sample_time", "torque_limit", "velocity_cutoff", "falling_speed")
+_CUTOFFS = ("velocity_cutoff", "position_cutoff")
+_POSITIVE = ("inertia", "sample_time", "torque_limit", *_CUTOFFS, "falling_speed")
 _SIGNED = ("kp", "kd", "ki", "load_torque")
-_MAY_BE_INFINITE = ("torque_limit", "velocity_cutoff")
+_MAY_BE_INFINITE = ("torque_limit", *_CUTOFFS)
 _CHOICES = {
     "compensation_signal": ("none", "reference", "measured", "error"),
     "at_rest": ("off", "hold"),
+    "encoder_at": ("motor", "joint"),
 }
 
 
@@ -60,6 +62,9 @@ class SampledLoop:
     velocity_cutoff : array_like
         Corner of the low-pass that the derivative's speed goes through; infinite without
         one [rad/s].
+    position_cutoff : array_like
+        Corner of the low-pass that the measured position goes through; infinite without one
+        [rad/s].
     load_torque : array_like
         Constant torque against the motor, less what the controller is told to hold [N·m].
     compensation_signal : {"none", "reference", "measured", "error"}
@@ -75,6 +80,8 @@ class SampledLoop:
     at_rest : {"off", "hold"}
         What follows a signal of exactly zero speed: no compensation, or the last one.
         `error` has no such choice.
+    encoder_at : {"motor", "joint"}
+        Which end of the cable is measured.
     cable : Cable or None
         Between motor and joint; None is a stiff one.
 
@@ -99,12 +106,14 @@ class SampledLoop:
     counts_per_revolution: ArrayLike = 0.0
     torque_limit: ArrayLike = np.inf
     velocity_cutoff: ArrayLike = np.inf
+    position_cutoff: ArrayLike = np.inf
     load_torque: ArrayLike = 0.0
     compensation_signal: CompensationSignal = "none"
     compensation_gain: ArrayLike = 0.0
     compensation_estimate: ArrayLike = 0.0
     boundary: ArrayLike = 0.0
     at_rest: AtRest = "off"
+    encoder_at: EncoderAt = "motor"
     cable: Cable | None = None
 
     def __post_init__(self) -> None:
@@ -165,6 +174,7 @@ class SampledLoop:
         return SampledLoop(
             compensation_signal=self.compensation_signal,
             at_rest=self.at_rest,
+            encoder_at=self.encoder_at,
             cable=None if self.cable is None else self.cable.taken(index),
             **numbers,
         )

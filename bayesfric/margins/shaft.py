@@ -188,6 +188,11 @@ class StiffShaft:
         self.position, self.speed = position, speed
 
     @property
+    def joint(self) -> Floats:
+        """Position of the joint, that of the shaft, shape (draws,) [rad]."""
+        return self.position
+
+    @property
     def twist(self) -> Floats:
         """Motor minus joint: none, shape (draws,) [rad]."""
         return np.zeros_like(self.position)

@@ -45,9 +45,9 @@ class Motion:
     Parameters
     ----------
     hunts : ndarray of bool, shape (draws,)
-        Whether the shaft still swings around the reference in the last quarter of the run: at
-        least two reversals against the reference there, an amplitude above one encoder count,
-        and not below a share of the quarter before.
+        Whether the measured end still swings around the reference in the last quarter of the
+        run: at least two reversals against the reference there, an amplitude above one encoder
+        count, and not below a share of the quarter before.
     amplitude : ndarray, shape (draws,)
         Half of the range of the error in the last quarter [rad].
     frequency : ndarray, shape (draws,)
@@ -55,7 +55,7 @@ class Motion:
     cycles : ndarray, shape (draws,)
         In the last half, by its reversals.
     final_error : ndarray, shape (draws,)
-        Reference minus true position at the end [rad].
+        Reference minus true position of the measured end, at the end [rad].
     rms_error : ndarray, shape (draws,)
         Of the last half [rad].
     twist : ndarray, shape (draws,)
@@ -96,7 +96,8 @@ def simulate(
     loop : SampledLoop
         The loop.
     kick : array_like
-        Position ahead of the reference at the beginning [rad], a scalar or (draws,).
+        Position of the measured end ahead of the reference at the beginning [rad], a scalar or
+        (draws,).
     duration : array_like
         Length of the run [s], rounded up to whole samples, a scalar or (draws,). Whether a
         loop hunts is judged from its last half: let that hold several periods, and the time
@@ -268,7 +269,8 @@ class _Run:
 
     def joint_error(self) -> Floats:
         """Return the reference minus the joint, of shape (draws,) [rad]."""
-        return self._error() + self.plant.twist
+        asked = self.controller.reference.position(self.k * self.controller.period)
+        return np.asarray(asked - self.plant.joint)
 
     def _acting(self, older: int) -> Floats:
         """Return the command that acts, of an age in samples a draw."""
@@ -361,7 +363,14 @@ def _plant(loop: SampledLoop, position: Floats, speed: Floats) -> StiffShaft | E
         shaft = Shaft(loop.array("inertia"), viscous, friction, loop.breakaway)
         return StiffShaft(shaft, **common)
     stiction = loop.array("stiction_ratio")
-    return Ends(loop.cable, friction=friction, stiction_ratio=stiction, viscous=viscous, **common)
+    return Ends(
+        loop.cable,
+        friction=friction,
+        stiction_ratio=stiction,
+        viscous=viscous,
+        encoder_at=loop.encoder_at,
+        **common,
+    )
 
 
 def _reached(constant: Floats, linear: Floats, square: Floats) -> Floats:

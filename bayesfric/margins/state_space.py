@@ -24,7 +24,7 @@ DELAY_STATES = 6
 
 
 def state_space(loop: OpenLoop, row: int) -> Matrices:
-    """Return A, B, C, D of L(s), from angle error to motor angle, for negative feedback.
+    """Return A, B, C, D of L(s), from angle error to measured angle, for negative feedback.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def state_space(loop: OpenLoop, row: int) -> Matrices:
         Shapes (n, n), (n, 1), (1, n), (1, 1). The states are the motor's angle, motor minus
         load, the motor's and the load's speed, those of the delay of the torque, and of the
         controller: the integral of the error where there is one, its delay by a sample, and
-        the low-pass where there is one. SI units.
+        the low-passes where there are any. SI units.
     """
 
     def of(values: Array) -> float:
@@ -53,17 +53,20 @@ def state_space(loop: OpenLoop, row: int) -> Matrices:
         of(loop.stiffness),
         of(loop.damping),
     )
+    if loop.sees_joint:
+        plant = (*plant[:2], np.array([[1.0, -1.0, 0.0, 0.0]]), plant[3])
     period, kd = of(loop.sample_time), of(loop.kd)
     # kd (1 − e^{−sT})/T, then the low-pass, beside kp and ki/s
     feedback = _delay(period)
     feedback = (*feedback[:2], -kd / period * feedback[2], np.array([[kd / period]]))
     if loop.cutoff is not None:
-        corner = np.array([[of(loop.cutoff)]])
-        feedback = _in_series(feedback, (-corner, corner, np.eye(1), np.zeros((1, 1))))
+        feedback = _in_series(feedback, _low_pass(of(loop.cutoff)))
     feedback = (*feedback[:3], feedback[3] + of(loop.kp))
     if loop.integral:
         zero, one = np.zeros((1, 1)), np.eye(1)
         feedback = _side_by_side((zero, one, of(loop.ki) * one, zero), feedback)
+    if loop.position_cutoff is not None:
+        feedback = _in_series(feedback, _low_pass(of(loop.position_cutoff)))
     return _in_series(_in_series(feedback, _delay(of(loop.lag))), plant)
 
 
@@ -79,6 +82,11 @@ def _two_inertias(
         ]
     )
     return a, np.array([[0.0], [0.0], [1 / motor], [0.0]]), np.eye(1, 4), np.zeros((1, 1))
+
+
+def _low_pass(corner: float) -> Matrices:
+    c = np.array([[corner]])
+    return -c, c, np.eye(1), np.zeros((1, 1))
 
 
 def _delay(theta: float) -> Matrices:

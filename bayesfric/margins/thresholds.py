@@ -240,6 +240,8 @@ def _not_examined(shaft: LoopAtShaft, speeds: tuple[Condition, ...]) -> tuple[st
     if peak > 1.01 * fastest:
         missing.append(f"references faster than {fastest:.3g} rad/s at the motor; the joint's peak "
                        f"is {peak:.3g} rad/s")  # fmt: skip
-    missing.append("backlash" if shaft.cable is not None else "backlash, and swings of the cable, "
-                   "which is so stiff that it is simulated as one shaft")  # fmt: skip
+    if not (shaft.backlash > 0).any():
+        missing.append("backlash")
+    if shaft.cable is None:
+        missing.append("swings of the cable, which is so stiff that it is simulated as one shaft")
     return tuple(missing)

@@ -168,7 +168,7 @@ def _at_rest(some: LoopAtShaft) -> tuple[Flags, tuple[Held, ...]]:
     within = farthest <= band + 2 * np.pi / some.counts
     stored = found.twist - np.tile(some.load_torque / some.stiffness, shape[0])
     twisted = np.abs(stored).reshape(shape).max(axis=0)
-    there = (some.lost_motion > 0) & (some.cable is not None)
+    there = (some.lost_motion > 0) & (some.cable is not None) & (some.backlash == 0)
     ratio = twisted[there] / some.lost_motion[there]
     return within, (
         _held("steady error", within, farthest / band, ""),
@@ -176,7 +176,7 @@ def _at_rest(some: LoopAtShaft) -> tuple[Flags, tuple[Held, ...]]:
             "lost motion",
             ratio <= 1 + TOLERANCE,
             ratio,
-            "no friction is behind the cable, or it counts as stiff",
+            "no friction is behind the cable, it counts as stiff, or there is play before it",
         ),
     )
 

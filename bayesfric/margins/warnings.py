@@ -104,6 +104,11 @@ def _beyond_the_models(
             "(Armstrong & Amin 1996): hunting rests on the simulator, and on the stiction ratio, "
             "for which the paper says 1."
         )
+    if (shaft.backlash > 0).any():
+        yield (
+            "Linear margins are those with the play taken up; between its flanks motor and joint "
+            "move apart, which hunting is simulated with."
+        )
     slack = int((~shaft.taut).sum())
     if slack:
         yield (

@@ -20,6 +20,7 @@ class Plant:
     kd: float
     ki: float = 0.0
     viscous: float = 0.0
+    joint_viscous: float = 0.0  # of it what acts at the joint's end
     stiction: float = 1.0
     falling: float = 0.0  # friction beyond it at rest, and the speed where 1/e of that is left
     falling_speed: float = 1.0
@@ -34,6 +35,9 @@ class Plant:
     clip: float = math.inf
     signal: str = "none"
     feed: float = 0.0  # γ F̂
+    play: float = 0.0  # between motor and cable, the whole width
+    at_joint: bool = False  # where the encoder sits
+    smooths: float = math.inf  # corner of a low-pass of the reading, rad/s
 
 
 def run(plant, *, kick, speed, duration, steps=10, wound=0.0):
@@ -48,30 +52,40 @@ def run(plant, *, kick, speed, duration, steps=10, wound=0.0):
         plant.motor_inertia, plant.load_inertia]  # fmt: skip
     rub = [plant.friction] if stiff else [
         plant.friction * (1 - plant.behind), plant.friction * plant.behind]  # fmt: skip
-    drag = [plant.viscous] if stiff else [plant.viscous, 0.0]
+    drag = [plant.viscous] if stiff else [
+        plant.viscous - plant.joint_viscous, plant.joint_viscous]  # fmt: skip
     x, v = [kick] * len(inertia), [speed] * len(inertia)
-    if not stiff:
-        x[1] -= plant.load / plant.stiffness + wound  # hangs in its cable from the beginning
+    if not stiff:  # hangs in its cable from the beginning
+        wound += plant.load / plant.stiffness + math.copysign(plant.play / 2, plant.load)
+        wound -= 0.0 if plant.load else plant.play / 2
+        x = [kick + wound, kick] if plant.at_joint else [kick, kick - wound]
+    seen_end = -1 if plant.at_joint else 0
+    fresh = 1.0 - math.exp(-plant.smooths * plant.sample_time)
     count = 2 * math.pi / plant.counts
     seen = round((kick - speed * plant.sample_time) / count) * count
+    smooth = seen
     waiting, torque, integral, errors = [], plant.fed, 0.0, []
     for i in range(round(duration / dt)):
         if i % steps == 0:
             wanted = speed * i * dt
             errors.append((wanted - x[0], wanted - x[-1]))
-            reading = round(x[0] / count) * count
+            reading = round(x[seen_end] / count) * count
             rate, seen = (reading - seen) / plant.sample_time, reading
-            error = wanted - reading
+            before, smooth = smooth, smooth + fresh * (reading - smooth)
+            error, used = wanted - smooth, (smooth - before) / plant.sample_time
             integral += error * plant.sample_time
             follows = {"none": 0.0, "reference": speed, "measured": rate}[plant.signal]
-            command = plant.kp * error + plant.kd * (speed - rate) + plant.ki * integral
+            command = plant.kp * error + plant.kd * (speed - used) + plant.ki * integral
             command += plant.feed * ((follows > 0) - (follows < 0))
             waiting.append((i + late, min(max(command, -plant.clip), plant.clip)))
         while waiting and waiting[0][0] <= i:
             torque = waiting.pop(0)[1] + plant.fed
         pull = 0.0
         if not stiff:
-            pull = plant.stiffness * (x[0] - x[1]) + plant.damping * (v[0] - v[1])
+            gap = x[0] - x[1]
+            if abs(gap) > plant.play / 2:
+                pull = plant.stiffness * (gap - math.copysign(plant.play / 2, gap))
+                pull += plant.damping * (v[0] - v[1])
         ends = [torque - plant.load] if stiff else [torque - pull, pull - plant.load]
         for end, push in enumerate(ends):
             more = 1 + plant.falling / plant.friction * math.exp(-abs(v[end]) / plant.falling_speed)
@@ -117,10 +131,18 @@ def of(shaft, **changes):
 def elastic(shaft, **changes):
     """Return the plant of the first draw with its cable, the friction behind it and its load."""
     load = float(shaft.load_torque[0])
+    behind = shaft.lost_motion * shaft.stiffness
+    if shaft.backlash[0] > 0:
+        behind = shaft.friction - shaft.drive_friction
+    corner = shaft.position_cutoff
     usual = {
         "stiffness": float(shaft.stiffness[0]),
         "damping": float(shaft.damping[0]),
-        "behind": float((shaft.lost_motion * shaft.stiffness / shaft.friction)[0]),
+        "behind": float((behind / shaft.friction)[0]),
+        "play": float(shaft.backlash[0]),
+        "at_joint": shaft.loop.controller.encoder_at == "joint",
+        "smooths": math.inf if corner is None else float(corner[0]),
+        "joint_viscous": float(shaft.load_viscous[0]),
         "load": load,
         "fed": load - float(shaft.net_load[0]),
         "delay": float(shaft.delay[0]),
