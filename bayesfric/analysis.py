@@ -86,17 +86,17 @@ class Sampler(Section):
         4, description="Independent ensembles; at least 4, so that R-hat means something."
     )
     walkers: Annotated[int, Field(ge=8, le=1024)] | None = Field(
-        None, description="Walkers an ensemble; even. Absent: the larger of 36 and 2 a parameter."
+        None, description="Walkers an ensemble; even. Absent: the larger of 40 and 2 a parameter."
     )
     burn: Annotated[int, Field(ge=10, le=100_000)] = Field(
-        60,
-        description="Steps of an ensemble that are thrown away, and of the first of three pilots; "
-        "each further pilot is twice as long.",
+        40,
+        description="Steps of an ensemble that are thrown away. Where no importance sample gives a "
+        "proposal, also of the first of three pilots; each further pilot is twice as long.",
     )
     steps: Annotated[int, Field(ge=50, le=1_000_000)] = Field(
-        480, description="Steps of an ensemble that are kept, before thinning."
+        280, description="Steps of an ensemble that are kept, before thinning."
     )
-    thin: Annotated[int, Field(ge=1, le=1000)] = Field(3, description="Keep each thin-th step.")
+    thin: Annotated[int, Field(ge=1, le=1000)] = Field(2, description="Keep each thin-th step.")
     extensions: Annotated[int, Field(ge=0, le=100)] = Field(
         4,
         description="While draws have not converged, they serve as a pilot for a better proposal "

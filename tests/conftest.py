@@ -14,7 +14,7 @@ from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import simulate_recording
 
 # All draws are stored, and no walker stays where it is for all of them.
-QUICK_SAMPLER = Sampler(burn=60, steps=80, thin=3, extensions=0, independence_share=0.7)
+QUICK_SAMPLER = Sampler(burn=60, steps=75, thin=3, extensions=0, independence_share=0.7)
 
 
 @pytest.fixture(autouse=True)

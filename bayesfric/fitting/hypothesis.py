@@ -6,7 +6,7 @@ from bayesfric.analysis import Analysis
 from bayesfric.effects import Effect
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.inference.model import Model
-from bayesfric.inference.sampling import Chart
+from bayesfric.inference.proposals import Chart
 from bayesfric.physics.laws import BASELINES, RIVAL_LAWS
 from bayesfric.rigs.data import Data
 
@@ -65,4 +65,4 @@ def model_of(
 
 def chart_of(model: Model) -> Chart:
     """Return the coordinates in which proposals for a model's posterior are fitted."""
-    return Chart(model.linear, model.from_linear, model.linear_log_slope)
+    return Chart(model.coordinates, model.from_coordinates, model.coordinates_log_slope)

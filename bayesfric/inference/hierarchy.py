@@ -32,7 +32,7 @@ FREEDOM, INFLATION = 6.0, 1.3  # of the proposals of a board, whose tails may be
 
 @dataclass(frozen=True)
 class NormalBoard:
-    """A board's posterior as a normal density, in the linear coordinates of its model.
+    """A board's posterior as a normal density, in the coordinates of its model.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class NormalBoard:
         """
         first = [model.names.index(name) for name in names]
         places = np.array(first + [k for k in range(len(model.names)) if k not in first])
-        x = model.linear(model.sampling(theta))[:, places]
+        x = model.coordinates(model.sampling(theta))[:, places]
         centre, covariance = x.mean(axis=0), np.atleast_2d(np.cov(x, rowvar=False))
         priors = [model.parameters[place].prior for place in first]
         middle = np.array([float(from_normal(prior, 0.0)) for prior in priors])
@@ -171,8 +171,8 @@ class NormalBoard:
         points = np.empty_like(x)
         points[:, self.places] = x
         with np.errstate(all="ignore"):  # beyond a prior's bounds there is no density
-            z = self.model.from_linear(points)
-            density = self.model.log_posterior(z) - self.model.linear_log_slope(z)
+            z = self.model.from_coordinates(points)
+            density = self.model.log_posterior(z) - self.model.coordinates_log_slope(z)
             theta = self.model.natural(z)
             for place in self.places[: len(self.likely)]:
                 prior = self.model.parameters[place].prior

@@ -104,7 +104,12 @@ class Model:
         self.parameters = (*named.values(), *more)
         everywhere = range(len(self.parameters))
         self._priors = self._by_family(everywhere)
-        self._linear = self._by_family(k for k in everywhere if self.parameters[k].linear)
+        self._straight = [
+            (places, prior, np.array([self.parameters[k].power for k in places], dtype=np.float64))
+            for places, prior in self._by_family(
+                k for k in everywhere if self.parameters[k].power is not None
+            )
+        ]
 
     def _by_family(self, places: Iterable[int]) -> list[tuple[NDArray[np.intp], Prior]]:
         """Return which parameters have priors of one family, and these priors as one."""
@@ -133,31 +138,37 @@ class Model:
             z[..., places] = to_normal(prior, theta[..., places])
         return z
 
-    def linear(self, z: Array) -> Array:
-        """Return points with the parameters that data are linear in in their units, (W, D).
+    def coordinates(self, z: Array) -> Array:
+        """Return points in which the posterior is nearer to a normal one, shape (W, D).
 
-        What the data leave open of these is straight.
+        Parameters that have a :attr:`Parameter.power` are raised to it, others stay as they are.
         """
         x = z.copy()
-        for places, prior in self._linear:
-            x[:, places] = from_normal(prior, z[:, places])
+        for places, prior, power in self._straight:
+            x[:, places] = from_normal(prior, z[:, places]) ** power
         return x
 
-    def from_linear(self, x: Array) -> Array:
-        """Return the sampling-space points of :meth:`linear`; infinite beyond a prior's bounds."""
+    def from_coordinates(self, x: Array) -> Array:
+        """Return the points of :meth:`coordinates`; not finite where there is no such point."""
         z = x.copy()
-        for places, prior in self._linear:
-            z[:, places] = to_normal(prior, x[:, places])
+        with np.errstate(invalid="ignore"):  # no power of a negative number
+            for places, prior, power in self._straight:
+                value = x[:, places]
+                z[:, places] = to_normal(prior, value ** (1 / power))
+                z[:, places] = np.where((power == 1) | (value > 0), z[:, places], np.nan)
         return z
 
-    def linear_log_slope(self, z: Array) -> Array:
-        """Return the log determinant of the derivative of :meth:`linear`, shape (W,)."""
+    def coordinates_log_slope(self, z: Array) -> Array:
+        """Return the log determinant of the derivative of :meth:`coordinates`, shape (W,)."""
         slope = np.zeros(len(z))
-        for places, prior in self._linear:
+        for places, prior, power in self._straight:
+            value = from_normal(prior, z[:, places])
             # One probability in either coordinate: N(z) dz = p(x) dx.
             normal = -0.5 * (LOG_2PI + z[:, places] ** 2)
-            density = log_density(prior, from_normal(prior, z[:, places]))
-            slope += (normal - density).sum(axis=1)
+            slope += (normal - log_density(prior, value)).sum(axis=1)
+            bent = power != 1
+            raised = np.log(value[:, bent]) * (power[bent] - 1) + np.log(power[bent])
+            slope += raised.sum(axis=1)
         return slope
 
     def by_name(self, theta: Array) -> dict[str, Array]:

@@ -66,17 +66,17 @@ class Parameter:
         Normalised density in that unit.
     kind : {"coefficient", "scatter", "noise", "other"}
         What it is in results.
-    linear : bool
-        Whether a direction that the data leave open is straight in its own unit, as of what
-        the data are linear in, or of a scale far below that of its prior; else it is
-        straight in the sampling space.
+    power : float or None
+        Of the parameter, whose posterior is near to a normal one in that power: 1 for what the
+        data are linear in, 1/2 for a standard deviation that may vanish. None is the sampling
+        space.
     """
 
     name: str
     unit: str
     prior: Prior
     kind: Kind = "other"
-    linear: bool = False
+    power: float | None = None
 
 
 def joined(priors: Sequence[Prior]) -> list[tuple[list[int], Prior]]:

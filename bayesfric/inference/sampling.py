@@ -3,9 +3,10 @@
 Nothing here knows of friction. Nine moves in ten are independence proposals, from a
 Student-t fitted to the density and with their Hastings ratio; the tenth is differential
 evolution, which explores where the Student-t does not fit.
-The proposal is fitted to pilot runs, in the coordinates of a :class:`Chart`, before the
-first draw that is kept, and then left alone. Draws that have not converged are taken as a
-better pilot, and the ensembles are run on for new draws.
+The proposal (:mod:`bayesfric.inference.proposals`) is fitted to an importance sample or,
+where its weights are not to be relied on, to pilot runs, before the first draw that is kept,
+and then left alone. Draws that have not converged are taken as a better pilot, and the
+ensembles are run on for new draws.
 
 References
 ----------
@@ -21,28 +22,31 @@ from typing import Any
 import emcee
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import gammaln
 
 from bayesfric.analysis import Sampler
 from bayesfric.checkpoint import Checkpoint
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.laplace import Laplace
+from bayesfric.inference.proposals import (
+    SAMPLING_SPACE,
+    Chart,
+    LogDensity,
+    Proposal,
+    StudentT,
+    importance_points,
+)
 
-__all__ = ["Chart", "Draws", "SamplingError", "StudentT", "sample"]
+__all__ = ["Draws", "SamplingError", "sample"]
 
 Array = NDArray[np.float64]
-LogDensity = Callable[[Array], Array]
 Progress = Callable[[int, int], None]
 Arrays = dict[str, NDArray[Any]]
-# Points to proposals and log q(points) − log q(proposals), as emcee wants it.
-Propose = Callable[[Array, np.random.RandomState], tuple[Array, Array]]
 
-LEAST_FREEDOM = 6.0  # heavier tails than the posterior's, as independence needs
-PROPOSAL_INFLATION = 1.1  # of its covariance: a posterior that is not normal is covered too
 PILOTS = 3  # each twice as long as the one before, whose second half it is fitted to
 PIECE_STEPS = 50  # steps between two checkpoints
-LEAST_WALKERS = 36
+LEAST_WALKERS = 40
 START_INFLATION = 1.5  # starts are wider than the posterior, so that R-hat can tell
+START_TRIES = 10  # draws of two a walker each
 
 
 class SamplingError(RuntimeError):
@@ -74,100 +78,6 @@ class Draws:
     steps: int
     thin: int
     extensions: int
-
-
-class StudentT:
-    """A multivariate Student-t that emcee's Metropolis–Hastings move proposes from.
-
-    Parameters
-    ----------
-    location : ndarray, shape (D,)
-        Centre.
-    scale : ndarray, shape (D, D)
-        Scale matrix.
-    freedom : float or None
-        Degrees of freedom; None is D, at least 6: in many dimensions most draws of a tail so
-        heavy as suits a few would be refused.
-    """
-
-    def __init__(self, location: Array, scale: Array, freedom: float | None = None) -> None:
-        self.location = location
-        freedom = max(LEAST_FREEDOM, location.size) if freedom is None else freedom
-        self.freedom = freedom
-        self._root = np.linalg.cholesky(scale)
-        size = location.size
-        self._log_normaliser = float(
-            gammaln((freedom + size) / 2)
-            - gammaln(freedom / 2)
-            - 0.5 * size * np.log(freedom * np.pi)
-            - np.log(np.diag(self._root)).sum()
-        )
-
-    def draw(self, size: int, rng: np.random.RandomState, inflation: float = 1.0) -> Array:
-        """Return draws of shape (size, D), `inflation` times as wide."""
-        normal = rng.standard_normal((size, self.location.size))
-        stretch = np.sqrt(self.freedom / rng.chisquare(self.freedom, size))
-        return self.location + inflation * stretch[:, None] * (normal @ self._root.T)
-
-    def log_density(self, points: Array) -> Array:
-        """Return the log density of points of shape (W, D), shape (W,)."""
-        white = np.linalg.solve(self._root, (points - self.location).T)
-        distance2: Array = (white**2).sum(axis=0)
-        power = 0.5 * (self.freedom + self.location.size)
-        return self._log_normaliser - power * np.log1p(distance2 / self.freedom)
-
-    def propose(self, points: Array, rng: np.random.RandomState) -> tuple[Array, Array]:
-        """Return proposals and log q(points) − log q(proposals), as emcee wants it."""
-        proposed = self.draw(len(points), rng)
-        return proposed, self.log_density(points) - self.log_density(proposed)
-
-
-@dataclass(frozen=True)
-class Chart:
-    """Coordinates in which a density may be nearer to a normal one.
-
-    A narrow ridge that is straight in one chart is bent in another, where no
-    Student-t follows it.
-
-    Parameters
-    ----------
-    forward : callable
-        Points of the sampling space to their coordinates, both of shape (W, D).
-    inverse : callable
-        Back; not finite where there is no such point.
-    log_slope : callable
-        Points to the log determinant of the derivative of `forward`, shape (W,).
-    """
-
-    forward: Callable[[Array], Array]
-    inverse: Callable[[Array], Array]
-    log_slope: Callable[[Array], Array]
-
-
-SAMPLING_SPACE = Chart(lambda z: z, lambda x: x, lambda z: np.zeros(len(z)))
-
-
-Fresh = tuple[StudentT, np.random.SeedSequence]  # what a first state is drawn from
-
-
-def _charted(points: Array, chart: Chart) -> Propose:
-    """Return proposals from the Student-t around points, fitted in the coordinates of a chart."""
-    student = _around(chart.forward(points))
-
-    def propose(here: Array, rng: np.random.RandomState) -> tuple[Array, Array]:
-        there, factor = student.propose(chart.forward(here), rng)
-        z = chart.inverse(there)
-        possible = np.asarray(np.isfinite(z).all(axis=1))
-        z = np.where(possible[:, None], z, here)
-        factor = factor + chart.log_slope(here) - chart.log_slope(z)
-        return z, np.where(possible, factor, -np.inf)
-
-    return propose
-
-
-def _around(points: Array) -> StudentT:
-    """Return the Student-t proposal fitted to points of shape (N, D)."""
-    return StudentT(points.mean(axis=0), PROPOSAL_INFLATION * np.cov(points, rowvar=False))
 
 
 def sample(
@@ -223,9 +133,10 @@ def sample(
         expected = f"at least {2 * size}, twice the number of parameters of this recording"
         fault = Fault("analysis", expected, column="sampler.walkers", value=str(walkers))
         raise InputError([fault])
-    seeds = np.random.SeedSequence(seed).spawn(settings.ensembles + PILOTS)
+    of_points, *of_pilots = np.random.SeedSequence(seed).spawn(1 + PILOTS + settings.ensembles)
+    of_ensembles = of_pilots[PILOTS:]
     total_steps = settings.burn + settings.steps  # of an ensemble
-    total = (2**PILOTS - 1) * settings.burn + settings.ensembles * total_steps
+    total = settings.ensembles * total_steps
 
     def report(done: int) -> None:
         if progress is not None:
@@ -234,20 +145,27 @@ def sample(
     keeping = checkpoint or Checkpoint(None, "")
     runs = _Runs(log_density, settings, walkers, keeping, report)
 
-    # Pilots replace the curvature at the mode by the spread of the density itself.
-    around_mode = StudentT(laplace.mode, laplace.covariance)
-    propose: Propose = around_mode.propose
-    student, length = around_mode, settings.burn
-    for stage in range(PILOTS):
-        fresh = (student, seeds[stage])
-        chain = runs.run(f"pilot-{stage}", propose, length, fresh)["chain"]
-        points = chain[length // 2 :].reshape(-1, size)
-        propose, student, length = _charted(points, chart), _around(points), 2 * length
+    def by_importance() -> Arrays:
+        rng = np.random.RandomState(np.random.MT19937(of_points))
+        points = importance_points(log_density, laplace, chart, rng)
+        return {"points": np.empty((0, size)) if points is None else points}
+
+    points = keeping.piece("importance", by_importance)["points"]
+    if len(points):
+        proposal = Proposal.around(points, chart)
+    else:
+        # Pilots replace the curvature at the mode by the spread of the density itself.
+        total += (2**PILOTS - 1) * settings.burn
+        proposal, length = Proposal(StudentT(laplace.mode, laplace.covariance)), settings.burn
+        for stage in range(PILOTS):
+            chain = runs.run(f"pilot-{stage}", proposal, length, of_pilots[stage])["chain"]
+            points = chain[length // 2 :].reshape(-1, size)
+            proposal, length = Proposal.around(points, chart), 2 * length
     steps, thin, extensions = settings.steps, settings.thin, 0
     while True:
         ensembles = [
-            runs.run(f"ensemble-{place}", propose, total_steps, (student, child))
-            for place, child in enumerate(seeds[PILOTS:])
+            runs.run(f"ensemble-{place}", proposal, total_steps, child)
+            for place, child in enumerate(of_ensembles)
         ]
         kept = slice(total_steps - steps + thin - 1, None, thin)
         draws = Draws(
@@ -260,7 +178,7 @@ def sample(
         )
         if extensions == settings.extensions or converged is None or converged(draws.z):
             return draws
-        propose = _charted(draws.z.reshape(-1, size), chart)
+        proposal = Proposal.around(draws.z.reshape(-1, size), chart)
         # Each run is as long as all before it, thinned to as many draws.
         steps, thin = settings.steps * 2**extensions, settings.thin * 2**extensions
         extensions += 1
@@ -287,7 +205,9 @@ class _Runs:
         self._pieces: dict[str, list[Arrays]] = {}
         self._done = 0
 
-    def run(self, name: str, propose: Propose, steps: int, fresh: Fresh) -> Arrays:
+    def run(
+        self, name: str, proposal: Proposal, steps: int, seed: np.random.SeedSequence
+    ) -> Arrays:
         """Return ``chain`` (steps, W, D), ``log_density`` and ``accepted`` (W,).
 
         A run of this name goes on from where it was left, with the steps that are missing.
@@ -299,8 +219,8 @@ class _Runs:
             stop = min(start + PIECE_STEPS, steps)
 
             def compute(count: int = stop - start) -> Arrays:
-                state = self._state(fresh, pieces[-1] if pieces else None)
-                return self._advance(propose, state, count)
+                state = self._goes_on(pieces[-1]) if pieces else self._fresh(proposal, seed)
+                return self._advance(proposal, state, count)
 
             pieces.append(self._checkpoint.piece(f"{name}-{start:06d}", compute))
             if self._done != before + stop:  # the piece was there already
@@ -312,13 +232,24 @@ class _Runs:
             "accepted": np.sum([piece["accepted"] for piece in pieces], axis=0),
         }
 
-    def _state(self, fresh: Fresh, last: Arrays | None) -> emcee.State:
-        """Return where a piece starts: fresh, or where the last one ended."""
-        if last is None:
-            proposal, seed = fresh
-            rng = np.random.RandomState(np.random.MT19937(seed))
-            start = _starts(self._log_density, proposal, self._walkers, rng)
-            return emcee.State(start, random_state=rng.get_state())
+    def _fresh(self, proposal: Proposal, seed: np.random.SeedSequence) -> emcee.State:
+        """Return starts of finite density, wider than the posterior."""
+        rng = np.random.RandomState(np.random.MT19937(seed))
+        found: list[Array] = []
+        for _ in range(START_TRIES):
+            z, possible = proposal.draw(2 * self._walkers, rng, START_INFLATION)
+            z = z[possible]
+            found.extend(z[np.isfinite(self._log_density(z))])
+            if len(found) >= self._walkers:
+                start = np.array(found[: self._walkers])
+                return emcee.State(start, random_state=rng.get_state())
+        raise SamplingError(
+            f"only {len(found)} of {2 * self._walkers * START_TRIES} points around "
+            f"{np.array2string(proposal.student.location, precision=4)} have a finite density"
+        )
+
+    def _goes_on(self, last: Arrays) -> emcee.State:
+        """Return where the piece before ended."""
         return emcee.State(
             last["chain"][-1],
             log_prob=last["log_density"][-1],
@@ -330,10 +261,10 @@ class _Runs:
             ),
         )
 
-    def _advance(self, propose: Propose, state: emcee.State, steps: int) -> Arrays:
+    def _advance(self, proposal: Proposal, state: emcee.State, steps: int) -> Arrays:
         share = self._settings.independence_share
         moves = [
-            (emcee.moves.MHMove(propose), share),
+            (emcee.moves.MHMove(proposal.propose), share),
             (emcee.moves.DEMove(), 1 - share),
         ]
         sampler = emcee.EnsembleSampler(
@@ -355,17 +286,3 @@ class _Runs:
             "random_position": np.array([position, has_gauss]),
             "random_gauss": np.array(gauss),
         }
-
-
-def _starts(
-    log_density: LogDensity, proposal: StudentT, walkers: int, rng: np.random.RandomState
-) -> Array:
-    """Return starts of finite density, wider than the posterior."""
-    candidates = proposal.draw(20 * walkers, rng, START_INFLATION)
-    possible = candidates[np.isfinite(log_density(candidates))]
-    if len(possible) < walkers:
-        raise SamplingError(
-            f"only {len(possible)} of {len(candidates)} points around the mode "
-            f"{np.array2string(proposal.location, precision=4)} have a finite density"
-        )
-    return possible[:walkers]

@@ -181,5 +181,5 @@ def coefficient_parameters(
             prior = override or getattr(priors, name)
             called = coefficient_name(name, size)
             here = force_unit if name == FORCE else unit
-            parameters.append(Parameter(called, here, prior, "coefficient", linear=True))
+            parameters.append(Parameter(called, here, prior, "coefficient", power=1.0))
     return tuple(parameters)

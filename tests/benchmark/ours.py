@@ -15,7 +15,7 @@ from bayesfric.analysis import Analysis, Sampler
 from bayesfric.fitting.drawing import draw_posterior
 from bayesfric.inference.diagnostics import smooth_weights
 from bayesfric.inference.laplace import laplace_approximation
-from bayesfric.inference.sampling import PILOTS, StudentT
+from bayesfric.inference.proposals import StudentT
 
 INDEPENDENT = 40_000
 FREEDOM = 5.0
@@ -30,10 +30,9 @@ def ours(model):
         model, Analysis(sampler=settings), lambda done, total: clock.append(time.process_time())
     )
     spent = time.process_time()
-    pilots = (2**PILOTS - 1) * settings.burn
-    steps = np.diff(clock)[pilots - 1 :]
-    ensembles = steps[: settings.ensembles * (settings.burn + settings.steps)]
-    kept = ensembles.reshape(settings.ensembles, -1)[:, settings.burn :].sum()
+    of_ensembles = settings.ensembles * (settings.burn + settings.steps)
+    steps = np.diff(clock[-of_ensembles - 1 :], prepend=np.nan)[-of_ensembles:]
+    kept = np.nansum(steps.reshape(settings.ensembles, -1)[:, settings.burn :])
     theta = model.natural(draws.z)
     return {"theta": theta, "seconds": kept, "before": spent - kept}
 

@@ -48,8 +48,8 @@ def test_all_groups_speak_of_the_same_draws(draws):
     assert set(draws.children) == GROUPS
     of_draws = GROUPS - {"prior", "prior_predictive", "observed_data", "constant_data"}
     sizes = {(draws[name].sizes["chain"], draws[name].sizes["draw"]) for name in of_draws}
-    assert sizes == {(144, 26)}
-    assert draws["posterior"]["ensemble"].to_numpy().tolist() == np.repeat(range(4), 36).tolist()
+    assert sizes == {(160, 25)}
+    assert draws["posterior"]["ensemble"].to_numpy().tolist() == np.repeat(range(4), 40).tolist()
     trials = draws["observed_data"]["trial"].to_numpy()
     for name in ("posterior_predictive", "prior_predictive", "log_likelihood"):
         assert draws[name]["friction"]["trial"].to_numpy().tolist() == trials.tolist()
@@ -191,7 +191,7 @@ def test_csv_is_what_r_expects(folder, draws):
     assert len(rows) == posterior.sizes["chain"] * posterior.sizes["draw"]
     names = header.split(",")
     assert {"c1[small]", "c3[large]", "tau", "wander_length"} <= set(names)
-    numbers = [float(cell) for cell in rows[27].split(",")]
+    numbers = [float(cell) for cell in rows[26].split(",")]
     assert numbers[:2] == [1, 1]
     column = names.index("c2[medium]")
     assert numbers[column] == float(posterior["c2"].isel(chain=1, draw=1).sel(pulley="medium"))

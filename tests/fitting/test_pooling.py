@@ -18,7 +18,7 @@ CORRELATED = np.array([[1.0, -0.8, 0.3], [-0.8, 1.0, 0.1], [0.3, 0.1, 1.0]])
 
 
 def parameters(names, prior, noise=()):
-    coefficients = tuple(Parameter(name, "1", prior, "coefficient", linear=True) for name in names)
+    coefficients = tuple(Parameter(name, "1", prior, "coefficient", power=1.0) for name in names)
     return coefficients + tuple(
         Parameter(name, "1", Normal(mean=0.0, sd=1.0), "noise") for name in noise
     )

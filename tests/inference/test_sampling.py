@@ -7,7 +7,14 @@ from scipy import stats
 from bayesfric.analysis import Sampler
 from bayesfric.checkpoint import Checkpoint
 from bayesfric.inference.laplace import Laplace, laplace_approximation
-from bayesfric.inference.sampling import Chart, SamplingError, StudentT, sample
+from bayesfric.inference.proposals import (
+    SAMPLING_SPACE,
+    Chart,
+    Proposal,
+    StudentT,
+    importance_points,
+)
+from bayesfric.inference.sampling import SamplingError, sample
 
 SETTINGS = Sampler(walkers=32, burn=100, steps=400, thin=4)
 SHORT = Sampler(walkers=32, burn=50, steps=100, thin=4)  # where no quantile is asked for
@@ -77,7 +84,7 @@ def test_ensembles_differ_and_are_kept_apart():
 def test_progress_counts_every_step_once():
     seen = []
     draw(6, lambda done, total: seen.append((done, total)), SHORT)
-    total = 50 + 100 + 200 + 4 * 150  # three pilots, then the ensembles
+    total = 4 * 150  # an importance sample, then the ensembles
     assert seen == [(step, total) for step in range(1, total + 1)]
 
 
@@ -117,7 +124,7 @@ def test_ensembles_run_on_until_the_draws_are_good(enough, extensions, steps):
     assert (draws.extensions, draws.steps, draws.thin) == (extensions, steps, steps // 25)
     assert set(asked) == {(4, 25, 32, 3)}  # as many draws each time
     assert [done for done, _ in seen] == list(range(1, len(seen) + 1))
-    assert seen[-1][0] == seen[-1][1] == 350 + 4 * (50 + 100 * 2**extensions)
+    assert seen[-1][0] == seen[-1][1] == 4 * (50 + 100 * 2**extensions)
 
 
 def test_draws_that_are_good_are_left_alone():
@@ -131,7 +138,7 @@ def test_a_run_that_was_stopped_while_it_ran_on_goes_on_to_the_same_draws(tmp_pa
     unbroken = draw(5, **again_and_again)
 
     def stop(done, total):
-        if done == 1411:  # in the second extension
+        if done == 1061:  # in the second extension
             raise KeyboardInterrupt
 
     keeping = Checkpoint(tmp_path / "c", "key")
@@ -145,6 +152,55 @@ def test_a_run_that_was_stopped_while_it_ran_on_goes_on_to_the_same_draws(tmp_pa
     assert seen == sorted(set(seen))
 
 
+def cauchy(z):
+    """Six coordinates, each of them Cauchy: no Student-t of the proposals has such tails."""
+    return -np.log1p(z**2).sum(axis=1)
+
+
+def test_importance_points_have_the_moments_of_the_density():
+    laplace = laplace_approximation(skewed, np.zeros(3), np.ones(3))
+    points = importance_points(skewed, laplace, EXPONENTIAL, np.random.RandomState(1))
+    assert points.shape == (2000, 3)
+    # e^z is gamma(2), of mean 2 and variance 2; at least a quarter of the points counts.
+    assert np.exp(points[:, 0]).mean() == pytest.approx(2.0, abs=4 * np.sqrt(2 / 500))
+    assert (points[:, 2] - points[:, 1]).std() == pytest.approx(0.1, rel=4 / np.sqrt(2 * 500))
+
+
+AROUND_CAUCHY = Laplace(np.zeros(6), np.eye(6), 0.0)
+
+
+def test_no_importance_points_are_returned_that_cannot_be_relied_on():
+    assert (
+        importance_points(cauchy, AROUND_CAUCHY, SAMPLING_SPACE, np.random.RandomState(1)) is None
+    )
+
+
+def test_pilots_stand_in_where_importance_is_not_to_be_relied_on():
+    seen = []
+    draws = sample(
+        cauchy, AROUND_CAUCHY, SETTINGS, 7, lambda done, total: seen.append((done, total))
+    )
+    total = 100 + 200 + 400 + 4 * 500  # three pilots, then the ensembles
+    assert seen == [(step, total) for step in range(1, total + 1)]
+    # Half of a Cauchy distribution lies within one of its centre; a twentieth of the draws counts.
+    within = (np.abs(draws.z.reshape(-1, 6)) < 1).mean(axis=0)
+    assert within == pytest.approx(0.5, abs=4 * np.sqrt(0.25 / 640))
+
+
+def test_a_proposal_in_a_chart_has_the_density_of_its_draws():
+    """A normal density in e^z: that of z has the derivative beside it."""
+    proposal = Proposal(StudentT(np.full(1, 3.0), np.eye(1), 48.0), EXPONENTIAL)
+    z, possible = proposal.draw(20_000, np.random.RandomState(3))
+    assert not possible.all()  # some draws are below zero, where no point is
+    grid = np.linspace(-8, 4, 4001)
+    density = np.exp(proposal.log_density(grid[:, None]))
+    above_zero = stats.t(48.0, 3.0, 1.0).sf(0.0)
+    assert np.trapezoid(density, grid) == pytest.approx(above_zero, rel=1e-4)
+    assert possible.mean() == pytest.approx(above_zero, abs=1e-3)
+    mean = np.trapezoid(density * grid, grid) / above_zero
+    assert z[possible].mean() == pytest.approx(mean, abs=0.02)
+
+
 def test_student_t_density_and_draws_are_scipys():
     scale = np.array([[2.0, 0.5], [0.5, 1.0]])
     mine = StudentT(np.array([1.0, -1.0]), scale, 6.0)
@@ -156,7 +212,7 @@ def test_student_t_density_and_draws_are_scipys():
 
 
 def test_proposal_returns_its_hastings_factor():
-    proposal = StudentT(np.zeros(1), np.eye(1), 6.0)
+    proposal = Proposal(StudentT(np.zeros(1), np.eye(1), 6.0))
     here = np.array([[3.0]])
     there, factor = proposal.propose(here, np.random.RandomState(2))
     t = stats.t(6.0)
@@ -165,9 +221,9 @@ def test_proposal_returns_its_hastings_factor():
 
 def test_sampler_that_cannot_start_says_what_it_saw():
     laplace = Laplace(np.array([0.5]), np.eye(1), 0.0)
-    with pytest.raises(SamplingError, match=r"only \d+ of 640 points around the mode \[0.5\]"):
+    with pytest.raises(SamplingError, match=r"only \d+ of 640 points around \[0.5\]"):
         sample(
-            lambda z: np.where((z[:, 0] > 0.49) & (z[:, 0] < 0.51), 0.0, -np.inf),
+            lambda z: np.where(np.abs(z[:, 0] - 0.5) < 1e-6, 0.0, -np.inf),
             laplace,
             SETTINGS,
             seed=0,

@@ -111,8 +111,8 @@ class TrialMeasurements:
                 scattered=None if scattered is None else scattered.travel,
             )
             self.parameters += (
-                Parameter("sigma_x", "m", priors.sigma_x, "noise"),
-                Parameter("sigma_t", "s", priors.sigma_t, "noise"),
+                Parameter("sigma_x", "m", priors.sigma_x, "noise", power=0.5),
+                Parameter("sigma_t", "s", priors.sigma_t, "noise", power=0.5),
             )
         if self._by_acceleration.size:
             alone = trials.iloc[self._by_acceleration]

@@ -32,8 +32,7 @@ def scatter_parameters(sizes: Sequence[str], analysis: Analysis) -> tuple[Parame
             "1",
             getattr(analysis.priors, name),
             "scatter",
-            # May be far below the scale of its prior, where its logarithm has a long tail.
-            linear=name == "omega_intercept",
+            power=0.5,
         )
         for name in NAMES
         for group in groups

@@ -54,9 +54,8 @@ class Wander:
         groups = [f"[{size}]" for size in places.size.sizes] if self._by_size else [""]
         priors = analysis.priors
         self.parameters = (
-            # A rms far below its prior's scale is nearer to normal in its own unit.
             *(
-                Parameter(f"wander{group}", "1", priors.wander, "scatter", linear=True)
+                Parameter(f"wander{group}", "1", priors.wander, "scatter", power=0.5)
                 for group in groups
             ),
             Parameter("wander_length", "m", priors.wander_length, "scatter"),

@@ -138,22 +138,26 @@ class MotorLikelihood:
             *coefficient_parameters(self.sizes, analysis, baseline.without),
             # τ and λ share the spread of runs: an arc in their own units, a hook in quantiles.
             *(
-                Parameter(f"tau_motor{group}", "1", priors.tau_motor, "scatter", linear=True)
+                Parameter(f"tau_motor{group}", "1", priors.tau_motor, "scatter", power=0.5)
                 for group in groups
             ),
             *(
-                Parameter(f"omega_motor{group}", "1", priors.omega_motor, "scatter")
+                Parameter(f"omega_motor{group}", "1", priors.omega_motor, "scatter", power=0.5)
                 for group in groups
             ),
             *(
                 Parameter(
-                    f"omega_intercept_motor{group}", "1", priors.omega_intercept_motor, "scatter"
+                    f"omega_intercept_motor{group}",
+                    "1",
+                    priors.omega_intercept_motor,
+                    "scatter",
+                    power=0.5,
                 )
                 for group in groups
             ),
             Parameter("torque_constant_factor", "1", priors.torque_constant_factor),
             Parameter("sigma_current", "A", priors.sigma_current, "noise"),
-            Parameter("load_noise", "1", priors.load_noise, "noise", linear=True),
+            Parameter("load_noise", "1", priors.load_noise, "noise", power=0.5),
             *(parameter for active in self._effects for parameter in parameters_of(active)),
         )
 

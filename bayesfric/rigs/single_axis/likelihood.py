@@ -81,17 +81,17 @@ class AxisLikelihood(GroupedLikelihood):
         assert priors.c1 and priors.c2 and priors.c3
 
         def coefficient(name: str, of: str, prior: Prior) -> Parameter:
-            return Parameter(name, unit(of), prior, "coefficient", linear=True)
+            return Parameter(name, unit(of), prior, "coefficient", power=1.0)
 
         self.parameters = (
             coefficient("mass", "kg", priors.c1),
             coefficient("coulomb", "N", priors.c2),
             *([coefficient("viscous", "N s/m", priors.c3)] if viscous else []),
-            Parameter("tau", "1", HalfNormal(scale=0.05), "scatter"),
-            Parameter("omega", "1", HalfNormal(scale=0.05), "scatter"),
-            Parameter("wander", "1", HalfNormal(scale=0.05), "scatter"),
+            Parameter("tau", "1", HalfNormal(scale=0.05), "scatter", power=0.5),
+            Parameter("omega", "1", HalfNormal(scale=0.05), "scatter", power=0.5),
+            Parameter("wander", "1", HalfNormal(scale=0.05), "scatter", power=0.5),
             Parameter("row_error", "1", LogNormal(median=1.0, sd_log=0.3), "noise"),
-            Parameter("latency", "s", Normal(mean=0.0, sd=rows.latency_s), "noise", linear=True),
+            Parameter("latency", "s", Normal(mean=0.0, sd=rows.latency_s), "noise", power=1.0),
         )
 
     def _tabulate(self, rows: AxisRows) -> None:

@@ -76,8 +76,8 @@ class PointsLikelihood(GroupedLikelihood):
         priors = analysis.priors
         self.parameters = (
             *coefficient_parameters(self.sizes, analysis, self._without, bench.force_unit),
-            Parameter(TAU, "1", priors.tau, "scatter"),
-            *([Parameter(OMEGA, "1", priors.omega, "scatter")] if bench.shared else []),
+            Parameter(TAU, "1", priors.tau, "scatter", power=0.5),
+            *([Parameter(OMEGA, "1", priors.omega, "scatter", power=0.5)] if bench.shared else []),
             *(
                 [Parameter(SIGMA, bench.force_unit, error_prior(bench, priors), "noise")]
                 if np.isnan(self._known_sd).any()

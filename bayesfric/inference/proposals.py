@@ -1,0 +1,196 @@
+"""What the ensembles' independence proposals are drawn from: a Student-t fitted to a density.
+
+It is fitted in the coordinates of a :class:`Chart`, to points of an importance sample around
+the mode. Where no such sample can be relied on, :mod:`bayesfric.inference.sampling` fits it
+to pilot runs.
+
+References
+----------
+O. Cappé, A. Guillin, J.-M. Marin, C. P. Robert, "Population Monte Carlo", Journal of
+Computational and Graphical Statistics 13 (2004), on importance samples that refit their
+proposal.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import gammaln, logsumexp
+
+from bayesfric.inference.diagnostics import smooth_weights
+from bayesfric.inference.laplace import Laplace
+
+__all__ = ["SAMPLING_SPACE", "Chart", "LogDensity", "Proposal", "StudentT", "importance_points"]
+
+Array = NDArray[np.float64]
+LogDensity = Callable[[Array], Array]
+
+FREEDOMS = (6.0, 12.0, 24.0, 48.0)  # all of heavier tails than a normal density
+INFLATION = 1.1  # of a covariance: a posterior that is not normal is covered too
+POINTS = 2000  # of an importance sample
+PASSES = 5  # each from a proposal that is fitted to the one before
+LIMIT_K = 0.7  # of the Pareto shape, above which weights are not to be relied on
+LEAST_EFFECTIVE = 0.25  # of the points
+
+
+class StudentT:
+    """A multivariate Student-t.
+
+    Parameters
+    ----------
+    location : ndarray, shape (D,)
+        Centre.
+    scale : ndarray, shape (D, D)
+        Scale matrix.
+    freedom : float
+        Degrees of freedom.
+    """
+
+    def __init__(self, location: Array, scale: Array, freedom: float = FREEDOMS[0]) -> None:
+        self.location = location
+        self.freedom = freedom
+        self._root = np.linalg.cholesky(scale)
+        size = location.size
+        self._log_normaliser = float(
+            gammaln((freedom + size) / 2)
+            - gammaln(freedom / 2)
+            - 0.5 * size * np.log(freedom * np.pi)
+            - np.log(np.diag(self._root)).sum()
+        )
+
+    @classmethod
+    def around(cls, points: Array) -> "StudentT":
+        """Fit it to points of shape (N, D).
+
+        Of its degrees of freedom those are taken under which the points are most likely: in
+        many dimensions most draws of tails that are too heavy are refused.
+        """
+        location = points.mean(axis=0)
+        covariance = INFLATION * np.atleast_2d(np.cov(points, rowvar=False))
+        candidates = [
+            cls(location, covariance * (freedom - 2) / freedom, freedom) for freedom in FREEDOMS
+        ]
+        return max(candidates, key=lambda student: float(student.log_density(points).sum()))
+
+    def draw(self, size: int, rng: np.random.RandomState, inflation: float = 1.0) -> Array:
+        """Return draws of shape (size, D), `inflation` times as wide."""
+        normal = rng.standard_normal((size, self.location.size))
+        stretch = np.sqrt(self.freedom / rng.chisquare(self.freedom, size))
+        return self.location + inflation * stretch[:, None] * (normal @ self._root.T)
+
+    def log_density(self, points: Array) -> Array:
+        """Return the log density of points of shape (W, D), shape (W,)."""
+        white = np.linalg.solve(self._root, (points - self.location).T)
+        distance2: Array = (white**2).sum(axis=0)
+        power = 0.5 * (self.freedom + self.location.size)
+        return self._log_normaliser - power * np.log1p(distance2 / self.freedom)
+
+
+@dataclass(frozen=True)
+class Chart:
+    """Coordinates in which a density may be nearer to a normal one.
+
+    A narrow ridge that is straight in one chart is bent in another, where no
+    Student-t follows it.
+
+    Parameters
+    ----------
+    forward : callable
+        Points of the sampling space to their coordinates, both of shape (W, D).
+    inverse : callable
+        Back; not finite where there is no such point.
+    log_slope : callable
+        Points to the log determinant of the derivative of `forward`, shape (W,).
+    """
+
+    forward: Callable[[Array], Array]
+    inverse: Callable[[Array], Array]
+    log_slope: Callable[[Array], Array]
+
+
+SAMPLING_SPACE = Chart(lambda z: z, lambda x: x, lambda z: np.zeros(len(z)))
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """A Student-t in the coordinates of a chart, proposing points of the sampling space.
+
+    Parameters
+    ----------
+    student : StudentT
+        In the coordinates.
+    chart : Chart
+        The coordinates.
+    """
+
+    student: StudentT
+    chart: Chart = SAMPLING_SPACE
+
+    @classmethod
+    def around(cls, points: Array, chart: Chart) -> "Proposal":
+        """Fit it to points of the sampling space, shape (N, D)."""
+        return cls(StudentT.around(chart.forward(points)), chart)
+
+    def draw(
+        self, size: int, rng: np.random.RandomState, inflation: float = 1.0
+    ) -> tuple[Array, NDArray[np.bool_]]:
+        """Return draws, shape (size, D), and which of them are points of the sampling space."""
+        z = self.chart.inverse(self.student.draw(size, rng, inflation))
+        return z, np.asarray(np.isfinite(z).all(axis=1))
+
+    def log_density(self, z: Array) -> Array:
+        """Return the log density of points of the sampling space, shape (W,)."""
+        return self.student.log_density(self.chart.forward(z)) + self.chart.log_slope(z)
+
+    def propose(self, here: Array, rng: np.random.RandomState) -> tuple[Array, Array]:
+        """Return proposals and log q(here) − log q(proposals), as emcee wants it."""
+        z, possible = self.draw(len(here), rng)
+        z = np.where(possible[:, None], z, here)
+        factor = self.log_density(here) - self.log_density(z)
+        return z, np.where(possible, factor, -np.inf)
+
+
+def importance_points(
+    log_density: LogDensity, laplace: Laplace, chart: Chart, rng: np.random.RandomState
+) -> Array | None:
+    """Draw points of a density by importance sampling around its mode.
+
+    The first sample is of the normal approximation with heavier tails, each further one of a
+    proposal that is fitted to the sample before.
+
+    Parameters
+    ----------
+    log_density : callable
+        Unnormalised; points of shape (W, D) to log densities of shape (W,).
+    laplace : Laplace
+        Normal approximation of the density.
+    chart : Chart
+        In which proposals are fitted.
+    rng : RandomState
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray, shape (2000, D), or None
+        Points of the sampling space, some more than once; None where the weights of no sample
+        are to be relied on.
+    """
+    proposal = Proposal(StudentT(laplace.mode, laplace.covariance))
+    for _ in range(PASSES):
+        z, possible = proposal.draw(POINTS, rng)
+        z = z[possible]
+        log_weights, k = smooth_weights(log_density(z) - proposal.log_density(z))
+        if not np.isfinite(log_weights).any():
+            return None
+        weights = np.exp(log_weights - logsumexp(log_weights))
+        good = k < LIMIT_K and 1 / (weights**2).sum() > LEAST_EFFECTIVE * POINTS
+        # Few points may hold most of the weight, and their covariance would be singular.
+        weights = np.minimum(weights, 1 / np.sqrt(POINTS))
+        # Systematic resampling: each point as often as its weight says, to within one.
+        ladder = (np.arange(POINTS) + rng.uniform()) / POINTS * weights.sum()
+        points: Array = z[np.minimum(np.searchsorted(np.cumsum(weights), ladder), len(z) - 1)]
+        if good:
+            return points
+        proposal = Proposal.around(points, chart)
+    return None
