@@ -100,12 +100,12 @@ def test_evidence_that_names_no_code_is_stale():
 
 
 def test_a_campaign_writes_what_is_read_back_as_fresh(tmp_path, monkeypatch):
-    from campaigns import recovery
+    from campaigns import wander
 
     monkeypatch.setattr(evidence, "EVIDENCE", tmp_path)
-    evidence.write("recovery", recovery, seeds=[0, 1], figures={"n": 2}, cases=[])
-    record = evidence.read("recovery")
-    assert evidence.names() == ["recovery"]
+    evidence.write("wander", wander, seeds=[0, 1], figures={"n": 2}, cases=[])
+    record = evidence.read("wander")
+    assert evidence.names() == ["wander"]
     rooms = {"analysis.py", "effects", "fitting", "inference", "physics", "simulate"}
     assert {f"bayesfric/{room}" for room in rooms} <= set(record["code"])
     assert not {"bayesfric/diagnosis", "bayesfric/schemas"} & set(record["code"])
