@@ -9,7 +9,7 @@ from matplotlib.patches import Patch
 
 from bayesfric.plots.labels import ordered_sizes, plain
 from bayesfric.plots.rig_tables import rig_tables
-from bayesfric.plots.style import COLORS, NEUTRAL, figure, size_styles
+from bayesfric.plots.style import COLORS, NEUTRAL, figure, key, size_styles
 
 __all__ = ["assemblies_left_out", "has_assemblies"]
 
@@ -65,7 +65,7 @@ def assemblies_left_out(predictive: xr.DataTree) -> Figure:
             Patch(color=NEUTRAL, alpha=0.3, linewidth=0, label="95 % or 90 % by chance"),
             Line2D([], [], color=COLORS["black"], linewidth=0.9, linestyle=":", label="far beyond"),
         ]
-        fig.legend(handles=keys, loc="outside lower center", ncols=3)
+        key(fig, keys, ncols=3)
         return fig
 
 

@@ -10,7 +10,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from bayesfric.plots.labels import plain
-from bayesfric.plots.style import COLORS, NEUTRAL, figure, halves
+from bayesfric.plots.style import COLORS, NEUTRAL, figure, halves, key
 from bayesfric.schemas.diagnosis import Axis, Inclusion
 
 __all__ = ["RARE", "what_acts", "where_it_lies"]
@@ -61,7 +61,7 @@ def where_it_lies(axes: Sequence[Axis], residuals: xr.Dataset | None, unit: str 
                 Patch(color=COLORS["sky"], label="by this axis alone"),
                 Patch(color=COLORS["blue"], label="lost without it"),
             ]
-            left.legend(handles=keys, loc="outside upper left", ncols=2, columnspacing=1.0)
+            key(left, keys, side="above", align="left", ncols=2, columnspacing=1.0)
         if right is not None:
             columns = len(shapes) if left is None else min(2, len(shapes))
             rows = -(-len(shapes) // columns)

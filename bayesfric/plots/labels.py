@@ -1,11 +1,24 @@
 """How figures write parameters and pulley sizes, and in which order sizes stand."""
 
+import math
 from collections.abc import Iterable
 from functools import cache
 
 from matplotlib.font_manager import findfont, get_font
+from matplotlib.ticker import FuncFormatter, ScalarFormatter
 
-__all__ = ["SYMBOLS", "ordered_sizes", "parameter_label", "parts", "plain"]
+__all__ = [
+    "SYMBOLS",
+    "CommonFactor",
+    "columns_of",
+    "numbers",
+    "ordered_sizes",
+    "parameter_label",
+    "parts",
+    "plain",
+    "power_of_ten",
+    "powers",
+]
 
 SYMBOLS = {
     "c1": "c_1",
@@ -25,6 +38,8 @@ SYMBOLS = {
 }
 """Parameter to formula, in the notation of TeX."""
 
+RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+FITTING = (5, 4, 6)  # panels beside each other, the most legible number first
 LONGEST = 24  # characters of a name that a panel has room for
 
 
@@ -66,6 +81,41 @@ def parts(name: str) -> tuple[str, str]:
     if stem not in SYMBOLS and general in SYMBOLS and rig:
         stem, whose = general, [rig, *whose]
     return stem, " ".join(whose)
+
+
+def columns_of(count: int) -> int:
+    """Return how many panels stand beside each other, so that the last row is full if possible."""
+    return min(count, min(FITTING, key=lambda columns: -(-count // columns) * columns))
+
+
+def power_of_ten(exponent: int) -> str:
+    """Write 10⁻³ in characters: a formula takes a hundred times as long to set."""
+    return f"10{str(exponent).translate(RAISED)}"
+
+
+def powers() -> FuncFormatter:
+    """Return what writes the ticks of a logarithmic axis as powers of ten."""
+
+    def written(value: float, _: int | None) -> str:
+        if value == 0:
+            return "0"
+        sign = "−" if value < 0 else ""
+        return sign + power_of_ten(round(math.log10(abs(value))))
+
+    return FuncFormatter(written)
+
+
+def numbers() -> FuncFormatter:
+    """Return what writes the ticks of a logarithmic axis as numbers, 0.1 and 10."""
+    return FuncFormatter(lambda value, _: f"{value:g}")
+
+
+class CommonFactor(ScalarFormatter):  # type: ignore[misc, unused-ignore]
+    """Ticks of an axis with one power of ten for all, in characters."""
+
+    def get_offset(self) -> str:
+        """Return the power of ten."""
+        return f"×{power_of_ten(self.orderOfMagnitude)}" if self.orderOfMagnitude else ""
 
 
 def ordered_sizes(names: Iterable[str]) -> list[str]:

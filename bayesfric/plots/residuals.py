@@ -9,7 +9,7 @@ from matplotlib.patches import Patch
 
 from bayesfric.plots.labels import ordered_sizes, plain
 from bayesfric.plots.rig_tables import RigTable, rig_tables
-from bayesfric.plots.style import COLORS, NEUTRAL, SizeStyle, figure, size_styles
+from bayesfric.plots.style import COLORS, NEUTRAL, SizeStyle, figure, key, size_styles
 
 __all__ = ["residuals_by_order"]
 
@@ -59,7 +59,7 @@ def residuals_by_order(predictive: xr.DataTree) -> Figure:
         ]
         keys.append(Patch(color=NEUTRAL, alpha=0.3, linewidth=0, label="90 % of new trials"))
         keys.append(_dotted("outliers lie beyond"))
-        fig.legend(handles=keys, loc="outside lower center", ncols=len(keys))
+        key(fig, keys, ncols=len(keys))
         return fig
 
 
