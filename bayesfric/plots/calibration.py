@@ -43,7 +43,7 @@ def rank_differences(found: CalibrationFile) -> Figure:
         for panel in panels.flat[len(names) :]:
             panel.set_visible(False)
         fig.supxlabel("rank of the truth among posterior draws, over the largest", fontsize=8)
-        fig.supylabel("share of truths below it, less it", fontsize=8)
+        fig.supylabel("share of truths below it, less the uniform", fontsize=8)
         keys: list[Line2D | Patch] = [
             Line2D([], [], color=COLORS["blue"], label="truths"),
             Patch(color=NEUTRAL, alpha=0.3, linewidth=0, label="uniform ranks, all quantities"),

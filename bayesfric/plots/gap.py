@@ -7,7 +7,7 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from bayesfric.plots.labels import plain
+from bayesfric.plots.labels import plain, rounded
 from bayesfric.plots.style import COLORS, figure, halves, key
 from bayesfric.schemas.diagnosis import Gap, GapRow
 
@@ -72,7 +72,7 @@ def _bars(panel: Axes, row: Gap | GapRow, scale: float, named: bool) -> None:
         low, middle, high = scale * number.q05, scale * number.q50, scale * number.q95
         panel.barh(place, middle, height=0.66, color=color, edgecolor=COLORS["black"])
         panel.plot([low, high], [place, place], color=COLORS["black"], linewidth=1.2)
-        panel.text(high, place, f"  {middle:#.3g}".rstrip("."), va="center", fontsize=7)
+        panel.text(high, place, f"  {rounded(middle, low, high)}", va="center", fontsize=7)
         ends.append(high)
     panel.set_yticks(range(len(names)), names)
     panel.set_ylim(len(names) - 0.45, -0.55)

@@ -10,6 +10,7 @@ from matplotlib.ticker import FuncFormatter, ScalarFormatter
 __all__ = [
     "SYMBOLS",
     "CommonFactor",
+    "axis_words",
     "columns_of",
     "numbers",
     "ordered_sizes",
@@ -18,6 +19,7 @@ __all__ = [
     "plain",
     "power_of_ten",
     "powers",
+    "rounded",
 ]
 
 SYMBOLS = {
@@ -38,6 +40,7 @@ SYMBOLS = {
 }
 """Parameter to formula, in the notation of TeX."""
 
+AXES = {"n_pulleys": "number of pulleys", "trial_in_setup": "trial of its setup"}
 RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 FITTING = (5, 4, 6)  # panels beside each other, the most legible number first
 LONGEST = 24  # characters of a name that a panel has room for
@@ -57,7 +60,7 @@ def parameter_label(name: str) -> str:
         A formula in matplotlib's notation, followed by whose it is if that is said.
     """
     stem, whose = parts(name)
-    written = f"${SYMBOLS[stem]}$" if stem in SYMBOLS else plain(stem)
+    written = f"${SYMBOLS[stem]}$" if stem in SYMBOLS else plain(stem.replace("_", " "))
     return f"{written} {plain(whose)}" if whose else written
 
 
@@ -81,6 +84,17 @@ def parts(name: str) -> tuple[str, str]:
     if stem not in SYMBOLS and general in SYMBOLS and rig:
         stem, whose = general, [rig, *whose]
     return stem, " ".join(whose)
+
+
+def axis_words(name: str) -> str:
+    """Write the name of an axis: ``wrap_angle`` as wrap angle."""
+    return AXES.get(name, name.replace("_", " "))
+
+
+def rounded(middle: float, low: float, high: float) -> str:
+    """Write the middle of an interval with the digits that its width allows, as tables do."""
+    width = high - low
+    return f"{middle:.{max(0, 1 - math.floor(math.log10(width)))}f}" if width > 0 else f"{middle:g}"
 
 
 def columns_of(count: int) -> int:
@@ -114,8 +128,10 @@ class CommonFactor(ScalarFormatter):  # type: ignore[misc, unused-ignore]
     """Ticks of an axis with one power of ten for all, in characters."""
 
     def get_offset(self) -> str:
-        """Return the power of ten."""
-        return f"×{power_of_ten(self.orderOfMagnitude)}" if self.orderOfMagnitude else ""
+        """Return the power of ten; nothing where it is 1."""
+        said = str(super().get_offset()).replace("−", "-")  # as 1e-3
+        exponent = said.partition("e")[2]
+        return f"×{power_of_ten(int(exponent))}" if exponent else said
 
 
 def ordered_sizes(names: Iterable[str]) -> list[str]:

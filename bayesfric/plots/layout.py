@@ -66,8 +66,10 @@ class Room(LayoutEngine):  # type: ignore[misc, unused-ignore]
         before = fig.dpi
         fig.dpi = POINTS
         try:
-            renderer = RendererSVG(*fig.bbox.size, io.StringIO(), image_dpi=POINTS)
-            for parent in (fig, *fig.subfigs):
+            svg: Any = RendererSVG  # matplotlib's stubs leave its types out
+            renderer: RendererBase = svg(*fig.bbox.size, io.StringIO(), image_dpi=POINTS)
+            parts: list[Any] = list(fig.subfigs)
+            for parent in (fig, *parts):
                 self._arrange(parent, renderer)
         finally:
             fig.dpi = before
@@ -75,7 +77,7 @@ class Room(LayoutEngine):  # type: ignore[misc, unused-ignore]
     def _arrange(self, parent: Figure | SubFigure, renderer: RendererBase) -> None:
         grids: dict[GridSpecBase, list[Axes]] = {}
         for axes in parent.axes:
-            spec = axes.get_subplotspec()
+            spec: Any = axes.get_subplotspec()
             if spec is not None and spec.get_gridspec().figure is parent and axes.get_visible():
                 grids.setdefault(spec.get_gridspec(), []).append(axes)
         width, height = parent.bbox.size
@@ -86,7 +88,7 @@ class Room(LayoutEngine):  # type: ignore[misc, unused-ignore]
             for turn in range(PASSES + 1):
                 if turn:
                     needs = [self._needs(axes, renderer) for axes in panels]
-                _place(grid, panels, needs, taken, (width, height))
+                _place(parent, grid, panels, needs, taken)
         for side, text in _titles(parent):
             middle = (taken["left"] + width - taken["right"]) / 2
             if side == "left":
@@ -118,7 +120,8 @@ class Room(LayoutEngine):  # type: ignore[misc, unused-ignore]
     def _needs(self, axes: Axes, renderer: RendererBase) -> dict[str, float]:
         """Return what the words around a panel need, and put its labels beside those of ticks."""
         box = axes.bbox
-        x, y = self._words(axes.xaxis, box.width), self._words(axes.yaxis, box.height)
+        x = self._words(axes.xaxis, box.width, sideways=False)
+        y = self._words(axes.yaxis, box.height, sideways=True)
         below, left = x.away, y.away
         if axes.get_xlabel():
             below += axes.xaxis.labelpad + axes.xaxis.label.get_window_extent(renderer).height
@@ -142,10 +145,9 @@ class Room(LayoutEngine):  # type: ignore[misc, unused-ignore]
             needs["above"] = max(needs["above"], found.y1 - box.y1)
         return needs
 
-    def _words(self, axis: Axis, length: float) -> Words:
+    def _words(self, axis: Axis, length: float, *, sideways: bool) -> Words:
         """Measure what the ticks of an axis of this length say."""
         words = Words()
-        sideways = axis.axis_name == "y"
         low, high = axis.get_view_interval()
         ends = axis.get_transform().transform(np.array([low, high]))
         for locator, formatter, ticks in (
@@ -155,10 +157,10 @@ class Room(LayoutEngine):  # type: ignore[misc, unused-ignore]
             if isinstance(formatter, NullFormatter):
                 continue
             places = np.asarray(locator(), dtype=np.float64)
-            said = formatter.format_ticks(places)
+            said = formatter.format_ticks(list(places))
             if not places.size:
                 continue
-            (tick,) = ticks(1)
+            tick: Any = ticks(1)[0]
             words.away = max(words.away, tick.get_tick_padding())
             label = tick.label1
             if not label.get_visible():
@@ -174,8 +176,8 @@ class Room(LayoutEngine):  # type: ignore[misc, unused-ignore]
                 if not (word and -1e-9 < place < 1 + 1e-9):
                     continue
                 width, height = self._size(word, label.get_fontproperties())
-                along = turned @ (width, height)
-                across = turned @ (height, width)
+                along = float(turned @ (width, height))
+                across = float(turned @ (height, width))
                 if sideways:
                     along, across = across, along
                 words.away = max(words.away, pad + across)
@@ -213,13 +215,14 @@ def _titles(parent: Figure | SubFigure) -> Iterable[tuple[str, Text]]:
 
 
 def _place(
+    parent: Figure | SubFigure,
     grid: GridSpecBase,
     panels: list[Axes],
     needs: list[dict[str, float]],
     taken: dict[str, float],
-    size: tuple[float, float],
 ) -> None:
     """Give panels what is left of the figure, and labels one line a row or column."""
+    size = parent.bbox.size
     rows, columns = grid.get_geometry()
     before, after = np.full(columns, ACROSS), np.full(columns, ACROSS)
     above, below = np.full(rows, UP), np.full(rows, UP)
@@ -236,8 +239,10 @@ def _place(
             lines[name, place] = max(lines.get((name, place), 0.0), need.get(name, 0.0))
     across = size[0] - taken["left"] - taken["right"] - before.sum() - after.sum()
     up = size[1] - taken["above"] - taken["below"] - above.sum() - below.sum()
-    wide = max(across, columns) * np.array(grid.get_width_ratios()) / sum(grid.get_width_ratios())
-    tall = max(up, rows) * np.array(grid.get_height_ratios()) / sum(grid.get_height_ratios())
+    across_ratios = np.asarray(grid.get_width_ratios(), dtype=np.float64)
+    up_ratios = np.asarray(grid.get_height_ratios(), dtype=np.float64)
+    wide = max(across, columns) * across_ratios / across_ratios.sum()
+    tall = max(up, rows) * up_ratios / up_ratios.sum()
     starts = taken["left"] + before + np.concatenate([[0.0], (before + wide + after)[:-1].cumsum()])
     tops = size[1] - taken["above"] - above
     tops -= np.concatenate([[0.0], (above + tall + below)[:-1].cumsum()])
@@ -249,7 +254,7 @@ def _place(
             starts[first], tops[bottom] - tall[bottom], starts[last] + wide[last], tops[top]
         )
         axes.set_position(Bbox(box.get_points() / size))
-        scale = axes.get_figure(root=True).dpi_scale_trans
+        scale = parent.dpi_scale_trans
         down = ScaledTranslation(0.0, -lines["x", bottom] / POINTS, scale)
         aside = ScaledTranslation(-lines["y", first] / POINTS, 0.0, scale)
         axes.xaxis.set_label_coords(0.5, 0.0, axes.transAxes + down)

@@ -49,7 +49,7 @@ def leave_one_out_probabilities(predictive: xr.DataTree) -> Figure:
             axes.set_xlim(0, 1)
             axes.set_title(title)
             axes.set_xlabel("probability of less friction, left out")
-        panels[0].set_ylabel("share below it, less it")
+        panels[0].set_ylabel("share below it\nless the uniform")
         keys: list[Line2D | Patch] = [
             Line2D([], [], color=COLORS["blue"], label="this recording"),
             Patch(color=NEUTRAL, alpha=0.3, linewidth=0, label="95 % of recordings made again"),

@@ -154,7 +154,7 @@ def coefficient_pairs(draws: xr.DataTree, size: str, paper: dict[str, float] | N
             axes.grid(visible=False)
             for axis in (axes.xaxis, axes.yaxis):
                 if len(axis.get_ticklocs()):
-                    axis.set_major_locator(MaxNLocator(4, prune="both"))
+                    axis.set_major_locator(MaxNLocator(3, prune="both"))
             axes.tick_params(axis="both", labelrotation=0)
             axes.xaxis.set_label_coords(0.5, -0.3)
             axes.yaxis.set_label_coords(-0.38, 0.5)

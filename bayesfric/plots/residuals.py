@@ -6,6 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 
 from bayesfric.plots.labels import ordered_sizes, plain
 from bayesfric.plots.rig_tables import RigTable, rig_tables
@@ -43,6 +44,7 @@ def residuals_by_order(predictive: xr.DataTree) -> Figure:
             _draw(axes, one, styles)
             axes.set_title(f"{plain(one.title)}, {plain(one.trials)}")
             axes.set_ylabel("z of friction")
+            axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         panels[-1].set_xlabel("order of measuring")
         keys: list[Line2D | Patch] = [
             Line2D(

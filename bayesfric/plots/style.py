@@ -196,8 +196,8 @@ def key(
     **options
         Of ``Figure.legend``.
     """
-    where = f"{'lower' if side == 'below' else 'upper'} {align}"
-    legend = parent.legend(handles=list(handles), loc=where, **options)
+    options["loc"] = f"{'lower' if side == 'below' else 'upper'} {align}"
+    legend: Legend = parent.legend(handles=list(handles), **options)
     room = parent.get_layout_engine()
     if isinstance(room, Room):
         room.keep(parent, legend, side)
