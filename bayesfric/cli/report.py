@@ -29,13 +29,18 @@ def report(
 
     Example: bayesfric report my-results --compare last-night
     """
+    from bayesfric.campaign import processes
     from bayesfric.errors import Fault, InputError
     from bayesfric.report.writing import write_report
 
     for place in (folder, before):
         if place is not None and not place.is_dir():
             raise InputError([Fault(str(place), "a folder with results of the verbs")])
-    with hold(folder, "report"), stage("writing the report", quiet=quiet):
-        write_report(folder, before)
+    with (
+        hold(folder, "report"),
+        stage("writing the report", quiet=quiet),
+        processes(1) as helper,
+    ):
+        write_report(folder, before, helper)
     if not quiet:
         say(f"{folder / 'report.pdf'}", err=True)

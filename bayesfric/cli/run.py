@@ -98,6 +98,7 @@ def run_into(
     quiet: bool,
 ) -> set[str]:
     """Run all verbs and the report; return what happened that ``--fail-on`` can name."""
+    from bayesfric.campaign import processes
     from bayesfric.cli.stages import Stages
     from bayesfric.report.writing import write_report
     from bayesfric.results import json_bytes, read_json, replace_outputs
@@ -125,8 +126,8 @@ def run_into(
             lambda: margins_into(loops, output / "draws.nc", output, analysis, quiet=quiet),
         )
     began = time.perf_counter()
-    with stage("writing the report", quiet=quiet):
-        write_report(output)
+    with stage("writing the report", quiet=quiet), processes(1) as helper:
+        write_report(output, executor=helper)
     seconds = {name: value for name, value in stages.seconds.items() if name != "fit"}
     seconds["report"] = time.perf_counter() - began
     of_fit = read_json(TimingsFile, output / "timings.json")  # which has stages of its own

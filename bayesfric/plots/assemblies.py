@@ -9,7 +9,7 @@ from matplotlib.patches import Patch
 
 from bayesfric.plots.labels import ordered_sizes, plain
 from bayesfric.plots.rig_tables import rig_tables
-from bayesfric.plots.style import COLORS, NEUTRAL, figure, size_styles
+from bayesfric.plots.style import COLORS, NEUTRAL, figure, key, size_styles
 
 __all__ = ["assemblies_left_out", "has_assemblies"]
 
@@ -65,7 +65,7 @@ def assemblies_left_out(predictive: xr.DataTree) -> Figure:
             Patch(color=NEUTRAL, alpha=0.3, linewidth=0, label="95 % or 90 % by chance"),
             Line2D([], [], color=COLORS["black"], linewidth=0.9, linestyle=":", label="far beyond"),
         ]
-        fig.legend(handles=keys, loc="outside lower center", ncols=3)
+        key(fig, keys, ncols=3)
         return fig
 
 
@@ -78,7 +78,7 @@ def _distribution(axes: Axes, table: xr.Dataset, title: str) -> None:
     axes.set_xlim(0, 1)
     axes.set_title(title)
     axes.set_xlabel("probability of less friction, left out")
-    axes.set_ylabel("share below it, less it")
+    axes.set_ylabel("share below it\nless the uniform")
 
 
 def _ranked(axes: Axes, score: xr.DataArray, expected: xr.DataArray, title: str, what: str) -> None:
@@ -117,11 +117,13 @@ def _by_condition(axes: Axes, table: xr.Dataset, title: str) -> None:
         )
     beyond = np.flatnonzero(np.abs(z) > far)
     for k in beyond if beyond.size <= NAMED else ():
-        axes.annotate(plain(str(names[k])), (place[k], z[k]), (5, 3), textcoords="offset points")
+        axes.annotate(plain(str(names[k])), (place[k], z[k]), (5, -3), textcoords="offset points")
     written = [f"{plain(size)} " + ", ".join(f"{v:g}" for v in values) for size, values in cells]
-    axes.set_xticks(
-        range(len(cells)), written, rotation=90 if len(cells) > CROWDED else 0, fontsize=6.5
-    )
+    upright = 90 if len(cells) > CROWDED else 0
+    if len(cells) > 1:
+        axes.set_xticks(range(len(cells)), written, rotation=upright, fontsize=6.5)
+    else:  # all are of one condition, which says nothing here
+        axes.set_xticks([])
     by = ": by pulley size, number and wrap angle" if len(cells) > 1 else ""
     axes.set_title(f"{title}{by}")
     axes.set_ylabel("score of an assembly")

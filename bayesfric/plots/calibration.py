@@ -5,13 +5,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from bayesfric.plots.labels import parameter_label
-from bayesfric.plots.style import COLORS, NEUTRAL, figure
+from bayesfric.plots.labels import columns_of, parameter_label
+from bayesfric.plots.style import COLORS, NEUTRAL, figure, key
 from bayesfric.schemas import CalibrationFile
 
 __all__ = ["rank_differences"]
-
-COLUMNS = 5
 
 
 def rank_differences(found: CalibrationFile) -> Figure:
@@ -28,7 +26,7 @@ def rank_differences(found: CalibrationFile) -> Figure:
         A step line in a band; one that leaves it is vermilion.
     """
     names = [one.name for one in found.quantities]
-    columns = min(COLUMNS, len(names))
+    columns = columns_of(len(names))
     rows = -(-len(names) // columns)
     low, high = np.array(found.low), np.array(found.high)
     at = np.array(found.probability)
@@ -45,10 +43,10 @@ def rank_differences(found: CalibrationFile) -> Figure:
         for panel in panels.flat[len(names) :]:
             panel.set_visible(False)
         fig.supxlabel("rank of the truth among posterior draws, over the largest", fontsize=8)
-        fig.supylabel("share of truths below it, less it", fontsize=8)
+        fig.supylabel("share of truths below it, less the uniform", fontsize=8)
         keys: list[Line2D | Patch] = [
             Line2D([], [], color=COLORS["blue"], label="truths"),
             Patch(color=NEUTRAL, alpha=0.3, linewidth=0, label="uniform ranks, all quantities"),
         ]
-        fig.legend(handles=keys, loc="outside upper center", ncols=2)
+        key(fig, keys, side="above", ncols=2)
         return fig

@@ -5,8 +5,10 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
 
-from bayesfric.plots.style import COLORS, LINES, MARKERS, NEUTRAL, figure
+from bayesfric.plots.labels import numbers
+from bayesfric.plots.style import COLORS, LINES, MARKERS, NEUTRAL, figure, key
 
 __all__ = ["against_rivals", "over_prior_width", "smallest_found"]
 
@@ -44,9 +46,11 @@ def over_prior_width(curves: xr.DataTree, support: float, refute: float) -> Figu
         axes.axhline(support, color=NEUTRAL, linewidth=0.8, linestyle="--", zorder=1)
         axes.axhline(refute, color=NEUTRAL, linewidth=0.8, linestyle=":", zorder=1)
         axes.set_xscale("log")
+        axes.xaxis.set_major_formatter(numbers())
+        axes.xaxis.set_minor_locator(NullLocator())
         axes.set_xlabel("width of the rivals' priors, relative to the analysis")
-        axes.set_ylabel("log$_{10}$ Bayes factor")
-        fig.legend(loc="outside lower center", ncols=3)
+        axes.set_ylabel("log₁₀ Bayes factor")
+        key(fig, axes.get_legend_handles_labels()[0], ncols=3)
     return fig
 
 
@@ -85,7 +89,7 @@ def against_rivals(factors: Mapping[str, Mapping[str, float]]) -> Figure:
         axes.set_yticks(ticks, labels)
         axes.set_ylim(row - 0.4, -0.8)
         axes.set_xlim(-1.06 * FURTHEST, 1.06 * FURTHEST)
-        axes.set_xlabel("log$_{10}$ Bayes factor in favour of the claim")
+        axes.set_xlabel("log₁₀ Bayes factor in favour of the claim")
     return fig
 
 
@@ -108,6 +112,8 @@ def smallest_found(shares: Mapping[str, Mapping[str, float]], matters: float) ->
             axes.plot(100 * share, row, "o", color=shade, markersize=4.0)
         axes.axvline(100 * matters, color=NEUTRAL, linewidth=0.8, linestyle="--", zorder=1)
         axes.set_xscale("log")
+        axes.xaxis.set_major_formatter(numbers())
+        axes.xaxis.set_minor_locator(NullLocator())
         axes.set_yticks(range(len(rows)), [f"{claim}: {rival}" for claim, rival, _ in rows])
         axes.set_ylim(len(rows) - 0.4, -0.6)
         axes.set_xlabel("smallest effect found with probability 0.9 [% of friction]")

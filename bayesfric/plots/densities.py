@@ -5,14 +5,12 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import MaxNLocator, ScalarFormatter
+from matplotlib.ticker import MaxNLocator, NullLocator
 
-from bayesfric.plots.labels import parameter_label
-from bayesfric.plots.style import COLORS, figure
+from bayesfric.plots.labels import CommonFactor, columns_of, parameter_label, powers
+from bayesfric.plots.style import COLORS, figure, key
 
 __all__ = ["prior_and_posterior"]
-
-COLUMNS = 5
 
 
 def prior_and_posterior(predictive: xr.DataTree) -> Figure:
@@ -31,7 +29,7 @@ def prior_and_posterior(predictive: xr.DataTree) -> Figure:
     """
     table = predictive["densities"].to_dataset()
     names = [str(name) for name in table["parameter"].to_numpy()]
-    columns = min(COLUMNS, len(names))
+    columns = columns_of(len(names))
     rows = -(-len(names) // columns)
     with figure(height=24.0 * rows + 12.0) as fig:
         panels = np.reshape(fig.subplots(rows, columns), (rows, columns))
@@ -44,10 +42,12 @@ def prior_and_posterior(predictive: xr.DataTree) -> Figure:
             panel.set_ylim(0.5 * seen.min(), 3 * seen.max())
             panel.stairs(height, edge, color=COLORS["sky"], fill=True, linewidth=0)
             panel.plot(edge, prior, color=COLORS["black"], linewidth=1.0, linestyle="--")
-            unit = str(entry["unit"].item()).replace("1/deg", "deg$^{-1}$")
+            unit = str(entry["unit"].item()).replace("1/deg", "deg⁻¹")
             panel.set_title(parameter_label(name) + (f" [{unit}]" if unit != "1" else ""))
             panel.xaxis.set_major_locator(MaxNLocator(2))
-            form = ScalarFormatter(useMathText=True)
+            panel.yaxis.set_major_formatter(powers())
+            panel.yaxis.set_minor_locator(NullLocator())
+            form = CommonFactor(useOffset=False)
             form.set_powerlimits((-2, 3))
             panel.xaxis.set_major_formatter(form)
             panel.xaxis.get_offset_text().set_fontsize(6.5)
@@ -59,5 +59,5 @@ def prior_and_posterior(predictive: xr.DataTree) -> Figure:
             Patch(color=COLORS["sky"], linewidth=0, label="posterior"),
             Line2D([], [], color=COLORS["black"], linewidth=1.0, linestyle="--", label="prior"),
         ]
-        fig.legend(handles=keys, loc="outside upper center", ncols=2)
+        key(fig, keys, side="above", ncols=2)
         return fig

@@ -9,13 +9,15 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from bayesfric.plots.labels import plain
-from bayesfric.plots.style import COLORS, NEUTRAL, figure, halves
+from bayesfric.plots.labels import axis_words, plain
+from bayesfric.plots.style import COLORS, NEUTRAL, figure, halves, key
 from bayesfric.schemas.diagnosis import Axis, Inclusion
 
 __all__ = ["RARE", "what_acts", "where_it_lies"]
 
 BARS = 10  # axes whose share is drawn; the table has all
+FEW_BARS = 4  # a single bar is no wider than one of so many
+ALL = 1.0  # of gap²; what is cross-validated may seem to take more away
 SHAPES = 4  # axes whose shape is drawn: those of the largest shares
 EFFECTS = 8  # most probable ones; the table has all
 FEWEST = 4  # effects that are drawn at least
@@ -61,7 +63,7 @@ def where_it_lies(axes: Sequence[Axis], residuals: xr.Dataset | None, unit: str 
                 Patch(color=COLORS["sky"], label="by this axis alone"),
                 Patch(color=COLORS["blue"], label="lost without it"),
             ]
-            left.legend(handles=keys, loc="outside upper left", ncols=2, columnspacing=1.0)
+            key(left, keys, side="above", align="left", ncols=2, columnspacing=1.0)
         if right is not None:
             columns = len(shapes) if left is None else min(2, len(shapes))
             rows = -(-len(shapes) // columns)
@@ -79,17 +81,22 @@ def _shares(panel: Axes, axes: Sequence[Axis]) -> None:
         if axis.share is None:
             panel.text(0.0, row, " none", va="center", fontsize=7, style="italic", color=NEUTRAL)
             continue
-        panel.barh(row, 100 * axis.share, height=0.72, color=COLORS["sky"])
+        panel.barh(row, 100 * min(axis.share, ALL), height=0.72, color=COLORS["sky"])
         if axis.unique_share is not None:
-            panel.barh(row, 100 * axis.unique_share, height=0.36, color=COLORS["blue"])
-        percent = f" {100 * axis.share:.0f}".replace("-", "−")
-        panel.text(100 * max(axis.share, 0.0), row, percent, va="center", fontsize=7)
+            lost = min(axis.unique_share, ALL)
+            panel.barh(row, 100 * lost, height=0.36, color=COLORS["blue"])
+        both = (axis.share, axis.unique_share)
+        told = (">100" if s > ALL else f"{100 * s:.0f}" for s in both if s is not None)
+        percent = f" {' / '.join(told)}".replace("-", "−")
+        end = min(max(axis.share, axis.unique_share or 0.0, 0.0), ALL)
+        panel.text(100 * end, row, percent, va="center", fontsize=7)
     panel.axvline(0.0, color=COLORS["black"], linewidth=0.8)
     panel.set_yticks(range(len(axes)), [axis_label(axis.axis) for axis in axes])
-    panel.set_ylim(len(axes) - 0.4, -0.6)
-    each = [100 * s for axis in axes for s in (axis.share, axis.unique_share) if s is not None]
+    panel.set_ylim(max(len(axes), FEW_BARS) - 0.4, -0.6)
+    seen = [s for axis in axes for s in (axis.share, axis.unique_share) if s is not None]
+    each = [100 * min(share, ALL) for share in seen]
     least, most = min([0.0, *each]), max([10.0, *each])
-    panel.set_xlim(1.1 * least, 1.15 * most)
+    panel.set_xlim(1.1 * least, 1.3 * most)
     panel.grid(visible=False, axis="y")
     panel.set_xlabel("part of gap² explained [%]")
 
@@ -180,8 +187,8 @@ def what_acts(effects: Sequence[Inclusion], practical_share: float) -> Figure:
 
 
 def axis_label(name: str) -> str:
-    """Write the name of an axis: ``wrap_angle`` as wrap angle."""
-    return plain(name.replace("_", " "))
+    """Write the name of an axis, as in `axis_words`, for a figure."""
+    return plain(axis_words(name))
 
 
 def with_unit(words: str, unit: str) -> str:

@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from bayesfric.plots.style import COLORS, LINES, NEUTRAL, figure
+from bayesfric.plots.style import COLORS, LINES, NEUTRAL, figure, key
 from bayesfric.schemas import Following
 
 __all__ = ["errors_over_time"]
@@ -43,6 +43,5 @@ def errors_over_time(found: Following) -> Figure:
             axes.set_xlabel("time since the reference set off [s]")
         for axes in panels[::2]:
             axes.set_ylabel("behind at the tip [mm]")
-        handles, labels = panels[0].get_legend_handles_labels()
-        fig.legend(handles, labels, loc="outside lower center", ncols=3)
+        key(fig, panels[0].get_legend_handles_labels()[0], ncols=3)
     return fig

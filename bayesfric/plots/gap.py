@@ -7,8 +7,8 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from bayesfric.plots.labels import plain
-from bayesfric.plots.style import COLORS, figure, halves
+from bayesfric.plots.labels import plain, rounded
+from bayesfric.plots.style import COLORS, figure, halves, key
 from bayesfric.schemas.diagnosis import Gap, GapRow
 
 __all__ = ["how_far"]
@@ -64,15 +64,15 @@ def how_far(
 def _bars(panel: Axes, row: Gap | GapRow, scale: float, named: bool) -> None:
     names = []
     ends = [0.0]
-    numbers = {key: getattr(row, key, None) for key in BARS if key != "after" or named}
-    shown = {key: number for key, number in numbers.items() if number is not None}
-    for place, (key, number) in enumerate(shown.items()):
-        words, color = BARS[key]
+    numbers = {name: getattr(row, name, None) for name in BARS if name != "after" or named}
+    shown = {name: one for name, one in numbers.items() if one is not None}
+    for place, (name, number) in enumerate(shown.items()):
+        words, color = BARS[name]
         names.append(words)
         low, middle, high = scale * number.q05, scale * number.q50, scale * number.q95
         panel.barh(place, middle, height=0.66, color=color, edgecolor=COLORS["black"])
         panel.plot([low, high], [place, place], color=COLORS["black"], linewidth=1.2)
-        panel.text(high, place, f"  {middle:#.3g}".rstrip("."), va="center", fontsize=7)
+        panel.text(high, place, f"  {rounded(middle, low, high)}", va="center", fontsize=7)
         ends.append(high)
     panel.set_yticks(range(len(names)), names)
     panel.set_ylim(len(names) - 0.45, -0.55)
@@ -111,4 +111,4 @@ def _paths(right: SubFigure, trajectories: xr.Dataset, named: bool) -> None:
         Line2D([], [], color=COLORS["vermilion"], linestyle="--", label="recalibrated"),
         *([Line2D([], [], color=COLORS["blue"], label="with the effect")] if named else []),
     ]
-    right.legend(handles=handles, loc="outside upper right", ncols=2)
+    key(right, handles, side="above", align="right", ncols=2)

@@ -1,11 +1,26 @@
 """How figures write parameters and pulley sizes, and in which order sizes stand."""
 
+import math
 from collections.abc import Iterable
 from functools import cache
 
 from matplotlib.font_manager import findfont, get_font
+from matplotlib.ticker import FuncFormatter, ScalarFormatter
 
-__all__ = ["SYMBOLS", "ordered_sizes", "parameter_label", "parts", "plain"]
+__all__ = [
+    "SYMBOLS",
+    "CommonFactor",
+    "axis_words",
+    "columns_of",
+    "numbers",
+    "ordered_sizes",
+    "parameter_label",
+    "parts",
+    "plain",
+    "power_of_ten",
+    "powers",
+    "rounded",
+]
 
 SYMBOLS = {
     "c1": "c_1",
@@ -25,6 +40,9 @@ SYMBOLS = {
 }
 """Parameter to formula, in the notation of TeX."""
 
+AXES = {"n_pulleys": "number of pulleys", "trial_in_setup": "trial of its setup"}
+RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+FITTING = (5, 4, 6)  # panels beside each other, the most legible number first
 LONGEST = 24  # characters of a name that a panel has room for
 
 
@@ -42,7 +60,7 @@ def parameter_label(name: str) -> str:
         A formula in matplotlib's notation, followed by whose it is if that is said.
     """
     stem, whose = parts(name)
-    written = f"${SYMBOLS[stem]}$" if stem in SYMBOLS else plain(stem)
+    written = f"${SYMBOLS[stem]}$" if stem in SYMBOLS else plain(stem.replace("_", " "))
     return f"{written} {plain(whose)}" if whose else written
 
 
@@ -66,6 +84,54 @@ def parts(name: str) -> tuple[str, str]:
     if stem not in SYMBOLS and general in SYMBOLS and rig:
         stem, whose = general, [rig, *whose]
     return stem, " ".join(whose)
+
+
+def axis_words(name: str) -> str:
+    """Write the name of an axis: ``wrap_angle`` as wrap angle."""
+    return AXES.get(name, name.replace("_", " "))
+
+
+def rounded(middle: float, low: float, high: float) -> str:
+    """Write the middle of an interval with the digits that its width allows, as tables do."""
+    width = high - low
+    return f"{middle:.{max(0, 1 - math.floor(math.log10(width)))}f}" if width > 0 else f"{middle:g}"
+
+
+def columns_of(count: int) -> int:
+    """Return how many panels stand beside each other, so that the last row is full if possible."""
+    return min(count, min(FITTING, key=lambda columns: -(-count // columns) * columns))
+
+
+def power_of_ten(exponent: int) -> str:
+    """Write 10⁻³ in characters: a formula takes a hundred times as long to set."""
+    return f"10{str(exponent).translate(RAISED)}"
+
+
+def powers() -> FuncFormatter:
+    """Return what writes the ticks of a logarithmic axis as powers of ten."""
+
+    def written(value: float, _: int | None) -> str:
+        if value == 0:
+            return "0"
+        sign = "−" if value < 0 else ""
+        return sign + power_of_ten(round(math.log10(abs(value))))
+
+    return FuncFormatter(written)
+
+
+def numbers() -> FuncFormatter:
+    """Return what writes the ticks of a logarithmic axis as numbers, 0.1 and 10."""
+    return FuncFormatter(lambda value, _: f"{value:g}")
+
+
+class CommonFactor(ScalarFormatter):  # type: ignore[misc, unused-ignore]
+    """Ticks of an axis with one power of ten for all, in characters."""
+
+    def get_offset(self) -> str:
+        """Return the power of ten; nothing where it is 1."""
+        said = str(super().get_offset()).replace("−", "-")  # as 1e-3
+        exponent = said.partition("e")[2]
+        return f"×{power_of_ten(int(exponent))}" if exponent else said
 
 
 def ordered_sizes(names: Iterable[str]) -> list[str]:

@@ -7,7 +7,7 @@ from matplotlib.patches import Patch
 
 from bayesfric.plots.labels import plain
 from bayesfric.plots.rig_tables import rig_tables
-from bayesfric.plots.style import COLORS, NEUTRAL, figure
+from bayesfric.plots.style import COLORS, NEUTRAL, figure, key
 
 __all__ = ["has_probabilities", "leave_one_out_probabilities"]
 
@@ -49,10 +49,10 @@ def leave_one_out_probabilities(predictive: xr.DataTree) -> Figure:
             axes.set_xlim(0, 1)
             axes.set_title(title)
             axes.set_xlabel("probability of less friction, left out")
-        panels[0].set_ylabel("share below it, less it")
+        panels[0].set_ylabel("share below it\nless the uniform")
         keys: list[Line2D | Patch] = [
             Line2D([], [], color=COLORS["blue"], label="this recording"),
             Patch(color=NEUTRAL, alpha=0.3, linewidth=0, label="95 % of recordings made again"),
         ]
-        fig.legend(handles=keys, loc="outside lower center", ncols=2)
+        key(fig, keys, ncols=2)
         return fig

@@ -5,10 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
 
-from bayesfric.plots.labels import plain
-from bayesfric.plots.style import COLORS, LINES, MARKERS, NEUTRAL, figure
+from bayesfric.plots.labels import numbers, plain
+from bayesfric.plots.style import COLORS, LINES, MARKERS, NEUTRAL, figure, key
 from bayesfric.schemas import HuntingMap, LoopMargins, Metric, NyquistFan
 
 __all__ = [
@@ -69,7 +68,7 @@ def limit_cycle_against_gain(loops: Sequence[LoopMargins]) -> Figure:
         axes.set_ylabel("P(limit cycle)")
         axes.set_ylim(-0.02, 1.02)
         axes.set_xlim(left=0)
-        fig.legend(loc="outside lower center", ncols=3)
+        key(fig, axes.get_legend_handles_labels()[0], ncols=3)
     return fig
 
 
@@ -139,9 +138,8 @@ def nyquist_fan(fans: Sequence[NyquistFan]) -> Figure:
             axes.axvline(0, color=NEUTRAL, linewidth=0.5, zorder=1)
             axes.set_xlabel("real")
         left.set_ylabel("imaginary")
-        handles, labels = right.get_legend_handles_labels()
         # The hat over F reaches out of the line that a legend reserves.
-        fig.legend(handles, labels, loc="outside lower center", ncols=4, borderaxespad=1.0)
+        key(fig, right.get_legend_handles_labels()[0], ncols=4, borderaxespad=1.0)
     return fig
 
 
@@ -176,7 +174,7 @@ def error_and_headroom(loops: Sequence[LoopMargins]) -> Figure:
         _bars(right, loops, HEADROOMS, 100.0)
         left.set_xlabel("at the tool tip [mm]")
         left.set_xscale("log")
-        left.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        left.xaxis.set_major_formatter(numbers())
         right.set_xlabel("torque left [% of the limit]")
         right.axvline(0, color=COLORS["vermilion"], linewidth=0.8)
     return fig

@@ -20,9 +20,9 @@ PAIRS_SHARE = 0.75
 """Width of the figure of pairs as a share of the text's."""
 
 PRINTED = {
-    "c1": (1e3, "$c_1$ [$10^{-3}$]"),
-    "c2": (1e3, "$c_2$ [$10^{-3}$ N]"),
-    "c3": (1e6, "$c_3$ [$10^{-6}$ deg$^{-1}$]"),
+    "c1": (1e3, "$c_1$ [10⁻³]"),
+    "c2": (1e3, "$c_2$ [10⁻³ N]"),
+    "c3": (1e6, "$c_3$ [10⁻⁶ deg⁻¹]"),
 }
 
 
@@ -126,7 +126,7 @@ def coefficient_pairs(draws: xr.DataTree, size: str, paper: dict[str, float] | N
     look = size_styles([size])[size]
     with (
         warnings.catch_warnings(),
-        figure(PAIRS_SHARE * TEXT_WIDTH, 68.0, constrained=False) as fig,
+        figure(PAIRS_SHARE * TEXT_WIDTH, 68.0, room=False) as fig,
     ):
         warnings.simplefilter("ignore", FutureWarning)  # arviz, which corner imports
         import corner
@@ -154,7 +154,7 @@ def coefficient_pairs(draws: xr.DataTree, size: str, paper: dict[str, float] | N
             axes.grid(visible=False)
             for axis in (axes.xaxis, axes.yaxis):
                 if len(axis.get_ticklocs()):
-                    axis.set_major_locator(MaxNLocator(4, prune="both"))
+                    axis.set_major_locator(MaxNLocator(3, prune="both"))
             axes.tick_params(axis="both", labelrotation=0)
             axes.xaxis.set_label_coords(0.5, -0.3)
             axes.yaxis.set_label_coords(-0.38, 0.5)

@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from bayesfric.plots.labels import ordered_sizes, plain
-from bayesfric.plots.style import COLORS, NEUTRAL, figure
+from bayesfric.plots.labels import ordered_sizes, plain, powers
+from bayesfric.plots.style import COLORS, NEUTRAL, figure, key
 
 __all__ = ["friction_of_priors"]
 
@@ -41,6 +41,7 @@ def friction_of_priors(predictive: xr.DataTree) -> Figure:
             here = here[np.argsort(measured[here], kind="stable")]
             _draw(axes, table.isel(condition=here))
             axes.set_yscale("symlog", linthresh=least, linscale=0.4)
+            axes.yaxis.set_major_formatter(powers())
             axes.set_title(f"{plain(size)} pulley")
         panels[0].set_ylabel("friction [N]")
         panels[len(sizes) // 2].set_xlabel("conditions, in the order of measured friction")
@@ -55,7 +56,7 @@ def friction_of_priors(predictive: xr.DataTree) -> Figure:
             keys.append(
                 Line2D([], [], color=COLORS["vermilion"], linestyle="", marker="_", label=label)
             )
-        fig.legend(handles=keys, loc="outside lower center", ncols=len(keys))
+        key(fig, keys, ncols=len(keys))
         return fig
 
 

@@ -5,13 +5,12 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from bayesfric.plots.labels import parameter_label
-from bayesfric.plots.style import COLORS, LINES, NEUTRAL, LineStyle, figure
+from bayesfric.plots.labels import columns_of, parameter_label
+from bayesfric.plots.style import COLORS, LINES, NEUTRAL, LineStyle, figure, key
 
 __all__ = ["rank_histograms"]
 
 SHADES = tuple(COLORS[name] for name in ("blue", "vermilion", "green", "purple"))
-COLUMNS = 5
 KEYS = 8  # more ensembles than that are not told apart
 
 
@@ -32,7 +31,7 @@ def rank_histograms(predictive: xr.DataTree) -> Figure:
     names = [str(name) for name in table["parameter"].to_numpy()]
     relative = table["relative"].to_numpy()
     ensembles = relative.shape[1]
-    columns = min(COLUMNS, len(names))
+    columns = columns_of(len(names))
     rows = -(-len(names) // columns)
     with figure(height=18.0 * rows + 14.0) as fig:
         panels = np.reshape(fig.subplots(rows, columns, sharex=True, sharey=True), (rows, columns))
@@ -58,7 +57,7 @@ def rank_histograms(predictive: xr.DataTree) -> Figure:
                 Line2D([], [], color=_look(e)[0], linestyle=_look(e)[1], label=f"ensemble {e + 1}")
                 for e in range(ensembles)
             ]
-            fig.legend(handles=keys, loc="outside upper center", ncols=min(4, ensembles))
+            key(fig, keys, side="above", ncols=min(4, ensembles))
         return fig
 
 

@@ -6,10 +6,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 
 from bayesfric.plots.labels import ordered_sizes, plain
 from bayesfric.plots.rig_tables import RigTable, rig_tables
-from bayesfric.plots.style import COLORS, NEUTRAL, SizeStyle, figure, size_styles
+from bayesfric.plots.style import COLORS, NEUTRAL, SizeStyle, figure, key, size_styles
 
 __all__ = ["residuals_by_order"]
 
@@ -43,6 +44,7 @@ def residuals_by_order(predictive: xr.DataTree) -> Figure:
             _draw(axes, one, styles)
             axes.set_title(f"{plain(one.title)}, {plain(one.trials)}")
             axes.set_ylabel("z of friction")
+            axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         panels[-1].set_xlabel("order of measuring")
         keys: list[Line2D | Patch] = [
             Line2D(
@@ -59,7 +61,7 @@ def residuals_by_order(predictive: xr.DataTree) -> Figure:
         ]
         keys.append(Patch(color=NEUTRAL, alpha=0.3, linewidth=0, label="90 % of new trials"))
         keys.append(_dotted("outliers lie beyond"))
-        fig.legend(handles=keys, loc="outside lower center", ncols=len(keys))
+        key(fig, keys, ncols=len(keys))
         return fig
 
 

@@ -13,6 +13,9 @@ from bayesfric.schemas import Confusion, Detected, ReliabilityBin, ScorecardFile
 __all__ = ["confusion_matrix", "named_by_strength", "promises_and_reliability"]
 
 ROW_MM = 4.4
+SQUARE_MM = 66.0  # of the height at which the reliability diagram is about as wide as high
+FEWEST = 4  # rows of promises for which there is room at least
+PALE = 0.6  # share of a row from which on black is not legible on blue
 SMALLEST_DOT, LARGEST_DOT = 3.0, 9.0  # of a bin with few and with many cases
 
 
@@ -30,9 +33,10 @@ def promises_and_reliability(card: ScorecardFile) -> Figure:
         Left a row a promise: the rate, its 95 % interval, and the range that is promised;
         right how often verdicts were correct over the probability that they reported.
     """
-    with figure(height=76.0) as fig:
+    tried = tuple(target for target in card.targets if target.rate.rate is not None)
+    with figure(height=max(SQUARE_MM, 18.0 + ROW_MM * len(tried))) as fig:
         left, right = halves(fig, 8, 5)
-        _promises(left.subplots(), card.targets)
+        _promises(left.subplots(), tried)
         _reliability(right.subplots(), card.reliability)
         return fig
 
@@ -45,9 +49,7 @@ def _promises(panel: Axes, targets: tuple[Target, ...]) -> None:
         high = 100.0 if target.at_most is None else 100 * target.at_most
         panel.barh(place, high - low, left=low, height=0.8, color="#dcebf5", zorder=1)
         rate = target.rate
-        if rate.rate is None:
-            panel.text(50, place, "no case", ha="center", va="center", fontsize=6.5, color=NEUTRAL)
-            continue
+        assert rate.rate is not None
         color = COLORS["green"] if target.met else COLORS["vermilion"]
         panel.plot([100 * rate.low, 100 * rate.high], [place, place], color=color, linewidth=1.6)
         panel.plot(100 * rate.rate, place, "o" if target.met else "X", color=color, markersize=5)
@@ -55,7 +57,7 @@ def _promises(panel: Axes, targets: tuple[Target, ...]) -> None:
             108, place, f"{rate.hits}/{rate.cases}", va="center", fontsize=6.5, clip_on=False
         )
     panel.set_yticks(range(len(names)), names, fontsize=7)
-    panel.set_ylim(len(names) - 0.4, -0.6)
+    panel.set_ylim(max(len(names), FEWEST) - 0.4, -0.6)
     panel.set_xlim(-2.0, 102.0)
     panel.set_xlabel("rate [%]; shaded: promised")
     panel.grid(visible=False, axis="y")
@@ -98,7 +100,14 @@ def confusion_matrix(confusion: Confusion) -> Figure:
                 right = rows[row] == confusion.columns[column]
                 weight = "bold" if right else "normal"
                 panel.text(
-                    column, row, f"{count:.0f}", ha="center", va="center", fontsize=6, weight=weight
+                    column,
+                    row,
+                    f"{count:.0f}",
+                    ha="center",
+                    va="center",
+                    fontsize=6,
+                    weight=weight,
+                    color="black" if share[row, column] < PALE else "white",
                 )
         panel.set_xticks(range(len(confusion.columns)), [plain(c) for c in confusion.columns])
         panel.tick_params(axis="x", rotation=90, labelsize=6.5)

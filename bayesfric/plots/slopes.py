@@ -16,6 +16,7 @@ from bayesfric.plots.style import (
     LineStyle,
     SizeStyle,
     figure,
+    key,
     size_styles,
 )
 
@@ -44,7 +45,7 @@ def line_against_pulleys(predictive: xr.DataTree) -> Figure:
     sizes = ordered_sizes(cells["pulley_size"].to_numpy())
     styles = size_styles(sizes)
     count = table["n"].to_numpy()
-    rows = (("slope", "", "slope [$10^{-3}$]"), ("intercept", "_n", "intercept [mN]"))
+    rows = (("slope", "", "slope [10⁻³]"), ("intercept", "_n", "intercept [mN]"))
     with figure(height=76.0) as fig:
         panels = fig.subplots(2, len(sizes), squeeze=False, sharex=True)
         for column, size in enumerate(sizes):
@@ -71,11 +72,10 @@ def line_against_pulleys(predictive: xr.DataTree) -> Figure:
             panels[0, column].set_title(plain(size))
             panels[1, column].set_xlabel("number of pulleys n")
             panels[1, column].set_xlim(left=0)
-        fig.align_ylabels()
         keys = _keys()
         if np.isfinite(table["slope_paper"].to_numpy()).any():
             keys.append(_dashed_key("Table I"))
-        fig.legend(handles=keys, loc="outside lower center", ncols=len(keys))
+        key(fig, keys, ncols=len(keys))
         return fig
 
 
@@ -133,7 +133,7 @@ def wrap_slopes(predictive: xr.DataTree) -> Figure:
             panels[0, column].set_xlabel("number of pulleys n")
             panels[1, column].set_xlabel("nominal tension T [N]")
         keys = _keys()
-        fig.legend(handles=keys, loc="outside lower center", ncols=len(keys))
+        key(fig, keys, ncols=len(keys))
         return fig
 
 

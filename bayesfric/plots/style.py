@@ -10,11 +10,16 @@ import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal, TypeAlias
 
 import matplotlib.style
+from matplotlib.artist import Artist
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure, SubFigure
+from matplotlib.legend import Legend
+
+from bayesfric.plots.layout import Room
 
 __all__ = [
     "COLORS",
@@ -26,6 +31,7 @@ __all__ = [
     "SizeStyle",
     "figure",
     "halves",
+    "key",
     "size_styles",
     "svg_of",
     "to_svg",
@@ -55,11 +61,10 @@ MARKERS = "osD^vPX"
 """For what is told apart within one size: numbers of pulleys, tensions."""
 
 _STYLE: dict[str, object] = {
-    "figure.constrained_layout.use": True,
-    "figure.constrained_layout.w_pad": 0.06,
     "font.family": "DejaVu Sans",  # comes with matplotlib, so it is the same everywhere
     "font.size": 8.0,
     "axes.titlesize": 8.5,
+    "axes.titley": 1.0,  # where no ticks stand above: it need not be looked for
     "axes.labelsize": 8.0,
     "xtick.labelsize": 7.5,
     "ytick.labelsize": 7.5,
@@ -137,7 +142,7 @@ def size_styles(names: Iterable[str]) -> dict[str, SizeStyle]:
 
 @contextmanager
 def figure(
-    width: float = TEXT_WIDTH, height: float = 80.0, *, constrained: bool = True
+    width: float = TEXT_WIDTH, height: float = 80.0, *, room: bool = True
 ) -> Iterator[Figure]:
     """Make an empty figure, in the project's style within the ``with`` block.
 
@@ -145,8 +150,8 @@ def figure(
     ----------
     width, height : float
         In mm.
-    constrained : bool
-        Whether matplotlib lays the axes out; else whoever draws does.
+    room : bool
+        Whether panels leave room for their words; else whoever draws sees to it.
 
     Yields
     ------
@@ -160,9 +165,8 @@ def figure(
     """
     if not (width > 0 and height > 0):
         raise ValueError(f"figure: expected a width and height in mm, got {width} and {height}")
-    layout = {"figure.constrained_layout.use": constrained}
-    with matplotlib.style.context(["default", _STYLE, layout]):
-        yield Figure(figsize=(width / 25.4, height / 25.4))
+    with matplotlib.style.context(["default", _STYLE]):
+        yield Figure(figsize=(width / 25.4, height / 25.4), layout=Room() if room else None)
 
 
 def halves(whole: Figure, left: float, right: float) -> tuple[SubFigure, SubFigure]:
@@ -171,20 +175,52 @@ def halves(whole: Figure, left: float, right: float) -> tuple[SubFigure, SubFigu
     return parts[0], parts[1]
 
 
+def key(
+    parent: Figure | SubFigure,
+    handles: Iterable[Artist],
+    *,
+    side: Literal["above", "below"] = "below",
+    align: Literal["left", "center", "right"] = "center",
+    **options: Any,
+) -> Legend:
+    """Explain what is drawn, above or below all panels.
+
+    Parameters
+    ----------
+    parent : Figure or SubFigure
+        Of :func:`figure`.
+    handles : iterable of Artist
+        With their labels.
+    side, align : str
+        Where it stands.
+    **options
+        Of ``Figure.legend``.
+    """
+    options["loc"] = f"{'lower' if side == 'below' else 'upper'} {align}"
+    legend: Legend = parent.legend(handles=list(handles), **options)
+    room = parent.get_layout_engine()
+    if isinstance(room, Room):
+        room.keep(parent, legend, side)
+    return legend
+
+
 def svg_of(draw: Callable[..., Figure], *arguments: Any) -> Callable[[], bytes]:
-    """Return what draws a figure of these arguments and writes it as SVG, once it is shown."""
-    return lambda: to_svg(draw(*arguments))
+    """Return what draws a figure of these arguments and writes it as SVG, here or elsewhere."""
+    return partial(_drawn, draw, arguments)
+
+
+def _drawn(draw: Callable[..., Figure], arguments: tuple[Any, ...]) -> bytes:
+    return to_svg(draw(*arguments))
 
 
 def to_svg(figure: Figure) -> bytes:
     """Write a figure as SVG: text as paths, no date, the same bytes for the same figure."""
     buffer = io.BytesIO()
     FigureCanvasSVG(figure)
-    laid_out = {"figure.constrained_layout.use": False}
-    with matplotlib.style.context(["default", _STYLE, laid_out]):
-        if (engine := figure.get_layout_engine()) is not None:
+    with matplotlib.style.context(["default", _STYLE]):
+        if (room := figure.get_layout_engine()) is not None:
             # Laid out here: savefig would draw the whole figure once more to do so.
-            engine.execute(figure)
+            room.execute(figure)
             figure.set_layout_engine(None)
         figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
     # A clip path is named after its corners, whose last bit the layout's solver leaves to chance.

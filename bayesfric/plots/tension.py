@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from bayesfric.plots.labels import ordered_sizes, plain
-from bayesfric.plots.style import COLORS, MARKERS, NEUTRAL, SizeStyle, figure, size_styles
+from bayesfric.plots.style import COLORS, MARKERS, NEUTRAL, SizeStyle, figure, key, size_styles
 
 __all__ = ["friction_against_tension"]
 
@@ -62,10 +62,9 @@ def friction_against_tension(predictive: xr.DataTree, wrap_angle_deg: float) -> 
             below.set_xlabel("nominal tension [N]")
         panels[0, 0].set_ylabel("friction [N]")
         panels[1, 0].set_ylabel("deviation from\nthe law [%]")
-        fig.align_ylabels()
         has_paper = bool(np.isfinite(curves["paper_n"].to_numpy()).any())
         keys = _keys(markers, has_paper)
-        fig.legend(handles=keys, loc="outside lower center", ncols=4)
+        key(fig, keys, ncols=4)
         return fig
 
 

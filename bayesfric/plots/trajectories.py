@@ -7,7 +7,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from bayesfric.plots.labels import ordered_sizes, plain
-from bayesfric.plots.style import COLORS, NEUTRAL, figure, size_styles
+from bayesfric.plots.style import COLORS, NEUTRAL, figure, key, size_styles
 
 __all__ = ["measured_and_predicted"]
 
@@ -79,7 +79,6 @@ def measured_and_predicted(predictive: xr.DataTree) -> Figure:
             if column == 0:
                 top.set_ylabel("travel [m]")
                 below.set_ylabel("residual\n[mm]")
-        fig.align_ylabels()
         keys: list[Line2D | Patch] = [
             Line2D(
                 [],
@@ -93,7 +92,7 @@ def measured_and_predicted(predictive: xr.DataTree) -> Figure:
             Line2D([], [], color=NEUTRAL, linewidth=1.0, label="predicted median"),
             Patch(color=NEUTRAL, alpha=0.3, linewidth=0, label="5 % to 95 % of new trials"),
         ]
-        fig.legend(handles=keys, loc="outside lower center", ncols=len(keys))
+        key(fig, keys, ncols=len(keys))
         return fig
 
 

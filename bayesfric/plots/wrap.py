@@ -7,7 +7,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from bayesfric.plots.labels import ordered_sizes, plain
-from bayesfric.plots.style import LINES, MARKERS, NEUTRAL, figure, size_styles
+from bayesfric.plots.style import LINES, MARKERS, NEUTRAL, figure, key, size_styles
 
 __all__ = ["friction_against_wrap"]
 
@@ -72,7 +72,6 @@ def friction_against_wrap(predictive: xr.DataTree) -> Figure:
                     axes.set_xlabel("wrap angle θ [°]")
                 if column == 0:
                     axes.set_ylabel(f"n = {n}\nfriction [N]")
-        fig.align_ylabels()
         keys: list[Line2D | Patch] = [
             Line2D(
                 [],
@@ -89,5 +88,5 @@ def friction_against_wrap(predictive: xr.DataTree) -> Figure:
         ]
         keys.append(Line2D([], [], color=NEUTRAL, linewidth=0.9, label="made again, 5 % to 95 %"))
         keys.append(Patch(color=NEUTRAL, alpha=0.4, linewidth=0, label="law, 5 % to 95 %"))
-        fig.legend(handles=keys, loc="outside lower center", ncols=3)
+        key(fig, keys, ncols=3)
         return fig

@@ -228,6 +228,8 @@ class Figure:
         What a `Reference` names it by.
     width : float
         Share of the text width, over 0 to 1.
+    floats : bool
+        Whether it may stand at the head or foot of a page on paper, so that words go on.
     """
 
     draw: Callable[[], bytes]
@@ -235,6 +237,7 @@ class Figure:
     alt: str
     label: str | None = None
     width: float = 1.0
+    floats: bool = False
 
     def __post_init__(self) -> None:
         require_text(self.caption, "figure, caption")

@@ -152,7 +152,8 @@ def _table(table: Table, place: Place, labels: Mapping[str, Place]) -> Markup:
     note = Markup('\n<p class="note">{}</p>').format(_text(table.note, labels))
     return Markup(
         '<div class="table" id="{0}" role="region" aria-labelledby="{0}-caption" tabindex="0">\n'
-        '<table>\n<caption id="{0}-caption"><strong>{1}.</strong> {2}</caption>\n'
+        '<table>\n<caption id="{0}-caption"><span class="said"><strong>{1}.</strong> {2}</span>'
+        "</caption>\n"
         "<thead>\n<tr>{3}</tr>\n</thead>\n<tbody>\n{4}\n</tbody>\n</table>{5}\n</div>"
     ).format(
         place.anchor,

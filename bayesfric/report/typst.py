@@ -174,6 +174,7 @@ def _block(block: Block, place: Place | None, places: Mapping[str, Place]) -> di
                 "caption": text(block.caption),
                 "alt": printable(block.alt),
                 "share": block.width,
+                "floats": block.floats,
             }
         case PageBreak():
             pass

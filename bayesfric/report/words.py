@@ -1,7 +1,8 @@
 """What stands within a line: words, plain or marked, symbols, links and references."""
 
+import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 from bayesfric.report.formulas import FORMULAS
@@ -91,10 +92,35 @@ Text: TypeAlias = Inline | Sequence[Inline]
 
 
 def inlines(text: Text) -> tuple[Inline, ...]:
-    """Return a text as a sequence of inlines, whichever way it was written."""
+    """Return a text as a sequence of inlines, whichever way it was written.
+
+    Stored sentences write 12% or 1.6e-05, as a terminal does; in words they are set as
+    everywhere else.
+    """
     if isinstance(text, str) or not isinstance(text, Sequence):
-        return (text,)
-    return tuple(text)
+        return (_set(text),)
+    return tuple(_set(one) for one in text)
+
+
+_PERCENT = re.compile(r"(?<=\d)[ \u00a0]?%")
+_POWER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-])0*(\d+)(?![\w.]*\w)")
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def _set(one: Inline) -> Inline:
+    """Set per cent and powers of ten; never in code."""
+    if isinstance(one, Emphasis | Strong):
+        return replace(one, text=_typeset(one.text))
+    return _typeset(one) if isinstance(one, str) else one
+
+
+def _typeset(words: str) -> str:
+    words = _PERCENT.sub("\u202f%", words)
+    words = _POWER.sub(
+        lambda found: f"{found[1]} × 10{(found[2].strip('+') + found[3]).translate(_RAISED)}",
+        words,
+    )
+    return words.replace("ω_n", "ωₙ")
 
 
 def require(condition: bool, message: str) -> None:

@@ -1,20 +1,17 @@
 """A folder of results becomes its report in three forms."""
 
+from concurrent.futures import Executor
 from dataclasses import replace
 from pathlib import Path
 
-from bayesfric.comparing import compare
-from bayesfric.report.assembly import build_document
-from bayesfric.report.html import render_html
-from bayesfric.report.markdown import render_summary
-from bayesfric.report.stored import read_stored
-from bayesfric.report.typst import render_pdf
-from bayesfric.results import replace_outputs
+from bayesfric.report.drawing import draw_figures, get_ready
 
 __all__ = ["write_report"]
 
 
-def write_report(folder: Path, before: Path | None = None) -> None:
+def write_report(
+    folder: Path, before: Path | None = None, executor: Executor | None = None
+) -> None:
     """Write ``report.pdf``, ``report.html`` and ``summary.md``.
 
     Parameters
@@ -23,6 +20,8 @@ def write_report(folder: Path, before: Path | None = None) -> None:
         Where the verbs wrote; the only source.
     before : Path or None
         Results of an earlier run, which these are compared with.
+    executor : Executor or None
+        Who helps drawing, beside this process; the bytes are the same with none.
 
     Raises
     ------
@@ -30,10 +29,24 @@ def write_report(folder: Path, before: Path | None = None) -> None:
         A result is missing or damaged, the runs have no result in common, or the folder
         cannot be written.
     """
+    if executor is not None:
+        get_ready(executor)
+    # Loaded here, a second or two, while the helper loads what it needs.
+    from bayesfric.report.assembly import build_document
+    from bayesfric.report.html import render_html
+    from bayesfric.report.markdown import render_summary
+    from bayesfric.report.stored import read_stored
+    from bayesfric.report.typst import render_pdf
+    from bayesfric.results import replace_outputs
+
     stored = read_stored(folder)
     if before is not None:
+        from bayesfric.comparing import compare
+
         stored = replace(stored, comparison=compare(before, folder))
     document = build_document(stored)
+    if executor is not None:
+        document = draw_figures(document, executor)
     pdf = render_pdf(document)
     html = render_html(document).encode()
     summary = render_summary(document).encode()

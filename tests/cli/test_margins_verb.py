@@ -120,7 +120,7 @@ def test_fail_on_spec_of_a_run(folder, tmp_path, monkeypatch, metres, status):
     monkeypatch.setattr("bayesfric.cli.run.fit_into", fitted)
     for name in ("claims_into", "diagnose_into"):
         monkeypatch.setattr(f"bayesfric.cli.run.{name}", lambda *_, **__: set())
-    monkeypatch.setattr("bayesfric.report.writing.write_report", lambda folder: None)
+    monkeypatch.setattr("bayesfric.report.writing.write_report", lambda *_, **__: None)
     loop = with_bound(folder, "judged.toml", metres)
     arguments = ["run", "-o", tmp_path / "out", "--loop", loop, "--fail-on", "spec", "--quiet"]
     assert CliRunner().invoke(app, list(map(str, arguments))).exit_code == status

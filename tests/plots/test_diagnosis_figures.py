@@ -38,17 +38,17 @@ def test_bars_of_where_are_the_shares_of_axes_that_explain_a_part():
         where_it_lies(stored.found.where, stored.group("residuals")), "part of gap² explained [%]"
     )
     assert tick_texts(axes) == [
-        "velocity", "displacement", "tension", "n pulleys", "order",
+        "velocity", "displacement", "tension", "number of pulleys", "order",
     ]  # fmt: skip
     # Share and unique share in turn, which is half of it in the sample.
     assert widths(axes)[:4] == pytest.approx([62.0, 31.0, 41.0, 20.5])
-    assert axes.texts[0].get_text().strip() == "62"
+    assert axes.texts[0].get_text().strip() == "62 / 31"
 
 
 def test_shapes_are_the_stored_bands_of_the_four_largest():
     stored = stored_diagnosis()
     fig = where_it_lies(stored.found.where, stored.group("residuals"))
-    labels = ["velocity [m/s]", "displacement [m]", "tension [N]", "n pulleys"]
+    labels = ["velocity [m/s]", "displacement [m]", "tension [N]", "number of pulleys"]
     assert [axes.get_xlabel() for axes in fig.axes][1:] == labels
     shape = stored.found.where[0].shape
     axes = panel(fig, "velocity [m/s]")
@@ -74,7 +74,7 @@ def test_axes_that_explain_nothing_have_shapes_and_no_bars():
         if one.shape is not None
     )
     labels = [axes.get_xlabel() for axes in where_it_lies(found, None).axes]
-    assert labels == ["velocity [m/s]", "displacement [m]", "tension [N]", "n pulleys"]
+    assert labels == ["velocity [m/s]", "displacement [m]", "tension [N]", "number of pulleys"]
 
 
 def test_ticks_of_many_kinds_do_not_overprint():

@@ -42,7 +42,7 @@ def test_table_1_is_marked_in_the_pairs(small_fit):
     shown = [axes for axes in fig.axes if axes.lines]
     (mark,) = {float(line.get_xdata()[0]) for line in shown[0].lines}
     assert mark == pytest.approx(4.16)  # in thousandths, as the axis says
-    assert fig.axes[-1].get_xlabel() == "$c_3$ [$10^{-6}$ deg$^{-1}$]"
+    assert fig.axes[-1].get_xlabel() == "$c_3$ [10⁻⁶ deg⁻¹]"
     assert "Table I" in legend_texts(fig)
     bare = coefficient_pairs(small_fit.draws, "medium", None)
     assert not [line for axes in bare.axes for line in axes.lines]

@@ -6,6 +6,7 @@ from report.sample import SVG, document
 
 from bayesfric.characters import legible
 from bayesfric.report.content import (
+    Code,
     Column,
     Document,
     Equation,
@@ -16,6 +17,7 @@ from bayesfric.report.content import (
     Notice,
     Paragraph,
     Reference,
+    Strong,
     Table,
     inlines,
 )
@@ -95,3 +97,15 @@ def test_columns_that_say_nothing_are_left_out() -> None:
     table = Table("t", ["a", "b", "c", "d"], [["", "—", "", "0"], ["", "", "x", "1"]]).filled()
     assert [column.title for column in table.head] == ["a", "c", "d"]
     assert list(table.rows) == [["", "", "0"], ["", "x", "1"]]
+
+
+def test_stored_sentences_are_set_like_all_others():
+    code = Code("12%")
+    shown = inlines(["off by 12%, 1.6e-05 kg and 5 % more; ", Strong("2.0%"), code])
+    assert shown == (
+        "off by 12\u202f%, 1.6 × 10⁻⁵ kg and 5\u202f% more; ",
+        Strong("2.0\u202f%"),
+        code,
+    )
+    for name in ("-2", "run-1e5", "g0001", "%d", "abc-1e-05x"):  # a user's own
+        assert inlines(name) == (name,)

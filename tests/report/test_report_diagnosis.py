@@ -143,7 +143,7 @@ def test_every_form_shows_it_with_words_for_the_figures(fit_results, document):
         assert len(figure.svg) < 400_000
     for text in (html, markdown):
         assert "The gap between simulation and reality" in text
-        assert "52.3" in text
+        assert "0.0523" in text
 
 
 def test_a_diagnosis_of_another_recording_is_refused(fit_results, small_fit, tmp_path):

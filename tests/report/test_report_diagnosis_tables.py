@@ -70,39 +70,62 @@ def test_an_implausible_cause_below_the_floor_says_both():
 def test_axes_have_their_shares_and_blind_ones_say_so():
     stored = stored_diagnosis()
     found = rows(stored, "axes")
-    assert found["velocity"] == ["m/s", "62.0", "31.0", "< 0.001", ""]
-    assert found["displacement"][-1] == "tension"
-    assert found["setup"][1] == "−1.0"
-    assert found["wrap angle"] == ["°", "—", "—", "—", "the covariate did not vary"]
+    assert found["velocity [m/s]"] == ["62.0", "31.0", "< 0.001", ""]
+    assert found["displacement [m]"][-1] == "tension"
+    assert found["setup"][0] == "< 0"  # −1.0 %: how far below none says nothing
+    assert found["wrap angle [°]"] == ["—", "—", "—", "the covariate did not vary"]
     figure = figures(stored)["where"]
-    for text in (words(figure.caption).lower(), figure.alt):
+    for text in (paragraphs(stored).lower(), figure.alt):
         assert "did not vary" in text
         assert "wrap angle" in text
-    assert "62\u202f% of gap²" in words(figure.caption)
+    assert "Velocity explains 62\u202f% of gap²" in paragraphs(stored)
+
+
+def test_an_axis_that_explains_more_than_all_explains_all():
+    much = axis("velocity", "m/s", 5.5)
+    assert "Velocity explains all of gap²" in paragraphs(stored_diagnosis(where=(much,)))
 
 
 def test_all_blind_axes_are_no_failure():
     blind = stored_diagnosis(where=(axis("wrap_angle", "deg", None), axis("rig", "1", None)))
-    assert "No axis varied" in words(figures(blind)["where"].caption)
+    assert "No axis varied" in paragraphs(blind)
     assert render_pdf(build_document(StoredResults(diagnosis=blind))).startswith(b"%PDF")
 
 
-def test_gap_table_is_in_thousandths_row_by_row():
+def test_a_share_beyond_all_of_the_gap_is_no_number():
+    much = axis("setup", "1", 0.1).model_copy(update={"unique_share": 2.494})
+    assert rows(stored_diagnosis(where=(much,)), "axes")["setup"][:2] == ["10.0", "> 100"]
+
+
+def test_gap_table_is_in_newtons_row_by_row():
     found = rows(stored_diagnosis(), "gap")
     assert found["folds over assemblies"] == [
-        "mN",
-        "95 [87, 103]",
-        "52.3 [48.0, 56.6]",
-        "18.7 [17.2, 20.2]",
-        "17.4 [16.0, 18.8]",
-        "98.1 [97.4, 98.8]",
+        "0.095 [0.087,\u00a00.103]",
+        "0.0523 [0.0480,\u00a00.0566]",
+        "0.0187 [0.0172,\u00a00.0202]",
+        "0.0174 [0.0160,\u00a00.0188]",
+        "98.1 [97.4,\u00a098.8]",
     ]
-    assert found["top tension"][2] == "68 [62, 74]"  # 0.0523 × 1.3 = 0.06799
-    assert found["largest number of pulleys"][1] == "—"
-    assert found["free-running trajectory"][:3] == ["mm", "19.0 [17.5, 20.6]", "10.5 [9.6, 11.3]"]
-    assert found["not held out: the data of the fit"][2] == "47.1 [43.2, 50.9]"
+    assert found["top tension"][1] == "0.068 [0.062,\u00a00.074]"  # 0.0523 × 1.3 = 0.06799
+    assert found["largest number of pulleys"][0] == "—"
+    millimetres = found["free-running trajectory [mm]"][:2]
+    assert millimetres == ["19.0 [17.5,\u00a020.6]", "10.5 [9.6,\u00a011.3]"]
+    assert found["not held out: the data of the fit"][1] == "0.0471 [0.0432,\u00a00.0509]"
     note = words(tables(stored_diagnosis())["gap"].note)
     assert "no published values for this size (largest number of pulleys)" in note
+
+
+def test_reasons_that_differ_in_a_number_are_one_reason_with_its_range():
+    stored = stored_diagnosis()
+    gap = stored.found.gap
+    held = tuple(
+        row.model_copy(update={"shrink": None, "shrink_why": f"above with {p} only"})
+        for row, p in zip(gap.held_out, ("0.77", "0.65", "0.9"), strict=False)
+    )
+    changed = gap.model_copy(update={"held_out": held})
+    note = words(tables(stored_diagnosis(gap=changed))["gap"].note)
+    assert note.count("No figure for shrink") == 1
+    assert "No figure for shrink: above with 0.65 to 0.9 only (folds over assemblies, " in note
 
 
 def test_tuning_and_effect_are_told_apart_in_the_caption():
@@ -127,17 +150,20 @@ def test_no_gap_names_nothing_and_gives_its_reasons():
     ):
         assert reason in caption
     heads = [words(column.title) for column in tables(stored)["gap"].head]
-    assert heads == ["held out", "unit", "recalibrated", "floor"]
+    assert heads == ["held out", "recalibrated", "floor"]
     note = words(tables(stored)["gap"].note)
     assert note.count("the user's simulator") == 1  # each reason once, with its rows
 
 
 def test_unknown_and_unseparated_are_boxes_of_attention():
-    for verdict, title in (("unknown", "Unknown (p"), ("unseparated", "Not told apart (p")):
+    for verdict, title in (("unknown", "Unknown"), ("unseparated", "Not told apart")):
         stored = stored_diagnosis(verdict=verdict, causes=())
         (notice,) = [b for b in chapter(stored, alone=False) if isinstance(b, Notice)]
         assert notice.kind == "attention"
-        assert notice.title.startswith(title)
+        assert notice.title == title  # its sentence has the probability
+        stored = stored_diagnosis(verdict=verdict, causes=(), sentence="It is so.")
+        (notice,) = [b for b in chapter(stored, alone=False) if isinstance(b, Notice)]
+        assert notice.title.startswith(f"{title} (probability ")
 
 
 def test_reasons_for_not_telling_apart_are_told_apart():
@@ -161,12 +187,14 @@ def test_remainder_effects_and_next_experiment_are_the_stored_ones():
         stored
     )
     assert rows(stored, "effects") == {
-        "viscous": ["14.6", ""],
-        "air-drag": ["11.2", ""],
-        "torque-constant": ["—", "absent from these data"],
+        "viscous": ["14.6"],
+        "air-drag": ["11.2"],
+        "torque-constant": ["—"],
     }
+    note = words(tables(stored)["effects"].note)
+    assert "No figure for torque-constant: absent from these data." in note
     assert rows(stored, "next") == {
-        "size medium, n_pulleys 9, mass_drive_kg 1.85": ["viscous and air-drag", "3.2"]
+        "size medium, number of pulleys 9, mass drive 1.85\u202fkg": ["viscous and air-drag", "3.2"]
     }
     asked = diagnosis().remainder.model_copy(
         update={"significant": True, "share_of_gap": interval(0.5)}
@@ -175,6 +203,10 @@ def test_remainder_effects_and_next_experiment_are_the_stored_ones():
     assert "The evidence asks for" in told
     assert "It would be 50.0 [45.9, 54.1]\u202f% of gap²" in told
     whole = asked.model_copy(update={"share_of_gap": None, "share_of_gap_why": "no cause"})
+    more = asked.model_copy(update={"share_of_gap": interval(1.64)})
+    told = paragraphs(stored_diagnosis(remainder=more))
+    assert "It would be as large as the gap or larger." in told
+    assert "164" not in told
     assert "it is all of the gap" in paragraphs(stored_diagnosis(remainder=whole, causes=()))
     assert "it is all of the gap" not in paragraphs(stored_diagnosis(remainder=whole))
 
@@ -193,7 +225,7 @@ def test_conditions_that_were_asked_about_have_a_table():
     assert "asked" not in tables(stored_diagnosis())
     stored = stored_diagnosis(target=target)
     assert rows(stored, "asked") == {
-        "pulley_size medium, n_pulleys 25": ["4.88 (4.48 to 5.28)", "−0.19", "0.00", "n_pulleys"]
+        "25 medium pulleys": ["4.88 (4.48 to 5.28)", "−0.19", "0.00", "n_pulleys"]
     }
     assert "slip acts elsewhere" in paragraphs(stored)
     assert "An unknown force, of probability 0.20" in paragraphs(stored)

@@ -72,7 +72,7 @@ def test_many_remarks_stay_on_page_one(stored):
     lines = tuple(f"c{k} has not converged: R-hat 1.5000 (limit 1.01)" for k in range(9))
     poor = changed(stored, converged=False, attention=lines)
     (listed,) = [block for block in page_one.worries(poor.fit) if isinstance(block, BulletList)]
-    assert listed.items == lines
+    assert listed.items == [f"{line}." for line in lines]
     page = Document("Page one", "", tuple(page_one.page_one(StoredResults(poor))))
     first = PdfReader(io.BytesIO(render_pdf(page))).pages[0]
     text = " ".join(first.extract_text().split())
@@ -82,8 +82,16 @@ def test_many_remarks_stay_on_page_one(stored):
 def test_few_remarks_are_boxes(stored):
     found = page_one.worries(changed(stored, attention=("1 of 48 trials left out",)).fit)
     assert [(b.kind, b.text) for b in found if isinstance(b, Notice)] == [
-        ("attention", "1 of 48 trials left out")
+        ("attention", "1 of 48 trials left out.")
     ]
+
+
+def test_a_parameter_in_a_remark_is_called_by_what_it_is(stored):
+    line = "Driven by the prior, not by these data: wander_length, tau"
+    (box,) = page_one.worries(changed(stored, attention=(line,)).fit)
+    assert box.text == (
+        "Driven by the prior, not by these data: the correlation length of the wander, tau."
+    )
 
 
 @pytest.mark.parametrize(

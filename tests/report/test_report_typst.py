@@ -159,6 +159,26 @@ def test_decimal_points_stand_in_line(pdf: PdfReader) -> None:
     assert places[".0128"] == pytest.approx(places[".5"], abs=0.01)
 
 
+def test_a_narrow_table_is_set_as_two_halves() -> None:
+    rows = [[f"row {i}", "1.0"] for i in range(50)]
+    reader = PdfReader(io.BytesIO(render_pdf(Document("t", "", [Table("c", ["Name", "Q"], rows)]))))
+    (page,) = reader.pages  # of more than a page in one column
+    text = page.extract_text()
+    assert text.count("Name") == 2
+    assert all(f"row {i}" in text for i in range(50))
+
+
+def test_a_table_begins_only_where_rows_have_room() -> None:
+    filler = [Paragraph("Words. " * 90)] * 8
+    for count in range(1, 9):  # wherever the page ends, the head is not alone at its foot
+        rows = [[f"row {i}", "1.0", "x" * 30, "y" * 30] for i in range(40)]
+        table = Table("A caption.", ["Name", "Q", "X", "Y"], rows)
+        pdf = render_pdf(Document("t", "", [*filler[:count], table]))
+        pages = [page.extract_text() for page in PdfReader(io.BytesIO(pdf)).pages]
+        (first,) = [page for page in pages if "A caption." in page]
+        assert "row 2" in first
+
+
 def test_a_long_table_repeats_its_head_on_every_page() -> None:
     rows = [[f"row {i}", "1.0"] for i in range(120)]
     reader = PdfReader(io.BytesIO(render_pdf(Document("t", "", [Table("c", ["Name", "Q"], rows)]))))

@@ -41,18 +41,20 @@ def scorecard_line(card: ScorecardFile) -> Notice:
     """Return the outcome for a report's first page."""
     missed = [target.name for target in card.targets if target.met is False]
     kept = sum(target.met is True for target in card.targets)
-    said = f"{_of(card.accuracy)} verdicts are correct; {kept} promises are kept"
-    which = f": {'; '.join(missed)}" if missed else ""
+    judged = kept + len(missed)
+    said = f"{_of(card.accuracy)} verdicts are correct; of {judged} promises that these cases can "
+    said += f"judge, {kept} {'is' if kept == 1 else 'are'} kept"
+    which = f"; missed: {'; '.join(missed)}" if missed else ""
     return Notice(
         "attention" if missed else "good",
-        [f"{said}, {len(missed)} missed{which}. See ", Reference("blind"), "."],
+        [f"{said}{which}. See ", Reference("blind"), "."],
         title="Data whose effect is withheld",
     )
 
 
 def blind_chapter(card: ScorecardFile) -> Iterator[Block]:
     """Yield how the cases were made, the promises, and every rate."""
-    yield Heading(1, "The diagnosis where it is not told", label="blind")
+    yield Heading(1, "Blind test of the diagnosis", label="blind")
     yield Paragraph(
         [
             f"{len(card.cases)} of {card.planned} cases are done. In each, something is withheld "
@@ -83,6 +85,7 @@ def _seeds(card: ScorecardFile) -> list[Inline | str]:
 
 
 def _promises(card: ScorecardFile) -> Table:
+    untried = [target.name for target in card.targets if target.rate.rate is None]
     return Table(
         "What was promised, and what came of it.",
         [
@@ -101,9 +104,11 @@ def _promises(card: ScorecardFile) -> Table:
                 _kept(target.met),
             ]
             for target in card.targets
+            if target.rate.rate is not None
         ],
         label="promises",
-        note="A promise is kept if the rate keeps it; the interval is that of Clopper and Pearson.",
+        note="A promise is kept if the rate keeps it; the interval is that of Clopper and Pearson."
+        + (f" No case yet for: {'; '.join(untried)}." if untried else ""),
     )
 
 
@@ -166,7 +171,7 @@ def _tables(card: ScorecardFile) -> Iterator[Block]:
             Column("95 % interval", align="right"),
             Column("cases", align="right"),
         ],
-        [[name, *_cells(rate)] for name, rate in rows],
+        [[name, *_cells(rate)] for name, rate in rows if rate.rate is not None],
         label="rates",
     )
     yield Table(
@@ -182,9 +187,9 @@ def _tables(card: ScorecardFile) -> Iterator[Block]:
             [
                 Code(verdict),
                 str(one.cases),
-                f"{one.probability:.1%}",
+                _percent(one.probability),
                 f"{one.correct.hits} of {one.cases}",
-                "{:.0%} to {:.0%}".format(*one.band),
+                " to ".join(format_fixed(100 * end, 0) + "\u202f%" for end in one.band),
             ]
             for verdict, one in card.reliability_by_verdict.items()
         ],

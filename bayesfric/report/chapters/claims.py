@@ -6,6 +6,7 @@ from typing import Literal, TypeAlias
 import xarray as xr
 
 from bayesfric.plots.claims import against_rivals, over_prior_width, smallest_found
+from bayesfric.plots.labels import ordered_sizes
 from bayesfric.plots.style import svg_of
 from bayesfric.report.content import (
     Block,
@@ -29,7 +30,7 @@ from bayesfric.schemas import ClaimResult, ClaimsFile
 __all__ = ["claims", "fallen"]
 
 Kind: TypeAlias = Literal["attention", "good", "info"]
-SIGNS = {"supported": "+", "refuted": "−", "undecided": "?", "not-testable": "0"}
+SIGNS = {"supported": "+", "refuted": "−", "undecided": "?", "not-testable": "–"}
 FAMILIES = {
     "Speed": ("no-viscous-motor", "no-viscous-gravity", "no-stribeck"),
     "Tension, pulleys and wrap angle": (
@@ -51,7 +52,9 @@ def fallen(found: ClaimsFile) -> Notice:
     }
     if _untestable(found):
         return Notice("info", _none_testable(found), title="The paper's claims")
-    counts = ", ".join(f"{len(ones)} {verdict}" for verdict, ones in by_verdict.items() if ones)
+    counts = ", ".join(
+        f"{len(ones)} {_worded(verdict)}" for verdict, ones in by_verdict.items() if ones
+    )
     said: list[Inline] = [f"{counts} (see ", Reference("claims"), ")."]
     for one in by_verdict["refuted"]:
         said += [" ", Strong("Refuted:"), " ", Code(one.id), f": {one.reason}"]
@@ -90,7 +93,7 @@ def _verdicts(found: ClaimsFile) -> Table:
         [
             [
                 Code(one.id),
-                Strong(f"{SIGNS[one.verdict]} {one.verdict}"),
+                Strong(f"{SIGNS[one.verdict]} {_worded(one.verdict)}"),
                 format_fixed(one.log10_bayes_factor, 1),
                 format_fixed(one.log10_bayes_factor_se, 3),
                 format_fixed(one.elpd_difference, 1),
@@ -144,7 +147,7 @@ def _claim(one: ClaimResult) -> Iterator[Block]:
             ": ",
             Emphasis(one.statement),
             f" The paper: {one.paper} ",
-            Strong(f"{_capital(one.verdict)}."),
+            Strong(f"{_capital(_worded(one.verdict))}."),
             f" {one.reason}",
             *_alone(one),
         ]
@@ -158,7 +161,7 @@ def _alone(one: ClaimResult) -> list[str]:
     each = ", ".join(
         f"{size} {format_fixed(entry.log10_bayes_factor, 1)}"
         + (f" ({entry.log10_bayes_factor_why})" if entry.log10_bayes_factor is None else "")
-        for size, entry in one.by_pulley.items()
+        for size, entry in ((size, one.by_pulley[size]) for size in ordered_sizes(one.by_pulley))
     )
     return [f" Log₁₀ Bayes factors of each size alone: {each}."]
 
@@ -264,6 +267,10 @@ def _power(found: ClaimsFile) -> Iterator[Block]:
         "at the share from which on an effect matters.",
         label="smallest-found",
     )
+
+
+def _worded(verdict: str) -> str:
+    return verdict.replace("-", " ")
 
 
 def _capital(text: str) -> str:

@@ -1,10 +1,18 @@
 """Conditions: those that somebody asked about, and those that would tell hypotheses apart."""
 
+import re
 from collections.abc import Iterator, Mapping
 
+from bayesfric.plots.labels import axis_words
 from bayesfric.report.chapters.diagnosis_details import codes
 from bayesfric.report.content import Block, Column, Heading, Paragraph, Table
-from bayesfric.report.quantities import format_fixed, format_number, format_probability
+from bayesfric.report.quantities import (
+    format_fixed,
+    format_number,
+    format_probability,
+    format_unit,
+)
+from bayesfric.report.rig_words import rig_words
 from bayesfric.schemas import DiagnosisFile, FrictionAsked
 
 __all__ = ["asked", "next_experiment"]
@@ -68,10 +76,27 @@ def next_experiment(found: DiagnosisFile) -> Iterator[Block]:
     )
 
 
+UNIT = re.compile("_(deg|kg|n|m_s|m|s|rad|hz)$")
+PRINTED = {"n": "N", "m_s": "m/s", "hz": "Hz"}
+
+
 def _words(condition: Mapping[str, float | str]) -> str:
-    """Write a condition: its columns and their values."""
-    return ", ".join(f"{name} {_value(value)}" for name, value in condition.items())
+    """Write a condition as people say it: 5 large pulleys, wrap angle 50°, mass load 2.552 kg."""
+    left = dict(condition)
+    said = []
+    if "rig" in left:
+        said.append(rig_words(str(left.pop("rig"))).rig)
+    if {"n_pulleys", "pulley_size"} <= set(left):
+        n, size = left.pop("n_pulleys"), left.pop("pulley_size")
+        said.append(f"{_value(n)} {size} {'pulley' if n == 1 else 'pulleys'}")
+    for name, value in left.items():
+        unit = UNIT.search(name)
+        words = axis_words(name[: unit.start()] if unit else name)
+        printed = format_unit(PRINTED.get(unit[1], unit[1])) if unit else ""
+        space = "" if printed in ("", "°") else "\u202f"
+        said.append(f"{words} {_value(value)}{space}{printed}")
+    return ", ".join(said)
 
 
 def _value(value: float | str) -> str:
-    return value if isinstance(value, str) else f"{value:g}".replace("-", "−")
+    return value if isinstance(value, str) else f"{value:.4g}".replace("-", "−")

@@ -8,10 +8,10 @@ from collections.abc import Iterator
 
 from bayesfric.plots.diagnosis import RARE, what_acts, where_it_lies
 from bayesfric.plots.gap import how_far
+from bayesfric.plots.labels import axis_words
 from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.conditions import asked, next_experiment
 from bayesfric.report.chapters.diagnosis_details import (
-    axis_words,
     causes,
     gap_table,
     gap_words,
@@ -31,8 +31,9 @@ from bayesfric.report.content import (
     Table,
     Text,
 )
-from bayesfric.report.diagnosed import VERDICTS, box, has_gap, listed
+from bayesfric.report.diagnosed import VERDICTS, box, has_gap, listed, posterior_probability
 from bayesfric.report.quantities import (
+    format_fixed,
     format_interval,
     format_number,
     format_probability,
@@ -86,13 +87,11 @@ def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:
     """
     found = stored.found
     yield Heading(1, "The gap between simulation and reality", label="diagnosis")
-    probability = format_probability(found.verdict_probability)
     if not alone:
-        yield Notice(
-            box(found),
-            found.sentence,
-            title=f"{VERDICTS[found.verdict]} (probability {probability})",
-        )
+        title = VERDICTS[found.verdict]
+        if "probability" not in found.sentence:  # one number is told once
+            title += f" (probability {posterior_probability(found.verdict_probability)})"
+        yield Notice(box(found), found.sentence, title=title)
     for line in found.attention:
         yield Notice("attention", line)
     yield _at_a_glance(found)
@@ -106,6 +105,7 @@ def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:
     yield from not_told_apart(found)
     yield Heading(2, "Where it lies")
     if has_gap(found):
+        yield _axes_in_words(found)
         yield _where(stored)
     else:
         yield Paragraph("There is no gap to place, so that no axis explains a part of one.")
@@ -161,6 +161,22 @@ def _caused(found: DiagnosisFile) -> list[Inline]:
     return [uncaused.get(found.verdict, "open: none is certain enough to be named")]
 
 
+def _axes_in_words(found: DiagnosisFile) -> Paragraph:
+    axes = found.where
+    known = [axis for axis in axes if axis.share is not None]
+    blind = [axis_words(axis.axis) for axis in axes if axis.blind]
+    return Paragraph(
+        [
+            *_largest(known, all(axis.blind for axis in axes)),
+            f"Did not vary, so that nothing is known: {', '.join(blind)}. " if blind else "",
+            Reference("where"),
+            " shows where the gap lies; ",
+            Reference("axes"),
+            " has all axes.",
+        ]
+    )
+
+
 def _where(stored: StoredDiagnosis) -> Figure:
     axes = stored.found.where
     known = [axis for axis in axes if axis.share is not None]
@@ -172,21 +188,19 @@ def _where(stored: StoredDiagnosis) -> Figure:
         svg_of(where_it_lies, axes, residuals, stored.found.gap.unit),
         [
             Strong("Where."),
-            " ",
-            *_largest(known, all(axis.blind for axis in axes)),
-            f"Did not vary, so that nothing is known: {', '.join(blind)}. " if blind else "",
-            f"{'Right: residual' if bars else 'Residual'} force, its systematic part with a "
-            "simultaneous 95 % band; dots are windows of trials, far ones are cut. "
+            " Left: the part of gap² that each axis explains, with what is lost without it."
+            if bars
+            else "",
+            f" {'Right: residual' if bars else 'Residual'} force, its systematic part with a "
+            "simultaneous 95 % band; dots are windows of trials, far ones are cut."
             if shapes
             else "",
-            "All axes: ",
-            Reference("axes"),
-            ".",
         ],
         (_bars_alt(known) + ("; right, " if shapes else "") if bars else "Panels of ")
         + ("the residual force along the largest axes with a band" if shapes else "")
         + (f"; {', '.join(blind)} did not vary." if blind else "."),
         label="where",
+        floats=True,
     )
 
 
@@ -194,7 +208,12 @@ def _bars_alt(known: list[Axis]) -> str:
     said = "Left, a horizontal bar for each axis with the part of the squared gap that it explains"
     if not known:
         return said
-    return f"{said}, {axis_words(known[0].axis)} {format_share(known[0].share)} at most"
+    return f"{said}, {axis_words(known[0].axis)} {_part(known[0].share)} at most"
+
+
+def _part(share: float | None) -> str:
+    """Write a part of gap²; what is cross-validated may come out above all of it."""
+    return "all" if share is not None and share >= 1 else format_share(share)
 
 
 def _largest(known: list[Axis], blind: bool) -> list[Inline]:
@@ -203,11 +222,9 @@ def _largest(known: list[Axis], blind: bool) -> list[Inline]:
     if not explaining:
         return ["No axis varied. " if blind else "No axis alone explains a part of it. "]
     first, *others = explaining
-    rest = ", ".join(
-        f"{axis_words(axis.axis)} {format_share(axis.share)}" for axis in others[:FURTHER]
-    )
+    rest = ", ".join(f"{axis_words(axis.axis)} ({_part(axis.share)})" for axis in others[:FURTHER])
     return [
-        f"{axis_words(first.axis).capitalize()} explains {format_share(first.share)} of gap² "
+        f"{axis_words(first.axis).capitalize()} explains {_part(first.share)} of gap² "
         f"(adjusted p {format_probability(first.p_value)})"
         + (f"; then {rest}. " if rest else ". "),
     ]
@@ -219,7 +236,7 @@ def _which(found: DiagnosisFile) -> Figure | Paragraph:
     most: list[Inline] = [
         "Most probable: ",
         Code(best),
-        f" ({format_probability(probability)}). ",
+        f" ({posterior_probability(probability)}). ",
     ]
     hypotheses: list[Inline] = ["All hypotheses: ", Reference("hypotheses"), "."]
     if not any(one.probability > RARE for one in included):
@@ -292,7 +309,8 @@ def _shrink(gap: Gap, named: bool) -> list[str]:
     said = [f"Adding what is named takes {_percent(gap.shrink)} of the squared systematic gap away"]
     seen = gap.held_out[0].shrink if gap.held_out else None
     if seen is not None:
-        said.append(f", and {_percent(seen)} of what new assemblies show above the floor")
+        part = "all" if seen.q50 >= 1 else _percent(seen)
+        said.append(f", and {part} of what new assemblies show above the floor")
     return [*said, ". "]
 
 
@@ -307,7 +325,11 @@ def _arms(gap: Gap, named: bool) -> Iterator[tuple[str, Interval]]:
 
 
 def _percent(number: Interval) -> str:
-    return format_interval(100 * number.q50, 100 * number.q05, 100 * number.q95) + "\u202f%"
+    """Write a share as the verdict's own sentence does, to a tenth of a per cent."""
+    middle, low, high = (
+        format_fixed(100 * quantile, 1) for quantile in (number.q50, number.q05, number.q95)
+    )
+    return f"{middle} [{low}, {high}]\u202f%"
 
 
 def _force(number: Interval, unit: str) -> str:

@@ -1,7 +1,9 @@
 """The numbers of the diagnosis: what stands beside its figures, and the long tables."""
 
+import re
 from collections.abc import Iterator, Sequence
 
+from bayesfric.plots.labels import axis_words
 from bayesfric.report.content import (
     Block,
     BulletList,
@@ -14,7 +16,7 @@ from bayesfric.report.content import (
     Table,
     Text,
 )
-from bayesfric.report.diagnosed import has_gap
+from bayesfric.report.diagnosed import has_gap, posterior_probability
 from bayesfric.report.quantities import (
     MISSING,
     format_fixed,
@@ -30,7 +32,6 @@ from bayesfric.schemas import Cause, DiagnosisFile, Gap, GapRow, Interval
 
 __all__ = [
     "appendix",
-    "axis_words",
     "causes",
     "codes",
     "gap_table",
@@ -39,6 +40,7 @@ __all__ = [
     "remainder",
 ]
 
+NUMBER = re.compile(r"\d+\.\d+")
 ROWS = 20  # hypotheses listed; diagnosis.json has all
 REASONS = {
     "identical-on-this-rig": "they are identical on this rig, whatever is measured on it",
@@ -96,8 +98,8 @@ def _probabilities(found: DiagnosisFile) -> Iterator[Block]:
         [
             [
                 Code(name),
-                format_probability(probability),
-                *(format_probability(other.get(name)) for other in sensitivity.values()),
+                posterior_probability(probability),
+                *(posterior_probability(other.get(name)) for other in sensitivity.values()),
             ]
             for name, probability in ranked[:ROWS]
         ],
@@ -211,7 +213,11 @@ def remainder(found: DiagnosisFile) -> Iterator[Block]:
                 100 * q
                 for q in (rest.share_of_gap.q05, rest.share_of_gap.q50, rest.share_of_gap.q95)
             )
-            said += f" It would be {format_interval(middle, low, high)}\u202f% of gap²."
+            said += (
+                " It would be as large as the gap or larger."
+                if middle > 100
+                else f" It would be {format_interval(middle, low, high)}\u202f% of gap²."
+            )
         elif not found.causes:
             said += " No cause is named, so that it is all of the gap."
         if rest.axis is not None:
@@ -224,7 +230,6 @@ def _axes(found: DiagnosisFile) -> Table:
         "Axes, largest share first.",
         [
             "axis",
-            "unit",
             Column("share", "%", align="decimal"),
             Column("unique", "%", align="decimal"),
             Column("adjusted p", align="right"),
@@ -232,10 +237,9 @@ def _axes(found: DiagnosisFile) -> Table:
         ],
         [
             [
-                axis_words(axis.axis),
-                format_unit(axis.unit),
-                _percent(axis.share),
-                _percent(axis.unique_share),
+                _with_unit(axis_words(axis.axis), axis.unit),
+                _of_all(axis.share),
+                _of_all(axis.unique_share),
                 format_probability(axis.p_value),
                 ", ".join(map(axis_words, axis.confounded_with)) or axis.share_why or "",
             ]
@@ -244,7 +248,8 @@ def _axes(found: DiagnosisFile) -> Table:
         label="axes",
         note="Share: cross-validated part of gap² that a smooth of this axis alone explains; "
         "shares overlap, and one below zero predicts worse than none. Unique: what is lost when "
-        "the axis leaves the joint smooth. p: by the largest statistic of all axes, from a "
+        "the axis leaves the joint smooth; where axes stand in for one another, more may be lost "
+        "than there was. p: by the largest statistic of all axes, from a "
         "parametric bootstrap."
         + (
             " Looks like: axes whose smooths these data do not tell from it."
@@ -256,12 +261,11 @@ def _axes(found: DiagnosisFile) -> Table:
 
 def gap_words(found: DiagnosisFile) -> Paragraph:
     """Return how large the gap is, and where every figure of it stands."""
-    gap = found.gap
-    milli = f"m{gap.unit}"
+    gap, size = found.gap, found.gap.systematic
     return Paragraph(
         [
             "The systematic gap, rms of the force that the recalibrated baseline leaves out, is ",
-            f"{_thousandths(gap.systematic)} {milli}, where "
+            f"{format_interval(size.q50, size.q05, size.q95, gap.unit)}, where "
             f"friction is {format_number(gap.friction_rms, unit=gap.unit)} (rms); less "
             f"than {format_share(found.practical_share)} of that counts as no gap. ",
             Reference("gap"),
@@ -277,26 +281,25 @@ def gap_words(found: DiagnosisFile) -> Paragraph:
 def gap_table(found: DiagnosisFile) -> Table:
     """Return every figure of the gap on data that the fit has not seen."""
     gap = found.gap
-    rows: list[tuple[str, str, Gap | GapRow]] = [
-        *((row.name, f"m{gap.unit}", row) for row in gap.held_out),
-        ("not held out: the data of the fit", f"m{gap.unit}", gap.in_sample),
+    rows: list[tuple[str, int, Gap | GapRow]] = [
+        *((row.name, 0, row) for row in gap.held_out),
+        ("not held out: the data of the fit", 0, gap.in_sample),
     ]
     if gap.trajectory is not None:
-        rows.append(("free-running trajectory", "mm", gap.trajectory))
+        rows.append(("free-running trajectory [mm]", -3, gap.trajectory))
     return Table(
-        "The gap as root mean square, with 90 % intervals.",
-        ["held out", "unit", "as shipped", "recalibrated", "with the causes", "floor", "shrink, %"],
+        f"The gap as root mean square [{gap.unit}], with 90 % intervals.",
+        ["held out", "as shipped", "recalibrated", "with the causes", "floor", "shrink, %"],
         [
             [
                 name,
-                unit,
-                _thousandths(row.as_shipped),
-                _thousandths(row.before),
-                _thousandths(row.after) if found.causes else MISSING,
-                _thousandths(row.floor),
+                _cells(row.as_shipped, exponent),
+                _cells(row.before, exponent),
+                _cells(row.after, exponent) if found.causes else MISSING,
+                _cells(row.floor, exponent),
                 _cells(row.shrink, -2),
             ]
-            for name, unit, row in rows
+            for name, exponent, row in rows
         ],
         label="gap",
         note=[
@@ -307,44 +310,49 @@ def gap_table(found: DiagnosisFile) -> Table:
     ).filled()
 
 
-def _reasons(gap: Gap, rows: Sequence[tuple[str, str, Gap | GapRow]]) -> list[str]:
-    """Return why figures are missing, each reason once; with its rows, where not all lack it."""
-    said: dict[str, list[str]] = {}
+def _reasons(gap: Gap, rows: Sequence[tuple[str, int, Gap | GapRow]]) -> list[str]:
+    """Return why figures are missing, each reason once; with its rows, where not all lack it.
+
+    Reasons that differ in one number are one reason, with the range of the number.
+    """
+    said: dict[str, list[tuple[str, str]]] = {}
     for name, _, row in rows:
         for what, why in (("as shipped", row.as_shipped_why), ("shrink", row.shrink_why)):
             if why is not None:
-                said.setdefault(f"No figure for {what}: {why}", []).append(name)
-    lines = [
-        f"{why}. " if len(names) == len(rows) else f"{why} ({', '.join(names)}). "
-        for why, names in said.items()
-    ]
+                reason = f"No figure for {what}: {why}"
+                said.setdefault(NUMBER.sub("#", reason, count=1), []).append((name, reason))
+    lines = []
+    for pattern, each in said.items():
+        reasons = sorted({reason for _, reason in each})
+        numbers = [found[0] for reason in reasons if (found := NUMBER.search(reason))]
+        why = reasons[0]
+        if len(reasons) > 1:
+            why = pattern.replace("#", f"{min(numbers, key=float)} to {max(numbers, key=float)}")
+        names = [name for name, _ in each]
+        lines.append(f"{why}. " if len(names) == len(rows) else f"{why} ({', '.join(names)}). ")
     return lines + ([f"No trajectory: {gap.trajectory_why}. "] if gap.trajectory is None else [])
 
 
 def _examined(found: DiagnosisFile) -> Table:
     absent = [one for one in found.effects if one.needs]
+    without: dict[str, list[str]] = {}
+    for one in found.effects:
+        if one.log10_bayes_factor_why and not one.needs:
+            without.setdefault(one.log10_bayes_factor_why, []).append(one.effect)
     return Table(
         "Every effect examined, alone against the baseline.",
-        ["effect", Column("log₁₀ BF", align="decimal"), "why there is none"],
+        ["effect", Column("log₁₀ BF", align="decimal")],
         [
-            [
-                Code(one.effect),
-                format_fixed(one.log10_bayes_factor, 1),
-                one.log10_bayes_factor_why or "",
-            ]
+            [Code(one.effect), format_fixed(one.log10_bayes_factor, 1)]
             for one in found.effects
             if one not in absent
         ],
         label="effects",
         note="Around the baseline's own law; hypotheses of the table of probabilities are compared "
         "again around the law of the leader."
+        + "".join(f" No figure for {', '.join(them)}: {why}." for why, them in without.items())
         + (f" {len(absent)} further effects need what no rig here has." if absent else ""),
     ).filled()
-
-
-def axis_words(name: str) -> str:
-    """Write the name of an axis: ``wrap_angle`` as wrap angle."""
-    return name.replace("_", " ")
 
 
 def codes(names: Sequence[str]) -> list[Code | str]:
@@ -362,16 +370,17 @@ def _with_unit(name: str, unit: str) -> str:
     return f"{name} [{printed}]" if printed else name
 
 
-def _percent(share: float | None) -> str:
-    return MISSING if share is None else format_fixed(100 * share, 1)
-
-
-def _thousandths(number: Interval | None) -> str:
-    return _cells(number, -3)
+def _of_all(share: float | None) -> str:
+    """Return a share in per cent; beyond none or all of it, its size says nothing."""
+    if share is None:
+        return MISSING
+    if not 0 <= share <= 1:
+        return "< 0" if share < 0 else "> 100"
+    return format_fixed(100 * share, 1)
 
 
 def _cells(number: Interval | None, exponent: int) -> str:
     if number is None:
         return MISSING
     mean, low, high = interval_cells(number.q50, number.q05, number.q95, exponent)
-    return f"{mean} [{low}, {high}]"
+    return f"{mean} [{low},\u00a0{high}]"

@@ -84,6 +84,7 @@ def diagnostics(stored: StoredFit) -> Iterator[Block]:
         "Small panels, one for each parameter, with a step line for each ensemble: the count of "
         "its draws in equal classes of rank, over the count expected, which is one.",
         label="ranks",
+        floats=True,
     )
 
 

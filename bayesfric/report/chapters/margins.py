@@ -83,7 +83,7 @@ def _loop(loop: LoopMargins) -> Iterator[Block]:
         yield Paragraph(loop.plant.sentence)
     if loop.warnings:
         yield Notice("attention", f"{len(loop.warnings)} remarks to read before the numbers:")
-        yield BulletList(list(loop.warnings))
+        yield BulletList([_sentence(one) for one in loop.warnings])
     yield Table(
         ["What the draws leave of ", Code(loop.name), "."],
         [
@@ -132,6 +132,13 @@ def _loop(loop: LoopMargins) -> Iterator[Block]:
         "Two panels of thin curves in the complex plane, a curve for each draw.",
         label=f"nyquist-{loop.name}",
     )
+
+
+def _sentence(text: str) -> str:
+    """Return a remark with a capital, unless it begins with a symbol, and a full stop."""
+    first = text.partition(" ")[0]
+    begun = text[:1].upper() + text[1:] if first.isalpha() else text
+    return begun if begun.endswith(".") else f"{begun}."
 
 
 def _over_speed(loop: LoopMargins) -> Iterator[Block]:
@@ -259,7 +266,7 @@ def _remarks(loop: LoopMargins) -> Iterator[list[Inline]]:
         if text and name not in said.setdefault(text, []):
             said[text].append(name)
     for text, names in said.items():
-        yield [Emphasis(", ".join(names)), f": {text}."]
+        yield [Emphasis("; ".join(names)), f": {text}."]
 
 
 def _shares(loop: LoopMargins) -> Iterator[Block]:

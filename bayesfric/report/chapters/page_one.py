@@ -1,5 +1,6 @@
 """Page one: what friction to expect, where the simulation misses, and what to worry about."""
 
+import re
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -17,6 +18,7 @@ from bayesfric.report.chapters.comparison import comparison_line
 from bayesfric.report.chapters.diagnosis import law_alone, verdict_line
 from bayesfric.report.chapters.gain import gain_lines
 from bayesfric.report.chapters.plain_law import force_unit, in_a_sentence
+from bayesfric.report.chapters.summary import MEANINGS
 from bayesfric.report.content import (
     Block,
     BulletList,
@@ -194,9 +196,17 @@ def _uninformed(fit: FitFile) -> tuple[str, ...]:
     )
 
 
+def _remark(line: str) -> str:
+    """Return a remark as a sentence, parameters by what they are."""
+    for name in sorted(MEANINGS, key=len, reverse=True):
+        if "_" in name:  # others are words that a sentence may have
+            line = re.sub(rf"\b{name}\b", f"the {MEANINGS[name]}", line)
+    return line if line.endswith((".", ":")) else f"{line}."
+
+
 def worries(fit: FitFile) -> Iterator[Block]:
     """Yield what must be kept in mind when the numbers are used."""
-    lines: Sequence[str] = fit.attention
+    lines: Sequence[str] = [_remark(line) for line in fit.attention]
     if len(lines) > FEW:
         yield Notice("attention", f"{len(lines)} remarks must be read before the numbers:")
         yield BulletList(lines)

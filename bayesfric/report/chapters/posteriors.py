@@ -16,34 +16,39 @@ __all__ = ["posteriors"]
 def posteriors(stored: StoredFit) -> Iterator[Block]:
     """Yield prior beside posterior, and a corner figure a size."""
     yield Heading(1, "Posteriors")
+    yield from prior_friction(stored)
+    yield Heading(2, "Each parameter")
     yield Paragraph(
         [
             Reference("densities"),
-            " sets each posterior beside its prior. The coefficients of a size rest on the same "
-            "trials, so their draws belong together: propagate the draws, not the means and "
-            "standard deviations of ",
-            Reference("coefficients"),
-            ".",
+            " sets each posterior beside its prior. Where the prior is level it does not push; "
+            "the higher the posterior stands above it, the more the data say.",
         ]
     )
-    yield from prior_friction(stored)
-    yield Heading(2, "Each parameter")
     yield Figure(
         svg_of(prior_and_posterior, stored.predictive),
         [
             "Prior and posterior density of each parameter, on a logarithmic axis over the range "
-            "of the draws. Where the prior is level it does not push; the higher the posterior "
-            "stands above it, the more the data say. Where the two are alike, the recording says "
-            "nothing of the parameter. From ",
+            "of the draws. Where the two are alike, the recording says nothing of the parameter. "
+            "From ",
             Code("predictive.nc"),
             ".",
         ],
         "Small panels, one for each parameter: a filled histogram of the posterior, with one peak, "
         "and a dashed line of the prior.",
         label="densities",
+        floats=True,
     )
     if stored.fit.pulleys:
         yield Heading(2, "Joint posteriors")
+        yield Paragraph(
+            [
+                "The coefficients of a size rest on the same trials, so their draws belong "
+                "together: propagate the draws, not the means and standard deviations of ",
+                Reference("coefficients"),
+                ".",
+            ]
+        )
     for size in stored.fit.pulleys:
         paper = None
         mark = "The paper has no such size."

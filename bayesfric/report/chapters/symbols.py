@@ -25,7 +25,7 @@ EXPONENTS = {
 def symbol(name: str) -> tuple[Math | str, ...]:
     """Return a parameter as text, ``c1[small]`` as c₁ small."""
     stem, whose = parts(name)
-    written: Math | str = Math(SYMBOLS[stem]) if stem in SYMBOLS else stem
+    written: Math | str = Math(SYMBOLS[stem]) if stem in SYMBOLS else stem.replace("_", " ")
     return (written, f" {whose}") if whose else (written,)
 
 
