@@ -158,7 +158,8 @@ class Ends:
     @property
     def stands(self) -> NDArray[np.bool_]:
         """Where both ends stand still, shape (draws,)."""
-        return np.asarray((self.speeds == 0.0).all(axis=0))
+        first, *others = self.speeds == 0.0
+        return np.logical_and(first, others[0])
 
     def withstands(self) -> tuple[Floats, Floats]:
         """Return what pulls at a motor that stands, and what more it withstands [N·m]."""

@@ -24,7 +24,7 @@ from bayesfric.margins.scanning import (
     REST,
     Condition,
     HuntingMap,
-    hunting_map,
+    look,
     run,
     speeds_of,
 )
@@ -121,12 +121,10 @@ def find_hunting(shaft: LoopAtShaft, most: int, allowed: float) -> Hunting:
     some = shaft.taken(rows)
     few = np.unique(np.linspace(0, rows.size - 1, MAPPED).astype(np.intp))
     gammas = GAMMAS if shaft.loop.compensation.signal != "none" else GAMMAS[:1]
-    chart = hunting_map(some.taken(few), speeds, gammas)
-    motion = run(some, speeds, some.gamma)
-    shape = (len(speeds), rows.size)
-    hunts = motion.hunts.reshape(shape)
-    often = hunts & (motion.cycles.reshape(shape) >= LEAST_CYCLES)
-    wide = np.where(often, motion.amplitude.reshape(shape), -1.0)
+    chart, motion = look(some, speeds, few, gammas)
+    hunts = motion.hunts
+    often = hunts & (motion.cycles >= LEAST_CYCLES)
+    wide = np.where(often, motion.amplitude, -1.0)
     widest = wide.argmax(axis=0), np.arange(rows.size)
     swings = often.any(axis=0)
     conditions, found = _thresholds(some, few, chart, hunts, allowed)
@@ -138,7 +136,7 @@ def find_hunting(shaft: LoopAtShaft, most: int, allowed: float) -> Hunting:
         found.condition,
         hunts,
         np.where(swings, wide[widest], np.nan),
-        np.where(swings, motion.frequency.reshape(shape)[widest], np.nan),
+        np.where(swings, motion.frequency[widest], np.nan),
         speeds,
         chart,
         _not_examined(some, speeds),
@@ -184,6 +182,8 @@ def _thresholds(
         Condition(one.counts, one.speed, kick) for one in chart.speeds for kick in OTHER_KICKS
     )
     grid = np.asarray(chart.gammas)
+    hunting = chart.hunts.any(axis=1)
+    expected = int(hunting.argmax(axis=0).max())
     for _ in range(ROUNDS):
         if fresh:
             more = hunting_threshold(
@@ -192,6 +192,7 @@ def _thresholds(
                 reference_speed=np.array([one.speed_of(some) for one in fresh]),
                 gammas=chart.gammas,
                 known=found.gamma,
+                expected=expected,
             )
             first = more.gamma < found.gamma
             place = np.where(first, more.condition + len(conditions), found.condition)
