@@ -112,6 +112,7 @@ def _loop() -> str:
         "[drive]": loop_file.Drive,
         "[[runs]]": loop_file.CableRun,
         "[cable]": loop_file.Cable,
+        "[second_stage]": loop_file.SecondStage,
         "[controller]": loop_file.Controller,
         "[compensation]": loop_file.Compensation,
         "[kick]": loop_file.Kick,

@@ -233,7 +233,7 @@ def _read_all(loops: Sequence[Path | str | Loop]) -> list[Loop]:
 
 def _refuse_unstable(loop: Loop, posterior: Posterior, moves: bool) -> None:
     """Raise for a loop whose median is unstable, unless the file says that friction holds it."""
-    sizes = {run.pulley_size for run in loop.runs} - set(posterior.coefficients)
+    sizes = {run.pulley_size for _, run in loop.every_run} - set(posterior.coefficients)
     if sizes:  # told with its place by the drawing
         draw_assembly(loop, posterior, RigDiscrepancy(0.0, ""), 0)
     shaft = at_shaft(loop, nominal_assembly(loop, posterior))

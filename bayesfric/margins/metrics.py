@@ -86,8 +86,8 @@ def closed_forms(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) 
     least, largest = shaft.side_tension
     step = np.maximum(stuck, 2 * np.pi / shaft.counts)
     values: dict[Key, Array] = {
-        ("friction_nominal", None): np.sum([run.nominal for run in shaft.runs], axis=0),
-        ("friction_recursive", None): np.sum([run.recursive for run in shaft.runs], axis=0),
+        ("friction_nominal", None): _at_first_cable(shaft, "nominal"),
+        ("friction_recursive", None): _at_first_cable(shaft, "recursive"),
         ("steady_error_servo", None): stuck * tip,
         ("lost_motion", None): shaft.unseen_motion * tip,
         ("headroom_clip", None): 1 - needed / shaft.clip,
@@ -108,6 +108,15 @@ def closed_forms(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) 
     for direction, one in linear.items():
         values |= {(name, direction): each for name, each in one.values.items()}
     return values
+
+
+def _at_first_cable(shaft: LoopAtShaft, model: str) -> Array:
+    """Return the friction of all pulleys by one model, as a force of the motor's cable [N]."""
+    first = shaft.stages[0].per_rad
+    parts = [
+        stage.per_rad / first * getattr(run, model) for stage in shaft.stages for run in stage.runs
+    ]
+    return np.asarray(np.sum(parts, axis=0))
 
 
 def missed_draws(shaft: LoopAtShaft, values: Mapping[Key, Array]) -> dict[str, NDArray[np.bool_]]:

@@ -186,9 +186,11 @@ def _note(
                      "the others count as missing a spec")  # fmt: skip
     match rule.name:
         case "friction_nominal" | "friction_recursive":
-            used = {run.model for run in shaft.loop.runs}
+            used = {run.model for _, run in shaft.loop.every_run}
             if used == {rule.name.removeprefix("friction_")}:
                 notes.append("this one is in the loop")
+            if len(shaft.stages) == 2:
+                notes.append("of both cables, as a force of the motor's")
         case "steady_error_servo":
             error = float(np.median(steady_error(shaft)))
             counts = error * float(np.median(shaft.counts)) / (2 * np.pi)

@@ -66,7 +66,7 @@ def changed(changes):
         if value is None:
             del place[last]
         else:
-            place[last] = value
+            place[last] = copy.deepcopy(value)
     return values
 
 
