@@ -23,8 +23,8 @@ ELBOW = data_folder() / "loops" / "raven-elbow.toml"
 
 
 def elbow(changes=None, kick=None, draws=6):
-    """Return the elbow at its shaft, with some keys changed, without load."""
-    values = read_loop(ELBOW).model_dump()
+    """Return the elbow at its shaft, with some keys changed, without load, on one cable."""
+    values = read_loop(ELBOW).model_dump() | {"second_stage": None}
     values["joint"]["load_n_m"] = 0.0
     for section, keys in (changes or {}).items():
         values[section] |= keys

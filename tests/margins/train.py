@@ -28,11 +28,14 @@ def run(
     steps=40,
     at_end=False,
     play=0.0,
+    ki=0.0,
+    stiction=1.0,
 ):
     """Return the errors of motor and joint at the samples, after a kick.
 
     The load hangs in the springs from the beginning; of the first, `play` is the whole width.
-    The compensator feeds forward `feed` by the sign of the measured speed.
+    The compensator feeds forward `feed` by the sign of the measured speed; `stiction` is what each
+    of them withstands at rest over its friction.
     """  # fmt: skip
     ends, half = len(inertia), [play / 2] + [0.0] * (len(springs) - 1)
     dt, late = period / steps, round(delay / period * steps)
@@ -43,14 +46,15 @@ def run(
         x = [one + kick - x[-1] for one in x]
     end, count = (-1 if at_end else 0), 2 * math.pi / counts
     seen = round((kick - speed * period) / count) * count
-    waiting, torque, errors = [], 0.0, []
+    waiting, torque, integral, errors = [], 0.0, 0.0, []
     for i in range(round(duration / dt)):
         if i % steps == 0:
             wanted = speed * i * dt
             errors.append((wanted - x[0], wanted - x[-1]))
             reading = round(x[end] / count) * count
             rate, seen = (reading - seen) / period, reading
-            command = kp * (wanted - reading) + kd * (speed - rate)
+            integral += (wanted - reading) * period
+            command = kp * (wanted - reading) + kd * (speed - rate) + ki * integral
             waiting.append((i + late, command + feed * ((rate > 0) - (rate < 0))))
         while waiting and waiting[0][0] <= i:
             torque = waiting.pop(0)[1]
@@ -65,6 +69,8 @@ def run(
             before = pull
         pushes.append(before - load)
         for place, push in enumerate(pushes):
+            if v[place] == 0.0 and abs(push) <= stiction * friction[place]:
+                continue
             free = v[place] + dt * (push - viscous[place] * v[place]) / inertia[place]
             after = max(abs(free) - dt * friction[place] / inertia[place], 0.0)
             after = math.copysign(after, free)
