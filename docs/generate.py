@@ -113,6 +113,8 @@ def _loop() -> str:
         "[[runs]]": loop_file.CableRun,
         "[cable]": loop_file.Cable,
         "[second_stage]": loop_file.SecondStage,
+        "[coupling]": loop_file.Coupling,
+        "[[coupling.others]]": loop_file.OtherJoint,
         "[controller]": loop_file.Controller,
         "[compensation]": loop_file.Compensation,
         "[kick]": loop_file.Kick,

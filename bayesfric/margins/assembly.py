@@ -92,6 +92,9 @@ def _quantities(loop: Loop) -> dict[str, object]:
     }
     for key, run in loop.every_run:
         found[f"{key}.tension_n"] = run.tension_n
+    if loop.coupling is not None:
+        others = enumerate(loop.coupling.others)
+        sections |= {f"coupling.others.{place}": one for place, one in others}
     if loop.second_stage is not None:
         sections |= {
             "second_stage": loop.second_stage,

@@ -1,14 +1,19 @@
-"""The parts of a loop file that are cables: runs of pulleys, a cable, a second one behind it."""
+"""The parts of a loop file between motor and joint: pulleys, cables, joints that share motors."""
 
 from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from bayesfric.margins.quantities import NonNegative, Positive
+from bayesfric.margins.quantities import NonNegative, Positive, Quantity
 
-__all__ = ["Cable", "CableRun", "SecondStage", "Section"]
+__all__ = ["Cable", "CableRun", "Coupling", "OtherJoint", "SecondStage", "Section"]
 
 Angle = Annotated[float, Field(ge=0, le=720)]
+Ratio = Annotated[float, Field(allow_inf_nan=False)]
+
+SINGULAR = 1e-6
+"""Reciprocal condition of a coupling matrix below which joints do not follow from motors."""
 
 
 class Section(BaseModel):
@@ -106,4 +111,49 @@ class SecondStage(Section):
     def _tension(self) -> "SecondStage":
         if bool(self.runs) == (self.tension_n is not None):
             raise ValueError("tension_n where there are no runs, and only there")
+        return self
+
+
+class OtherJoint(Section):
+    """A joint that shares motors with this one; `[[coupling.others]]`, in the matrix's order."""
+
+    inertia_kg_m2: Positive = Field(description="About the joint.")
+    friction_n_m: NonNegative = Field(0.0, description="Coulomb friction of its own bearings.")
+    viscous_n_m_s: NonNegative = Field(0.0, description="Viscous friction of the joint.")
+    load_n_m: Quantity = Field(0.0, description="Steady torque on the joint: gravity, contact.")
+    peak_velocity_rad_s: NonNegative = Field(0.0, description="Of the fastest motion.")
+    peak_acceleration_rad_s2: NonNegative = Field(0.0, description="Of the fastest motion.")
+
+
+class Coupling(Section):
+    """Joints of a wrist that share motors (`[coupling]`): motor angles are the matrix times theirs.
+
+    The file is that of one motor, which has its own loop, and of the joint with the same number;
+    the other motors have its drive, cable, friction and gains.
+    """
+
+    matrix_rad_per_rad: Annotated[list[list[Ratio]], Field(min_length=2, max_length=3)] = Field(
+        description="2×2 or 3×3: a row for each motor, a column for each joint."
+    )
+    axis: Annotated[int, Field(ge=1, le=3)] = Field(
+        description="Which row and column are this file's motor and joint, from 1."
+    )
+    others: list[OtherJoint] = Field(
+        description="The other joints, in the order of the matrix without this one."
+    )
+
+    @model_validator(mode="after")
+    def _fits(self) -> "Coupling":
+        size = len(self.matrix_rad_per_rad)
+        if any(len(row) != size for row in self.matrix_rad_per_rad):
+            raise ValueError(f"matrix_rad_per_rad with {size} columns, as many as rows")
+        if self.axis > size:
+            raise ValueError(f"axis of at most {size}, the size of matrix_rad_per_rad")
+        if len(self.others) != size - 1:
+            raise ValueError(f"others with {size - 1} joints, all but this one")
+        matrix, own = np.array(self.matrix_rad_per_rad), self.axis - 1
+        if not 1 / np.linalg.cond(matrix) > SINGULAR:
+            raise ValueError("matrix_rad_per_rad with an inverse")
+        if abs(np.linalg.inv(matrix)[own, own]) * abs(matrix).max() < SINGULAR:
+            raise ValueError("matrix_rad_per_rad with which this motor moves its joint")
         return self

@@ -12,7 +12,14 @@ from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from bayesfric.errors import Fault, InputError
 from bayesfric.files import read_toml
-from bayesfric.margins.loop_cables import Cable, CableRun, SecondStage, Section
+from bayesfric.margins.loop_cables import (
+    Cable,
+    CableRun,
+    Coupling,
+    OtherJoint,
+    SecondStage,
+    Section,
+)
 from bayesfric.margins.quantities import FAMILIES, NonNegative, Positive, Quantity
 from bayesfric.resources import bundled_loops
 
@@ -21,9 +28,11 @@ __all__ = [
     "CableRun",
     "Compensation",
     "Controller",
+    "Coupling",
     "Drive",
     "Kick",
     "Loop",
+    "OtherJoint",
     "PrismaticJoint",
     "RevoluteJoint",
     "SecondStage",
@@ -263,6 +272,7 @@ class Loop(Section):
         None,
         description="A shaft that the cable turns, and a second cable from there to the joint.",
     )
+    coupling: Coupling | None = Field(None, description="Joints that share motors.")
     controller: Controller = Field(description="The controller.")
     compensation: Compensation = Field(
         default_factory=Compensation, description="Friction feed-forward."
@@ -292,6 +302,29 @@ class Loop(Section):
             and self.drive.continuous_current_a is None
         ):
             raise ValueError("drive.continuous_current_a with spec.headroom_continuous_min")
+        return self
+
+    @model_validator(mode="after")
+    def _coupled(self) -> "Loop":
+        coupling, joint, controller = self.coupling, self.joint, self.controller
+        if coupling is None:
+            return self
+        own = coupling.axis - 1
+        ratio = coupling.matrix_rad_per_rad[own][own]
+        if not isinstance(joint, RevoluteJoint):
+            raise ValueError('joint.kind = "revolute" with a coupling')
+        if joint.transmission_rad_per_rad != ratio:
+            raise ValueError(
+                f"joint.transmission_rad_per_rad = {ratio:g}, as coupling.matrix_rad_per_rad has it"
+            )
+        if self.second_stage is not None or self.runs[0].topology != "antagonist-pair":
+            raise ValueError("one cable, an antagonist pair, with a coupling")
+        if "joint" in (controller.encoder_at, controller.torque_at, controller.angle_of):
+            raise ValueError("encoder and gains of the motor or gearbox-output with a coupling")
+        if self.compensation.signal == "error":
+            raise ValueError("compensation.signal other than error with a coupling")
+        if self.spec.smallest_step_max_m is not None:
+            raise ValueError("no spec.smallest_step_max_m with a coupling: it is not examined")
         return self
 
     @property

@@ -41,6 +41,7 @@ MAPPED = 30
 OTHER_KICKS = (0.0, 2.0)
 """Kicks, over the file's, that must not hunt either at the gain that is called safe."""
 ROUNDS = 3
+TOGETHER = "motors of the coupled joints that move along or swing together; others hold still here"
 LEAST_CYCLES = 2.0
 """In the last half of a run, below which a swing's amplitude and frequency are not told."""
 
@@ -160,7 +161,10 @@ def _by_formula(shaft: LoopAtShaft) -> Hunting:
         np.where(hunts, natural_frequency(shaft) / (2 * np.pi), np.nan),
         (REST,),
         None,
-        ("references that move, as the file's reference_range_rad_s has it",),
+        (
+            "references that move, as the file's reference_range_rad_s has it",
+            *(() if shaft.wrist is None else (TOGETHER,)),
+        ),
         "by γ* = (F/F̂)(1 + π ζ/2), inside its conditions in every draw; at rest alone",
     )
 
@@ -243,6 +247,8 @@ def _not_examined(shaft: LoopAtShaft, speeds: tuple[Condition, ...]) -> tuple[st
                        f"is {peak:.3g} rad/s")  # fmt: skip
     if not (shaft.backlash > 0).any():
         missing.append("backlash")
+    if shaft.wrist is not None:
+        missing.append(TOGETHER)
     if shaft.cable is None:
         missing.append("swings of the cable, which is so stiff that it is simulated as one shaft")
     return tuple(missing)

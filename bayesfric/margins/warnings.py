@@ -113,6 +113,12 @@ def _beyond_the_models(
             "Linear margins are those with the play taken up; between its flanks motor and joint "
             "move apart, which hunting is simulated with."
         )
+    if shaft.wrist is not None:
+        yield (
+            "Coupled joints: the other motors are taken to have the drive, cable, friction and "
+            "gains of this one. Linear margins, hunting and tensions are those of one motor while "
+            "the others hold still; errors at the tip are those of all motors."
+        )
     slack = int((~shaft.taut).sum())
     if slack:
         yield (

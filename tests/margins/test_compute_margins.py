@@ -13,8 +13,8 @@ from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins
 from bayesfric.margins.answer import largest_safe_gain, limit_cycle_curve
 from bayesfric.margins.assembly import draw_assembly
-from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.posterior import RigDiscrepancy, read_posterior, rig_discrepancy
+from bayesfric.margins.reflecting import at_shaft
 from bayesfric.margins.scanning import REST
 from bayesfric.margins.thresholds import Hunting
 from bayesfric.results import json_bytes

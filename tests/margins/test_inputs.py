@@ -10,8 +10,8 @@ from bayesfric.margins import compute_margins
 from bayesfric.margins.assembly import draw_assembly
 from bayesfric.margins.cable_run import run_friction
 from bayesfric.margins.inputs import beyond_the_draws
-from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.posterior import RigDiscrepancy, read_posterior
+from bayesfric.margins.reflecting import at_shaft
 from bayesfric.physics.friction import Coefficients
 
 TESTED = {

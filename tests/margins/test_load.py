@@ -9,9 +9,9 @@ from scipy import stats
 from bayesfric.margins import compute_margins, read_loop
 from bayesfric.margins.assembly import draw_assembly
 from bayesfric.margins.describing import steady_error
-from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.loop_file import Loop
 from bayesfric.margins.posterior import RigDiscrepancy
+from bayesfric.margins.reflecting import at_shaft
 from bayesfric.resources import data_folder
 
 

@@ -9,10 +9,10 @@ from margins.loops import loop, posterior, shaft
 
 from bayesfric.margins.assembly import draw_assembly
 from bayesfric.margins.linear import is_stable, linear_margins, on_a_grid
-from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.metrics import linear_of
 from bayesfric.margins.open_loop import OpenLoop
 from bayesfric.margins.posterior import RigDiscrepancy
+from bayesfric.margins.reflecting import at_shaft
 
 ROW = np.zeros(1, dtype=np.intp)
 

@@ -11,9 +11,9 @@ from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins, read_loop
 from bayesfric.margins.assembly import draw_assembly
 from bayesfric.margins.hunting import run_length
-from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.loop_file import Loop
 from bayesfric.margins.posterior import RigDiscrepancy
+from bayesfric.margins.reflecting import at_shaft
 from bayesfric.margins.scanning import look, run, speeds_of
 from bayesfric.margins.simulating import simulate
 from bayesfric.margins.thresholds import find_hunting

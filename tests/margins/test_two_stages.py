@@ -17,10 +17,10 @@ from bayesfric.margins.echo import plant_of
 from bayesfric.margins.hunting import hunting_threshold
 from bayesfric.margins.inputs import beyond_the_draws
 from bayesfric.margins.linear import is_stable
-from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.metrics import closed_forms, linear_of
 from bayesfric.margins.open_loop import OpenLoop
 from bayesfric.margins.posterior import RigDiscrepancy
+from bayesfric.margins.reflecting import at_shaft
 from bayesfric.margins.simulating import simulate
 from bayesfric.margins.state_space import state_space
 from bayesfric.margins.thresholds import find_hunting
