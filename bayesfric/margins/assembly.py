@@ -90,8 +90,16 @@ def _quantities(loop: Loop) -> dict[str, object]:
         name: getattr(loop, name)
         for name in ("joint", "drive", "cable", "controller", "compensation", "kick", "tool")
     }
-    for place, run in enumerate(loop.runs):
-        found[f"runs.{place}.tension_n"] = run.tension_n
+    for key, run in loop.every_run:
+        found[f"{key}.tension_n"] = run.tension_n
+    if loop.coupling is not None:
+        others = enumerate(loop.coupling.others)
+        sections |= {f"coupling.others.{place}": one for place, one in others}
+    if loop.second_stage is not None:
+        sections |= {
+            "second_stage": loop.second_stage,
+            "second_stage.cable": loop.second_stage.cable,
+        }
     for name, section in sections.items():
         for key, value in section:
             number = isinstance(value, float | int) and not isinstance(value, bool)
@@ -128,10 +136,10 @@ def draw_assembly(
         Fault(
             loop.name,
             f"a size of the draws: {', '.join(sorted(sizes))}",
-            column=f"runs.{place}.pulley_size",
+            column=f"{key}.pulley_size",
             value=run.pulley_size,
         )
-        for place, run in enumerate(loop.runs)
+        for key, run in loop.every_run
         if run.pulley_size not in sizes
     ]
     if faults:
@@ -152,9 +160,9 @@ def draw_assembly(
     factor = tuple(
         1
         + posterior.omega[run.pulley_size][order]
-        * generator(f"assembly.{place}").standard_normal(n)
+        * generator(f"assembly.{key.removeprefix('runs.')}").standard_normal(n)
         + rig
-        for place, run in enumerate(loop.runs)
+        for key, run in loop.every_run
     )
     numbers, uncertain = {}, []
     for key, value in _quantities(loop).items():
@@ -173,7 +181,7 @@ def nominal_assembly(loop: Loop, posterior: Posterior) -> Assembly:
             size: Coefficients(*(np.array([np.mean(np.asarray(part))]) for part in one))
             for size, one in posterior.coefficients.items()
         },
-        tuple(np.ones(1) for _ in loop.runs),
+        tuple(np.ones(1) for _ in loop.every_run),
         {key: np.array([central(value)]) for key, value in _quantities(loop).items()},  # type: ignore[arg-type]
         (),
     )

@@ -74,6 +74,10 @@ def not_applicable(shaft: LoopAtShaft) -> str | None:
             "breakaway is more than moving friction in some draw, so that friction falls as "
             "speed grows and is in no sector about a reference that moves"
         )
+    if shaft.wrist is not None:
+        return "its joint shares motors with others, and the criterion is for one motor alone"
+    if len(shaft.stages) == 2:
+        return "a shaft lies between two cables, and the criterion is for one cable"
     if shaft.sees_joint:
         return "the encoder is at the joint, and the criterion is for one where the motor pushes"
     if (shaft.backlash > 0).any():

@@ -25,12 +25,13 @@ from bayesfric.margins.echo import plant_of
 from bayesfric.margins.ensemble import Ensemble
 from bayesfric.margins.following import follow_all, needs_motion
 from bayesfric.margins.inputs import beyond_the_draws, refused
-from bayesfric.margins.loop_at_shaft import LoopAtShaft, at_shaft
+from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.loop_file import Loop, loop_sha256, read_loop
 from bayesfric.margins.metrics import Key, closed_forms, linear_of
 from bayesfric.margins.nyquist import nyquist_fans
 from bayesfric.margins.population import read_draws
 from bayesfric.margins.posterior import Posterior, RigDiscrepancy
+from bayesfric.margins.reflecting import at_shaft
 from bayesfric.margins.rows import metric_rows
 from bayesfric.margins.spec import missed_specs
 from bayesfric.margins.thresholds import Hunting, find_hunting
@@ -233,7 +234,7 @@ def _read_all(loops: Sequence[Path | str | Loop]) -> list[Loop]:
 
 def _refuse_unstable(loop: Loop, posterior: Posterior, moves: bool) -> None:
     """Raise for a loop whose median is unstable, unless the file says that friction holds it."""
-    sizes = {run.pulley_size for run in loop.runs} - set(posterior.coefficients)
+    sizes = {run.pulley_size for _, run in loop.every_run} - set(posterior.coefficients)
     if sizes:  # told with its place by the drawing
         draw_assembly(loop, posterior, RigDiscrepancy(0.0, ""), 0)
     shaft = at_shaft(loop, nominal_assembly(loop, posterior))
@@ -333,8 +334,8 @@ def _one_loop(
         tuning_why=None if tune else "it was not asked for (--tune)",
         certificate=certificate,
         certificate_why=no_certificate,
-        following=follow_all(shaft, simulated) if moves else None,
-        following_why=None if moves else "it was not asked for (--ensembles)",
+        following=follow_all(shaft, simulated) if moves and shaft.wrist is None else None,
+        following_why=_why_not_followed(shaft, moves),
         nyquist=nyquist_fans(shaft),
         warnings=loop_warnings(shaft, given, linear, discrepancy, posterior),
     )
@@ -359,6 +360,14 @@ def _map(hunting: Hunting, shaft: LoopAtShaft) -> HuntingMap | None:
 
 def _rows(table: Array) -> tuple[tuple[float, ...], ...]:
     return tuple(tuple(float(value) for value in row) for row in table)
+
+
+def _why_not_followed(shaft: LoopAtShaft, moves: bool) -> str | None:
+    if not moves:
+        return "it was not asked for (--ensembles)"
+    if shaft.wrist is not None:
+        return "not examined: the joint shares motors with others, which would move along"
+    return None
 
 
 def _why_without(diagnosed: Diagnosed | None) -> str | None:

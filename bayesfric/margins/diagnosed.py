@@ -24,6 +24,7 @@ from bayesfric.effects import all_effects
 from bayesfric.effects.base import State
 from bayesfric.errors import Fault, InputError
 from bayesfric.margins.assembly import Assembly
+from bayesfric.margins.cable_stage import lost_motion
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.posterior import Posterior
 from bayesfric.physics.friction import Coefficients
@@ -151,20 +152,23 @@ def with_effects(
         fall = np.maximum(low - high, 0.0)
         falling += fall
         slope += fall / (fallen_at / rho)
-    ends = shaft.drive_friction + shaft.joint_friction
+    ends = shaft.drive_friction + shaft.joint_friction + shaft.shaft_friction
     cable = np.maximum(shaft.cable_friction + rho * rest, 0.0)
     friction = cable + ends
     falling = rho * falling
     before = np.divide(cable, shaft.cable_friction, out=np.ones_like(cable),
                        where=shaft.cable_friction > 0.0)  # fmt: skip
-    of_joint = shaft.joint_friction / shaft.stiffness
+    stages = tuple(
+        replace(one, friction=one.friction * before, lost=one.lost * before) for one in shaft.stages
+    )
     after = replace(
         shaft,
         friction=friction,
         falling=falling,
         falling_speed=np.divide(falling, rho * slope, out=np.ones_like(falling), where=slope > 0),
         motor_viscous=shaft.motor_viscous + rho * rising,
-        lost_motion=(shaft.lost_motion - of_joint) * before + of_joint,
+        stages=stages,
+        lost_motion=lost_motion(stages, shaft.shaft_friction, shaft.joint_friction),
         estimate=shaft.estimate
         if shaft.loop.compensation.estimate_n_m is not None
         else np.full(given.draws, float(friction.mean())),
@@ -191,15 +195,17 @@ def _curve(force: Callable[[Array], Array], top: Array) -> tuple[Array, Array, A
 
 
 def _force(one: DrawnEffect, shaft: LoopAtShaft, given: Assembly, speed: Array) -> Array:
-    """Return what an effect adds to the friction of the cable at a speed of it [N]."""
+    """Return what an effect adds to friction, as a force of the motor's cable at its speed [N]."""
     total = np.zeros(given.draws)
-    for place, run in enumerate(shaft.loop.runs):
+    per_rad = {key: stage.per_rad for stage in shaft.stages for key in stage.keys}
+    for (key, run), factor in zip(shaft.loop.every_run, given.factor, strict=True):
+        ratio = per_rad[key] / shaft.cable_per_rad
         sides = 2 if run.topology == "antagonist-pair" else 1
         law = given.coefficients[run.pulley_size]
-        here = Coefficients(*(np.asarray(part) * given.factor[place] for part in law))
-        tension = given[f"runs.{place}.tension_n"]
+        here = Coefficients(*(np.asarray(part) * factor for part in law))
+        tension = given[f"{key}.tension_n"]
         state = State.of(
-            here, run.count, float(np.mean(run.angles_deg)), tension, speed, steady=True
+            here, run.count, float(np.mean(run.angles_deg)), tension, ratio * speed, steady=True
         )
-        total += sides * one.force(state)
+        total += ratio * sides * one.force(state)
     return total

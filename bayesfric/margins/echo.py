@@ -43,6 +43,14 @@ def plant_of(shaft: LoopAtShaft) -> Plant:
         f"{2e3 * np.pi * found['tip_m_per_rad']:.3g} mm at the tip; the joint has "
         f"{central(whole):.4g} rad of it per {way}."
     )
+    if len(shaft.stages) == 2:
+        near, far = shaft.stages
+        sentence += (
+            f" Behind a shaft (inertia {_median(shaft.shaft_inertia):.2g} kg·m² at the motor's) a "
+            f"second cable goes {2e3 * np.pi * _median(far.per_rad):.3g} mm a turn of the motor; "
+            f"stiffness of the first and second {_median(near.stiffness):.2g} and "
+            f"{_median(far.stiffness):.2g} N·m/rad."
+        )
     if shaft.sees_joint:
         sentence += f" The joint's encoder has {_median(shaft.counts):.4g} counts a turn of it."
     if (shaft.backlash > 0).any():

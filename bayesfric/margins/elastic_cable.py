@@ -15,7 +15,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Cable", "EncoderAt", "Ends"]
+__all__ = ["Beyond", "Cable", "EncoderAt", "Ends"]
 
 EncoderAt = Literal["motor", "joint"]
 Floats = NDArray[np.float64]
@@ -25,6 +25,30 @@ LARGEST_PHASE = 0.5
 """Of the cable's ringing in a step [rad]: its frequency is within (phase)²/24."""
 LEAST_STEPS = 2
 """In an interval of constant torque."""
+
+
+@dataclass(frozen=True)
+class Beyond:
+    """A shaft behind the cable, and the cable from there to the joint, each of shape (draws,).
+
+    Parameters
+    ----------
+    inertia : ndarray
+        Of the shaft, seen from the motor's [kg·m²].
+    share : ndarray
+        Of the friction that acts at the shaft [-].
+    stiffness, damping : ndarray
+        Of the second cable [N·m/rad, N·m·s/rad].
+    """
+
+    inertia: Floats
+    share: Floats
+    stiffness: Floats
+    damping: Floats
+
+    def taken(self, rows: Whole) -> "Beyond":
+        """Return that of some draws."""
+        return Beyond(*(getattr(self, field.name)[rows] for field in fields(self)))
 
 
 @dataclass(frozen=True)
@@ -46,6 +70,8 @@ class Cable:
         against [N·m].
     play : ndarray
         Of motor against cable, its whole width [rad].
+    beyond : Beyond or None
+        Where the cable ends at a shaft with a second one; None is at the joint.
     """
 
     motor_inertia: Floats
@@ -56,15 +82,22 @@ class Cable:
     behind: Floats
     hangs: Floats
     play: Floats
+    beyond: Beyond | None = None
 
     @property
     def ringing(self) -> Floats:
-        """The frequency at which both ends ring, shape (draws,) [rad/s]."""
-        return np.sqrt(self.stiffness * (1 / self.load_inertia + 1 / self.motor_inertia))
+        """The highest frequency at which the ends ring, shape (draws,) [rad/s]."""
+        if self.beyond is None:
+            return np.sqrt(self.stiffness * (1 / self.load_inertia + 1 / self.motor_inertia))
+        near, far = self.stiffness, self.beyond.stiffness
+        return np.sqrt(
+            near / self.motor_inertia + (near + far) / self.beyond.inertia + far / self.load_inertia
+        )
 
     def taken(self, rows: Whole) -> "Cable":
         """Return the cable of some draws."""
-        return Cable(*(getattr(self, field.name)[rows] for field in fields(self)))
+        own = {f.name: getattr(self, f.name)[rows] for f in fields(self) if f.name != "beyond"}
+        return Cable(**own, beyond=None if self.beyond is None else self.beyond.taken(rows))
 
 
 class Step(NamedTuple):
@@ -74,11 +107,11 @@ class Step(NamedTuple):
     ----------
     length : ndarray, shape (draws,)
         [s].
-    over_inertia : ndarray, shape (2, draws)
+    over_inertia : ndarray, shape (ends, draws)
         Speed gained per torque [rad/(s·N·m)].
-    left : ndarray, shape (2, draws)
+    left : ndarray, shape (ends, draws)
         Share of a speed that viscous friction leaves [-].
-    rubbed : ndarray, shape (2, draws)
+    rubbed : ndarray, shape (ends, draws)
         Speed that friction takes off [rad/s].
     """
 
@@ -89,7 +122,7 @@ class Step(NamedTuple):
 
 
 class Ends:
-    """The motor's and the joint's end, each array of shape (2, draws).
+    """The motor's and the joint's end, and a shaft between two cables, of shape (ends, draws).
 
     Parameters
     ----------
@@ -119,10 +152,19 @@ class Ends:
         position: Floats,
         speed: Floats,
     ) -> None:
-        parts = np.stack([1.0 - cable.behind, cable.behind])
+        beyond = cable.beyond
         self.stiffness, self.damping, self.ringing = cable.stiffness, cable.damping, cable.ringing
-        self.inertia = np.stack([cable.motor_inertia, cable.load_inertia])
-        self.viscous = np.stack([viscous - cable.load_viscous, cable.load_viscous])
+        of_motor = viscous - cable.load_viscous
+        if beyond is None:
+            parts = np.stack([1.0 - cable.behind, cable.behind])
+            self.inertia = np.stack([cable.motor_inertia, cable.load_inertia])
+            self.viscous = np.stack([of_motor, cable.load_viscous])
+            self.far_stiffness, self.far_damping = np.zeros((2, 0, viscous.size))
+        else:
+            parts = np.stack([1.0 - cable.behind - beyond.share, beyond.share, cable.behind])
+            self.inertia = np.stack([cable.motor_inertia, beyond.inertia, cable.load_inertia])
+            self.viscous = np.stack([of_motor, np.zeros_like(viscous), cable.load_viscous])
+            self.far_stiffness, self.far_damping = beyond.stiffness[None], beyond.damping[None]
         self.friction, self.falling = parts * friction, parts * falling
         self.falls, self.sticks = bool(falling.any()), bool((stiction_ratio > 1.0).any())
         self.falling_speed = falling_speed
@@ -130,10 +172,13 @@ class Ends:
         self.hangs, self.fed = cable.hangs, cable.hangs - load
         self.half_play, self.plays = cable.play / 2, bool(cable.play.any())
         twist = cable.hangs / cable.stiffness + np.sign(cable.hangs) * self.half_play
-        self.measured = 0 if encoder_at == "motor" else 1
-        motor = position if encoder_at == "motor" else position + twist
+        further = (cable.hangs / self.far_stiffness).sum(axis=0)
+        self.measured = 0 if encoder_at == "motor" else -1
+        motor = position if encoder_at == "motor" else position + twist + further
         self.ends = np.stack([motor, motor - twist])
-        self.speeds = np.stack([speed, speed])
+        if beyond is not None:
+            self.ends = np.stack([motor, motor - twist, motor - twist - further])
+        self.speeds = np.broadcast_to(speed, self.ends.shape).copy()
 
     @property
     def position(self) -> Floats:
@@ -148,21 +193,25 @@ class Ends:
     @property
     def joint(self) -> Floats:
         """Position of the joint's end, shape (draws,) [rad]."""
-        return np.asarray(self.ends[1])
+        return np.asarray(self.ends[-1])
 
     @property
     def twist(self) -> Floats:
         """Motor minus joint, shape (draws,) [rad]."""
-        return np.asarray(self.ends[0] - self.ends[1])
+        return np.asarray(self.ends[0] - self.ends[-1])
 
     @property
     def stands(self) -> NDArray[np.bool_]:
-        """Where both ends stand still, shape (draws,)."""
-        return np.asarray((self.speeds == 0.0).all(axis=0))
+        """Where all ends stand still, shape (draws,)."""
+        stand, *others = self.speeds == 0.0
+        for one in others:
+            stand = stand & one
+        return np.asarray(stand)
 
     def withstands(self) -> tuple[Floats, Floats]:
         """Return what pulls at a motor that stands, and what more it withstands [N·m]."""
-        return self.stiffness * self._stretched(self.twist) - self.fed, self.breakaway[0]
+        near = self.ends[0] - self.ends[1]
+        return self.stiffness * self._stretched(near) - self.fed, self.breakaway[0]
 
     def _stretched(self, twist: Floats) -> Floats:
         """Return what of a twist stretches the cable, beyond the play."""
@@ -170,7 +219,11 @@ class Ends:
 
     def cut(self, length: Floats, parts: int) -> tuple[int, Step]:
         """Return into how many steps an interval is cut, at least some parts, and the step."""
-        count = int(np.ceil((self.ringing * length).max() / LARGEST_PHASE))
+        phase = (self.ringing * length).max()
+        if self.far_stiffness.size:  # a light shaft is braked by both cables
+            braked = (self.damping + self.far_damping[0]) * length / self.inertia[1]
+            phase = max(phase, braked.max())
+        count = int(np.ceil(phase / LARGEST_PHASE))
         count = parts * max(count, LEAST_STEPS)
         step = length / count
         over = step / self.inertia
@@ -201,7 +254,11 @@ class Ends:
         pull += np.where(stretched == 0.0, 0.0, rate) if self.plays else rate
         push = np.empty_like(speed)
         np.subtract(command + self.fed, pull, out=push[0])
-        np.subtract(pull, self.hangs, out=push[1])
+        for place, stiffness in enumerate(self.far_stiffness, start=1):
+            before, pull = pull, stiffness * (self.ends[place] - self.ends[place + 1])
+            pull += self.far_damping[place - 1] * (speed[place] - speed[place + 1])
+            np.subtract(before, pull, out=push[place])
+        np.subtract(pull, self.hangs, out=push[-1])
         rubbed = step.rubbed
         if self.falls:
             more = self.falling * np.exp(-np.abs(speed) / self.falling_speed)

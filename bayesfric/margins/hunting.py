@@ -16,6 +16,7 @@ Only the simulation knows these.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -161,6 +162,7 @@ def hunting_threshold(
     gammas: Sequence[float] = EVERY_TENTH,
     tolerance: float = 0.01,
     known: ArrayLike = np.inf,
+    expected: int = TRIED_AT_ONCE,
 ) -> Thresholds:
     """Return the smallest compensation gain γ at which each draw hunts in any condition.
 
@@ -185,6 +187,9 @@ def hunting_threshold(
         Width to which the bisection goes, and a share :data:`WITHIN` of smaller thresholds.
     known : array_like
         γ at which each draw hunts in another condition, a scalar or (draws,): none above is tried.
+    expected : int
+        Place in `gammas` by which most draws hunt, so that none beyond is tried along in vain;
+        what is found does not depend on it.
 
     Returns
     -------
@@ -228,8 +233,9 @@ def hunting_threshold(
     most = loop.per_draw("known", known)
     before = np.concatenate([[-1.0], grid[:-1]])
     # a loop that hunts without compensation needs no more than the first
-    for begin in (0, *range(1, grid.size, TRIED_AT_ONCE)):
-        end = begin + TRIED_AT_ONCE if begin else 1
+    first_group = 1 + min(max(expected, 1), TRIED_AT_ONCE)
+    begins = {0, min(1, grid.size - 1), *range(first_group, grid.size, TRIED_AT_ONCE)}
+    for begin, end in pairwise(sorted(begins | {grid.size})):
         left = np.flatnonzero(np.isinf(threshold) & (before[begin] < most))
         if not left.size:
             break

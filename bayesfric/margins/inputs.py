@@ -29,7 +29,7 @@ def refused(loop: Loop, posterior: Posterior) -> Iterator[Fault]:
     A coefficient that only its prior has shaped says nothing outside of the conditions in
     which it was left unknown.
     """
-    for place, run in enumerate(loop.runs):
+    for key, run in loop.every_run:
         tension = central(run.tension_n)
         informed = posterior.informed.get(run.pulley_size)
         tested = posterior.tested.get(run.pulley_size, {})
@@ -44,50 +44,56 @@ def refused(loop: Loop, posterior: Posterior) -> Iterator[Fault]:
                 loop.name,
                 f"draws that know {coefficient} of {run.pulley_size} pulleys, which the recording "
                 f'does not inform; or extrapolate = ["{name}"]',
-                column=f"runs.{place}",
+                column=key,
             )
 
 
 def beyond_the_draws(shaft: LoopAtShaft, given: Assembly, posterior: Posterior) -> tuple[str, ...]:
     """Return what of a loop lies outside of the tested conditions, counted, in words."""
     found = []
-    for place, run in enumerate(shaft.loop.runs):
+    where = [
+        (stage, one) for stage, cable in enumerate(shaft.stages) for one in range(len(cable.runs))
+    ]
+    for (_, run), (stage, place) in zip(shaft.loop.every_run, where, strict=True):
+        name = f"run {place + 1}" + (" of the second stage" if stage else "")
         tested = posterior.tested.get(run.pulley_size, {})
         angles = np.asarray(run.angles_deg)
         if "wrap_angle_deg" in tested:
             low, high = tested["wrap_angle_deg"]
             count = int(_outside(angles, (low, high)).sum())
             if count:
-                found.append(f"{count} of {run.count} pulleys of run {place + 1} are wrapped by "
+                found.append(f"{count} of {run.count} pulleys of {name} are wrapped by "
                              f"{angles.min():g}° to {angles.max():g}°, "
                              f"tested {low:g}° to {high:g}°")  # fmt: skip
         if "n_pulleys" in tested and run.count > tested["n_pulleys"][1]:
-            found.append(f"run {place + 1} has {run.count} pulleys, tested up to "
+            found.append(f"{name} has {run.count} pulleys, tested up to "
                          f"{tested['n_pulleys'][1]:g}")  # fmt: skip
         if "tension_n" in tested:
-            found += _tensions(shaft, place, tested["tension_n"])
+            found += _tensions(shaft, stage, place, name, tested["tension_n"])
         law = given.coefficients[run.pulley_size]
         share = losses(law, np.ones(given.draws), angles, clipped=False)
         negative = float((share < 0).any(axis=1).mean())
         if negative > 0:
             found.append(f"in {negative:.1%} of the draws the law says negative friction for a "
-                         f"pulley of run {place + 1}, which is taken as none")  # fmt: skip
+                         f"pulley of {name}, which is taken as none")  # fmt: skip
     return tuple(found)
 
 
-def _tensions(shaft: LoopAtShaft, place: int, tested: Range) -> Iterator[str]:
+def _tensions(
+    shaft: LoopAtShaft, stage: int, place: int, name: str, tested: Range
+) -> Iterator[str]:
     low, high = tested
-    known = float(_outside(shaft.tension[place], tested).mean())
-    least, largest = shaft.side_tension
+    known = float(_outside(shaft.stages[stage].tension[place], tested).mean())
+    least, largest = shaft.side_tension_of(stage)
     peak = float((largest > high + ROOM).mean())
     if known > 0:
         yield (
-            f"the tension of run {place + 1} is outside of the tested {low:.0f} to {high:.0f} N in "
+            f"the tension of {name} is outside of the tested {low:.0f} to {high:.0f} N in "
             f"{known:.0%} of the draws"
         )
     if peak > known:
         yield (
-            f"the tension of run {place + 1} peaks above {high:.0f} N in the fastest motion in "
+            f"the tension of {name} peaks above {high:.0f} N in the fastest motion in "
             f"{peak:.0%} of the draws"
         )
     if slack := int((least < 0).sum()):

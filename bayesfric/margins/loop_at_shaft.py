@@ -6,19 +6,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bayesfric.margins.assembly import Assembly
-from bayesfric.margins.cable_run import DIRECTIONS, Direction, RunFriction, run_friction
-from bayesfric.margins.elastic_cable import Cable
-from bayesfric.margins.loop_file import Loop, RevoluteJoint
-from bayesfric.margins.quantities import central
+from bayesfric.margins.cable_run import DIRECTIONS, Direction, RunFriction
+from bayesfric.margins.cable_stage import Stage, train_modes
+from bayesfric.margins.elastic_cable import Beyond, Cable
+from bayesfric.margins.loop_file import Loop
 from bayesfric.margins.sampled_loop import SampledLoop
+from bayesfric.margins.wrist import Wrist
 
-__all__ = ["LoopAtShaft", "at_shaft"]
+__all__ = ["LoopAtShaft"]
 
 Array = NDArray[np.float64]
 
 STIFF = 5.0
 """Phase of a cable's ringing in a sample above which it counts as stiff [rad]."""
+HEAVIER = 0.02
+"""Of the lighter end's inertia, that a shaft between two cables is simulated with at least."""
 
 
 @dataclass(frozen=True)
@@ -34,11 +36,14 @@ class LoopAtShaft:
     motor_viscous, load_viscous : ndarray
         Likewise [N·m·s/rad].
     stiffness, damping : ndarray
-        Of the cable [N·m/rad, N·m·s/rad].
+        Of the cable, or of both in a row [N·m/rad, N·m·s/rad].
     friction : ndarray
         F: motor and gearbox, cable runs and joint [N·m].
-    drive_friction, joint_friction : ndarray
-        Its parts that are the motor's and gearbox's, and the joint's own [N·m].
+    drive_friction, shaft_friction, joint_friction : ndarray
+        Its parts that are the motor's and gearbox's, of a shaft between two cables, and the
+        joint's own [N·m].
+    shaft_inertia : ndarray
+        Of a shaft between two cables; 0 without [kg·m²].
     stiction_ratio : ndarray
         Breakaway over friction at rest, at least 1 [-].
     falling, falling_speed : ndarray
@@ -67,19 +72,19 @@ class LoopAtShaft:
     efficiency : ndarray
         η of all runs in a row; 1 for an antagonist pair [-].
     cable_per_rad : ndarray
-        Cable travel per motor angle, ρ [m/rad].
+        Travel of the motor's cable per motor angle, ρ [m/rad].
     tip_per_rad : ndarray
         Travel of the tool tip per motor angle [m/rad].
     lost_motion : ndarray
-        What friction stores in the cable, one side, at the motor's shaft [rad].
+        What friction stores in the cables, one side, at the motor's shaft [rad].
     backlash : ndarray
         Play between motor and cable, its whole width, at the motor's shaft [rad].
     kick, reference_speed : ndarray
         What the loop is tried with for hunting [rad, rad/s].
-    tension : tuple of ndarray
-        Known tension of each run [N].
-    runs : tuple of RunFriction
-        By run.
+    stages : tuple of Stage
+        The cable with its pulleys, or both of them.
+    wrist : Wrist or None
+        Joints that share motors with this one.
     """
 
     loop: Loop
@@ -91,7 +96,9 @@ class LoopAtShaft:
     damping: Array
     friction: Array
     drive_friction: Array
+    shaft_friction: Array
     joint_friction: Array
+    shaft_inertia: Array
     stiction_ratio: Array
     falling: Array
     falling_speed: Array
@@ -119,13 +126,13 @@ class LoopAtShaft:
     backlash: Array
     kick: Array
     reference_speed: Array
-    tension: tuple[Array, ...]
-    runs: tuple[RunFriction, ...]
+    stages: tuple[Stage, ...]
+    wrist: Wrist | None = None
 
     @property
     def inertia(self) -> Array:
-        """Both ends of a stiff cable together [kg·m²]."""
-        return self.motor_inertia + self.load_inertia
+        """Both ends of a stiff cable together, and a shaft between two cables [kg·m²]."""
+        return self.motor_inertia + self.load_inertia + self.shaft_inertia
 
     @property
     def viscous(self) -> Array:
@@ -135,7 +142,7 @@ class LoopAtShaft:
     @property
     def cable_friction(self) -> Array:
         """The part of F that the pulleys make [N·m]."""
-        return self.friction - self.drive_friction - self.joint_friction
+        return self.friction - self.drive_friction - self.shaft_friction - self.joint_friction
 
     @property
     def sees_joint(self) -> bool:
@@ -193,35 +200,43 @@ class LoopAtShaft:
             return np.ones_like(self.efficiency)
         return 1 / self.efficiency if direction == "driving" else self.efficiency
 
-    @property
-    def load_force(self) -> Array:
-        """What the load asks of the cable at rest [N]."""
-        return np.asarray(np.abs(self.load_torque) / self.cable_per_rad)
-
-    @property
-    def side_tension(self) -> tuple[Array, Array]:
-        """Least and largest tension of a cable's side in the fastest motion [N].
+    def side_tension_of(self, place: int) -> tuple[Array, Array]:
+        """Return least and largest tension of a side of one cable in the fastest motion [N].
 
         Of a pair, each side takes half of what the load and its inertia ask, and friction
-        comes on one side's way.
+        comes on one side's way. The first cable pulls what lies behind the shaft, too.
         """
+        stage = self.stages[place]
         swing = (
             self.load_inertia * self.peak_acceleration
             + self.load_viscous * self.peak_velocity
             + self.joint_friction
+            if self.wrist is None
+            else self.wrist.swing + self.joint_friction
         )
+        for behind in self.stages[place + 1 :]:
+            swing = swing + behind.friction + self.shaft_friction
+            swing = swing + self.shaft_inertia * self.peak_acceleration
         pair = self.directions == (None,)
-        asked = (self.load_force if pair else 0.0) + swing / self.cable_per_rad
-        each = (asked + sum(run.loop for run in self.runs)) / (2 if pair else 1)
-        least = np.min(self.tension, axis=0) - each
-        return least, np.max(self.tension, axis=0) + each
+        load = np.asarray(np.abs(self.load_torque) / stage.per_rad)
+        asked = (load if pair else 0.0) + swing / stage.per_rad
+        each = (asked + stage.force) / (2 if pair else 1)
+        return np.min(stage.tension, axis=0) - each, np.max(stage.tension, axis=0) + each
+
+    @property
+    def side_tension(self) -> tuple[Array, Array]:
+        """Least and largest tension of any cable's side in the fastest motion [N]."""
+        least, largest = zip(*map(self.side_tension_of, range(len(self.stages))), strict=True)
+        return np.min(least, axis=0), np.max(largest, axis=0)
 
     @property
     def taut(self) -> NDArray[np.bool_]:
-        """In which draws both sides of a pair stay taut under the load at rest."""
+        """In which draws both sides of each pair stay taut under the load at rest."""
         if self.directions != (None,):
             return np.ones(self.friction.shape, dtype=bool)
-        return np.asarray(np.min(self.tension, axis=0) > self.load_force / 2)
+        load = np.abs(self.load_torque)
+        held = [np.min(one.tension, axis=0) > load / one.per_rad / 2 for one in self.stages]
+        return np.asarray(np.logical_and.reduce(held))
 
     def taken(self, rows: NDArray[np.intp]) -> "LoopAtShaft":
         """Return some of the draws."""
@@ -229,8 +244,8 @@ class LoopAtShaft:
         def some(values: object) -> object:
             if isinstance(values, np.ndarray):
                 return values[rows]
-            if isinstance(values, RunFriction):
-                return RunFriction(*(getattr(values, f.name)[rows] for f in fields(values)))
+            if isinstance(values, Stage | RunFriction | Wrist):
+                return type(values)(*(some(getattr(values, f.name)) for f in fields(values)))  # type: ignore[arg-type]
             if isinstance(values, tuple):
                 return tuple(some(one) for one in values)
             return values
@@ -240,8 +255,19 @@ class LoopAtShaft:
 
     @property
     def ringing(self) -> Array:
-        """The frequency at which motor and joint ring on the cable [rad/s]."""
+        """The frequency at which motor and joint ring on the cable, the lower of two [rad/s]."""
+        if len(self.stages) == 2:
+            return train_modes(self._inertias, self._springs)[0]
         return np.sqrt(self.stiffness * (1 / self.load_inertia + 1 / self.motor_inertia))
+
+    @property
+    def _inertias(self) -> tuple[Array, Array, Array]:
+        return self.motor_inertia, self.shaft_inertia, self.load_inertia
+
+    @property
+    def _springs(self) -> tuple[Array, Array]:
+        near, far = self.stages
+        return near.stiffness, far.stiffness
 
     @property
     def cable(self) -> Cable | None:
@@ -254,18 +280,41 @@ class LoopAtShaft:
         softer = np.minimum(1.0, (STIFF / (self.ringing * self.sample_time)) ** 2)
         if not play and softer.min() < 1.0:
             return None
+        beyond = None
         stored = self.lost_motion * self.stiffness
         behind = self.friction - self.drive_friction if play else stored
+        if len(self.stages) == 2:
+            near, far = self.stages
+            behind = far.behind + self.joint_friction
+            of_near = near.friction if play else near.behind
+            of_shaft = of_near + self.shaft_friction + far.friction - far.behind
+            beyond = Beyond(
+                inertia=self._heavy_shaft(softer),
+                share=of_shaft / self.friction,
+                stiffness=far.stiffness * softer,
+                damping=far.damping * np.sqrt(softer),
+            )
         return Cable(
             motor_inertia=self.motor_inertia,
             load_inertia=self.load_inertia,
             load_viscous=self.load_viscous,
-            stiffness=self.stiffness * softer,
-            damping=self.damping * np.sqrt(softer),
+            stiffness=self.stages[0].stiffness * softer,
+            damping=self.stages[0].damping * np.sqrt(softer),
             behind=np.minimum(behind / self.friction, 1.0),
             hangs=self.load_torque,
             play=self.backlash,
+            beyond=beyond,
         )
+
+    def _heavy_shaft(self, softer: Array) -> Array:
+        """Return the inertia with which a shaft between two cables is simulated [kg·m²].
+
+        One so light that it rings faster than the steps that motor and joint need is heavier,
+        by a share of the lighter of these at most: what it does is over before they move.
+        """
+        lighter = np.minimum(self.motor_inertia, self.load_inertia)
+        slow = sum(self._springs) * softer * self.sample_time**2
+        return np.maximum(self.shaft_inertia, np.minimum(HEAVIER * lighter, slow))
 
     def sampled(self, gamma: Array | None = None) -> SampledLoop:
         """Return the loop as the simulator takes it, with its cable.
@@ -301,123 +350,3 @@ class LoopAtShaft:
             at_rest=compensation.at_rest,
             cable=self.cable,
         )
-
-
-def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> LoopAtShaft:
-    """Reflect a loop to the motor's shaft.
-
-    Parameters
-    ----------
-    loop : Loop
-        The file.
-    given : Assembly
-        Its numbers and the friction law, a value a draw.
-    estimate : float or None
-        F̂ where the file has none; by default the mean friction of these draws [N·m].
-
-    Returns
-    -------
-    LoopAtShaft
-        Of as many draws.
-    """
-    revolute = loop.joint.kind == "revolute"
-    ratio = given["joint.transmission_rad_per_rad" if revolute else "joint.transmission_rad_per_m"]
-    gear = given["drive.gearbox_ratio"]
-    rho = given["drive.capstan_radius_m"] / gear
-    length = given["cable.length_m"]
-    runs = tuple(
-        run_friction(
-            run,
-            given.coefficients[run.pulley_size],
-            factor,
-            given[f"runs.{place}.tension_n"],
-            length,
-        )
-        for place, (run, factor) in enumerate(zip(loop.runs, given.factor, strict=True))
-    )
-    drive = given["drive.friction_n_m"]
-    own = given[f"joint.{'friction_n_m' if revolute else 'friction_n'}"] / ratio
-    friction = np.maximum(rho * sum(run.loop for run in runs), 0.0) + drive + own
-    stiction = np.maximum(given["stiction_ratio"], 1.0)
-    pair = loop.runs[0].topology == "antagonist-pair"
-    per_strain = given["cable.axial_stiffness_n"]
-    stiffness = rho**2 * (2 if pair else 1) * per_strain / length
-    load_inertia = given["joint.inertia_kg_m2" if revolute else "joint.mass_kg"] / ratio**2
-    motor_inertia = given["drive.inertia_kg_m2"]
-    reduced = load_inertia * motor_inertia / (load_inertia + motor_inertia)
-    to_shaft = _to_shaft(loop, gear, ratio)
-    signal = loop.compensation.signal
-    joint = {
-        name: given[f"joint.{key[0] if revolute else key[1]}"]
-        for name, key in {
-            "viscous": ("viscous_n_m_s", "viscous_n_s_per_m"),
-            "load": ("load_n_m", "load_n"),
-            "velocity": ("peak_velocity_rad_s", "peak_velocity_m_s"),
-            "acceleration": ("peak_acceleration_rad_s2", "peak_acceleration_m_s2"),
-        }.items()
-    }
-    constant = given["drive.torque_constant_n_m_per_a"]
-    continuous = given.numbers.get("drive.continuous_current_a")
-    corners = (given.numbers.get(f"controller.{of}_cutoff_hz") for of in ("velocity", "position"))
-    cutoff, position_cutoff = (None if one is None else 2 * np.pi * one for one in corners)
-    guess = given.numbers.get("compensation.estimate_n_m")
-    if guess is None:
-        guess = np.full(given.draws, float(friction.mean()) if estimate is None else estimate)
-    return LoopAtShaft(
-        loop=loop,
-        motor_inertia=motor_inertia,
-        load_inertia=load_inertia,
-        motor_viscous=given["drive.viscous_n_m_s"],
-        load_viscous=joint["viscous"] / ratio**2,
-        stiffness=stiffness,
-        damping=2 * given["cable.damping_ratio"] * np.sqrt(stiffness * reduced),
-        friction=friction,
-        drive_friction=drive,
-        joint_friction=own,
-        stiction_ratio=stiction,
-        falling=np.zeros(given.draws),
-        falling_speed=np.ones(given.draws),
-        kp=to_shaft * given["controller.kp_n_m_per_rad"],
-        kd=to_shaft * given["controller.kd_n_m_s_per_rad"],
-        ki=to_shaft * given["controller.ki_n_m_per_rad_s"],
-        sample_time=given["controller.sample_time_s"],
-        delay=given["controller.delay_s"],
-        cutoff=cutoff,
-        position_cutoff=position_cutoff,
-        counts=given["controller.encoder_counts_per_revolution"]
-        / (ratio if loop.controller.encoder_at == "joint" else 1.0),
-        clip=constant * given["drive.current_limit_a"],
-        continuous=None if continuous is None else constant * continuous,
-        load_torque=joint["load"] / ratio,
-        net_load=(joint["load"] - given["controller.gravity_compensation"] * _expected_load(loop))
-        / ratio,
-        peak_velocity=joint["velocity"] * ratio,
-        peak_acceleration=joint["acceleration"] * ratio,
-        estimate=guess,
-        gamma=given["compensation.gain"],
-        boundary=given[f"compensation.boundary_{'rad' if signal == 'error' else 'rad_s'}"],
-        efficiency=np.ones(given.draws) if pair else np.prod([r.efficiency for r in runs], axis=0),
-        cable_per_rad=rho,
-        tip_per_rad=(given["tool.lever_m"] if revolute else 1.0) / ratio,
-        lost_motion=sum(run.lost_length for run in runs) / per_strain / rho + own / stiffness,
-        backlash=given["drive.backlash_rad"],
-        kick=given["kick.over_stuck_band"]
-        * stiction
-        * friction
-        / (to_shaft * given["controller.kp_n_m_per_rad"]),
-        reference_speed=given["kick.reference_speed_rad_s"],
-        tension=tuple(given[f"runs.{place}.tension_n"] for place in range(len(loop.runs))),
-        runs=runs,
-    )
-
-
-def _expected_load(loop: Loop) -> float:
-    """Return the load that gravity compensation is made for [N·m or N]."""
-    joint = loop.joint
-    return central(joint.load_n_m if isinstance(joint, RevoluteJoint) else joint.load_n)
-
-
-def _to_shaft(loop: Loop, gear: Array, ratio: Array) -> Array:
-    """Return what turns a gain of the file's frames into one at the motor's shaft."""
-    per = {"motor": np.ones_like(gear), "gearbox-output": gear, "joint": ratio}
-    return 1 / (per[loop.controller.torque_at] * per[loop.controller.angle_of])

@@ -8,10 +8,18 @@ import hashlib
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from bayesfric.errors import Fault, InputError
 from bayesfric.files import read_toml
+from bayesfric.margins.loop_cables import (
+    Cable,
+    CableRun,
+    Coupling,
+    OtherJoint,
+    SecondStage,
+    Section,
+)
 from bayesfric.margins.quantities import FAMILIES, NonNegative, Positive, Quantity
 from bayesfric.resources import bundled_loops
 
@@ -20,11 +28,14 @@ __all__ = [
     "CableRun",
     "Compensation",
     "Controller",
+    "Coupling",
     "Drive",
     "Kick",
     "Loop",
+    "OtherJoint",
     "PrismaticJoint",
     "RevoluteJoint",
+    "SecondStage",
     "Spec",
     "Tool",
     "loop_path",
@@ -35,14 +46,9 @@ __all__ = [
 Share = Annotated[float, Field(gt=0, lt=1)]
 Bound = Annotated[float, Field(gt=0, allow_inf_nan=False)] | None
 Speed = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-Angle = Annotated[float, Field(ge=0, le=720)]
 
 
-class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class RevoluteJoint(_Section):
+class RevoluteJoint(Section):
     """A joint that turns (`kind = "revolute"`)."""
 
     kind: Literal["revolute"] = Field(description="`revolute` or `prismatic`.")
@@ -57,7 +63,7 @@ class RevoluteJoint(_Section):
     peak_acceleration_rad_s2: NonNegative = Field(0.0, description="Of the fastest motion.")
 
 
-class PrismaticJoint(_Section):
+class PrismaticJoint(Section):
     """A joint that slides (`kind = "prismatic"`)."""
 
     kind: Literal["prismatic"] = Field(description="`revolute` or `prismatic`.")
@@ -72,7 +78,7 @@ class PrismaticJoint(_Section):
     peak_acceleration_m_s2: NonNegative = Field(0.0, description="Of the fastest motion.")
 
 
-class Drive(_Section):
+class Drive(Section):
     """Motor, gearbox and capstan."""
 
     torque_constant_n_m_per_a: Positive = Field(description="Torque constant of the motor.")
@@ -94,65 +100,7 @@ class Drive(_Section):
     )
 
 
-class CableRun(_Section):
-    """Equal pulleys that the cable passes; `[[runs]]`, from the motor to the load."""
-
-    pulley_size: str = Field(description="A size of the draws.")
-    count: Annotated[int, Field(ge=1, le=200)] = Field(
-        description="Pulleys; of an antagonist pair, those on one side."
-    )
-    wrap_angle_deg: Angle | list[Angle] = Field(
-        description="Of every pulley, or a list from the motor to the load."
-    )
-    tension_n: Positive = Field(
-        description="Known tension; of an antagonist pair, that of each side."
-    )
-    tension_known_at: Literal["mean", "motor", "load"] = Field(
-        description="Where that tension is known: the mean of both ends, or one end. It has no "
-        "default, since it moves friction by about (n − 1)a/2."
-    )
-    topology: Literal["antagonist-pair", "open"] = Field(
-        description="Two equal runs that pull against each other, or one run and a load."
-    )
-    model: Literal["nominal", "recursive"] = Field(
-        description="Friction by eq. (15) at the known tension, or pulley by pulley."
-    )
-    distance_m: list[Annotated[float, Field(ge=0)]] | None = Field(
-        None,
-        description="Cable from the motor to each pulley; absent: spread evenly along the run.",
-    )
-
-    @model_validator(mode="after")
-    def _as_many(self) -> "CableRun":
-        for name in ("wrap_angle_deg", "distance_m"):
-            values = getattr(self, name)
-            if isinstance(values, list) and len(values) != self.count:
-                raise ValueError(f"{name} with {self.count} values, as many as pulleys")
-        return self
-
-    @property
-    def angles_deg(self) -> tuple[float, ...]:
-        """The wrap angle of each pulley, from the motor to the load [deg]."""
-        angles = self.wrap_angle_deg
-        return tuple(angles) if isinstance(angles, list) else (angles,) * self.count
-
-
-class Cable(_Section):
-    """The cable between motor and joint."""
-
-    axial_stiffness_n: Positive = Field(
-        description="EA: 14 to 16 kN for 0.61 mm 7×19 stainless cable, 53 to 60 kN for 1.19 mm."
-    )
-    length_m: Positive = Field(description="Between motor and joint, on one side.")
-    diameter_mm: Annotated[float, Field(gt=0)] = Field(
-        0.61, description="Friction was measured with 0.61 mm; other cable is warned about."
-    )
-    damping_ratio: Positive = Field(
-        0.05, description="Of joint and motor ringing on the cable, over the critical."
-    )
-
-
-class Controller(_Section):
+class Controller(Section):
     """A sampled PD or PI·D loop on one encoder."""
 
     kp_n_m_per_rad: Positive = Field(description="Proportional gain, in the frames below.")
@@ -210,7 +158,7 @@ class Controller(_Section):
         return self
 
 
-class Compensation(_Section):
+class Compensation(Section):
     """Friction feed-forward: gain × estimate × sign of a signal."""
 
     signal: Literal["none", "reference", "measured", "error"] = Field(
@@ -239,7 +187,7 @@ class Compensation(_Section):
         return self
 
 
-class Kick(_Section):
+class Kick(Section):
     """What the loop is tried with for hunting."""
 
     over_stuck_band: Positive = Field(
@@ -263,7 +211,7 @@ class Kick(_Section):
         return self
 
 
-class Tool(_Section):
+class Tool(Section):
     """From the joint to the tool tip."""
 
     lever_m: Positive | None = Field(
@@ -271,7 +219,7 @@ class Tool(_Section):
     )
 
 
-class Spec(_Section):
+class Spec(Section):
     """What the joint must meet; a key that is absent is not judged."""
 
     steady_error_max_m: Bound = Field(None, description="At the tool tip, servo alone.")
@@ -296,7 +244,7 @@ class Spec(_Section):
     )
 
 
-class Loop(_Section):
+class Loop(Section):
     """The whole of ``LOOP.toml``."""
 
     name: Annotated[str, Field(min_length=1, max_length=60)] = Field(description="Of the loop.")
@@ -320,6 +268,11 @@ class Loop(_Section):
     drive: Drive = Field(description="Motor, gearbox and capstan.")
     runs: Annotated[list[CableRun], Field(min_length=1)] = Field(description="Pulleys.")
     cable: Cable = Field(description="The cable.")
+    second_stage: SecondStage | None = Field(
+        None,
+        description="A shaft that the cable turns, and a second cable from there to the joint.",
+    )
+    coupling: Coupling | None = Field(None, description="Joints that share motors.")
     controller: Controller = Field(description="The controller.")
     compensation: Compensation = Field(
         default_factory=Compensation, description="Friction feed-forward."
@@ -332,6 +285,10 @@ class Loop(_Section):
     def _consistent(self) -> "Loop":
         if len({run.topology for run in self.runs}) > 1:
             raise ValueError("runs of one topology: they carry one cable")
+        if self.second_stage is not None and any(
+            run.topology != "antagonist-pair" for _, run in self.every_run
+        ):
+            raise ValueError('topology = "antagonist-pair" in all runs, with a second stage')
         if self.joint.kind == "revolute" and self.tool.lever_m is None:
             raise ValueError("tool.lever_m for a revolute joint")
         if self.joint.kind == "prismatic" and self.tool.lever_m is not None:
@@ -346,6 +303,38 @@ class Loop(_Section):
         ):
             raise ValueError("drive.continuous_current_a with spec.headroom_continuous_min")
         return self
+
+    @model_validator(mode="after")
+    def _coupled(self) -> "Loop":
+        coupling, joint, controller = self.coupling, self.joint, self.controller
+        if coupling is None:
+            return self
+        own = coupling.axis - 1
+        ratio = coupling.matrix_rad_per_rad[own][own]
+        if not isinstance(joint, RevoluteJoint):
+            raise ValueError('joint.kind = "revolute" with a coupling')
+        if joint.transmission_rad_per_rad != ratio:
+            raise ValueError(
+                f"joint.transmission_rad_per_rad = {ratio:g}, as coupling.matrix_rad_per_rad has it"
+            )
+        if self.second_stage is not None or self.runs[0].topology != "antagonist-pair":
+            raise ValueError("one cable, an antagonist pair, with a coupling")
+        if "joint" in (controller.encoder_at, controller.torque_at, controller.angle_of):
+            raise ValueError("encoder and gains of the motor or gearbox-output with a coupling")
+        if self.compensation.signal == "error":
+            raise ValueError("compensation.signal other than error with a coupling")
+        if self.spec.smallest_step_max_m is not None:
+            raise ValueError("no spec.smallest_step_max_m with a coupling: it is not examined")
+        return self
+
+    @property
+    def every_run(self) -> tuple[tuple[str, CableRun], ...]:
+        """The runs of all cables, from the motor to the load, each after its key in the file."""
+        second = () if self.second_stage is None else self.second_stage.runs
+        return (
+            *((f"runs.{place}", run) for place, run in enumerate(self.runs)),
+            *((f"second_stage.runs.{place}", run) for place, run in enumerate(second)),
+        )
 
 
 def loop_path(given: Path) -> Path:

@@ -90,6 +90,15 @@ def _entry(ensemble: Ensemble, along: Direction | None) -> dict[str, Any]:
     center = nominal(omega, np.zeros(1, dtype=np.intp))
     responses = drawn(omega[None, :], rows[:, None])
     a, b, c, d = state_space(nominal, 0)
+    shaft = ensemble.drawn
+    units, numbers = dict(UNITS), {name: getattr(shaft, name) for name in UNITS}
+    if len(shaft.stages) == 2:
+        # stiffness and damping above are those of both cables in a row
+        units["shaft_inertia"], numbers["shaft_inertia"] = "kg m2", shaft.shaft_inertia
+        for which, stage in zip(("first", "second"), shaft.stages, strict=True):
+            for name in ("stiffness", "damping"):
+                units[f"{which}_{name}"] = UNITS[name]
+                numbers[f"{which}_{name}"] = getattr(stage, name)
     return {
         "name": ensemble.name,
         "direction": along or "both",
@@ -99,8 +108,8 @@ def _entry(ensemble: Ensemble, along: Direction | None) -> dict[str, Any]:
         "draw_responses": responses,
         "uncertainty_weight": uncertainty_weight(center, responses),
         "covered": COVERED,
-        "draws": {name: getattr(ensemble.drawn, name)[rows][:, None] for name in UNITS},
-        "units": {**UNITS, "frequency": "rad/s", "uncertainty_weight": "1",
+        "draws": {name: values[rows][:, None] for name, values in numbers.items()},
+        "units": {**units, "frequency": "rad/s", "uncertainty_weight": "1",
                   "nominal": "from angle error [rad] to measured angle [rad]"},
     }  # fmt: skip
 

@@ -1,17 +1,19 @@
 """The figures of a loop that need no simulation, a value a draw."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.margins.cable_run import Direction
+from bayesfric.margins.cable_stage import lost_motion
 from bayesfric.margins.describing import amplitude_margin, necessary_gain, steady_error
 from bayesfric.margins.linear import is_stable, linear_margins, on_a_grid, peaks
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.open_loop import OpenLoop
 from bayesfric.margins.rules import PEAKS, RULES, TAUT, Rule
+from bayesfric.margins.wrist import Wrist
 
 __all__ = ["Key", "Linear", "closed_forms", "linear_of", "missed_draws", "spec_of"]
 
@@ -75,19 +77,24 @@ def closed_forms(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) 
     """Return every metric that needs no simulation, by name and direction, shape (draws,)."""
     stuck, tip = steady_error(shaft), shaft.tip_per_rad
     drive = shaft.drive_friction
+    moved = (shaft.inertia, shaft.viscous)
+    if shaft.wrist is not None:  # its joints move besides
+        moved = (shaft.motor_inertia, shaft.motor_viscous)
     needed = (
         shaft.friction
         + np.abs(shaft.load_torque)
-        + shaft.inertia * shaft.peak_acceleration
-        + shaft.viscous * shaft.peak_velocity
+        + moved[0] * shaft.peak_acceleration
+        + moved[1] * shaft.peak_velocity
     )
+    if shaft.wrist is not None:
+        needed = needed + shaft.wrist.swing
     backdrive = shaft.breakaway + drive * (1 / shaft.efficiency - 1) * shaft.stiction_ratio
     backdrive = backdrive + np.abs(shaft.load_torque)
     least, largest = shaft.side_tension
     step = np.maximum(stuck, 2 * np.pi / shaft.counts)
     values: dict[Key, Array] = {
-        ("friction_nominal", None): np.sum([run.nominal for run in shaft.runs], axis=0),
-        ("friction_recursive", None): np.sum([run.recursive for run in shaft.runs], axis=0),
+        ("friction_nominal", None): _at_first_cable(shaft, "nominal"),
+        ("friction_recursive", None): _at_first_cable(shaft, "recursive"),
         ("steady_error_servo", None): stuck * tip,
         ("lost_motion", None): shaft.unseen_motion * tip,
         ("headroom_clip", None): 1 - needed / shaft.clip,
@@ -105,9 +112,53 @@ def closed_forms(shaft: LoopAtShaft, linear: Mapping[Direction | None, Linear]) 
     if shaft.continuous is not None:
         held = shaft.friction + np.abs(shaft.load_torque)
         values["headroom_continuous", None] = 1 - held / shaft.continuous
+    if shaft.wrist is not None:
+        values |= _of_the_wrist(shaft, shaft.wrist)
+        del values["smallest_step", None]
     for direction, one in linear.items():
         values |= {(name, direction): each for name, each in one.values.items()}
     return values
+
+
+def _of_the_wrist(shaft: LoopAtShaft, wrist: Wrist) -> dict[Key, Array]:
+    """Return what all motors of a wrist do to its joint; backdriven, the other joints are held."""
+    lever = shaft.tip_per_rad / abs(wrist.own_row[wrist.axis])
+    none = np.zeros_like(shaft.friction)
+    # a motor with its cable, without the joints
+    alone = replace(
+        shaft,
+        friction=shaft.friction - shaft.joint_friction,
+        joint_friction=none,
+        net_load=none,
+        lost_motion=lost_motion(shaft.stages, shaft.shaft_friction, none),
+    )
+    motors = [replace(alone, load_torque=load) for load in wrist.load]
+    stuck, unseen = [steady_error(alone)] * len(motors), [one.unseen_motion for one in motors]
+    turned = [2 * (steady_error(alone) + one) for one in unseen]
+    rubs = wrist.under_friction()
+    own_rubs = abs(wrist.compliance[wrist.axis]) * wrist.joint_friction[wrist.axis]
+    servo, cable = shaft.stiction_ratio / shaft.kp, 1 / shaft.stiffness
+    by_hand = wrist.by_hand([alone.breakaway] * len(motors))
+    by_hand = by_hand + shaft.stiction_ratio * wrist.joint_friction[wrist.axis]
+    by_hand = by_hand + np.abs(wrist.joint_load[wrist.axis])
+    left = wrist.under(wrist.joint_net_load) / shaft.kp
+    return {
+        ("steady_error_servo", None): lever * (wrist.worst(stuck) + rubs * servo + left),
+        ("lost_motion", None): lever * (wrist.worst(unseen) + rubs * cable),
+        ("reversal_error", None): lever
+        * (wrist.reversing(turned) + 2 * own_rubs * (servo + cable)),
+        ("cable_stretch", None): lever * wrist.under(wrist.joint_load) * cable,
+        ("backdrive_force", None): by_hand / lever,
+    }
+
+
+def _at_first_cable(shaft: LoopAtShaft, model: str) -> Array:
+    """Return the friction of all pulleys by one model, as a force of the motor's cable [N]."""
+    first = shaft.stages[0].per_rad
+    parts = [
+        stage.per_rad / first * getattr(run, model) for stage in shaft.stages for run in stage.runs
+    ]
+    return np.asarray(np.sum(parts, axis=0))
 
 
 def missed_draws(shaft: LoopAtShaft, values: Mapping[Key, Array]) -> dict[str, NDArray[np.bool_]]:

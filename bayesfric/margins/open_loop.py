@@ -1,16 +1,18 @@
 """The open loop of a cable-driven joint as a function of frequency.
 
-The plant is continuous: motor and load on a cable with stiffness and damping, play taken
-up, the encoder at either end. The controller's sampling enters as a delay e^{−sτ}, τ being the
-stated delay and half a sample of hold, and as the first difference (1 − e^{−sT})/T that
-stands for the derivative; low-passes of position and speed follow where there are any. This is the
-continuous stand-in for the sampled loop, good well below half the sampling rate.
+The plant is continuous: motor and load on a cable with stiffness and damping, or on two with
+a shaft between them, play taken up, the encoder at either end. The controller's sampling enters
+as a delay e^{−sτ}, τ being the stated delay and half a sample of hold, and as the first difference
+(1 − e^{−sT})/T that stands for the derivative; low-passes of position and speed follow where there
+are any. This is the continuous stand-in for the sampled loop, good well below half the sampling
+rate.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.margins.cable_run import Direction
+from bayesfric.margins.cable_stage import train_modes
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 
 __all__ = ["OpenLoop"]
@@ -39,7 +41,11 @@ class OpenLoop:
         # friction that falls with speed has its first slope: that of slow motion
         self.motor_viscous = shaft.motor_viscous + shaft.slope
         self.load_viscous = share * shaft.load_viscous
-        self.stiffness, self.damping = share * shaft.stiffness, share * shaft.damping
+        near, *beyond = shaft.stages
+        self.stiffness, self.damping = share * near.stiffness, share * near.damping
+        # a shaft and a second cable, which open runs do not have
+        self.beyond = beyond[0] if beyond else None
+        self.shaft_inertia = shaft.shaft_inertia
         self.kp, self.kd, self.ki = shaft.kp.copy(), shaft.kd, shaft.ki
         if shaft.loop.compensation.signal == "error":
             # Inside its band the compensator is a spring beside kp.
@@ -58,9 +64,14 @@ class OpenLoop:
         cable = of(self.stiffness) + 1j * omega * of(self.damping)
         motor = 1j * omega * of(self.motor_viscous) - of(self.motor_inertia) * square
         load = 1j * omega * of(self.load_viscous) - of(self.load_inertia) * square
+        on = np.ones_like(load)
+        if self.beyond is not None:  # what the first cable sees, and how it goes on from there
+            far = of(self.beyond.stiffness) + 1j * omega * of(self.beyond.damping)
+            on = far / (load + far)
+            load = on * load - of(self.shaft_inertia) * square
         # the product of both ends minus cable², with the large cable² taken out by hand
         both = motor * load + cable * (motor + load)
-        return np.asarray((load + cable) / both), np.asarray(cable / both)
+        return np.asarray((load + cable) / both), np.asarray(on * cable / both)
 
     def controller(self, omega: Array, rows: NDArray[np.intp]) -> Complex:
         """Return torque per angle, hold and delay included [N·m/rad]."""
@@ -119,29 +130,47 @@ class OpenLoop:
         Returns
         -------
         ndarray, shape (draws, count)
-            Increasing [rad/s]: even in the logarithm, and closer around the cable's
-            resonance and antiresonance.
+            Increasing [rad/s]: even in the logarithm, and closer around the resonances and
+            antiresonances of the cables.
         """
-        inertia = self.motor_inertia + self.load_inertia
+        inertia = self.motor_inertia + self.load_inertia + self.shaft_inertia
         damping = self.kd + self.motor_viscous + self.load_viscous
         natural = np.sqrt(self.kp / inertia)
-        anti = np.sqrt(self.stiffness / self.load_inertia)
-        resonance = np.sqrt(self.stiffness * (1 / self.load_inertia + 1 / self.motor_inertia))
+        peaks = self._peaks()
+        resonance = np.max(peaks, axis=0)
         low = np.minimum(natural, self.kp / np.maximum(damping, 1e-300))
         if self.integral:
             low = np.minimum(low, np.where(self.ki > 0, self.ki / self.kp, low))
         high = np.maximum(np.maximum(natural, resonance), damping / self.motor_inertia)
         high = np.maximum(high, np.sqrt(self.kp / self.motor_inertia))
         high = 30 * np.maximum(high, 1 / self.lag)
-        wide = count - 2 * NEAR_RESONANCE
+        wide = count - len(peaks) * NEAR_RESONANCE
         grids = [_even_logs(1e-3 * low, high, wide)]
-        lighter = np.minimum(self.load_inertia, self.motor_inertia)
-        width = 8 * self.damping / np.sqrt(self.stiffness * lighter)
-        width = np.clip(width, 1e-3, 1.0)[:, None]
+        if self.beyond is None:
+            lighter = np.minimum(self.load_inertia, self.motor_inertia)
+            widths = [8 * self.damping / np.sqrt(self.stiffness * lighter)] * 2
+        else:
+            loss = np.maximum(
+                self.damping / self.stiffness, self.beyond.damping / self.beyond.stiffness
+            )
+            widths = [8 * loss * peak for peak in peaks]
         # denser towards the middle
         spread = np.sinh(np.linspace(-3, 3, NEAR_RESONANCE)) / np.sinh(3)
-        grids += [peak[:, None] * np.exp(width * spread[None, :]) for peak in (anti, resonance)]
+        for peak, width in zip(peaks, widths, strict=True):
+            around = np.clip(width, 1e-3, 1.0)[:, None] * spread[None, :]
+            grids.append(peak[:, None] * np.exp(around))
         return np.sort(np.concatenate(grids, axis=1), axis=1)
+
+    def _peaks(self) -> tuple[Array, ...]:
+        """Return the frequencies of antiresonances and resonances [rad/s]."""
+        if self.beyond is None:
+            anti = np.sqrt(self.stiffness / self.load_inertia)
+            both = 1 / self.load_inertia + 1 / self.motor_inertia
+            return anti, np.sqrt(self.stiffness * both)
+        springs = (self.stiffness, self.beyond.stiffness)
+        held = (np.full_like(self.motor_inertia, np.inf), self.shaft_inertia, self.load_inertia)
+        free = (self.motor_inertia, self.shaft_inertia, self.load_inertia)
+        return (*train_modes(held, springs), *train_modes(free, springs))
 
 
 def _even_logs(low: Array, high: Array, count: int) -> Array:

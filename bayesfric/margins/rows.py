@@ -21,6 +21,14 @@ LEVELS = (0.01, *(round(0.05 * step, 2) for step in range(1, 20)), 0.99)
 """Probabilities at which a metric's quantiles are stored."""
 ROUNDING = 1e-9
 """Relative spread below which draws are one number, spread by rounding alone."""
+OF_ALL = "of all motors that turn this joint, each at its worst"
+WRIST_NOTES = {
+    "steady_error_servo": OF_ALL,
+    "lost_motion": OF_ALL,
+    "reversal_error": "of the motors that move along with this joint alone",
+    "cable_stretch": "of the cables of all motors",
+    "backdrive_force": "with the other joints held: the motors that move along give way, too",
+}
 
 
 def metric_rows(
@@ -150,6 +158,8 @@ def _quantiles(values: Array, interval: Interval | None) -> tuple[float, ...]:
 
 def _missing(name: str, found: Array | None, shaft: LoopAtShaft, hunting: Hunting) -> str:
     """Return why a metric has no interval."""
+    if name == "smallest_step" and shaft.wrist is not None:
+        return "not examined: a step of a coupled joint is one of several motors at once"
     if name == "headroom_continuous":
         return "drive.continuous_current_a is not given"
     if name in HUNTING:
@@ -184,11 +194,15 @@ def _note(
     if rule.name in TAUT and not shaft.taut.all():
         notes.append(f"in the {shaft.taut.mean():.1%} of the draws in which both sides stay taut; "
                      "the others count as missing a spec")  # fmt: skip
+    if shaft.wrist is not None and rule.name in WRIST_NOTES:
+        notes.append(WRIST_NOTES[rule.name])
     match rule.name:
         case "friction_nominal" | "friction_recursive":
-            used = {run.model for run in shaft.loop.runs}
+            used = {run.model for _, run in shaft.loop.every_run}
             if used == {rule.name.removeprefix("friction_")}:
                 notes.append("this one is in the loop")
+            if len(shaft.stages) == 2:
+                notes.append("of both cables, as a force of the motor's")
         case "steady_error_servo":
             error = float(np.median(steady_error(shaft)))
             counts = error * float(np.median(shaft.counts)) / (2 * np.pi)

@@ -5,7 +5,8 @@ less than a count a sample, so that shafts slip and stick at gains far below tho
 them hunt at rest. So a gain is safe only if it is safe at rest and at every speed.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from bayesfric.margins.hunting import run_length
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.simulating import Motion, simulate
 
-__all__ = ["GAMMAS", "REST", "Condition", "HuntingMap", "hunting_map", "run", "speeds_of"]
+__all__ = ["GAMMAS", "REST", "Condition", "HuntingMap", "look", "run", "speeds_of"]
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -133,17 +134,47 @@ def run(shaft: LoopAtShaft, conditions: tuple[Condition, ...], gamma: Array) -> 
     )
 
 
-def hunting_map(
-    shaft: LoopAtShaft, speeds: tuple[Condition, ...], gammas: tuple[float, ...] = GAMMAS
-) -> HuntingMap:
-    """Simulate every draw at every speed and gain, after the file's kick."""
-    n = shaft.friction.size
-    rows = np.tile(np.arange(n), len(gammas))
-    motion = run(shaft.taken(rows), speeds, np.repeat(gammas, n))
-    shape = (len(speeds), len(gammas), n)
-    return HuntingMap(
-        speeds,
-        gammas,
-        motion.hunts.reshape(shape).swapaxes(0, 1),
-        motion.rms_error.reshape(shape).swapaxes(0, 1),
-    )
+def look(
+    shaft: LoopAtShaft,
+    speeds: tuple[Condition, ...],
+    few: NDArray[np.intp],
+    gammas: tuple[float, ...] = GAMMAS,
+) -> tuple[HuntingMap, Motion]:
+    """Simulate draws at every speed, after the file's kick, all in one go.
+
+    Steps of one run cost nearly as much as those of many.
+
+    Parameters
+    ----------
+    shaft : LoopAtShaft
+        The draws.
+    speeds : tuple of Condition
+        S reference speeds.
+    few : ndarray of int, shape (m,)
+        Draws of the map.
+    gammas : tuple of float
+        G gains at which these are run.
+
+    Returns
+    -------
+    HuntingMap
+        Of the few draws.
+    Motion
+        Of all draws at their own gain, its arrays of shape (S, draws).
+    """
+    draws, mapped = shaft.friction.size, len(gammas) * few.size
+    rows = np.concatenate([np.tile(few, len(gammas)), np.arange(draws)])
+    gamma = np.concatenate([np.repeat(gammas, few.size), shaft.gamma])
+    motion = run(shaft.taken(rows), speeds, gamma)
+    told = {
+        field.name: getattr(motion, field.name).reshape(len(speeds), -1)
+        for field in fields(motion)
+        if field.name != "traces"
+    }
+
+    def chart(name: str) -> NDArray[Any]:
+        table = told[name][:, :mapped].reshape(len(speeds), len(gammas), few.size)
+        return np.asarray(table.swapaxes(0, 1))
+
+    own = Motion(**{name: values[:, mapped:] for name, values in told.items()})
+    return HuntingMap(speeds, gammas, chart("hunts"), chart("rms_error")), own

@@ -215,6 +215,7 @@ class _Run:
         # Command k − whole − 1 acts until `late` after t_k, that of k − whole from there.
         samples_late = loop.array("delay") / period
         self.whole = np.floor(samples_late + 1e-9).astype(np.intp)
+        self.alike = bool((self.whole == self.whole[0]).all())
         late = np.maximum(samples_late - self.whole, 0.0) * period
         self.intervals = [
             (older, *self.plant.cut(length, substeps))
@@ -274,9 +275,9 @@ class _Run:
 
     def _acting(self, older: int) -> Floats:
         """Return the command that acts, of an age in samples a draw."""
+        if self.alike:
+            return self.commands[int(self.whole[0]) + older]
         age = self.whole + older
-        if (age == age[0]).all():
-            return self.commands[int(age[0])]
         return np.stack(self.commands)[age, np.arange(age.size)]
 
     def stand_still(self) -> None:
@@ -312,7 +313,8 @@ class _Run:
     def judge_early(self) -> None:
         """Judge shafts that have moved for long, and no longer those that stand again."""
         swing = self.swing
-        stands = np.flatnonzero(self.early & (self.moving < self.settling))
+        going = self.k < swing.end  # what is over stays so, whoever still runs beside it
+        stands = np.flatnonzero(going & self.early & (self.moving < self.settling))
         if stands.size:
             self.early[stands] = False
             swing.judge_from(stands, self.k[stands] + 1, self.stretch[stands])

@@ -9,6 +9,8 @@ References
 A. Voelker, I. Kajić, C. Eliasmith, "Legendre memory units", NeurIPS (2019), eq. (2).
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -37,7 +39,8 @@ def state_space(loop: OpenLoop, row: int) -> Matrices:
     -------
     tuple of ndarray
         Shapes (n, n), (n, 1), (1, n), (1, 1). The states are the motor's angle, motor minus
-        load, the motor's and the load's speed, those of the delay of the torque, and of the
+        load, the motor's and the load's speed (with a second cable motor minus shaft, shaft minus
+        load, and the speeds of all three), those of the delay of the torque, and of the
         controller: the integral of the error where there is one, its delay by a sample, and
         the low-passes where there are any. SI units.
     """
@@ -45,16 +48,22 @@ def state_space(loop: OpenLoop, row: int) -> Matrices:
     def of(values: Array) -> float:
         return float(values[row])
 
-    plant = _two_inertias(
-        of(loop.motor_inertia),
-        of(loop.load_inertia),
-        of(loop.motor_viscous),
-        of(loop.load_viscous),
-        of(loop.stiffness),
-        of(loop.damping),
+    plant = (
+        _train(loop, of)
+        if loop.beyond is not None
+        else _two_inertias(
+            of(loop.motor_inertia),
+            of(loop.load_inertia),
+            of(loop.motor_viscous),
+            of(loop.load_viscous),
+            of(loop.stiffness),
+            of(loop.damping),
+        )
     )
-    if loop.sees_joint:
-        plant = (*plant[:2], np.array([[1.0, -1.0, 0.0, 0.0]]), plant[3])
+    if loop.sees_joint:  # the motor's angle less what every cable is stretched by
+        ends = len(plant[0]) // 2
+        joint = np.array([[1.0] + [-1.0] * (ends - 1) + [0.0] * ends])
+        plant = (*plant[:2], joint, plant[3])
     period, kd = of(loop.sample_time), of(loop.kd)
     # kd (1 − e^{−sT})/T, then the low-pass, beside kp and ki/s
     feedback = _delay(period)
@@ -82,6 +91,25 @@ def _two_inertias(
         ]
     )
     return a, np.array([[0.0], [0.0], [1 / motor], [0.0]]), np.eye(1, 4), np.zeros((1, 1))
+
+
+def _train(loop: OpenLoop, of: Callable[[Array], float]) -> Matrices:
+    """Return motor, shaft and load on two cables."""
+    second = loop.beyond
+    assert second is not None
+    inertia = np.array([of(loop.motor_inertia), of(loop.shaft_inertia), of(loop.load_inertia)])
+    viscous = np.array([of(loop.motor_viscous), 0.0, of(loop.load_viscous)])
+    springs = np.diag([of(loop.stiffness), of(second.stiffness)])
+    dampers = np.diag([of(loop.damping), of(second.damping)])
+    apart = np.array([[1.0, -1.0, 0.0], [0.0, 1.0, -1.0]])
+    a = np.zeros((6, 6))
+    a[0, 3] = 1.0
+    a[1:3, 3:] = apart
+    a[3:, 1:3] = -apart.T @ springs / inertia[:, None]
+    a[3:, 3:] = -(apart.T @ dampers @ apart + np.diag(viscous)) / inertia[:, None]
+    b = np.zeros((6, 1))
+    b[3, 0] = 1 / inertia[0]
+    return a, b, np.eye(1, 6), np.zeros((1, 1))
 
 
 def _low_pass(corner: float) -> Matrices:

@@ -121,7 +121,7 @@ class Swing:
         looked = running & (k >= self.begin)
         if not looked.any():
             return
-        half = np.flatnonzero(running & (k == self.middle))
+        half = (running & (k == self.middle)).nonzero()[0]
         if half.size:
             self._before[half] = (self._high[half] - self._low[half]) / 2.0
             self._low[half], self._high[half] = np.inf, -np.inf
@@ -131,7 +131,7 @@ class Swing:
         np.add(self._squares, error * error, out=self._squares, where=looked)
         np.minimum(self._low, error, out=self._low, where=looked)
         np.maximum(self._high, error, out=self._high, where=looked)
-        rows = np.flatnonzero(turned & looked)
+        rows = (turned & looked).nonzero()[0]
         if rows.size:
             fresh = rows[self._reversals[rows] + self._early_reversals[rows] == 0]
             self._first[fresh] = k[fresh] * self._period[fresh]

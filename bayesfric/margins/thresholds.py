@@ -24,7 +24,7 @@ from bayesfric.margins.scanning import (
     REST,
     Condition,
     HuntingMap,
-    hunting_map,
+    look,
     run,
     speeds_of,
 )
@@ -41,6 +41,7 @@ MAPPED = 30
 OTHER_KICKS = (0.0, 2.0)
 """Kicks, over the file's, that must not hunt either at the gain that is called safe."""
 ROUNDS = 3
+TOGETHER = "motors of the coupled joints that move along or swing together; others hold still here"
 LEAST_CYCLES = 2.0
 """In the last half of a run, below which a swing's amplitude and frequency are not told."""
 
@@ -121,12 +122,10 @@ def find_hunting(shaft: LoopAtShaft, most: int, allowed: float) -> Hunting:
     some = shaft.taken(rows)
     few = np.unique(np.linspace(0, rows.size - 1, MAPPED).astype(np.intp))
     gammas = GAMMAS if shaft.loop.compensation.signal != "none" else GAMMAS[:1]
-    chart = hunting_map(some.taken(few), speeds, gammas)
-    motion = run(some, speeds, some.gamma)
-    shape = (len(speeds), rows.size)
-    hunts = motion.hunts.reshape(shape)
-    often = hunts & (motion.cycles.reshape(shape) >= LEAST_CYCLES)
-    wide = np.where(often, motion.amplitude.reshape(shape), -1.0)
+    chart, motion = look(some, speeds, few, gammas)
+    hunts = motion.hunts
+    often = hunts & (motion.cycles >= LEAST_CYCLES)
+    wide = np.where(often, motion.amplitude, -1.0)
     widest = wide.argmax(axis=0), np.arange(rows.size)
     swings = often.any(axis=0)
     conditions, found = _thresholds(some, few, chart, hunts, allowed)
@@ -138,7 +137,7 @@ def find_hunting(shaft: LoopAtShaft, most: int, allowed: float) -> Hunting:
         found.condition,
         hunts,
         np.where(swings, wide[widest], np.nan),
-        np.where(swings, motion.frequency.reshape(shape)[widest], np.nan),
+        np.where(swings, motion.frequency[widest], np.nan),
         speeds,
         chart,
         _not_examined(some, speeds),
@@ -162,7 +161,10 @@ def _by_formula(shaft: LoopAtShaft) -> Hunting:
         np.where(hunts, natural_frequency(shaft) / (2 * np.pi), np.nan),
         (REST,),
         None,
-        ("references that move, as the file's reference_range_rad_s has it",),
+        (
+            "references that move, as the file's reference_range_rad_s has it",
+            *(() if shaft.wrist is None else (TOGETHER,)),
+        ),
         "by γ* = (F/F̂)(1 + π ζ/2), inside its conditions in every draw; at rest alone",
     )
 
@@ -184,6 +186,8 @@ def _thresholds(
         Condition(one.counts, one.speed, kick) for one in chart.speeds for kick in OTHER_KICKS
     )
     grid = np.asarray(chart.gammas)
+    hunting = chart.hunts.any(axis=1)
+    expected = int(hunting.argmax(axis=0).max())
     for _ in range(ROUNDS):
         if fresh:
             more = hunting_threshold(
@@ -192,6 +196,7 @@ def _thresholds(
                 reference_speed=np.array([one.speed_of(some) for one in fresh]),
                 gammas=chart.gammas,
                 known=found.gamma,
+                expected=expected,
             )
             first = more.gamma < found.gamma
             place = np.where(first, more.condition + len(conditions), found.condition)
@@ -242,6 +247,8 @@ def _not_examined(shaft: LoopAtShaft, speeds: tuple[Condition, ...]) -> tuple[st
                        f"is {peak:.3g} rad/s")  # fmt: skip
     if not (shaft.backlash > 0).any():
         missing.append("backlash")
+    if shaft.wrist is not None:
+        missing.append(TOGETHER)
     if shaft.cable is None:
         missing.append("swings of the cable, which is so stiff that it is simulated as one shaft")
     return tuple(missing)

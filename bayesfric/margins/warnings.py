@@ -61,27 +61,31 @@ def loop_warnings(
 def _beyond_the_data(shaft: LoopAtShaft, given: Assembly) -> Iterator[str]:
     """Yield where c1, c2, c3 were not measured."""
     loop, tested = shaft.loop, paper()["table2"]
-    if loop.cable.diameter_mm != MEASURED_DIAMETER_MM:
+    cables = [loop.cable]
+    if loop.second_stage is not None and loop.second_stage.runs:
+        cables.append(loop.second_stage.cable)
+    for size in sorted({one.diameter_mm for one in cables} - {MEASURED_DIAMETER_MM}):
         yield (
             f"c1, c2 and c3 were measured with {MEASURED_DIAMETER_MM:g} mm cable; this one has "
-            f"{loop.cable.diameter_mm:g} mm, and its friction is an extrapolation."
+            f"{size:g} mm, and its friction is an extrapolation."
         )
-    for place, run in enumerate(loop.runs):
+    for key, run in loop.every_run:
         angles = np.asarray(run.angles_deg)
         low, high = tested["average_wrap_angle_deg"]
         if not low <= angles.mean() <= high:
             yield (
-                f"runs.{place}: a mean wrap angle of {angles.mean():.0f}° is outside of the "
+                f"{key}: a mean wrap angle of {angles.mean():.0f}° is outside of the "
                 f"{low:g}° to {high:g}° of Table II."
             )
-        tension = float(np.median(given[f"runs.{place}.tension_n"]))
+        tension = float(np.median(given[f"{key}.tension_n"]))
         if tension > tested["tension_max_n"]:
             most = tested["tension_max_n"]
-            yield f"runs.{place}: {tension:.0f} N is above the {most:g} N of Table II."
+            yield f"{key}: {tension:.0f} N is above the {most:g} N of Table II."
         if run.count > tested["n_pulleys_max"]:
             most = tested["n_pulleys_max"]
-            yield f"runs.{place}: {run.count} pulleys are more than the {most:g} of Table II."
-    speed = float(np.median(shaft.peak_velocity * shaft.cable_per_rad))
+            yield f"{key}: {run.count} pulleys are more than the {most:g} of Table II."
+    fastest = np.max([one.per_rad for one in shaft.stages], axis=0)
+    speed = float(np.median(shaft.peak_velocity * fastest))
     if speed > tested["velocity_max_m_s"]:
         most = tested["velocity_max_m_s"]
         yield f"The cable's peak speed, {speed:.1f} m/s, is above the {most:g} m/s of Table II."
@@ -108,6 +112,12 @@ def _beyond_the_models(
         yield (
             "Linear margins are those with the play taken up; between its flanks motor and joint "
             "move apart, which hunting is simulated with."
+        )
+    if shaft.wrist is not None:
+        yield (
+            "Coupled joints: the other motors are taken to have the drive, cable, friction and "
+            "gains of this one. Linear margins, hunting and tensions are those of one motor while "
+            "the others hold still; errors at the tip are those of all motors."
         )
     slack = int((~shaft.taut).sum())
     if slack:

@@ -14,7 +14,7 @@ from bayesfric.margins.answer import largest_safe_gain
 from bayesfric.margins.assembly import nominal_assembly
 from bayesfric.margins.describing import effective_damping, natural_frequency, steady_error
 from bayesfric.margins.hunting import run_length
-from bayesfric.margins.loop_at_shaft import at_shaft
+from bayesfric.margins.reflecting import at_shaft
 from bayesfric.margins.scanning import run
 from bayesfric.margins.thresholds import GAMMA_MAX, find_hunting
 

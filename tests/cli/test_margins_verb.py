@@ -144,7 +144,7 @@ def test_bundled_loops_are_listed_and_found_by_name(tmp_path, monkeypatch):
     assert listed.exit_code == 0, listed.stderr
     assert "raven-elbow  RAVEN II arm, elbow\n" in listed.stdout
     assert "template" not in listed.stdout
-    assert read_loop(Path("raven-grasp")).title == "RAVEN II instrument, wrist or grasp, Kp only"
+    assert read_loop(Path("raven-grasp")).title == "RAVEN II instrument, wrist or grasp, Kp and Ki"
     nameless = CliRunner().invoke(app, ["margins", "raven-grasp", "--draws", "nowhere.nc"])
     assert "\nerror: nowhere.nc" in nameless.stderr  # the loop was found
     Path("raven-grasp").write_text("name = 3\n", encoding="utf-8")

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from bayesfric.margins.assembly import nominal_assembly
-from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.loop_file import Loop
 from bayesfric.margins.posterior import Posterior
+from bayesfric.margins.reflecting import at_shaft
 from bayesfric.physics.friction import Coefficients
 from bayesfric.results import draws_tree, write_netcdf
 from bayesfric.schemas import RecordingId
@@ -66,7 +66,7 @@ def changed(changes):
         if value is None:
             del place[last]
         else:
-            place[last] = value
+            place[last] = copy.deepcopy(value)
     return values
 
 

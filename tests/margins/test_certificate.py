@@ -11,8 +11,8 @@ from bayesfric.margins import compute_margins
 from bayesfric.margins.assembly import draw_assembly
 from bayesfric.margins.certificate import certified_gain, largest_slope, not_applicable
 from bayesfric.margins.hunting import hunting_threshold
-from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.posterior import RigDiscrepancy
+from bayesfric.margins.reflecting import at_shaft
 from bayesfric.margins.scanning import GAMMAS
 
 SMOOTHED = {"compensation.boundary_rad_s": 2.0}

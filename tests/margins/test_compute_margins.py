@@ -13,8 +13,8 @@ from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins
 from bayesfric.margins.answer import largest_safe_gain, limit_cycle_curve
 from bayesfric.margins.assembly import draw_assembly
-from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.posterior import RigDiscrepancy, read_posterior, rig_discrepancy
+from bayesfric.margins.reflecting import at_shaft
 from bayesfric.margins.scanning import REST
 from bayesfric.margins.thresholds import Hunting
 from bayesfric.results import json_bytes
@@ -106,7 +106,7 @@ def test_draws_are_those_of_a_new_assembly():
     # friction is a factor 1 + ω z + s z': its spread is √(ω² + s²)
     law = posterior(20_000, sd=0.0, omega=0.03)
     given = draw_assembly(loop(), law, RigDiscrepancy(0.04, ""), seed=3)
-    cable = at_shaft(loop(), given).runs[0].nominal
+    cable = at_shaft(loop(), given).stages[0].runs[0].nominal
     assert cable.std() / cable.mean() == pytest.approx(0.05, rel=0.03)
     assert cable.mean() == pytest.approx(1.541, rel=2e-3)
 

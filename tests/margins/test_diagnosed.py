@@ -17,9 +17,9 @@ from bayesfric.margins import compute_margins, read_loop
 from bayesfric.margins.assembly import draw_assembly, nominal_assembly
 from bayesfric.margins.describing import effective_damping
 from bayesfric.margins.diagnosed import read_diagnosed, with_effects
-from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.metrics import closed_forms, linear_of
 from bayesfric.margins.posterior import RigDiscrepancy
+from bayesfric.margins.reflecting import at_shaft
 from bayesfric.physics.friction import Coefficients
 from bayesfric.resources import bundled_loops
 from bayesfric.results import json_bytes, write_netcdf

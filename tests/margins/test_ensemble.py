@@ -13,10 +13,10 @@ from bayesfric.margins import compute_margins, read_loop
 from bayesfric.margins.assembly import draw_assembly, nominal_assembly
 from bayesfric.margins.computing import Margins
 from bayesfric.margins.ensemble import Ensemble
-from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.metrics import linear_of
 from bayesfric.margins.open_loop import OpenLoop
 from bayesfric.margins.posterior import RigDiscrepancy
+from bayesfric.margins.reflecting import at_shaft
 
 OPEN = {"runs.0.topology": "open", "joint.viscous_n_m_s": 0.1, "cable.length_m": 1.0,
         "controller.ki_n_m_per_rad_s": 0.05,

@@ -13,10 +13,10 @@ from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins
 from bayesfric.margins.assembly import draw_assembly
 from bayesfric.margins.following import follow_all, observers, strokes, with_compensator
-from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.observers import DisturbanceObserver, LuGreObserver
 from bayesfric.margins.posterior import RigDiscrepancy
 from bayesfric.margins.reference import ConstantSpeed, Stroke
+from bayesfric.margins.reflecting import at_shaft
 from bayesfric.margins.sampled_loop import SampledLoop
 from bayesfric.margins.simulating import follow, simulate
 

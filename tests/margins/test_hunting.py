@@ -223,6 +223,16 @@ def test_conditions_one_after_another_find_what_they_find_together():
 
 
 @pytest.mark.bench
+@pytest.mark.parametrize("expected", [1, 2, 30])
+def test_where_hunting_is_expected_changes_what_is_tried_and_not_what_is_found(expected):
+    loop = arm_loop(np.array([0.1, 0.42, 0.9]), np.full(3, 130))
+    kick = 2 * 130 * COUNT
+    usual = hunting_threshold(loop, kick=kick)
+    other = hunting_threshold(loop, kick=kick, expected=expected)
+    assert np.array_equal(usual.gamma, other.gamma)
+    assert np.array_equal(usual.condition, other.condition)
+
+
 def test_two_hundred_draws_take_a_second_of_motion_in_less_than_three():
     import time
 

@@ -10,8 +10,8 @@ from bayesfric.margins import compute_margins
 from bayesfric.margins.assembly import draw_assembly
 from bayesfric.margins.cable_run import run_friction
 from bayesfric.margins.inputs import beyond_the_draws
-from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.posterior import RigDiscrepancy, read_posterior
+from bayesfric.margins.reflecting import at_shaft
 from bayesfric.physics.friction import Coefficients
 
 TESTED = {
@@ -45,7 +45,7 @@ def test_pulleys_draws_and_peak_tensions_outside_are_counted(tmp_path):
     above = (given["runs.0.tension_n"] > 33.0).mean()
     assert f"outside of the tested 5 to 33 N in {above:.0%} of the draws" in said
     # without load and acceleration a side's peak has half of all friction more
-    peak = (given["runs.0.tension_n"] + at.runs[0].loop / 2 > 33.0).mean()
+    peak = (given["runs.0.tension_n"] + at.stages[0].runs[0].loop / 2 > 33.0).mean()
     assert peak > above
     assert f"run 1 peaks above 33 N in the fastest motion in {peak:.0%} of the draws" in said
     calm = loop()

@@ -9,9 +9,9 @@ from scipy import stats
 from bayesfric.margins import compute_margins, read_loop
 from bayesfric.margins.assembly import draw_assembly
 from bayesfric.margins.describing import steady_error
-from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.loop_file import Loop
 from bayesfric.margins.posterior import RigDiscrepancy
+from bayesfric.margins.reflecting import at_shaft
 from bayesfric.resources import data_folder
 
 
@@ -54,7 +54,7 @@ def test_stretch_backdrive_and_tension_by_hand():
     # load 3 N·m over 100: 0.03 N·m at the motor, 30 N of cable at 1 mm/rad
     changes = {"joint.load_n_m": 3.0, "runs.0.tension_n": 40.0, "cable.length_m": 1.0}
     one = shaft(changes)
-    assert one.load_force == pytest.approx(30.0)
+    assert one.load_torque / one.cable_per_rad == pytest.approx(30.0)
     friction = 2 * 5 * (0.0128 * 40 + 0.0261)
     least, largest = one.side_tension
     assert least == pytest.approx(40 - (30 + friction) / 2)

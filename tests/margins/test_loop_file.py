@@ -1,6 +1,7 @@
 """Loop files: what is read, and what is refused where."""
 
 import tomllib
+from pathlib import Path
 
 import pytest
 from margins.loops import changed, loop
@@ -113,3 +114,19 @@ def test_the_template_shows_every_key():
     keys = {key for model in models for key in model.model_fields}
     assert len(keys) > 50
     assert sorted(key for key in keys if key not in text) == []
+
+
+def test_the_loops_of_the_raven_are_as_its_software_has_them():
+    """uw-biorobotics/raven2, params/r2params.yaml: kp, kd, ki of each axis; defines.h: radii."""
+    gains = {"elbow": (0.3, 0.008, 0.0), "insertion": (0.15, 0.012, 0.0),
+             "tool-rotation": (0.09, 0.001, 0.05), "grasp": (0.05, 0.0, 0.05)}  # fmt: skip
+    for name, expected in gains.items():
+        controller = read_loop(Path(f"raven-{name}")).controller
+        found = (controller.kp_n_m_per_rad, controller.kd_n_m_s_per_rad)
+        assert (*found, controller.ki_n_m_per_rad_s) == expected, name
+        assert (controller.torque_at, controller.angle_of) == ("gearbox-output", "motor")
+    elbow = read_loop(Path("raven-elbow"))
+    stage = elbow.second_stage
+    first = 49 / 4 * stage.driven_radius_m / elbow.drive.capstan_radius_m
+    last = (40.85 + 1.19 / 2) * 1e-3 / stage.driving_radius_m
+    assert elbow.joint.transmission_rad_per_rad == pytest.approx(first * last, rel=1e-3)

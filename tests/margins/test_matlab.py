@@ -10,9 +10,9 @@ from scipy.io import loadmat
 from bayesfric.errors import InputError
 from bayesfric.margins.assembly import draw_assembly, nominal_assembly
 from bayesfric.margins.ensemble import Ensemble
-from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.matlab import checked_name, uncertainty_weight, write_mat
 from bayesfric.margins.posterior import RigDiscrepancy
+from bayesfric.margins.reflecting import at_shaft
 
 UNCERTAIN = {
     "controller.kp_n_m_per_rad": {"family": "uniform", "low": 0.01, "high": 0.03},

@@ -1,18 +1,20 @@
 """Hunting over the ways in which a joint is used, against a simulation from outside."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from margins import two_masses
-from margins.loops import loop, posterior, write_draws
+from margins.loops import loop, posterior, shaft, write_draws
 
 from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins, read_loop
 from bayesfric.margins.assembly import draw_assembly
 from bayesfric.margins.hunting import run_length
-from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.loop_file import Loop
 from bayesfric.margins.posterior import RigDiscrepancy
-from bayesfric.margins.scanning import run, speeds_of
+from bayesfric.margins.reflecting import at_shaft
+from bayesfric.margins.scanning import look, run, speeds_of
 from bayesfric.margins.simulating import simulate
 from bayesfric.margins.thresholds import find_hunting
 from bayesfric.resources import data_folder
@@ -21,8 +23,8 @@ ELBOW = data_folder() / "loops" / "raven-elbow.toml"
 
 
 def elbow(changes=None, kick=None, draws=6):
-    """Return the elbow at its shaft, with some keys changed, without load."""
-    values = read_loop(ELBOW).model_dump()
+    """Return the elbow at its shaft, with some keys changed, without load, on one cable."""
+    values = read_loop(ELBOW).model_dump() | {"second_stage": None}
     values["joint"]["load_n_m"] = 0.0
     for section, keys in (changes or {}).items():
         values[section] |= keys
@@ -152,3 +154,28 @@ def test_a_faulty_range_is_told_with_its_place(tmp_path):
     (tmp_path / "bad.toml").write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match="slower speed first"):
         read_loop(tmp_path / "bad.toml")
+
+
+def test_a_run_does_not_depend_on_those_beside_it():
+    """Among runs that take longer, one that is over stays as it is."""
+    one = shaft({"cable.length_m": 1.0, "controller.kp_n_m_per_rad": 0.01,
+                 "kick.reference_range_rad_s": None})  # fmt: skip
+    gamma = np.linspace(0.05, 1.5, 60)
+    speeds = speeds_of(one)
+    together = run(one.taken(np.zeros(60, dtype=int)), speeds, gamma)
+    alone = run(one.taken(np.zeros(6, dtype=int)), (speeds[3],), gamma[-6:])
+    for name in ("hunts", "rms_error", "amplitude", "frequency"):
+        beside = getattr(together, name).reshape(len(speeds), 60)[3, -6:]
+        assert np.array_equal(beside, getattr(alone, name)), name
+
+
+def test_draws_and_their_map_are_those_of_single_runs():
+    one = shaft({"cable.length_m": 0.5, "kick.reference_range_rad_s": [0.5, 5.0]})
+    some = replace(one.taken(np.zeros(4, dtype=int)), friction=0.0035 * np.linspace(0.9, 1.2, 4))
+    speeds, few, gammas = speeds_of(some)[:3], np.array([0, 3]), (0.0, 0.5, 2.0)
+    chart, own = look(some, speeds, few, gammas)
+    assert np.array_equal(own.rms_error.ravel(), run(some, speeds, some.gamma).rms_error)
+    for place, gamma in enumerate(gammas):
+        single = run(some.taken(few), speeds, np.full(2, gamma))
+        assert np.array_equal(chart.rms_error[place].ravel(), single.rms_error)
+        assert np.array_equal(chart.hunts[place].ravel(), single.hunts)

@@ -7,8 +7,8 @@ from margins.loops import loop, posterior
 from bayesfric.margins.assembly import draw_assembly
 from bayesfric.margins.describing import formula_threshold
 from bayesfric.margins.hunting import hunting_threshold
-from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.posterior import RigDiscrepancy
+from bayesfric.margins.reflecting import at_shaft
 from bayesfric.margins.scanning import GAMMAS
 from bayesfric.margins.thresholds import find_hunting
 

@@ -8,9 +8,9 @@ from margins.loops import loop, posterior
 
 from bayesfric.margins import tuning
 from bayesfric.margins.assembly import draw_assembly
-from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.metrics import closed_forms, linear_of, missed_draws
 from bayesfric.margins.posterior import RigDiscrepancy
+from bayesfric.margins.reflecting import at_shaft
 from bayesfric.margins.scanning import REST, run
 from bayesfric.margins.thresholds import Hunting, find_hunting
 from bayesfric.margins.tuning import meets_all_now, scaled, tune

@@ -10,8 +10,8 @@ from scipy.stats import beta
 
 from bayesfric.margins.assembly import draw_assembly
 from bayesfric.margins.describing import formula_threshold, steady_error
-from bayesfric.margins.loop_at_shaft import at_shaft
 from bayesfric.margins.posterior import RigDiscrepancy
+from bayesfric.margins.reflecting import at_shaft
 from bayesfric.margins.simulating import simulate
 from bayesfric.margins.thresholds import find_hunting
 from bayesfric.margins.verification import verify

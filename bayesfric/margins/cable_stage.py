@@ -1,0 +1,179 @@
+"""The cables between a motor and its joint, one or two in a row, seen from the motor's shaft.
+
+A cable that leaves a drum of ρ metres a radian of the motor turns its force T into ρT there, and
+a stiffness k into ρ²k. What lies behind a cable stretches it: friction of a second cable, of the
+shaft before it and of the joint all act behind the first.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.margins.assembly import Assembly
+from bayesfric.margins.cable_run import RunFriction, run_friction
+from bayesfric.margins.loop_file import Loop
+
+__all__ = ["Stage", "in_series", "lost_motion", "stages_of", "train_modes"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One cable with its pulleys, every array of shape (draws,).
+
+    Parameters
+    ----------
+    per_rad : ndarray
+        ρ, cable travel per angle of the motor [m/rad].
+    stiffness, damping : ndarray
+        [N·m/rad, N·m·s/rad].
+    friction : ndarray
+        Of its pulleys [N·m].
+    lost : ndarray
+        What these store in it, one side [rad].
+    tension : tuple of ndarray
+        Known tension of each run, or of the cable where it has none [N].
+    keys : tuple of str
+        Of its runs, in the file.
+    runs : tuple of RunFriction
+        Forces at the cable [N].
+    """
+
+    per_rad: Array
+    stiffness: Array
+    damping: Array
+    friction: Array
+    lost: Array
+    tension: tuple[Array, ...]
+    keys: tuple[str, ...]
+    runs: tuple[RunFriction, ...]
+
+    @property
+    def behind(self) -> Array:
+        """The part of its friction that acts at its far end [N·m]."""
+        return np.minimum(self.lost * self.stiffness, self.friction)
+
+    @property
+    def force(self) -> Array:
+        """Friction of its pulleys, as a force of the cable [N]."""
+        return np.asarray(sum((run.loop for run in self.runs), np.zeros_like(self.lost)))
+
+
+def stages_of(loop: Loop, given: Assembly, reduced: Array) -> tuple[Stage, ...]:
+    """Return the cables of a loop, from the motor on.
+
+    Parameters
+    ----------
+    loop : Loop
+        The file.
+    given : Assembly
+        Its numbers and the friction law, a value a draw.
+    reduced : ndarray, shape (draws,)
+        J_m J_l/(J_m + J_l) of motor and joint, which ring on the cables [kg·m²].
+    """
+    factors = dict(zip((key for key, _ in loop.every_run), given.factor, strict=True))
+    per_rad = {"cable": given["drive.capstan_radius_m"] / given["drive.gearbox_ratio"]}
+    if loop.second_stage is not None:
+        ratio = given["second_stage.driving_radius_m"] / given["second_stage.driven_radius_m"]
+        per_rad["second_stage.cable"] = ratio * per_rad["cable"]
+    sides = 2 if loop.runs[0].topology == "antagonist-pair" else 1
+    stiff = {
+        cable: rho**2 * sides * given[f"{cable}.axial_stiffness_n"] / given[f"{cable}.length_m"]
+        for cable, rho in per_rad.items()
+    }
+    whole = in_series(list(stiff.values()))
+    # in proportion to stiffness, so that in a row the ringing of both ends is damped alike
+    damping = {
+        cable: 2 * given[f"{cable}.damping_ratio"] * np.sqrt(whole * reduced) * (one / whole)
+        for cable, one in stiff.items()
+    }
+    return tuple(
+        _stage(loop, given, factors, cable, rho, stiff[cable], damping[cable])
+        for cable, rho in per_rad.items()
+    )
+
+
+def _stage(
+    loop: Loop,
+    given: Assembly,
+    factors: Mapping[str, Array],
+    cable: str,
+    per_rad: Array,
+    stiffness: Array,
+    damping: Array,
+) -> Stage:
+    """Return the cable with a key in the file, and the runs that stand beside it."""
+    before = f"{cable.removesuffix('cable')}runs."
+    own = {key: run for key, run in loop.every_run if key.startswith(before)}
+    runs = tuple(
+        run_friction(
+            run,
+            given.coefficients[run.pulley_size],
+            factors[key],
+            given[f"{key}.tension_n"],
+            given[f"{cable}.length_m"],
+        )
+        for key, run in own.items()
+    )
+    none = np.zeros(given.draws)
+    tension = tuple(given[f"{key}.tension_n"] for key in own)
+    lost = sum((run.lost_length for run in runs), none)
+    return Stage(
+        per_rad=per_rad,
+        stiffness=stiffness,
+        damping=damping,
+        friction=np.maximum(per_rad * sum((run.loop for run in runs), none), 0.0),
+        lost=lost / given[f"{cable}.axial_stiffness_n"] / per_rad,
+        tension=tension or (given["second_stage.tension_n"],),
+        keys=tuple(own),
+        runs=runs,
+    )
+
+
+def in_series(stiffness: Sequence[Array]) -> Array:
+    """Return the stiffness of springs in a row [N·m/rad]."""
+    if len(stiffness) == 1:
+        return stiffness[0]
+    return np.asarray(1 / sum(1 / one for one in stiffness))
+
+
+def lost_motion(stages: Sequence[Stage], shaft_friction: Array, joint_friction: Array) -> Array:
+    """Return what friction stores in all cables while the motor holds still, one side [rad].
+
+    Parameters
+    ----------
+    stages : sequence of Stage
+        From the motor on.
+    shaft_friction, joint_friction : ndarray, shape (draws,)
+        Of the shaft between two cables, and of the joint's own [N·m].
+    """
+    first, *second = stages
+    beyond = joint_friction + sum((one.friction + shaft_friction for one in second), 0.0)
+    total = first.lost + beyond / first.stiffness
+    return np.asarray(total + sum((one.lost + joint_friction / one.stiffness for one in second), 0))
+
+
+def train_modes(
+    inertias: tuple[Array, Array, Array], stiffness: tuple[Array, Array]
+) -> tuple[Array, Array]:
+    """Return both frequencies at which three inertias in a row ring, the lower first [rad/s].
+
+    Of J₁, J₂, J₃ with k₁ and k₂ between them, they are the roots ω² of
+    x² − (k₁/J₁ + (k₁ + k₂)/J₂ + k₂/J₃) x + k₁k₂ (J₁ + J₂ + J₃)/(J₁J₂J₃). An infinite J₁ is a
+    motor that holds still.
+
+    Parameters
+    ----------
+    inertias : tuple of ndarray, each of shape (draws,)
+        [kg·m²].
+    stiffness : tuple of ndarray, each of shape (draws,)
+        [N·m/rad].
+    """
+    (one, two, three), (near, far) = inertias, stiffness
+    half = (near / one + (near + far) / two + far / three) / 2
+    last = near * far * (1 / (two * three) + 1 / (one * three) + 1 / (one * two))
+    upper = half + np.sqrt(np.maximum(half**2 - last, 0.0))
+    return np.sqrt(last / upper), np.sqrt(upper)

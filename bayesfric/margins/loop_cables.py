@@ -1,0 +1,159 @@
+"""The parts of a loop file between motor and joint: pulleys, cables, joints that share motors."""
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from bayesfric.margins.quantities import NonNegative, Positive, Quantity
+
+__all__ = ["Cable", "CableRun", "Coupling", "OtherJoint", "SecondStage", "Section"]
+
+Angle = Annotated[float, Field(ge=0, le=720)]
+Ratio = Annotated[float, Field(allow_inf_nan=False)]
+
+SINGULAR = 1e-6
+"""Reciprocal condition of a coupling matrix below which joints do not follow from motors."""
+
+
+class Section(BaseModel):
+    """A table of a loop file: unknown keys are refused."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class CableRun(Section):
+    """Equal pulleys that the cable passes; `[[runs]]`, from the motor to the load."""
+
+    pulley_size: str = Field(description="A size of the draws.")
+    count: Annotated[int, Field(ge=1, le=200)] = Field(
+        description="Pulleys; of an antagonist pair, those on one side."
+    )
+    wrap_angle_deg: Angle | list[Angle] = Field(
+        description="Of every pulley, or a list from the motor to the load."
+    )
+    tension_n: Positive = Field(
+        description="Known tension; of an antagonist pair, that of each side."
+    )
+    tension_known_at: Literal["mean", "motor", "load"] = Field(
+        description="Where that tension is known: the mean of both ends, or one end. It has no "
+        "default, since it moves friction by about (n − 1)a/2."
+    )
+    topology: Literal["antagonist-pair", "open"] = Field(
+        description="Two equal runs that pull against each other, or one run and a load."
+    )
+    model: Literal["nominal", "recursive"] = Field(
+        description="Friction by eq. (15) at the known tension, or pulley by pulley."
+    )
+    distance_m: list[Annotated[float, Field(ge=0)]] | None = Field(
+        None,
+        description="Cable from the motor to each pulley; absent: spread evenly along the run.",
+    )
+
+    @model_validator(mode="after")
+    def _as_many(self) -> "CableRun":
+        for name in ("wrap_angle_deg", "distance_m"):
+            values = getattr(self, name)
+            if isinstance(values, list) and len(values) != self.count:
+                raise ValueError(f"{name} with {self.count} values, as many as pulleys")
+        return self
+
+    @property
+    def angles_deg(self) -> tuple[float, ...]:
+        """The wrap angle of each pulley, from the motor to the load [deg]."""
+        angles = self.wrap_angle_deg
+        return tuple(angles) if isinstance(angles, list) else (angles,) * self.count
+
+
+class Cable(Section):
+    """The cable between motor and joint."""
+
+    axial_stiffness_n: Positive = Field(
+        description="EA: 14 to 16 kN for 0.61 mm 7×19 stainless cable, 53 to 60 kN for 1.19 mm."
+    )
+    length_m: Positive = Field(description="Between motor and joint, on one side.")
+    diameter_mm: Annotated[float, Field(gt=0)] = Field(
+        0.61, description="Friction was measured with 0.61 mm; other cable is warned about."
+    )
+    damping_ratio: Positive = Field(
+        0.05, description="Of joint and motor ringing on the cable, over the critical."
+    )
+
+
+class SecondStage(Section):
+    """A shaft that the motor's cable turns, and the cable from there to the joint.
+
+    `runs` and `[cable]` are then the motor's; `[[second_stage.runs]]` and
+    `[second_stage.cable]`, with the keys of these, the joint's. Both are antagonist pairs.
+    """
+
+    driven_radius_m: Positive = Field(
+        description="Of the shaft's drum on which the motor's cable winds."
+    )
+    driving_radius_m: Positive = Field(
+        description="Of the shaft's drum at which the joint's cable leaves."
+    )
+    shaft_inertia_kg_m2: Positive = Field(description="Of the shaft with its drums, about itself.")
+    shaft_friction_n_m: NonNegative = Field(
+        0.0, description="Coulomb friction of the shaft's bearings, about itself."
+    )
+    tension_n: Positive | None = Field(
+        None,
+        description="Of each side of the joint's cable where it passes no pulleys; with runs, "
+        "these have it.",
+    )
+    runs: list[CableRun] = Field(
+        default_factory=list, description="Pulleys of the joint's cable; none: it goes straight."
+    )
+    cable: Cable = Field(description="The joint's cable; its length from the shaft to the joint.")
+
+    @model_validator(mode="after")
+    def _tension(self) -> "SecondStage":
+        if bool(self.runs) == (self.tension_n is not None):
+            raise ValueError("tension_n where there are no runs, and only there")
+        return self
+
+
+class OtherJoint(Section):
+    """A joint that shares motors with this one; `[[coupling.others]]`, in the matrix's order."""
+
+    inertia_kg_m2: Positive = Field(description="About the joint.")
+    friction_n_m: NonNegative = Field(0.0, description="Coulomb friction of its own bearings.")
+    viscous_n_m_s: NonNegative = Field(0.0, description="Viscous friction of the joint.")
+    load_n_m: Quantity = Field(0.0, description="Steady torque on the joint: gravity, contact.")
+    peak_velocity_rad_s: NonNegative = Field(0.0, description="Of the fastest motion.")
+    peak_acceleration_rad_s2: NonNegative = Field(0.0, description="Of the fastest motion.")
+
+
+class Coupling(Section):
+    """Joints of a wrist that share motors (`[coupling]`): motor angles are the matrix times theirs.
+
+    The file is that of one motor, which has its own loop, and of the joint with the same number;
+    the other motors have its drive, cable, friction and gains.
+    """
+
+    matrix_rad_per_rad: Annotated[list[list[Ratio]], Field(min_length=2, max_length=3)] = Field(
+        description="2×2 or 3×3: a row for each motor, a column for each joint."
+    )
+    axis: Annotated[int, Field(ge=1, le=3)] = Field(
+        description="Which row and column are this file's motor and joint, from 1."
+    )
+    others: list[OtherJoint] = Field(
+        description="The other joints, in the order of the matrix without this one."
+    )
+
+    @model_validator(mode="after")
+    def _fits(self) -> "Coupling":
+        size = len(self.matrix_rad_per_rad)
+        if any(len(row) != size for row in self.matrix_rad_per_rad):
+            raise ValueError(f"matrix_rad_per_rad with {size} columns, as many as rows")
+        if self.axis > size:
+            raise ValueError(f"axis of at most {size}, the size of matrix_rad_per_rad")
+        if len(self.others) != size - 1:
+            raise ValueError(f"others with {size - 1} joints, all but this one")
+        matrix, own = np.array(self.matrix_rad_per_rad), self.axis - 1
+        if not 1 / np.linalg.cond(matrix) > SINGULAR:
+            raise ValueError("matrix_rad_per_rad with an inverse")
+        if abs(np.linalg.inv(matrix)[own, own]) * abs(matrix).max() < SINGULAR:
+            raise ValueError("matrix_rad_per_rad with which this motor moves its joint")
+        return self

@@ -1,0 +1,148 @@
+"""Joints that share motors: motor angles φ = C θ, so torques map by τ_joints = Cᵀ τ_motors.
+
+Each motor has a loop of its own, and while one moves the others hold still. With D = C⁻¹, motor m
+then turns joint j by D_jm: it carries the inertia Σ_j D_jm² I_j, the load Σ_j D_jm τ_j, and the
+friction Σ_j |D_jm| f_j of the joints. A joint's error is that of all motors, D times theirs, and a
+torque on the joints turns them by D Dᵀ over a motor's stiffness. To move a joint by hand while the
+others are held, all motors in its column of C give way.
+
+The other motors are taken to have the drive, cable, friction and gains of this one.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayesfric.margins.assembly import Assembly
+from bayesfric.margins.loop_file import Loop, RevoluteJoint
+from bayesfric.margins.quantities import central
+
+__all__ = ["Wrist", "wrist_of"]
+
+Array = NDArray[np.float64]
+Floats = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Wrist:
+    """The coupled joints around one motor; arrays of shape (draws,), tuples an entry a motor.
+
+    Parameters
+    ----------
+    axis : int
+        Number of the motor and its joint, from 0.
+    own_row : tuple of float
+        D_km, how far each motor turns this joint [rad/rad].
+    own_column : tuple of float
+        C_mk, how far this joint alone turns each motor [rad/rad].
+    compliance : tuple of float
+        (D Dᵀ)_kj, what a torque on each joint turns this one by, times a motor's stiffness.
+    inertia, viscous, friction : ndarray
+        Of the joints at this motor [kg·m², N·m·s/rad, N·m].
+    load : tuple of ndarray
+        Of the joints at each motor [N·m].
+    net_load : ndarray
+        What gravity compensation leaves of it at this motor [N·m].
+    peak_velocity, peak_acceleration : ndarray
+        Of this motor with all joints in their fastest motion [rad/s, rad/s²].
+    swing : ndarray
+        Torque that inertia and viscous friction of the joints then ask of it [N·m].
+    joint_friction, joint_load, joint_net_load : tuple of ndarray
+        Of each joint, at itself [N·m].
+    """
+
+    axis: int
+    own_row: Floats
+    own_column: Floats
+    compliance: Floats
+    inertia: Array
+    viscous: Array
+    friction: Array
+    load: tuple[Array, ...]
+    net_load: Array
+    peak_velocity: Array
+    peak_acceleration: Array
+    swing: Array
+    joint_friction: tuple[Array, ...]
+    joint_load: tuple[Array, ...]
+    joint_net_load: tuple[Array, ...]
+
+    def worst(self, of_motors: Sequence[Array]) -> Array:
+        """Return the most that errors of either sign make at the joint, Σ_m |D_km| e_m [rad]."""
+        return _weighted(np.abs(self.own_row), of_motors)
+
+    def reversing(self, of_motors: Sequence[Array]) -> Array:
+        """Return what errors make at the joint of motors that turn back with it alone [rad]."""
+        return np.abs(_weighted(np.array(self.own_row) * np.sign(self.own_column), of_motors))
+
+    def by_hand(self, of_motors: Sequence[Array]) -> Array:
+        """Return the torque at the joint against which all its motors give way [N·m]."""
+        return _weighted(np.abs(self.own_column), of_motors)
+
+    def under_friction(self) -> Array:
+        """Return what friction of all joints can turn this by, over a motor's compliance [N·m]."""
+        return _weighted(np.abs(self.compliance), self.joint_friction)
+
+    def under(self, loads: Sequence[Array]) -> Array:
+        """Return what loads on all joints turn this by, over a motor's compliance [N·m]."""
+        return np.abs(_weighted(np.array(self.compliance), loads))
+
+
+def _weighted(weights: Array, values: Sequence[Array]) -> Array:
+    parts = [weight * value for weight, value in zip(weights, values, strict=True)]
+    return np.asarray(np.sum(parts, axis=0))
+
+
+def wrist_of(loop: Loop, given: Assembly) -> Wrist | None:
+    """Return the coupled joints of a loop; None where there is no coupling.
+
+    Parameters
+    ----------
+    loop : Loop
+        The file.
+    given : Assembly
+        Its numbers, a value a draw.
+    """
+    coupling, joint = loop.coupling, loop.joint
+    if coupling is None or not isinstance(joint, RevoluteJoint):
+        return None
+    c = np.array(coupling.matrix_rad_per_rad)
+    d, k = np.linalg.inv(c), coupling.axis - 1
+    keys = [f"coupling.others.{place}" for place in range(len(coupling.others))]
+    keys.insert(k, "joint")
+    loads = [one.load_n_m for one in coupling.others]
+    loads.insert(k, joint.load_n_m)
+
+    def of_joints(name: str) -> list[Array]:
+        return [given[f"{key}.{name}"] for key in keys]
+
+    inertia, viscous = of_joints("inertia_kg_m2"), of_joints("viscous_n_m_s")
+    friction, load = of_joints("friction_n_m"), of_joints("load_n_m")
+    speed, pull = of_joints("peak_velocity_rad_s"), of_joints("peak_acceleration_rad_s2")
+    expected = [central(one) for one in loads]
+    share = given["controller.gravity_compensation"]
+    net = tuple(one - share * mean for one, mean in zip(load, expected, strict=True))
+    asked = [
+        one * rise + drag * fast
+        for one, rise, drag, fast in zip(inertia, pull, viscous, speed, strict=True)
+    ]
+    turned = np.abs(d[:, k])
+    return Wrist(
+        axis=k,
+        own_row=tuple(map(float, d[k])),
+        own_column=tuple(map(float, c[:, k])),
+        compliance=tuple(map(float, d[k] @ d.T)),
+        inertia=_weighted(turned**2, inertia),
+        viscous=_weighted(turned**2, viscous),
+        friction=_weighted(turned, friction),
+        load=tuple(_weighted(d[:, motor], load) for motor in range(len(c))),
+        net_load=_weighted(d[:, k], net),
+        peak_velocity=_weighted(np.abs(c[k]), speed),
+        peak_acceleration=_weighted(np.abs(c[k]), pull),
+        swing=_weighted(turned, asked),
+        joint_friction=tuple(friction),
+        joint_load=tuple(load),
+        joint_net_load=net,
+    )
