@@ -20,8 +20,9 @@ def get_ready(executor: Executor) -> None:
 def draw_figures(document: Document, executor: Executor) -> Document:
     """Return a document whose figures are drawn already.
 
-    This process draws from the first figure on, the helper from the last, until they
-    meet. Who draws a figure changes none of its bytes.
+    The helper draws from the first figure on, this process from the last, until they meet:
+    the last ones need libraries that are loaded here already. Who draws a figure changes
+    none of its bytes.
 
     Parameters
     ----------
@@ -30,9 +31,9 @@ def draw_figures(document: Document, executor: Executor) -> Document:
         Who helps.
     """
     figures = [block for block in document.blocks if isinstance(block, Figure)]
-    asked = {id(one): executor.submit(one.draw) for one in reversed(figures)}
+    asked = {id(one): executor.submit(one.draw) for one in figures}
     drawn: dict[int, bytes] = {}
-    for one in figures:
+    for one in reversed(figures):
         helped = asked[id(one)]
         try:
             drawn[id(one)] = one.svg if helped.cancel() else helped.result()

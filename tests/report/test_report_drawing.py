@@ -43,10 +43,10 @@ def test_each_figure_is_its_own_whoever_draws_it(kind):
     assert pictures(draw_figures(numbered(5), Helper(kind))) == [b"<svg>%d" % k for k in range(5)]
 
 
-def test_the_helper_begins_at_the_other_end():
+def test_the_helper_begins_with_the_first_and_this_process_with_the_last():
     helper, plain = Helper("slow"), numbered(3)
     draw_figures(plain, helper)
-    assert helper.asked == [block.draw for block in reversed(plain.blocks)]
+    assert helper.asked == [block.draw for block in plain.blocks]
 
 
 def test_nothing_else_of_a_document_changes():

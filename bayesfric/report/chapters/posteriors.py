@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+import xarray as xr
+
 from bayesfric.paper import table1
 from bayesfric.plots.densities import prior_and_posterior
 from bayesfric.plots.posterior import PAIRS_SHARE, coefficient_pairs
@@ -40,6 +42,9 @@ def posteriors(stored: StoredFit) -> Iterator[Block]:
         floats=True,
     )
     if stored.fit.pulleys:
+        # Of all draws these alone: another process may draw the figures.
+        own = stored.draws["posterior"].to_dataset()[["c1", "c2", "c3"]]
+        drawn = xr.DataTree.from_dict({"posterior": own})
         yield Heading(2, "Joint posteriors")
         yield Paragraph(
             [
@@ -60,7 +65,7 @@ def posteriors(stored: StoredFit) -> Iterator[Block]:
                 "contours."
             )
         yield Figure(
-            svg_of(coefficient_pairs, stored.draws, size, paper),
+            svg_of(coefficient_pairs, drawn, size, paper),
             [
                 f"Joint posterior of the coefficients of the {size} pulley. A slanted contour says "
                 f"that two coefficients are known better together than apart. {mark} From ",
