@@ -144,6 +144,11 @@ class State(NamedTuple):
         total = np.asarray(self.tension_friction_n) + np.asarray(self.constant_friction_n)
         return np.asarray(total, dtype=np.float64)
 
+    @property
+    def settling_friction_n(self) -> Array:
+        """Friction that is built up from a start; none where the start is long past [N]."""
+        return np.asarray(self.friction_n * (not self.steady))
+
 
 class Reading(NamedTuple):
     """Where the cable and a sensor are at an event; arrays that broadcast.

@@ -11,17 +11,14 @@ from bayesfric.effects.base import Effect, EffectParameter, State
 Array = NDArray[np.float64]
 
 
-def _missing(p: Mapping[str, Array], state: State) -> Array:
-    """Return the friction that is missing at the start, none where the start is long past."""
-    return np.asarray(-p["share"] * state.friction_n * (not state.steady))
-
-
 def _exponential(p: Mapping[str, Array], state: State) -> Array:
-    return _missing(p, state) * np.exp(-np.asarray(state.travel_m) / p["length"])
+    unsettled = np.exp(-np.asarray(state.travel_m) / p["length"])
+    return -p["share"] * state.settling_friction_n * unsettled
 
 
 def _rational(p: Mapping[str, Array], state: State) -> Array:
-    return _missing(p, state) / (1 + np.asarray(state.travel_m) / p["length"])
+    unsettled = 1 / (1 + np.asarray(state.travel_m) / p["length"])
+    return -p["share"] * state.settling_friction_n * unsettled
 
 
 EFFECT = Effect(
