@@ -27,8 +27,9 @@ def model(tmp_path_factory):
     ("fitted", "share"),
     [
         ((0.08, 12.0), 1.0),
-        ((0.001, 0.1), 0.5),  # a hundredth of friction
-        ((0.6, 60.0), 0.25),  # six times as much
+        ((0.04, 4.0), 0.5),  # two fifths of friction
+        ((0.001, 0.1), 0.25),  # a hundredth
+        ((0.28, 28.0), 0.25),  # nearly three times as much
         ((-0.5, -50.0), 0.0),
     ],
 )
