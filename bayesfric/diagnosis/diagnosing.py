@@ -27,6 +27,7 @@ from bayesfric.diagnosis.hypotheses import NONE, UNKNOWN, Search
 from bayesfric.diagnosis.judging import judge
 from bayesfric.diagnosis.law import law_of_diagnosis
 from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis.nearby import around_nearby
 from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.remainder import all_left, remainder_of
 from bayesfric.diagnosis.search import Steps, compare, search
@@ -335,7 +336,8 @@ def _finals(first: LinearModel, found: Search, steps: Steps) -> tuple[LinearMode
         leader = found.best()
         acting = model.amplitudes(leader.at, leader.acting)
         forms = other_forms([rig.rows for rig in model.rigs], _acting_once(model, found))
-        around = model.around(
+        around = around_nearby(
+            model,
             model.fitted_laws(leader.at),
             first.candidates,
             scattering=acting,

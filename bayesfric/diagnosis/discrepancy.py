@@ -6,7 +6,7 @@ force is the smooth part, made wide along all axes or along one.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +33,7 @@ class Wide:
     share : float
         Rms of the forces that are wide, as a share of rms friction.
     axis : str or None
-        Along which; None is along all.
+        Along which; None is along all but those that are wide alone.
     """
 
     share: float
@@ -83,7 +83,10 @@ class Discrepancy:
         shares = np.full(len(self.smooths), self.share)
         if wide is not None:
             # The discrepancy's variance is shared by all, that of the wide ones by these.
-            chosen = np.array([wide.axis in (None, one.axis) for one in self.smooths])
+            chosen = np.array(
+                [wide.axis == one.axis or (wide.axis is None and not one.alone)
+                 for one in self.smooths]
+            )  # fmt: skip
             part = np.sqrt(len(self.smooths) / np.count_nonzero(chosen))
             shares[chosen] = np.hypot(self.share, part * wide.share)
         each = np.repeat(shares, np.array([one.count for one in self.smooths], dtype=np.intp))
@@ -120,7 +123,9 @@ def _smooth_forces(rows: Sequence[LinearRows]) -> tuple[list[Smooth], list[Smoot
             sharp = axis == "displacement"
             length, kept = (SHARP, WHOLE) if sharp else (NARROW, KEPT)
             smooth = smooth_along(along, one.name, relative=True, length=length, kept=kept)
-            shared.append(smooth)
+            # What scatter may do alike, an unknown force does where that is all it does.
+            alone = axis in one.scattering_axes
+            shared.append(replace(smooth, alone=True) if smooth and alone else smooth)
     for one, here in zip(rows[1:], where[1:], strict=True):
         for axis in SHARED_AXES:
             shared.append(smooth_along({axis: Span.of(here[axis])}, one.name, relative=True))

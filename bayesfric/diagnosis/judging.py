@@ -2,11 +2,11 @@
 
 An effect is named by what its laws do. They may be wrong by a share of themselves, and take up a
 part of a force that nobody named; what they then leave of the gap tells. Where effects that act
-leave more than a part of the squared gap, at whatever amplitudes, that hypothesis is one of an
-unknown force.
+leave more than a part of the squared gap, at whatever amplitudes and shapes, that hypothesis is
+one of an unknown force.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,16 +18,26 @@ from bayesfric.diagnosis.causes import known_of
 from bayesfric.diagnosis.hypotheses import UNKNOWN, Search
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals, residuals_of
-from bayesfric.diagnosis.systematic import SMALLEST, Posterior, posterior_of, shrink_of
+from bayesfric.diagnosis.systematic import (
+    SMALLEST,
+    Posterior,
+    best_of,
+    left_of,
+    posterior_of,
+    shrink_of,
+)
 from bayesfric.diagnosis.verdict import HALF, Known, sort_effects
 from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.effects.candidates import SHAPE_NODES
 from bayesfric.physics.friction import Coefficients
+from bayesfric.rigs.layout import COEFFICIENTS
 
 __all__ = ["Judged", "judge"]
 
 Array = NDArray[np.float64]
 FOREIGN = 0.15  # of the squared gap, beyond which it is not made by the effects that are named
 RARE = 0.003  # probability of that, below which it is left out
+PASSES = 2  # over shapes of several causes, one at a time
 
 
 @dataclass(frozen=True)
@@ -91,11 +101,62 @@ def judge(
     judged = _judged(model, search, shipped, practical, rng)
     if not judged.named or search.unknown is None:
         return judged
-    share = _leaves_too_much(judged, practical)
+
+    def leaves(one: Judged) -> float:
+        return _leaves_too_much(one, practical, lambda label: _own_force(model, search, one, label))
+
+    share, again = leaves(judged), judged
+    if share >= RARE:
+        # A shape that was found beside a share by which its law is wrong may be a poor one alone.
+        reshaped = _reshaped(model, judged)
+        other = share if reshaped is None else leaves(reshaped)
+        if reshaped is not None and other < share:
+            share, again = other, reshaped
     if share < RARE:
-        return judged
+        return again
     foreign = {frozenset(judged.named): share}
-    return _judged(model, replace(search, foreign=foreign), shipped, practical, rng)
+    found = _judged(model, replace(search, foreign=foreign), shipped, practical, rng)
+    if found.named != judged.named:
+        return found
+    return replace(found, arms=again.arms, plain=again.plain)
+
+
+def _reshaped(model: LinearModel, judged: Judged) -> Judged | None:
+    """Return the causes at shapes that leave least of the gap; None where none has a shape."""
+    causes, force = judged.arms.causes, judged.posterior.force
+    laws = [
+        next(law for law in model.lawbook[one.effect] if law.law == one.law) for one in causes.laws
+    ]
+    each = [model.candidate(law, 0.0) for law in laws]
+    if not any(one.effect.shape is not None for one in each):
+        return None
+    nodes = [SHAPE_NODES if one.effect.shape is not None else np.zeros(1) for one in each]
+    tried = [
+        replace(one, node=float(node))
+        for one, places in zip(each, nodes, strict=True)
+        for node in places
+    ]
+    around = model.around(model.laws, tried, discrepancy=False, by_trial=False)
+    columns = residuals_of(around, judged.arms.psi).columns[:, COEFFICIENTS:]
+    own = judged.residuals.without_law(columns[:, : len(tried)])
+    first = np.cumsum([0, *(places.size for places in nodes)])
+    chosen = [
+        int(start) + int(np.abs(places - shape).argmin())
+        for start, places, shape in zip(first, nodes, causes.shapes, strict=False)
+    ]
+
+    def left(places: list[int]) -> float:
+        taken = best_of(judged.residuals, own[:, places], force)
+        return float(np.mean(left_of(judged.residuals, judged.posterior, taken)))
+
+    for _ in range(PASSES if len(each) > 1 else 1):
+        for number in range(len(each)):
+            rivals = range(first[number], first[number + 1])
+            there = [[*chosen[:number], one, *chosen[number + 1 :]] for one in rivals]
+            chosen = min(there, key=left)
+    shapes = [tried[one].node for one in chosen]
+    arms = _around_causes(model, laws, shapes, causes.phases, judged.arms)
+    return replace(judged, arms=arms, plain=residuals_of(arms.plain, arms.psi))
 
 
 def _judged(
@@ -119,21 +180,56 @@ def _judged(
     )
 
 
-def _leaves_too_much(judged: Judged, practical: float) -> float:
-    """Return how probably the causes, if they act, leave too much of the gap."""
+def _leaves_too_much(
+    judged: Judged, practical: float, own_force: Callable[[str], Array | None] = lambda _: None
+) -> float:
+    """Return how probably the causes, if they act, leave too much of the gap.
+
+    Parameters
+    ----------
+    judged : Judged
+        Effects, sorted.
+    practical : float
+        Practical share of friction.
+    own_force : callable
+        Of a hypothesis that has more effects than the causes, to the force of each of its own:
+        these others leave nothing that nobody named. None is that of the causes alone.
+    """
     residuals, posterior = judged.residuals, judged.posterior
     if not judged.arms.causes.laws:
         return 0.0
-    own = residuals.without_law(judged.arms.of_causes(judged.plain))
-    shrink = shrink_of(residuals, posterior, own)
-    if shrink is None:
-        return 0.0
+    of_causes = residuals.without_law(judged.arms.of_causes(judged.plain))
     there = posterior.gap > SMALLEST * residuals.friction_rms
-    left = np.clip(1 - shrink, 0.0, 1.0)
-    felt = np.sqrt(left) * posterior.gap[there] / residuals.friction_rms
-    acting = [set(judged.named) <= set(one.split("+")) for one in posterior.hypothesis[there]]
-    found = ((left > FOREIGN) & (felt >= practical))[acting]
-    return float(found.mean()) if found.size else 0.0
+    labels = posterior.hypothesis[there]
+    gap = posterior.gap[there] / residuals.friction_rms
+    too_much: list[NDArray[np.bool_]] = []
+    for label in dict.fromkeys(labels.tolist()):
+        if not set(judged.named) <= set(label.split("+")):
+            continue
+        own = own_force(label)
+        shrink = shrink_of(residuals, posterior, of_causes if own is None else own)
+        if shrink is None:
+            continue
+        left = np.clip(1 - shrink, 0.0, 1.0)
+        found = (left > FOREIGN) & (np.sqrt(left) * gap >= practical)
+        too_much.append(found[labels == label])
+    return float(np.concatenate(too_much).mean()) if too_much else 0.0
+
+
+def _own_force(model: LinearModel, search: Search, judged: Judged, label: str) -> Array | None:
+    """Return the force of each effect of a hypothesis beyond the causes, the law recalibrated."""
+    one = search.weighed.get(label)
+    if one is None or set(one.names) == set(judged.named):
+        return None
+    causes = judged.arms.causes
+    named = zip(causes.laws, causes.shapes, strict=True)
+    shapes = {(law.effect, law.law): shape for law, shape in named}
+    own = [
+        shapes.get((law.effect, law.law), shape)
+        for law, shape in zip(one.acting.laws, one.acting.shapes, strict=True)
+    ]
+    arms = _around_causes(model, one.acting.laws, own, one.acting.phases, judged.arms)
+    return judged.residuals.without_law(arms.of_causes(residuals_of(arms.plain, arms.psi)))
 
 
 def _arms(
@@ -146,23 +242,34 @@ def _arms(
 ) -> Arms:
     within = [one for one in found.weighed.values() if set(one.names) == set(named)]
     chosen = within[0] if within else best
-    laws = [law for law in chosen.acting.laws if law.effect in named]
-    shapes = [
-        shape
+    own = [
+        (law, shape)
         for law, shape in zip(chosen.acting.laws, chosen.acting.shapes, strict=True)
         if law.effect in named
     ]
+    laws, shapes = [law for law, _ in own], [shape for _, shape in own]
+    phases = tuple(law for law in chosen.acting.phases if law.effect in named)
+    complete = set(shipped) >= set(model.layout.sizes)
+    shipped_here = {size: shipped[size] for size in model.layout.sizes if size in shipped}
+    without = Arms(
+        model, model, psi[: len(model.noise)], Acting(), shipped_here if complete else None
+    )
+    return _around_causes(model, laws, shapes, phases, without)
+
+
+def _around_causes(
+    model: LinearModel,
+    laws: Sequence[Law],
+    shapes: Sequence[float],
+    phases: tuple[Law, ...],
+    like: Arms,
+) -> Arms:
+    """Return the law without and with causes, at the noise of other arms."""
     own = [model.candidate(law, shape) for law, shape in zip(laws, shapes, strict=True)]
-    own = [replace(one, node=shape) for one, shape in zip(own, shapes, strict=True)]
     plain = model.around(model.laws, own, discrepancy=False, by_trial=False)
     known = model.around(model.laws, own, by_trial=True)
     acting = tuple(
         Law(law.effect, law.law, (place,), (shape,), 0.0)
         for place, (law, shape) in enumerate(zip(laws, shapes, strict=True))
     )
-    complete = set(shipped) >= set(model.layout.sizes)
-    causes = Acting(
-        acting, tuple(shapes), tuple(law for law in chosen.acting.phases if law.effect in named)
-    )
-    shipped_here = {size: shipped[size] for size in model.layout.sizes if size in shipped}
-    return Arms(plain, known, psi[: len(model.noise)], causes, shipped_here if complete else None)
+    return replace(like, plain=plain, known=known, causes=Acting(acting, tuple(shapes), phases))

@@ -94,18 +94,21 @@ def unknown_force(
     shares = [scale * float(halfnorm.ppf(one)) for one in QUANTILES]
     nodes = tuple(Wide(share, axis) for axis in (None, *axes) for share in shares)
     form = without.forms
+    # Along these, what is smaller than matters is scatter.
+    practical = model.analysis.diagnosis.practical_share
+    scattering = {axis for rig in model.rigs for axis in rig.rows.scattering_axes}
+    idle = np.array([one.axis in scattering and one.share < practical for one in nodes])
 
     def values(psi: Array, of: NDArray[np.intp]) -> Array:
         information = model.evaluate(psi, acting, nodes[0], form).information
         priors = [model.amplitude_prior(law) for law in acting.laws]
         nothing = np.array([], dtype=np.intp)
         log_prior, _ = model.log_prior(psi, acting)
-        return log_prior + np.array(
-            [
-                information.reduced(*model.prior(priors, nodes[n], form), nothing).log_evidence
-                for n in of
-            ]
-        )
+        each = [
+            information.reduced(*model.prior(priors, nodes[n], form), nothing).log_evidence
+            for n in of
+        ]
+        return np.where(idle[of], -np.inf, log_prior + np.array(each))
 
     psi = without.at.psi
     tried = [psi, model.quiet(psi), *(s for s in starts if s.size == psi.size)]

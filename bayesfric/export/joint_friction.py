@@ -48,7 +48,7 @@ def joint_friction(law: StoredLaw) -> JointFriction:
     Least squares over the conditions at which friction was measured; what depends on tension,
     pulleys or anything but a proportion to speed is not in them, and counts as error.
     """
-    speed = np.abs(np.nan_to_num(law.places["velocity"]))
+    speed = np.abs(law.place("velocity"))
     columns = np.stack([np.ones_like(speed), speed], axis=1)
     (constant, damping), _ = nnls(columns, law.friction)
     off = law.friction - columns @ np.array([constant, damping])

@@ -54,7 +54,7 @@ def correction(law: StoredLaw, by_law: Array) -> Correction:
     ratio = law.friction / by_law
     found = []
     for axis in AXES:
-        place = np.abs(np.nan_to_num(law.places[axis]))
+        place = np.abs(law.place(axis))
         values, bins = np.unique(place.round(9), return_inverse=True)
         if values.size > BINS:
             bins = bins * BINS // values.size
@@ -74,13 +74,13 @@ def python_text(law: StoredLaw) -> str:
         Of one pulley size or none: of several, each has coefficients, and all share a factor.
     """
     (size, own), *others = law.coefficients.items()
-    n, wrap, tension = (law.places[name] for name in ("n_pulleys", "wrap_angle", "tension"))
-    by_law = BASELINES[law.baseline].at_tension(own, n, wrap, np.nan_to_num(tension))
+    n, wrap, tension = (law.place(name) for name in ("n_pulleys", "wrap_angle", "tension"))
+    by_law = BASELINES[law.baseline].at_tension(own, n, wrap, tension)
     if others:
         by_law = law.friction  # the file has no factor then: it would mix what sizes do
     made = correction(law, by_law)
     rms = float(np.sqrt((law.friction**2).mean()))
-    spans = (f"{axis} {low:g} to {high:g}" for axis in AXES for low, high in [law.span(axis)])
+    spans = (f"{axis} {low:g} to {high:g}" for axis, (low, high) in law.tested.items())
     return TEXT.format(
         name=_in_docstring(law.name),
         causes=_in_docstring(", ".join(one.effect for one in law.causes) or "none"),

@@ -9,14 +9,20 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from bayesfric.errors import Fault, InputError
-from bayesfric.physics.friction import Coefficients
-from bayesfric.results import fitted_coefficients, read_json, read_tree
+from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
+from bayesfric.results import fitted_coefficients, fitted_numbers, read_json, read_tree
 from bayesfric.schemas import Cause, DiagnosisFile, FitFile
 
 __all__ = ["StoredLaw", "read_law"]
 
 Array = NDArray[np.float64]
 MOST_DRAWS = 200
+ABSENT = {
+    "velocity": 0.0,
+    "tension": 0.0,
+    "n_pulleys": 1.0,
+    "wrap_angle": REFERENCE_WRAP_ANGLE_DEG,
+}
 
 
 @dataclass(frozen=True)
@@ -38,7 +44,8 @@ class StoredLaw:
     causes : tuple of Cause
         Effects that the diagnosis named.
     places : mapping of str to ndarray, shape (R,)
-        ``velocity``, ``tension``, ``n_pulleys`` and ``wrap_angle`` where friction was measured.
+        ``velocity``, ``tension``, ``n_pulleys`` and ``wrap_angle`` where friction was measured;
+        without those that the rig has not.
     friction : ndarray, shape (R,)
         By the law with the causes.
     noise : float
@@ -55,9 +62,15 @@ class StoredLaw:
     friction: Array
     noise: float
 
-    def span(self, place: str) -> tuple[float, float]:
-        """Return the least and the largest value of a place."""
-        return float(self.places[place].min()), float(self.places[place].max())
+    @property
+    def tested(self) -> dict[str, tuple[float, float]]:
+        """The least and the largest value of each place that the rig has."""
+        return {name: (float(at.min()), float(at.max())) for name, at in self.places.items()}
+
+    def place(self, name: str) -> Array:
+        """Return where friction was measured; of what the rig has not, what makes no difference."""
+        found = self.places.get(name)
+        return np.full(self.friction.size, ABSENT[name]) if found is None else np.nan_to_num(found)
 
 
 def read_law(folder: Path) -> StoredLaw:
@@ -91,20 +104,33 @@ def read_law(folder: Path) -> StoredLaw:
         raise InputError([Fault("diagnosis.nc", expected)])
     rows = rows.isel(row=rows["rig"].to_numpy() == fit.rigs[0])
     names = ("velocity", "tension", "n_pulleys", "wrap_angle")
-    places = {name: np.asarray(rows[name].to_numpy(), dtype=np.float64) for name in names}
+    every = {name: np.asarray(rows[name].to_numpy(), dtype=np.float64) for name in names}
+    places = {name: at for name, at in every.items() if np.isfinite(at).all()}
     friction = np.asarray(rows["diagnosed_n"].to_numpy(), dtype=np.float64)
     left = rows["measured_n"].to_numpy() - friction
     return StoredLaw(
         name=fit.recording.name,
         baseline=fit.baseline,
         unit=found.gap.unit,
-        coefficients=fitted_coefficients(folder),
+        coefficients=_coefficients(folder, friction),
         draws=_some_draws(read_tree(folder / "draws.nc")["posterior"].to_dataset()),
         causes=found.causes,
         places=places,
         friction=friction,
         noise=float(np.sqrt((left**2).mean())),
     )
+
+
+def _coefficients(folder: Path, friction: Array) -> dict[str, Coefficients]:
+    """Return the law of each size; a law that has none of these numbers is a constant here.
+
+    The factor by which the law is corrected then says how friction changes with speed.
+    """
+    found = fitted_coefficients(folder)
+    if any(np.any(np.asarray(each)) for each in found.values()):
+        return found
+    constant = fitted_numbers(folder).get("coulomb", float(friction.mean()))
+    return dict.fromkeys(found, Coefficients(0.0, constant, 0.0))
 
 
 def _some_draws(posterior: xr.Dataset) -> dict[str, list[float]]:

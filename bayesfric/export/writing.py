@@ -67,7 +67,7 @@ def _json(law: StoredLaw) -> str:
             "error_max": joint.error_max,
         },
         "noise_rms": law.noise,
-        "tested": {name: law.span(name) for name in law.places},
+        "tested": law.tested,
         "draws": law.draws,
     }
     return json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"

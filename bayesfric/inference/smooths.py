@@ -70,6 +70,8 @@ class Smooth:
         The only rig that it acts on; None is all.
     relative : bool
         Whether it is a share of friction; else a force.
+    alone : bool
+        Whether it is wide by itself or not at all, not beside others.
     """
 
     axes: tuple[str, ...]
@@ -78,6 +80,7 @@ class Smooth:
     length: float = BROAD
     rig: str | None = None
     relative: bool = False
+    alone: bool = False
 
     @property
     def axis(self) -> str:

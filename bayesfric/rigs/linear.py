@@ -161,6 +161,10 @@ class LinearRows(Protocol):
     def trial_axes(self) -> tuple[str, ...]:
         """Covariates that only this rig has, along which there are smooth forces."""
 
+    @property
+    def scattering_axes(self) -> tuple[str, ...]:
+        """Those along which friction's scatter may go as a small smooth force does."""
+
     def covariates(self) -> Mapping[str, Array]:
         """Return covariates by name, arrays that broadcast to (N,) or (N, P)."""
 

@@ -98,6 +98,11 @@ class PointRows:
         return tuple(self.further)
 
     @property
+    def scattering_axes(self) -> tuple[str, ...]:
+        """None."""
+        return ()
+
+    @property
     def acceleration(self) -> Array:
         """None, shape (N,)."""
         return np.zeros(len(self.table))

@@ -1,5 +1,6 @@
 """Effects that leave too much of the gap are no causes: an unknown force acts."""
 
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
@@ -55,6 +56,14 @@ def test_what_is_left_counts_where_it_is_large_and_matters(shares, labels, pract
     assert _leaves_too_much(judged(shares, labels), practical) == pytest.approx(expected)
 
 
+@pytest.mark.parametrize(("known", "expected"), [(False, 1.0), (True, 0.0)])
+def test_what_another_effect_makes_is_not_left_by_the_causes(known, expected):
+    """Slip makes half of the gap: less sure than viscous friction, and no unknown force."""
+    both = np.stack([OWN, REST], axis=1)
+    found = judged([0.5] * 4, ["slip+viscous"] * 4)
+    assert _leaves_too_much(found, 0.02, lambda label: both if known else None) == expected
+
+
 def test_what_leaves_too_much_counts_as_unknown_with_all_that_holds_it():
     weighed = {
         name: Weighed(() if name == "none" else tuple(name.split("+")), value, None, Acting(), AT)
@@ -79,11 +88,20 @@ def test_what_leaves_too_much_counts_as_unknown_with_all_that_holds_it():
 def test_effects_are_judged_again_where_they_leave_too_much(monkeypatch, force, times):
     asked = []
 
+    @dataclass(frozen=True)
+    class Once:
+        named: list
+        arms: object
+        plain: object
+        residuals: object
+        posterior: object
+
     def once(model, search, shipped, practical, rng):
         asked.append(dict(search.foreign))
-        return judged([0.5] * 4, ["viscous"] * 3 + ["slip"])
+        return Once(**vars(judged([0.5] * 4, ["viscous"] * 3 + ["slip"])))
 
     monkeypatch.setattr(judging, "_judged", once)
+    monkeypatch.setattr(judging, "_reshaped", lambda model, one: None)
     search = Search({}, {}, force, None, None, np.eye(1), 0.0)
     judge(None, search, {}, 0.02, np.random.default_rng(0))
     assert asked == [{}, {frozenset(["viscous"]): 1.0}][:times]

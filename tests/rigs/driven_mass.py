@@ -35,6 +35,8 @@ class Machine:
     viscous: float = 0.0
     air_drag: float = 0.0
     stribeck: tuple = (0.0, 0.05)
+    slowly: bool = False  # the Stribeck term dies out as 1 / (1 + v²), not as exp(−v²)
+    worn: tuple = (0.0, 0.02, 0.01)  # more friction at a place: share, place, width
     presliding: tuple = (0.0, 0.002)
     bias: float = 0.0
     payload: float = 0.0
@@ -116,7 +118,10 @@ def simulate(machine, *, runs=6, seconds=12.0, log_hz=None, seed=0):
         varied = wander[low, columns] * (1 - part) + wander[low + 1, columns] * part
         size = machine.coulomb * (1 + machine.asymmetry * way)
         rise, speed = machine.stribeck
-        size = size * (1 + rise * np.exp(-((v / speed) ** 2)))
+        dying = 1 / (1 + (v / speed) ** 2) if machine.slowly else np.exp(-((v / speed) ** 2))
+        size = size * (1 + rise * dying)
+        more, place, width = machine.worn
+        size = size * (1 + more * np.exp(-0.5 * ((q - place) / width) ** 2))
         missing, length = machine.presliding
         size = size * (1 - missing * np.exp(-np.abs(q - turned) / length))
         return scatter * size * (1 + machine.wander * varied) + machine.viscous * np.abs(v)

@@ -229,3 +229,28 @@ def test_the_next_point_is_where_two_curves_through_the_same_ends_differ(tmp_pat
     assert told.condition == {"rig": "steady-points", "velocity_m_s": 1.0}
     # 1.3 N apart beside 0.05 N, friction's scatter of 8 to 14 N and what the ends leave open.
     assert 1 < told.log10_bayes_factor < 1.3**2 / (2 * 0.05**2 * np.log(10))
+
+
+def test_friction_that_is_higher_at_middling_speeds_alone_is_a_gap_along_speed(tmp_path):
+    """Effects of which two together take the law's place leave nothing to be a share of."""
+    rng = np.random.default_rng(11)
+    setup = np.arange(150) % 25
+    n = rng.choice([1, 3, 5, 9, 15], 25)[setup]
+    wrap = rng.choice([50.0, 85.0, 110.0, 135.0], 25)[setup]
+    tension = rng.choice(np.linspace(4, 30, 8), 150)
+    speed = rng.choice(np.geomspace(0.02, 1.2, 9), 150)
+    friction = n * ((0.006 + 1.2e-5 * (wrap - 85)) * tension + 0.02)
+    friction *= 1 + 0.35 * np.exp(-0.5 * (np.log(speed / 0.15) / 0.4) ** 2)
+    friction *= 1 + 0.015 * rng.standard_normal(150) + 0.01 * rng.standard_normal(25)[setup]
+    table = {
+        "setup": [f"s{one}" for one in setup],
+        "n_pulleys": n,
+        "wrap_angle_deg": wrap,
+        "tension_n": tension,
+        "velocity_m_s": speed,
+        "friction_n": friction,
+    }
+    found = bf.diagnose(recorded(tmp_path, table)).summary
+    assert found.verdict == "unknown"
+    assert found.where[0].axis == "velocity"
+    assert found.gap.systematic.q50 > 0.05 * found.gap.friction_rms  # 0.12 by the formula

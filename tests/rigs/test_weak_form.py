@@ -134,6 +134,23 @@ def test_a_force_that_jumps_between_samples_is_trusted_less_there():
     assert loud[:150].max() == pytest.approx(3, rel=0.06)  # six loud samples move the median
 
 
+def test_a_later_rate_is_not_told_by_the_errors_of_the_force_itself():
+    """What it has beside the earlier one would explain a row by its own error otherwise."""
+    rng = np.random.default_rng(4)
+    time, position, force = moving(seconds=16.0)
+    late = np.interp(time + 0.006, time, force)  # logged 6 ms before it acts
+    error = 0.3 * rng.standard_normal(time.size)
+
+    def read(logged):
+        log = even_grid(time, {"position": position, "force": logged})
+        return readings_of([log], [np.zeros(1, dtype=int)], 1e-5)
+
+    quiet, loud = read(late), read(late + error)
+    own = loud.force - quiet.force
+    beyond = (loud.lagging_rate - loud.force_rate) - (quiet.lagging_rate - quiet.force_rate)
+    assert abs(np.corrcoef(own, beyond)[0, 1]) < 5 / np.sqrt(own.size)
+
+
 def test_a_curvature_is_told_by_what_lies_beside_a_window():
     kernel, place = _beside(8, 24, 0.002), 0.002 * np.arange(-24, 25)
     assert not kernel[16:33].any()

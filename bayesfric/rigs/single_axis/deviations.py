@@ -11,6 +11,10 @@ waves, how early and how fast being parts of the noise:
 
 Weights of runs are integrated out run by run; what is left of the rows then, the columns that
 assemblies and all runs share among them, is small.
+
+An effect that acts on friction scatters with it, so that its curve is in the column of η + ε. What
+all runs have of these in common is the law's alone: a curve that every run had by one large
+scatter, with the law's own friction taken back, would be an effect that no hypothesis pays for.
 """
 
 from dataclasses import dataclass
@@ -18,10 +22,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["COSINES", "Levels", "Shared", "integrated", "map_columns", "map_spectrum"]
+__all__ = [
+    "COLUMNS",
+    "COSINES",
+    "Levels",
+    "Shared",
+    "deviating_columns",
+    "integrated",
+    "map_columns",
+    "map_spectrum",
+]
 
 Array = NDArray[np.float64]
 COSINES = 24  # of a map: half a wave is a twenty-fourth of the path at the least
+COLUMNS = COSINES + 2  # of deviations: of all friction, along the path, and of the law's alone
 
 
 def map_columns(position: Array) -> Array:
@@ -29,6 +43,19 @@ def map_columns(position: Array) -> Array:
     low, span = float(position.min()), float(np.ptp(position)) or 1.0
     turns = np.multiply.outer((position - low) / span, np.pi * np.arange(COSINES + 1.0))
     return np.asarray(np.cos(turns))
+
+
+def deviating_columns(position: Array, moved: Array, law: Array) -> Array:
+    """Return what relative deviations of 1 add to rows, (W, :data:`COLUMNS`) [N].
+
+    Parameters
+    ----------
+    position : ndarray, shape (W,)
+        Mean of each row.
+    moved, law : ndarray, shape (W,)
+        Friction that deviates, of effects too, and of the law alone [N].
+    """
+    return np.column_stack([moved[:, None] * map_columns(position), law])
 
 
 def map_spectrum(length: float, decay: float) -> tuple[Array, Array, Array]:
@@ -83,7 +110,7 @@ class Shared:
     ----------
     grams : ndarray, shape (N, n, n)
         Of each run: products of its columns, weighted by the inverse covariance of what rows
-        have of their own. The columns are 1 + K of deviations, then any others.
+        have of their own. The columns are C = :data:`COLUMNS` of deviations, then any others.
     setup : ndarray of int, shape (N,)
         Assembly of each run.
     levels : Levels
@@ -91,36 +118,39 @@ class Shared:
 
     Attributes
     ----------
-    rest : ndarray, shape (n − 1 − K,) twice
+    rest : ndarray, shape (n − C,) twice
         The products of the other columns, all runs together, deviations integrated out.
     constant : float
         What the log density is more by the determinant.
     """
 
     def __init__(self, grams: Array, setup: NDArray[np.intp], levels: Levels) -> None:
-        k = COSINES + 1
+        k = COLUMNS
         self._grams, self._setup, self._levels = grams, setup, levels
-        own = np.concatenate([[levels.run], levels.run_map])
+        own = np.concatenate([[levels.run], levels.run_map, [0.0]])
         self._run, log_run = _taken(grams[:, :k, :k], own)
         left = grams - grams[:, :, :k] @ self._run @ grams[:, :k, :]
         self._left = left
-        assemblies = int(setup.max()) + 1
-        by_setup = np.zeros((assemblies, left.shape[2]))
-        np.add.at(by_setup, setup, left[:, 0, :])
-        total = left.sum(axis=0)
-        # Columns that several runs share: one an assembly, then the cosines of all.
-        self._above = assemblies + COSINES
-        shared = np.zeros((self._above, self._above))
-        shared[:assemblies, :assemblies] = np.diag(by_setup[:, 0])
-        shared[:assemblies, assemblies:] = by_setup[:, 1:k]
-        shared[assemblies:, :assemblies] = by_setup[:, 1:k].T
-        shared[assemblies:, assemblies:] = total[1:k, 1:k]
-        self._shared = shared
-        self._across = np.concatenate([by_setup[:, k:], total[1:k, k:]])
-        variance = np.concatenate([np.full(assemblies, levels.setup), levels.machine_map])
-        self._taken, log_shared = _taken(shared[None], variance)
-        self._taken = self._taken[0]
-        self.rest = total[k:, k:] - self._across.T @ self._taken @ self._across
+        self._assemblies = int(setup.max()) + 1
+        # Columns that several runs share: one an assembly, the cosines of all, and what all
+        # runs have in common, of all friction and of the law's.
+        above = self._lifted(np.broadcast_to(np.eye(k), (len(grams), k, k)))
+        products = np.einsum("nka,nkl,nlb->ab", above, left[:, :k, :k], above, optimize=True)
+        self._shared = products
+        self._across = np.einsum("nka,nkl->al", above, left[:, :k, k:], optimize=True)
+        # The variance of the mean of all runs' η + ε, and its derivatives by both variances.
+        sizes = np.bincount(setup).astype(np.float64)
+        of_mean = levels.run + levels.setup * sizes
+        common = 1 / float((sizes / of_mean).sum())
+        self._in_common = common**2 * np.array(
+            [(sizes / of_mean**2).sum(), (sizes**2 / of_mean**2).sum()]
+        )
+        variance = np.concatenate(
+            [np.full(self._assemblies, levels.setup), levels.machine_map, [-common, common]]
+        )
+        taken, log_shared = _taken(products[None], variance)
+        self._taken = taken[0]
+        self.rest = left[:, k:, k:].sum(axis=0) - self._across.T @ self._taken @ self._across
         self.constant = -0.5 * float(log_run.sum() + log_shared.sum())
 
     def moments(self, mixed: Array) -> tuple[float, float, Array, Array]:
@@ -128,7 +158,7 @@ class Shared:
 
         Parameters
         ----------
-        mixed : ndarray, shape (n − 1 − K, m)
+        mixed : ndarray, shape (n − C, m)
             Mixtures of the other columns whose squares are added: the residual, and the
             columns by a root of the covariance of their numbers.
 
@@ -139,7 +169,7 @@ class Shared:
         run_map, machine_map : ndarray, shape (K,)
             Per variance of each weight.
         """
-        k, assemblies = COSINES + 1, self._above - COSINES
+        k, assemblies = COLUMNS, self._assemblies
         across, shared = self._across, self._shared
         pulled = (across - shared @ self._taken @ across) @ mixed
         own = np.diag(shared) - np.einsum("ij,jk,ki->i", shared, self._taken, shared)
@@ -150,11 +180,12 @@ class Shared:
             "nka,ab,nkb->nk", inner, self._taken, inner, optimize=True
         )
         below = ((pulled**2).sum(axis=2) - own).sum(axis=0)
+        run, setup = self._in_common * (above[-1] - above[-2])
         return (
-            float(below[0]),
-            float(above[:assemblies].sum()),
-            below[1:],
-            above[assemblies:],
+            float(below[0] + run),
+            float(above[:assemblies].sum() + setup),
+            below[1:-1],
+            above[assemblies:-2],
         )
 
     def of_rows(self) -> tuple[Array, Array]:
@@ -162,12 +193,12 @@ class Shared:
 
         Returns
         -------
-        numbers : ndarray, shape (N, 1 + K, n − 1 − K)
+        numbers : ndarray, shape (N, C, n − C)
             By which a row's columns of deviations, weighted, are multiplied and subtracted.
-        inverse : ndarray, shape (N, 1 + K, 1 + K)
+        inverse : ndarray, shape (N, C, C)
             The same of the inverse covariance, from both sides.
         """
-        k = COSINES + 1
+        k = COLUMNS
         free = np.eye(k) - self._run @ self._grams[:, :k, :k]
         lifted = self._lifted(free)
         numbers = self._run @ self._grams[:, :k, k:] + lifted @ (self._taken @ self._across)
@@ -175,11 +206,12 @@ class Shared:
         return numbers, inverse
 
     def _lifted(self, columns: Array) -> Array:
-        """Return columns of a run's deviations, (N, k, 1 + K), where those above stand."""
-        assemblies = self._above - COSINES
-        found = np.zeros((*columns.shape[:2], self._above))
+        """Return columns of a run's deviations, (N, k, C), where those above stand."""
+        assemblies = self._assemblies
+        found = np.zeros((*columns.shape[:2], assemblies + COSINES + 2))
         found[np.arange(len(columns)), :, self._setup] = columns[:, :, 0]
-        found[:, :, assemblies:] = columns[:, :, 1:]
+        found[:, :, assemblies:-2] = columns[:, :, 1:-1]
+        found[:, :, -2:] = columns[:, :, [0, -1]]
         return found
 
 
@@ -206,8 +238,8 @@ def integrated(grams: Array, variance: Array) -> tuple[Array, Array]:
 
 
 def _taken(gram: Array, variance: Array) -> tuple[Array, Array]:
-    """Return (D⁻¹ + G)⁻¹ of each gram matrix, and log |1 + D G|."""
-    root = np.sqrt(variance)
-    whole = root[:, None] * gram * root + np.eye(root.size)
+    """Return (D⁻¹ + G)⁻¹ of each gram matrix, and log |1 + D G|; D may take variance away."""
+    root = np.sqrt(np.abs(variance))
+    whole = root[:, None] * gram * root + np.diag(np.where(variance < 0, -1.0, 1.0))
     inverse = np.linalg.inv(whole)
     return root[:, None] * inverse * root, np.asarray(np.linalg.slogdet(whole)[1])

@@ -17,10 +17,10 @@ from bayesfric.rigs.layout import COEFFICIENTS, Layout
 from bayesfric.rigs.linear import Evaluated, NoiseParameter, Run, noise_parameter
 from bayesfric.rigs.single_axis.covariance import Pieces
 from bayesfric.rigs.single_axis.deviations import (
-    COSINES,
+    COLUMNS,
     Levels,
     Shared,
-    map_columns,
+    deviating_columns,
     map_spectrum,
 )
 from bayesfric.rigs.single_axis.readings import Readings
@@ -113,7 +113,9 @@ class AxisPart:
             moved = moved + amplitude * candidate_column(candidate)
         # Friction that is missing while it builds up is no better known than when it is whole.
         moved = np.maximum(moved, rows.friction_of_row)
-        self._deviating = moved[:, None] * map_columns(rows.mean(readings.position))
+        self._deviating = deviating_columns(
+            rows.mean(readings.position), moved, rows.friction_of_row
+        )
         self._pieces = Pieces.of(readings, rows.law.mass, moved)
         # Parts of one run share its scatter, as runs of one assembly do.
         apart = min(rows.table[name].nunique() for name in ("run", "setup"))
@@ -159,8 +161,8 @@ class AxisPart:
             mixed[:k, 1:] = _root(v)
             run, setup, run_map, machine_map = shared.moments(mixed)
             numbers, inverse = shared.of_rows()
-            pulled = lent[:, : COSINES + 1]
-            pulls = lent[:, COSINES + 1 :] @ mixed
+            pulled = lent[:, :COLUMNS]
+            pulls = lent[:, COLUMNS:] @ mixed
             pulls -= np.einsum("wk,wkm->wm", pulled, (numbers @ mixed)[trial], optimize=True)
             found = solved.gradient(pulls, pulled, inverse[trial], kept)
             maps = noise[NAMES[7]] ** 2 * run_map + noise[NAMES[6]] ** 2 * machine_map
@@ -225,7 +227,7 @@ class AxisPart:
         moved = self._pieces.averaged(mean, 0.0, 0.0, wander, length)
         share = mean @ friction
         levels = self._levels(noise)[0]
-        deviating = (mean @ self._deviating)[:, 1:]
+        deviating = (mean @ self._deviating)[:, 1:-1]
         moved += (deviating * (levels.run_map + levels.machine_map)) @ deviating.T
         covariance, varying = [], []
         for trial in range(len(self.size)):

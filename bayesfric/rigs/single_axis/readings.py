@@ -281,15 +281,19 @@ def _of_run(
 
     simulated = [sign * one.over(test, centres) for one in motion.forces]
     lags = range(0, 2 * half // step + 1)
+    force_rate = rate(late_s / 2)
+    curvature = sign * _curvature(motion, test, centres, runs)
     return {
         "centre": centres.astype(np.float64),
         "neighbour": place.astype(np.float64),
         "way": sign,
         "force": sign * test.over(motion.force, test.value, centres),
         "acceleration": sign * test.over(motion.position, test.curvature, centres),
-        "force_rate": rate(late_s / 2),
-        "lagging_rate": rate(late_s),
-        "force_curvature": sign * _curvature(motion, test, centres, runs),
+        "force_rate": force_rate,
+        # A later rate by the window's own samples would differ from this by their second
+        # derivative, whose errors are those of the mean force with the other sign.
+        "lagging_rate": force_rate - late_s / 2 * curvature,
+        "force_curvature": curvature,
         "time_s": motion.time_s[centres],
         "speed": np.abs(inside(velocity)),
         "travel": inside(travel),

@@ -1,5 +1,6 @@
 """Rows of an axis around a reference law: mean forces, and what each number and effect adds."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,11 +20,23 @@ from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
 
-__all__ = ["AxisRows", "state_of"]
+__all__ = ["AxisRows", "state_of", "varied_columns"]
 
 Array = NDArray[np.float64]
 NO_SENSOR = Unsupported("it acts on readings of sensors that an axis has not")
 UNKNOWN_PHASE = Unsupported("its phase would be anew in every run, and an axis knows its place")
+KNOWN = ("run", "order", "setup", "role", "trial", "pulley_size", "n_pulleys", "wrap_angle_deg")
+PLACES = (
+    "velocity",
+    "tension",
+    "wrap_angle",
+    "displacement",
+    "acceleration",
+    "drive_end",
+    "trial_in_setup",
+    "rig",
+)
+"""Names of places, which no column of the user's own takes."""
 
 
 @dataclass(frozen=True)
@@ -53,6 +66,10 @@ class AxisRows:
         A simulator in the place of the law, which then is only a scale.
     theta : tuple of float
         The simulator's parameters at the reference.
+    loads : tuple of str
+        Columns of runs that are laid out which make a condition.
+    further : tuple of str
+        Columns of the recording's own that varied.
     """
 
     name: str
@@ -66,8 +83,21 @@ class AxisRows:
     simulated: SimulatedBaseline | None = None
     theta: tuple[float, ...] = ()
     loads: tuple[str, ...] = ()
-    # Along the path there is a map in the scatter; a row's acceleration has the row's own error.
-    trial_axes: tuple[str, ...] = ()
+    further: tuple[str, ...] = ()
+
+    @property
+    def trial_axes(self) -> tuple[str, ...]:
+        """Covariates that only this rig has.
+
+        The path is one, though friction's scatter has a map of it: a place that is worn, and
+        is so in every run, is no scatter. A row's acceleration has the row's own error.
+        """
+        return ("displacement", *self.further)
+
+    @property
+    def scattering_axes(self) -> tuple[str, ...]:
+        """All: scatter has a map of the path, and another value in every run."""
+        return self.trial_axes
 
     @property
     def friction_n(self) -> Array:
@@ -96,7 +126,8 @@ class AxisRows:
         """Return where every row is, arrays of shape (W,)."""
         rows = self.readings
         one = np.ones(rows.count)
-        return {
+        own = {name: self.table[name].to_numpy(dtype=np.float64) for name in self.further}
+        return {name: values[rows.trial] for name, values in own.items()} | {
             "velocity": self.mean(rows.speed),
             "tension": one,
             "n_pulleys": one,
@@ -161,6 +192,12 @@ class AxisRows:
         return (self.latency_s,)
 
 
+def varied_columns(runs: pd.DataFrame) -> tuple[str, ...]:
+    """Return columns of the user's own, of a table of runs, that took more than one value."""
+    own = [str(name) for name in runs if name not in (*KNOWN, *PLACES)]
+    return tuple(name for name in own if np.ptp(runs[name].to_numpy(dtype=np.float64)) > 0)
+
+
 def state_of(
     rows: Readings,
     law: AxisLaw,
@@ -168,6 +205,7 @@ def state_of(
     tested: NDArray[np.bool_],
     measures: Measures,
     constants: RigConstants,
+    further: Sequence[str] = (),
 ) -> State:
     """Return where the axis is at places inside every row.
 
@@ -185,6 +223,8 @@ def state_of(
         Of the whole recording.
     constants : RigConstants
         The machine.
+    further : sequence of str
+        Columns of the recording's own.
 
     Returns
     -------
@@ -212,4 +252,7 @@ def state_of(
         force_curvature_n_s2=rows.force_curvature[:, None],
         wave_from_m=measures.wave.start,
         tested=tested.astype(np.float64)[rows.trial][:, None],
+        covariates={
+            name: table[name].to_numpy(dtype=np.float64)[rows.trial][:, None] for name in further
+        },
     )

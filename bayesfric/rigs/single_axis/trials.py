@@ -28,7 +28,7 @@ from bayesfric.rigs.single_axis.motion import Motion as Log
 from bayesfric.rigs.single_axis.next_runs import SETTINGS, lay_out
 from bayesfric.rigs.single_axis.predictions import runs as runs_dataset
 from bayesfric.rigs.single_axis.readings import Readings, readings_of, rough_law
-from bayesfric.rigs.single_axis.rows import AxisRows, state_of
+from bayesfric.rigs.single_axis.rows import AxisRows, state_of, varied_columns
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline, fitting, linearised, log_of
 from bayesfric.rigs.single_axis.simulator import DESIGN
 from bayesfric.simulators import SimulatorCalls
@@ -54,7 +54,10 @@ NO_CABLE: dict[str, Any] = {"pulley_size": SIZE, "n_pulleys": 1, "wrap_angle_deg
 ENOUGH = 6  # trials, so that something can be held out; few runs are cut in parts
 SETUPS = 3  # assemblies from which on they are taken for what differs; fewer say nothing
 MARGIN_S = 1e-3  # by which two clocks may be off at the least
+WITHIN = 12**-0.5  # of an interval: what two columns read at any time within it are apart, rms
 NOTHING = 1e-12
+ALWAYS = frozenset({"direction", "position", "drive", "period"})
+OFFERED = ALWAYS | {"angle", "test", "limit"}  # what no column of the user's own stands for
 
 
 @dataclass(frozen=True)
@@ -141,14 +144,19 @@ class AxisRuns(PlainTrials):
     @cached_property
     def offers(self) -> frozenset[str]:
         """What effects may need."""
-        found = {"direction", "position", "drive", "period"}
+        found = {*ALWAYS}
         if self.constants.rotary:
             found.add("angle")
         if self._tested.any():
             found.add("test")
         if self.measures.limit.there:
             found.add("limit")
-        return frozenset(found)
+        return frozenset(found | ({*self._further} - OFFERED))
+
+    @cached_property
+    def _further(self) -> tuple[str, ...]:
+        """Columns of the recording's own that varied over all runs."""
+        return () if self.source is None else varied_columns(self.source.runs)
 
     @property
     def unit(self) -> str:
@@ -324,7 +332,15 @@ class AxisRuns(PlainTrials):
         return replace(self._rows(self._rough), simulated=self._beside, theta=theta)
 
     def _state(self, law: AxisLaw) -> State:
-        return state_of(self.readings, law, self.table, self._tested, self.measures, self.constants)
+        return state_of(
+            self.readings,
+            law,
+            self.table,
+            self._tested,
+            self.measures,
+            self.constants,
+            self._further,
+        )
 
     def _rows(self, law: AxisLaw) -> AxisRows:
         return AxisRows(
@@ -334,9 +350,10 @@ class AxisRuns(PlainTrials):
             law,
             self._state(law),
             self.measures.stroke,
-            float(np.hypot(MARGIN_S, 0.5 * self.interval_s)),
+            float(np.hypot(MARGIN_S, WITHIN * self.interval_s)),
             viscous=self.law.name == VISCOUS,
             loads=self.loads,
+            further=self._further,
         )
 
 

@@ -1,0 +1,41 @@
+"""Diagnoses of axes whose effect has another form than the package's, or is none of its."""
+
+import numpy as np
+from rigs.driven_mass import Machine, simulate, write
+
+import bayesfric as bf
+
+
+def diagnosed(folder, *, runs=6, alter=lambda table: table, **machine):
+    made = Machine(control_hz=500.0, bandwidth_hz=5.0, **machine)
+    table, samples = simulate(made, runs=runs, seconds=4.0, seed=3)
+    written = write(folder / "axis", made, alter(table), samples)
+    return bf.diagnose(bf.read_recording(written)).summary
+
+
+def test_friction_that_falls_more_slowly_with_speed_is_stribeck_friction(tmp_path):
+    """Scatter of 20 % in all runs alike, in the place of the law, would take the curve."""
+    found = diagnosed(tmp_path, stribeck=(0.6, 0.04), slowly=True)
+    assert [one.effect for one in found.causes] == ["stribeck"]
+    assert found.scatter["tau_axis"] < 0.03
+    assert abs(found.law["mass"].after.mean / 2.0 - 1) < 0.02
+
+
+def test_a_worn_spot_is_a_gap_along_the_path_and_no_scatter(tmp_path):
+    """Half as much friction again over a tenth of the path: rms 0.11 once recalibrated."""
+    found = diagnosed(tmp_path, worn=(0.5, 0.02, 0.015))
+    assert (found.verdict, found.causes) == ("unknown", ())
+    assert found.where[0].axis == "displacement"
+    assert 0.06 < found.gap.systematic.q50 / found.gap.friction_rms < 0.16
+
+
+def test_friction_that_follows_a_column_of_the_users_own_is_found_along_it(tmp_path):
+    """It changes by 30 % from first to last: rms 0.09 about its mean."""
+
+    def in_oil(table):
+        return table.drop(columns="order").assign(oil_c=np.linspace(20, 50, len(table)))
+
+    found = diagnosed(tmp_path, runs=10, drift=0.3, alter=in_oil)
+    assert found.verdict == "unknown"
+    assert found.where[0].axis == "oil_c"
+    assert 0.06 < found.gap.systematic.q50 / found.gap.friction_rms < 0.12
