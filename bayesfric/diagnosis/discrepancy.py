@@ -39,6 +39,10 @@ class Wide:
     share: float
     axis: str | None
 
+    def has(self, smooth: Smooth) -> bool:
+        """Return whether a smooth force is one of those that are wide."""
+        return not smooth.alone if self.axis is None else smooth.axis == self.axis
+
 
 @dataclass(frozen=True)
 class Discrepancy:
@@ -83,10 +87,7 @@ class Discrepancy:
         shares = np.full(len(self.smooths), self.share)
         if wide is not None:
             # The discrepancy's variance is shared by all, that of the wide ones by these.
-            chosen = np.array(
-                [wide.axis == one.axis or (wide.axis is None and not one.alone)
-                 for one in self.smooths]
-            )  # fmt: skip
+            chosen = np.array([wide.has(one) for one in self.smooths])
             part = np.sqrt(len(self.smooths) / np.count_nonzero(chosen))
             shares[chosen] = np.hypot(self.share, part * wide.share)
         each = np.repeat(shares, np.array([one.count for one in self.smooths], dtype=np.intp))

@@ -24,11 +24,7 @@ from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.gravity_board.double_integral import DoubleIntegral
-from bayesfric.rigs.gravity_board.event_rows import (
-    rows_of_trials,
-    variance_of,
-    with_accelerations,
-)
+from bayesfric.rigs.gravity_board.event_rows import rows_of_trials, variance_of, with_accelerations
 from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion
 from bayesfric.rigs.gravity_board.measurements import optional_column
 from bayesfric.rigs.gravity_board.paths import POINTS, motion_untold
