@@ -48,9 +48,8 @@ def around_nearby(
 
 
 def _between(one: Coefficients, other: Coefficients, step: float) -> Coefficients:
-    pairs = zip(one, other, strict=True)
-    return Coefficients(*(float(np.asarray(a)) * (1 - step) + float(np.asarray(b)) * step
-                          for a, b in pairs))  # fmt: skip
+    mixed = (1 - step) * np.array(one) + step * np.array(other)
+    return Coefficients(*mixed.tolist())
 
 
 def _is_near(model: LinearModel, around: LinearModel) -> bool:

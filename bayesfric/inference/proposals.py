@@ -32,6 +32,7 @@ POINTS = 2000  # of an importance sample
 PASSES = 5  # each from a proposal that is fitted to the one before
 LIMIT_K = 0.7  # of the Pareto shape, above which weights are not to be relied on
 LEAST_EFFECTIVE = 0.25  # of the points
+LEAST_A_COORDINATE = 2  # points that count, for a covariance
 
 
 class StudentT:
@@ -187,6 +188,8 @@ def importance_points(
         good = k < LIMIT_K and 1 / (weights**2).sum() > LEAST_EFFECTIVE * POINTS
         # Few points may hold most of the weight, and their covariance would be singular.
         weights = np.minimum(weights, 1 / np.sqrt(POINTS))
+        if weights.sum() ** 2 / (weights**2).sum() < LEAST_A_COORDINATE * z.shape[1]:
+            return None
         # Systematic resampling: each point as often as its weight says, to within one.
         ladder = (np.arange(POINTS) + rng.uniform()) / POINTS * weights.sum()
         points: Array = z[np.minimum(np.searchsorted(np.cumsum(weights), ladder), len(z) - 1)]

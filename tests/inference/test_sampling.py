@@ -175,6 +175,21 @@ def test_no_importance_points_are_returned_that_cannot_be_relied_on():
     )
 
 
+def test_no_proposal_is_fitted_to_fewer_points_than_a_covariance_needs():
+    """Only in a corner of six coordinates is any point possible, and few are drawn there."""
+    possible = []
+
+    def corner(z):
+        inside = (z < -0.4).all(axis=1)
+        possible.append(np.count_nonzero(inside))
+        return np.where(inside, 0.0, -np.inf)
+
+    rng = np.random.RandomState(1)
+    assert importance_points(corner, AROUND_CAUCHY, SAMPLING_SPACE, rng) is None
+    assert len(possible) == 1
+    assert 1 <= possible[0] < 6
+
+
 def test_pilots_stand_in_where_importance_is_not_to_be_relied_on():
     seen = []
     draws = sample(
