@@ -24,13 +24,13 @@ def data():
     return Entered.of(bf.read_recording(bundled_recording())).data
 
 
-def test_the_arc_is_sampled_in_its_own_units(data):
+def test_the_arc_is_sampled_in_square_roots(data):
     model = model_of(data[SUBJECT], Analysis(), Hypothesis(), {})
     z = np.random.default_rng(1).standard_normal((5, len(model.parameters)))
     chart, theta = chart_of(model), model.natural(z)
     for name in ("tau_motor", "load_noise"):
         place = model.names.index(name)
-        assert chart.forward(z)[:, place] == pytest.approx(theta[:, place], rel=1e-12)
+        assert chart.forward(z)[:, place] == pytest.approx(np.sqrt(theta[:, place]), rel=1e-12)
     assert chart.inverse(chart.forward(z)) == pytest.approx(z, abs=1e-8)
 
 
