@@ -8,10 +8,11 @@ import pytest
 from scipy import stats
 
 from bayesfric.analysis import Analysis, Sampler
+from bayesfric.fitting.hypothesis import chart_of
 from bayesfric.fitting.posterior import fit
 from bayesfric.fitting.predictive.assemblies import assemblies_of
 from bayesfric.fitting.predictive.left_out import LeftOut, leave_out
-from bayesfric.inference.evidence import reliable_draws
+from bayesfric.inference.evidence import importance_draws
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import Model
 from bayesfric.physics.friction import Coefficients
@@ -52,8 +53,7 @@ def drawn(recording, without=()):
     likelihood = GravityLikelihood(Gravity(trials, events), recording.rig, Analysis())
     model = Model([likelihood])
     laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
-    found, z = reliable_draws(model.log_posterior, laplace, 1)
-    assert found.reliable
+    _, z = importance_draws(model.log_posterior, laplace, 1, chart_of(model))
     return model, likelihood, laplace.mode, z
 
 

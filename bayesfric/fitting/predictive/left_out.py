@@ -13,14 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
+from bayesfric.fitting.hypothesis import chart_of
 from bayesfric.inference.evidence import (
     ELPD,
     Evidence,
     bridge_ratio,
     elpd,
+    importance_draws,
     loo_pit,
     refit_without,
-    reliable_draws,
 )
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import Model, RigLikelihood
@@ -269,13 +270,14 @@ def _leave_out(
     if not np.isfinite(log_likelihood).all():
         return None, {}
     density = getattr(likelihood, f"{kind}_log_likelihood")
+    chart = chart_of(model)
     refits: dict[int, Array] = {}
 
     @cache
     def seen() -> Evidence | None:
         """Of all data; most boards have no use for it."""
         laplace = laplace_approximation(model.log_posterior, start, model.scale())
-        found = reliable_draws(model.log_posterior, laplace, seed)
+        found = importance_draws(model.log_posterior, laplace, seed, chart)
         return None if found is None else found[0]
 
     def refit(place: int) -> float | None:
@@ -283,7 +285,7 @@ def _leave_out(
             return by_blocks(model, density, points)[:, place]
 
         own = int(np.random.SeedSequence([seed, len(kind), place]).generate_state(1)[0])
-        unseen = refit_without(model.log_posterior, conditional, start, model.scale(), own)
+        unseen = refit_without(model.log_posterior, conditional, start, model.scale(), own, chart)
         if unseen is None:
             return None
         # The evidence of all data over that without the group: by a bridge between the draws

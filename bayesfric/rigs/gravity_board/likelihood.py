@@ -35,7 +35,7 @@ from bayesfric.rigs.gravity_board.along import EffectsAlong
 from bayesfric.rigs.gravity_board.at_rest import TrialsAtRest
 from bayesfric.rigs.gravity_board.forces import Forces, SteadyForces
 from bayesfric.rigs.gravity_board.hall_events import TrialForm
-from bayesfric.rigs.gravity_board.measurements import TrialMeasurements, joined
+from bayesfric.rigs.gravity_board.measurements import TrialMeasurements, event_table, joined
 from bayesfric.rigs.gravity_board.places import TrialPlaces, trial_condition
 from bayesfric.rigs.gravity_board.scatter import scatter_parameters, scatter_values
 from bayesfric.rigs.gravity_board.wander import Wander
@@ -67,6 +67,8 @@ class GravityLikelihood:
     at_rest : DataFrame or None
         Trials that did not move, see :mod:`bayesfric.rigs.gravity_board.at_rest`; None
         without any.
+    places : TrialPlaces or None
+        Of these trials, where other likelihoods of them share it; None is found anew.
 
     Attributes
     ----------
@@ -91,8 +93,9 @@ class GravityLikelihood:
         baseline: Baseline = BASELINES["paper"],
         effects: Sequence[ActiveEffect] = (),
         at_rest: pd.DataFrame | None = None,
+        places: TrialPlaces | None = None,
     ) -> None:
-        self._places = TrialPlaces(gravity, rig)
+        self._places = places or TrialPlaces(gravity, rig)
         here = [one for one in effects if self._places.supports(one.effect) is None]
         self._effects = here
         along = [one for one in here if one.effect.along_path or one.effect.components]
@@ -107,13 +110,13 @@ class GravityLikelihood:
         )
         self._along = EffectsAlong(self._places, along)
         self._wander = Wander(self._places, analysis)
-        self._measurements = TrialMeasurements(
-            gravity,
-            rig,
-            analysis,
-            self._along.columns,
-            joined(self._wander.columns, self._along.scattered),
-        )
+        columns, scattered = self._along.columns, self._along.scattered
+        drawn_anew = joined(self._wander.columns, scattered)
+        if columns is None and scattered is None:
+            table = self._places.table
+        else:
+            table = event_table(gravity, rig, columns, drawn_anew)
+        self._measurements = TrialMeasurements(gravity, table, analysis, columns, drawn_anew)
         self.parameters = (
             *coefficient_parameters(self.sizes, analysis, baseline.without),
             *scatter_parameters(self.sizes, analysis),
