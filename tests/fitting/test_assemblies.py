@@ -65,7 +65,7 @@ def test_a_probability_is_that_of_a_posterior_that_never_saw_the_assembly():
     unseen, _, _, others = drawn(recording, without=[setup])
     named = unseen.by_name(unseen.natural(others[::4]))
     place = likelihood.setups.index(setup)
-    exact = likelihood.setup_cdf(named)[:, place].mean()
+    exact = likelihood.given_rest(named).setup_cdf[:, place].mean()
     assert stats.norm.isf(left.setup_pit[place]) == pytest.approx(stats.norm.isf(exact), abs=0.3)
     assert stats.norm.isf(exact) < -2.5
     rest = np.delete(left.setup_pit, place)

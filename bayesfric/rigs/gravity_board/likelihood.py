@@ -26,6 +26,7 @@ from bayesfric.effects.terms import ActiveEffect, parameters_of, rough_values
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.grouped_normal import LOG_2PI, GroupedNormal, Groups
 from bayesfric.inference.heavy_groups import HeavyGroups
+from bayesfric.inference.model import GivenRest
 from bayesfric.inference.quadratic import bilinear
 from bayesfric.inference.student import GroupedStudent
 from bayesfric.physics.laws import BASELINES, Baseline
@@ -187,21 +188,35 @@ class GravityLikelihood:
 
     def setup_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
         """Return the log density of each assembly's data, shape (W, J)."""
+        return self._of_setups(theta, *self._scattered(theta))
+
+    def given_rest(self, theta: Mapping[str, Array]) -> GivenRest:
+        """Return densities and probabilities of each trial and assembly given the rest.
+
+        An assembly on which no trial moved has no probability of less friction, nor has any
+        where scatter is Student-t.
+        """
         scattered, constant = self._scattered(theta)
+        setup_cdf = np.full((len(scattered.residual), len(self.setups)), np.nan)
+        if isinstance(scattered, GroupedNormal):
+            moved = scattered.group_cdf()
+            setup_cdf[:, : moved.shape[1]] = moved
+        density, cdf = scattered.single_log_density() + constant, scattered.single_cdf()
+        if self._at_rest is not None:
+            normal = _normal(scattered)
+            density = density + self._at_rest.trial_log_density(theta, normal)
+            cdf = self._at_rest.trial_cdf(theta, normal, cdf)
+        return GivenRest(density, self._of_setups(theta, scattered, constant), cdf, setup_cdf)
+
+    def _of_setups(
+        self, theta: Mapping[str, Array], scattered: Scattered, constant: Array
+    ) -> Array:
         moved = scattered.group_log_density() + self._groups.total(constant)
         if self._at_rest is None:
             return moved
         found = self._at_rest.setup_log_probability(theta, _normal(scattered))
         found[:, : moved.shape[1]] += moved
         return found
-
-    def trial_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
-        """Return each trial's log density given the rest of its assembly, shape (W, N)."""
-        scattered, constant = self._scattered(theta)
-        found = scattered.single_log_density() + constant
-        if self._at_rest is None:
-            return found
-        return found + self._at_rest.trial_log_density(theta, _normal(scattered))
 
     def draw_again(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
         """Return how much more friction each trial would show, made again, (W, N) [N].
@@ -211,28 +226,8 @@ class GravityLikelihood:
         """
         return self._scattered(theta)[0].draw_again(rng)
 
-    def setup_cdf(self, theta: Mapping[str, Array]) -> Array:
-        """Return the probability of less friction of each assembly given the others, (W, J).
-
-        NaN of one on which no trial moved, and where scatter is Student-t.
-        """
-        scattered, _ = self._scattered(theta)
-        found = np.full((len(scattered.residual), len(self.setups)), np.nan)
-        if isinstance(scattered, GroupedNormal):
-            moved = scattered.group_cdf()
-            found[:, : moved.shape[1]] = moved
-        return found
-
-    def trial_cdf(self, theta: Mapping[str, Array]) -> Array:
-        """Return the probability of less friction of each trial given the rest, shape (W, N)."""
-        scattered, _ = self._scattered(theta)
-        found = scattered.single_cdf()
-        if self._at_rest is None:
-            return found
-        return self._at_rest.trial_cdf(theta, _normal(scattered), found)
-
     def draw_trial_cdf(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
-        """Return :meth:`trial_cdf` of recordings made again with these parameters.
+        """Return the probability of less friction than each trial's, of recordings made again.
 
         Parameters
         ----------
