@@ -21,7 +21,16 @@ from scipy.special import gammaln, logsumexp
 from bayesfric.inference.diagnostics import smooth_weights
 from bayesfric.inference.laplace import Laplace
 
-__all__ = ["SAMPLING_SPACE", "Chart", "LogDensity", "Proposal", "StudentT", "importance_points"]
+__all__ = [
+    "LEAST_EFFECTIVE",
+    "SAMPLING_SPACE",
+    "Chart",
+    "LogDensity",
+    "Proposal",
+    "StudentT",
+    "importance_points",
+    "resampled",
+]
 
 Array = NDArray[np.float64]
 LogDensity = Callable[[Array], Array]
@@ -75,6 +84,11 @@ class StudentT:
             cls(location, covariance * (freedom - 2) / freedom, freedom) for freedom in FREEDOMS
         ]
         return max(candidates, key=lambda student: float(student.log_density(points).sum()))
+
+    def wider(self, factor: float) -> "StudentT":
+        """Return one of the same centre, `factor` times as wide, with the heaviest tails."""
+        root = factor * self._root
+        return StudentT(self.location, root @ root.T)
 
     def draw(self, size: int, rng: Random, inflation: float = 1.0) -> Array:
         """Return draws of shape (size, D), `inflation` times as wide."""
@@ -165,7 +179,11 @@ class Proposal:
 
 
 def importance_points(
-    log_density: LogDensity, laplace: Laplace, chart: Chart, rng: Random
+    log_density: LogDensity,
+    laplace: Laplace,
+    chart: Chart,
+    rng: Random,
+    least_effective: float = LEAST_EFFECTIVE,
 ) -> Array | None:
     """Draw points of a density by importance sampling around its mode.
 
@@ -182,6 +200,8 @@ def importance_points(
         In which proposals are fitted.
     rng : RandomState or Generator
         Source of randomness.
+    least_effective : float
+        Share of the points that have to count.
 
     Returns
     -------
@@ -197,15 +217,30 @@ def importance_points(
         if not np.isfinite(log_weights).any():
             return None
         weights = np.exp(log_weights - logsumexp(log_weights))
-        good = k < LIMIT_K and 1 / (weights**2).sum() > LEAST_EFFECTIVE * POINTS
+        good = k < LIMIT_K and 1 / (weights**2).sum() > least_effective * POINTS
         # Few points may hold most of the weight, and their covariance would be singular.
         weights = np.minimum(weights, 1 / np.sqrt(POINTS))
         if weights.sum() ** 2 / (weights**2).sum() < LEAST_A_COORDINATE * z.shape[1]:
             return None
-        # Systematic resampling: each point as often as its weight says, to within one.
-        ladder = (np.arange(POINTS) + rng.uniform()) / POINTS * weights.sum()
-        points: Array = z[np.minimum(np.searchsorted(np.cumsum(weights), ladder), len(z) - 1)]
+        points: Array = z[resampled(weights, POINTS, rng)]
         if good:
             return points
         proposal = Proposal.around(points, chart)
     return None
+
+
+def resampled(weights: Array, size: int, rng: Random) -> NDArray[np.intp]:
+    """Return places of points, each as often as its weight says, to within one.
+
+    Parameters
+    ----------
+    weights : ndarray, shape (N,)
+        Of the points, up to a factor.
+    size : int
+        How many are drawn, in the order of the points.
+    rng : RandomState or Generator
+        Source of randomness.
+    """
+    heap = np.cumsum(weights)
+    ladder = (np.arange(size) + rng.uniform()) / size * heap[-1]
+    return np.asarray(np.minimum(np.searchsorted(heap, ladder), len(weights) - 1))

@@ -44,6 +44,7 @@ AGAIN = 1000  # recordings made again
 GRID = np.arange(1, 50) / 50
 BAND = 0.95
 LARGEST_ERROR = 0.25  # of a refit's density [nat]; differences count from 4 nat on
+BRIDGED_TO = 0.05  # of a bridge [nat]: two evidences are known as well
 EDGE = 1e-16  # of a probability whose normal score is to be finite
 
 
@@ -292,7 +293,7 @@ def _leave_out(
         # The evidence of all data over that without the group: by a bridge between the draws
         # of either, or, where these are too far apart, by importance both.
         value, error = bridge_ratio(log_likelihood[:, place], conditional(unseen.draws))
-        if error > LARGEST_ERROR and (whole := seen()) is not None:
+        if error > BRIDGED_TO and (whole := seen()) is not None:
             error = float(np.hypot(whole.error, unseen.evidence.error))
             value = whole.log_evidence - unseen.evidence.log_evidence
         if error > LARGEST_ERROR:

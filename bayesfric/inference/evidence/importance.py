@@ -1,10 +1,10 @@
 """The log evidence by importance sampling around the mode, and draws of the density.
 
-The proposal is fitted to importance samples of its own until most of a sample counts
+The proposal is fitted to importance samples of its own until much of a sample counts
 (:func:`bayesfric.inference.proposals.importance_points`); the sample that is weighed is drawn
-afterwards, since one that has been chosen by its weights is biased. Its weights are
-Pareto-smoothed. No chain has to be run, and where the weights are not to be relied on that
-is seen.
+afterwards, since one that has been chosen by its weights is biased. It is of a mixture of that
+proposal and a wider one, and its weights are Pareto-smoothed. No chain has to be run, and where
+the weights are not to be relied on that is seen.
 
 References
 ----------
@@ -12,6 +12,8 @@ A. Vehtari, D. Simpson, A. Gelman, Y. Yao, J. Gabry, "Pareto smoothed importance
 sampling", Journal of Machine Learning Research 25 (2024).
 J. Geweke, "Bayesian inference in econometric models using Monte Carlo integration",
 Econometrica 57 (1989).
+T. Hesterberg, "Weighted average importance sampling and defensive mixture distributions",
+Technometrics 37 (1995).
 O. Cappé, A. Guillin, J.-M. Marin, C. P. Robert, "Population Monte Carlo", Journal of
 Computational and Graphical Statistics 13 (2004).
 """
@@ -24,11 +26,13 @@ from bayesfric.inference.diagnostics import smooth_weights
 from bayesfric.inference.evidence.record import Evidence
 from bayesfric.inference.laplace import Laplace
 from bayesfric.inference.proposals import (
+    LEAST_EFFECTIVE,
     SAMPLING_SPACE,
     Chart,
     LogDensity,
     Proposal,
     importance_points,
+    resampled,
 )
 
 __all__ = ["importance_draws"]
@@ -36,6 +40,10 @@ __all__ = ["importance_draws"]
 Array = NDArray[np.float64]
 
 SIZE = 4000
+TRIES = 3  # each from a proposal that is fitted to the sample before
+DEFENSIVE, WIDER = 0.1, 2.0
+"""Share of the sample that is drawn from a wider proposal, which bounds the weights in the tails;
+how much wider."""
 LIMIT_K = 0.7  # of the Pareto shape, above which weights are not to be relied on
 
 
@@ -45,6 +53,7 @@ def importance_draws(
     seed: int,
     chart: Chart = SAMPLING_SPACE,
     size: int = SIZE,
+    least_effective: float = LEAST_EFFECTIVE,
 ) -> tuple[Evidence, Array] | None:
     """Estimate the log evidence around one mode, and resample the points by their weights.
 
@@ -63,6 +72,8 @@ def importance_draws(
         In which the proposal is fitted.
     size : int
         Points of the sample that is weighed.
+    least_effective : float
+        Share that has to count of the sample that the proposal is fitted to.
 
     Returns
     -------
@@ -74,21 +85,32 @@ def importance_draws(
     None where no sample around the mode is to be relied on.
     """
     rng = np.random.default_rng(seed)
-    points = importance_points(log_density, laplace, chart, rng)
-    if points is None:
+    points = importance_points(log_density, laplace, chart, rng, least_effective)
+    for _ in range(TRIES):
+        if points is None:
+            return None
+        z, log_weights, k = _weighed(log_density, Proposal.around(points, chart), size, rng)
+        total = logsumexp(log_weights)
+        weights = np.exp(log_weights - total)
+        if k <= LIMIT_K:
+            break
+        points = z[resampled(np.minimum(weights, 1 / np.sqrt(size)), size, rng)]
+    else:
         return None
-    proposal = Proposal.around(points, chart)
-    z, possible = proposal.draw(size, rng)
-    z = z[possible]
-    log_weights, k = smooth_weights(log_density(z) - proposal.log_density(z))
-    if not k <= LIMIT_K:
-        return None
-    total = logsumexp(log_weights)
     # Points outside of the sampling space are draws too, of weight zero.
-    variance = np.exp(logsumexp(2 * log_weights) - 2 * total) - 1 / size
-    error = float(np.sqrt(max(variance, 0.0)))
+    error = float(np.sqrt(max((weights**2).sum() - 1 / size, 0.0)))
     evidence = Evidence(float(total - np.log(size)), error, "importance sampling", k)
-    # Systematic resampling: each point as often as its weight says, to within one.
-    ladder = (np.arange(size) + rng.uniform()) / size
-    chosen = np.searchsorted(np.cumsum(np.exp(log_weights - total)), ladder)
-    return evidence, rng.permutation(z[np.minimum(chosen, len(z) - 1)])
+    return evidence, rng.permutation(z[resampled(weights, size, rng)])
+
+
+def _weighed(
+    log_density: LogDensity, fitted: Proposal, size: int, rng: np.random.Generator
+) -> tuple[Array, Array, float]:
+    """Draw from a proposal and a wider one; return points, smoothed log weights, Pareto k."""
+    wider = Proposal(fitted.student.wider(WIDER), fitted.chart)
+    parts = (1 - DEFENSIVE, fitted), (DEFENSIVE, wider)
+    counts = rng.multinomial(size, [share for share, _ in parts])
+    drawn = [one.draw(count, rng) for count, (_, one) in zip(counts, parts, strict=True)]
+    z = np.concatenate([points[possible] for points, possible in drawn])
+    proposed = np.logaddexp(*(np.log(share) + one.log_density(z) for share, one in parts))
+    return z, *smooth_weights(log_density(z) - proposed)

@@ -28,6 +28,7 @@ from bayesfric.inference.proposals import SAMPLING_SPACE, Chart, LogDensity
 __all__ = ["Refit", "refit_without"]
 
 Array = NDArray[np.float64]
+LEAST_EFFECTIVE = 0.1  # a mean over draws, which a refit is for, takes fewer than an evidence
 
 
 @dataclass(frozen=True)
@@ -86,5 +87,5 @@ def refit_without(
         return np.where(rest < np.inf, rest, -np.inf)
 
     laplace = laplace_approximation(without, start, scale)
-    found = importance_draws(without, laplace, seed, chart)
+    found = importance_draws(without, laplace, seed, chart, least_effective=LEAST_EFFECTIVE)
     return None if found is None else Refit(found[1], found[0])
