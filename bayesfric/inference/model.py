@@ -72,7 +72,7 @@ class RigLikelihood(Protocol):
     def draw_observed(
         self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator
     ) -> Array:
-        """Return friction as measured, given its relative scatter, shape (W, N)."""
+        """Return friction as measured, given its relative scatter, both of shape (…, W, N)."""
 
     def start(self) -> dict[str, float]:
         """Return rough estimates of its parameters."""

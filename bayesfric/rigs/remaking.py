@@ -47,6 +47,5 @@ def remake(
     rng : Generator
         For the noise, and for the scatter of whole recordings.
     """
-    apart = likelihood.draw_observed(named, deviation, rng)
-    scatter = likelihood.draw_scatter(named, rng, together=True)
-    return Remade(apart, likelihood.draw_observed(named, scatter, rng))
+    together = likelihood.draw_scatter(named, rng, together=True)
+    return Remade(*likelihood.draw_observed(named, np.stack([deviation, together]), rng))

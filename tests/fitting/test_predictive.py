@@ -194,7 +194,7 @@ def test_an_outlier_is_beyond_what_one_recording_in_twenty_has():
 
     def draw_scatter(named, rng, *, together):
         assert together
-        return np.broadcast_to([0.0, 0.0, 0.5], (7, 3))  # the third alone leaves its interval
+        return np.broadcast_to([0.0, 0.0, 0.5], (10_000, 3))  # the third alone leaves its interval
 
     fake = SimpleNamespace(draw_observed=draw_observed, draw_scatter=draw_scatter)
     deviation = 0.2 * np.repeat(stats.norm.ppf(np.arange(0.5e-4, 1, 1e-4))[:, None], 3, axis=1)

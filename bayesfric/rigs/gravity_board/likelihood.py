@@ -14,7 +14,7 @@ Without effects along the trial that is the density of its friction,
 :mod:`bayesfric.simulate`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -45,6 +45,7 @@ __all__ = ["GravityLikelihood", "trial_condition"]
 
 Array = NDArray[np.float64]
 Scattered: TypeAlias = GroupedNormal | GroupedStudent | HeavyGroups
+WALKERS_AT_ONCE = 50
 START_SCATTER = 0.02  # of friction, a place to climb from
 ONLY_NORMAL = "normal, since for Student-t scatter trials that did not move have no likelihood"
 
@@ -172,7 +173,9 @@ class GravityLikelihood:
             Friction [N], its error variance [N²], and the log density of the
             raw data less that of the friction.
         """
-        return self._shown(theta, self._forces.at(theta))
+        parts = [self._shown(some, self._forces.at(some)) for some in _blocks(theta)]
+        friction, variance, log_constant = zip(*parts, strict=True)
+        return np.concatenate(friction), np.concatenate(variance), np.concatenate(log_constant)
 
     def _shown(self, theta: Mapping[str, Array], forces: Forces) -> tuple[Array, Array, Array]:
         acceleration = self._form(theta, forces.friction).acceleration()
@@ -343,14 +346,14 @@ class GravityLikelihood:
         ----------
         theta : mapping of str to ndarray of shape (W,)
             Parameters by name.
-        deviation : ndarray, shape (W, N)
+        deviation : ndarray, shape (…, W, N)
             As :meth:`draw_scatter` draws it.
         rng : Generator
             Source of randomness.
 
         Returns
         -------
-        ndarray, shape (W, N)
+        ndarray, shape (…, W, N)
             Friction [N] with the error of the events.
         """
         sd = np.sqrt(self.observed(theta)[1])
@@ -366,6 +369,15 @@ class GravityLikelihood:
         scatter |= self._wander.start()
         effects = rough_values(self._effects)
         return self._measurements.start() | scatter | effects | self._places.rough
+
+
+def _blocks(theta: Mapping[str, Array]) -> Iterator[dict[str, Array]]:
+    """Return some walkers at a time: the forms of many trials would not fit a cache."""
+    whole = dict(zip(theta, np.broadcast_arrays(*theta.values()), strict=True))
+    walkers = len(next(iter(whole.values())))
+    for start in range(0, walkers, WALKERS_AT_ONCE):
+        stop = start + WALKERS_AT_ONCE
+        yield {name: values[start:stop] for name, values in whole.items()}
 
 
 def _normal(scattered: Scattered) -> GroupedNormal:

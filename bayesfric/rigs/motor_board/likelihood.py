@@ -261,14 +261,14 @@ class MotorLikelihood:
         ----------
         theta : mapping of str to ndarray of shape (W,)
             Parameters by name.
-        deviation : ndarray, shape (W, N)
+        deviation : ndarray, shape (…, W, N)
             As :meth:`draw_scatter` draws it.
         rng : Generator
             Source of randomness.
 
         Returns
         -------
-        ndarray, shape (W, N)
+        ndarray, shape (…, W, N)
             Signed friction [N] as :meth:`observed` reads it from the currents with the
             median torque constant, whatever that of the draw; the idle curve's error,
             which all runs share, is left out.

@@ -210,7 +210,7 @@ class AxisLikelihood(GroupedLikelihood):
     def draw_observed(
         self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator
     ) -> Array:
-        """Draw what rows would show of friction that deviates so from the law, (W, N)."""
+        """Draw what rows would show of friction that deviates so from the law, (…, W, N)."""
         error = np.sqrt(self._reduced(theta)[1])
         noise = error * rng.standard_normal(deviation.shape)
         return np.asarray(self.law(theta) * (1 + deviation) + noise)

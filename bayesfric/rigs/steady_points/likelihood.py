@@ -123,7 +123,7 @@ class PointsLikelihood(GroupedLikelihood):
     def draw_observed(
         self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator
     ) -> Array:
-        """Draw readings of friction that deviates so from the law, (W, N) [N]."""
+        """Draw readings of friction that deviates so from the law, (…, W, N) [N]."""
         noise = self._error(theta) * rng.standard_normal(deviation.shape)
         return np.asarray(self.law(theta) * (1 + deviation) + noise)
 
