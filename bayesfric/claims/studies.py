@@ -20,6 +20,7 @@ from bayesfric.fitting.hypothesis import Hypothesis, chart_of, model_of
 from bayesfric.fitting.predictive.left_out import leave_setups_out, setup_log_densities
 from bayesfric.inference.evidence import (
     ELPD,
+    LEAST_FOR_A_MEAN,
     Evidence,
     SeparatedModes,
     bridge_evidence,
@@ -260,7 +261,13 @@ def _sampled(model: Model, laplace: Laplace, seed: int) -> Array:
 def _apart(model: Model, seed: int, proposals: int) -> Studied:
     """Draw how far two rigs are apart: that is all that is asked of them."""
     laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
-    weighed = importance_draws(model.log_posterior, laplace, proposals, chart_of(model))
+    weighed = importance_draws(
+        model.log_posterior,
+        laplace,
+        proposals,
+        chart_of(model),
+        least_effective=LEAST_FOR_A_MEAN,
+    )
     if weighed is not None:
         z = weighed[1]
     else:

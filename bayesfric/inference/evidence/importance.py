@@ -35,11 +35,12 @@ from bayesfric.inference.proposals import (
     resampled,
 )
 
-__all__ = ["importance_draws"]
+__all__ = ["LEAST_FOR_A_MEAN", "importance_draws"]
 
 Array = NDArray[np.float64]
 
 SIZE = 4000
+LEAST_FOR_A_MEAN = 0.1  # of a sample; a mean over draws takes fewer than an evidence
 TRIES = 3  # each from a proposal that is fitted to the sample before
 DEFENSIVE, WIDER = 0.1, 2.0
 """Share of the sample that is drawn from a wider proposal, which bounds the weights in the tails;

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bayesfric.inference.evidence.importance import importance_draws
+from bayesfric.inference.evidence.importance import LEAST_FOR_A_MEAN, importance_draws
 from bayesfric.inference.evidence.record import Evidence
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.proposals import SAMPLING_SPACE, Chart, LogDensity
@@ -28,7 +28,6 @@ from bayesfric.inference.proposals import SAMPLING_SPACE, Chart, LogDensity
 __all__ = ["Refit", "refit_without"]
 
 Array = NDArray[np.float64]
-LEAST_EFFECTIVE = 0.1  # a mean over draws, which a refit is for, takes fewer than an evidence
 
 
 @dataclass(frozen=True)
@@ -87,5 +86,5 @@ def refit_without(
         return np.where(rest < np.inf, rest, -np.inf)
 
     laplace = laplace_approximation(without, start, scale)
-    found = importance_draws(without, laplace, seed, chart, least_effective=LEAST_EFFECTIVE)
+    found = importance_draws(without, laplace, seed, chart, least_effective=LEAST_FOR_A_MEAN)
     return None if found is None else Refit(found[1], found[0])
