@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
+from bayesfric.arrays import Array
 from bayesfric.errors import Fault, InputError
 from bayesfric.margins.answer import (
     against_the_spec,
@@ -48,7 +48,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Margins", "compute_margins"]
 
-Array = NDArray[np.float64]
 
 SIMULATED = 200
 SHARED = 1000  # draws for the shares of variance

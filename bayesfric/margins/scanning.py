@@ -11,14 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.margins.hunting import run_length
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.simulating import Motion, simulate
 
 __all__ = ["GAMMAS", "REST", "Condition", "HuntingMap", "look", "run", "speeds_of"]
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 COUNTS_A_SAMPLE = (0.1, 0.2, 0.5, 1.0, 1.5, 2.5, 5.0, 10.0)
 """Reference speeds, besides rest, where the file has no range of its own."""
@@ -137,7 +136,7 @@ def run(shaft: LoopAtShaft, conditions: tuple[Condition, ...], gamma: Array) -> 
 def look(
     shaft: LoopAtShaft,
     speeds: tuple[Condition, ...],
-    few: NDArray[np.intp],
+    few: Whole,
     gammas: tuple[float, ...] = GAMMAS,
 ) -> tuple[HuntingMap, Motion]:
     """Simulate draws at every speed, after the file's kick, all in one go.

@@ -9,9 +9,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import beta
 
+from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.margins.describing import formula_conditions, steady_error
 from bayesfric.margins.hunting import run_length
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
@@ -23,8 +23,6 @@ from bayesfric.schemas import Held, Verification, VerifiedDraw
 
 __all__ = ["TOLERANCE", "jeffreys", "verify"]
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 TOLERANCE = 0.10
 """Relative difference up to which a figure and the simulation agree."""
@@ -94,9 +92,7 @@ def verify(shaft: LoopAtShaft, hunting: Hunting, count: int) -> Verification:
     )
 
 
-def _thresholds(
-    some: LoopAtShaft, hunting: Hunting, places: NDArray[np.intp]
-) -> tuple[Array, Flags]:
+def _thresholds(some: LoopAtShaft, hunting: Hunting, places: Whole) -> tuple[Array, Flags]:
     """Return the γ that hunts on the elastic cable, and which draws were tried.
 
     Each draw is run in the condition that decides it, or in that which decides most.

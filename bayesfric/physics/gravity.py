@@ -13,9 +13,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import elementwise
 
+from bayesfric.arrays import Array
 from bayesfric.physics.friction import Coefficients, coulomb_friction, equal_pulleys, tension_slope
 
 __all__ = [
@@ -28,8 +29,6 @@ __all__ = [
     "tension_feedback",
     "trajectory",
 ]
-
-Array = NDArray[np.float64]
 
 
 class Condition(NamedTuple):

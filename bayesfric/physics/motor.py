@@ -11,8 +11,9 @@ All functions broadcast over their arguments.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bayesfric.arrays import Array
 from bayesfric.physics.friction import (
     Coefficients,
     equal_pulleys,
@@ -28,8 +29,6 @@ __all__ = [
     "recursive_motor_friction",
     "tension_feedback",
 ]
-
-Array = NDArray[np.float64]
 
 
 class MotorCondition(NamedTuple):

@@ -9,11 +9,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from bayesfric.arrays import Array
 
 __all__ = ["SteppedMotion", "step_board"]
 
-Array = NDArray[np.float64]
 NEWTON_STEPS = 6
 
 

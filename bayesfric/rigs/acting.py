@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.effects import ActsOn
 from bayesfric.paper import table1
 from bayesfric.recording.frames import individual_angles
@@ -24,8 +24,6 @@ __all__ = [
     "trial_in_setup",
     "wrap_spread",
 ]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

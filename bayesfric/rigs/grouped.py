@@ -4,13 +4,11 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.inference.grouped_normal import GroupedNormal
 
 __all__ = ["GroupedLikelihood"]
-
-Array = NDArray[np.float64]
 
 
 class GroupedLikelihood(ABC):

@@ -10,12 +10,12 @@ only: its columns are the *local* ones. All are in units of their scale.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from bayesfric.arrays import Array, Whole
 
 __all__ = ["COEFFICIENTS", "Layout"]
 
 COEFFICIENTS = 3  # c1, c2, c3
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class Layout:
         found[self.own + self.candidates :, self.own + acting :] = np.eye(self.always)
         return found
 
-    def spread(self, columns: int, size: int) -> NDArray[np.intp]:
+    def spread(self, columns: int, size: int) -> Whole:
         """Return where a size's columns of a hypothesis stand among the numbers of all sizes.
 
         Those of the first size come first, then the next; what is shared comes last.

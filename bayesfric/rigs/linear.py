@@ -12,9 +12,9 @@ from typing import Any, Protocol
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Prior, Priors
+from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.effects import ActsOn, State
 from bayesfric.effects.candidates import Candidate
 from bayesfric.inference.information import Information
@@ -36,8 +36,6 @@ __all__ = [
     "rank",
     "rms_of",
 ]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -199,11 +197,11 @@ class LinearRig(Protocol):
         """Its noise parameters, by name."""
 
     @property
-    def size(self) -> NDArray[np.intp]:
+    def size(self) -> Whole:
         """Place of each trial's pulley size, (N,)."""
 
     @property
-    def setup(self) -> NDArray[np.intp]:
+    def setup(self) -> Whole:
         """Assembly of each trial, (N,)."""
 
     def evaluate(
@@ -211,7 +209,7 @@ class LinearRig(Protocol):
         noise: Mapping[str, float],
         mixing: Array,
         phases: Sequence[tuple[int, float, str]] = (),
-        used: NDArray[np.bool_] | None = None,
+        used: Flags | None = None,
     ) -> Evaluated:
         """Return what the data say of the numbers of a hypothesis.
 

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Priors
+from bayesfric.arrays import Array
 from bayesfric.effects import ActsOn, State
 from bayesfric.effects.candidates import Candidate, unit_values
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
@@ -22,7 +22,6 @@ from bayesfric.rigs.linear import LinearRig, NoiseParameter, rms_of
 
 __all__ = ["PointRows"]
 
-Array = NDArray[np.float64]
 NO_EVENTS = Unsupported("it acts on readings of events, and steady runs have none")
 NO_MOTOR = Unsupported("it acts on a motor's current, which nobody reads here")
 AVERAGES = Unsupported("it goes round with the pulleys, which averages out in a steady run")

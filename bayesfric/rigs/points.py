@@ -10,9 +10,9 @@ from copy import copy
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Priors
+from bayesfric.arrays import Array, Flags
 from bayesfric.effects.candidates import Candidate, on_friction
 from bayesfric.inference.information import Information
 from bayesfric.inference.smooths import Smooth
@@ -25,7 +25,6 @@ from bayesfric.rigs.windows import Windows
 
 __all__ = ["PointPart"]
 
-Array = NDArray[np.float64]
 LOG_2PI = float(np.log(2 * np.pi))
 
 
@@ -119,7 +118,7 @@ class PointPart:
         noise: Mapping[str, float],
         mixing: Array,
         phases: Sequence[tuple[int, float, str]] = (),
-        used: NDArray[np.bool_] | None = None,
+        used: Flags | None = None,
     ) -> Evaluated:
         """Return what the readings say; those at rest always enter, and no phases show."""
         runs = np.ones(len(self.setup), dtype=bool) if used is None else used

@@ -11,8 +11,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Whole
 from bayesfric.effects import State
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.inference.grouped_normal import GroupedNormal
@@ -29,8 +29,6 @@ from bayesfric.rigs.gravity_board.scatter import scatter_values
 from bayesfric.rigs.gravity_board.wander import Wander
 
 __all__ = ["TrialsAtRest"]
-
-Array = NDArray[np.float64]
 
 
 class TrialsAtRest:
@@ -176,7 +174,7 @@ class TrialsAtRest:
             found[:, trial] = np.exp(together - log_probability_above(*numbers, rest))
         return found
 
-    def _beside(self) -> "list[tuple[int, int, NDArray[np.intp]]]":
+    def _beside(self) -> "list[tuple[int, int, Whole]]":
         """Return each trial that moved beside some at rest: its place, its assembly's, theirs."""
         return [
             (trial, int(place), self._members[int(place)])

@@ -4,8 +4,9 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bayesfric.arrays import Array
 from bayesfric.effects import Reading, State
 from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.gravity import Condition, nominal_tension, trajectory
@@ -14,7 +15,6 @@ from bayesfric.rigs.acting import Acting, of_kind, total
 
 __all__ = ["Motion", "passing_times", "trial_motion"]
 
-Array = NDArray[np.float64]
 STEPS = 900  # of Runge-Kutta, over LONGEST times the time without effects
 LONGEST = 3.0
 CORRECTIONS = 3  # of an acceleration that its own tension changes, by a hundredth of itself

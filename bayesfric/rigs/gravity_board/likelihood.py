@@ -19,9 +19,9 @@ from typing import TypeAlias
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
+from bayesfric.arrays import Array
 from bayesfric.effects.terms import ActiveEffect, parameters_of, rough_values
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.grouped_normal import LOG_2PI, GroupedNormal, Groups
@@ -42,7 +42,6 @@ from bayesfric.rigs.gravity_board.wander import Wander
 
 __all__ = ["GravityLikelihood", "trial_condition"]
 
-Array = NDArray[np.float64]
 Scattered: TypeAlias = GroupedNormal | GroupedStudent | HeavyGroups
 START_SCATTER = 0.02  # of friction, a place to climb from
 ONLY_NORMAL = "normal, since for Student-t scatter trials that did not move have no likelihood"

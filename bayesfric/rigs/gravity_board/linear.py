@@ -15,9 +15,9 @@ from functools import cached_property
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Priors
+from bayesfric.arrays import Array, Flags
 from bayesfric.effects.candidates import Candidate, on_friction
 from bayesfric.inference.information import Information
 from bayesfric.inference.smooths import Smooth
@@ -41,8 +41,6 @@ from bayesfric.rigs.linear import Evaluated, Run
 from bayesfric.rigs.windows import Windows
 
 __all__ = ["GravityPart"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -182,7 +180,7 @@ class GravityPart:
         self._squeeze: Array | None = None
         self.random = np.hstack(random)
 
-    def _view(self, mixing: Array, trials: NDArray[np.bool_] | None, width: int) -> _View:
+    def _view(self, mixing: Array, trials: Flags | None, width: int) -> _View:
         key = mixing.tobytes() + str((*mixing.shape, width)).encode()
         if trials is None and key in self._views:
             return self._views[key]
@@ -211,7 +209,7 @@ class GravityPart:
         noise: Mapping[str, float],
         mixing: Array,
         phases: Sequence[tuple[int, float, str]] = (),
-        used: NDArray[np.bool_] | None = None,
+        used: Flags | None = None,
     ) -> Evaluated:
         """Return what the events say of the numbers of a hypothesis."""
         trials = np.ones(len(self.setup), dtype=bool) if used is None else used

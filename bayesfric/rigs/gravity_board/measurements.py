@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
+from bayesfric.arrays import Array
 from bayesfric.inference.priors import Parameter
 from bayesfric.inference.quadratic import gram
 from bayesfric.recording.tables import Gravity, RigConstants
@@ -22,7 +22,6 @@ from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 
 __all__ = ["Columns", "TrialMeasurements", "joined", "optional_column", "pilot_accelerations"]
 
-Array = NDArray[np.float64]
 START_SIGMA_A = 0.01  # m/s², a place to climb from
 
 

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Flags
 from bayesfric.inference.cosines import MODES, cosine_variances, cosines
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import Condition, board_friction, trajectory
@@ -26,7 +26,6 @@ from bayesfric.rigs.truth import Truth, laws_of
 
 __all__ = ["conditions_of", "draw_events", "lay_trials"]
 
-Array = NDArray[np.float64]
 LEAST_PATH_M = 0.001  # from release to the first event, so that the cable moves there
 LEAST_MOTION_M = 1e-6  # below it a trial did not move
 RELEASE_WINDOW_S = 0.3  # the release comes this long, at most, after the clock starts
@@ -66,7 +65,7 @@ def draw_events(
     sensor_rng: np.random.Generator,
     noise_rng: np.random.Generator,
     effects_rng: np.random.Generator,
-) -> tuple[pd.DataFrame, NDArray[np.bool_], NDArray[np.bool_]]:
+) -> tuple[pd.DataFrame, Flags, Flags]:
     """Return the events, which trials gave enough of them, and which did not move."""
     assert rig.hall_spacing_m and rig.magnets_per_revolution and rig.timer_resolution_s
     spacing, tick = rig.hall_spacing_m, rig.timer_resolution_s

@@ -17,9 +17,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
+from bayesfric.arrays import Array
 from bayesfric.effects import State
 from bayesfric.effects.terms import ActiveEffect, parameters_of, rough_values, total
 from bayesfric.inference.grouped_normal import GroupedNormal, Groups
@@ -32,7 +32,6 @@ from bayesfric.rigs.motor_board.places import RunPlaces, run_condition
 
 __all__ = ["MotorLikelihood", "idle_basis", "run_condition"]
 
-Array = NDArray[np.float64]
 TENSION_ITERATIONS = 2  # each takes the error of an effect's tension down by some 20
 LEAST_CURRENT_A = 1e-5  # of the noise, as a start, where the idle curve fits perfectly
 

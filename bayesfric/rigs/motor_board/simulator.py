@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.effects import State
 from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.motor import MotorCondition, load_current, motor_friction, nominal_tension
@@ -28,7 +28,6 @@ from bayesfric.rigs.truth import Truth, laws_of
 
 __all__ = ["lay_runs", "run_conditions", "simulate_motor"]
 
-Array = NDArray[np.float64]
 CURRENT_DECIMALS = 6  # of an ampere, as written down
 TENSION_ITERATIONS = 12  # each takes the error down by n k / 2, some 10
 
@@ -99,7 +98,7 @@ def simulate_motor(
     )
 
 
-def _idle(truth: Truth, velocity_m_s: NDArray[np.float64]) -> NDArray[np.float64]:
+def _idle(truth: Truth, velocity_m_s: Array) -> Array:
     level, slope, curvature = truth.idle_current
     speed = np.abs(velocity_m_s)
     return np.asarray(np.sign(velocity_m_s) * (level + slope * speed + curvature * speed**2))

@@ -6,9 +6,9 @@ from itertools import pairwise
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bayesfric.analysis import HalfNormal, LogNormal, Priors
+from bayesfric.arrays import Array, Flags
 from bayesfric.effects.candidates import Candidate, on_friction
 from bayesfric.inference.information import Information
 from bayesfric.inference.smooths import Smooth
@@ -29,7 +29,6 @@ from bayesfric.rigs.windows import Windows
 
 __all__ = ["AxisPart"]
 
-Array = NDArray[np.float64]
 LOG_2PI = float(np.log(2 * np.pi))
 SCATTER = (1e-4, 1.0)  # looked at
 ONCE = HalfNormal(scale=0.001)  # scatter of assemblies, each of which has one run
@@ -127,7 +126,7 @@ class AxisPart:
         noise: Mapping[str, float],
         mixing: Array,
         phases: Sequence[tuple[int, float, str]] = (),
-        used: NDArray[np.bool_] | None = None,
+        used: Flags | None = None,
     ) -> Evaluated:
         """Return what the rows say of the numbers; none of its effects has phases."""
         trial = self.rows.readings.trial

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Priors
+from bayesfric.arrays import Array, Flags
 from bayesfric.effects import ActsOn, State
 from bayesfric.effects.candidates import Candidate, unit_values
 from bayesfric.physics.axis import AxisLaw
@@ -22,7 +22,6 @@ from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
 
 __all__ = ["AxisRows", "state_of", "varied_columns"]
 
-Array = NDArray[np.float64]
 NO_SENSOR = Unsupported("it acts on readings of sensors that an axis has not")
 UNKNOWN_PHASE = Unsupported("its phase would be anew in every run, and an axis knows its place")
 KNOWN = ("run", "order", "setup", "role", "trial", "pulley_size", "n_pulleys", "wrap_angle_deg")
@@ -202,7 +201,7 @@ def state_of(
     rows: Readings,
     law: AxisLaw,
     table: pd.DataFrame,
-    tested: NDArray[np.bool_],
+    tested: Flags,
     measures: Measures,
     constants: RigConstants,
     further: Sequence[str] = (),

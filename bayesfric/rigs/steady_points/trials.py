@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis, PriorOverrides
 from bayesfric.effects import PULLEYS, Effect, State
@@ -36,7 +35,6 @@ from bayesfric.rigs.steady_points.simulator import DESIGN
 
 __all__ = ["RIG", "SteadyPoints", "SteadyTrials"]
 
-Array = NDArray[np.float64]
 NOT_PULLEY_BY_PULLEY = Unsupported("Without pulleys, nothing goes pulley by pulley.")
 VISCOUS_IS_AN_EFFECT = Unsupported("Here viscous friction is an effect, which is diagnosed.")
 NO_TENSION = Unsupported("No tension_n was recorded to which friction could be proportional.")
