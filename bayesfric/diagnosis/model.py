@@ -21,7 +21,7 @@ from bayesfric.inference.information import Information, Reduced
 from bayesfric.inference.priors import log_density
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.data import Data
-from bayesfric.rigs.layout import COEFFICIENTS, Layout
+from bayesfric.rigs.layout import COEFFICIENTS, Layout, ModelColumns
 from bayesfric.rigs.linear import Evaluated, LinearRig, NoiseParameter
 
 __all__ = ["LinearModel"]
@@ -110,20 +110,19 @@ class LinearModel:
             [sd for _, sd in little],
             [sd for one in nuisances for sd in one],
         )
+        columns = ModelColumns(
+            self.layout,
+            own,
+            self.candidates,
+            shared,
+            self.scales,
+            self.friction_scale,
+            self.scattering,
+            by_trial,
+            analysis.priors,
+        )
         self.rigs: tuple[LinearRig, ...] = tuple(
-            one.laid_out(
-                self.layout,
-                place=place,
-                own=own,
-                candidates=self.candidates,
-                shared=shared,
-                scales=self.scales,
-                friction_scale=self.friction_scale,
-                scattering=self.scattering,
-                by_trial=by_trial,
-                priors=analysis.priors,
-            )
-            for place, one in enumerate(rows)
+            one.laid_out(columns, place) for place, one in enumerate(rows)
         )
         self.noise: tuple[NoiseParameter, ...] = tuple(n for rig in self.rigs for n in rig.noise)
         self.lawbook = lawbook(self.candidates)

@@ -22,7 +22,7 @@ from bayesfric.inference.priors import log_density
 from bayesfric.paper import table1
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.layout import Layout
+from bayesfric.rigs.layout import Layout, ModelColumns
 from bayesfric.rigs.windows import Windows
 
 __all__ = [
@@ -181,8 +181,8 @@ class LinearRows(Protocol):
     def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
         """Return the prior standard deviations of numbers that are the rig's own."""
 
-    def laid_out(self, layout: Layout, **given: Any) -> "LinearRig":
-        """Return the rig with the columns of a model."""
+    def laid_out(self, model: ModelColumns, place: int) -> "LinearRig":
+        """Return the rig with the columns of a model, at its place among all."""
 
 
 class LinearRig(Protocol):

@@ -88,8 +88,8 @@ def event_trains(events: pd.DataFrame, trial_ids: pd.Series, spacing_m: float) -
     EventTrains
         Sorted by trial, in the order of `trial_ids`, and sensor.
     """
-    trial = pd.Whole(trial_ids).get_indexer(pd.Whole(events["trial"]))
-    sensor = pd.Whole(SENSORS).get_indexer(pd.Whole(events["sensor"]))
+    trial = pd.Index(trial_ids).get_indexer(pd.Index(events["trial"]))
+    sensor = pd.Index(SENSORS).get_indexer(pd.Index(events["sensor"]))
     time = events["time_s"].to_numpy(dtype=np.float64)
     key = trial * len(SENSORS) + sensor
     row = np.lexsort((time, key))[np.count_nonzero(trial < 0) :]

@@ -30,7 +30,7 @@ from bayesfric.rigs.gravity_board.measurements import optional_column
 from bayesfric.rigs.gravity_board.paths import POINTS, motion_untold
 from bayesfric.rigs.gravity_board.reference_motion import PUSHED, ReferenceMotion
 from bayesfric.rigs.gravity_board.stray_trials import far_from_their_own
-from bayesfric.rigs.layout import Layout
+from bayesfric.rigs.layout import ModelColumns
 from bayesfric.rigs.linear import LinearRig, rms_of
 
 __all__ = ["NO_CURRENT", "GravityRows"]
@@ -292,11 +292,11 @@ class GravityRows(ReferenceMotion):
         both = (self.events.regressors[:2] != 0).any(axis=1).all()
         return (LATE_S,) if both else ()
 
-    def laid_out(self, layout: Layout, **given: Any) -> LinearRig:
+    def laid_out(self, model: ModelColumns, place: int) -> LinearRig:
         """Return the rig with the columns of a model."""
         from bayesfric.rigs.gravity_board.linear import GravityPart
 
-        return GravityPart(self, layout, **given)
+        return GravityPart(self, model, place)
 
     def relative_deviation(self) -> Array:
         """Return how far each trial's friction is from the law, as a share of it, (N,)."""

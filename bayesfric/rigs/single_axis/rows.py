@@ -14,7 +14,7 @@ from bayesfric.effects.candidates import Candidate, unit_values
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.layout import Layout
+from bayesfric.rigs.layout import ModelColumns
 from bayesfric.rigs.linear import LinearRig, rank, rms_of
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.readings import Readings
@@ -179,11 +179,11 @@ class AxisRows:
         """Return no trial: runs differ by their scatter."""
         return ()
 
-    def laid_out(self, layout: Layout, **given: Any) -> LinearRig:
+    def laid_out(self, model: ModelColumns, place: int) -> LinearRig:
         """Return the rig with the columns of a model."""
         from bayesfric.rigs.single_axis.linear import AxisPart
 
-        return AxisPart(self, layout, **given)
+        return AxisPart(self, model, place)
 
     def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
         """Return the prior standard deviation of the clocks' difference [s]."""
