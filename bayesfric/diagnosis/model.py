@@ -19,6 +19,7 @@ from bayesfric.effects import Effect
 from bayesfric.effects.candidates import Candidate, on_friction, prior_moments
 from bayesfric.inference.information import Information, Reduced
 from bayesfric.inference.priors import log_density
+from bayesfric.inference.smooths import Smooth
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.layout import COEFFICIENTS, Layout, ModelColumns
@@ -94,7 +95,7 @@ class LinearModel:
         self.forms = list(forms)
         nuisances = [one.nuisance_scales(analysis.priors) for one in rows]
         little = [*self.discrepancy.amounts, *forms]
-        shared = [*smooths, *(candidate for candidate, _ in little)]
+        shared: list[Smooth | Candidate] = [*smooths, *(candidate for candidate, _ in little)]
         self.layout = Layout(
             data.sizes,
             sum(one.count for one in own),
