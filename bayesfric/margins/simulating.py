@@ -26,7 +26,7 @@ from bayesfric.margins.shaft import Shaft, StiffShaft
 from bayesfric.margins.swing import STEADY_SHARE, Swing
 from bayesfric.margins.traces import Record, Traces
 
-__all__ = ["Motion", "follow", "simulate"]
+__all__ = ["LoopMotion", "follow", "simulate"]
 
 
 EARLY_TWICE = 2
@@ -38,7 +38,7 @@ LOOKED_AT_EVERY = 8
 
 
 @dataclass(frozen=True)
-class Motion:
+class LoopMotion:
     """How the loop answered, a number a draw.
 
     Parameters
@@ -83,7 +83,7 @@ def simulate(
     lasts: ArrayLike = STEADY_SHARE,
     substeps: int = 1,
     traces: bool = False,
-) -> Motion:
+) -> LoopMotion:
     """Run the loop for some time after a kick.
 
     The reference moves at constant speed from 0. The shaft begins with the reference's
@@ -118,7 +118,7 @@ def simulate(
 
     Returns
     -------
-    Motion
+    LoopMotion
         A number a draw.
 
     Raises
@@ -154,7 +154,7 @@ def simulate(
             over = run.k >= run.swing.end
             if over.sum() > 0.1 * over.size or over.all():
                 run.retire(over)
-    return Motion(**run.found, traces=None if record is None else record.traces())
+    return LoopMotion(**run.found, traces=None if record is None else record.traces())
 
 
 def follow(

@@ -17,7 +17,7 @@ from bayesfric.margins.hunting import run_length
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.rows import interval_of
 from bayesfric.margins.scanning import REST, run
-from bayesfric.margins.simulating import Motion, simulate
+from bayesfric.margins.simulating import LoopMotion, simulate
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
 from bayesfric.schemas import Held, Verification, VerifiedDraw
 
@@ -177,7 +177,7 @@ def _at_rest(some: LoopAtShaft) -> tuple[Flags, tuple[Held, ...]]:
     )
 
 
-def _run(some: LoopAtShaft, gamma: Array, kick: Array, speed: Array, duration: float) -> Motion:
+def _run(some: LoopAtShaft, gamma: Array, kick: Array, speed: Array, duration: float) -> LoopMotion:
     """Simulate all draws in several cases, each of shape (cases, draws)."""
     rows = np.tile(np.arange(gamma.shape[1]), gamma.shape[0])
     loop = some.taken(rows).sampled(gamma.ravel())

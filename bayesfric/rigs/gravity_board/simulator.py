@@ -18,8 +18,8 @@ from bayesfric.inference.cosines import MODES, cosine_variances, cosines
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import Condition, board_friction, trajectory
 from bayesfric.recording.tables import RigConstants
-from bayesfric.rigs.acting import Acting, draw_phases, of_kind, surroundings
-from bayesfric.rigs.gravity_board.effects_on_trials import Motion, passing_times, trial_motion
+from bayesfric.rigs.acting import PhasedEffect, draw_phases, of_kind, surroundings
+from bayesfric.rigs.gravity_board.effects_on_trials import TrialMotion, passing_times, trial_motion
 from bayesfric.rigs.gravity_board.event_trains import SENSORS
 from bayesfric.rigs.protocols import TRAVEL_M, Assembly, Protocol
 from bayesfric.rigs.truth import Truth, laws_of
@@ -140,11 +140,11 @@ def _motion(
     law: Coefficients,
     condition: Condition,
     factor: Array,
-    acting: Sequence[Acting],
+    acting: Sequence[PhasedEffect],
     around: Mapping[str, Any],
     wander: Callable[[Array], Array] | None,
     push_m_s: Array,
-) -> Motion:
+) -> TrialMotion:
     """Return the motion of each trial from its release, shape (N, …)."""
     if wander or of_kind(acting, "friction") or of_kind(acting, "drive"):
         end = TRAVEL_M + PAST_M

@@ -17,7 +17,7 @@ from bayesfric.effects import State
 from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.motor import MotorCondition, load_current, motor_friction, nominal_tension
 from bayesfric.recording.tables import Motor, RigConstants
-from bayesfric.rigs.acting import Acting, draw_phases, of_kind, surroundings, total
+from bayesfric.rigs.acting import PhasedEffect, draw_phases, of_kind, surroundings, total
 from bayesfric.rigs.protocols import (
     IDLE_REPEATS,
     IDLE_SPEEDS_M_S,
@@ -118,7 +118,7 @@ def run_conditions(runs: pd.DataFrame, rig: RigConstants) -> MotorCondition:
 def _forces(
     law: Coefficients,
     condition: MotorCondition,
-    acting: Sequence[Acting],
+    acting: Sequence[PhasedEffect],
     around: Mapping[str, Any],
 ) -> tuple[Array, Array | float]:
     """Return friction without scatter and what scatter leaves alone, both signed [N]."""
