@@ -135,8 +135,6 @@ class SteadyTrials(PlainTrials):
             return VISCOUS_IS_AN_EFFECT
         if law.name == "recursive" and not self.bench.has_pulleys:
             return NOT_PULLEY_BY_PULLEY
-        if why := super().refuses(law):
-            return VISCOUS_IS_AN_EFFECT if not self.bench.has_pulleys else why
         lacks_slope = "tension_n" not in self.bench.given
         return NO_TENSION if lacks_slope and "c2" in law.without else None
 
