@@ -9,7 +9,6 @@ from importlib import import_module
 from itertools import count
 from pathlib import Path
 from pkgutil import iter_modules
-from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -201,7 +200,7 @@ def check_claims(
             SelfContradiction.model_validate(one._asdict()) for one in contradictions()
         ),
     )
-    groups = _curves(findings) | models_kept(studied)
+    groups = _curves(findings) | models_kept(studied, _compared(claims, entered, studied))
     seconds = time.perf_counter() - began
     return Checked(identified(summary), xr.DataTree.from_dict(groups), seconds)
 
@@ -215,51 +214,40 @@ def _studied(
     progress: Callable[[int, int], None] | None = None,
     keeping: Checkpoint = NOTHING_KEPT,
 ) -> dict[Task, Studied]:
-    """Study all hypotheses: the law and each claim's best rival with draws, the rest screened."""
-    by_claim = [claim.tasks(entered) for claim in claims]
-    tasks = list(dict.fromkeys(task for some in by_claim for task in some))
-    own = {task for task in tasks if task.hypothesis == entered.baseline}
-    rivals = [[task for task in some if task.whole and task not in own] for some in by_claim]
+    """Study all hypotheses."""
+    tasks = list(dict.fromkeys(task for claim in claims for task in claim.tasks(entered)))
     steps = count(1)
-    total = len(tasks) + sum(map(bool, rivals))  # claims may share their best rival
 
     def done() -> None:
         step = next(steps)
         if progress is not None:
-            progress(step, max(step, total))
+            progress(step, len(tasks))
 
-    kept: dict[str, Any] = {"keeping": keeping, "done": done}
-    studied = study_all(tasks, entered.data, analysis, effects, executor, sampled=own, **kept)
-    # One whose draws sit in separate places has no evidence after all: then the next best.
-    while best := {one for some in rivals if (one := _best_rival(some, studied))}:
-        studied |= study_all(
-            [task for task in tasks if task in best],
-            entered.data,
-            analysis,
-            effects,
-            executor,
-            sampled=best,
-            screened=studied,
-            **kept,
-        )
-    return studied
+    return study_all(tasks, entered.data, analysis, effects, executor, keeping=keeping, done=done)
 
 
-def _best_rival(rivals: Sequence[Task], studied: Mapping[Task, Studied]) -> Task | None:
-    """Return the rival with the largest evidence, if it has no draws for prediction yet."""
-    known = [task for task in rivals if studied[task].evidence is not None]
-    if not known:
-        return None
-    best = max(known, key=lambda task: log_evidence(studied[task]))
-    return None if studied[best].prediction else best
+def _compared(
+    claims: Sequence[Claim], entered: Entered, studied: Mapping[Task, Studied]
+) -> set[Task]:
+    """Return the law and each claim's best rival, given all sizes together."""
+    found = {task for task in studied if task.hypothesis == entered.baseline}
+    for claim in claims:
+        rivals = [
+            task
+            for task in claim.tasks(entered)
+            if task.whole and task not in found and studied[task].evidence is not None
+        ]
+        if rivals:
+            found.add(max(rivals, key=lambda task: log_evidence(studied[task])))
+    return found
 
 
 def screen_claims(
     recording: Recording, analysis: Analysis | None = None, *, executor: Executor | None = None
 ) -> dict[str, tuple[float, float]]:
-    """Weigh the claims that have rivals by importance sampling alone, where that is reliable.
+    """Weigh the claims that have rivals, and judge none of them.
 
-    A quick look: it cannot support or refute, which takes draws.
+    A quick look at all sizes together: Bayes factors alone.
 
     Parameters
     ----------
@@ -277,7 +265,7 @@ def screen_claims(
     claims = [claim for claim in compared if not claim.untestable(entered)]
     tasks = list(dict.fromkeys(task for claim in claims for task in claim.tasks(entered)))
     effects = rival_effects(analysis)
-    studied = study_all(tasks, entered.data, analysis, effects, executor, sampled=())
+    studied = study_all(tasks, entered.data, analysis, effects, executor)
     found = {}
     for claim in claims:
         own, *rivals = (studied[task] for task in claim.tasks(entered))

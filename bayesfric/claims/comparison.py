@@ -58,9 +58,7 @@ def compare(claim: Claim, case: Case) -> Finding:
     curve = np.array(
         [bayes_factor(own, list(known.values()), place)[0] for place in range(len(WIDTHS))]
     )
-    # Draws, which prediction needs, there are of the best rival; screening picked it.
-    drawn = {one: found.prediction for one, found in known.items() if found.prediction}
-    best = max(drawn, key=lambda one: log_evidence(known[one]))
+    best = max(known, key=lambda one: log_evidence(known[one]))
     bounds = {
         one.label: float(np.quantile(found.size, 0.95))
         for one, found in known.items()
@@ -69,8 +67,10 @@ def compare(claim: Claim, case: Case) -> Finding:
     bound = max(bounds.values(), default=0.0)
     best_size = known[best].size
     beyond = float((best_size > rules.region_of_equivalence).mean()) if best_size.size else 1.0
-    assert own.prediction is not None  # the law is always sampled where it has an evidence
-    predicted = difference(own.prediction, drawn[best])
+    of_best = known[best].prediction
+    assert own.prediction is not None
+    assert of_best is not None  # of all sizes together there is one with each evidence
+    predicted = difference(own.prediction, of_best)
     elpd_errors = predicted.elpd / predicted.se if predicted.se > 0 else 0.0
     widths = np.array(WIDTHS)
     stable = curve[(widths > 0.999 * STABLE_OVER[0]) & (widths < 1.001 * STABLE_OVER[1])]
@@ -104,9 +104,6 @@ def compare(claim: Claim, case: Case) -> Finding:
         "elpd_unreliable_for": "; ".join(predicted.unreliable),
     }
     figures |= could_be_found(case, known)
-    notes = [f"{one.label}: {found.why}" for one, found in known.items() if found.why]
-    if notes:
-        figures["disagreeing_evidence"] = "; ".join(notes)
     return Finding(
         verdict,
         reason,

@@ -1,26 +1,26 @@
 """Draws of the claims' law and of its rivals, laid out so that ArviZ compares them."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 import xarray as xr
 
 from bayesfric.claims.studies import Studied, Task
 
-__all__ = ["models_kept"]
+__all__ = ["NOT_BEST", "models_kept"]
 
-SCREENED = (
-    "weighed by importance sampling alone; of a claim's rivals the best one is drawn, and the law"
-)
+NOT_BEST = "of a claim's rivals only the draws of the best are kept"
 
 
-def models_kept(studied: Mapping[Task, Studied]) -> dict[str, xr.Dataset]:
+def models_kept(studied: Mapping[Task, Studied], chosen: Collection[Task]) -> dict[str, xr.Dataset]:
     """Return the groups of ``claims.nc`` that hold draws.
 
     Parameters
     ----------
     studied : mapping of Task to Studied
         Every hypothesis.
+    chosen : collection of Task
+        Whose draws are kept, where there are any.
 
     Returns
     -------
@@ -34,17 +34,14 @@ def models_kept(studied: Mapping[Task, Studied]) -> dict[str, xr.Dataset]:
     if not whole:
         return {}
     names = {task: f"{task.data}/{task.hypothesis.label}" for task in whole}
-    why = [
-        "" if one.kept is not None else (one.why if one.evidence is None else SCREENED)
-        for one in whole.values()
-    ]
+    why = [one.why or ("" if task in chosen else NOT_BEST) for task, one in whole.items()]
     groups = {
         "models": xr.Dataset(
             {"why": ("hypothesis", np.array(why))}, coords={"hypothesis": list(names.values())}
         )
     }
     for task, one in whole.items():
-        if one.kept is None:
+        if one.kept is None or task not in chosen:
             continue
         chains, draws, _ = one.kept.log_likelihood.shape
         place = {"chain": np.arange(chains), "draw": np.arange(draws)}

@@ -1,6 +1,6 @@
 """A hypothesis studied: its evidence, what it predicts, and how large its effect is."""
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import Executor, as_completed
 from dataclasses import dataclass, field
 from functools import partial
@@ -22,10 +22,9 @@ from bayesfric.inference.evidence import (
     ELPD,
     Evidence,
     SeparatedModes,
-    agree,
     bridge_evidence,
+    importance_draws,
     in_one_place,
-    laplace_draws,
 )
 from bayesfric.inference.laplace import Laplace, laplace_approximation
 from bayesfric.inference.model import Model
@@ -65,7 +64,7 @@ class Task(NamedTuple):
 
     @property
     def whole(self) -> bool:
-        """Whether all sizes enter, which then are sampled and not only screened."""
+        """Whether all sizes enter."""
         return "/" not in self.data
 
     @property
@@ -80,7 +79,7 @@ class Kept(NamedTuple):
     Parameters
     ----------
     theta : mapping of str to ndarray, shape (chain, draw)
-        By parameter; a chain is an ensemble.
+        By parameter; a chain is an ensemble, or a part of an importance sample.
     setups : tuple of str
         Its J assemblies.
     log_likelihood : ndarray, shape (chain, draw, J)
@@ -99,24 +98,22 @@ class Studied:
     Parameters
     ----------
     evidence : Evidence or None
-        By bridge sampling, or by importance sampling alone where it was screened only;
+        By importance sampling or, where that is not to be relied on, by bridge sampling;
         None where none can be had.
     why : str
-        Why there is no evidence, or in what two estimates of it differ.
+        Why there is no evidence.
     theta : mapping of str to ndarray, shape (S,)
         Draws by parameter; empty of one size.
     prediction : ELPD or None
-        Of each assembly left out in turn; None where screened only.
+        Of each assembly left out in turn; None of one size.
     widths : ndarray, shape (len(WIDTHS),)
         Change of the log evidence as the width of an amplitude's prior is multiplied
         by :data:`WIDTHS`; empty without an effect.
     size : ndarray, shape (S,)
         Largest share of friction that the effect makes at its edge, over pulley sizes,
         draw by draw; empty without an effect.
-    laplace : Laplace or None
-        The mode, where it was screened only, for draws that are wanted later.
     kept : Kept or None
-        Some of the draws, where it was not screened only.
+        Some of the draws; None of one size.
     """
 
     evidence: Evidence | None
@@ -125,7 +122,6 @@ class Studied:
     prediction: ELPD | None = None
     widths: Array = field(default_factory=lambda: np.empty(0))
     size: Array = field(default_factory=lambda: np.empty(0))
-    laplace: Laplace | None = None
     kept: Kept | None = None
 
 
@@ -136,8 +132,6 @@ def study_all(
     effects: dict[str, Effect],
     executor: Executor | None,
     *,
-    sampled: Collection[Task],
-    screened: Mapping[Task, Studied] | None = None,
     keeping: Checkpoint = NOTHING_KEPT,
     done: Callable[[], None] = lambda: None,
 ) -> dict[Task, Studied]:
@@ -155,11 +149,6 @@ def study_all(
         Effects by name.
     executor : Executor or None
         Where to compute; None is here.
-    sampled : collection of Task
-        Those that need draws; for the others importance sampling suffices where it is
-        reliable.
-    screened : mapping of Task to Studied, or None
-        Studies without draws, whose modes need not be looked for again.
     keeping : Checkpoint
         Keeps each study when it is done, and has those that were done before.
     done : callable
@@ -170,9 +159,8 @@ def study_all(
     dict of Task to Studied
         The same whatever the executor.
     """
-    before = screened or {}
     each = [
-        (data[task.data], analysis, task, effects, task not in sampled, before.get(task))
+        (data[task.data], analysis, task, effects)
         for task in sorted(tasks, key=lambda task: _cost(task, effects), reverse=True)
     ]
     found: dict[Task, Studied] = {}
@@ -181,6 +169,10 @@ def study_all(
         found[given[2]] = keeping.record(_name(given), Studied, compute)
         done()
 
+    if executor is not None:
+        # What likelihoods of the same trials share is tabulated here, and travels with these.
+        for name in dict.fromkeys(task.data for task in tasks):
+            model_of(data[name], analysis, Hypothesis(), effects)
     running = {}
     for one in each:
         if executor is None or keeping.has(_name(one)):
@@ -196,30 +188,22 @@ def _cost(task: Task, effects: dict[str, Effect]) -> int:
     """Return what takes longest, and should not be left for the end: a rank."""
     shapes = [effects[name].shape is not None for name, _ in task.hypothesis.effects]
     along = [effects[name].along_path for name, _ in task.hypothesis.effects]
-    return 4 * task.whole + 2 * any(shapes) + any(along)
+    return 8 * task.apart + 4 * task.whole + 2 * any(shapes) + any(along)
 
 
-Given = tuple[Data, Analysis, Task, dict[str, Effect], bool, Studied | None]
+Given = tuple[Data, Analysis, Task, dict[str, Effect]]
 
 
 def _name(given: Given) -> str:
     """Return the name of a study as a piece, which says all that differs from another's."""
-    task, screen = given[2], given[4]
-    return f"{'screened' if screen else 'drawn'}-{sha256(repr(task).encode()).hexdigest()[:16]}"
+    return f"studied-{sha256(repr(given[2]).encode()).hexdigest()[:16]}"
 
 
 def _study_one(given: Given) -> Studied:
     return _study(*given)
 
 
-def _study(
-    data: Data,
-    analysis: Analysis,
-    task: Task,
-    effects: dict[str, Effect],
-    screen: bool,
-    before: Studied | None,
-) -> Studied:
+def _study(data: Data, analysis: Analysis, task: Task, effects: dict[str, Effect]) -> Studied:
     # The seed rests on what is studied, not on how many things are.
     words = f"{task.data} {task.hypothesis.law} {task.hypothesis.label}".encode()
     seed, proposals = np.random.SeedSequence([analysis.seed, *words]).generate_state(2)
@@ -228,90 +212,63 @@ def _study(
         if task.apart:
             first, second = model.likelihoods
             return _apart(ApartModel(first, second, analysis.priors), int(seed), int(proposals))
-        if before is not None and before.laplace is not None and before.evidence is not None:
-            laplace, rough = before.laplace, before.evidence
+        start = _start(model, task.hypothesis, effects)
+        laplace = laplace_approximation(model.log_posterior, start, model.scale())
+        weighed = importance_draws(model.log_posterior, laplace, int(proposals), chart_of(model))
+        if weighed is None:
+            draws = _sampled(model, laplace, int(seed))
+            try:
+                evidence = bridge_evidence(model.log_posterior, draws, int(proposals))
+            except SeparatedModes as found:
+                return Studied(None, str(found))
+            z = draws.reshape(-1, draws.shape[-1])
         else:
-            start = _start(model, task.hypothesis, effects)
-            laplace = laplace_approximation(model.log_posterior, start, model.scale())
-            rough, resampled = laplace_draws(model.log_posterior, laplace, int(proposals))
-            if rough.reliable and not task.whole:
-                return Studied(rough)
-            if rough.reliable and screen:
-                drawn = model.by_name(model.natural(resampled))
-                widths = _over_widths(drawn, task.hypothesis, effects)
-                size = _size_at_edge(data, drawn, task.hypothesis, effects)
-                return Studied(rough, "", drawn, widths=widths, size=size, laplace=laplace)
-        run = _run(laplace)
-        draws = sample(
-            model.log_posterior,
-            laplace,
-            run,
-            int(seed),
-            converged=in_one_place,
-            chart=chart_of(model),
-        )
-        try:
-            evidence = bridge_evidence(model.log_posterior, draws.z, int(proposals))
-        except SeparatedModes as found:
-            return Studied(None, str(found))
+            evidence, z = weighed
         if not task.whole:
             return Studied(evidence)
-        theta = model.natural(draws.z).reshape(-1, len(model.parameters))
-        named = model.by_name(theta)
-        flat = draws.z.reshape(theta.shape)
-        some = flat[np.linspace(0, len(flat) - 1, POINTWISE_DRAWS).astype(int)]
+        some = z[np.linspace(0, len(z) - 1, POINTWISE_DRAWS).astype(int)]
         densities = setup_log_densities(model, some)
-        prediction = leave_setups_out(densities)
-        by_ensemble = (len(draws.z), -1)  # evenly spaced, so that each has as many
-        kept = Kept(
-            {
-                name: one.reshape(by_ensemble)
-                for name, one in model.by_name(model.natural(some)).items()
-            },
-            tuple(setup for one in model.likelihoods for setup in one.setups),
-            np.concatenate(densities, axis=1).reshape(
-                *by_ensemble, sum(one.shape[1] for one in densities)
-            ),
-        )
-    why = ""
-    if rough.reliable and not agree(evidence, rough):
-        why = (
-            f"bridge sampling and importance sampling differ: {evidence.log_evidence:.2f} ± "
-            f"{evidence.error:.2f} and {rough.log_evidence:.2f} ± {rough.error:.2f} nat"
-        )
+    named = model.by_name(model.natural(z))
+    by_chain = (SHORT_RUN.ensembles, -1)  # evenly spaced, so that each has as many
+    kept = Kept(
+        {name: one.reshape(by_chain) for name, one in model.by_name(model.natural(some)).items()},
+        tuple(setup for one in model.likelihoods for setup in one.setups),
+        np.concatenate(densities, axis=1).reshape(
+            *by_chain, sum(one.shape[1] for one in densities)
+        ),
+    )
     return Studied(
         evidence,
-        why,
+        "",
         named,
-        prediction,
+        leave_setups_out(densities),
         _over_widths(named, task.hypothesis, effects),
         _size_at_edge(data, named, task.hypothesis, effects),
-        kept=kept,
+        kept,
     )
+
+
+def _sampled(model: Model, laplace: Laplace, seed: int) -> Array:
+    """Draw by ensembles, shape (ensembles, kept, walkers, D)."""
+    walkers = max(WALKERS, 2 * laplace.mode.size)
+    settings = SHORT_RUN.model_copy(update={"walkers": walkers})
+    return sample(
+        model.log_posterior, laplace, settings, seed, converged=in_one_place, chart=chart_of(model)
+    ).z
 
 
 def _apart(model: Model, seed: int, proposals: int) -> Studied:
     """Draw how far two rigs are apart: that is all that is asked of them."""
     laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
-    rough, z = laplace_draws(model.log_posterior, laplace, proposals)
-    if not rough.reliable:
-        draws = sample(
-            model.log_posterior,
-            laplace,
-            _run(laplace),
-            seed,
-            converged=in_one_place,
-            chart=chart_of(model),
-        )
-        if not in_one_place(draws.z):
+    weighed = importance_draws(model.log_posterior, laplace, proposals, chart_of(model))
+    if weighed is not None:
+        z = weighed[1]
+    else:
+        draws = _sampled(model, laplace, seed)
+        if not in_one_place(draws):
             return Studied(None, "the draws sit in different places")
-        z = draws.z.reshape(-1, draws.z.shape[-1])
+        z = draws.reshape(-1, draws.shape[-1])
     return Studied(None, "no rival was weighed", model.by_name(model.natural(z)))
-
-
-def _run(laplace: Laplace) -> Sampler:
-    walkers = max(WALKERS, 2 * laplace.mode.size)
-    return SHORT_RUN.model_copy(update={"walkers": walkers})
 
 
 def _start(model: Model, hypothesis: Hypothesis, effects: dict[str, Effect]) -> Array:

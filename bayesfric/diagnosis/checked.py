@@ -17,12 +17,12 @@ from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.weighing import Weighed, log_volume
 from bayesfric.inference.diagnostics import smooth_weights
-from bayesfric.inference.evidence.proposal import Proposal
+from bayesfric.inference.proposals import StudentT
 
 __all__ = ["Checked", "factor_error", "noise_checked"]
 
 DRAWS = 64
-FREEDOM, INFLATION = 5, 1.3  # of the Student-t that is drawn from
+FREEDOM, INFLATION = 5.0, 1.3  # of the Student-t that is drawn from, and of its covariance
 LIMIT_K = 0.7  # Pareto k above which importance weights settle nothing
 TOLD = 8.0  # curvature by the logarithm of a noise that the data tell to a third
 
@@ -86,7 +86,8 @@ def noise_checked(
         return Checked(stood_for, 0.0, 0.0)  # readings whose errors are known: nothing to draw
     precision = curvature[np.ix_(drawn, drawn)]
     covariance = np.asarray(np.linalg.inv(precision), dtype=np.float64)
-    proposal = Proposal(mode[drawn], INFLATION * covariance, FREEDOM)
+    scale = INFLATION * covariance * (FREEDOM - 2) / FREEDOM
+    proposal = StudentT(mode[drawn], scale, FREEDOM)
     points = np.tile(mode, (DRAWS, 1))
     points[:, drawn] = proposal.draw(DRAWS, rng)
     weights, k = smooth_weights(

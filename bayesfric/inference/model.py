@@ -1,7 +1,7 @@
 """Priors and likelihoods put together: one log posterior for a whole ensemble."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import pandas as pd
@@ -18,11 +18,31 @@ from bayesfric.inference.priors import (
     to_normal,
 )
 
-__all__ = ["Model", "RigLikelihood"]
+__all__ = ["GivenRest", "Model", "RigLikelihood"]
 
 Array = NDArray[np.float64]
 START_RANGE = 6.0  # prior standard deviations; an estimate beyond is not believed
 BATCH = 24_000  # trials times walkers: more at once fall out of the processor's cache
+
+
+class GivenRest(NamedTuple):
+    """What is known of each trial and each assembly from all others, W sets of parameters.
+
+    Parameters
+    ----------
+    trial, setup : ndarray, shape (W, N) and (W, J)
+        Log density of each given the rest.
+    trial_cdf : ndarray, shape (W, N)
+        Probability of less friction than each trial's.
+    setup_cdf : ndarray, shape (W, J)
+        Probability of less friction than each assembly's; NaN of one that has none, or
+        where its scatter is not normal.
+    """
+
+    trial: Array
+    setup: Array
+    trial_cdf: Array
+    setup_cdf: Array
 
 
 class RigLikelihood(Protocol):
@@ -63,23 +83,17 @@ class RigLikelihood(Protocol):
     def setup_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
         """Return log densities of each group given the rest, shape (W, J)."""
 
-    def trial_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
-        """Return log densities of each trial given the rest, shape (W, N)."""
+    def given_rest(self, theta: Mapping[str, Array]) -> GivenRest:
+        """Return densities and probabilities of each trial and group given the rest."""
 
     def draw_again(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
         """Return by how much more each trial would show, made again given the rest, (W, N)."""
 
-    def setup_cdf(self, theta: Mapping[str, Array]) -> Array:
-        """Return the probability of less friction of each group given the rest, shape (W, J).
-
-        NaN of a group that has none, or where its scatter is not normal.
-        """
-
-    def trial_cdf(self, theta: Mapping[str, Array]) -> Array:
-        """Return the probability of less friction of each trial given the rest, shape (W, N)."""
-
     def draw_trial_cdf(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
-        """Return that of recordings made again, one for each set of parameters, shape (W, N)."""
+        """Return the probability of less friction than each trial's, of recordings made again.
+
+        One for each set of parameters, shape (W, N).
+        """
 
 
 class Model:

@@ -1,4 +1,4 @@
-"""What the ensembles' independence proposals are drawn from: a Student-t fitted to a density.
+"""A Student-t fitted to a density: what ensembles and importance samples propose from.
 
 It is fitted in the coordinates of a :class:`Chart`, to points of an importance sample around
 the mode. Where no such sample can be relied on, :mod:`bayesfric.inference.sampling` fits it
@@ -21,10 +21,20 @@ from scipy.special import gammaln, logsumexp
 from bayesfric.inference.diagnostics import smooth_weights
 from bayesfric.inference.laplace import Laplace
 
-__all__ = ["SAMPLING_SPACE", "Chart", "LogDensity", "Proposal", "StudentT", "importance_points"]
+__all__ = [
+    "LEAST_EFFECTIVE",
+    "SAMPLING_SPACE",
+    "Chart",
+    "LogDensity",
+    "Proposal",
+    "StudentT",
+    "importance_points",
+    "resampled",
+]
 
 Array = NDArray[np.float64]
 LogDensity = Callable[[Array], Array]
+Random = np.random.RandomState | np.random.Generator  # emcee has the former
 
 FREEDOMS = (6.0, 12.0, 24.0, 48.0)  # all of heavier tails than a normal density
 INFLATION = 1.1  # of a covariance: a posterior that is not normal is covered too
@@ -33,6 +43,7 @@ PASSES = 5  # each from a proposal that is fitted to the one before
 LIMIT_K = 0.7  # of the Pareto shape, above which weights are not to be relied on
 LEAST_EFFECTIVE = 0.25  # of the points
 LEAST_A_COORDINATE = 2  # points that count, for a covariance
+SLOPE_STEP = 1e-4  # of a chart's derivative, in standard deviations
 
 
 class StudentT:
@@ -74,7 +85,12 @@ class StudentT:
         ]
         return max(candidates, key=lambda student: float(student.log_density(points).sum()))
 
-    def draw(self, size: int, rng: np.random.RandomState, inflation: float = 1.0) -> Array:
+    def wider(self, factor: float) -> "StudentT":
+        """Return one of the same centre, `factor` times as wide, with the heaviest tails."""
+        root = factor * self._root
+        return StudentT(self.location, root @ root.T)
+
+    def draw(self, size: int, rng: Random, inflation: float = 1.0) -> Array:
         """Return draws of shape (size, D), `inflation` times as wide."""
         normal = rng.standard_normal((size, self.location.size))
         stretch = np.sqrt(self.freedom / rng.chisquare(self.freedom, size))
@@ -133,8 +149,18 @@ class Proposal:
         """Fit it to points of the sampling space, shape (N, D)."""
         return cls(StudentT.around(chart.forward(points)), chart)
 
+    @classmethod
+    def at_mode(cls, laplace: Laplace, chart: Chart) -> "Proposal":
+        """Carry a normal approximation over to the coordinates, with heavier tails."""
+        mode, sd = laplace.mode, np.sqrt(np.diag(laplace.covariance))
+        shifts = SLOPE_STEP * np.diag(sd)
+        rise = chart.forward(mode + shifts) - chart.forward(mode - shifts)
+        slope = rise.T / (2 * SLOPE_STEP * sd)
+        scale = slope @ laplace.covariance @ slope.T
+        return cls(StudentT(chart.forward(mode[None])[0], scale), chart)
+
     def draw(
-        self, size: int, rng: np.random.RandomState, inflation: float = 1.0
+        self, size: int, rng: Random, inflation: float = 1.0
     ) -> tuple[Array, NDArray[np.bool_]]:
         """Return draws, shape (size, D), and which of them are points of the sampling space."""
         z = self.chart.inverse(self.student.draw(size, rng, inflation))
@@ -153,7 +179,11 @@ class Proposal:
 
 
 def importance_points(
-    log_density: LogDensity, laplace: Laplace, chart: Chart, rng: np.random.RandomState
+    log_density: LogDensity,
+    laplace: Laplace,
+    chart: Chart,
+    rng: Random,
+    least_effective: float = LEAST_EFFECTIVE,
 ) -> Array | None:
     """Draw points of a density by importance sampling around its mode.
 
@@ -168,8 +198,10 @@ def importance_points(
         Normal approximation of the density.
     chart : Chart
         In which proposals are fitted.
-    rng : RandomState
+    rng : RandomState or Generator
         Source of randomness.
+    least_effective : float
+        Share of the points that have to count.
 
     Returns
     -------
@@ -177,7 +209,7 @@ def importance_points(
         Points of the sampling space, some more than once; None where the weights of no sample
         are to be relied on.
     """
-    proposal = Proposal(StudentT(laplace.mode, laplace.covariance))
+    proposal = Proposal.at_mode(laplace, chart)
     for _ in range(PASSES):
         z, possible = proposal.draw(POINTS, rng)
         z = z[possible]
@@ -185,15 +217,30 @@ def importance_points(
         if not np.isfinite(log_weights).any():
             return None
         weights = np.exp(log_weights - logsumexp(log_weights))
-        good = k < LIMIT_K and 1 / (weights**2).sum() > LEAST_EFFECTIVE * POINTS
+        good = k < LIMIT_K and 1 / (weights**2).sum() > least_effective * POINTS
         # Few points may hold most of the weight, and their covariance would be singular.
         weights = np.minimum(weights, 1 / np.sqrt(POINTS))
         if weights.sum() ** 2 / (weights**2).sum() < LEAST_A_COORDINATE * z.shape[1]:
             return None
-        # Systematic resampling: each point as often as its weight says, to within one.
-        ladder = (np.arange(POINTS) + rng.uniform()) / POINTS * weights.sum()
-        points: Array = z[np.minimum(np.searchsorted(np.cumsum(weights), ladder), len(z) - 1)]
+        points: Array = z[resampled(weights, POINTS, rng)]
         if good:
             return points
         proposal = Proposal.around(points, chart)
     return None
+
+
+def resampled(weights: Array, size: int, rng: Random) -> NDArray[np.intp]:
+    """Return places of points, each as often as its weight says, to within one.
+
+    Parameters
+    ----------
+    weights : ndarray, shape (N,)
+        Of the points, up to a factor.
+    size : int
+        How many are drawn, in the order of the points.
+    rng : RandomState or Generator
+        Source of randomness.
+    """
+    heap = np.cumsum(weights)
+    ladder = (np.arange(size) + rng.uniform()) / size * heap[-1]
+    return np.asarray(np.minimum(np.searchsorted(heap, ladder), len(weights) - 1))

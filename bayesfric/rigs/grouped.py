@@ -7,8 +7,9 @@ import numpy as np
 
 from bayesfric.arrays import Array
 from bayesfric.inference.grouped_normal import GroupedNormal
+from bayesfric.inference.model import GivenRest
 
-__all__ = ["GroupedLikelihood"]
+__all__ = ["GroupedLikelihood", "given_rest"]
 
 
 class GroupedLikelihood(ABC):
@@ -26,22 +27,24 @@ class GroupedLikelihood(ABC):
         """Return each assembly's log density given the others, shape (W, J)."""
         return self.normal(theta).group_log_density()
 
-    def trial_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
-        """Return each trial's log density given the others, shape (W, N)."""
-        return self.normal(theta).single_log_density()
+    def given_rest(self, theta: Mapping[str, Array]) -> GivenRest:
+        """Return densities and probabilities of each trial and assembly given the others."""
+        return given_rest(self.normal(theta))
 
     def draw_again(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
         """Return how much more each trial would read, made again given the others, (W, N)."""
         return self.normal(theta).draw_again(rng)
 
-    def setup_cdf(self, theta: Mapping[str, Array]) -> Array:
-        """Return the probability of less friction of each assembly given the others, (W, J)."""
-        return self.normal(theta).group_cdf()
-
-    def trial_cdf(self, theta: Mapping[str, Array]) -> Array:
-        """Return the probability of less friction of each trial given the others, (W, N)."""
-        return self.normal(theta).single_cdf()
-
     def draw_trial_cdf(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
-        """Return :meth:`trial_cdf` of recordings made again with these parameters, (W, N)."""
+        """Return the probability of less friction than each trial's, made again, (W, N)."""
         return self.normal(theta).drawn(rng).single_cdf()
+
+
+def given_rest(normal: GroupedNormal) -> GivenRest:
+    """Return what a normal of trials says of each trial and assembly given the others."""
+    return GivenRest(
+        normal.single_log_density(),
+        normal.group_log_density(),
+        normal.single_cdf(),
+        normal.group_cdf(),
+    )

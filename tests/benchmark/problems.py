@@ -18,12 +18,10 @@ from bayesfric.inference.model import Model
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
 from bayesfric.recording import read_recording
 from bayesfric.recording.tables import Gravity, Recording
-from bayesfric.rigs.gravity_board.hall_events import reduce_events
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
-from bayesfric.rigs.gravity_board.measurements import TrialMeasurements
+from bayesfric.rigs.gravity_board.measurements import TrialMeasurements, event_table
 from bayesfric.rigs.gravity_board.places import TrialPlaces
 from bayesfric.rigs.gravity_board.screening import screen_trials
-from bayesfric.rigs.gravity_board.wander import Wander
 
 ROOT = Path(__file__).resolve().parents[2]
 RECORDING = ROOT / "data" / "recordings" / "synthetic-paper"
@@ -71,7 +69,8 @@ def gravity_of(problem: Problem, recording: Recording) -> Gravity:
     events = events.reset_index(drop=True)
     if problem.events:
         return Gravity(trials, events)
-    measured = TrialMeasurements(Gravity(trials, events), recording.rig, Analysis())
+    seen = Gravity(trials, events)
+    measured = TrialMeasurements(seen, event_table(seen, recording.rig), Analysis())
     found = measured.at(NOISE).acceleration()
     trials["acceleration_m_s2"] = found.mean[0]
     trials["acceleration_sd_m_s2"] = np.sqrt(found.variance[0])
@@ -113,15 +112,7 @@ def arrays_of(model: Model, gravity: Gravity, recording: Recording) -> dict[str,
             "acceleration": stated["acceleration_m_s2"].to_numpy(),
             "acceleration_sd": stated["acceleration_sd_m_s2"].to_numpy(),
         }
-    wander = Wander(places, Analysis())
-    table = reduce_events(
-        gravity.events,
-        gravity.trials["trial"],
-        spacing_m=recording.rig.hall_spacing_m,
-        tick_s=recording.rig.timer_resolution_s,
-        first_speed_scale=Analysis().priors.first_speed.scale,
-        scattered=wander.columns.travel,
-    )
+    table = places.table.with_first_speed(Analysis().priors.first_speed.scale)
     spline = table.spline
     knots = np.unique(spline.t[spline.k : -spline.k])
     powers = range(spline.k, -1, -1)  # a polynomial a piece, for Horner's scheme

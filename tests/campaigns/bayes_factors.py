@@ -69,7 +69,7 @@ def case(given):
     hypotheses = Hypothesis(), Hypothesis(effects=((name, law),))
     tasks = [Task("gravity", one) for one in hypotheses]
     data = Entered.of(recording).data
-    studied = study_all(tasks, data, analysis, {name: effect}, None, sampled=())
+    studied = study_all(tasks, data, analysis, {name: effect}, None)
     without, with_effect = (studied[task].evidence for task in tasks)
     narrower = float(studied[tasks[1]].widths[NARROW])
     log_bayes_factor = with_effect.log_evidence - without.log_evidence

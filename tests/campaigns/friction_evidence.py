@@ -4,8 +4,8 @@ from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis, Sampler
 from bayesfric.effects import all_effects
-from bayesfric.fitting.hypothesis import Hypothesis, model_of
-from bayesfric.inference.evidence import bridge_evidence, in_one_place, laplace_draws
+from bayesfric.fitting.hypothesis import Hypothesis, chart_of, model_of
+from bayesfric.inference.evidence import bridge_evidence, importance_draws, in_one_place
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.sampling import sample
 from bayesfric.rigs import all_rigs
@@ -33,7 +33,7 @@ def case(name):
         laplace = laplace_approximation(density, model.start(), model.scale())
         draws = sample(density, laplace, settings, SEED, converged=in_one_place)
         bridge = bridge_evidence(density, draws.z, SEED)
-        large = laplace_draws(density, laplace, SEED + 1, size=DRAWS)[0]
+        large, _ = importance_draws(density, laplace, SEED + 1, chart_of(model), DRAWS)
     return {
         "hypothesis": name,
         "bridge": bridge.log_evidence,

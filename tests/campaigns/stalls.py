@@ -9,8 +9,8 @@ importance sampling around the mode.
 import numpy as np
 
 from bayesfric.analysis import Analysis
-from bayesfric.fitting.hypothesis import Hypothesis, model_of
-from bayesfric.inference.evidence import laplace_draws
+from bayesfric.fitting.hypothesis import Hypothesis, chart_of, model_of
+from bayesfric.inference.evidence import importance_draws
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.data import Data
@@ -58,7 +58,7 @@ def posterior(trials, seed):
     """Return mean less truth and sd of each coefficient, and the Pareto k of the weights."""
     model = model_of(Data((trials,)), Analysis(), Hypothesis(), {})
     laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
-    evidence, z = laplace_draws(model.log_posterior, laplace, seed, DRAWS)
+    evidence, z = importance_draws(model.log_posterior, laplace, seed, chart_of(model), DRAWS)
     named = model.by_name(model.natural(z))
     found = {"pareto_k": evidence.pareto_k}
     for size, law in LAWS.items():

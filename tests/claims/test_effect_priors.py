@@ -45,7 +45,7 @@ def test_a_prior_ten_times_wider_favours_the_claim_by_a_factor_of_ten():
     wide = {"viscous": {"slope": HalfNormal(scale=10 * prior.scale)}}
     task = Task("gravity/small", Hypothesis(effects=(("viscous", "constant"),)))
     narrow, broad = (
-        study_all([task], entered.data, Analysis(), effects, None, sampled=())[task].evidence
+        study_all([task], entered.data, Analysis(), effects, None)[task].evidence
         for effects in (all_effects(), with_priors(all_effects(), wide))
     )
     error = np.hypot(narrow.error, broad.error)
@@ -56,7 +56,7 @@ def test_a_prior_ten_times_wider_favours_the_claim_by_a_factor_of_ten():
 def test_claims_take_the_priors_of_the_analysis(monkeypatch):
     taken = {}
 
-    def study(tasks, data, analysis, effects, executor, *, sampled, **more):
+    def study(tasks, data, analysis, effects, executor, **more):
         taken.update(effects)
         return dict.fromkeys(tasks, Studied(None))
 

@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 
 from bayesfric.claims import check_claims
-from bayesfric.claims.kept_draws import models_kept
+from bayesfric.claims.kept_draws import NOT_BEST, models_kept
 from bayesfric.claims.studies import Kept, Studied, Task
 from bayesfric.fitting.hypothesis import Hypothesis
 from bayesfric.results import read_tree
@@ -22,12 +22,13 @@ def test_arviz_finds_the_rival_whose_every_assembly_is_less_likely():
     density = rng.normal(0.0, 0.1, (4, 250, 12))
     setups = tuple(f"s{place:03d}" for place in range(12))
     theta = {"tau": rng.normal(size=(4, 250))}
-    law, rival, third = (
+    law, rival, third, fourth = (
         Task("gravity", one)
         for one in (
             Hypothesis(),
             Hypothesis(effects=(("viscous", "constant"),)),
             Hypothesis(effects=(("slip", "constant"),)),
+            Hypothesis(effects=(("viscous", "tension"),)),
         )
     )
     groups = models_kept(
@@ -35,8 +36,10 @@ def test_arviz_finds_the_rival_whose_every_assembly_is_less_likely():
             law: Studied(None, kept=Kept(theta, setups, density)),
             rival: Studied(None, kept=Kept(theta, setups, density - 0.5)),
             third: Studied(None, "separate places"),
+            fourth: Studied(None, kept=Kept(theta, setups, density)),
             Task("gravity/small", Hypothesis()): Studied(None),
-        }
+        },
+        [law, rival],
     )
     tree = xr.DataTree.from_dict(groups)["models"]
     why = dict(zip(tree["hypothesis"].to_numpy(), tree["why"].to_numpy(), strict=True))
@@ -44,6 +47,7 @@ def test_arviz_finds_the_rival_whose_every_assembly_is_less_likely():
         "gravity/paper": "",
         "gravity/viscous/constant": "",
         "gravity/slip/constant": "separate places",
+        "gravity/viscous/tension": NOT_BEST,
     }
     pair = {"law": tree["gravity/paper"], "rival": tree["gravity/viscous/constant"]}
     table = azs.compare(pair, **BY_ASSEMBLY)

@@ -8,10 +8,11 @@ import pytest
 from scipy import stats
 
 from bayesfric.analysis import Analysis, Sampler
+from bayesfric.fitting.hypothesis import chart_of
 from bayesfric.fitting.posterior import fit
 from bayesfric.fitting.predictive.assemblies import assemblies_of
 from bayesfric.fitting.predictive.left_out import LeftOut, leave_out
-from bayesfric.inference.evidence import reliable_draws
+from bayesfric.inference.evidence import importance_draws
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import Model
 from bayesfric.physics.friction import Coefficients
@@ -52,8 +53,7 @@ def drawn(recording, without=()):
     likelihood = GravityLikelihood(Gravity(trials, events), recording.rig, Analysis())
     model = Model([likelihood])
     laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
-    found, z = reliable_draws(model.log_posterior, laplace, 1)
-    assert found.reliable
+    _, z = importance_draws(model.log_posterior, laplace, 1, chart_of(model))
     return model, likelihood, laplace.mode, z
 
 
@@ -65,7 +65,7 @@ def test_a_probability_is_that_of_a_posterior_that_never_saw_the_assembly():
     unseen, _, _, others = drawn(recording, without=[setup])
     named = unseen.by_name(unseen.natural(others[::4]))
     place = likelihood.setups.index(setup)
-    exact = likelihood.setup_cdf(named)[:, place].mean()
+    exact = likelihood.given_rest(named).setup_cdf[:, place].mean()
     assert stats.norm.isf(left.setup_pit[place]) == pytest.approx(stats.norm.isf(exact), abs=0.3)
     assert stats.norm.isf(exact) < -2.5
     rest = np.delete(left.setup_pit, place)

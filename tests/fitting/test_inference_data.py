@@ -88,7 +88,7 @@ def test_the_likelihood_adds_up_to_that_of_the_whole(draws, small_recording):
     total = sum(float(density[name].sum()) for name in density.data_vars)
     assert total == pytest.approx(likelihood.log_likelihood(theta)[0], rel=1e-12)
     assert density["friction"].to_numpy() == pytest.approx(
-        likelihood.trial_log_likelihood(theta)[0], rel=1e-7
+        likelihood.given_rest(theta).trial[0], rel=1e-7
     )
     prior = sum(float(one.isel(chain=3, draw=7).sum()) for one in draws["log_prior"].values())
     lp = float(draws["sample_stats"]["lp"].isel(chain=3, draw=7))

@@ -7,6 +7,7 @@ import pytest
 from scipy import stats
 
 from bayesfric.analysis import Analysis, HalfNormal, LogNormal, Priors, Sampler
+from bayesfric.fitting.hypothesis import chart_of
 from bayesfric.fitting.posterior import fit
 from bayesfric.fitting.predictive.left_out import (
     leave_out,
@@ -14,7 +15,7 @@ from bayesfric.fitting.predictive.left_out import (
     setup_log_densities,
     uniformity,
 )
-from bayesfric.inference.evidence import elpd, laplace_draws
+from bayesfric.inference.evidence import elpd, importance_draws
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import Model
 from bayesfric.recording.tables import Gravity
@@ -47,8 +48,7 @@ def fitted(recording, analysis=None, without=()):
     )
     model = Model([likelihood])
     laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
-    found, z = laplace_draws(model.log_posterior, laplace, 1, 6000)
-    assert found.reliable
+    found, z = importance_draws(model.log_posterior, laplace, 1, chart_of(model), 6000)
     return model, likelihood, laplace.mode, z, found
 
 

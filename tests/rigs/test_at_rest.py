@@ -117,7 +117,7 @@ def test_a_trial_that_moved_is_judged_beside_those_that_did_not():
         by_quadrature(trials, moved, condition, friction, [i for i in range(6) if i != left])
         for left in range(3)
     ]
-    density = likelihood.trial_log_likelihood(THETA)[0]
+    density = likelihood.given_rest(THETA).trial[0]
     assert density == pytest.approx(whole - np.array(rest), abs=1e-6)
     # The probability of less friction is the density's integral over more acceleration.
     nodes, weights = np.polynomial.legendre.leggauss(40)
@@ -125,8 +125,10 @@ def test_a_trial_that_moved_is_judged_beside_those_that_did_not():
     for value in trials["acceleration_m_s2"][1] + 0.1 * (1 + nodes):
         changed = trials.copy()
         changed.loc[1, "acceleration_m_s2"] = value
-        curve.append(np.exp(likelihood_of(changed, moved).trial_log_likelihood(THETA)[0, 1]))
-    assert likelihood.trial_cdf(THETA)[0, 1] == pytest.approx(0.1 * weights @ curve, abs=1e-6)
+        curve.append(np.exp(likelihood_of(changed, moved).given_rest(THETA).trial[0, 1]))
+    assert likelihood.given_rest(THETA).trial_cdf[0, 1] == pytest.approx(
+        0.1 * weights @ curve, abs=1e-6
+    )
 
 
 @pytest.mark.parametrize("steepness", [0.3, 1.0, 3.0, 8.0])

@@ -28,8 +28,7 @@ def events_table(recording):
         gravity.trials["trial"],
         spacing_m=SPACING,
         tick_s=TICK,
-        first_speed_scale=1.0,
-    )
+    ).with_first_speed(1.0)
 
 
 def law_friction(row, values):

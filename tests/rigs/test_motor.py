@@ -48,7 +48,7 @@ def test_leaving_out_runs_and_assemblies_is_a_ratio_of_densities():
     pieces = dense(motor, VALUES)
     whole = log_density(*pieces, np.arange(12))
     by_run = dict(
-        zip(likelihood.trials["trial"], likelihood.trial_log_likelihood(theta())[0], strict=True)
+        zip(likelihood.trials["trial"], likelihood.given_rest(theta()).trial[0], strict=True)
     )
     for place, run in enumerate(motor.runs["run"]):
         rest = np.delete(np.arange(12), place)
@@ -67,7 +67,9 @@ def test_probability_of_less_friction_of_a_run_given_all_other_currents():
     motor = board()
     current, mean, covariance = dense(motor, VALUES)
     likelihood = MotorLikelihood(motor, RIG, Analysis())
-    found = dict(zip(likelihood.trials["trial"], likelihood.trial_cdf(theta())[0], strict=True))
+    found = dict(
+        zip(likelihood.trials["trial"], likelihood.given_rest(theta()).trial_cdf[0], strict=True)
+    )
     for place, run in enumerate(motor.runs["run"]):
         rest = np.delete(np.arange(12), place)
         gain = covariance[place, rest] @ np.linalg.inv(covariance[np.ix_(rest, rest)])
@@ -124,10 +126,13 @@ def test_walkers_are_independent_rows():
         name: np.concatenate([one, two])
         for (name, one), two in zip(theta().items(), theta(**other).values(), strict=True)
     }
-    for density in ("log_likelihood", "setup_log_likelihood", "trial_log_likelihood"):
+    for density in ("log_likelihood", "setup_log_likelihood"):
         together = getattr(likelihood, density)(both)
         alone = getattr(likelihood, density)(theta(**other))
         assert together[1] == pytest.approx(alone[0], abs=1e-9)
+    together, alone = likelihood.given_rest(both), likelihood.given_rest(theta(**other))
+    for of_both, of_one in zip(together, alone, strict=True):
+        assert of_both[1] == pytest.approx(of_one[0], abs=1e-9, nan_ok=True)
 
 
 def test_observed_friction_is_datas_formula():
@@ -149,8 +154,9 @@ def test_runs_without_a_replicate_and_one_of_them():
     likelihood = MotorLikelihood(single, RIG, Analysis())
     assert likelihood.log_likelihood(theta())[0] == pytest.approx(expected, abs=1e-7)
     rest = log_density(*dense(single, VALUES), np.arange(1, 6))
-    for left_out in (likelihood.setup_log_likelihood, likelihood.trial_log_likelihood):
-        assert left_out(theta())[0] == pytest.approx([expected - rest], abs=1e-7)
+    given = likelihood.given_rest(theta())
+    for left_out in (likelihood.setup_log_likelihood(theta()), given.setup, given.trial):
+        assert left_out[0] == pytest.approx([expected - rest], abs=1e-7)
 
 
 def test_a_scatter_of_each_size():

@@ -13,17 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
+from bayesfric.fitting.hypothesis import chart_of
 from bayesfric.inference.evidence import (
     ELPD,
     Evidence,
     bridge_ratio,
     elpd,
+    importance_draws,
     loo_pit,
     refit_without,
-    reliable_draws,
 )
 from bayesfric.inference.laplace import laplace_approximation
-from bayesfric.inference.model import Model, RigLikelihood
+from bayesfric.inference.model import GivenRest, Model, RigLikelihood
 
 __all__ = [
     "LeftOut",
@@ -38,11 +39,12 @@ __all__ = [
 
 Array = NDArray[np.float64]
 Kind = Literal["trial", "setup"]
-DRAWS_A_CALL = 200  # Student-t scatter needs a grid for each
+DRAWS_A_CALL = 100  # Student-t scatter needs a grid for each
 AGAIN = 1000  # recordings made again
 GRID = np.arange(1, 50) / 50
 BAND = 0.95
 LARGEST_ERROR = 0.25  # of a refit's density [nat]; differences count from 4 nat on
+BRIDGED_TO = 0.05  # of a bridge [nat]: two evidences are known as well
 EDGE = 1e-16  # of a probability whose normal score is to be finite
 
 
@@ -131,20 +133,21 @@ def leave_out(
     LeftOut
         With exact refits wherever a Pareto k is above its limit.
     """
-    trial = by_blocks(model, likelihood.trial_log_likelihood, z)
-    setup = by_blocks(model, likelihood.setup_log_likelihood, z)
+    given = _given_rest(model, likelihood, z)
+    trial, setup = given.trial, given.setup
     trials, without = _leave_out(model, likelihood, "trial", trial, start, seed)
     setups, unseen_setups = _leave_out(model, likelihood, "setup", setup, start, seed)
     pit, again = np.empty(0), np.empty((0, trial.shape[1]))
     setup_pit = np.empty(0)
     if setups is not None:
-        setup_pit = loo_pit(by_blocks(model, likelihood.setup_cdf, z), setup)
+        setup_pit = loo_pit(given.setup_cdf, setup)
         for place, unseen in unseen_setups.items():
-            setup_pit[place] = by_blocks(model, likelihood.setup_cdf, unseen)[:, place].mean()
+            refitted = _given_rest(model, likelihood, unseen)
+            setup_pit[place] = refitted.setup_cdf[:, place].mean()
     if trials is not None:
-        pit = loo_pit(by_blocks(model, likelihood.trial_cdf, z), trial)
+        pit = loo_pit(given.trial_cdf, trial)
         for place, unseen in without.items():
-            pit[place] = by_blocks(model, likelihood.trial_cdf, unseen)[:, place].mean()
+            pit[place] = _given_rest(model, likelihood, unseen).trial_cdf[:, place].mean()
         some = z[np.linspace(0, len(z) - 1, min(AGAIN, len(z))).astype(int)]
         rng = np.random.default_rng(np.random.SeedSequence([seed, 3]))
         again = by_blocks(model, partial(likelihood.draw_trial_cdf, rng=rng), some)
@@ -268,28 +271,29 @@ def _leave_out(
     """Return the predictive densities, and the draws of each refit by its group's place."""
     if not np.isfinite(log_likelihood).all():
         return None, {}
-    density = getattr(likelihood, f"{kind}_log_likelihood")
+    chart = chart_of(model)
     refits: dict[int, Array] = {}
 
     @cache
     def seen() -> Evidence | None:
         """Of all data; most boards have no use for it."""
         laplace = laplace_approximation(model.log_posterior, start, model.scale())
-        found = reliable_draws(model.log_posterior, laplace, seed)
+        found = importance_draws(model.log_posterior, laplace, seed, chart)
         return None if found is None else found[0]
 
     def refit(place: int) -> float | None:
         def conditional(points: Array) -> Array:
-            return by_blocks(model, density, points)[:, place]
+            found: Array = getattr(_given_rest(model, likelihood, points), kind)[:, place]
+            return found
 
         own = int(np.random.SeedSequence([seed, len(kind), place]).generate_state(1)[0])
-        unseen = refit_without(model.log_posterior, conditional, start, model.scale(), own)
+        unseen = refit_without(model.log_posterior, conditional, start, model.scale(), own, chart)
         if unseen is None:
             return None
         # The evidence of all data over that without the group: by a bridge between the draws
         # of either, or, where these are too far apart, by importance both.
         value, error = bridge_ratio(log_likelihood[:, place], conditional(unseen.draws))
-        if error > LARGEST_ERROR and (whole := seen()) is not None:
+        if error > BRIDGED_TO and (whole := seen()) is not None:
             error = float(np.hypot(whole.error, unseen.evidence.error))
             value = whole.log_evidence - unseen.evidence.log_evidence
         if error > LARGEST_ERROR:
@@ -300,7 +304,17 @@ def _leave_out(
     return elpd(log_likelihood, refit), refits
 
 
+def _given_rest(model: Model, likelihood: RigLikelihood, z: Array) -> GivenRest:
+    """Return what each trial and assembly is given the rest, of many points."""
+    parts = [likelihood.given_rest(model.by_name(model.natural(one))) for one in _blocks(z)]
+    return GivenRest(*(np.concatenate(one) for one in zip(*parts, strict=True)))
+
+
 def by_blocks(model: Model, function: Callable[..., Array], z: Array) -> Array:
     """Return what a likelihood says of many points, some at a time, shape (S, …)."""
-    blocks = (z[start : start + DRAWS_A_CALL] for start in range(0, len(z), DRAWS_A_CALL))
-    return np.concatenate([function(model.by_name(model.natural(block))) for block in blocks])
+    parts = [function(model.by_name(model.natural(one))) for one in _blocks(z)]
+    return np.concatenate(parts)
+
+
+def _blocks(z: Array) -> list[Array]:
+    return [z[start : start + DRAWS_A_CALL] for start in range(0, len(z), DRAWS_A_CALL)]

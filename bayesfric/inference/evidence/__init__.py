@@ -1,9 +1,9 @@
 """Evidence of a density and what leaving data out predicts; knows nothing of friction."""
 
 from bayesfric.inference.evidence.bridge import bridge_evidence, bridge_ratio, in_one_place
-from bayesfric.inference.evidence.importance import laplace_draws, reliable_draws
+from bayesfric.inference.evidence.importance import importance_draws
 from bayesfric.inference.evidence.leave_out import ELPD, Difference, difference, elpd, loo_pit
-from bayesfric.inference.evidence.record import Evidence, SeparatedModes, agree
+from bayesfric.inference.evidence.record import Evidence, SeparatedModes
 from bayesfric.inference.evidence.refit import Refit, refit_without
 
 __all__ = [
@@ -12,14 +12,12 @@ __all__ = [
     "Evidence",
     "Refit",
     "SeparatedModes",
-    "agree",
     "bridge_evidence",
     "bridge_ratio",
     "difference",
     "elpd",
+    "importance_draws",
     "in_one_place",
-    "laplace_draws",
     "loo_pit",
     "refit_without",
-    "reliable_draws",
 ]

@@ -28,8 +28,8 @@ from scipy.optimize import brentq
 from scipy.special import expit
 
 from bayesfric.inference.diagnostics import mean_ess, multivariate_r_hat
-from bayesfric.inference.evidence.proposal import LogDensity, evaluate, fit_proposal
 from bayesfric.inference.evidence.record import Evidence, SeparatedModes
+from bayesfric.inference.proposals import LogDensity, StudentT
 
 __all__ = ["bridge_evidence", "bridge_ratio", "in_one_place"]
 
@@ -71,7 +71,7 @@ def bridge_evidence(
         Ensembles or walkers sample different modes, or no Student-t overlaps with the
         draws.
     ValueError
-        Draws of another shape, not finite, or where the density is zero.
+        Draws of another shape, not finite, or where the density is zero or no number.
     """
     if draws.ndim != 4 or draws.shape[1] < 2 * STEPS_A_HALF[-1] or not np.isfinite(draws).all():
         raise ValueError(
@@ -119,15 +119,15 @@ def _bridge(
 ) -> tuple[float, float]:
     """Return the log evidence and its error, of the `used` draws."""
     size = used.shape[-1]
-    proposal = fit_proposal(fitted.reshape(-1, size))
+    proposal = StudentT.around(fitted.reshape(-1, size))
     used = _thinned(used)
     points = used.reshape(-1, size)
-    at_points = evaluate(log_density, points)
+    at_points = _evaluated(log_density, points)
     if not np.isfinite(at_points).all():
         raise ValueError("the density is zero at a draw: the draws are of another density")
     at_draws = (at_points - proposal.log_density(points)).reshape(used.shape[:-1])
     proposed = proposal.draw(DRAWS_A_HALF, rng)
-    at_proposed = evaluate(log_density, proposed) - proposal.log_density(proposed)
+    at_proposed = _evaluated(log_density, proposed) - proposal.log_density(proposed)
 
     # Dependent draws count for less, which is known once the bridge stands.
     counted = float(at_draws.size)
@@ -145,6 +145,14 @@ def _bridge(
         + of_proposed.var() / of_proposed.mean() ** 2 / DRAWS_A_HALF
     )
     return log_evidence, float(np.sqrt(variance))
+
+
+def _evaluated(log_density: LogDensity, points: Array) -> Array:
+    """Return log densities, finite or −inf where the density is zero, shape (N,)."""
+    values = log_density(points)
+    if not (values < np.inf).all():
+        raise ValueError("a log density is NaN or +inf")
+    return values
 
 
 def _stand(at_draws: Array, at_proposed: Array, counted: float) -> tuple[float, Array, Array]:

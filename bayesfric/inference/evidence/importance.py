@@ -1,8 +1,10 @@
-"""The log evidence without draws: importance sampling around the mode.
+"""The log evidence by importance sampling around the mode, and draws of the density.
 
-The normal approximation gives a Student-t to draw from, with tails that are heavier
-than those of most densities; the weights are Pareto-smoothed. Meant to screen: it
-takes a fraction of a second and says when it is not to be relied on.
+The proposal is fitted to importance samples of its own until much of a sample counts
+(:func:`bayesfric.inference.proposals.importance_points`); the sample that is weighed is drawn
+afterwards, since one that has been chosen by its weights is biased. It is of a mixture of that
+proposal and a wider one, and its weights are Pareto-smoothed. No chain has to be run, and where
+the weights are not to be relied on that is seen.
 
 References
 ----------
@@ -10,6 +12,10 @@ A. Vehtari, D. Simpson, A. Gelman, Y. Yao, J. Gabry, "Pareto smoothed importance
 sampling", Journal of Machine Learning Research 25 (2024).
 J. Geweke, "Bayesian inference in econometric models using Monte Carlo integration",
 Econometrica 57 (1989).
+T. Hesterberg, "Weighted average importance sampling and defensive mixture distributions",
+Technometrics 37 (1995).
+O. Cappé, A. Guillin, J.-M. Marin, C. P. Robert, "Population Monte Carlo", Journal of
+Computational and Graphical Statistics 13 (2004).
 """
 
 import numpy as np
@@ -17,116 +23,94 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from bayesfric.inference.diagnostics import smooth_weights
-from bayesfric.inference.evidence.proposal import LogDensity, Proposal, evaluate
 from bayesfric.inference.evidence.record import Evidence
 from bayesfric.inference.laplace import Laplace
+from bayesfric.inference.proposals import (
+    LEAST_EFFECTIVE,
+    SAMPLING_SPACE,
+    Chart,
+    LogDensity,
+    Proposal,
+    importance_points,
+    resampled,
+)
 
-__all__ = ["laplace_draws", "reliable_draws"]
+__all__ = ["importance_draws"]
 
 Array = NDArray[np.float64]
 
-FREEDOM = 5
-INFLATION = 1.3  # of the covariance: weights suffer less from too wide than from too narrow
-GOOD_K, LIMIT_K = 0.5, 0.7  # below the first the weights have a variance
-LEAST_SIZE = 200
-SIZES = 2000, 4000  # of a sample, and of another where the first is not to be relied on
+SIZE = 4000
+TRIES = 3  # each from a proposal that is fitted to the sample before
+DEFENSIVE, WIDER = 0.1, 2.0
+"""Share of the sample that is drawn from a wider proposal, which bounds the weights in the tails;
+how much wider."""
+LIMIT_K = 0.7  # of the Pareto shape, above which weights are not to be relied on
 
 
-def laplace_draws(
+def importance_draws(
     log_density: LogDensity,
     laplace: Laplace,
-    seed: int | np.random.Generator,
-    size: int = 2000,
-) -> tuple[Evidence, Array]:
+    seed: int,
+    chart: Chart = SAMPLING_SPACE,
+    size: int = SIZE,
+    least_effective: float = LEAST_EFFECTIVE,
+) -> tuple[Evidence, Array] | None:
     """Estimate the log evidence around one mode, and resample the points by their weights.
 
-    Where the tail of the weights is bad, the proposal is fitted anew to the weighted
-    sample, once, and a fresh sample drawn. A mode far from this one cannot be noticed.
+    A mode far from this one cannot be noticed.
 
     Parameters
     ----------
     log_density : callable
-        Unnormalised; points of shape (W, D) to log densities of shape (W,).
+        Unnormalised; points of shape (W, D) to log densities of shape (W,), −inf where it
+        is zero.
     laplace : Laplace
         Its normal approximation.
-    seed : int or Generator
-        Of the sample.
+    seed : int
+        Of the samples.
+    chart : Chart
+        In which the proposal is fitted.
     size : int
-        Points of a sample, at least 200.
+        Points of the sample that is weighed.
+    least_effective : float
+        Share that has to count of the sample that the proposal is fitted to.
 
     Returns
     -------
     evidence : Evidence
-        Of infinite error where the Pareto k is above 0.7.
+        With its standard error.
     draws : ndarray, shape (size, D)
-        Of the density, some of them more than once; as good as the evidence is.
+        Of the density, some of them more than once; in no order.
 
-    Raises
-    ------
-    ValueError
-        Too small a sample, or the density is zero at all of its points.
+    None where no sample around the mode is to be relied on.
     """
-    if size < LEAST_SIZE:
-        raise ValueError(f"a sample of {size} points; at least {LEAST_SIZE} are needed")
     rng = np.random.default_rng(seed)
-    proposal = Proposal(laplace.mode, INFLATION * laplace.covariance, FREEDOM)
-    points, log_weights, k = _sample(log_density, proposal, size, rng)
-    if k > GOOD_K:
-        proposal = _refitted(points, log_weights)
-        points, log_weights, k = _sample(log_density, proposal, size, rng)
-    total = logsumexp(log_weights)
-    # Relative variance of the mean weight.
-    variance = np.exp(logsumexp(2 * log_weights) - 2 * total) - 1 / size
-    error = float(np.sqrt(max(variance, 0.0))) if k <= LIMIT_K else float("inf")
+    points = importance_points(log_density, laplace, chart, rng, least_effective)
+    for _ in range(TRIES):
+        if points is None:
+            return None
+        z, log_weights, k = _weighed(log_density, Proposal.around(points, chart), size, rng)
+        total = logsumexp(log_weights)
+        weights = np.exp(log_weights - total)
+        if k <= LIMIT_K:
+            break
+        points = z[resampled(np.minimum(weights, 1 / np.sqrt(size)), size, rng)]
+    else:
+        return None
+    # Points outside of the sampling space are draws too, of weight zero.
+    error = float(np.sqrt(max((weights**2).sum() - 1 / size, 0.0)))
     evidence = Evidence(float(total - np.log(size)), error, "importance sampling", k)
-    # Systematic resampling: each point as often as its weight says, to within one.
-    ladder = (np.arange(size) + rng.uniform()) / size
-    chosen = np.searchsorted(np.cumsum(np.exp(log_weights - total)), ladder)
-    return evidence, points[np.minimum(chosen, size - 1)]
+    return evidence, rng.permutation(z[resampled(weights, size, rng)])
 
 
-def reliable_draws(
-    log_density: LogDensity, laplace: Laplace, seed: int
-) -> tuple[Evidence, Array] | None:
-    """Estimate and resample, again with more points where the first sample is unreliable.
-
-    Where the tails of a density are barely light enough, one sample in eight has a Pareto k
-    above its limit by chance.
-
-    Parameters
-    ----------
-    log_density, laplace, seed
-        As for :func:`laplace_draws`.
-
-    Returns
-    -------
-    tuple of (Evidence, ndarray) or None
-        As of :func:`laplace_draws`; None where neither sample is reliable.
-    """
-    for size in SIZES:
-        found, draws = laplace_draws(log_density, laplace, seed, size)
-        if found.reliable:
-            return found, draws
-    return None
-
-
-def _sample(
-    log_density: LogDensity, proposal: Proposal, size: int, rng: np.random.Generator
+def _weighed(
+    log_density: LogDensity, fitted: Proposal, size: int, rng: np.random.Generator
 ) -> tuple[Array, Array, float]:
-    """Return points, smoothed log weights and Pareto k."""
-    points = proposal.draw(size, rng)
-    log_weights = evaluate(log_density, points) - proposal.log_density(points)
-    if not np.isfinite(log_weights).any():
-        raise ValueError("the density is zero all around the mode")
-    return points, *smooth_weights(log_weights)
-
-
-def _refitted(points: Array, log_weights: Array) -> Proposal:
-    """Return a proposal with the moments of the weighted sample."""
-    weights = np.exp(log_weights - logsumexp(log_weights))
-    # Few points may hold most of the weight, and their covariance would be singular:
-    # none counts for more than the root of the sample.
-    weights = np.minimum(weights, 1 / np.sqrt(len(points)))
-    mean = np.average(points, axis=0, weights=weights)
-    covariance = np.atleast_2d(np.cov(points, rowvar=False, aweights=weights))
-    return Proposal(mean, INFLATION * covariance, FREEDOM)
+    """Draw from a proposal and a wider one; return points, smoothed log weights, Pareto k."""
+    wider = Proposal(fitted.student.wider(WIDER), fitted.chart)
+    parts = (1 - DEFENSIVE, fitted), (DEFENSIVE, wider)
+    counts = rng.multinomial(size, [share for share, _ in parts])
+    drawn = [one.draw(count, rng) for count, (_, one) in zip(counts, parts, strict=True)]
+    z = np.concatenate([points[possible] for points, possible in drawn])
+    proposed = np.logaddexp(*(np.log(share) + one.log_density(z) for share, one in parts))
+    return z, *smooth_weights(log_density(z) - proposed)

@@ -2,9 +2,7 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
-__all__ = ["Evidence", "SeparatedModes", "agree"]
+__all__ = ["Evidence", "SeparatedModes"]
 
 
 class SeparatedModes(ValueError):  # noqa: N818 — a finding about the density, named as one
@@ -24,7 +22,7 @@ class Evidence:
     log_evidence : float
         The estimate [nat].
     error : float
-        Its standard error [nat]; inf where the estimate is not to be relied on.
+        Its standard error [nat].
     method : str
         How it was found, in a few words.
     pareto_k : float or None
@@ -35,28 +33,3 @@ class Evidence:
     error: float
     method: str
     pareto_k: float | None = None
-
-    @property
-    def reliable(self) -> bool:
-        """Whether the error is finite."""
-        return bool(np.isfinite(self.error))
-
-
-def agree(first: Evidence, second: Evidence, errors: float = 3.0) -> bool:
-    """Say whether two estimates of one evidence agree.
-
-    Parameters
-    ----------
-    first, second : Evidence
-        Of the same density, found independently.
-    errors : float
-        How many combined standard errors they may differ by.
-
-    Returns
-    -------
-    bool
-        False also where either is unreliable: it confirms nothing.
-    """
-    combined = np.hypot(first.error, second.error)
-    apart = abs(first.log_evidence - second.log_evidence)
-    return first.reliable and second.reliable and bool(apart <= errors * combined)

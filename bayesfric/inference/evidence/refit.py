@@ -20,14 +20,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bayesfric.inference.evidence.importance import reliable_draws
-from bayesfric.inference.evidence.proposal import LogDensity
+from bayesfric.inference.evidence.importance import importance_draws
 from bayesfric.inference.evidence.record import Evidence
 from bayesfric.inference.laplace import laplace_approximation
+from bayesfric.inference.proposals import SAMPLING_SPACE, Chart, LogDensity
 
 __all__ = ["Refit", "refit_without"]
 
 Array = NDArray[np.float64]
+LEAST_EFFECTIVE = 0.1  # a mean over draws, which a refit is for, takes fewer than an evidence
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,7 @@ def refit_without(
     start: Array,
     scale: Array,
     seed: int,
+    chart: Chart = SAMPLING_SPACE,
 ) -> Refit | None:
     """Sample a posterior without one of its groups.
 
@@ -67,6 +69,8 @@ def refit_without(
         Widest plausible scale of each coordinate, such as its prior's.
     seed : int
         Of the draws.
+    chart : Chart
+        In which a proposal is fitted.
 
     Returns
     -------
@@ -83,5 +87,5 @@ def refit_without(
         return np.where(rest < np.inf, rest, -np.inf)
 
     laplace = laplace_approximation(without, start, scale)
-    found = reliable_draws(without, laplace, seed)
+    found = importance_draws(without, laplace, seed, chart, least_effective=LEAST_EFFECTIVE)
     return None if found is None else Refit(found[1], found[0])

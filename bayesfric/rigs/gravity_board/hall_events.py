@@ -138,6 +138,8 @@ class EventTable:
         Pilot accelerations [m/s²].
     pilot_scale : float
         Root mean square residual of the pilot [m].
+    first_speed : ndarray, shape (N,)
+        Of the pilot, at the trial's first event [m/s].
     """
 
     typical_speed: float
@@ -148,6 +150,14 @@ class EventTable:
     constant: Array
     origin: Array
     pilot_scale: float
+    first_speed: Array
+
+    def with_first_speed(self, scale_m_s: float) -> "EventTable":
+        """Return the same with a half-normal prior of the first speed, of this scale [m/s]."""
+        log_prior = (
+            np.log(2 / scale_m_s) - 0.5 * LOG_2PI - 0.5 * (self.first_speed / scale_m_s) ** 2
+        )
+        return replace(self, constant=self.constant + log_prior)
 
     def at(self, sigma_x: Array, sigma_t: Array) -> TrialForm:
         """Evaluate the statistics.
@@ -185,7 +195,6 @@ def reduce_events(
     *,
     spacing_m: float,
     tick_s: float,
-    first_speed_scale: float,
     responses: Array | None = None,
     scattered: Array | None = None,
 ) -> EventTable:
@@ -202,8 +211,6 @@ def reduce_events(
         Travel between two events: the support of a phase [m].
     tick_s : float
         Resolution of the clock [s].
-    first_speed_scale : float
-        Scale of the half-normal prior of the first speed [m/s].
     responses : ndarray, shape (K, E), or None
         u_k, what each effect adds to the travel at unit amplitude, in the order of
         :func:`prepare_events` [m].
@@ -213,7 +220,8 @@ def reduce_events(
     Returns
     -------
     EventTable
-        To be evaluated at the noise of each walker.
+        To be evaluated at the noise of each walker; the first speed has a flat prior until
+        :meth:`EventTable.with_first_speed` gives it another.
     """
     table = prepare_events(events, trial_ids)
     pilot = pilot_of(table)
@@ -237,23 +245,21 @@ def reduce_events(
     unit[unit == 0] = 1.0
     rows /= unit
     centre = rows.mean(axis=0)
-    left, singular, right = np.linalg.svd(rows - centre, full_matrices=False)
-    kept = singular > REDUCED_TO * singular[0]
+    # A triangle of the few ratios has the singular values and vectors of the wide table.
+    triangle = np.asarray(np.linalg.qr((rows - centre).T, mode="r"))
+    left, singular, _ = np.linalg.svd(triangle.T, full_matrices=False)
+    leading = left[:, singular > REDUCED_TO * singular[0]]
     sensors = table.present[:2].sum(axis=0)
-    log_speed_prior = (
-        np.log(2 / first_speed_scale)
-        - 0.5 * LOG_2PI
-        - 0.5 * (pilot.first_speed / first_speed_scale) ** 2
-    )
     return EventTable(
         typical_speed=typical,
         tick_variance=tick_s**2 / 12,
-        spline=make_interp_spline(log_ratio, left[:, kept] * singular[kept], k=SPLINE_DEGREE),
-        basis=np.vstack([centre, right[kept]]) * unit,
+        spline=make_interp_spline(log_ratio, leading, k=SPLINE_DEGREE),
+        basis=np.vstack([centre, leading.T @ (rows - centre)]) * unit,
         degrees_of_freedom=table.total(np.ones_like(table.tau)) - sensors - 1.0,
-        constant=table.total(np.log(speed)) - sensors * np.log(spacing_m) + log_speed_prior,
+        constant=table.total(np.log(speed)) - sensors * np.log(spacing_m),
         origin=pilot.acceleration,
         pilot_scale=pilot.rms_residual,
+        first_speed=pilot.first_speed,
     )
 
 

@@ -26,6 +26,7 @@ from bayesfric.effects.terms import ActiveEffect, parameters_of, rough_values
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.grouped_normal import LOG_2PI, GroupedNormal, Groups
 from bayesfric.inference.heavy_groups import HeavyGroups
+from bayesfric.inference.model import GivenRest
 from bayesfric.inference.quadratic import bilinear
 from bayesfric.inference.student import GroupedStudent
 from bayesfric.physics.laws import BASELINES, Baseline
@@ -35,7 +36,7 @@ from bayesfric.rigs.gravity_board.along import EffectsAlong
 from bayesfric.rigs.gravity_board.at_rest import TrialsAtRest
 from bayesfric.rigs.gravity_board.forces import Forces, SteadyForces
 from bayesfric.rigs.gravity_board.hall_events import TrialForm
-from bayesfric.rigs.gravity_board.measurements import TrialMeasurements, joined
+from bayesfric.rigs.gravity_board.measurements import TrialMeasurements, event_table, joined
 from bayesfric.rigs.gravity_board.places import TrialPlaces, trial_condition
 from bayesfric.rigs.gravity_board.scatter import scatter_parameters, scatter_values
 from bayesfric.rigs.gravity_board.wander import Wander
@@ -69,6 +70,8 @@ class GravityLikelihood:
     at_rest : DataFrame or None
         Trials that did not move, see :mod:`bayesfric.rigs.gravity_board.at_rest`; None
         without any.
+    places : TrialPlaces or None
+        Of these trials, where other likelihoods of them share it; None is found anew.
 
     Attributes
     ----------
@@ -93,8 +96,9 @@ class GravityLikelihood:
         baseline: Baseline = BASELINES["paper"],
         effects: Sequence[ActiveEffect] = (),
         at_rest: pd.DataFrame | None = None,
+        places: TrialPlaces | None = None,
     ) -> None:
-        self._places = TrialPlaces(gravity, rig)
+        self._places = places or TrialPlaces(gravity, rig)
         here = [one for one in effects if self._places.supports(one.effect) is None]
         self._effects = here
         along = [one for one in here if one.effect.along_path or one.effect.components]
@@ -109,13 +113,13 @@ class GravityLikelihood:
         )
         self._along = EffectsAlong(self._places, along)
         self._wander = Wander(self._places, analysis)
-        self._measurements = TrialMeasurements(
-            gravity,
-            rig,
-            analysis,
-            self._along.columns,
-            joined(self._wander.columns, self._along.scattered),
-        )
+        columns, scattered = self._along.columns, self._along.scattered
+        drawn_anew = joined(self._wander.columns, scattered)
+        if columns is None and scattered is None:
+            table = self._places.table
+        else:
+            table = event_table(gravity, rig, columns, drawn_anew)
+        self._measurements = TrialMeasurements(gravity, table, analysis, columns, drawn_anew)
         self.parameters = (
             *coefficient_parameters(self.sizes, analysis, baseline.without),
             *scatter_parameters(self.sizes, analysis),
@@ -170,21 +174,35 @@ class GravityLikelihood:
 
     def setup_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
         """Return the log density of each assembly's data, shape (W, J)."""
+        return self._of_setups(theta, *self._scattered(theta))
+
+    def given_rest(self, theta: Mapping[str, Array]) -> GivenRest:
+        """Return densities and probabilities of each trial and assembly given the rest.
+
+        An assembly on which no trial moved has no probability of less friction, nor has any
+        where scatter is Student-t.
+        """
         scattered, constant = self._scattered(theta)
+        setup_cdf = np.full((len(scattered.residual), len(self.setups)), np.nan)
+        if isinstance(scattered, GroupedNormal):
+            moved = scattered.group_cdf()
+            setup_cdf[:, : moved.shape[1]] = moved
+        density, cdf = scattered.single_log_density() + constant, scattered.single_cdf()
+        if self._at_rest is not None:
+            normal = _normal(scattered)
+            density = density + self._at_rest.trial_log_density(theta, normal)
+            cdf = self._at_rest.trial_cdf(theta, normal, cdf)
+        return GivenRest(density, self._of_setups(theta, scattered, constant), cdf, setup_cdf)
+
+    def _of_setups(
+        self, theta: Mapping[str, Array], scattered: Scattered, constant: Array
+    ) -> Array:
         moved = scattered.group_log_density() + self._groups.total(constant)
         if self._at_rest is None:
             return moved
         found = self._at_rest.setup_log_probability(theta, _normal(scattered))
         found[:, : moved.shape[1]] += moved
         return found
-
-    def trial_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
-        """Return each trial's log density given the rest of its assembly, shape (W, N)."""
-        scattered, constant = self._scattered(theta)
-        found = scattered.single_log_density() + constant
-        if self._at_rest is None:
-            return found
-        return found + self._at_rest.trial_log_density(theta, _normal(scattered))
 
     def draw_again(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
         """Return how much more friction each trial would show, made again, (W, N) [N].
@@ -194,28 +212,8 @@ class GravityLikelihood:
         """
         return self._scattered(theta)[0].draw_again(rng)
 
-    def setup_cdf(self, theta: Mapping[str, Array]) -> Array:
-        """Return the probability of less friction of each assembly given the others, (W, J).
-
-        NaN of one on which no trial moved, and where scatter is Student-t.
-        """
-        scattered, _ = self._scattered(theta)
-        found = np.full((len(scattered.residual), len(self.setups)), np.nan)
-        if isinstance(scattered, GroupedNormal):
-            moved = scattered.group_cdf()
-            found[:, : moved.shape[1]] = moved
-        return found
-
-    def trial_cdf(self, theta: Mapping[str, Array]) -> Array:
-        """Return the probability of less friction of each trial given the rest, shape (W, N)."""
-        scattered, _ = self._scattered(theta)
-        found = scattered.single_cdf()
-        if self._at_rest is None:
-            return found
-        return self._at_rest.trial_cdf(theta, _normal(scattered), found)
-
     def draw_trial_cdf(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
-        """Return :meth:`trial_cdf` of recordings made again with these parameters, (W, N).
+        """Return the probability of less friction than each trial's, of recordings made again.
 
         A recording a row, with new scatter on new assemblies.
         """

@@ -17,10 +17,17 @@ from bayesfric.arrays import Array
 from bayesfric.inference.priors import Parameter
 from bayesfric.inference.quadratic import gram
 from bayesfric.recording.tables import Gravity, RigConstants
-from bayesfric.rigs.gravity_board.hall_events import LOG_2PI, TrialForm, reduce_events
+from bayesfric.rigs.gravity_board.hall_events import LOG_2PI, EventTable, TrialForm, reduce_events
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 
-__all__ = ["Columns", "TrialMeasurements", "joined", "optional_column", "pilot_accelerations"]
+__all__ = [
+    "Columns",
+    "TrialMeasurements",
+    "event_table",
+    "joined",
+    "optional_column",
+    "pilot_accelerations",
+]
 
 START_SIGMA_A = 0.01  # m/s², a place to climb from
 
@@ -61,8 +68,13 @@ def joined(*parts: Columns | None) -> Columns | None:
     return Columns(np.concatenate(travel), np.concatenate(acceleration))
 
 
-class TrialMeasurements:
-    """The measurements of N trials as quadratic forms in their motion.
+def event_table(
+    gravity: Gravity,
+    rig: RigConstants,
+    columns: Columns | None = None,
+    scattered: Columns | None = None,
+) -> EventTable | None:
+    """Tabulate the events of the trials that have some; None without any.
 
     Parameters
     ----------
@@ -70,6 +82,33 @@ class TrialMeasurements:
         Trials and their events.
     rig : RigConstants
         The board.
+    columns, scattered : Columns or None
+        As for :class:`TrialMeasurements`.
+    """
+    trials = gravity.trials
+    seen = trials["trial"].isin(gravity.events["trial"])
+    if not seen.any():
+        return None
+    assert rig.hall_spacing_m and rig.timer_resolution_s
+    return reduce_events(
+        gravity.events,
+        trials["trial"][seen],
+        spacing_m=rig.hall_spacing_m,
+        tick_s=rig.timer_resolution_s,
+        responses=None if columns is None else columns.travel,
+        scattered=None if scattered is None else scattered.travel,
+    )
+
+
+class TrialMeasurements:
+    """The measurements of N trials as quadratic forms in their motion.
+
+    Parameters
+    ----------
+    gravity : Gravity
+        Trials and their events.
+    table : EventTable or None
+        Of the events, see :func:`event_table`.
     analysis : Analysis
         Priors of the noise.
     columns : Columns or None
@@ -87,7 +126,7 @@ class TrialMeasurements:
     def __init__(
         self,
         gravity: Gravity,
-        rig: RigConstants,
+        table: EventTable | None,
         analysis: Analysis,
         columns: Columns | None = None,
         scattered: Columns | None = None,
@@ -97,18 +136,8 @@ class TrialMeasurements:
         self._by_events = np.flatnonzero(with_events)
         self._by_acceleration = np.flatnonzero(~with_events)
         self.parameters: tuple[Parameter, ...] = ()
-        if self._by_events.size:
-            assert rig.hall_spacing_m and rig.timer_resolution_s
-            trial_ids = trials["trial"][with_events]
-            self._events = reduce_events(
-                gravity.events,
-                trial_ids,
-                spacing_m=rig.hall_spacing_m,
-                tick_s=rig.timer_resolution_s,
-                first_speed_scale=priors.first_speed.scale,
-                responses=None if columns is None else columns.travel,
-                scattered=None if scattered is None else scattered.travel,
-            )
+        if table is not None:
+            self._events = table.with_first_speed(priors.first_speed.scale)
             self.parameters += (
                 Parameter("sigma_x", "m", priors.sigma_x, "noise", power=0.5),
                 Parameter("sigma_t", "s", priors.sigma_t, "noise", power=0.5),

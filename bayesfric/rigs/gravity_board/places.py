@@ -17,13 +17,15 @@ import pandas as pd
 from bayesfric.arrays import Array, Flags
 from bayesfric.effects import Effect, Reading, State
 from bayesfric.effects.terms import ActiveEffect, small_values
+from bayesfric.inference.cosines import MODES, cosines
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import Condition, nominal_tension
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.acting import surroundings
 from bayesfric.rigs.base import Unsupported, why_inert
 from bayesfric.rigs.coefficients import SizeIndex
-from bayesfric.rigs.gravity_board.measurements import Columns, pilot_accelerations
+from bayesfric.rigs.gravity_board.hall_events import EventTable
+from bayesfric.rigs.gravity_board.measurements import Columns, event_table, pilot_accelerations
 from bayesfric.rigs.gravity_board.paths import Paths, motion_untold, trial_paths
 from bayesfric.rigs.gravity_board.trial_motion import Events, pilot_coefficients, prepare_events
 
@@ -92,6 +94,23 @@ class TrialPlaces:
     def paths(self) -> Paths:
         """Measured motion of the trials."""
         return trial_paths(self._gravity, self._rig)
+
+    @cached_property
+    def wander(self) -> Columns:
+        """What a newton of each cosine of the wander adds."""
+        shape = cosines(np.minimum(self.travel_m / self.extent_m, 1.0), MODES)
+        return self.columns(list(-shape / self.condition.total_mass_kg[:, None]))
+
+    @cached_property
+    def extent_m(self) -> float:
+        """The longest travel of a trial with events, along which friction wanders [m]."""
+        return float(self.travel_m[self.with_events].max())
+
+    @cached_property
+    def table(self) -> EventTable | None:
+        """The events where nothing but wander changes along the trials; None without any."""
+        wander = self.wander if self.with_events.any() else None
+        return event_table(self._gravity, self._rig, scattered=wander)
 
     @cached_property
     def events(self) -> Events | None:

@@ -172,7 +172,12 @@ class GravityTrials(PulleyTrials):
 
     def supports(self, effect: Effect) -> Unsupported | None:
         """Return why an effect cannot enter the likelihood; None where it can."""
-        return TrialPlaces(self.gravity, self.constants).supports(effect)
+        return self.places.supports(effect)
+
+    @cached_property
+    def places(self) -> TrialPlaces:
+        """Where the trials are, and their events tabulated: all likelihoods share it."""
+        return TrialPlaces(self.gravity, self.constants)
 
     @cached_property
     def measured(self) -> MeasuredMotion:
@@ -229,7 +234,9 @@ class GravityTrials(PulleyTrials):
         effects: Sequence[ActiveEffect] = (),
     ) -> GravityLikelihood:
         """Return the density of the event times."""
-        return GravityLikelihood(self.gravity, self.constants, analysis, law, effects, self.at_rest)
+        return GravityLikelihood(
+            self.gravity, self.constants, analysis, law, effects, self.at_rest, self.places
+        )
 
     def stretch_ratios(self, cable: Cable, theta: Mapping[str, Array]) -> Array | Unsupported:
         """Return friction of model (3) over that of model (4), where a trial has events."""

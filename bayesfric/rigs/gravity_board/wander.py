@@ -13,7 +13,7 @@ import numpy as np
 
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
-from bayesfric.inference.cosines import MODES, cosine_variances, cosines
+from bayesfric.inference.cosines import MODES, cosine_variances
 from bayesfric.inference.priors import Parameter
 from bayesfric.rigs.coefficients import SizeIndex
 from bayesfric.rigs.gravity_board.measurements import Columns
@@ -59,10 +59,7 @@ class Wander:
             ),
             Parameter("wander_length", "m", priors.wander_length, "scatter"),
         )
-        travel = places.travel_m
-        self._extent_m = float(travel[places.with_events].max())
-        shape = cosines(np.minimum(travel / self._extent_m, 1.0), MODES)
-        self.columns = places.columns(list(-shape / places.condition.total_mass_kg[:, None]))
+        self.columns = places.wander
 
     def at_release(
         self, theta: Mapping[str, Array], size: SizeIndex, friction_n: Array
@@ -103,7 +100,7 @@ class Wander:
             return []
         rms = self._rms(theta, self._places.size)
         square = np.asfortranarray((rms * friction_n) ** 2)  # as the forms lie in memory
-        shares = cosine_variances(theta["wander_length"] / self._extent_m, MODES)
+        shares = cosine_variances(theta["wander_length"] / self._places.extent_m, MODES)
         return [share[:, None] * square for share in shares]
 
     def _rms(self, theta: Mapping[str, Array], size: SizeIndex) -> Array:

@@ -23,6 +23,7 @@ from bayesfric.arrays import Array
 from bayesfric.effects import State
 from bayesfric.effects.terms import ActiveEffect, parameters_of, rough_values, total
 from bayesfric.inference.grouped_normal import GroupedNormal, Groups
+from bayesfric.inference.model import GivenRest
 from bayesfric.inference.priors import Parameter
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.physics.motor import load_current, nominal_tension, tension_feedback
@@ -250,9 +251,15 @@ class MotorLikelihood:
         """Return each assembly's log density given all other currents, shape (W, J)."""
         return self._currents(theta).group_log_density()[:, :-1]
 
-    def trial_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
-        """Return each run's log density given all other currents, shape (W, N)."""
-        return self._currents(theta).single_log_density()[:, : self._runs]
+    def given_rest(self, theta: Mapping[str, Array]) -> GivenRest:
+        """Return densities and probabilities of each run and assembly given all else."""
+        currents = self._currents(theta)
+        return GivenRest(
+            currents.single_log_density()[:, : self._runs],
+            currents.group_log_density()[:, :-1],
+            self._friction_cdf(currents),
+            currents.group_cdf()[:, :-1],
+        )
 
     def draw_again(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
         """Return how much more friction each run would show, made again, (W, N) [N].
@@ -263,16 +270,8 @@ class MotorLikelihood:
         more = self._currents(theta).draw_again(rng)[:, : self._runs]
         return np.asarray(np.median(self._torque(theta)) / self._radius * more)
 
-    def setup_cdf(self, theta: Mapping[str, Array]) -> Array:
-        """Return the probability of less friction of each assembly given all else, (W, J)."""
-        return self._currents(theta).group_cdf()[:, :-1]
-
-    def trial_cdf(self, theta: Mapping[str, Array]) -> Array:
-        """Return the probability of less friction of each run given all else, shape (W, N)."""
-        return self._friction_cdf(self._currents(theta))
-
     def draw_trial_cdf(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
-        """Return :meth:`trial_cdf` of recordings made again with these parameters, (W, N).
+        """Return the probability of less friction than each run's, of recordings made again.
 
         A recording a row, the idle curve drawn from its prior.
         """

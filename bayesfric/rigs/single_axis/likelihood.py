@@ -23,8 +23,9 @@ from scipy.optimize import minimize
 from bayesfric.analysis import HalfNormal, LogNormal, Normal, Prior
 from bayesfric.arrays import Array
 from bayesfric.inference.grouped_normal import LOG_2PI, GroupedNormal, Groups
+from bayesfric.inference.model import GivenRest
 from bayesfric.inference.priors import Parameter
-from bayesfric.rigs.grouped import GroupedLikelihood
+from bayesfric.rigs.grouped import GroupedLikelihood, given_rest
 from bayesfric.rigs.single_axis.covariance import Pieces
 from bayesfric.rigs.single_axis.deviations import integrated, map_columns, map_spectrum
 from bayesfric.rigs.single_axis.measures import Measures
@@ -183,10 +184,13 @@ class AxisLikelihood(GroupedLikelihood):
         normal, density = self._normal(theta)
         return np.asarray(normal.group_log_density() + self._groups.total(density))
 
-    def trial_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
-        """Return each trial's log density given the others, shape (W, N)."""
+    def given_rest(self, theta: Mapping[str, Array]) -> GivenRest:
+        """Return densities and probabilities of each trial and assembly given the others."""
         normal, density = self._normal(theta)
-        return np.asarray(normal.single_log_density() + density)
+        found = given_rest(normal)
+        return found._replace(
+            trial=found.trial + density, setup=found.setup + self._groups.total(density)
+        )
 
     def observed(self, theta: Mapping[str, Array]) -> Array:
         """Return friction of each trial as its rows show it, (W, N) [N]."""
