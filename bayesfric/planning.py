@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis
+from bayesfric.arrays import Array, Flags
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.effects import all_effects, with_priors
 from bayesfric.effects.candidates import Candidate, candidates_of
@@ -33,7 +34,6 @@ from bayesfric.rigs.linear import LinearRig
 
 __all__ = ["Power", "power"]
 
-Array = NDArray[np.float64]
 Matrix = NDArray[np.floating[Any]]
 Places = NDArray[np.integer[Any]]
 FOUND_WITH = 0.9  # probability of finding an effect that is so large
@@ -199,9 +199,7 @@ def _coefficients(model: LinearModel, rest: Places, covariance: Matrix, sd: Arra
     return pd.DataFrame.from_dict(rows, orient="index")
 
 
-def _effects(
-    model: LinearModel, told: Array, nothing: NDArray[np.bool_], analysis: Analysis
-) -> pd.DataFrame:
+def _effects(model: LinearModel, told: Array, nothing: Flags, analysis: Analysis) -> pd.DataFrame:
     odds = analysis.claims.support_log10_bayes_factor * np.log(10)
     rows = {}
     for place, one in enumerate(model.candidates):
@@ -220,7 +218,7 @@ def _effects(
     return pd.DataFrame.from_dict(rows, orient="index")
 
 
-def _pairs(model: LinearModel, told: Array, nothing: NDArray[np.bool_]) -> pd.DataFrame:
+def _pairs(model: LinearModel, told: Array, nothing: Flags) -> pd.DataFrame:
     size = np.sqrt(np.where(nothing, np.inf, np.diag(told)))
     alike = np.abs(told / np.outer(size, size))
     best: dict[tuple[str, str], float] = {}

@@ -47,7 +47,6 @@ __all__ = [
     "write_netcdf",
 ]
 
-Array = NDArray[np.float64]
 Record = TypeVar("Record", bound=BaseModel)
 File = TypeVar("File", bound=Provenance)
 ARRAYS = {

@@ -16,14 +16,13 @@ from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.priors import Parameter
 
 __all__ = ["ExtraForce", "Simulator", "SimulatorCalls", "SimulatorRun", "Task", "found_simulator"]
 
-Array = NDArray[np.float64]
 ExtraForce = Callable[[float, float, float], float]
 """(time [s], position, velocity) to a force that is added to the generalised force."""
 

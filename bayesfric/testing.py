@@ -3,9 +3,9 @@
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import integrate
 
+from bayesfric.arrays import Array
 from bayesfric.effects import PULLEYS, Effect, Reading, State, effect_of_file
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.priors import from_normal, log_density
@@ -13,7 +13,6 @@ from bayesfric.physics.friction import Coefficients
 
 __all__ = ["EffectError", "check_effect", "checked"]
 
-Array = NDArray[np.float64]
 UNITS = {
     "1",
     "N",

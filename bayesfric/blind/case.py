@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from bayesfric.analysis import Analysis
-from bayesfric.blind.design import Case, Catalogue
+from bayesfric.blind.design import BlindCase, Catalogue
 from bayesfric.blind.envelope import open_envelope, seal
 from bayesfric.blind.noise_free import CleanCase
 from bayesfric.blind.scoring import score
@@ -56,12 +56,12 @@ def catalogue_of(engine: str) -> Catalogue:
     return Catalogue(effects, tuple(module.outsider_names()))
 
 
-def run_case(case: Case, folder: Path, analysis: Analysis) -> dict[str, Any]:
+def run_case(case: BlindCase, folder: Path, analysis: Analysis) -> dict[str, Any]:
     """Run one case.
 
     Parameters
     ----------
-    case : Case
+    case : BlindCase
         What is withheld, and the seed.
     folder : Path
         Gains a folder of the case's name, with its envelope and its verdict. Workers on

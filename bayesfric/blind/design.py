@@ -20,7 +20,7 @@ from bayesfric.errors import Fault, InputError
 __all__ = [
     "ALIKE",
     "SCORING_FROM",
-    "Case",
+    "BlindCase",
     "Catalogue",
     "cases_from_prior",
     "cases_of",
@@ -65,7 +65,7 @@ class Catalogue:
 
 
 @dataclass(frozen=True)
-class Case:
+class BlindCase:
     """One recording to be made, and what it withholds.
 
     Parameters
@@ -100,7 +100,7 @@ def cases_of(
     *,
     engine: str = "reference",
     design: str = "quick",
-) -> dict[str, Case]:
+) -> dict[str, BlindCase]:
     """Return the cases of a campaign by name, in their order.
 
     With some 600 cases there are 200 without an effect; of each effect 6 at full strength,
@@ -128,7 +128,7 @@ def cases_of(
     for place, (kind, effects, form) in enumerate(islice(_endless(catalogue), number)):
         seed = first_seed + place
         name = f"{seed:06d}"
-        found[name] = Case(name, seed, kind, effects, form, engine, design)
+        found[name] = BlindCase(name, seed, kind, effects, form, engine, design)
     return found
 
 
@@ -139,7 +139,7 @@ def cases_from_prior(
     *,
     engine: str = "reference",
     design: str = "quick",
-) -> dict[str, Case]:
+) -> dict[str, BlindCase]:
     """Return cases whose hypotheses are drawn from the prior that a diagnosis reports.
 
     Strengths are half-normal of scale 1, which is 10 % of friction. On such cases a
@@ -161,7 +161,7 @@ def cases_from_prior(
         strengths = np.maximum(np.abs(rng.standard_normal(several)), LEAST_STRENGTH)
         effects = tuple((one, round(float(s), 3)) for one, s in zip(drawn, strengths, strict=True))
         name = f"{seed:06d}"
-        found[name] = Case(name, seed, kind, effects, "random", engine, design)
+        found[name] = BlindCase(name, seed, kind, effects, "random", engine, design)
     return found
 
 

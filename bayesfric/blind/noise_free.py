@@ -10,10 +10,10 @@ from dataclasses import replace
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import norm
 
 from bayesfric.analysis import Analysis
+from bayesfric.arrays import Array
 from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import Residuals, residuals_of, spread_numbers
@@ -28,7 +28,6 @@ from bayesfric.simulate import table1_coefficients
 
 __all__ = ["CleanCase"]
 
-Array = NDArray[np.float64]
 FALSE_ALARMS = 0.02  # of the oracle, as many as are promised of the diagnosis
 ROUNDS = 2  # of fitting the law and linearising around it
 

@@ -7,11 +7,11 @@ from numpy.typing import NDArray
 from scipy.optimize import isotonic_regression
 from scipy.stats import binomtest
 
+from bayesfric.arrays import Array
 from bayesfric.schemas import Detected, Estimate, Rate, ReliabilityBin
 
 __all__ = ["EDGES", "estimate_of", "rate_of", "reliability_of", "smallest_detected"]
 
-Array = NDArray[np.float64]
 LEVEL = 0.95
 TAILS = ((1 - LEVEL) / 2, (1 + LEVEL) / 2)
 DRAWS = 2000

@@ -3,10 +3,10 @@
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis
+from bayesfric.arrays import Array
 from bayesfric.calibration.generating import draw_truth
 from bayesfric.calibration.ranks import rank_of
 from bayesfric.fitting.drawing import draw_posterior
@@ -21,7 +21,6 @@ from bayesfric.simulate import simulate_recording
 
 __all__ = ["RANKED_DRAWS", "TENSION_N", "Given", "run_case"]
 
-Array = NDArray[np.float64]
 RANKED_DRAWS = 99  # L, of some thousand draws: as good as independent
 TENSION_N = 10.0  # where c1 and c2 of Table I matter about as much
 

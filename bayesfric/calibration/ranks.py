@@ -17,9 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import binom
 
+from bayesfric.arrays import Array
+
 __all__ = ["Band", "band_of", "rank_of"]
 
-Array = NDArray[np.float64]
 Ints = NDArray[np.int_]
 SIMULATED = 20_000  # sets of uniform ranks
 

@@ -3,16 +3,15 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Priors
+from bayesfric.arrays import Array
 from bayesfric.inference.model import Model, RigLikelihood
 from bayesfric.inference.priors import Parameter
 from bayesfric.physics.friction import Coefficients
 
 __all__ = ["ApartModel", "differences"]
 
-Array = NDArray[np.float64]
 MEAN = "rig_difference"
 
 

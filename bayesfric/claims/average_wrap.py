@@ -3,15 +3,14 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Normal
+from bayesfric.arrays import Array
 from bayesfric.claims.base import Claim
 from bayesfric.claims.comparison import compare
 from bayesfric.effects import Effect, EffectParameter, State
 from bayesfric.fitting.hypothesis import Hypothesis
 
-Array = NDArray[np.float64]
 MIDDLE_TENSION_N, SPAN_DEG = 15.0, 50.0
 
 

@@ -4,10 +4,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
-import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
+from bayesfric.arrays import Array
 from bayesfric.claims.entered import PAPER, Entered
 from bayesfric.claims.studies import Studied, Task
 from bayesfric.effects import Effect, all_effects
@@ -17,7 +17,6 @@ from bayesfric.rigs.base import Motion
 
 __all__ = ["Case", "Claim", "Finding", "Verdict"]
 
-Array = NDArray[np.float64]
 Verdict = Literal["supported", "refuted", "undecided", "not-testable"]
 WORDS = {
     "tension": "tension",

@@ -13,9 +13,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
+from bayesfric.arrays import Array
 from bayesfric.characters import legible
 from bayesfric.checkpoint import NOTHING_KEPT, Checkpoint
 from bayesfric.claims.base import Case, Claim, Finding
@@ -36,8 +36,6 @@ from bayesfric.schemas import (
 )
 
 __all__ = ["Checked", "check_claims", "registered", "rival_effects", "screen_claims"]
-
-Array = NDArray[np.float64]
 
 
 @cache

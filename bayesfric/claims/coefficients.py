@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import stats
 from scipy.optimize import lsq_linear
 
 from bayesfric.analysis import ClaimRules
+from bayesfric.arrays import Array
 from bayesfric.claims.base import Case, Claim, Finding, Verdict
 from bayesfric.claims.comparison import share
 from bayesfric.effects import all_effects
@@ -18,7 +18,6 @@ from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.laws import BASELINES
 from bayesfric.rigs.coefficients import coefficient_parameters
 
-Array = NDArray[np.float64]
 LEAST_TENSION_N = 5.0  # Table II names no lower bound; the paper's lightest weights give more
 
 

@@ -4,10 +4,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from bayesfric.analysis import ClaimRules
+from bayesfric.arrays import Array
 from bayesfric.claims.base import Case, Claim, Finding, Verdict
 from bayesfric.claims.studies import WIDTHS, Studied, Task, prior_ratios
 from bayesfric.fitting.hypothesis import Hypothesis
@@ -16,7 +16,6 @@ from bayesfric.inference.power import amplitude_error, smallest_found
 
 __all__ = ["bayes_factor", "compare", "decide", "log_evidence", "odds", "share"]
 
-Array = NDArray[np.float64]
 LN10 = float(np.log(10))
 SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹"
 LARGE = 2.0  # log10, from which on odds are a power of ten

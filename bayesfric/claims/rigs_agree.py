@@ -2,15 +2,13 @@
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bayesfric.analysis import ClaimRules
+from bayesfric.arrays import Array
 from bayesfric.claims.apart import differences
 from bayesfric.claims.base import Case, Claim, Finding, Verdict
 from bayesfric.claims.comparison import share
 from bayesfric.claims.studies import Task
-
-Array = NDArray[np.float64]
 
 
 def agree(rules: ClaimRules, off: Array) -> Array:

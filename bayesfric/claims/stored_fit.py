@@ -2,18 +2,14 @@
 
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from bayesfric.analysis import Analysis, analysis_sha256
+from bayesfric.arrays import Array
 from bayesfric.claims.entered import PAPER
 from bayesfric.recording.tables import Recording
 from bayesfric.results import read_beside, read_json
 from bayesfric.schemas import FitFile
 
 __all__ = ["current_posterior"]
-
-Array = NDArray[np.float64]
 
 
 def current_posterior(

@@ -9,10 +9,10 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis, Sampler
+from bayesfric.arrays import Array
 from bayesfric.checkpoint import NOTHING_KEPT, Checkpoint
 from bayesfric.claims.apart import ApartModel
 from bayesfric.effects import Effect, State
@@ -36,7 +36,6 @@ from bayesfric.rigs.data import Data
 
 __all__ = ["WIDTHS", "Kept", "Studied", "Task", "prior_ratios", "slowest_speed", "study_all"]
 
-Array = NDArray[np.float64]
 SHORT_RUN = Sampler(burn=20, steps=60, thin=3, extensions=5)  # run on where it is not enough
 WALKERS = 60  # at least: many walkers and few steps are quicker than the other way round
 POINTWISE_DRAWS = 1000

@@ -8,7 +8,7 @@ import typer
 
 from bayesfric.cli.exits import check_fail_on, exit_status, fail_on, failures_of
 from bayesfric.cli.locks import hold
-from bayesfric.cli.options import Config, Folder, Quiet, Workers, fails
+from bayesfric.cli.options import Cases, Config, Folder, Quiet, Scheduler, Workers, fails
 from bayesfric.cli.printing import say
 
 __all__ = ["blind"]
@@ -23,21 +23,9 @@ def blind(
             "--engine", metavar="TEXT", help="Who makes the recordings: reference, or mujoco."
         ),
     ] = "reference",
-    number: Annotated[
-        int,
-        typer.Option(
-            "--n", metavar="INTEGER", min=1, help="Cases; with more, a campaign is continued."
-        ),
-    ] = 30,
+    number: Cases = 30,
     workers: Workers = 1,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(
-            "--scheduler",
-            metavar="TEXT",
-            help="Of a Dask cluster that runs the cases: tcp://host:8786.",
-        ),
-    ] = None,
+    scheduler: Scheduler = None,
     from_prior: Annotated[
         bool, typer.Option("--from-prior", help="Draw what is withheld from the reported prior.")
     ] = False,

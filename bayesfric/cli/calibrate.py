@@ -3,11 +3,9 @@
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from bayesfric.cli.exits import check_fail_on, exit_status, fail_on
 from bayesfric.cli.locks import hold
-from bayesfric.cli.options import Config, Folder, Quiet, Seed, Workers, fails
+from bayesfric.cli.options import Cases, Config, Folder, Quiet, Scheduler, Seed, Workers, fails
 from bayesfric.cli.printing import say
 
 __all__ = ["calibrate"]
@@ -16,21 +14,9 @@ __all__ = ["calibrate"]
 @exit_status
 def calibrate(
     output: Folder = Path("bayesfric-run"),
-    number: Annotated[
-        int,
-        typer.Option(
-            "--n", metavar="INTEGER", min=1, help="Cases; with more, a campaign is continued."
-        ),
-    ] = 50,
+    number: Cases = 50,
     workers: Workers = 1,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(
-            "--scheduler",
-            metavar="TEXT",
-            help="Of a Dask cluster that runs the cases: tcp://host:8786.",
-        ),
-    ] = None,
+    scheduler: Scheduler = None,
     seed: Seed = None,
     config: Config = None,
     quiet: Quiet = False,

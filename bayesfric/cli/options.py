@@ -9,11 +9,13 @@ from bayesfric.cli.exits import CAN_HAPPEN
 
 __all__ = [
     "Baseline",
+    "Cases",
     "Config",
     "Folder",
     "Junit",
     "Quiet",
     "Rigs",
+    "Scheduler",
     "Seed",
     "Workers",
     "fails",
@@ -64,6 +66,20 @@ Workers = Annotated[
     int,
     typer.Option(
         "--workers", metavar="INTEGER", min=1, help="Processes; any number gives the same result."
+    ),
+]
+Cases = Annotated[
+    int,
+    typer.Option(
+        "--n", metavar="INTEGER", min=1, help="Cases; with more, a campaign is continued."
+    ),
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        "--scheduler",
+        metavar="TEXT",
+        help="Of a Dask cluster that runs the cases: tcp://host:8786.",
     ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", help="No progress and no chatter.")]

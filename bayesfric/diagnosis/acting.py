@@ -5,15 +5,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import BSpline, make_interp_spline
 
+from bayesfric.arrays import Array
 from bayesfric.effects.candidates import Candidate
 from bayesfric.inference.information import Information
 
 __all__ = ["Acting", "At", "Law", "lawbook", "merged", "phase_name"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

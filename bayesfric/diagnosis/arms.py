@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Flags
 from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.residuals import (
@@ -21,8 +21,6 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.layout import COEFFICIENTS
 
 __all__ = ["Arms", "Fitted"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -80,7 +78,7 @@ class Arms:
         own = slice(COEFFICIENTS, COEFFICIENTS + self.plain.layout.candidates)
         return np.asarray(windows.columns[:, own] @ self.plain.mixing(acting))
 
-    def fitted(self, residuals: Residuals, out: NDArray[np.bool_]) -> tuple[Fitted, ...]:
+    def fitted(self, residuals: Residuals, out: Flags) -> tuple[Fitted, ...]:
         """Return the arms as shipped, before and after, without the windows that are left out.
 
         The law is recalibrated before and after alike; after, with the causes as they are
@@ -104,8 +102,8 @@ class Arms:
         self,
         acting: Acting,
         residuals: Residuals,
-        out: NDArray[np.bool_],
-        used: Mapping[str, NDArray[np.bool_]] | None,
+        out: Flags,
+        used: Mapping[str, Flags] | None,
     ) -> Fitted:
         at = self.known.evaluate(self.psi, acting, used=used)
         mixing = self.known.mixing(acting)

@@ -2,10 +2,8 @@
 
 from collections.abc import Callable, Mapping
 
-import numpy as np
-from numpy.typing import NDArray
-
 from bayesfric.analysis import Analysis
+from bayesfric.arrays import Array
 from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.climbing import climb
 from bayesfric.diagnosis.model import LinearModel
@@ -20,8 +18,6 @@ from bayesfric.rigs.opening import beside_simulator, diagnosed_law
 from bayesfric.simulators import SimulatorCalls
 
 __all__ = ["data_of", "fitted_baseline"]
-
-Array = NDArray[np.float64]
 
 
 def data_of(

@@ -3,8 +3,8 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.diagnosis.checked import Checked, factor_error
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.model import LinearModel
@@ -18,7 +18,6 @@ from bayesfric.schemas import Cause, EffectNumber, Inclusion
 
 __all__ = ["causes_of", "inclusion_of", "known_of"]
 
-Array = NDArray[np.float64]
 LN10 = float(np.log(10))
 
 

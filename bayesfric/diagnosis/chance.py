@@ -1,13 +1,11 @@
 """Residual forces redrawn: what measurement and friction's scatter make of a right law."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.diagnosis.residuals import Residuals
 
 __all__ = ["redrawn"]
-
-Array = NDArray[np.float64]
 
 
 def redrawn(residuals: Residuals, count: int, rng: np.random.Generator) -> Array:

@@ -7,9 +7,9 @@ mode. Draws around that mode say by how much it is off, and how sure they are of
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import logsumexp
 
+from bayesfric.arrays import Array
 from bayesfric.diagnosis.climbing import at_bounds, curvature_at
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.model import LinearModel
@@ -21,7 +21,6 @@ from bayesfric.inference.proposals import StudentT
 
 __all__ = ["Checked", "factor_error", "noise_checked"]
 
-Array = NDArray[np.float64]
 DRAWS = 64
 FREEDOM, INFLATION = 5.0, 1.3  # of the Student-t that is drawn from, and of its covariance
 LIMIT_K = 0.7  # Pareto k above which importance weights settle nothing

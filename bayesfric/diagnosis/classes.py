@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
+from bayesfric.arrays import Array, Flags
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.effects.candidates import SHAPE_NODES, prior_moments
 from bayesfric.inference.information import Information
@@ -15,7 +15,6 @@ from bayesfric.rigs.layout import COEFFICIENTS
 
 __all__ = ["AbsorbedEffect", "Classes", "classes_of"]
 
-Array = NDArray[np.float64]
 ALIKE = 1 - 1e-4  # cosine between the responses of two effects that are one
 INNER = 1.0  # shapes so near the middle of their prior must have a double
 LEFT = 1e-4  # of an effect's response, squared: less, and the baseline takes it all
@@ -133,7 +132,7 @@ def _absent(model: LinearModel, place: int) -> str:
     return "no influence on the prediction"
 
 
-def _is_coefficient(model: LinearModel) -> NDArray[np.bool_]:
+def _is_coefficient(model: LinearModel) -> Flags:
     own = np.arange(model.layout.own) < COEFFICIENTS
     return np.tile(own, len(model.layout.sizes))
 

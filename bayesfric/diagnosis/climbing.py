@@ -4,15 +4,14 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Flags
 from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.discrepancy import Wide
 from bayesfric.diagnosis.model import LinearModel
 
 __all__ = ["at_bounds", "climb", "curvature_at"]
 
-Array = NDArray[np.float64]
 STEP = 0.005  # of a logarithm, for differences of the gradient
 LONGEST = 1.0  # step of a logarithm in a climb
 ENOUGH = 0.02  # nat that a further step of a climb would gain
@@ -73,7 +72,7 @@ def climb(
     return at
 
 
-def at_bounds(model: LinearModel, psi: Array) -> NDArray[np.bool_]:
+def at_bounds(model: LinearModel, psi: Array) -> Flags:
     """Return which logarithms of the noise a climb has left at the end of their range."""
     low, high = _bounds(model, psi.size)
     return np.asarray((psi <= low) | (psi >= high))

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis
@@ -55,7 +54,6 @@ from bayesfric.simulators import Simulator, SimulatorCalls
 
 __all__ = ["Diagnosed", "diagnose"]
 
-Array = NDArray[np.float64]
 LN10 = float(np.log(10))
 MOSTLY = 0.5  # probability of an unknown force, and of a gap, from which on they count
 SURELY = 0.9  # probability of none, from which on nothing is compared again

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.effects.candidates import Candidate, goes_to_and_fro
 from bayesfric.inference.smooths import KEPT, NARROW, SHARP, WHOLE, Smooth, Span, smooth_along
 from bayesfric.rigs.base import Unsupported
@@ -18,7 +18,6 @@ from bayesfric.rigs.linear import LinearRows
 
 __all__ = ["Discrepancy", "Wide", "discrepancy_share", "relative_rms"]
 
-Array = NDArray[np.float64]
 SHARED_AXES = ("velocity", "tension", "n_pulleys", "wrap_angle")
 PART, LEAST = 0.25, 0.0025  # of the practical share; at least, as a share of friction
 SHAPES = np.array([-1.0, 1.0])  # normal quantiles of the prior of a shape

@@ -7,11 +7,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.effects.base import Effect, State
 
 __all__ = ["DrawnEffect", "drawn_effect"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

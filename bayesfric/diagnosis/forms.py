@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.diagnosis.discrepancy import relative_rms
 from bayesfric.effects import ActsOn, Effect, Law
 from bayesfric.effects.candidates import Candidate, goes_to_and_fro, unit_values
@@ -24,7 +24,6 @@ from bayesfric.rigs.linear import LinearRows
 
 __all__ = ["other_forms"]
 
-Array = NDArray[np.float64]
 FORCE_AXES = (
     "speed_m_s",
     "tension_n",

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.diagnosis.arms import Arms, Fitted
 from bayesfric.diagnosis.chance import redrawn
 from bayesfric.diagnosis.residuals import Residuals
@@ -22,7 +22,6 @@ from bayesfric.schemas import GapRow, Interval
 
 __all__ = ["HeldOut", "Squares", "extrapolated", "folds_of", "gap_row", "measure_gap"]
 
-Array = NDArray[np.float64]
 FOLDS = 5
 DRAWS = 400
 SURE = 0.95  # probability that the gap before is above the floor
@@ -48,14 +47,14 @@ class Squares:
     before: Array
     after: Array
     floor: Array
-    setup: NDArray[np.intp]
+    setup: Whole
 
     def by_setup(self, values: Array) -> Array:
         """Return the sums of values, (R,), over each assembly that there is."""
         _, inverse = np.unique(self.setup, return_inverse=True)
         return np.asarray(np.bincount(inverse, values), dtype=np.float64)
 
-    def of(self, rows: NDArray[np.bool_], weight: float) -> "Squares":
+    def of(self, rows: Flags, weight: float) -> "Squares":
         """Return those of some rows, for weights that add up to 1 again."""
         shipped = None if self.as_shipped is None else self.as_shipped[rows] / weight
         before, after, floor = (one[rows] / weight for one in (self.before, self.after, self.floor))
@@ -89,7 +88,7 @@ class HeldOut:
     """
 
     residuals: Residuals
-    fold: NDArray[np.intp]
+    fold: Whole
     before: Array
     after: Array
     inside: Array
@@ -145,7 +144,7 @@ def measure_gap(arms: Arms, residuals: Residuals, rng: np.random.Generator) -> H
     )
 
 
-def folds_of(setup: NDArray[np.intp], rng: np.random.Generator) -> NDArray[np.intp]:
+def folds_of(setup: Whole, rng: np.random.Generator) -> Whole:
     """Return the fold of each assembly's rows, shape of `setup`."""
     names = np.unique(setup)
     fold = np.empty(names.size, dtype=np.intp)
@@ -153,7 +152,7 @@ def folds_of(setup: NDArray[np.intp], rng: np.random.Generator) -> NDArray[np.in
     return np.asarray(fold[np.searchsorted(names, setup)])
 
 
-def extrapolated(residuals: Residuals) -> dict[str, NDArray[np.bool_]]:
+def extrapolated(residuals: Residuals) -> dict[str, Flags]:
     """Return the windows of what lies at the end of a range, and of each rig.
 
     Returns
@@ -161,7 +160,7 @@ def extrapolated(residuals: Residuals) -> dict[str, NDArray[np.bool_]]:
     dict of str to ndarray of bool, shape (R,)
         Whole trials, by name; none that would leave a pulley size without windows.
     """
-    found: dict[str, NDArray[np.bool_]] = {}
+    found: dict[str, Flags] = {}
     where = residuals.covariates
     tension, pulleys, wrap = (where[axis] for axis in ("tension", "n_pulleys", "wrap_angle"))
     running = np.isfinite(where["displacement"])
@@ -186,7 +185,7 @@ def extrapolated(residuals: Residuals) -> dict[str, NDArray[np.bool_]]:
 
 def _by_chance(
     residuals: Residuals,
-    fold: NDArray[np.intp],
+    fold: Whole,
     after: Sequence[Fitted],
     rng: np.random.Generator,
 ) -> Array:
@@ -214,7 +213,7 @@ def _squares(
 
 
 def _free_running(
-    arms: Arms, residuals: Residuals, fold: NDArray[np.intp], by_fold: Sequence[Sequence[Fitted]]
+    arms: Arms, residuals: Residuals, fold: Whole, by_fold: Sequence[Sequence[Fitted]]
 ) -> tuple[Squares | None, tuple[tuple[str, Run], ...]]:
     """Return squares of the deviation of each held-out trial [m²], and some examples."""
     first = np.unique(residuals.trial, return_index=True)[1]

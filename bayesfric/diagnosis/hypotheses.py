@@ -5,17 +5,16 @@ from dataclasses import dataclass, field
 from math import comb
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from bayesfric.analysis import HypothesisPriors
+from bayesfric.arrays import Array
 from bayesfric.diagnosis.classes import Classes
 from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.weighing import Weighed
 
 __all__ = ["NONE", "UNKNOWN", "Search"]
 
-Array = NDArray[np.float64]
 NONE, UNKNOWN = "none", "unknown"
 LISTED = 1e-6  # probability below which a hypothesis is not listed
 

@@ -10,8 +10,8 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Flags
 from bayesfric.diagnosis.acting import Acting, At, Law
 from bayesfric.diagnosis.arms import Arms
 from bayesfric.diagnosis.causes import known_of
@@ -34,7 +34,6 @@ from bayesfric.rigs.layout import COEFFICIENTS
 
 __all__ = ["Judged", "judge"]
 
-Array = NDArray[np.float64]
 FOREIGN = 0.15  # of the squared gap, beyond which it is not made by the effects that are named
 RARE = 0.003  # probability of that, below which it is left out
 PASSES = 2  # over shapes of several causes, one at a time
@@ -202,7 +201,7 @@ def _leaves_too_much(
     there = posterior.gap > SMALLEST * residuals.friction_rms
     labels = posterior.hypothesis[there]
     gap = posterior.gap[there] / residuals.friction_rms
-    too_much: list[NDArray[np.bool_]] = []
+    too_much: list[Flags] = []
     for label in dict.fromkeys(labels.tolist()):
         if not set(judged.named) <= set(label.split("+")):
             continue

@@ -1,8 +1,8 @@
 """The numbers of the law, with and without what acts beside it."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.climbing import climb
 from bayesfric.diagnosis.model import LinearModel
@@ -12,7 +12,6 @@ from bayesfric.schemas import Interval, LawNumber
 
 __all__ = ["law_of_diagnosis"]
 
-Array = NDArray[np.float64]
 LOW, HIGH = -1.6448536, 1.6448536  # of a normal, 5 % and 95 %
 
 

@@ -9,9 +9,9 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis, Prior
+from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.diagnosis.acting import Acting, At, Law, lawbook, merged, phase_name
 from bayesfric.diagnosis.discrepancy import Discrepancy, Wide, discrepancy_share
 from bayesfric.diagnosis.scales import coefficient_moments, rms_friction, scales_of_numbers
@@ -19,14 +19,14 @@ from bayesfric.effects import Effect
 from bayesfric.effects.candidates import Candidate, on_friction, prior_moments
 from bayesfric.inference.information import Information, Reduced
 from bayesfric.inference.priors import log_density
+from bayesfric.inference.smooths import Smooth
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.data import Data
-from bayesfric.rigs.layout import COEFFICIENTS, Layout
+from bayesfric.rigs.layout import COEFFICIENTS, Layout, ModelColumns
 from bayesfric.rigs.linear import Evaluated, LinearRig, NoiseParameter
 
 __all__ = ["LinearModel"]
 
-Array = NDArray[np.float64]
 LEAST = {"c1": 1e-5, "c2": 1e-5, "c3": -np.inf}  # a law whose friction is above zero
 QUIET = 0.015  # relative scatter of a good rig
 
@@ -95,7 +95,7 @@ class LinearModel:
         self.forms = list(forms)
         nuisances = [one.nuisance_scales(analysis.priors) for one in rows]
         little = [*self.discrepancy.amounts, *forms]
-        shared = [*smooths, *(candidate for candidate, _ in little)]
+        shared: list[Smooth | Candidate] = [*smooths, *(candidate for candidate, _ in little)]
         self.layout = Layout(
             data.sizes,
             sum(one.count for one in own),
@@ -111,20 +111,19 @@ class LinearModel:
             [sd for _, sd in little],
             [sd for one in nuisances for sd in one],
         )
+        columns = ModelColumns(
+            self.layout,
+            own,
+            self.candidates,
+            shared,
+            self.scales,
+            self.friction_scale,
+            self.scattering,
+            by_trial,
+            analysis.priors,
+        )
         self.rigs: tuple[LinearRig, ...] = tuple(
-            one.laid_out(
-                self.layout,
-                place=place,
-                own=own,
-                candidates=self.candidates,
-                shared=shared,
-                scales=self.scales,
-                friction_scale=self.friction_scale,
-                scattering=self.scattering,
-                by_trial=by_trial,
-                priors=analysis.priors,
-            )
-            for place, one in enumerate(rows)
+            one.laid_out(columns, place) for place, one in enumerate(rows)
         )
         self.noise: tuple[NoiseParameter, ...] = tuple(n for rig in self.rigs for n in rig.noise)
         self.lawbook = lawbook(self.candidates)
@@ -193,7 +192,7 @@ class LinearModel:
             found[list(law.places), column] = law.weights(np.asarray(shape))
         return found
 
-    def places(self, count: int) -> NDArray[np.intp]:
+    def places(self, count: int) -> Whole:
         """Return where the effects of a hypothesis stand among its numbers."""
         return self.layout.own * len(self.layout.sizes) + np.arange(count)
 
@@ -262,7 +261,7 @@ class LinearModel:
         form: Mapping[str, float] | None = None,
         *,
         gradient: bool = False,
-        used: Mapping[str, NDArray[np.bool_]] | None = None,
+        used: Mapping[str, Flags] | None = None,
     ) -> At:
         """Return a hypothesis at one noise.
 
@@ -300,7 +299,7 @@ class LinearModel:
         psi: Array,
         mixing: Array,
         phases: Sequence[Law],
-        used: Mapping[str, NDArray[np.bool_]] | None,
+        used: Mapping[str, Flags] | None,
     ) -> tuple[list[Evaluated], Information]:
         noise = self.named(psi)
         amplitudes = np.exp(psi[len(self.noise) :])
@@ -388,7 +387,7 @@ class LinearModel:
         ]
 
     @property
-    def free(self) -> NDArray[np.bool_]:
+    def free(self) -> Flags:
         """Which coefficients of each size are not held, (sizes, 3)."""
         return self._coefficients[1] > 0
 

@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Whole
 from bayesfric.diagnosis.hypotheses import UNKNOWN, Search
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.weighing import Weighed
@@ -22,8 +22,7 @@ from bayesfric.schemas import NextExperiment
 
 __all__ = ["next_experiment"]
 
-Array = NDArray[np.float64]
-Places = NDArray[np.intp]
+Places = Whole
 RIVAL = 0.05  # probability of a hypothesis that is still in question
 RIVALS = 3
 PULLEYS = ("pulley_size", "n_pulleys", "wrap_angle_deg")

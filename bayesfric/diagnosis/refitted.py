@@ -12,14 +12,13 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.inference.priors import from_normal
 from bayesfric.physics.friction import Coefficients
 
 __all__ = ["RefittedLaw"]
-
-Array = NDArray[np.float64]
 
 
 class RefittedLaw:

@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.systematic import interval
@@ -14,7 +14,6 @@ from bayesfric.schemas import Interval, Remainder
 
 __all__ = ["all_left", "left_matters", "remainder_of"]
 
-Array = NDArray[np.float64]
 LN10 = float(np.log(10))
 LEFT = 0.025  # of the squared gap, that the causes leave with probability 0.95
 SIGNIFICANT = 1.0  # log10 Bayes factor

@@ -6,8 +6,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.layout import COEFFICIENTS
@@ -15,7 +15,6 @@ from bayesfric.rigs.linear import LinearRig
 
 __all__ = ["AXES", "CATEGORIES", "Refit", "Residuals", "recalibrated", "refit_of", "residuals_of"]
 
-Array = NDArray[np.float64]
 AXES = {
     "velocity": "m/s",
     "tension": "N",
@@ -71,19 +70,19 @@ class Residuals:
 
     residual_n: Array
     columns: Array
-    size: NDArray[np.intp]
+    size: Whole
     friction_n: Array
     covariance: tuple[Array, ...]
     wander: tuple[Array, ...]
     scatter: Array
-    trial: NDArray[np.intp]
-    setup: NDArray[np.intp]
-    condition: NDArray[np.intp]
-    rig: NDArray[np.intp]
+    trial: Whole
+    setup: Whole
+    condition: Whole
+    rig: Whole
     covariates: dict[str, Array]
     names: tuple[str, ...]
     rig_names: tuple[str, ...]
-    shown: NDArray[np.bool_]
+    shown: Flags
     axes: tuple[str, ...] = tuple(AXES)
 
     @cached_property
@@ -183,7 +182,7 @@ def residuals_of(model: LinearModel, psi: Array) -> Residuals:
     def joined(name: str) -> Array:
         return np.concatenate([part[name] for part in parts])
 
-    def numbered(name: str) -> NDArray[np.intp]:
+    def numbered(name: str) -> Whole:
         found, start = [], 0
         for part in parts:
             found.append(part[name] + start)
@@ -324,7 +323,7 @@ class Refit:
         return np.asarray(self.sd[:, None] * np.hstack([own, -self.smoothing @ further]))
 
 
-def refit_of(model: LinearModel, residuals: Residuals, rows: NDArray[np.bool_]) -> Refit:
+def refit_of(model: LinearModel, residuals: Residuals, rows: Flags) -> Refit:
     """Return how the law follows the forces of some windows.
 
     Least squares with the weights of the gap, less where the measurement is poor, and the
@@ -379,16 +378,14 @@ def recalibrated(refit: Refit, residuals: Residuals, local: Array) -> Array:
     return found
 
 
-def _summed(group: NDArray[np.intp], values: Array) -> Array:
+def _summed(group: Whole, values: Array) -> Array:
     """Return the sums of columns over each row's group, at every row, (R, k)."""
     found = np.zeros((group.max() + 1, values.shape[1]))
     np.add.at(found, group, values)
     return np.asarray(found[group])
 
 
-def used_of(
-    model: LinearModel, residuals: Residuals, out: NDArray[np.bool_]
-) -> dict[str, NDArray[np.bool_]]:
+def used_of(model: LinearModel, residuals: Residuals, out: Flags) -> dict[str, Flags]:
     """Return which trials of each rig stay where those of some windows are left out."""
     gone = np.zeros(len(residuals.names), dtype=bool)
     gone[residuals.trial[out]] = True

@@ -3,17 +3,15 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Prior, Priors
+from bayesfric.arrays import Array
 from bayesfric.effects.candidates import Candidate, prior_moments
 from bayesfric.inference.smooths import Smooth
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.linear import LinearRows
 
 __all__ = ["coefficient_moments", "rms_friction", "scales_of_numbers"]
-
-Array = NDArray[np.float64]
 
 
 def coefficient_moments(

@@ -10,9 +10,9 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import logsumexp
 
+from bayesfric.arrays import Array
 from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.classes import Classes
 from bayesfric.diagnosis.climbing import curvature_at
@@ -25,7 +25,6 @@ from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed, label, log_volume
 
 __all__ = ["Steps", "compare", "search"]
 
-Array = NDArray[np.float64]
 MOST = 4  # effects at a time
 BEAM = 3  # hypotheses of each number that are gone on from
 TRIED = 5  # of those with an effect more, by a first look

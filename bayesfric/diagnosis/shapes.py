@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import log_ndtr, logsumexp
 from scipy.stats import multivariate_normal
 
+from bayesfric.arrays import Array
 from bayesfric.diagnosis.acting import Law
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.effects.candidates import is_positive, prior_moments
@@ -20,7 +20,6 @@ from bayesfric.inference.information import Reduced
 
 __all__ = ["Choice", "Quadratic", "choose", "log_orthant"]
 
-Array = NDArray[np.float64]
 WIDEST = 2.4  # normal quantile of a shape
 COARSE, FINE, ZOOMS = 49, 13, 3
 SWEEPS = 2  # over the shapes of effects that act together

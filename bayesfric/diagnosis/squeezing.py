@@ -4,16 +4,15 @@ from copy import copy
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
+from bayesfric.arrays import Array
 from bayesfric.diagnosis.discrepancy import Wide
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.rigs.layout import COEFFICIENTS
 
 __all__ = ["squeezed"]
 
-Array = NDArray[np.float64]
 SEEN = 0.02  # information beside a prior of 1, below which a number is left out
 
 

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.diagnosis.arms import Arms
 from bayesfric.diagnosis.held_out import HeldOut, gap_row
 from bayesfric.diagnosis.refitted import RefittedLaw
@@ -15,7 +15,6 @@ from bayesfric.schemas import Gap
 
 __all__ = ["curves_of", "floor_disagrees", "gap_of"]
 
-Array = NDArray[np.float64]
 NO_CAUSE = "no cause is named, so nothing was added that could shrink the gap"
 NO_PHASES = "where in its round the cause begins differs from trial to trial, unpredictably"
 NO_GAP = "the cause leaves no gap once the law is recalibrated, so that nothing can shrink"

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import truncnorm
 
+from bayesfric.arrays import Array
 from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.discrepancy import Wide
 from bayesfric.diagnosis.hypotheses import NONE, UNKNOWN, Search
@@ -23,7 +24,6 @@ from bayesfric.schemas import Interval
 
 __all__ = ["SMALLEST", "Posterior", "best_of", "interval", "left_of", "posterior_of", "shrink_of"]
 
-Array = NDArray[np.float64]
 DRAWS = 1000
 RARE = 0.003  # probability of a hypothesis that is not drawn from
 DISCREPANCIES = (0.3, 1.0)  # of its rms, each as likely before the data; the whole last

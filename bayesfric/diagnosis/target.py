@@ -10,8 +10,8 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.diagnosis.drawn_effect import DrawnEffect, drawn_effect
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.systematic import Posterior, interval
@@ -25,7 +25,6 @@ from bayesfric.schemas import ConditionAsked, FrictionAsked, LawNumber
 
 __all__ = ["check_target", "conditions_of", "friction_at", "target_lines"]
 
-Array = NDArray[np.float64]
 RECORDED = {
     "n_pulleys": "n_pulleys",
     "wrap_angle_deg": "wrap_angle",

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import logsumexp
 from scipy.stats import halfnorm
 
+from bayesfric.arrays import Array, Whole
 from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.climbing import climb, curvature_at
 from bayesfric.diagnosis.discrepancy import Wide
@@ -17,7 +17,6 @@ from bayesfric.diagnosis.weighing import Weighed, log_volume, over_amplitudes
 
 __all__ = ["Unknown", "unknown_force"]
 
-Array = NDArray[np.float64]
 LIKELY = 50.0  # nat from the best, of an unknown force that is looked at again
 QUANTILES = (0.1, 0.3, 0.5, 0.7, 0.9)  # of the rms of an unknown force
 
@@ -99,7 +98,7 @@ def unknown_force(
     scattering = {axis for rig in model.rigs for axis in rig.rows.scattering_axes}
     idle = np.array([one.axis in scattering and one.share < practical for one in nodes])
 
-    def values(psi: Array, of: NDArray[np.intp]) -> Array:
+    def values(psi: Array, of: Whole) -> Array:
         information = model.evaluate(psi, acting, nodes[0], form).information
         priors = [model.amplitude_prior(law) for law in acting.laws]
         nothing = np.array([], dtype=np.intp)

@@ -4,16 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
 from bayesfric.diagnosis.classes import Classes
 from bayesfric.effects import Effect
 from bayesfric.schemas import Axis, Cause, Gap, Interval, Unseparated
 
 __all__ = ["Known", "Verdict", "decide", "sentence_of", "sort_effects", "unseparated_of"]
 
-Array = NDArray[np.float64]
 Verdict = Literal["no-gap", "named", "unseparated", "unknown", "undecided"]
 HALF, SURE, POSSIBLE = 0.5, 0.9, 0.1
 ALL_BUT = 0.999

@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import logsumexp
 
+from bayesfric.arrays import Array
 from bayesfric.diagnosis.acting import Acting, At, Law
 from bayesfric.diagnosis.climbing import climb, curvature_at
 from bayesfric.diagnosis.model import LinearModel
@@ -14,7 +14,6 @@ from bayesfric.diagnosis.shapes import Choice, Quadratic, choose
 
 __all__ = ["FORM_SHARES", "Weighed", "label", "log_volume", "over_amplitudes", "weigh"]
 
-Array = NDArray[np.float64]
 NONE = "none"
 ROUNDS = 3  # of choosing laws and shapes, and noise, in turn
 SETTLED = 0.05  # of a shape, in normal quantiles

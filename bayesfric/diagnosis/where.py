@@ -11,8 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.diagnosis.chance import redrawn
 from bayesfric.diagnosis.residuals import AXES, CATEGORIES, Residuals
 from bayesfric.inference.smooths import Span, smooth_along
@@ -21,7 +21,6 @@ from bayesfric.schemas import Axis, Shape
 
 __all__ = ["where_it_lies"]
 
-Array = NDArray[np.float64]
 DRAWS = 400
 SCALE = 0.1  # prior sd of a smooth, as a share of friction
 GRID = 25
@@ -37,7 +36,7 @@ class _Design:
     """One axis: its functions at the windows, and on a grid."""
 
     name: str
-    known: NDArray[np.bool_]  # (R,), where a window has such a place
+    known: Flags  # (R,), where a window has such a place
     columns: Array  # (R, k)
     grid: Array  # (G,)
     on_grid: Array  # (G, k)
@@ -46,7 +45,7 @@ class _Design:
 def where_it_lies(
     residuals: Residuals,
     before: Array,
-    fold: NDArray[np.intp],
+    fold: Whole,
     gap2: float,
     rng: np.random.Generator,
 ) -> tuple[Axis, ...]:
@@ -148,7 +147,7 @@ def _smoothing(columns: Array, precision: Array) -> Array:
 def _shares(
     designs: dict[str, _Design],
     relative: Array,
-    fold: NDArray[np.intp],
+    fold: Whole,
     precision: Array,
     weight: Array,
     gap2: float,

@@ -8,13 +8,12 @@ that takes its momentum.
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import HalfNormal, LogNormal
+from bayesfric.arrays import Array
 from bayesfric.effects.base import Effect, EffectParameter, Law, State
 from bayesfric.physics.loads import taken_along
 
-Array = NDArray[np.float64]
 SHARP = 10.0  # the gap closes over a tenth of it
 
 

@@ -6,9 +6,10 @@ from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bayesfric.analysis import Prior
+from bayesfric.arrays import Array
 from bayesfric.physics.friction import (
     REFERENCE_WRAP_ANGLE_DEG,
     Coefficients,
@@ -18,7 +19,6 @@ from bayesfric.physics.friction import (
 
 __all__ = ["ActsOn", "Effect", "EffectParameter", "Law", "Reading", "State"]
 
-Array = NDArray[np.float64]
 REFERENCE_TENSION_N = 15.0
 MEDIUM_RADIUS_M = 7.82e-3  # Table I
 ActsOn = Literal["friction", "drive", "reading", "current"]

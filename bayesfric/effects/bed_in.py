@@ -3,12 +3,10 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import LogNormal, Normal
+from bayesfric.arrays import Array
 from bayesfric.effects.base import Effect, EffectParameter, State
-
-Array = NDArray[np.float64]
 
 
 def _first(p: Mapping[str, Array], state: State) -> Array:

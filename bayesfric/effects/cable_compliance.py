@@ -3,12 +3,11 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import LogNormal, Normal
+from bayesfric.arrays import Array
 from bayesfric.effects.base import Effect, EffectParameter, Reading
 
-Array = NDArray[np.float64]
 DAMPING_RATIO = 0.05
 
 

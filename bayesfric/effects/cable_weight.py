@@ -3,12 +3,11 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import HalfNormal, Normal
+from bayesfric.arrays import Array
 from bayesfric.effects.base import Effect, EffectParameter, State
 
-Array = NDArray[np.float64]
 TRAVEL_M = 0.6  # of a trial
 CABLE_M = 1.6  # of cable between the masses, all of which moves
 

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import norm
 
 from bayesfric.analysis import HalfCauchy, HalfNormal, LogNormal, Normal, Prior, Uniform
+from bayesfric.arrays import Array
 from bayesfric.effects import Effect
 from bayesfric.inference.priors import from_normal
 
@@ -27,7 +27,6 @@ __all__ = [
     "unit_values",
 ]
 
-Array = NDArray[np.float64]
 SHAPE_NODES = np.linspace(-2.4, 2.4, 13)
 """Shapes that are tried, as normal quantiles of the prior."""
 SMALL = 1e-4  # of the prior's sd, at which a law is taken to be linear in its amplitude

@@ -7,12 +7,10 @@ the gravity board the two cannot be told apart.
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Normal
+from bayesfric.arrays import Array
 from bayesfric.effects.base import Effect, EffectParameter, Reading
-
-Array = NDArray[np.float64]
 
 
 def _proportional(p: Mapping[str, Array], reading: Reading) -> Array:

@@ -8,12 +8,10 @@ that of the one of all its forms that was found.
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import HalfNormal, LogNormal
+from bayesfric.arrays import Array
 from bayesfric.effects.base import Effect, EffectParameter, State
-
-Array = NDArray[np.float64]
 
 
 def _wave(p: Mapping[str, Array], state: State) -> Array:

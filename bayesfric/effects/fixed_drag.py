@@ -3,12 +3,11 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import HalfNormal
+from bayesfric.arrays import Array
 from bayesfric.effects.base import REFERENCE_TENSION_N, Effect, EffectParameter, State
 
-Array = NDArray[np.float64]
 WITH_TENSION = 0.4  # of the drag at 15 N; of a pulley by Table I it is 0.8, of felt 0
 
 

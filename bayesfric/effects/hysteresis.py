@@ -8,12 +8,10 @@ Bouc and Wen with exponent 2, dz/dx = (1 − z²)/L, is not.
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import HalfNormal, LogNormal
+from bayesfric.arrays import Array
 from bayesfric.effects.base import Effect, EffectParameter, State
-
-Array = NDArray[np.float64]
 
 
 def _dahl(p: Mapping[str, Array], state: State) -> Array:

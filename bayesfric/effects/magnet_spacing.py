@@ -8,12 +8,11 @@ magnets can have, beside a constant; of more magnets they are the smooth ones.
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import HalfNormal
+from bayesfric.arrays import Array
 from bayesfric.effects.base import Effect, EffectParameter, Reading
 
-Array = NDArray[np.float64]
 WAVES = (1, 2)  # periods a revolution
 
 

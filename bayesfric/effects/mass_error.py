@@ -3,12 +3,10 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Normal
+from bayesfric.arrays import Array
 from bayesfric.effects.base import Effect, EffectParameter, State
-
-Array = NDArray[np.float64]
 
 
 def _drive_side(p: Mapping[str, Array], state: State) -> Array:

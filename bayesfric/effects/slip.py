@@ -3,12 +3,11 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Normal
+from bayesfric.arrays import Array
 from bayesfric.effects.base import STANDARD_GRAVITY_M_S2, Effect, EffectParameter, Reading
 
-Array = NDArray[np.float64]
 TYPICAL_FRICTION_N = 2.0  # of the board
 
 

@@ -3,12 +3,11 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import HalfNormal, LogNormal
+from bayesfric.arrays import Array
 from bayesfric.effects.base import Effect, EffectParameter, State
 
-Array = NDArray[np.float64]
 ARMSTRONG = (
     "argued from the survey of Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30 "
     "(1994) 1083: at most twice the kinetic friction at rest, and at low speeds only"

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import BSpline, make_interp_spline
 
+from bayesfric.arrays import Array
 from bayesfric.effects import Effect, State
 from bayesfric.inference.priors import Parameter, from_normal, prior_width, to_normal
 
@@ -21,7 +21,6 @@ __all__ = [
     "total",
 ]
 
-Array = NDArray[np.float64]
 SHAPE_RANGE = 3.0  # prior standard deviations of a shape parameter that are tabulated
 SHAPE_NODES = 33
 START_SHARE = 0.1  # of the prior's sd, an amplitude to climb from

@@ -3,12 +3,11 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Normal
+from bayesfric.arrays import Array
 from bayesfric.effects.base import Effect, EffectParameter, State
 
-Array = NDArray[np.float64]
 TYPICAL_CURRENT_A = 4.0  # of the load
 
 

@@ -9,13 +9,12 @@ taken along.
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import HalfNormal, LogNormal
+from bayesfric.arrays import Array
 from bayesfric.effects.base import Effect, EffectParameter, Law, State
 from bayesfric.physics.loads import taken_along
 
-Array = NDArray[np.float64]
 SPREAD = 3.0  # a spring takes a load along over a third of the travel
 
 

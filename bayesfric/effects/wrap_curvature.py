@@ -3,12 +3,11 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Normal
+from bayesfric.arrays import Array
 from bayesfric.effects.base import Effect, EffectParameter, State
 
-Array = NDArray[np.float64]
 REFERENCE_WRAP_DEG = 85.0
 SPAN_DEG = 50.0
 

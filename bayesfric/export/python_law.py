@@ -1,15 +1,14 @@
 """A Python file with the law and the causes, which needs NumPy alone."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.characters import legible
 from bayesfric.export.stored_law import StoredLaw
 from bayesfric.physics.laws import BASELINES
 
 __all__ = ["Correction", "correction", "python_text"]
 
-Array = NDArray[np.float64]
 BINS = 48  # of the factor; fewer values are taken one by one
 AXES = ("velocity", "tension", "n_pulleys", "wrap_angle")
 TEXT = '''"""Friction of {name}, calibrated and diagnosed by bayesfric.

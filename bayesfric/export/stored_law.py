@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.errors import Fault, InputError
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.results import fitted_coefficients, fitted_numbers, read_json, read_tree
@@ -15,7 +15,6 @@ from bayesfric.schemas import Cause, DiagnosisFile, FitFile
 
 __all__ = ["StoredLaw", "read_law"]
 
-Array = NDArray[np.float64]
 MOST_DRAWS = 200
 ABSENT = {
     "velocity": 0.0,

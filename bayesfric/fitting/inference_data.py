@@ -19,6 +19,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.fitting.predictive.coverage import CELL
 from bayesfric.fitting.predictive.left_out import LeftOut, by_blocks
 from bayesfric.inference.model import Model
@@ -28,7 +29,6 @@ from bayesfric.rigs.coefficients import sizes_of
 
 __all__ = ["Stored", "draws_of_fit", "flat_attributes", "write_csv"]
 
-Array = NDArray[np.float64]
 MOST_DRAWS = 4000
 MOST_NUMBERS = 2_400_000  # draws times trials: a file of 15 to 20 MB
 STEP = 2.0**-14  # of a trial's log density [nat]; what is left of its digits compresses

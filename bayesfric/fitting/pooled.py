@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
+from bayesfric.arrays import Array
 from bayesfric.errors import Fault, InputError
 from bayesfric.fitting.inference_data import flat_attributes, write_csv
 from bayesfric.fitting.pooling import BETWEEN, PooledDraws, draw_pooled
@@ -47,7 +47,6 @@ from bayesfric.schemas import (
 
 __all__ = ["PooledFit", "board_folder", "check_boards", "pool"]
 
-Array = NDArray[np.float64]
 LIMIT_K = 0.7
 SHARED = (
     "of each coefficient and pulley size, the mean of the population of boards and the standard "

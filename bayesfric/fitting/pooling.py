@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
+from bayesfric.arrays import Array
 from bayesfric.fitting.drawing import draw_posterior
 from bayesfric.inference.diagnostics import smooth_weights
 from bayesfric.inference.hierarchy import NormalBoard, second_stage
@@ -16,7 +16,6 @@ from bayesfric.inference.sampling import Progress
 
 __all__ = ["BETWEEN", "PooledDraws", "Population", "draw_pooled"]
 
-Array = NDArray[np.float64]
 BETWEEN = "between_"
 MOST_DRAWS = 4000
 TRIES = 4  # boards for each draw of the population

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis
@@ -38,8 +37,6 @@ from bayesfric.rigs.opening import baseline_of, chosen_rigs, open_rigs, with_own
 from bayesfric.schemas import FitFile, RecordingId, TimingsFile
 
 __all__ = ["Fit", "fit", "model_of_law", "opened"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.inference.diagnostics import LIMITS, Convergence, diagnose_all, power_scaling
 from bayesfric.inference.informed import informed_by_data
 from bayesfric.inference.model import Model
@@ -35,7 +35,6 @@ __all__ = [
     "unsettled",
 ]
 
-Array = NDArray[np.float64]
 COEFFICIENTS = ("c1", "c2", "c3")
 NO_SD = "the prior has no standard deviation"
 Summary = TypeVar("Summary", bound=Interval)

@@ -13,11 +13,12 @@ Statistics and Computing 30 (2020).
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from bayesfric.arrays import Array
 
 __all__ = ["MODES", "cosine_variances", "cosines", "log_variance_slopes"]
 
-Array = NDArray[np.float64]
 MODES = 6  # whose double integral stands out of the noise of events where the rms is 2 %
 
 

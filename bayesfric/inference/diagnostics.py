@@ -18,6 +18,8 @@ from numpy.linalg import LinAlgError
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
+from bayesfric.arrays import Array
+
 __all__ = [
     "LIMITS",
     "Convergence",
@@ -31,7 +33,6 @@ __all__ = [
     "smooth_weights",
 ]
 
-Array = NDArray[np.float64]
 
 LIMITS = {"r_hat": 1.01, "r_hat_walkers": 1.02, "ess": 400.0}
 """R-hat below, effective draws above: what counts as converged."""

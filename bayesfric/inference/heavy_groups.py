@@ -10,17 +10,16 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import stats
 from scipy.special import logsumexp
 
+from bayesfric.arrays import Array
 from bayesfric.inference.grouped_normal import LOG_2PI, Grouped, GroupedNormal
 from bayesfric.inference.quadratic import eliminate, gram
 from bayesfric.inference.student import drawn_node, log_density_given, weight_given
 
 __all__ = ["HeavyGroups"]
 
-Array = NDArray[np.float64]
 NODES = 41  # in log λ: the rule converges exponentially
 LOWER, UPPER = 1e-12, 1e-8  # probability beyond the grid; groups far out are at its lower end
 

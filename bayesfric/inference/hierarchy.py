@@ -20,12 +20,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import from_normal, log_density, prior_width
 
 __all__ = ["NormalBoard", "second_stage"]
 
-Array = NDArray[np.float64]
 LEAST_PRECISION = 0.01  # of a direction that a board leaves open, its prior's being 1
 FREEDOM, INFLATION = 6.0, 1.3  # of the proposals of a board, whose tails may be heavy
 

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
 from scipy.linalg.lapack import dpotri
 
-__all__ = ["Information", "Reduced"]
+from bayesfric.arrays import Array
 
-Array = NDArray[np.float64]
+__all__ = ["Information", "Reduced"]
 
 
 @dataclass(frozen=True)

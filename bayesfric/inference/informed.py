@@ -3,12 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.inference.laplace import curvature_steps, finite_hessian
 from bayesfric.inference.model import Model
 
 __all__ = ["informed_by_data"]
 
-Array = NDArray[np.float64]
 OPEN = 1e-3  # least curvature of a direction: flatter ones differ by finite differences only
 NEAR = 1e-5  # of a prior's width, over which a change of coordinates is linear
 SOME = 500  # draws, of which the most probable is near the mode

@@ -8,12 +8,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import optimize
+
+from bayesfric.arrays import Array
 
 __all__ = ["Laplace", "NoModeError", "curvature_steps", "finite_hessian", "laplace_approximation"]
 
-Array = NDArray[np.float64]
 LogDensity = Callable[[Array], Array]
 
 DROP = 0.02  # step of a difference, in curvature standard deviations squared

@@ -8,6 +8,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Prior
+from bayesfric.arrays import Array
 from bayesfric.inference.priors import (
     LOG_2PI,
     Parameter,
@@ -20,7 +21,6 @@ from bayesfric.inference.priors import (
 
 __all__ = ["GivenRest", "Model", "RigLikelihood"]
 
-Array = NDArray[np.float64]
 START_RANGE = 6.0  # prior standard deviations; an estimate beyond is not believed
 BATCH = 24_000  # trials times walkers: more at once fall out of the processor's cache
 

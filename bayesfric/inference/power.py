@@ -11,16 +11,15 @@ posterior, or from the information of a design before anything was measured.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import logsumexp, ndtri
 
 from bayesfric.analysis import Prior
+from bayesfric.arrays import Array
 from bayesfric.inference.priors import LOG_2PI, from_normal, log_density, prior_sd
 
 __all__ = ["amplitude_error", "log_bayes_factor", "smallest_found"]
 
-Array = NDArray[np.float64]
 NODES = np.linspace(-9.0, 9.0, 721)  # in errors around an estimate
 LARGEST = 1e4  # errors: an effect that far out is found whatever the prior
 TOLD = 1.05  # least ratio of posterior to prior precision of an amplitude that data inform

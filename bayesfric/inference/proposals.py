@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gammaln, logsumexp
 
+from bayesfric.arrays import Array
 from bayesfric.inference.diagnostics import smooth_weights
 from bayesfric.inference.laplace import Laplace
 
@@ -32,7 +33,6 @@ __all__ = [
     "resampled",
 ]
 
-Array = NDArray[np.float64]
 LogDensity = Callable[[Array], Array]
 Random = np.random.RandomState | np.random.Generator  # emcee has the former
 

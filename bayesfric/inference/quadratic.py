@@ -9,11 +9,11 @@ are integrated out, one after the other (Schur complement).
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from bayesfric.arrays import Array
 
 __all__ = ["bilinear", "eliminate", "gram", "matrices", "side"]
-
-Array = NDArray[np.float64]
 
 
 def side(triangle: Array) -> int:

@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayesfric.analysis import Sampler
+from bayesfric.arrays import Array
 from bayesfric.checkpoint import Checkpoint
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.laplace import Laplace
@@ -38,7 +39,6 @@ from bayesfric.inference.proposals import (
 
 __all__ = ["Draws", "SamplingError", "sample"]
 
-Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]
 Arrays = dict[str, NDArray[Any]]
 

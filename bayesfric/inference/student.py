@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gammaln, logsumexp, stdtr
 
+from bayesfric.arrays import Array
 from bayesfric.inference.grouped_normal import LOG_2PI, Grouped
 from bayesfric.inference.quadratic import gram, matrices
 
 __all__ = ["GroupedStudent", "drawn_node", "log_density_given", "weight_given"]
 
-Array = NDArray[np.float64]
 REWEIGHTINGS = 12
 
 

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
+from bayesfric.arrays import Array
 from bayesfric.families import Beta, Family, Gamma, HalfCauchy, StudentT, TruncatedNormal
 
 __all__ = ["from_tails", "to_tails"]
 
-Array = NDArray[np.float64]
 Pair = tuple[NDArray[np.floating[Any]], NDArray[np.floating[Any]]]
 
 

@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_ndtr, logsumexp
 
+from bayesfric.arrays import Array
 from bayesfric.inference.grouped_normal import LOG_2PI
 
 __all__ = ["Thresholds", "log_probability_above"]
 
-Array = NDArray[np.float64]
 NEWTON_STEPS = 20  # at most
 CLOSE = 1e-6  # to the mode, in standard deviations of u: nodes need be no closer
 REACH = 7.0  # of the nodes around the mode, in standard deviations of u

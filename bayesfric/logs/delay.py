@@ -3,15 +3,14 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize_scalar
 
+from bayesfric.arrays import Array
 from bayesfric.logs.reading import Series
 
 __all__ = ["Delay", "delay_between"]
 
-Array = NDArray[np.float64]
 LATEST_S = 0.1  # looked at, either way
 COARSE = 401
 

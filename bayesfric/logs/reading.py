@@ -6,14 +6,13 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.errors import Fault, InputError
 from bayesfric.logs.mapping import SECONDS, Mapping
 
 __all__ = ["Series", "bag_signals", "csv_signals", "is_bag"]
 
-Array = NDArray[np.float64]
 JOINT_STATE = "sensor_msgs/msg/JointState"
 NANO = 1e-9
 

@@ -4,8 +4,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Flags
 from bayesfric.margins.describing import necessary_gain
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.loop_file import Spec
@@ -25,7 +25,6 @@ __all__ = [
     "which_gain",
 ]
 
-Array = NDArray[np.float64]
 
 STEP = 0.05
 DECIDES = 0.5
@@ -206,7 +205,7 @@ def what_to_measure(shares: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
             )
 
 
-def share_of(happened: NDArray[np.bool_]) -> str:
+def share_of(happened: Flags) -> str:
     """Return a share of draws in words: none of them is a bound at 95 %, as all of them is."""
     count, hits = happened.size, int(happened.sum())
     bound = 100 * (1 - 0.05 ** (1 / count))

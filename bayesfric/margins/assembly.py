@@ -10,9 +10,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel
 
+from bayesfric.arrays import Array, Whole
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.priors import from_normal
 from bayesfric.margins.loop_file import Loop
@@ -22,7 +22,6 @@ from bayesfric.physics.friction import Coefficients
 
 __all__ = ["Assembly", "draw_assembly", "nominal_assembly"]
 
-Array = NDArray[np.float64]
 
 COEFFICIENTS = "c1, c2, c3"
 NEW_ASSEMBLY = "new assembly and rig"
@@ -70,7 +69,7 @@ class Assembly:
             return replace(self, factor=other.factor)
         return replace(self, numbers={**self.numbers, group: other.numbers[group]})
 
-    def taken(self, rows: NDArray[np.intp]) -> "Assembly":
+    def taken(self, rows: Whole) -> "Assembly":
         """Return some of the draws."""
         return replace(
             self,

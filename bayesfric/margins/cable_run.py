@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bayesfric.arrays import Array
 from bayesfric.margins.loop_file import CableRun
 from bayesfric.physics.friction import (
     REFERENCE_WRAP_ANGLE_DEG,
@@ -22,7 +23,6 @@ from bayesfric.physics.friction import (
 
 __all__ = ["Direction", "RunFriction", "losses", "run_friction"]
 
-Array = NDArray[np.float64]
 Direction = Literal["driving", "overhauling"]
 DIRECTIONS: tuple[Direction, ...] = ("driving", "overhauling")
 

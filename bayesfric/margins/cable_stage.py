@@ -9,15 +9,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.margins.assembly import Assembly
 from bayesfric.margins.cable_run import RunFriction, run_friction
 from bayesfric.margins.loop_file import Loop
 
 __all__ = ["Stage", "in_series", "lost_motion", "stages_of", "train_modes"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

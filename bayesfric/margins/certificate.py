@@ -30,8 +30,8 @@ Transactions on Automatic Control 42(6) (1997): several nonlinearities at once.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.margins.linear import is_stable
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.open_loop import OpenLoop
@@ -42,7 +42,6 @@ from bayesfric.schemas import Certificate
 
 __all__ = ["certified_gain", "certify", "largest_slope", "not_applicable"]
 
-Array = NDArray[np.float64]
 
 MOST = 200
 """Draws that are looked at."""

@@ -1,57 +1,35 @@
 """Loops and draws to ``margins.json``."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
 from bayesfric.analysis import Analysis
 from bayesfric.errors import Fault, InputError
-from bayesfric.margins.answer import (
-    against_the_spec,
-    largest_safe_gain,
-    limit_cycle_curve,
-    what_to_measure,
-    which_gain,
-)
-from bayesfric.margins.assembly import Assembly, draw_assembly, nominal_assembly
+from bayesfric.margins.assembly import draw_assembly, nominal_assembly
 from bayesfric.margins.cable_run import Direction
-from bayesfric.margins.certificate import certify
-from bayesfric.margins.diagnosed import Diagnosed, read_diagnosed, with_effects
+from bayesfric.margins.diagnosed import read_diagnosed
 from bayesfric.margins.echo import plant_of
 from bayesfric.margins.ensemble import Ensemble
-from bayesfric.margins.following import follow_all, needs_motion
-from bayesfric.margins.inputs import beyond_the_draws, refused
-from bayesfric.margins.loop_at_shaft import LoopAtShaft
-from bayesfric.margins.loop_file import Loop, loop_sha256, read_loop
-from bayesfric.margins.metrics import Key, closed_forms, linear_of
-from bayesfric.margins.nyquist import nyquist_fans
+from bayesfric.margins.following import needs_motion
+from bayesfric.margins.inputs import refused
+from bayesfric.margins.loop_file import Loop, read_loop
+from bayesfric.margins.loop_margins import loop_margins
+from bayesfric.margins.metrics import linear_of
 from bayesfric.margins.population import read_draws
 from bayesfric.margins.posterior import Posterior, RigDiscrepancy
 from bayesfric.margins.reflecting import at_shaft
-from bayesfric.margins.rows import metric_rows
-from bayesfric.margins.spec import missed_specs
-from bayesfric.margins.thresholds import Hunting, find_hunting
-from bayesfric.margins.tuning import meets_all_now
-from bayesfric.margins.tuning import tune as find_gains
-from bayesfric.margins.variance import variance_shares
-from bayesfric.margins.verification import verify as verify_draws
-from bayesfric.margins.warnings import loop_warnings
 from bayesfric.results import identified, json_bytes, provenance, replace_outputs
-from bayesfric.schemas import HuntingMap, LoopMargins, MarginsFile, WithEffects
+from bayesfric.schemas import MarginsFile
 
 if TYPE_CHECKING:
     import control
 
 __all__ = ["Margins", "compute_margins"]
 
-Array = NDArray[np.float64]
 
 SIMULATED = 200
-SHARED = 1000  # draws for the shares of variance
 
 
 @dataclass(frozen=True)
@@ -182,7 +160,7 @@ def compute_margins(
     found, loops_drawn = [], []
     for place, loop in enumerate(read):
         progress(place, len(read))
-        shaft, told = _one_loop(
+        shaft, told = loop_margins(
             loop,
             posterior,
             discrepancy,
@@ -255,151 +233,3 @@ def _refuse_unstable(loop: Loop, posterior: Posterior, moves: bool) -> None:
     ]
     if faults:
         raise InputError(faults)
-
-
-def _one_loop(
-    loop: Loop,
-    posterior: Posterior,
-    discrepancy: RigDiscrepancy,
-    diagnosed: Diagnosed | None,
-    seed: int,
-    verify: int,
-    tune: bool,
-    moves: bool,
-    simulated: int,
-) -> tuple[LoopAtShaft, LoopMargins]:
-    given = draw_assembly(loop, posterior, discrepancy, seed)
-    shaft = at_shaft(loop, given)
-    linear = linear_of(shaft, with_peaks=True)
-    values = closed_forms(shaft, linear)
-    allowed = loop.spec.limit_cycle_probability_max
-    hunting = find_hunting(shaft, simulated, allowed)
-    estimate = float(shaft.estimate.mean())
-    some = np.arange(min(SHARED, given.draws))
-    other = draw_assembly(loop, posterior, discrepancy, seed, stream=1)
-
-    def evaluate(assembly: Assembly) -> Mapping[Key, Array]:
-        one = at_shaft(loop, assembly, estimate=estimate)
-        return closed_forms(one, linear_of(one))
-
-    draws = posterior.effective_draws
-    safe = largest_safe_gain(hunting, allowed, draws)
-    beyond = beyond_the_draws(shaft, given, posterior)
-    rows = metric_rows(shaft, values, linear, hunting, draws)
-    shares = variance_shares(evaluate, given.taken(some), other.taken(some))
-    hunts = float(hunting.now.mean())
-    missed = missed_specs(rows, hunts, loop.spec)
-    together = meets_all_now(shaft, hunting)
-    certificate, no_certificate = certify(shaft, hunting)
-    told = LoopMargins(
-        name=loop.name,
-        title=loop.title,
-        loop_sha256=loop_sha256(loop),
-        answer=" ".join(
-            [
-                against_the_spec(rows, missed, hunts, loop.spec),
-                f"All at once are met with probability {together:.2g}.",
-                *([f"Beyond what was measured: {'; '.join(beyond)}."] if beyond else []),
-                which_gain(shaft, hunting, safe, allowed),
-                *what_to_measure(shares),
-            ]
-        ),
-        plant=plant_of(shaft),
-        compensation_signal=loop.compensation.signal,
-        compensation_gain=float(np.median(shaft.gamma)),
-        metrics=rows,
-        missed_specs=missed,
-        violation_probability_max=loop.spec.violation_probability_max,
-        limit_cycle_probability=limit_cycle_curve(hunting, draws),
-        limit_cycle_probability_why=None,
-        limit_cycle_probability_max=allowed,
-        limit_cycle_method=hunting.method,
-        largest_safe_compensation_gain=safe.gamma,
-        largest_safe_compensation_gain_why=safe.why,
-        largest_safe_compensation_gain_se=safe.se,
-        hunting_map=_map(hunting, shaft),
-        hunting_map_why="the file's reference rests, and a formula holds"
-        if not hunting.map
-        else None,
-        not_examined=hunting.not_examined,
-        variance_share=shares,
-        verification=verify_draws(shaft, hunting, verify) if verify else None,
-        verification_why=None if verify else "it was not asked for (--verify N)",
-        with_effects=None
-        if diagnosed is None or not diagnosed.finds_something
-        else _with_effects(loop, diagnosed, discrepancy, seed, simulated),
-        with_effects_why=_why_without(diagnosed),
-        meets_all=together,
-        tuning=find_gains(shaft, loop.spec.violation_probability_max) if tune else None,
-        tuning_why=None if tune else "it was not asked for (--tune)",
-        certificate=certificate,
-        certificate_why=no_certificate,
-        following=follow_all(shaft, simulated) if moves and shaft.wrist is None else None,
-        following_why=_why_not_followed(shaft, moves),
-        nyquist=nyquist_fans(shaft),
-        warnings=loop_warnings(shaft, given, linear, discrepancy, posterior),
-    )
-    return shaft, told
-
-
-def _map(hunting: Hunting, shaft: LoopAtShaft) -> HuntingMap | None:
-    chart = hunting.map
-    if chart is None:
-        return None
-    speeds = [one.speed_of(shaft) for one in chart.speeds]
-    tip = float(np.median(shaft.tip_per_rad))
-    return HuntingMap(
-        draws=chart.hunts.shape[2],
-        gamma=chart.gammas,
-        speed_rad_s=tuple(float(np.median(one)) for one in speeds),
-        speed_tip_m_s=tuple(float(np.median(one * shaft.tip_per_rad)) for one in speeds),
-        probability=_rows(chart.hunts.mean(axis=2)),
-        rms_error_m=_rows(tip * np.median(chart.rms_error, axis=2)),
-    )
-
-
-def _rows(table: Array) -> tuple[tuple[float, ...], ...]:
-    return tuple(tuple(float(value) for value in row) for row in table)
-
-
-def _why_not_followed(shaft: LoopAtShaft, moves: bool) -> str | None:
-    if not moves:
-        return "it was not asked for (--ensembles)"
-    if shaft.wrist is not None:
-        return "not examined: the joint shares motors with others, which would move along"
-    return None
-
-
-def _why_without(diagnosed: Diagnosed | None) -> str | None:
-    if diagnosed is None:
-        return "no diagnosis was given"
-    return None if diagnosed.finds_something else "the diagnosis finds no effect that may act"
-
-
-def _with_effects(
-    loop: Loop, diagnosed: Diagnosed, discrepancy: RigDiscrepancy, seed: int, simulated: int
-) -> WithEffects:
-    given = draw_assembly(loop, diagnosed.posterior, discrepancy, seed)
-    after = with_effects(at_shaft(loop, given), given, diagnosed.acting)
-    linear = linear_of(after, with_peaks=True)
-    allowed = loop.spec.limit_cycle_probability_max
-    hunting = find_hunting(after, simulated, allowed)
-    draws = diagnosed.posterior.effective_draws
-    safe = largest_safe_gain(hunting, allowed, draws)
-    rows = metric_rows(after, closed_forms(after, linear), linear, hunting, draws)
-    hunts = float(hunting.now.mean())
-    missed = missed_specs(rows, hunts, loop.spec)
-    return WithEffects(
-        effects=tuple(one.effect.name for one in diagnosed.acting),
-        left_out=diagnosed.left_out,
-        answer=" ".join(
-            [
-                against_the_spec(rows, missed, hunts, loop.spec),
-                which_gain(after, hunting, safe, allowed),
-            ]
-        ),
-        metrics=rows,
-        missed_specs=missed,
-        largest_safe_compensation_gain=safe.gamma,
-        largest_safe_compensation_gain_why=safe.why,
-    )

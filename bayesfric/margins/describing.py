@@ -18,8 +18,8 @@ B. Armstrong, B. Amin, "PID control in the presence of static friction", Automat
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Flags
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 
 __all__ = [
@@ -33,7 +33,6 @@ __all__ = [
     "swing_amplitude",
 ]
 
-Array = NDArray[np.float64]
 
 LEAST_COUNTS = 100.0
 """Encoder counts in the stuck band F/kp below which γ* fails: quantisation damps."""
@@ -91,7 +90,7 @@ def _damping_ratio(shaft: LoopAtShaft) -> Array:
     return np.asarray(effective_damping(shaft) / (2 * np.sqrt(shaft.kp * shaft.inertia)))
 
 
-def formula_conditions(shaft: LoopAtShaft) -> tuple[NDArray[np.bool_], tuple[str, ...]]:
+def formula_conditions(shaft: LoopAtShaft) -> tuple[Flags, tuple[str, ...]]:
     """Tell in which draws γ* holds.
 
     Returns

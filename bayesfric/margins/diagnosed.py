@@ -17,8 +17,8 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.diagnosis.drawn_effect import DrawnEffect, drawn_effect
 from bayesfric.effects import all_effects
 from bayesfric.effects.base import State
@@ -33,7 +33,6 @@ from bayesfric.schemas import DiagnosisFile
 
 __all__ = ["Diagnosed", "read_diagnosed", "with_effects"]
 
-Array = NDArray[np.float64]
 
 LEAST_SPEED = 0.1
 """Cable speed up to which an effect is looked at where the file has no peak speed [m/s]."""

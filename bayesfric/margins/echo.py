@@ -1,8 +1,8 @@
 """What a loop file comes to at the motor's shaft, so that a forgotten gearbox shows."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.margins.describing import effective_damping, natural_frequency
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.loop_file import RevoluteJoint
@@ -10,8 +10,6 @@ from bayesfric.margins.quantities import central
 from bayesfric.schemas import Plant
 
 __all__ = ["plant_of"]
-
-Array = NDArray[np.float64]
 
 
 def plant_of(shaft: LoopAtShaft) -> Plant:

@@ -13,13 +13,12 @@ from dataclasses import dataclass, fields
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+from bayesfric.arrays import Array, Flags, Whole
 
 __all__ = ["Beyond", "Cable", "EncoderAt", "Ends"]
 
 EncoderAt = Literal["motor", "joint"]
-Floats = NDArray[np.float64]
-Whole = NDArray[np.intp]
 
 LARGEST_PHASE = 0.5
 """Of the cable's ringing in a step [rad]: its frequency is within (phase)²/24."""
@@ -41,10 +40,10 @@ class Beyond:
         Of the second cable [N·m/rad, N·m·s/rad].
     """
 
-    inertia: Floats
-    share: Floats
-    stiffness: Floats
-    damping: Floats
+    inertia: Array
+    share: Array
+    stiffness: Array
+    damping: Array
 
     def taken(self, rows: Whole) -> "Beyond":
         """Return that of some draws."""
@@ -74,18 +73,18 @@ class Cable:
         Where the cable ends at a shaft with a second one; None is at the joint.
     """
 
-    motor_inertia: Floats
-    load_inertia: Floats
-    load_viscous: Floats
-    stiffness: Floats
-    damping: Floats
-    behind: Floats
-    hangs: Floats
-    play: Floats
+    motor_inertia: Array
+    load_inertia: Array
+    load_viscous: Array
+    stiffness: Array
+    damping: Array
+    behind: Array
+    hangs: Array
+    play: Array
     beyond: Beyond | None = None
 
     @property
-    def ringing(self) -> Floats:
+    def ringing(self) -> Array:
         """The highest frequency at which the ends ring, shape (draws,) [rad/s]."""
         if self.beyond is None:
             return np.sqrt(self.stiffness * (1 / self.load_inertia + 1 / self.motor_inertia))
@@ -115,10 +114,10 @@ class Step(NamedTuple):
         Speed that friction takes off [rad/s].
     """
 
-    length: Floats
-    over_inertia: Floats
-    left: Floats
-    rubbed: Floats
+    length: Array
+    over_inertia: Array
+    left: Array
+    rubbed: Array
 
 
 class Ends:
@@ -142,15 +141,15 @@ class Ends:
         self,
         cable: Cable,
         *,
-        friction: Floats,
-        falling: Floats,
-        falling_speed: Floats,
-        stiction_ratio: Floats,
-        viscous: Floats,
-        load: Floats,
+        friction: Array,
+        falling: Array,
+        falling_speed: Array,
+        stiction_ratio: Array,
+        viscous: Array,
+        load: Array,
         encoder_at: EncoderAt,
-        position: Floats,
-        speed: Floats,
+        position: Array,
+        speed: Array,
     ) -> None:
         beyond = cable.beyond
         self.stiffness, self.damping, self.ringing = cable.stiffness, cable.damping, cable.ringing
@@ -181,43 +180,43 @@ class Ends:
         self.speeds = np.broadcast_to(speed, self.ends.shape).copy()
 
     @property
-    def position(self) -> Floats:
+    def position(self) -> Array:
         """Of the measured end, shape (draws,) [rad]."""
         return np.asarray(self.ends[self.measured])
 
     @property
-    def speed(self) -> Floats:
+    def speed(self) -> Array:
         """Of the measured end, shape (draws,) [rad/s]."""
         return np.asarray(self.speeds[self.measured])
 
     @property
-    def joint(self) -> Floats:
+    def joint(self) -> Array:
         """Position of the joint's end, shape (draws,) [rad]."""
         return np.asarray(self.ends[-1])
 
     @property
-    def twist(self) -> Floats:
+    def twist(self) -> Array:
         """Motor minus joint, shape (draws,) [rad]."""
         return np.asarray(self.ends[0] - self.ends[-1])
 
     @property
-    def stands(self) -> NDArray[np.bool_]:
+    def stands(self) -> Flags:
         """Where all ends stand still, shape (draws,)."""
         stand, *others = self.speeds == 0.0
         for one in others:
             stand = stand & one
         return np.asarray(stand)
 
-    def withstands(self) -> tuple[Floats, Floats]:
+    def withstands(self) -> tuple[Array, Array]:
         """Return what pulls at a motor that stands, and what more it withstands [N·m]."""
         near = self.ends[0] - self.ends[1]
         return self.stiffness * self._stretched(near) - self.fed, self.breakaway[0]
 
-    def _stretched(self, twist: Floats) -> Floats:
+    def _stretched(self, twist: Array) -> Array:
         """Return what of a twist stretches the cable, beyond the play."""
         return twist - np.clip(twist, -self.half_play, self.half_play) if self.plays else twist
 
-    def cut(self, length: Floats, parts: int) -> tuple[int, Step]:
+    def cut(self, length: Array, parts: int) -> tuple[int, Step]:
         """Return into how many steps an interval is cut, at least some parts, and the step."""
         phase = (self.ringing * length).max()
         if self.far_stiffness.size:  # a light shaft is braked by both cables
@@ -235,7 +234,7 @@ class Ends:
             if isinstance(value, np.ndarray):
                 setattr(self, name, value[..., rows])
 
-    def advance(self, command: Floats, step: Step, running: NDArray[np.bool_] | None) -> None:
+    def advance(self, command: Array, step: Step, running: Flags | None) -> None:
         """Go on by a step.
 
         Parameters

@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.errors import Fault
 from bayesfric.margins.describing import natural_frequency
 from bayesfric.margins.hunting import run_length
@@ -25,7 +25,6 @@ from bayesfric.schemas import Compensator, FollowedWith, Following, Trajectory
 
 __all__ = ["band_of", "follow_all", "needs_motion", "observers", "strokes", "with_compensator"]
 
-Array = NDArray[np.float64]
 
 SIGNALS: tuple[CompensationSignal, ...] = ("none", "reference", "measured", "error")
 CUTOFF = 0.5

@@ -20,8 +20,9 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.margins.sampled_loop import SampledLoop
 from bayesfric.margins.simulating import simulate
 from bayesfric.margins.swing import STEADY_SHARE
@@ -35,7 +36,6 @@ __all__ = [
     "run_length",
 ]
 
-Floats = NDArray[np.float64]
 
 SHORTEST_S, LONGEST_S = 0.5, 60.0
 TRIED_AT_ONCE = 4
@@ -75,10 +75,10 @@ class RunLength(NamedTuple):
         is asked only where damping takes long.
     """
 
-    duration: Floats
-    settling: Floats
-    wanted: Floats
-    lasts: Floats
+    duration: Array
+    settling: Array
+    wanted: Array
+    lasts: Array
 
 
 def run_length(loop: SampledLoop, reference_speed: ArrayLike = 0.0) -> RunLength:
@@ -149,8 +149,8 @@ class Thresholds:
         Which of the conditions hunts there; −1 where none does.
     """
 
-    gamma: Floats
-    condition: NDArray[np.intp]
+    gamma: Array
+    condition: Whole
 
 
 def hunting_threshold(
@@ -212,7 +212,7 @@ def hunting_threshold(
     shape = np.broadcast_shapes(kicks.shape, speeds.shape, (1, loop.draws))
     kicks, speeds = np.broadcast_to(kicks, shape), np.broadcast_to(speeds, shape)
 
-    def hunts(index: NDArray[np.intp], gamma: Floats) -> NDArray[np.bool_]:
+    def hunts(index: Whole, gamma: Array) -> Flags:
         """Return which conditions hunt, of shape (conditions, m)."""
         rows = np.tile(index, shape[0])
         tried = replace(loop.taken(rows), compensation_gain=np.tile(gamma, shape[0]))

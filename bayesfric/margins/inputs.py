@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Flags
 from bayesfric.errors import Fault
 from bayesfric.margins.assembly import Assembly
 from bayesfric.margins.cable_run import losses
@@ -15,7 +15,6 @@ from bayesfric.margins.quantities import central
 
 __all__ = ["beyond_the_draws", "refused"]
 
-Array = NDArray[np.float64]
 Range = tuple[float, float]
 
 ROOM = 1e-6
@@ -100,5 +99,5 @@ def _tensions(
         yield f"a side goes slack in the fastest motion in {slack} of {least.size} draws"
 
 
-def _outside(values: Array | float, tested: Range) -> NDArray[np.bool_]:
+def _outside(values: Array | float, tested: Range) -> Flags:
     return np.asarray((values < tested[0] - ROOM) | (values > tested[1] + ROOM))

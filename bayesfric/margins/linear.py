@@ -16,14 +16,13 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import elementwise
+
+from bayesfric.arrays import Array, Complex, Flags, Whole
 
 __all__ = ["LinearMargins", "Response", "is_stable", "linear_margins", "on_a_grid", "peaks"]
 
-Array = NDArray[np.float64]
-Rows = NDArray[np.intp]
-Complex = NDArray[np.complex128]
+Rows = Whole
 
 COARSE = 1.5  # rad; a step of arg(1 + L) beyond this is looked at again, more finely
 AT_ONCE = 64  # loops
@@ -78,9 +77,7 @@ def on_a_grid(response: Response, omega: Array) -> Complex:
     return values
 
 
-def is_stable(
-    response: Response, omega: Array, on_grid: Complex | None = None
-) -> NDArray[np.bool_]:
+def is_stable(response: Response, omega: Array, on_grid: Complex | None = None) -> Flags:
     """Tell which closed loops are stable, by how far 1 + L turns around 0.
 
     A strictly proper loop without poles to the right of the imaginary axis is stable when

@@ -4,8 +4,8 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.margins.cable_run import DIRECTIONS, Direction, RunFriction
 from bayesfric.margins.cable_stage import Stage, train_modes
 from bayesfric.margins.elastic_cable import Beyond, Cable
@@ -15,7 +15,6 @@ from bayesfric.margins.wrist import Wrist
 
 __all__ = ["LoopAtShaft"]
 
-Array = NDArray[np.float64]
 
 STIFF = 5.0
 """Phase of a cable's ringing in a sample above which it counts as stiff [rad]."""
@@ -230,7 +229,7 @@ class LoopAtShaft:
         return np.min(least, axis=0), np.max(largest, axis=0)
 
     @property
-    def taut(self) -> NDArray[np.bool_]:
+    def taut(self) -> Flags:
         """In which draws both sides of each pair stay taut under the load at rest."""
         if self.directions != (None,):
             return np.ones(self.friction.shape, dtype=bool)
@@ -238,7 +237,7 @@ class LoopAtShaft:
         held = [np.min(one.tension, axis=0) > load / one.per_rad / 2 for one in self.stages]
         return np.asarray(np.logical_and.reduce(held))
 
-    def taken(self, rows: NDArray[np.intp]) -> "LoopAtShaft":
+    def taken(self, rows: Whole) -> "LoopAtShaft":
         """Return some of the draws."""
 
         def some(values: object) -> object:

@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.io import savemat
 
+from bayesfric.arrays import Array, Complex
 from bayesfric.errors import Fault, InputError
 from bayesfric.margins.cable_run import Direction
 from bayesfric.margins.ensemble import Ensemble
@@ -17,8 +17,6 @@ from bayesfric.results import replace_outputs
 
 __all__ = ["COVERED", "checked_name", "uncertainty_weight", "write_mat"]
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 COVERED = 0.95
 DRAWS = 200

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.margins.cable_run import Direction
 from bayesfric.margins.cable_stage import lost_motion
 from bayesfric.margins.describing import amplitude_margin, necessary_gain, steady_error
@@ -17,7 +17,6 @@ from bayesfric.margins.wrist import Wrist
 
 __all__ = ["Key", "Linear", "closed_forms", "linear_of", "missed_draws", "spec_of"]
 
-Array = NDArray[np.float64]
 Key = tuple[str, Direction | None]
 
 
@@ -38,9 +37,9 @@ class Linear:
     """
 
     values: Mapping[str, Array]
-    stable: NDArray[np.bool_]
+    stable: Flags
     crossover: Array
-    crossings: NDArray[np.intp]
+    crossings: Whole
 
 
 def linear_of(shaft: LoopAtShaft, *, with_peaks: bool = False) -> dict[Direction | None, Linear]:
@@ -161,7 +160,7 @@ def _at_first_cable(shaft: LoopAtShaft, model: str) -> Array:
     return np.asarray(np.sum(parts, axis=0))
 
 
-def missed_draws(shaft: LoopAtShaft, values: Mapping[Key, Array]) -> dict[str, NDArray[np.bool_]]:
+def missed_draws(shaft: LoopAtShaft, values: Mapping[Key, Array]) -> dict[str, Flags]:
     """Return which draws miss each spec that is asked for and has a closed form, by metric.
 
     Parameters

@@ -14,17 +14,16 @@ Transactions on Mechatronics 1 (1996).
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+
+from bayesfric.arrays import Array
 
 __all__ = ["DisturbanceObserver", "LuGreObserver", "Observer"]
-
-Floats = NDArray[np.float64]
 
 
 class Observer(Protocol):
     """What estimates the torque to add, sample by sample."""
 
-    def torque(self, speed: Floats, commanded: Floats) -> Floats:
+    def torque(self, speed: Array, commanded: Array) -> Array:
         """Return the torque to add at this sample, shape (draws,) [N·m].
 
         Parameters
@@ -54,11 +53,11 @@ class LuGreObserver:
         T [s].
     """
 
-    def __init__(self, full: Floats, stretch: Floats, period: Floats) -> None:
+    def __init__(self, full: Array, stretch: Array, period: Array) -> None:
         self.full, self.stretch, self.period = full, stretch, period
         self.deflection = np.zeros_like(full)
 
-    def torque(self, speed: Floats, commanded: Floats) -> Floats:
+    def torque(self, speed: Array, commanded: Array) -> Array:
         """Return γF̂ z; at constant speed over a sample the solution is exact."""
         del commanded
         kept = np.exp(-np.abs(speed) * self.period / self.stretch)
@@ -82,13 +81,13 @@ class DisturbanceObserver:
         T [s].
     """
 
-    def __init__(self, inertia: Floats, viscous: Floats, cutoff: Floats, period: Floats) -> None:
+    def __init__(self, inertia: Array, viscous: Array, cutoff: Array, period: Array) -> None:
         self.viscous = viscous
         self.momentum = cutoff * inertia
         self.fresh = -np.expm1(-cutoff * period)
         self.smoothed = np.zeros_like(inertia)
 
-    def torque(self, speed: Floats, commanded: Floats) -> Floats:
+    def torque(self, speed: Array, commanded: Array) -> Array:
         """Return the estimate, without differentiating the speed."""
         # g/(s + g) (τ − bω − Jsω) = g/(s + g) (τ − bω + gJω) − gJω
         inflow = commanded + (self.momentum - self.viscous) * speed

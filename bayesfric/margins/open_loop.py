@@ -9,16 +9,14 @@ rate.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Complex, Whole
 from bayesfric.margins.cable_run import Direction
 from bayesfric.margins.cable_stage import train_modes
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 
 __all__ = ["OpenLoop"]
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 FREQUENCIES = 600
 NEAR_RESONANCE = 60  # of them, around each of resonance and antiresonance
@@ -54,7 +52,7 @@ class OpenLoop:
         self.position_cutoff, self.sees_joint = shaft.position_cutoff, shaft.sees_joint
         self.integral = bool((self.ki > 0).any())
 
-    def plant(self, omega: Array, rows: NDArray[np.intp]) -> tuple[Complex, Complex]:
+    def plant(self, omega: Array, rows: Whole) -> tuple[Complex, Complex]:
         """Return motor's and joint's angle per motor torque [rad/(N·m)]; arguments as for L."""
 
         def of(values: Array) -> Array:
@@ -73,7 +71,7 @@ class OpenLoop:
         both = motor * load + cable * (motor + load)
         return np.asarray((load + cable) / both), np.asarray(on * cable / both)
 
-    def controller(self, omega: Array, rows: NDArray[np.intp]) -> Complex:
+    def controller(self, omega: Array, rows: Whole) -> Complex:
         """Return torque per angle, hold and delay included [N·m/rad]."""
 
         def of(values: Array) -> Array:
@@ -92,7 +90,7 @@ class OpenLoop:
             feedback = feedback / (1 + 1j * omega / of(self.position_cutoff))
         return np.asarray(feedback * np.exp(-1j * omega * of(self.lag)))
 
-    def __call__(self, omega: Array, rows: NDArray[np.intp]) -> Complex:
+    def __call__(self, omega: Array, rows: Whole) -> Complex:
         """Return L(jω).
 
         Parameters
@@ -110,7 +108,7 @@ class OpenLoop:
         motor, joint = self.plant(omega, rows)
         return self.controller(omega, rows) * (joint if self.sees_joint else motor)
 
-    def seen_by_friction(self, omega: Array, rows: NDArray[np.intp]) -> Complex:
+    def seen_by_friction(self, omega: Array, rows: Whole) -> Complex:
         """Return motor speed per friction torque with the loop closed [rad/(N·m·s)].
 
         Where it crosses −1/N(A), N = 4 F/(π ω A) being what friction of net size F is to a

@@ -5,8 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.errors import Fault, InputError
 from bayesfric.margins.posterior import (
     Posterior,
@@ -23,7 +23,6 @@ from bayesfric.schemas import FitFile
 
 __all__ = ["read_draws"]
 
-Array = NDArray[np.float64]
 WITHIN = "the draws are of a board that was not measured: the scatter between boards is in them"
 
 

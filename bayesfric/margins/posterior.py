@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from scipy.special import ndtri
 
+from bayesfric.arrays import Array
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.diagnostics import mean_ess
 from bayesfric.physics.friction import Coefficients
@@ -27,7 +27,6 @@ __all__ = [
     "thinned",
 ]
 
-Array = NDArray[np.float64]
 
 MOST_DRAWS = 4000
 DEFAULT_DISCREPANCY = 0.05

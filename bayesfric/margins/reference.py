@@ -4,25 +4,24 @@ from dataclasses import dataclass, fields
 from typing import Protocol, Self
 
 import numpy as np
-from numpy.typing import NDArray
+
+from bayesfric.arrays import Array, Whole
 
 __all__ = ["ConstantSpeed", "Reference", "Stroke"]
-
-Floats = NDArray[np.float64]
 
 
 class Reference(Protocol):
     """A trajectory, a draw each; times and what it returns are of shape (draws,)."""
 
-    def position(self, time: Floats) -> Floats:
+    def position(self, time: Array) -> Array:
         """Return where it is at some times [rad]."""
         ...
 
-    def speed(self, time: Floats) -> Floats:
+    def speed(self, time: Array) -> Array:
         """Return how fast it moves there [rad/s]."""
         ...
 
-    def taken(self, rows: NDArray[np.intp]) -> Self:
+    def taken(self, rows: Whole) -> Self:
         """Return that of some of the draws."""
         ...
 
@@ -37,17 +36,17 @@ class ConstantSpeed:
         The speed [rad/s].
     """
 
-    value: Floats
+    value: Array
 
-    def position(self, time: Floats) -> Floats:
+    def position(self, time: Array) -> Array:
         """Return where it is at some times [rad]."""
         return self.value * time
 
-    def speed(self, time: Floats) -> Floats:
+    def speed(self, time: Array) -> Array:
         """Return the speed [rad/s]."""
         return self.value
 
-    def taken(self, rows: NDArray[np.intp]) -> "ConstantSpeed":
+    def taken(self, rows: Whole) -> "ConstantSpeed":
         """Return that of some of the draws."""
         return ConstantSpeed(self.value[rows])
 
@@ -70,27 +69,27 @@ class Stroke:
         Of a sine [rad, rad/s].
     """
 
-    begin: Floats
-    step: Floats
-    ramp: Floats
-    turn: Floats
-    amplitude: Floats
-    omega: Floats
+    begin: Array
+    step: Array
+    ramp: Array
+    turn: Array
+    amplitude: Array
+    omega: Array
 
-    def position(self, time: Floats) -> Floats:
+    def position(self, time: Array) -> Array:
         """Return where it is at some times [rad]."""
         since = np.maximum(time - self.begin, 0.0)
         there = np.minimum(since, self.turn)
         way = self.ramp * (2.0 * there - since) + self.amplitude * np.sin(self.omega * since)
         return np.asarray(way + np.where(time >= self.begin, self.step, 0.0))
 
-    def speed(self, time: Floats) -> Floats:
+    def speed(self, time: Array) -> Array:
         """Return how fast it moves there, a step apart [rad/s]."""
         since = time - self.begin
         way = np.where(since < self.turn, self.ramp, -self.ramp)
         way = way + self.amplitude * self.omega * np.cos(self.omega * since)
         return np.where(since >= 0.0, way, 0.0)
 
-    def taken(self, rows: NDArray[np.intp]) -> "Stroke":
+    def taken(self, rows: Whole) -> "Stroke":
         """Return that of some of the draws."""
         return Stroke(*(getattr(self, field.name)[rows] for field in fields(self)))

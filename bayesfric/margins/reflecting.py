@@ -1,8 +1,8 @@
 """A loop file and its numbers, reflected to the motor's shaft."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.margins.assembly import Assembly
 from bayesfric.margins.cable_stage import in_series, lost_motion, stages_of
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
@@ -11,8 +11,6 @@ from bayesfric.margins.quantities import central
 from bayesfric.margins.wrist import wrist_of
 
 __all__ = ["at_shaft"]
-
-Array = NDArray[np.float64]
 
 
 def at_shaft(loop: Loop, given: Assembly, estimate: float | None = None) -> LoopAtShaft:

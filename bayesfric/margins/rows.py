@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.margins.cable_run import Direction
 from bayesfric.margins.describing import effective_damping, steady_error
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
@@ -15,7 +15,6 @@ from bayesfric.schemas import Interval, Metric
 
 __all__ = ["LEVELS", "ROUNDING", "interval_of", "metric_rows", "standard_error"]
 
-Array = NDArray[np.float64]
 
 LEVELS = (0.01, *(round(0.05 * step, 2) for step in range(1, 20)), 0.99)
 """Probabilities at which a metric's quantiles are stored."""

@@ -1,15 +1,14 @@
 """What turns encoder readings into torque commands, sample by sample, over all draws."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Whole
 from bayesfric.margins.observers import Observer
 from bayesfric.margins.reference import Reference
 from bayesfric.margins.sampled_loop import SampledLoop
 
 __all__ = ["Controller"]
 
-Floats = NDArray[np.float64]
 
 SILENT = 1e-9
 """Share of breakaway below which what is left of the filtered speed counts as none."""
@@ -41,7 +40,7 @@ class Controller:
     def __init__(
         self,
         loop: SampledLoop,
-        position: Floats,
+        position: Array,
         reference: Reference,
         observer: Observer | None = None,
     ) -> None:
@@ -74,17 +73,17 @@ class Controller:
         self.last_share = np.zeros(loop.draws)
         self.last_torque = np.zeros(loop.draws)
 
-    def keep(self, rows: NDArray[np.intp]) -> None:
+    def keep(self, rows: Whole) -> None:
         """Go on with some of the draws alone."""
         self.reference = self.reference.taken(rows)
         for name, value in vars(self).items():
             if isinstance(value, np.ndarray):
                 setattr(self, name, value[rows])
 
-    def _read(self, position: Floats) -> Floats:
+    def _read(self, position: Array) -> Array:
         return np.where(self.stepped, np.rint(position / self.step) * self.step, position)
 
-    def command(self, k: NDArray[np.intp], position: Floats) -> tuple[Floats, Floats]:
+    def command(self, k: Whole, position: Array) -> tuple[Array, Array]:
         """Return the torque commanded at samples k, and the raw speed reading.
 
         Parameters
@@ -121,7 +120,7 @@ class Controller:
             self.integral = np.where(waits, self.integral, integral)
         return torque, speed
 
-    def _share(self, asked: Floats, error: Floats, speed: Floats) -> Floats:
+    def _share(self, asked: Array, error: Array, speed: Array) -> Array:
         """Return the compensation as a share of its full size, −1 to 1."""
         signals = {"reference": asked, "measured": speed, "error": error}
         signal = signals[self.signal]
@@ -132,7 +131,7 @@ class Controller:
             self.last_share = share
         return share
 
-    def at_standstill(self, k: NDArray[np.intp]) -> tuple[Floats, Floats, Floats]:
+    def at_standstill(self, k: Whole) -> tuple[Array, Array, Array]:
         """Return the coming commands of a shaft that stays where it is.
 
         That at sample k + j is ``constant`` + ``linear`` j + ``square`` j² [N·m], while the
@@ -173,7 +172,7 @@ class Controller:
         room = self.limit < self.breakaway + np.abs(self.load)
         return np.where(room, np.nan, constant), linear, square
 
-    def wait(self, k: NDArray[np.intp], rows: NDArray[np.intp], samples: NDArray[np.intp]) -> None:
+    def wait(self, k: Whole, rows: Whole, samples: Whole) -> None:
         """Let some draws stand still for a number of samples from k on, at one reference speed."""
         if not self.integrates:
             return

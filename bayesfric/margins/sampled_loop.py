@@ -4,13 +4,13 @@ from dataclasses import dataclass, fields
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bayesfric.arrays import Array, Whole
 from bayesfric.margins.elastic_cable import Cable, EncoderAt
 
 __all__ = ["AtRest", "CompensationSignal", "SampledLoop"]
 
-Floats = NDArray[np.float64]
 CompensationSignal = Literal["none", "reference", "measured", "error"]
 AtRest = Literal["off", "hold"]
 
@@ -148,7 +148,7 @@ class SampledLoop:
         return tuple(field.name for field in fields(cls) if field.name not in others)
 
     @property
-    def breakaway(self) -> Floats:
+    def breakaway(self) -> Array:
         """Torque that a shaft at rest withstands, shape (draws,) [N·m]."""
         return (self.array("friction") + self.array("falling")) * self.array("stiction_ratio")
 
@@ -157,7 +157,7 @@ class SampledLoop:
         """Number of draws; 1 where every field is a scalar."""
         return max(np.size(getattr(self, name)) for name in self.numbers())
 
-    def taken(self, index: NDArray[np.intp]) -> "SampledLoop":
+    def taken(self, index: Whole) -> "SampledLoop":
         """Return the loop of some draws, in a given order, with repetition if wanted.
 
         Parameters
@@ -179,7 +179,7 @@ class SampledLoop:
             **numbers,
         )
 
-    def array(self, name: str) -> Floats:
+    def array(self, name: str) -> Array:
         """Return a field as an array of shape (draws,).
 
         Parameters
@@ -194,7 +194,7 @@ class SampledLoop:
         """
         return self.per_draw(name, getattr(self, name))
 
-    def per_draw(self, name: str, value: ArrayLike) -> Floats:
+    def per_draw(self, name: str, value: ArrayLike) -> Array:
         """Return a value that belongs to the loop as an array of shape (draws,).
 
         Parameters

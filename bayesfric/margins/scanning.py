@@ -11,14 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.margins.hunting import run_length
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
-from bayesfric.margins.simulating import Motion, simulate
+from bayesfric.margins.simulating import LoopMotion, simulate
 
 __all__ = ["GAMMAS", "REST", "Condition", "HuntingMap", "look", "run", "speeds_of"]
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 COUNTS_A_SAMPLE = (0.1, 0.2, 0.5, 1.0, 1.5, 2.5, 5.0, 10.0)
 """Reference speeds, besides rest, where the file has no range of its own."""
@@ -102,7 +101,7 @@ class HuntingMap:
     rms_error: Array
 
 
-def run(shaft: LoopAtShaft, conditions: tuple[Condition, ...], gamma: Array) -> Motion:
+def run(shaft: LoopAtShaft, conditions: tuple[Condition, ...], gamma: Array) -> LoopMotion:
     """Simulate every draw in every condition.
 
     Parameters
@@ -116,7 +115,7 @@ def run(shaft: LoopAtShaft, conditions: tuple[Condition, ...], gamma: Array) -> 
 
     Returns
     -------
-    Motion
+    LoopMotion
         Its arrays of shape (C · draws,), draws beside each other.
     """
     loop = shaft.sampled(gamma)
@@ -137,9 +136,9 @@ def run(shaft: LoopAtShaft, conditions: tuple[Condition, ...], gamma: Array) -> 
 def look(
     shaft: LoopAtShaft,
     speeds: tuple[Condition, ...],
-    few: NDArray[np.intp],
+    few: Whole,
     gammas: tuple[float, ...] = GAMMAS,
-) -> tuple[HuntingMap, Motion]:
+) -> tuple[HuntingMap, LoopMotion]:
     """Simulate draws at every speed, after the file's kick, all in one go.
 
     Steps of one run cost nearly as much as those of many.
@@ -159,7 +158,7 @@ def look(
     -------
     HuntingMap
         Of the few draws.
-    Motion
+    LoopMotion
         Of all draws at their own gain, its arrays of shape (S, draws).
     """
     draws, mapped = shaft.friction.size, len(gammas) * few.size
@@ -176,5 +175,5 @@ def look(
         table = told[name][:, :mapped].reshape(len(speeds), len(gammas), few.size)
         return np.asarray(table.swapaxes(0, 1))
 
-    own = Motion(**{name: values[:, mapped:] for name, values in told.items()})
+    own = LoopMotion(**{name: values[:, mapped:] for name, values in told.items()})
     return HuntingMap(speeds, gammas, chart("hunts"), chart("rms_error")), own

@@ -11,11 +11,11 @@ an interval begins.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+from bayesfric.arrays import Array, Flags, Whole
 
 __all__ = ["Interval", "Shaft", "StiffShaft", "turn"]
 
-Floats = NDArray[np.float64]
 
 SERIES_BELOW = 0.1
 SERIES_TERMS = 9  # the next term is 0.1⁹/11! ≈ 3e-17 of the sum
@@ -36,10 +36,10 @@ class Shaft(NamedTuple):
         Torque Fs that the shaft at rest withstands, at least F [N·m].
     """
 
-    inertia: Floats
-    viscous: Floats
-    friction: Floats
-    breakaway: Floats
+    inertia: Array
+    viscous: Array
+    friction: Array
+    breakaway: Array
 
 
 class Interval(NamedTuple):
@@ -57,13 +57,13 @@ class Interval(NamedTuple):
         Travel per acceleration at no speed [s²].
     """
 
-    length: Floats
-    decay: Floats
-    by_speed: Floats
-    by_acceleration: Floats
+    length: Array
+    decay: Array
+    by_speed: Array
+    by_acceleration: Array
 
     @classmethod
-    def of(cls, length: Floats, shaft: Shaft) -> "Interval":
+    def of(cls, length: Array, shaft: Shaft) -> "Interval":
         """Return the weights of steps of these lengths.
 
         Parameters
@@ -82,8 +82,8 @@ class Interval(NamedTuple):
 
 
 def turn(
-    shaft: Shaft, torque: Floats, position: Floats, speed: Floats, interval: Interval
-) -> tuple[Floats, Floats]:
+    shaft: Shaft, torque: Array, position: Array, speed: Array, interval: Interval
+) -> tuple[Array, Array]:
     """Return position and speed after an interval of constant torque.
 
     Exact up to rounding: v(t) = v₀ e^{−βt} + a (1 − e^{−βt})/β with β = b/J and
@@ -127,8 +127,8 @@ def turn(
 
 
 def _after_a_stop(
-    shaft: Shaft, torque: Floats, speed: Floats, acceleration: Floats, length: Floats
-) -> tuple[Floats, Floats]:
+    shaft: Shaft, torque: Array, speed: Array, acceleration: Array, length: Array
+) -> tuple[Array, Array]:
     """Return travel and final speed of shafts that stop within the interval."""
     rate = shaft.viscous / shaft.inertia
     ratio = -speed / acceleration
@@ -144,7 +144,7 @@ def _after_a_stop(
     return travel + net * by_acceleration, net * by_speed
 
 
-def _weights(time: Floats, rate: Floats) -> tuple[Floats, Floats, Floats]:
+def _weights(time: Array, rate: Array) -> tuple[Array, Array, Array]:
     """Return e^{−z}, t (1 − e^{−z})/z and t² (z − 1 + e^{−z})/z² with z = rate × time."""
     z = rate * time
     near = z < SERIES_BELOW  # there the closed form of the last one cancels
@@ -177,47 +177,47 @@ class StiffShaft:
         self,
         shaft: Shaft,
         *,
-        falling: Floats,
-        falling_speed: Floats,
-        load: Floats,
-        position: Floats,
-        speed: Floats,
+        falling: Array,
+        falling_speed: Array,
+        load: Array,
+        position: Array,
+        speed: Array,
     ) -> None:
         self.shaft, self.load = shaft, load
         self.falling, self.falling_speed = falling, falling_speed
         self.position, self.speed = position, speed
 
     @property
-    def joint(self) -> Floats:
+    def joint(self) -> Array:
         """Position of the joint, that of the shaft, shape (draws,) [rad]."""
         return self.position
 
     @property
-    def twist(self) -> Floats:
+    def twist(self) -> Array:
         """Motor minus joint: none, shape (draws,) [rad]."""
         return np.zeros_like(self.position)
 
     @property
-    def stands(self) -> NDArray[np.bool_]:
+    def stands(self) -> Flags:
         """Where the shaft stands still, shape (draws,)."""
         return np.asarray(self.speed == 0.0)
 
-    def withstands(self) -> tuple[Floats, Floats]:
+    def withstands(self) -> tuple[Array, Array]:
         """Return what pulls at a shaft that stands, and what more it withstands [N·m]."""
         return self.load, self.shaft.breakaway
 
-    def cut(self, length: Floats, parts: int) -> tuple[int, Interval]:
+    def cut(self, length: Array, parts: int) -> tuple[int, Interval]:
         """Return into how many steps an interval is cut, and the step."""
         return parts, Interval.of(length / parts, self.shaft)
 
-    def keep(self, rows: NDArray[np.intp]) -> None:
+    def keep(self, rows: Whole) -> None:
         """Go on with some of the draws alone."""
         self.shaft = Shaft(*(part[rows] for part in self.shaft))
         for name, value in vars(self).items():
             if isinstance(value, np.ndarray):
                 setattr(self, name, value[rows])
 
-    def advance(self, command: Floats, step: Interval, running: NDArray[np.bool_] | None) -> None:
+    def advance(self, command: Array, step: Interval, running: Flags | None) -> None:
         """Go on by a step; None of `running` is all draws."""
         shaft = self.shaft
         if self.falling.any():

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bayesfric.arrays import Array, Flags
 from bayesfric.margins.elastic_cable import Ends
 from bayesfric.margins.observers import Observer
 from bayesfric.margins.reference import ConstantSpeed, Reference
@@ -25,10 +26,8 @@ from bayesfric.margins.shaft import Shaft, StiffShaft
 from bayesfric.margins.swing import STEADY_SHARE, Swing
 from bayesfric.margins.traces import Record, Traces
 
-__all__ = ["Motion", "follow", "simulate"]
+__all__ = ["LoopMotion", "follow", "simulate"]
 
-Floats = NDArray[np.float64]
-Whole = NDArray[np.intp]
 
 EARLY_TWICE = 2
 """Times that a shaft which stands again after all may be judged early: slow cycles end, too."""
@@ -39,7 +38,7 @@ LOOKED_AT_EVERY = 8
 
 
 @dataclass(frozen=True)
-class Motion:
+class LoopMotion:
     """How the loop answered, a number a draw.
 
     Parameters
@@ -64,13 +63,13 @@ class Motion:
         The motion itself, where it was asked for.
     """
 
-    hunts: NDArray[np.bool_]
-    amplitude: Floats
-    frequency: Floats
-    cycles: Floats
-    final_error: Floats
-    rms_error: Floats
-    twist: Floats
+    hunts: Flags
+    amplitude: Array
+    frequency: Array
+    cycles: Array
+    final_error: Array
+    rms_error: Array
+    twist: Array
     traces: Traces | None = None
 
 
@@ -84,7 +83,7 @@ def simulate(
     lasts: ArrayLike = STEADY_SHARE,
     substeps: int = 1,
     traces: bool = False,
-) -> Motion:
+) -> LoopMotion:
     """Run the loop for some time after a kick.
 
     The reference moves at constant speed from 0. The shaft begins with the reference's
@@ -119,7 +118,7 @@ def simulate(
 
     Returns
     -------
-    Motion
+    LoopMotion
         A number a draw.
 
     Raises
@@ -155,7 +154,7 @@ def simulate(
             over = run.k >= run.swing.end
             if over.sum() > 0.1 * over.size or over.all():
                 run.retire(over)
-    return Motion(**run.found, traces=None if record is None else record.traces())
+    return LoopMotion(**run.found, traces=None if record is None else record.traces())
 
 
 def follow(
@@ -163,7 +162,7 @@ def follow(
     reference: Reference,
     duration: ArrayLike,
     observer: Observer | None = None,
-) -> Floats:
+) -> Array:
     """Return by how much the joint is behind a reference, sample by sample.
 
     Motor and joint begin where the reference does and as fast, at 0, the load hanging in its cable.
@@ -201,11 +200,11 @@ class _Run:
     def __init__(
         self,
         loop: SampledLoop,
-        begin: Floats,
+        begin: Array,
         reference: Reference,
-        duration: Floats,
-        settling: Floats,
-        lasts: Floats,
+        duration: Array,
+        settling: Array,
+        lasts: Array,
         substeps: int,
         observer: Observer | None = None,
     ) -> None:
@@ -223,7 +222,7 @@ class _Run:
             if length.any()
         ]
         # what acts before the first command: none
-        self.commands: list[Floats] = [
+        self.commands: list[Array] = [
             np.zeros(loop.draws) for _ in range(int(self.whole.max()) + 2)
         ]
         self.k = np.zeros(loop.draws, dtype=np.intp)
@@ -264,16 +263,16 @@ class _Run:
         asked = self.controller.reference.speed(self.k * self.controller.period)
         self.swing.see(self.k, error, plant.speed - asked, running)
 
-    def _error(self) -> Floats:
+    def _error(self) -> Array:
         controller = self.controller
         return controller.reference.position(self.k * controller.period) - self.plant.position
 
-    def joint_error(self) -> Floats:
+    def joint_error(self) -> Array:
         """Return the reference minus the joint, of shape (draws,) [rad]."""
         asked = self.controller.reference.position(self.k * self.controller.period)
         return np.asarray(asked - self.plant.joint)
 
-    def _acting(self, older: int) -> Floats:
+    def _acting(self, older: int) -> Array:
         """Return the command that acts, of an age in samples a draw."""
         if self.alike:
             return self.commands[int(self.whole[0]) + older]
@@ -327,7 +326,7 @@ class _Run:
             half = np.maximum(self.settling[ready] // 2, 1)
             swing.judge_from(ready, self.k[ready] + 1, half)
 
-    def retire(self, over: NDArray[np.bool_]) -> None:
+    def retire(self, over: Flags) -> None:
         """Note what was found of some draws, and go on with the others."""
         seen = self.swing.judged()
         values = {
@@ -355,7 +354,7 @@ class _Run:
                 setattr(self, name, value[kept])
 
 
-def _plant(loop: SampledLoop, position: Floats, speed: Floats) -> StiffShaft | Ends:
+def _plant(loop: SampledLoop, position: Array, speed: Array) -> StiffShaft | Ends:
     """Return what the motor drives, found with a position and a speed."""
     falling, falling_speed = loop.array("falling"), loop.array("falling_speed")
     friction, viscous, load = (loop.array(one) for one in ("friction", "viscous", "load_torque"))
@@ -375,7 +374,7 @@ def _plant(loop: SampledLoop, position: Floats, speed: Floats) -> StiffShaft | E
     )
 
 
-def _reached(constant: Floats, linear: Floats, square: Floats) -> Floats:
+def _reached(constant: Array, linear: Array, square: Array) -> Array:
     """Return where constant + linear j + square j², not above 0 at j = 0, first is; else inf."""
     root = np.sqrt(np.maximum(linear**2 - 4.0 * square * constant, 0.0))
     real = linear**2 >= 4.0 * square * constant

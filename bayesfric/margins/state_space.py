@@ -12,13 +12,12 @@ A. Voelker, I. Kajić, C. Eliasmith, "Legendre memory units", NeurIPS (2019), eq
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.margins.open_loop import OpenLoop
 
 __all__ = ["DELAY_STATES", "Matrices", "state_space"]
 
-Array = NDArray[np.float64]
 Matrices = tuple[Array, Array, Array, Array]
 
 DELAY_STATES = 6

@@ -3,12 +3,11 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+from bayesfric.arrays import Array, Flags, Whole
 
 __all__ = ["LEAST_REVERSALS", "STEADY_SHARE", "Judged", "Swing"]
 
-Floats = NDArray[np.float64]
-Whole = NDArray[np.intp]
 
 STEADY_SHARE = 0.9
 """A swing whose amplitude falls below this share from one quarter of a run to the next dies
@@ -37,11 +36,11 @@ class Judged(NamedTuple):
         Of the error in the last half [rad].
     """
 
-    hunts: NDArray[np.bool_]
-    amplitude: Floats
-    frequency: Floats
-    cycles: Floats
-    rms: Floats
+    hunts: Flags
+    amplitude: Array
+    frequency: Array
+    cycles: Array
+    rms: Array
 
 
 class Swing:
@@ -59,7 +58,7 @@ class Swing:
         Share of its amplitude that a swing keeps from one quarter to the next if it lasts.
     """
 
-    def __init__(self, samples: Whole, period: Floats, least: Floats, lasts: Floats) -> None:
+    def __init__(self, samples: Whole, period: Array, least: Array, lasts: Array) -> None:
         self._period, self._least, self._lasts = period, least, lasts
         self.begin, self.middle, self.end = (samples + 1) // 2, (3 * samples + 3) // 4, samples
         count = samples.size
@@ -103,7 +102,7 @@ class Swing:
             [k < self.begin, k < self.middle], [self.begin - 1, self.middle - 1], self.end
         )
 
-    def see(self, k: Whole, error: Floats, speed: Floats, running: NDArray[np.bool_]) -> None:
+    def see(self, k: Whole, error: Array, speed: Array, running: Flags) -> None:
         """Take note of the samples k.
 
         Parameters
@@ -145,9 +144,7 @@ class Swing:
             self._widest[rows] = np.fmax(self._widest[rows], way)
             self._turned_at[rows] = here
 
-    def pass_over(
-        self, rows: Whole, samples: Whole, k: Whole, before: Floats, after: Floats
-    ) -> None:
+    def pass_over(self, rows: Whole, samples: Whole, k: Whole, before: Array, after: Array) -> None:
         """Take note of shafts that stood still while the error went from one value to another.
 
         Parameters

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.margins.describing import (
     formula_conditions,
     formula_threshold,
@@ -31,8 +31,6 @@ from bayesfric.margins.scanning import (
 
 __all__ = ["GAMMA_MAX", "LEAST_CYCLES", "Hunting", "find_hunting"]
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 GAMMA_MAX = GAMMAS[-1]
 """The largest compensation gain that is looked at."""
@@ -79,10 +77,10 @@ class Hunting:
     """
 
     method: Literal["formula", "simulation"]
-    rows: NDArray[np.intp]
+    rows: Whole
     threshold: Array
     conditions: tuple[Condition, ...]
-    condition: NDArray[np.intp]
+    condition: Whole
     hunts: Flags
     amplitude: Array
     frequency: Array
@@ -170,7 +168,7 @@ def _by_formula(shaft: LoopAtShaft) -> Hunting:
 
 
 def _thresholds(
-    some: LoopAtShaft, few: NDArray[np.intp], chart: HuntingMap, hunts: Flags, allowed: float
+    some: LoopAtShaft, few: Whole, chart: HuntingMap, hunts: Flags, allowed: float
 ) -> tuple[tuple[Condition, ...], Thresholds]:
     """Return thresholds over the conditions that hunt first, and these conditions.
 

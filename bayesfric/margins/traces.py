@@ -3,11 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from bayesfric.arrays import Array
 
 __all__ = ["Record", "Traces"]
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -24,10 +23,10 @@ class Traces:
         What the motor applied in each interval [N·m].
     """
 
-    time: Floats
-    position: Floats
-    speed: Floats
-    torque: Floats
+    time: Array
+    position: Array
+    speed: Array
+    torque: Array
 
 
 class Record:
@@ -39,12 +38,12 @@ class Record:
         At the beginning [rad, rad/s].
     """
 
-    def __init__(self, position: Floats, speed: Floats) -> None:
-        self._lengths: list[Floats] = []
-        self._torques: list[Floats] = []
+    def __init__(self, position: Array, speed: Array) -> None:
+        self._lengths: list[Array] = []
+        self._torques: list[Array] = []
         self._positions, self._speeds = [position], [speed]
 
-    def add(self, length: Floats, position: Floats, speed: Floats, torque: Floats) -> None:
+    def add(self, length: Array, position: Array, speed: Array, torque: Array) -> None:
         """Note the end of an interval of constant torque.
 
         Parameters

@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Flags
 from bayesfric.margins.answer import largest_safe_gain
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.metrics import closed_forms, linear_of, missed_draws
@@ -20,8 +20,6 @@ from bayesfric.schemas import Tuning
 
 __all__ = ["meets_all_now", "scaled", "tune"]
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 WIDEST = 4.0
 """How far up and down gains are looked for."""

@@ -15,15 +15,13 @@ Table 2 (b).
 from collections.abc import Callable, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.margins.assembly import Assembly
 from bayesfric.margins.metrics import Key
 from bayesfric.margins.rows import ROUNDING
 
 __all__ = ["variance_shares"]
-
-Array = NDArray[np.float64]
 
 
 def variance_shares(

@@ -9,22 +9,20 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import beta
 
+from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.margins.describing import formula_conditions, steady_error
 from bayesfric.margins.hunting import run_length
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
 from bayesfric.margins.rows import interval_of
 from bayesfric.margins.scanning import REST, run
-from bayesfric.margins.simulating import Motion, simulate
+from bayesfric.margins.simulating import LoopMotion, simulate
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
 from bayesfric.schemas import Held, Verification, VerifiedDraw
 
 __all__ = ["TOLERANCE", "jeffreys", "verify"]
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 TOLERANCE = 0.10
 """Relative difference up to which a figure and the simulation agree."""
@@ -94,9 +92,7 @@ def verify(shaft: LoopAtShaft, hunting: Hunting, count: int) -> Verification:
     )
 
 
-def _thresholds(
-    some: LoopAtShaft, hunting: Hunting, places: NDArray[np.intp]
-) -> tuple[Array, Flags]:
+def _thresholds(some: LoopAtShaft, hunting: Hunting, places: Whole) -> tuple[Array, Flags]:
     """Return the γ that hunts on the elastic cable, and which draws were tried.
 
     Each draw is run in the condition that decides it, or in that which decides most.
@@ -181,7 +177,7 @@ def _at_rest(some: LoopAtShaft) -> tuple[Flags, tuple[Held, ...]]:
     )
 
 
-def _run(some: LoopAtShaft, gamma: Array, kick: Array, speed: Array, duration: float) -> Motion:
+def _run(some: LoopAtShaft, gamma: Array, kick: Array, speed: Array, duration: float) -> LoopMotion:
     """Simulate all draws in several cases, each of shape (cases, draws)."""
     rows = np.tile(np.arange(gamma.shape[1]), gamma.shape[0])
     loop = some.taken(rows).sampled(gamma.ravel())

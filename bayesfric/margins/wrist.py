@@ -13,15 +13,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.margins.assembly import Assembly
 from bayesfric.margins.loop_file import Loop, RevoluteJoint
 from bayesfric.margins.quantities import central
 
 __all__ = ["Wrist", "wrist_of"]
 
-Array = NDArray[np.float64]
 Floats = tuple[float, ...]
 
 

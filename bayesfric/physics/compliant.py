@@ -20,14 +20,14 @@ from itertools import pairwise
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import elementwise
 
+from bayesfric.arrays import Array, Flags
 from bayesfric.physics.gravity import Condition, Trajectory
 
 __all__ = ["Cable", "CompliantMotion", "Ends", "compliant_motion", "integrate"]
 
-Array = NDArray[np.float64]
 STEP = 0.05  # of Runge-Kutta, times the rate of the stiff mode: (0.05)⁴/120 a radian
 LEAST_SPLIT = 1e-12  # of the two rates of the stretch, where they would coincide
 
@@ -326,8 +326,8 @@ def _step(motion: CompliantMotion, state: Array, step: Array) -> Array:
 
 
 def _advance(
-    motion: CompliantMotion, state: Array, moving: NDArray[np.bool_], seconds: float
-) -> tuple[Array, NDArray[np.bool_]]:
+    motion: CompliantMotion, state: Array, moving: Flags, seconds: float
+) -> tuple[Array, Flags]:
     """Take one step; land boards whose centre of mass stops within it, and hold them."""
     step = np.where(moving, seconds, 0.0)
     new = _step(motion, state, step)

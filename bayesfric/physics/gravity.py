@@ -6,16 +6,18 @@ nominal tension as the mean of the two sides,
 in a, so the implicit equation is solved in closed form, and so is the motion:
 ``a = α − β v``. Friction at rest is set-valued: a cable that has stopped stays.
 
-All functions broadcast over their arguments.
+Functions take the coefficients of the pulley size and the conditions of trials, in which each
+pulley is at the average wrap angle, and broadcast over their arguments.
 """
 
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import elementwise
 
+from bayesfric.arrays import Array
 from bayesfric.physics.friction import Coefficients, coulomb_friction, equal_pulleys, tension_slope
 
 __all__ = [
@@ -28,8 +30,6 @@ __all__ = [
     "tension_feedback",
     "trajectory",
 ]
-
-Array = NDArray[np.float64]
 
 
 class Condition(NamedTuple):
@@ -71,17 +71,7 @@ class Condition(NamedTuple):
 def nominal_tension(condition: Condition, acceleration_m_s2: ArrayLike) -> Array:
     """Return the mean tension of both sides, T = ((m1+m2) g − (m1−m2) a) / 2 [N].
 
-    Parameters
-    ----------
-    condition : Condition
-        Masses and gravity.
-    acceleration_m_s2 : array_like
-        Acceleration of the drive side, downwards positive [m/s²].
-
-    Returns
-    -------
-    ndarray
-        Nominal tension [N].
+    The acceleration is that of the drive side, downwards positive [m/s²].
     """
     gravity = np.asarray(condition.gravity_m_s2)
     difference = np.asarray(condition.mass_drive_kg) - np.asarray(condition.mass_load_kg)
@@ -90,20 +80,9 @@ def nominal_tension(condition: Condition, acceleration_m_s2: ArrayLike) -> Array
 
 
 def coulomb_acceleration(coefficients: Coefficients, condition: Condition) -> Array:
-    """Return the acceleration of eq. (4), tension solved for together with it.
+    """Return the acceleration of eq. (4), tension solved for together with it [m/s²].
 
-    Parameters
-    ----------
-    coefficients : Coefficients
-        Friction law of the pulley size.
-    condition : Condition
-        Of the trial.
-
-    Returns
-    -------
-    ndarray
-        Acceleration while the cable moves [m/s²]; not above zero where friction
-        holds a cable at rest.
+    Not above zero where friction holds a cable at rest.
     """
     return _drive_and_mass(coefficients, condition)[0]
 
@@ -111,40 +90,18 @@ def coulomb_acceleration(coefficients: Coefficients, condition: Condition) -> Ar
 def board_friction(coefficients: Coefficients, condition: Condition) -> Array:
     """Return fc of eq. (15) at the nominal tension of the moving board [N].
 
-    Parameters
-    ----------
-    coefficients : Coefficients
-        Friction law of the pulley size.
-    condition : Condition
-        Of the trial.
-
-    Returns
-    -------
-    ndarray
-        Coulomb friction [N]; equal to (m1 − m2) g − (m1 + m2) a.
+    Equal to (m1 − m2) g − (m1 + m2) a.
     """
     acceleration = coulomb_acceleration(coefficients, condition)
     return condition.drive_force_n - condition.total_mass_kg * acceleration
 
 
 def recursive_board_friction(coefficients: Coefficients, condition: Condition) -> Array:
-    """Return the friction of the moving board pulley by pulley [N].
+    """Return the friction of the moving board pulley by pulley, (m1 − m2) g − (m1 + m2) a [N].
 
     With the drive side at m1 (g − a) and the load side at m2 (g + a), the straight
     line between the two ends' tensions (:class:`bayesfric.physics.friction.TensionLoss`) is
     linear in a too.
-
-    Parameters
-    ----------
-    coefficients : Coefficients
-        Friction law of the pulley size.
-    condition : Condition
-        Of the trial; each pulley at the average wrap angle.
-
-    Returns
-    -------
-    ndarray
-        Friction [N]; equal to (m1 − m2) g − (m1 + m2) a.
     """
     loss = equal_pulleys(coefficients, condition.n_pulleys, condition.wrap_angle_deg)
     mass_drive = np.asarray(condition.mass_drive_kg, dtype=np.float64)
@@ -158,19 +115,8 @@ def recursive_board_friction(coefficients: Coefficients, condition: Condition) -
 def tension_feedback(coefficients: Coefficients, condition: Condition) -> Array:
     """Return by how much friction grows for each newton of a further drag [-].
 
-    A drag slows the board, which raises the nominal tension and with it friction.
-
-    Parameters
-    ----------
-    coefficients : Coefficients
-        Friction law of the pulley size.
-    condition : Condition
-        Of the trial.
-
-    Returns
-    -------
-    ndarray
-        (m1 + m2) over the mass that multiplies a once T(a) is moved to the left.
+    A drag slows the board, which raises the nominal tension and with it friction: m1 + m2
+    over the mass that multiplies a once T(a) is moved to the left.
     """
     return condition.total_mass_kg / _drive_and_mass(coefficients, condition)[1]
 
@@ -205,39 +151,21 @@ class Trajectory:
         return np.where(alpha < 0, time, np.where((alpha == 0) & (v0 == 0), 0.0, np.inf))
 
     def speed(self, time_s: ArrayLike) -> Array:
-        """Return the speed at a time ≥ 0 [m/s].
-
-        Parameters
-        ----------
-        time_s : array_like
-            Time since the start [s].
-        """
+        """Return the speed at a time ≥ 0 since the start [m/s]."""
         time = np.asarray(time_s, dtype=np.float64)
         z = self.damping * time
         speed = self.start_speed * np.exp(-z) + self.acceleration * time * _phi1(z)
         return np.where(time < self.stop_time, speed, 0.0)
 
     def position(self, time_s: ArrayLike) -> Array:
-        """Return the distance travelled at a time ≥ 0 [m].
-
-        Parameters
-        ----------
-        time_s : array_like
-            Time since the start [s].
-        """
+        """Return the distance travelled at a time ≥ 0 since the start [m]."""
         time = np.minimum(np.asarray(time_s, dtype=np.float64), self.stop_time)
         z = self.damping * time
         travel = self.start_speed * time * _phi1(z) + self.acceleration * time**2 * _phi2(z)
         return np.asarray(travel, dtype=np.float64)
 
     def time_at(self, position_m: ArrayLike) -> Array:
-        """Return when a distance ≥ 0 is reached; inf where the cable stops before [s].
-
-        Parameters
-        ----------
-        position_m : array_like
-            Distance from the start [m].
-        """
+        """Return when a distance ≥ 0 is reached; inf where the cable stops before [s]."""
         distance, alpha, beta, v0 = np.broadcast_arrays(
             np.asarray(position_m, dtype=np.float64),
             self.acceleration,

@@ -12,8 +12,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bayesfric.arrays import Array
 from bayesfric.physics.friction import (
     REFERENCE_WRAP_ANGLE_DEG,
     Coefficients,
@@ -25,8 +26,6 @@ from bayesfric.physics.gravity import Condition, board_friction, recursive_board
 from bayesfric.physics.motor import MotorCondition, motor_friction, recursive_motor_friction
 
 __all__ = ["BASELINES", "RIVAL_LAWS", "VISCOUS", "Baseline"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -1,11 +1,11 @@
 """A load behind a transmission: it stands still while the drive moves on, and then follows."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from bayesfric.arrays import Array
 
 __all__ = ["taken_along"]
-
-Array = NDArray[np.float64]
 
 
 def taken_along(

@@ -5,14 +5,16 @@ lowers (v < 0) a weight. Signed friction is ``F = k_t (I − I_idle(v)) / r − 
 its size is fc of eq. (15), its sign that of v, and the nominal tension is
 ``T = m g + F / 2``, so that friction is implicit in itself and solved in closed form.
 
-All functions broadcast over their arguments.
+Functions take the coefficients of the pulley size and the conditions of runs, and broadcast over
+their arguments.
 """
 
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bayesfric.arrays import Array
 from bayesfric.physics.friction import (
     Coefficients,
     equal_pulleys,
@@ -28,8 +30,6 @@ __all__ = [
     "recursive_motor_friction",
     "tension_feedback",
 ]
-
-Array = NDArray[np.float64]
 
 
 class MotorCondition(NamedTuple):
@@ -65,17 +65,7 @@ class MotorCondition(NamedTuple):
 def motor_friction(coefficients: Coefficients, condition: MotorCondition) -> Array:
     """Return the signed friction F, tension solved for together with it [N].
 
-    Parameters
-    ----------
-    coefficients : Coefficients
-        Friction law of the pulley size.
-    condition : MotorCondition
-        Of the run.
-
-    Returns
-    -------
-    ndarray
-        ``sign(v) n (k m g + c2) / (1 − sign(v) n k / 2)`` with k = c1 + c3 (θ − 85°).
+    ``sign(v) n (k m g + c2) / (1 − sign(v) n k / 2)`` with k = c1 + c3 (θ − 85°).
     """
     sign = np.sign(np.asarray(condition.velocity_m_s, dtype=np.float64))
     slope = tension_slope(coefficients, condition.n_pulleys, condition.wrap_angle_deg)
@@ -87,20 +77,8 @@ def motor_friction(coefficients: Coefficients, condition: MotorCondition) -> Arr
 def recursive_motor_friction(coefficients: Coefficients, condition: MotorCondition) -> Array:
     """Return the signed friction F with the tension taken down pulley by pulley [N].
 
-    The weight is at the pulled end where it rises and at the pulling end where it
-    falls, so its side's tension m g is known exactly.
-
-    Parameters
-    ----------
-    coefficients : Coefficients
-        Friction law of the pulley size.
-    condition : MotorCondition
-        Of the run.
-
-    Returns
-    -------
-    ndarray
-        Motor-side tension minus m g.
+    It is the tension at the motor less m g. The weight is at the pulled end where it rises and at
+    the pulling end where it falls, so its side's tension m g is known exactly.
     """
     loss = equal_pulleys(coefficients, condition.n_pulleys, condition.wrap_angle_deg)
     rises = np.asarray(condition.velocity_m_s, dtype=np.float64) > 0
@@ -112,17 +90,7 @@ def recursive_motor_friction(coefficients: Coefficients, condition: MotorConditi
 def tension_feedback(coefficients: Coefficients, condition: MotorCondition) -> Array:
     """Return by how much friction grows for each newton of a further drag [-].
 
-    Parameters
-    ----------
-    coefficients : Coefficients
-        Friction law of the pulley size.
-    condition : MotorCondition
-        Of the run.
-
-    Returns
-    -------
-    ndarray
-        ``1 / (1 − sign(v) n k / 2)``, see :func:`motor_friction`.
+    ``1 / (1 − sign(v) n k / 2)``, see :func:`motor_friction`.
     """
     sign = np.sign(np.asarray(condition.velocity_m_s, dtype=np.float64))
     slope = tension_slope(coefficients, condition.n_pulleys, condition.wrap_angle_deg)
@@ -130,15 +98,7 @@ def tension_feedback(coefficients: Coefficients, condition: MotorCondition) -> A
 
 
 def nominal_tension(condition: MotorCondition, friction_n: ArrayLike) -> Array:
-    """Return the mean tension of both ends, T = m g + F / 2 [N].
-
-    Parameters
-    ----------
-    condition : MotorCondition
-        Of the run.
-    friction_n : array_like
-        Signed friction F [N].
-    """
+    """Return the mean tension of both ends at a signed friction F, T = m g + F / 2 [N]."""
     return np.asarray(condition.weight_n + 0.5 * np.asarray(friction_n), dtype=np.float64)
 
 

@@ -9,11 +9,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from bayesfric.arrays import Array
 
 __all__ = ["SteppedMotion", "step_board"]
 
-Array = NDArray[np.float64]
 NEWTON_STEPS = 6
 
 
@@ -52,13 +52,7 @@ class SteppedMotion:
         return times
 
     def speed(self, time_s: Array) -> Array:
-        """Return the speed at times ≥ 0, straight between steps [m/s].
-
-        Parameters
-        ----------
-        time_s : ndarray, shape (N, …)
-            Time since the start [s].
-        """
+        """Return the speed at a time ≥ 0 since the start [m/s]."""
         speeds = np.empty(time_s.shape)
         grid = np.arange(self.speed_m_s.shape[1])
         for trial, wanted in enumerate(time_s):

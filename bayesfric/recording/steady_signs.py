@@ -7,11 +7,11 @@ leaves the fewest points pushing.
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
+
+from bayesfric.arrays import Array, Flags
 
 __all__ = ["MANY", "against_motion", "notes_on_signs", "pushing"]
 
-Array = NDArray[np.float64]
 NOISE = 3.0  # standard errors, within which a point does not say that it pushes
 MANY = 0.25  # of the points push by any convention: then there is none
 
@@ -43,7 +43,7 @@ def against_motion(table: pd.DataFrame) -> Array:
     return min(conventions, key=lambda one: -np.minimum(one, 0.0).sum()).copy()
 
 
-def pushing(table: pd.DataFrame) -> NDArray[np.bool_]:
+def pushing(table: pd.DataFrame) -> Flags:
     """Return which points push, by more than their standard error allows, shape (N,)."""
     against = against_motion(table)
     if "friction_sd_n" in table:

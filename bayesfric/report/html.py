@@ -16,35 +16,14 @@ import jinja2
 from markupsafe import Markup
 
 from bayesfric.characters import legible
-from bayesfric.report.content import (
-    Block,
-    BulletList,
-    Code,
-    Document,
-    Emphasis,
-    Equation,
-    Figure,
-    Heading,
-    Inline,
-    Link,
-    Listing,
-    Math,
-    Notice,
-    PageBreak,
-    Paragraph,
-    Reference,
-    Strong,
-    Table,
-    Text,
-    inlines,
-)
+from bayesfric.report import content
 from bayesfric.report.formulas import FORMULAS
 from bayesfric.report.numbering import Place, label_places, number_blocks
 
 __all__ = ["render_html"]
 
 
-def render_html(document: Document) -> str:
+def render_html(document: content.Document) -> str:
     """Write a document as a self-contained, accessible HTML page.
 
     Parameters
@@ -62,7 +41,8 @@ def render_html(document: Document) -> str:
         _block(block, place, labels) for block, place in zip(document.blocks, places, strict=True)
     ]
     listed = document.listed
-    first = next((i for i, b in enumerate(document.blocks) if isinstance(b, Heading)), len(shown))
+    heads = (i for i, one in enumerate(document.blocks) if isinstance(one, content.Heading))
+    first = next(heads, len(shown))
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
@@ -78,39 +58,39 @@ def render_html(document: Document) -> str:
         contents=[
             (block.level, place.anchor, place.number, legible(block.text))
             for block, place in zip(document.blocks, places, strict=True)
-            if place is not None and isinstance(block, Heading) and block in listed
+            if place is not None and isinstance(block, content.Heading) and block in listed
         ],
     )
 
 
-def _block(block: Block, place: Place | None, labels: Mapping[str, Place]) -> Markup:
+def _block(block: content.Block, place: Place | None, labels: Mapping[str, Place]) -> Markup:
     match block:
-        case Heading(level, words) if place is not None:
+        case content.Heading(level, words) if place is not None:
             # The document's title is the only h1.
             return Markup('<h{0} id="{1}"><span class="number">{2}</span> {3}</h{0}>').format(
                 level + 1, place.anchor, place.number, legible(words)
             )
-        case Paragraph(words):
+        case content.Paragraph(words):
             return Markup("<p>{}</p>").format(_text(words, labels))
-        case BulletList(items):
+        case content.BulletList(items):
             points = Markup("\n").join(
                 Markup("<li>{}</li>").format(_text(item, labels)) for item in items
             )
             return Markup("<ul>\n{}\n</ul>").format(points)
-        case Notice(kind, words, title):
+        case content.Notice(kind, words, title):
             return Markup(
                 '<div class="notice {}" role="note"><p><strong>{}.</strong> {}</p></div>'
             ).format(kind, legible(title), _text(words, labels))
-        case Listing(words):
+        case content.Listing(words):
             # Focusable, since only then can the keyboard scroll it.
             return Markup('<pre tabindex="0"><code>{}</code></pre>').format(
                 legible(words, lines=True)
             )
-        case Equation(source) if place is not None:
+        case content.Equation(source) if place is not None:
             return Markup(
                 '<div class="equation" id="{}">{} <span class="number">({})</span></div>'
             ).format(place.anchor, _formula(source, block=True), place.number)
-        case Figure() if place is not None:
+        case content.Figure() if place is not None:
             data = base64.b64encode(block.svg).decode("ascii")
             return Markup(
                 '<figure id="{}" tabindex="0">\n<img style="width: {:.4g}%" alt="{}" '
@@ -124,15 +104,15 @@ def _block(block: Block, place: Place | None, labels: Mapping[str, Place]) -> Ma
                 place.name,
                 _text(block.caption, labels),
             )
-        case Table() if place is not None:
+        case content.Table() if place is not None:
             return _table(block, place, labels)
-        case PageBreak():
+        case content.PageBreak():
             return Markup('<div class="page-break"></div>')
         case _:
             raise TypeError(f"not a block: {block!r}")
 
 
-def _table(table: Table, place: Place, labels: Mapping[str, Place]) -> Markup:
+def _table(table: content.Table, place: Place, labels: Mapping[str, Place]) -> Markup:
     heads, cells = [], []
     for i, column in enumerate(table.head):
         unit = Markup('<br><span class="unit">{}</span>').format(legible(column.unit))
@@ -165,7 +145,7 @@ def _table(table: Table, place: Place, labels: Mapping[str, Place]) -> Markup:
     )
 
 
-def _decimals(values: Sequence[Text], labels: Mapping[str, Place]) -> list[Markup]:
+def _decimals(values: Sequence[content.Text], labels: Mapping[str, Place]) -> list[Markup]:
     """Set decimal points under each other: the same room after the point in every cell."""
     parted = [_split(value) for value in values]
     # In widths of a digit; points, commas, blanks and brackets are narrower.
@@ -180,7 +160,7 @@ def _decimals(values: Sequence[Text], labels: Mapping[str, Place]) -> list[Marku
     ]
 
 
-def _split(value: Text) -> tuple[str, str]:
+def _split(value: content.Text) -> tuple[str, str]:
     """Part a number before its decimal point; no head where there is no number."""
     found = re.match("[^0-9]*[0-9]+", value) if isinstance(value, str) else None
     if found is None:
@@ -188,25 +168,25 @@ def _split(value: Text) -> tuple[str, str]:
     return found[0], found.string[found.end() :]
 
 
-def _text(text: Text, labels: Mapping[str, Place]) -> Markup:
-    return Markup("").join(_inline(inline, labels) for inline in inlines(text))
+def _text(text: content.Text, labels: Mapping[str, Place]) -> Markup:
+    return Markup("").join(_inline(inline, labels) for inline in content.inlines(text))
 
 
-def _inline(inline: Inline, labels: Mapping[str, Place]) -> Markup:
+def _inline(inline: content.Inline, labels: Mapping[str, Place]) -> Markup:
     match inline:
         case str():
             return Markup("{}").format(legible(inline))
-        case Emphasis(text):
+        case content.Emphasis(text):
             return Markup("<em>{}</em>").format(legible(text))
-        case Strong(text):
+        case content.Strong(text):
             return Markup("<strong>{}</strong>").format(legible(text))
-        case Code(text):
+        case content.Code(text):
             return Markup("<code>{}</code>").format(legible(text))
-        case Math(source):
+        case content.Math(source):
             return _formula(source)
-        case Link(text, url):
+        case content.Link(text, url):
             return Markup('<a href="{}">{}</a>').format(url, legible(text))
-        case Reference(label):
+        case content.Reference(label):
             return Markup('<a class="reference" href="#{}">{}</a>').format(
                 labels[label].anchor, labels[label].name
             )

@@ -14,29 +14,8 @@ from typing import Any, Literal
 
 import typst
 
+from bayesfric.report import content
 from bayesfric.report.characters import printable
-from bayesfric.report.content import (
-    Block,
-    BulletList,
-    Code,
-    Document,
-    Emphasis,
-    Equation,
-    Figure,
-    Heading,
-    Inline,
-    Link,
-    Listing,
-    Math,
-    Notice,
-    PageBreak,
-    Paragraph,
-    Reference,
-    Strong,
-    Table,
-    Text,
-    inlines,
-)
 from bayesfric.report.formulas import FORMULAS
 from bayesfric.report.numbering import Place, label_places, number_blocks
 
@@ -46,7 +25,7 @@ __all__ = ["render_pages", "render_pdf"]
 _NO_DATE = datetime(1970, 1, 1, tzinfo=UTC)
 
 
-def render_pdf(document: Document) -> bytes:
+def render_pdf(document: content.Document) -> bytes:
     """Set a document as PDF/A-2a with PDF/UA-1.
 
     Parameters
@@ -68,7 +47,7 @@ def render_pdf(document: Document) -> bytes:
     return pdf
 
 
-def render_pages(document: Document, ppi: float = 144.0) -> list[bytes]:
+def render_pages(document: content.Document, ppi: float = 144.0) -> list[bytes]:
     """Set a document as PNG pictures of its pages, to look at.
 
     Parameters
@@ -91,7 +70,7 @@ def render_pages(document: Document, ppi: float = 144.0) -> list[bytes]:
 
 
 def _compile(
-    document: Document, form: Literal["pdf", "png"], ppi: float | None = None
+    document: content.Document, form: Literal["pdf", "png"], ppi: float | None = None
 ) -> list[bytes]:
     template = resources.files(__package__).joinpath("template.typ").read_bytes()
     files = {
@@ -99,7 +78,7 @@ def _compile(
         "document.json": json.dumps(_document(document)).encode(),
     }
     for block, place in zip(document.blocks, number_blocks(document), strict=True):
-        if isinstance(block, Figure) and place is not None:
+        if isinstance(block, content.Figure) and place is not None:
             files[f"{place.anchor}.svg"] = block.svg
     # The package's stub leaves out files in memory by name, and a list of several pages.
     compile_files: Any = typst.compile_with_warnings
@@ -115,7 +94,7 @@ def _compile(
     return result if isinstance(result, list) else [result]
 
 
-def _document(document: Document) -> dict[str, object]:
+def _document(document: content.Document) -> dict[str, object]:
     places = label_places(document)
     date = document.date
     moment = (date if date is None or date.tzinfo else date.replace(tzinfo=UTC)) or _NO_DATE
@@ -135,31 +114,33 @@ def _document(document: Document) -> dict[str, object]:
     }
 
 
-def _block(block: Block, place: Place | None, places: Mapping[str, Place]) -> dict[str, object]:
-    def text(value: Text) -> list[list[object]]:
-        return [_inline(inline, places) for inline in inlines(value)]
+def _block(
+    block: content.Block, place: Place | None, places: Mapping[str, Place]
+) -> dict[str, object]:
+    def text(value: content.Text) -> list[list[object]]:
+        return [_inline(inline, places) for inline in content.inlines(value)]
 
     data: dict[str, object] = {"kind": type(block).__name__.lower()}
     if place is not None:
         data["anchor"] = place.anchor
     match block:
-        case Heading(level, words):
+        case content.Heading(level, words):
             data |= {"level": level, "text": printable(words)}
-        case Paragraph(words):
+        case content.Paragraph(words):
             data |= {"text": text(words)}
-        case BulletList(items):
+        case content.BulletList(items):
             data |= {"items": [text(item) for item in items]}
-        case Notice():
+        case content.Notice():
             data |= {
                 "sort": block.kind,
                 "title": printable(block.title),
                 "text": text(block.text),
             }
-        case Listing(words):
+        case content.Listing(words):
             data |= {"text": printable(words, lines=True)}
-        case Equation(source):
+        case content.Equation(source):
             data |= {"formula": FORMULAS[source].typst, "alt": FORMULAS[source].spoken}
-        case Table():
+        case content.Table():
             data |= {
                 "caption": text(block.caption),
                 "note": text(block.note) if block.note else None,
@@ -169,27 +150,27 @@ def _block(block: Block, place: Place | None, places: Mapping[str, Place]) -> di
                 ],
                 "rows": [[text(cell) for cell in row] for row in block.rows],
             }
-        case Figure():
+        case content.Figure():
             data |= {
                 "caption": text(block.caption),
                 "alt": printable(block.alt),
                 "share": block.width,
                 "floats": block.floats,
             }
-        case PageBreak():
+        case content.PageBreak():
             pass
     return data
 
 
-def _inline(inline: Inline, places: Mapping[str, Place]) -> list[object]:
+def _inline(inline: content.Inline, places: Mapping[str, Place]) -> list[object]:
     match inline:
         case str():
             return ["text", printable(inline)]
-        case Emphasis(text) | Strong(text) | Code(text):
+        case content.Emphasis(text) | content.Strong(text) | content.Code(text):
             return [type(inline).__name__.lower(), printable(text)]
-        case Math(source):
+        case content.Math(source):
             return ["math", FORMULAS[source].typst, FORMULAS[source].spoken]
-        case Link(text, url):
+        case content.Link(text, url):
             return ["link", printable(text), url]
-        case Reference(label):
+        case content.Reference(label):
             return ["reference", places[label].kind, places[label].anchor]

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.effects import ActsOn
 from bayesfric.paper import table1
 from bayesfric.recording.frames import individual_angles
@@ -15,7 +15,7 @@ from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.truth import AppliedEffect, Truth
 
 __all__ = [
-    "Acting",
+    "PhasedEffect",
     "draw_phases",
     "drive_end",
     "of_kind",
@@ -25,11 +25,9 @@ __all__ = [
     "wrap_spread",
 ]
 
-Array = NDArray[np.float64]
-
 
 @dataclass(frozen=True)
-class Acting:
+class PhasedEffect:
     """An effect and the phases that nobody recorded.
 
     Parameters
@@ -54,7 +52,7 @@ class Acting:
 
 def draw_phases(
     truth: Truth, rows: int, sensors: int, rng: np.random.Generator
-) -> tuple[Acting, ...]:
+) -> tuple[PhasedEffect, ...]:
     """Return the effects of `truth` with N(0, 1) drawn for each component and row.
 
     Parameters
@@ -73,16 +71,16 @@ def draw_phases(
         effect = applied.effect
         each = (rows, sensors) if effect.acts_on == "reading" else (rows,)
         drawn = rng.standard_normal((effect.components, *each)) if effect.components else None
-        acting.append(Acting(applied, drawn))
+        acting.append(PhasedEffect(applied, drawn))
     return tuple(acting)
 
 
-def of_kind(acting: Sequence[Acting], kind: ActsOn) -> list[Acting]:
+def of_kind(acting: Sequence[PhasedEffect], kind: ActsOn) -> list[PhasedEffect]:
     """Return those that act on one thing."""
     return [one for one in acting if one.applied.effect.acts_on == kind]
 
 
-def total(acting: Sequence[Acting], where: Any) -> Any:
+def total(acting: Sequence[PhasedEffect], where: Any) -> Any:
     """Return the sum of what effects of one kind give; 0 without any."""
     return sum((one(where) for one in acting), 0.0)
 

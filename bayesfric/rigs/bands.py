@@ -1,11 +1,11 @@
 """Bands: the quantiles over draws that every prediction is stored as."""
 
 import numpy as np
-from numpy.typing import NDArray
+
+from bayesfric.arrays import Array
 
 __all__ = ["QUANTILES", "bands"]
 
-Array = NDArray[np.float64]
 QUANTILES = (0.05, 0.5, 0.95)
 
 

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis, PriorOverrides
+from bayesfric.arrays import Array
 from bayesfric.effects import Effect, State
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.inference.model import RigLikelihood
@@ -42,7 +42,6 @@ __all__ = [
     "why_inert",
 ]
 
-Array = NDArray[np.float64]
 if TYPE_CHECKING:
     from bayesfric.effects.candidates import Candidate
     from bayesfric.rigs.linear import LinearRows
@@ -65,7 +64,7 @@ class Unsupported:
     reason: str
 
 
-def why_inert(response: NDArray[np.float64]) -> Unsupported | None:
+def why_inert(response: Array) -> Unsupported | None:
     """Return why an effect with this response would not move a likelihood; None where it does."""
     if not np.isfinite(response).all():
         return Unsupported(

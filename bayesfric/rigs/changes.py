@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.physics.friction import Coefficients
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.acting import surroundings
@@ -14,7 +14,6 @@ from bayesfric.rigs.truth import AppliedEffect
 
 __all__ = ["Change", "around_rows", "at_times", "law_column"]
 
-Array = NDArray[np.float64]
 Change = Callable[[AppliedEffect], Array]
 """An applied effect to its change relative to friction, shape (rows, times); of an effect
 with components one after another on a first axis."""

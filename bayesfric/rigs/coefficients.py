@@ -6,9 +6,10 @@ from functools import cached_property
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from bayesfric.analysis import Analysis
+from bayesfric.arrays import Array, Whole
 from bayesfric.inference.priors import Parameter
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 
@@ -23,7 +24,6 @@ __all__ = [
     "sizes_of",
 ]
 
-Array = NDArray[np.float64]
 UNITS = {"c1": "1", "c2": "N", "c3": "1/deg"}
 FORCE = "c2"  # is one
 PAPER_SIZES = ("small", "medium", "large")
@@ -84,7 +84,7 @@ class SizeIndex:
     """
 
     sizes: tuple[str, ...]
-    of_trial: NDArray[np.intp]
+    of_trial: Whole
 
     @classmethod
     def of(cls, pulley_size: "pd.Series[str]") -> "SizeIndex":

@@ -4,14 +4,12 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.inference.grouped_normal import GroupedNormal
 from bayesfric.inference.model import GivenRest
 
 __all__ = ["GroupedLikelihood", "given_rest"]
-
-Array = NDArray[np.float64]
 
 
 class GroupedLikelihood(ABC):

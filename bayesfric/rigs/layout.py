@@ -7,15 +7,20 @@ rig's own nuisances, such as the curve of an idle motor. A trial meets those of 
 only: its columns are the *local* ones. All are in units of their scale.
 """
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["COEFFICIENTS", "Layout"]
+from bayesfric.analysis import Priors
+from bayesfric.arrays import Array, Whole
+from bayesfric.effects.candidates import Candidate
+from bayesfric.inference.smooths import Smooth
+from bayesfric.rigs.base import Unsupported
+
+__all__ = ["COEFFICIENTS", "Layout", "ModelColumns"]
 
 COEFFICIENTS = 3  # c1, c2, c3
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -77,7 +82,7 @@ class Layout:
         found[self.own + self.candidates :, self.own + acting :] = np.eye(self.always)
         return found
 
-    def spread(self, columns: int, size: int) -> NDArray[np.intp]:
+    def spread(self, columns: int, size: int) -> Whole:
         """Return where a size's columns of a hypothesis stand among the numbers of all sizes.
 
         Those of the first size come first, then the next; what is shared comes last.
@@ -88,3 +93,80 @@ class Layout:
     def total(self, columns: int) -> int:
         """Numbers in all, of the columns of a hypothesis."""
         return self.own * (len(self.sizes) - 1) + columns
+
+
+@dataclass(frozen=True)
+class ModelColumns:
+    """What the columns of a model are, told to each rig alike.
+
+    Parameters
+    ----------
+    layout : Layout
+        Where numbers stand.
+    own : sequence of Smooth
+        Smooth forces of each size.
+    candidates : sequence of Candidate
+        Effects.
+    shared : sequence of Smooth or Candidate
+        Columns of every hypothesis.
+    scales : ndarray, shape (q,)
+        What each local column is multiplied by.
+    friction_scale : mapping of str to float
+        Unit of smooth forces of each size [N].
+    scattering : sequence of (Candidate, float)
+        Effects whose force scatters with friction, and errors of readings that differ from
+        trial to trial, with their amplitudes.
+    by_trial : bool
+        Whether trials can be left out.
+    priors : Priors
+        Of the noise.
+    """
+
+    layout: Layout
+    own: Sequence[Smooth]
+    candidates: Sequence[Candidate]
+    shared: Sequence[Smooth | Candidate]
+    scales: Array
+    friction_scale: Mapping[str, float]
+    scattering: Sequence[tuple[Candidate, float]]
+    by_trial: bool
+    priors: Priors
+
+    def filled(
+        self,
+        rig: str,
+        coefficients: Array,
+        smooth: Callable[[Smooth], Array],
+        effect: Callable[[Candidate], Array | Unsupported],
+    ) -> Array:
+        """Return the local columns of a rig without its own nuisances, not yet scaled.
+
+        Parameters
+        ----------
+        rig : str
+            Its name; smooth forces of other rigs do nothing to it.
+        coefficients : ndarray, shape (N, 3)
+            What c1, c2 and c3 do to each row.
+        smooth : callable
+            The (N, count) columns of a smooth force.
+        effect : callable
+            The (N,) column of an effect; what is unsupported does nothing.
+
+        Returns
+        -------
+        ndarray, shape (N, q)
+        """
+        columns = np.zeros((len(coefficients), self.layout.local))
+        columns[:, :COEFFICIENTS] = coefficients
+        place = COEFFICIENTS
+        for one in (*self.own, *self.candidates, *self.shared):
+            if isinstance(one, Smooth):
+                if one.rig in (None, rig):
+                    columns[:, place : place + one.count] = smooth(one)
+                place += one.count
+                continue
+            column = effect(one)
+            if not isinstance(column, Unsupported):
+                columns[:, place] = column
+            place += 1
+        return columns

@@ -12,9 +12,9 @@ from typing import Any, Protocol
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Prior, Priors
+from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.effects import ActsOn, State
 from bayesfric.effects.candidates import Candidate
 from bayesfric.inference.information import Information
@@ -22,7 +22,7 @@ from bayesfric.inference.priors import log_density
 from bayesfric.paper import table1
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.layout import Layout
+from bayesfric.rigs.layout import Layout, ModelColumns
 from bayesfric.rigs.windows import Windows
 
 __all__ = [
@@ -36,8 +36,6 @@ __all__ = [
     "rank",
     "rms_of",
 ]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -183,8 +181,8 @@ class LinearRows(Protocol):
     def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
         """Return the prior standard deviations of numbers that are the rig's own."""
 
-    def laid_out(self, layout: Layout, **given: Any) -> "LinearRig":
-        """Return the rig with the columns of a model."""
+    def laid_out(self, model: ModelColumns, place: int) -> "LinearRig":
+        """Return the rig with the columns of a model, at its place among all."""
 
 
 class LinearRig(Protocol):
@@ -199,11 +197,11 @@ class LinearRig(Protocol):
         """Its noise parameters, by name."""
 
     @property
-    def size(self) -> NDArray[np.intp]:
+    def size(self) -> Whole:
         """Place of each trial's pulley size, (N,)."""
 
     @property
-    def setup(self) -> NDArray[np.intp]:
+    def setup(self) -> Whole:
         """Assembly of each trial, (N,)."""
 
     def evaluate(
@@ -211,7 +209,7 @@ class LinearRig(Protocol):
         noise: Mapping[str, float],
         mixing: Array,
         phases: Sequence[tuple[int, float, str]] = (),
-        used: NDArray[np.bool_] | None = None,
+        used: Flags | None = None,
     ) -> Evaluated:
         """Return what the data say of the numbers of a hypothesis.
 

@@ -3,11 +3,10 @@
 from collections.abc import Mapping
 from typing import Any, Self
 
-import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.effects import Effect
 from bayesfric.physics.compliant import Cable
 from bayesfric.recording.tables import RigConstants
@@ -20,8 +19,6 @@ from bayesfric.rigs.truth import Truth
 from bayesfric.schemas import PointEstimate
 
 __all__ = ["PlainRig", "PlainTrials"]
-
-Array = NDArray[np.float64]
 
 
 class PlainRig:

@@ -10,19 +10,18 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Priors
+from bayesfric.arrays import Array
 from bayesfric.effects import ActsOn, State
 from bayesfric.effects.candidates import Candidate, unit_values
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
 from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.layout import Layout
+from bayesfric.rigs.layout import ModelColumns
 from bayesfric.rigs.linear import LinearRig, NoiseParameter, rms_of
 
 __all__ = ["PointRows"]
 
-Array = NDArray[np.float64]
 NO_EVENTS = Unsupported("it acts on readings of events, and steady runs have none")
 NO_MOTOR = Unsupported("it acts on a motor's current, which nobody reads here")
 AVERAGES = Unsupported("it goes round with the pulleys, which averages out in a steady run")
@@ -172,11 +171,11 @@ class PointRows:
         """Return no trial: one is known by its own reading alone."""
         return ()
 
-    def laid_out(self, layout: Layout, **given: Any) -> LinearRig:
+    def laid_out(self, model: ModelColumns, place: int) -> LinearRig:
         """Return the rig with the columns of a model."""
         from bayesfric.rigs.points import PointPart
 
-        return PointPart(self, layout, **given)
+        return PointPart(self, model, place)
 
     def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
         """Return the prior standard deviations of the shared curve."""

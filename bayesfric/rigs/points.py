@@ -10,14 +10,13 @@ from copy import copy
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
-from bayesfric.analysis import Priors
-from bayesfric.effects.candidates import Candidate, on_friction
+from bayesfric.arrays import Array, Flags
+from bayesfric.effects.candidates import on_friction
 from bayesfric.inference.information import Information
 from bayesfric.inference.smooths import Smooth
 from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.layout import COEFFICIENTS, Layout
+from bayesfric.rigs.layout import Layout, ModelColumns
 from bayesfric.rigs.linear import Evaluated, Run
 from bayesfric.rigs.point_rows import PointRows
 from bayesfric.rigs.shared_deviation import NestedDeviations, indicator, second_moments
@@ -25,15 +24,20 @@ from bayesfric.rigs.windows import Windows
 
 __all__ = ["PointPart"]
 
-Array = NDArray[np.float64]
 LOG_2PI = float(np.log(2 * np.pi))
 
 
 class PointPart:
     """Readings as information on the numbers of a hypothesis.
 
-    Parameters are those of the rigs' protocol; see
-    :class:`bayesfric.rigs.linear.LinearRig`.
+    Parameters
+    ----------
+    rows : PointRows
+        The readings, linear around the reference law.
+    model : ModelColumns
+        What is made of them; trials are kept one by one, whether or not any is left out.
+    place : int
+        Of the rig among all.
 
     Attributes
     ----------
@@ -41,25 +45,10 @@ class PointPart:
         Of the local numbers, in the unit of the readings.
     """
 
-    def __init__(
-        self,
-        rows: PointRows,
-        layout: Layout,
-        *,
-        place: int,
-        own: Sequence[Smooth],
-        candidates: Sequence[Candidate],
-        shared: Sequence[Smooth | Candidate],
-        scales: Array,
-        friction_scale: Mapping[str, float],
-        scattering: Sequence[tuple[Candidate, float]],
-        by_trial: bool,
-        priors: Priors,
-    ) -> None:
-        del by_trial  # trials are kept one by one
-        self.rows, self.layout = rows, layout
+    def __init__(self, rows: PointRows, model: ModelColumns, place: int) -> None:
+        self.rows, self.layout = rows, model.layout
         sizes = rows.table["pulley_size"]
-        self.size = np.array([layout.sizes.index(size) for size in sizes])
+        self.size = np.array([model.layout.sizes.index(size) for size in sizes])
         codes, setups = pd.factorize(rows.table["setup"])
         self.setup, self.setups = codes, tuple(str(setup) for setup in setups)
         loaded = rows.table.groupby(["setup", *rows.loads], sort=False).ngroup()
@@ -69,46 +58,29 @@ class PointPart:
         self._size_of_setup = self.size[[int(np.argmax(codes == j)) for j in range(len(setups))]]
         self._by_load = indicator(np.asarray(self._load, dtype=np.intp), len(first))
         self._by_setup = indicator(self._setup_of_load, len(setups))
-        force = np.array([friction_scale[size] for size in sizes])
-        columns = np.zeros((len(sizes), layout.local))
-        columns[:, :COEFFICIENTS] = rows.coefficient_columns()
+        force = np.array([model.friction_scale[size] for size in sizes])
 
         def smooth_columns(smooth: Smooth) -> Array:
-            if smooth.rig not in (None, rows.name):
-                return np.zeros((len(sizes), smooth.count))
             unit = rows.friction_n if smooth.relative else force
             return rows.readings(unit * smooth.columns(rows.covariates())).T
 
-        def candidate_column(candidate: Candidate) -> Array:
-            found = rows.candidate_column(candidate)
-            return np.zeros(len(sizes)) if isinstance(found, Unsupported) else found
-
-        start = COEFFICIENTS
-        for smooth in own:
-            columns[:, start : start + smooth.count] = smooth_columns(smooth)
-            start += smooth.count
-        for candidate in candidates:
-            columns[:, start] = candidate_column(candidate)
-            start += 1
-        for one in shared:
-            if isinstance(one, Smooth):
-                columns[:, start : start + one.count] = smooth_columns(one)
-                start += one.count
-            else:
-                columns[:, start] = candidate_column(one)
-                start += 1
-        mine = layout.nuisance(place)
+        columns = model.filled(
+            rows.name, rows.coefficient_columns(), smooth_columns, rows.candidate_column
+        )
+        mine = model.layout.nuisance(place)
         columns[:, mine] = rows.curve
-        self.columns = columns * scales
-        self._mine = slice(mine.start - layout.local, mine.stop - layout.local or None)
-        self._still = rows.still_curve * scales[mine]
+        self.columns = columns * model.scales
+        self._mine = slice(mine.start - model.layout.local, mine.stop - model.layout.local or None)
+        self._still = rows.still_curve * model.scales[mine]
         self._moved = rows.scatter_column()
-        for candidate, amplitude in on_friction(scattering):
-            self._moved = self._moved + amplitude * candidate_column(candidate)
+        for candidate, amplitude in on_friction(model.scattering):
+            column = rows.candidate_column(candidate)
+            if not isinstance(column, Unsupported):
+                self._moved = self._moved + amplitude * column
         # What deviations of a load and of an assembly move: friction, and its intercept alone.
         shared_moves = [self._moved] if rows.intercept is None else [self._moved, rows.intercept]
         self._shared = np.stack(shared_moves, axis=1)
-        self.noise = rows.noise(priors)
+        self.noise = rows.noise(model.priors)
         self._own, *names = (one.name for one in self.noise)
         rank = len(shared_moves)
         self._by_loads, self._assembly = names[: 2 * rank : 2], names[1 : 2 * rank : 2]
@@ -119,7 +91,7 @@ class PointPart:
         noise: Mapping[str, float],
         mixing: Array,
         phases: Sequence[tuple[int, float, str]] = (),
-        used: NDArray[np.bool_] | None = None,
+        used: Flags | None = None,
     ) -> Evaluated:
         """Return what the readings say; those at rest always enter, and no phases show."""
         runs = np.ones(len(self.setup), dtype=bool) if used is None else used

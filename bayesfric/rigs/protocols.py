@@ -42,8 +42,8 @@ class GravityTrial(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Assembly:
-    """One assembly of the gravity board and the trials that run on it.
+class Cell:
+    """Pulleys as they are assembled on a board.
 
     Parameters
     ----------
@@ -53,35 +53,24 @@ class Assembly:
         Number of pulleys.
     wrap_angle_deg : float
         Average individual wrap angle [deg].
-    trials : tuple of GravityTrial
-        Before the order is drawn.
     """
 
     pulley_size: str
     n_pulleys: int
     wrap_angle_deg: float
+
+
+@dataclass(frozen=True)
+class Assembly(Cell):
+    """One assembly of the gravity board, and the trials that run on it before they are ordered."""
+
     trials: tuple[GravityTrial, ...]
 
 
 @dataclass(frozen=True)
-class MotorAssembly:
-    """One assembly of the motor board and the weights that hang on it in turn.
+class MotorAssembly(Cell):
+    """One assembly of the motor board, and the weights [kg] each of which is run at every speed."""
 
-    Parameters
-    ----------
-    pulley_size : str
-        A size of Table I.
-    n_pulleys : int
-        Number of pulleys.
-    wrap_angle_deg : float
-        Average individual wrap angle [deg].
-    masses_kg : tuple of float
-        Hanging masses; each is run at every speed.
-    """
-
-    pulley_size: str
-    n_pulleys: int
-    wrap_angle_deg: float
     masses_kg: tuple[float, ...]
 
 

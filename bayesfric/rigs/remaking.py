@@ -3,13 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.inference.model import RigLikelihood
 
 __all__ = ["Remade", "remake"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

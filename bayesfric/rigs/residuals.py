@@ -5,14 +5,13 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Whole
 from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.remaking import Remade
 
 __all__ = ["check_residuals", "measuring_order"]
 
-Array = NDArray[np.float64]
 FALSE_ALARM = 0.05  # chance that a recording that obeys the model has an outlier
 
 
@@ -52,7 +51,7 @@ def check_residuals(trial: str, remade: Remade, observed: Array) -> dict[str, An
     }
 
 
-def measuring_order(recorded: pd.DataFrame, table: pd.DataFrame) -> NDArray[np.intp]:
+def measuring_order(recorded: pd.DataFrame, table: pd.DataFrame) -> Whole:
     """Return each trial's place in the order of measuring: as recorded, else of the file."""
     place = recorded["order"] if "order" in recorded else np.arange(1, len(recorded) + 1)
     by_trial = pd.Series(np.asarray(place), index=recorded["trial"])

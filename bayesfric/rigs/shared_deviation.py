@@ -4,12 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-__all__ = ["NestedDeviations", "SharedDeviation", "indicator", "second_moments"]
+from bayesfric.arrays import Array, Flags, Whole
 
-Array = NDArray[np.float64]
+__all__ = ["NestedDeviations", "SharedDeviation", "indicator", "second_moments"]
 
 
 @dataclass(frozen=True)
@@ -56,7 +55,7 @@ class SharedDeviation:
         lost = np.einsum("grs,gst,gt...->gr...", self.stiffness, self.taken, sums)
         return np.asarray(sums - lost)
 
-    def told(self, groups: NDArray[np.bool_]) -> tuple[Array, Array]:
+    def told(self, groups: Flags) -> tuple[Array, Array]:
         """Return what some groups' deviations take from precision, (k, k), and slope, (k,)."""
         columns = self.columns[groups]
         shares = np.einsum("grs,gsk->grk", self.taken[groups], columns)
@@ -81,7 +80,7 @@ class NestedDeviations:
 
     group: SharedDeviation
     setup: SharedDeviation
-    setup_of: NDArray[np.intp]
+    setup_of: Whole
 
     @classmethod
     def of(
@@ -128,7 +127,7 @@ class NestedDeviations:
         """What the log density is more."""
         return self.group.constant + self.setup.constant
 
-    def told(self, groups: NDArray[np.bool_], setups: NDArray[np.bool_]) -> tuple[Array, Array]:
+    def told(self, groups: Flags, setups: Flags) -> tuple[Array, Array]:
         """Return what is taken from precision, (k, k), and slope, (k,), by some of them."""
         first, second = self.group.told(groups), self.setup.told(setups)
         return first[0] + second[0], first[1] + second[1]
@@ -175,7 +174,7 @@ class NestedDeviations:
         )
 
 
-def indicator(codes: NDArray[np.intp], count: int) -> csr_array:
+def indicator(codes: Whole, count: int) -> csr_array:
     """Return which of N rows belongs to which of `count` groups, (count, N)."""
     one = np.ones(codes.size)
     return csr_array((one, (codes, np.arange(codes.size))), shape=(count, codes.size))
@@ -191,7 +190,7 @@ def second_moments(
     columns: Array,
     response: Array,
     own: Array,
-    size: NDArray[np.intp],
+    size: Whole,
     mean: Sequence[Array],
     covariance: Sequence[Array],
 ) -> Array:

@@ -4,11 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from bayesfric.arrays import Array, Whole
 
 __all__ = ["Windows"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -31,7 +30,7 @@ class Windows:
         Where each window lies.
     """
 
-    row: NDArray[np.intp]
+    row: Whole
     residual_n: Array
     columns: Array
     covariance: tuple[Array, ...]

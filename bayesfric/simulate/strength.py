@@ -13,9 +13,9 @@ phases. Of the other things that effects act on, the equivalent of friction is
 """
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from bayesfric.arrays import Array
 from bayesfric.effects import Effect, all_effects
 from bayesfric.errors import Fault, InputError
 from bayesfric.recording.tables import RigConstants
@@ -26,7 +26,6 @@ from bayesfric.rigs.truth import AppliedEffect, Truth
 
 __all__ = ["RMS_AT_FULL_STRENGTH", "at_strength"]
 
-Array = NDArray[np.float64]
 RMS_AT_FULL_STRENGTH = 0.1
 LARGEST_AMPLITUDE = 1e6
 

@@ -10,7 +10,7 @@ from bayesfric.effects import all_effects
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import Condition
 from bayesfric.recording.tables import Pulley
-from bayesfric.rigs.acting import Acting, surroundings
+from bayesfric.rigs.acting import PhasedEffect, surroundings
 from bayesfric.rigs.gravity_board.effects_on_trials import trial_motion
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.truth import AppliedEffect
@@ -108,11 +108,14 @@ def acceleration(added, x, v):
 @pytest.mark.parametrize(("name", "law", "values", "phases", "added"), CASES)
 def test_a_trial_moves_as_another_integrator_says(name, law, values, phases, added):
     one = np.ones(1)
+    effect = PhasedEffect(
+        AppliedEffect(all_effects()[name], law, values), phases and np.array(phases)
+    )
     motion = trial_motion(
         Coefficients(C1 * one, C2 * one, C3 * one),
         Condition(N * one, WRAP * one, DRIVE * one, LOAD * one, G),
         FACTOR * one,
-        [Acting(AppliedEffect(all_effects()[name], law, values), phases and np.array(phases))],
+        [effect],
         {"radius_m": RADIUS * one, "order": one, "gravity_m_s2": G},
         0.62,
     )
@@ -190,7 +193,7 @@ def test_small_pulleys_that_turn_fast_are_followed():
     """
     one, radius, share, m1, m2 = np.ones(1), 3.8e-3, 0.5, 1.0, 0.8
     law = Coefficients(0 * one, 0.02 * one, 0 * one)
-    turning = Acting(
+    turning = PhasedEffect(
         AppliedEffect(all_effects()["runout"], "once", {"share": share}), np.array([[1.0], [0.0]])
     )
     motion = trial_motion(

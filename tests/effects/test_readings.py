@@ -7,7 +7,7 @@ from scipy import integrate
 from bayesfric.effects import Reading, all_effects
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import Condition, trajectory
-from bayesfric.rigs.acting import Acting
+from bayesfric.rigs.acting import PhasedEffect
 from bayesfric.rigs.gravity_board.effects_on_trials import passing_times, trial_motion
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.truth import AppliedEffect
@@ -36,7 +36,7 @@ def rate():
 
 
 def times(name, values, phases=None, motion=None):
-    acting = Acting(AppliedEffect(all_effects()[name], *values), phases)
+    acting = PhasedEffect(AppliedEffect(all_effects()[name], *values), phases)
     return passing_times(motion or rigid(), PLACE, GRID, CONDITION, 5, [acting])
 
 

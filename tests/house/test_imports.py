@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[2]
 
 # From the base up. Rooms of one row may import each other, in one direction.
 ROWS = (
-    ("errors", "characters", "files", "resources", "checksum"),
+    ("arrays", "errors", "characters", "files", "resources", "checksum"),
     ("recording",),
     ("logs",),
     ("paper", "families", "priors", "analysis", "schemas"),
@@ -46,6 +46,7 @@ BASE = set(ROWS[0])
 
 # Rooms that may import fewer of ours than their place allows (the base always).
 ONLY = {
+    "arrays": set(),
     "errors": set(),
     "characters": set(),
     "files": set(),

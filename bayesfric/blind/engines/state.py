@@ -4,13 +4,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
+
+from bayesfric.arrays import Array
 
 __all__ = ["Acting", "Array", "Form", "Kind", "Passage", "State", "no_parameters"]
 
-Array = NDArray[np.float64]
 Acts = Literal["pulley", "ends", "air", "drive", "load", "inertia", "reading", "clock", "current"]
 
 

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
+from bayesfric.arrays import Array
 from bayesfric.fitting.predictive.assemblies import Assemblies
 from bayesfric.fitting.predictive.coverage import CELL, coverage
 from bayesfric.fitting.predictive.left_out import LeftOut, scores, uniformity
@@ -24,7 +24,6 @@ from bayesfric.rigs.remaking import Remade, remake
 
 __all__ = ["QUANTILES", "predict"]
 
-Array = NDArray[np.float64]
 DRAWS = 1000  # enough for a 5 % quantile to a twentieth of an sd
 
 

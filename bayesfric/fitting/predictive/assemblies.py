@@ -10,16 +10,15 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 from scipy.stats import beta
 
+from bayesfric.arrays import Array
 from bayesfric.fitting.predictive.left_out import LeftOut, Uniformity, scores, uniformity
 from bayesfric.rigs.bands import QUANTILES
 
 __all__ = ["FAR", "Assemblies", "assemblies_of"]
 
-Array = NDArray[np.float64]
 FAR = 3.0  # standard deviations; an assembly beyond is named
 FEWEST = 5  # assemblies whose distribution says something
 AGAIN = 2000  # sets of independent ones

@@ -5,14 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.remaking import Remade
 
 __all__ = ["CELL", "LEVELS", "coverage"]
 
-Array = NDArray[np.float64]
 LEVELS = (0.5, 0.9)
 CELL = ("pulley_size", "n_pulleys", "wrap_angle_deg")
 

@@ -10,9 +10,9 @@ from functools import cache, partial
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtri
 
+from bayesfric.arrays import Array
 from bayesfric.fitting.hypothesis import chart_of
 from bayesfric.inference.evidence import (
     ELPD,
@@ -37,7 +37,6 @@ __all__ = [
     "uniformity",
 ]
 
-Array = NDArray[np.float64]
 Kind = Literal["trial", "setup"]
 DRAWS_A_CALL = 100  # Student-t scatter needs a grid for each
 AGAIN = 1000  # recordings made again

@@ -2,8 +2,8 @@
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.inference.diagnostics import rank_counts
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import log_density
@@ -12,7 +12,6 @@ from bayesfric.physics.friction import Coefficients
 
 __all__ = ["coefficients", "densities", "ranks"]
 
-Array = NDArray[np.float64]
 RANK_BINS = 20
 DENSITY_BINS = 40
 LEFT_OUT = 5e-4  # of the draws at either end of a density, too few for a height

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import Baseline
 from bayesfric.rigs.base import Resting
@@ -14,7 +14,6 @@ from bayesfric.rigs.coefficients import law_of
 
 __all__ = ["PRIOR_DRAWS", "PRIOR_QUANTILES", "friction_of_prior"]
 
-Array = NDArray[np.float64]
 PRIOR_DRAWS = 4000
 PRIOR_QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 

@@ -27,13 +27,13 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import expit
 
+from bayesfric.arrays import Array
 from bayesfric.inference.diagnostics import mean_ess, multivariate_r_hat
 from bayesfric.inference.evidence.record import Evidence, SeparatedModes
 from bayesfric.inference.proposals import LogDensity, StudentT
 
 __all__ = ["bridge_evidence", "bridge_ratio", "in_one_place"]
 
-Array = NDArray[np.float64]
 
 DRAWS_A_HALF = 2000  # at which the density is evaluated, and as many proposals
 STEPS_A_HALF = (20, 10)  # the first that there are; multiples of the batches of an error

@@ -19,9 +19,9 @@ Computational and Graphical Statistics 13 (2004).
 """
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import logsumexp
 
+from bayesfric.arrays import Array
 from bayesfric.inference.diagnostics import smooth_weights
 from bayesfric.inference.evidence.record import Evidence
 from bayesfric.inference.laplace import Laplace
@@ -37,7 +37,6 @@ from bayesfric.inference.proposals import (
 
 __all__ = ["LEAST_FOR_A_MEAN", "importance_draws"]
 
-Array = NDArray[np.float64]
 
 SIZE = 4000
 LEAST_FOR_A_MEAN = 0.1  # of a sample; a mean over draws takes fewer than an evidence

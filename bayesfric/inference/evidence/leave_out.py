@@ -30,11 +30,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
+from bayesfric.arrays import Array
 from bayesfric.inference.diagnostics import smooth_weights
 
 __all__ = ["ELPD", "Difference", "difference", "elpd", "loo_pit"]
 
-Array = NDArray[np.float64]
 
 LIMIT_K = 0.7
 LEAST_DRAWS = 100

@@ -18,16 +18,14 @@ Bayesian non-factorized normal and Student-t models", Computational Statistics 3
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.inference.evidence.importance import LEAST_FOR_A_MEAN, importance_draws
 from bayesfric.inference.evidence.record import Evidence
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.proposals import SAMPLING_SPACE, Chart, LogDensity
 
 __all__ = ["Refit", "refit_without"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from bayesfric.plots.scorecard import (
     promises_and_reliability,
 )
 from bayesfric.plots.style import svg_of
+from bayesfric.report.chapters.provenance import made_again
 from bayesfric.report.content import (
     Block,
     Code,
@@ -271,17 +272,7 @@ def _oracle(card: ScorecardFile) -> Iterator[Block]:
 
 def scored_from(card: ScorecardFile) -> Table:
     """Return the table of seed, hash and versions."""
-    return Table(
-        "What makes the same result again.",
-        ["", "value"],
-        [
-            ["seed of the first case", Code(str(card.seed))],
-            ["analysis, SHA-256", Code(card.analysis_sha256)],
-            ["date", card.created or MISSING],
-            ["versions", ", ".join(f"{name} {text}" for name, text in card.versions.items())],
-        ],
-        label="scored-from",
-    )
+    return made_again(card, seed="seed of the first case", label="scored-from")
 
 
 def _cells(rate: Rate) -> tuple[str, str, str]:

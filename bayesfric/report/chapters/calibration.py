@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from bayesfric.plots.calibration import rank_differences
 from bayesfric.plots.style import svg_of
+from bayesfric.report.chapters.provenance import made_again
 from bayesfric.report.content import (
     Block,
     Code,
@@ -99,14 +100,4 @@ def calibration(found: CalibrationFile) -> Iterator[Block]:
 
 def calibrated_from(found: CalibrationFile) -> Table:
     """Return the table of seed, hash and versions."""
-    return Table(
-        "What makes the same result again.",
-        ["", "value"],
-        [
-            ["seed", Code(str(found.seed))],
-            ["analysis, SHA-256", Code(found.analysis_sha256)],
-            ["date", found.created or MISSING],
-            ["versions", ", ".join(f"{name} {text}" for name, text in found.versions.items())],
-        ],
-        label="calibrated-from",
-    )
+    return made_again(found, seed="seed", label="calibrated-from")

@@ -3,13 +3,13 @@
 from collections.abc import Iterator
 
 from bayesfric.plots.rig_tables import rig_tables
-from bayesfric.report.content import Block, Code, Heading, Listing, Paragraph, Table
+from bayesfric.report.content import Block, Code, Heading, Listing, Paragraph, Table, Text
 from bayesfric.report.quantities import MISSING, format_count
 from bayesfric.report.rig_words import law_words, rig_words
 from bayesfric.report.stored import StoredFit
-from bayesfric.schemas import Provenance
+from bayesfric.schemas import CalibrationFile, Provenance, ScorecardFile
 
-__all__ = ["made_from", "provenance"]
+__all__ = ["made_again", "made_from", "provenance"]
 
 
 def provenance(stored: StoredFit) -> Iterator[Block]:
@@ -44,21 +44,32 @@ def provenance(stored: StoredFit) -> Iterator[Block]:
 
 
 def made_from(record: Provenance) -> Table:
-    """Return the table of seed, hashes and versions."""
+    """Return the table of seed, hashes and versions of what one recording gave."""
+    sha256 = record.recording.sha256
+    return _made(
+        record, "seed", "provenance", [["recording, SHA-256", Code(sha256) if sha256 else MISSING]]
+    )
+
+
+def made_again(record: CalibrationFile | ScorecardFile, *, seed: str, label: str) -> Table:
+    """Return the table of seed, hash and versions of a campaign."""
+    return _made(record, seed, label)
+
+
+def _made(
+    record: Provenance | CalibrationFile | ScorecardFile, seed: str, label: str, *more: list[Text]
+) -> Table:
     return Table(
         "What makes the same result again.",
         ["", "value"],
         [
-            ["seed", Code(str(record.seed))],
-            [
-                "recording, SHA-256",
-                Code(record.recording.sha256) if record.recording.sha256 else MISSING,
-            ],
+            [seed, Code(str(record.seed))],
+            *more,
             ["analysis, SHA-256", Code(record.analysis_sha256)],
             ["date", record.created or MISSING],
             ["versions", ", ".join(f"{name} {text}" for name, text in record.versions.items())],
         ],
-        label="provenance",
+        label=label,
     )
 
 

@@ -8,8 +8,8 @@ the path changes too, feeds back.
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.effects.terms import ActiveEffect, LinearTerm, linear_terms
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import tension_feedback
@@ -17,8 +17,6 @@ from bayesfric.rigs.gravity_board.measurements import Columns, joined
 from bayesfric.rigs.gravity_board.places import TrialPlaces
 
 __all__ = ["EffectsAlong"]
-
-Array = NDArray[np.float64]
 
 
 class EffectsAlong:

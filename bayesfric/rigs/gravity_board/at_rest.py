@@ -11,8 +11,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Whole
 from bayesfric.effects import State
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.inference.grouped_normal import GroupedNormal
@@ -29,8 +29,6 @@ from bayesfric.rigs.gravity_board.scatter import scatter_values
 from bayesfric.rigs.gravity_board.wander import Wander
 
 __all__ = ["TrialsAtRest"]
-
-Array = NDArray[np.float64]
 
 
 class TrialsAtRest:
@@ -90,13 +88,7 @@ class TrialsAtRest:
         self._forces = SteadyForces(baseline, self._condition, self._size, known_phase, self._state)
 
     def thresholds(self, theta: Mapping[str, Array]) -> Thresholds:
-        """Return how far each trial's drive is above its mean friction, in its own scatter.
-
-        Parameters
-        ----------
-        theta : mapping of str to ndarray of shape (W,)
-            Parameters by name.
-        """
+        """Return how far each trial's drive is above its mean friction, in its own scatter."""
         friction, drive, _ = self._forces.at(theta)
         tau, omega, of_intercept = scatter_values(theta, self._size)
         law = self._size.coefficients(theta)
@@ -112,17 +104,8 @@ class TrialsAtRest:
     def setup_log_probability(self, theta: Mapping[str, Array], moving: GroupedNormal) -> Array:
         """Return log P(at rest | those that moved) of each assembly, shape (W, J).
 
-        Parameters
-        ----------
-        theta : mapping of str to ndarray of shape (W,)
-            Parameters by name.
-        moving : GroupedNormal
-            Density of the trials that moved.
-
-        Returns
-        -------
-        ndarray, shape (W, J)
-            Those of :attr:`setups` last; 0 where every trial moved.
+        `moving` is the density of the trials that moved. Assemblies of :attr:`setups` come last; 0
+        where every trial moved.
         """
         above = self.thresholds(theta)
         mean, covariance = moving.numbers()
@@ -176,7 +159,7 @@ class TrialsAtRest:
             found[:, trial] = np.exp(together - log_probability_above(*numbers, rest))
         return found
 
-    def _beside(self) -> "list[tuple[int, int, NDArray[np.intp]]]":
+    def _beside(self) -> "list[tuple[int, int, Whole]]":
         """Return each trial that moved beside some at rest: its place, its assembly's, theirs."""
         return [
             (trial, int(place), self._members[int(place)])

@@ -4,15 +4,13 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import cumulative_simpson
 from scipy.sparse import csr_array
 
+from bayesfric.arrays import Array, Whole
 from bayesfric.rigs.gravity_board.paths import POINTS
 
 __all__ = ["DoubleIntegral"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -31,7 +29,7 @@ class DoubleIntegral:
         How many there are, N.
     """
 
-    trial: NDArray[np.intp]
+    trial: Whole
     place: Array
     step_s: Array
     trials: int

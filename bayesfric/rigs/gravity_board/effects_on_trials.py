@@ -4,24 +4,24 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bayesfric.arrays import Array
 from bayesfric.effects import Reading, State
 from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.gravity import Condition, nominal_tension, trajectory
 from bayesfric.physics.stepped import SteppedMotion, step_board
-from bayesfric.rigs.acting import Acting, of_kind, total
+from bayesfric.rigs.acting import PhasedEffect, of_kind, total
 
-__all__ = ["Motion", "passing_times", "trial_motion"]
+__all__ = ["TrialMotion", "passing_times", "trial_motion"]
 
-Array = NDArray[np.float64]
 STEPS = 900  # of Runge-Kutta, over LONGEST times the time without effects
 LONGEST = 3.0
 CORRECTIONS = 3  # of an acceleration that its own tension changes, by a hundredth of itself
 SPEED_STEP_S = 1e-3  # over which speeds are compared for an acceleration
 
 
-class Motion(Protocol):
+class TrialMotion(Protocol):
     """Motion of trials, closed or stepped; arrays of shape (N, …)."""
 
     def time_at(self, position_m: Array, /) -> Array:
@@ -35,7 +35,7 @@ def trial_motion(
     law: Coefficients,
     condition: Condition,
     factor: Array,
-    acting: Sequence[Acting],
+    acting: Sequence[PhasedEffect],
     around: Mapping[str, Any],
     distance_m: float,
     wander: Callable[[Array], Array] | None = None,
@@ -51,7 +51,7 @@ def trial_motion(
         Of each trial.
     factor : ndarray, shape (N,)
         Scatter, of friction and of effects on friction; a drive is not scattered.
-    acting : sequence of Acting
+    acting : sequence of PhasedEffect
         Those on friction and drive are used.
     around : mapping
         Further fields of :class:`State`, see :func:`surroundings`.
@@ -77,7 +77,7 @@ def _acceleration(
     law: Coefficients,
     condition: Condition,
     factor: Array,
-    acting: Sequence[Acting],
+    acting: Sequence[PhasedEffect],
     along: Mapping[str, Any],
     speed: Array,
 ) -> Array:
@@ -118,18 +118,18 @@ def _fixed_point(of: Callable[[Array], Array], start: Array) -> Array:
 
 
 def passing_times(
-    motion: Motion,
+    motion: TrialMotion,
     place_m: Array,
     displacement_m: Array,
     condition: Condition,
     magnets_per_revolution: int,
-    acting: Sequence[Acting],
+    acting: Sequence[PhasedEffect],
 ) -> Array:
     """Return when magnets pass, those of effects on readings off their places.
 
     Parameters
     ----------
-    motion : Motion
+    motion : TrialMotion
         Of N trials.
     place_m : ndarray, shape (N, sensors, events)
         Travel at which a magnet would pass without these effects [m].
@@ -139,7 +139,7 @@ def passing_times(
         Of each trial.
     magnets_per_revolution : int
         Of the sensor pulley.
-    acting : sequence of Acting
+    acting : sequence of PhasedEffect
         Those on readings are used.
 
     Returns

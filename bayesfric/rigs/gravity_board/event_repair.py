@@ -23,14 +23,13 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Flags
 from bayesfric.recording.consistency import MINIMUM_EVENTS
 from bayesfric.rigs.gravity_board.event_trains import SENSORS, event_trains, quadratic_fits
 
 __all__ = ["LARGEST_SHARE", "RepairedEvents", "repair_events"]
 
-Array = NDArray[np.float64]
 CLEAN = 0.05  # of a spacing: 0.5 mm, five times a poor sensor's noise of 0.1 mm
 SEED = 6  # events: three more than a quadratic takes
 WINDOW = 6  # events: with more, friction that changes fast at a slow start looks like faults
@@ -65,7 +64,7 @@ class _Repair:
     """What becomes of one train: places in spacings, and which events stay."""
 
     place: Array
-    kept: NDArray[np.bool_]
+    kept: Flags
     missed: int
     doubled: int
     usable: bool
@@ -227,7 +226,7 @@ def _predict(
     return float(place[base] + fit @ at), float(slope), float(np.sqrt(1 + at @ along))
 
 
-def _one_each(time: Array, place: Array) -> NDArray[np.bool_]:
+def _one_each(time: Array, place: Array) -> Flags:
     """Choose one event for each place.
 
     A contact bounces after its edge: the first event stays, unless it is off the

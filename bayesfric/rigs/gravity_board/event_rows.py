@@ -5,14 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Flags
 from bayesfric.rigs.gravity_board.measurements import optional_column
 from bayesfric.rigs.gravity_board.trial_motion import Events
 
 __all__ = ["ROUGH_SD", "rows_of_trials", "variance_of", "with_accelerations"]
 
-Array = NDArray[np.float64]
 ROUGH_SD = 0.01  # m/s², of an acceleration that comes without its standard error
 LEAST_SD_M = 1e-7  # of an event: below it, as without noise, rounding is all that is left
 ROUGH = 9.0  # times the noise: squared, what no smooth path follows
@@ -27,7 +26,7 @@ def rows_of_trials(events: Events) -> Iterator[slice]:
 
 def with_accelerations(
     trials: pd.DataFrame, events: Events, duration_s: Array
-) -> tuple[Events, NDArray[np.bool_], Array]:
+) -> tuple[Events, Flags, Array]:
     """Add a row for each trial without events: the travel from rest at its acceleration.
 
     Parameters
@@ -66,9 +65,7 @@ def with_accelerations(
     return rows, np.isin(rows.trial, alone), np.where(np.isfinite(sd), sd, ROUGH_SD)
 
 
-def variance_of(
-    rows: Events, rough: Array, speed2: Array, alone: NDArray[np.bool_], stated_sd: Array
-) -> Array:
+def variance_of(rows: Events, rough: Array, speed2: Array, alone: Flags, stated_sd: Array) -> Array:
     """Return the variance of each row by residuals from each trial's smooth motion [m²].
 
     Parameters

@@ -7,14 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.recording.spacing import spacing_counts
 
 __all__ = ["SENSORS", "EventTrains", "QuadraticFits", "event_trains", "quadratic_fits"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 SENSORS = ("drive", "load")
 
 
@@ -40,20 +38,20 @@ class EventTrains:
         Displacement in spacings, whole numbers.
     """
 
-    row: Index
-    starts: Index
-    train: Index
-    trial: Index
-    sensor: Index
+    row: Whole
+    starts: Whole
+    train: Whole
+    trial: Whole
+    sensor: Whole
     time: Array
     count: Array
 
     @property
-    def sizes(self) -> Index:
+    def sizes(self) -> Whole:
         """Events of each train, shape (K,)."""
         return np.diff(np.append(self.starts, self.train.size))
 
-    def keep(self, events: NDArray[np.bool_]) -> "EventTrains":
+    def keep(self, events: Flags) -> "EventTrains":
         """Return the trains with a part of their events; a train with none is gone.
 
         Parameters

@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.effects import State
 from bayesfric.effects.terms import ActiveEffect, total
 from bayesfric.physics.friction import Coefficients
@@ -15,7 +15,6 @@ from bayesfric.rigs.coefficients import SizeIndex
 
 __all__ = ["Forces", "SteadyForces"]
 
-Array = NDArray[np.float64]
 TENSION_ITERATIONS = 2  # each takes the error of an effect's tension down by some 100
 
 

@@ -27,9 +27,9 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy.interpolate import BSpline, make_interp_spline
 
+from bayesfric.arrays import Array
 from bayesfric.inference.quadratic import eliminate
 from bayesfric.rigs.gravity_board.trial_motion import (
     NUISANCES,
@@ -46,7 +46,6 @@ __all__ = [
     "reduce_events",
 ]
 
-Array = NDArray[np.float64]
 LOG_2PI = float(np.log(2 * np.pi))
 LOG_RHO_SPAN = 9.25  # ± about 1/v*: beyond it one noise is 1e-4 of the other
 GRID_STEP = 0.125

@@ -19,9 +19,9 @@ from typing import TypeAlias
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
+from bayesfric.arrays import Array
 from bayesfric.effects.terms import ActiveEffect, parameters_of, rough_values
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.grouped_normal import LOG_2PI, GroupedNormal, Groups
@@ -43,7 +43,6 @@ from bayesfric.rigs.gravity_board.wander import Wander
 
 __all__ = ["GravityLikelihood", "trial_condition"]
 
-Array = NDArray[np.float64]
 Scattered: TypeAlias = GroupedNormal | GroupedStudent | HeavyGroups
 WALKERS_AT_ONCE = 50
 START_SCATTER = 0.02  # of friction, a place to climb from
@@ -52,6 +51,9 @@ ONLY_NORMAL = "normal, since for Student-t scatter trials that did not move have
 
 class GravityLikelihood:
     """Event times of the gravity board, given coefficients, scatter and noise.
+
+    Methods are those of :class:`bayesfric.inference.model.RigLikelihood`: of W sets of
+    parameters by name, and, where they draw, of a generator.
 
     Parameters
     ----------
@@ -144,34 +146,18 @@ class GravityLikelihood:
             self.setups += self._at_rest.setups
 
     def law(self, theta: Mapping[str, Array]) -> Array:
-        """Return the friction of each trial by the law and the steady effects [N].
+        """Return the friction of each trial by the law and the steady effects, (W, N) [N].
 
-        Parameters
-        ----------
-        theta : mapping of str to ndarray of shape (W,)
-            Parameters by name.
-
-        Returns
-        -------
-        ndarray, shape (W, N)
-            fc of eq. (15) at the nominal tension of the moving board, and what effects
-            add that do not change along a trial.
+        fc of eq. (15) at the nominal tension of the moving board, and what effects add that do
+        not change along a trial.
         """
         return self._forces.at(theta).friction
 
     def observed(self, theta: Mapping[str, Array]) -> tuple[Array, Array, Array]:
         """Return what was measured of each trial's friction, where none changes along it.
 
-        Parameters
-        ----------
-        theta : mapping of str to ndarray of shape (W,)
-            Parameters by name.
-
-        Returns
-        -------
-        friction, variance, log_constant : ndarray, shape (W, N)
-            Friction [N], its error variance [N²], and the log density of the
-            raw data less that of the friction.
+        That is friction [N], its error variance [N²], and the log density of the raw data less that
+        of the friction, each of shape (W, N).
         """
         parts = [self._shown(some, self._forces.at(some)) for some in _blocks(theta)]
         friction, variance, log_constant = zip(*parts, strict=True)
@@ -232,17 +218,7 @@ class GravityLikelihood:
     def draw_trial_cdf(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
         """Return the probability of less friction than each trial's, of recordings made again.
 
-        Parameters
-        ----------
-        theta : mapping of str to ndarray of shape (W,)
-            Parameters by name.
-        rng : Generator
-            Source of randomness.
-
-        Returns
-        -------
-        ndarray, shape (W, N)
-            A recording made again a row, with new scatter on new assemblies.
+        A recording a row, with new scatter on new assemblies.
         """
         _, variance, law, _ = self._frictions(theta)
         deviation = self.draw_scatter(theta, rng, together=True)
@@ -305,22 +281,10 @@ class GravityLikelihood:
     def draw_scatter(
         self, theta: Mapping[str, Array], rng: np.random.Generator, *, together: bool = False
     ) -> Array:
-        """Draw η + κ n c2 / fc + ε of a new trial on a new assembly.
+        """Draw η + κ n c2 / fc + ε of a new trial on a new assembly, (W, N).
 
-        Parameters
-        ----------
-        theta : mapping of str to ndarray of shape (W,)
-            Parameters by name.
-        rng : Generator
-            Source of randomness.
-        together : bool
-            Whether trials of one assembly are on one new assembly too, as when the whole
-            recording is made again; else each is on one of its own.
-
-        Returns
-        -------
-        ndarray, shape (W, N)
-            Relative deviation of friction from the law.
+        `together` puts trials of one assembly on one new assembly too, as when the whole recording
+        is made again; else each is on one of its own.
         """
         tau, omega, of_intercept = scatter_values(theta, self._size)
         of_intercept = of_intercept * self._intercept(theta) / self.law(theta)
@@ -340,21 +304,9 @@ class GravityLikelihood:
     def draw_observed(
         self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator
     ) -> Array:
-        """Draw what would be measured of friction that deviates so from the law.
+        """Draw the friction that the events would show, with their error, (…, W, N) [N].
 
-        Parameters
-        ----------
-        theta : mapping of str to ndarray of shape (W,)
-            Parameters by name.
-        deviation : ndarray, shape (…, W, N)
-            As :meth:`draw_scatter` draws it.
-        rng : Generator
-            Source of randomness.
-
-        Returns
-        -------
-        ndarray, shape (…, W, N)
-            Friction [N] with the error of the events.
+        `deviation` is how far friction is from the law, as :meth:`draw_scatter` draws it.
         """
         sd = np.sqrt(self.observed(theta)[1])
         return self.law(theta) * (1 + deviation) + sd * rng.standard_normal(deviation.shape)

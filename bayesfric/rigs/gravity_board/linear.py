@@ -15,12 +15,10 @@ from functools import cached_property
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
-from bayesfric.analysis import Priors
+from bayesfric.arrays import Array, Flags
 from bayesfric.effects.candidates import Candidate, on_friction
 from bayesfric.inference.information import Information
-from bayesfric.inference.smooths import Smooth
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.gravity_board.linear_scatter import (
     ALWAYS,
@@ -36,13 +34,11 @@ from bayesfric.rigs.gravity_board.linear_scatter import (
 from bayesfric.rigs.gravity_board.residual_motion import runs_of, whitening, windows_of
 from bayesfric.rigs.gravity_board.rows import GravityRows
 from bayesfric.rigs.gravity_board.trial_sums import orthogonal, trial_sums
-from bayesfric.rigs.layout import COEFFICIENTS, Layout
+from bayesfric.rigs.layout import Layout, ModelColumns
 from bayesfric.rigs.linear import Evaluated, Run
 from bayesfric.rigs.windows import Windows
 
 __all__ = ["GravityPart"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -61,27 +57,10 @@ class GravityPart:
     ----------
     rows : GravityRows
         Events, linear around the reference law.
-    layout : Layout
-        Where numbers stand.
+    model : ModelColumns
+        What is made of them.
     place : int
         Of the rig among all.
-    own : sequence of Smooth
-        Smooth forces of each size.
-    candidates : sequence of Candidate
-        Effects.
-    shared : sequence of Smooth or Candidate
-        Columns of every hypothesis.
-    scales : ndarray, shape (q,)
-        What each local column is multiplied by.
-    friction_scale : mapping of str to float
-        Unit of smooth forces of each size [N].
-    scattering : sequence of (Candidate, float)
-        Effects whose force scatters with friction, and errors of readings that differ from
-        trial to trial, with their amplitudes.
-    by_trial : bool
-        Whether trials can be left out.
-    priors : Priors
-        Of the noise.
 
     Attributes
     ----------
@@ -91,98 +70,68 @@ class GravityPart:
         The phases of candidates that have some, among the columns that scatter.
     """
 
-    def __init__(
-        self,
-        rows: GravityRows,
-        layout: Layout,
-        *,
-        place: int,
-        own: Sequence[Smooth],
-        candidates: Sequence[Candidate],
-        shared: Sequence[Smooth | Candidate],
-        scales: Array,
-        friction_scale: Mapping[str, float],
-        scattering: Sequence[tuple[Candidate, float]],
-        by_trial: bool,
-        priors: Priors,
-    ) -> None:
-        self.rows, self.layout, self.place = rows, layout, place
+    def __init__(self, rows: GravityRows, model: ModelColumns, place: int) -> None:
+        self.rows, self.layout = rows, model.layout
         sizes = rows.table["pulley_size"]
-        self.size = np.array([layout.sizes.index(size) for size in sizes])
+        self.size = np.array([model.layout.sizes.index(size) for size in sizes])
         codes, setups = pd.factorize(rows.table["setup"])
         self.setup, self.setups = codes, tuple(str(setup) for setup in setups)
         self.size_of_setup = self.size[[int(np.argmax(codes == j)) for j in range(len(setups))]]
         self._member = np.equal.outer(np.arange(len(setups)), codes).astype(np.float64)
         self._travel = float(rows.covariates()["displacement"].max())
-        force = np.array([friction_scale[size] for size in sizes])
-        self._assemble(own, candidates, shared, scales, force)
-        for candidate, amplitude in scattering:
+        self._assemble(model, place, np.array([model.friction_scale[size] for size in sizes]))
+        for candidate, amplitude in model.scattering:
             self.random[:, UNEVEN] += amplitude * rows.uneven_column(candidate)
-        for candidate, amplitude in on_friction(scattering):
+        for candidate, amplitude in on_friction(model.scattering):
             column = rows.candidate_columns(candidate)
             further = rows.elsewhere(candidate)
             if not isinstance(column, Unsupported):
                 self.random[:, TRIAL] += amplitude * column[:, 0]
             if further is not None:
                 self.random[:, ELSEWHERE] += amplitude * further
-        self.noise = noise_of(priors, float(np.median(rows.variance)), unstated=rows.unstated)
-        block = np.arange(len(codes)) if by_trial else self.size
+        self.noise = noise_of(model.priors, float(np.median(rows.variance)), unstated=rows.unstated)
+        block = np.arange(len(codes)) if model.by_trial else self.size
         self._sums = trial_sums(rows, self._columns, self.random, block)
         self._views: dict[bytes, _View] = {}
 
-    def _assemble(
-        self,
-        own: Sequence[Smooth],
-        candidates: Sequence[Candidate],
-        shared: Sequence[Smooth | Candidate],
-        scales: Array,
-        force: Array,
-    ) -> None:
+    def _assemble(self, model: ModelColumns, place: int, force: Array) -> None:
         rows, layout = self.rows, self.layout
-        count = rows.residual.size
-        columns = np.zeros((count, layout.local))
-        columns[:, :COEFFICIENTS] = rows.coefficient_columns()
-        place = COEFFICIENTS
-        for smooth in own:
-            if smooth.rig in (None, rows.name):
-                columns[:, place : place + smooth.count] = rows.smooth_columns(smooth, force)
-            place += smooth.count
-        random = [rows.scatter_columns(), rows.wander_columns(WAVES), np.zeros((count, 2))]
+
+        def candidate_column(candidate: Candidate) -> Array | Unsupported:
+            found = rows.candidate_columns(candidate)
+            return found if isinstance(found, Unsupported) else found[:, 0]
+
+        columns = model.filled(
+            rows.name,
+            rows.coefficient_columns(),
+            lambda smooth: rows.smooth_columns(smooth, force),
+            candidate_column,
+        )
+        random = [rows.scatter_columns(), rows.wander_columns(WAVES), np.zeros((len(columns), 2))]
         width, known = ALWAYS, {}
         self.blocks: dict[int, slice] = {}
-        for index, candidate in enumerate(candidates):
+        for index, candidate in enumerate(model.candidates):
+            if not candidate.effect.components:
+                continue
             found = rows.candidate_columns(candidate)
             if isinstance(found, Unsupported):
                 continue
-            if not candidate.effect.components:
-                columns[:, layout.own + index] = found[:, 0]
-                continue
+            columns[:, layout.own + index] = 0.0  # its phases scatter
             key = (candidate.effect.name, candidate.law)
             if key not in known:
                 random.append(found)
                 known[key] = slice(width, width + found.shape[1])
                 width = known[key].stop
             self.blocks[index] = known[key]
-        place = layout.own + layout.candidates
-        for one in shared:
-            if isinstance(one, Smooth):
-                if one.rig in (None, rows.name):
-                    columns[:, place : place + one.count] = rows.smooth_columns(one, force)
-                place += one.count
-                continue
-            found = rows.candidate_columns(one)
-            if not isinstance(found, Unsupported):
-                columns[:, place] = found[:, 0]
-            place += 1
-        nuisance = layout.nuisance(self.place)
+        nuisance = layout.nuisance(place)
         if nuisance.stop > nuisance.start:
             columns[:, nuisance] = rows.late_column()[:, None]
-        columns *= scales
+        columns *= model.scales
         self._columns = columns
         self._squeeze: Array | None = None
         self.random = np.hstack(random)
 
-    def _view(self, mixing: Array, trials: NDArray[np.bool_] | None, width: int) -> _View:
+    def _view(self, mixing: Array, trials: Flags | None, width: int) -> _View:
         key = mixing.tobytes() + str((*mixing.shape, width)).encode()
         if trials is None and key in self._views:
             return self._views[key]
@@ -211,7 +160,7 @@ class GravityPart:
         noise: Mapping[str, float],
         mixing: Array,
         phases: Sequence[tuple[int, float, str]] = (),
-        used: NDArray[np.bool_] | None = None,
+        used: Flags | None = None,
     ) -> Evaluated:
         """Return what the events say of the numbers of a hypothesis."""
         trials = np.ones(len(self.setup), dtype=bool) if used is None else used

@@ -3,9 +3,9 @@
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Prior, Priors
+from bayesfric.arrays import Array
 from bayesfric.inference.cosines import cosine_variances, log_variance_slopes
 from bayesfric.inference.priors import log_density
 from bayesfric.rigs.gravity_board.event_rows import ROUGH_SD
@@ -25,7 +25,6 @@ __all__ = [
     "wander_weights",
 ]
 
-Array = NDArray[np.float64]
 WAVES = 20  # cosines along the travel; half the wavelength of the last is 3 cm of 0.6 m
 TRIAL, INTERCEPT, WANDER, ELSEWHERE = 0, 1, slice(2, 2 + WAVES), 2 + WAVES
 UNEVEN = 3 + WAVES

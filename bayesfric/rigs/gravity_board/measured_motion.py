@@ -8,17 +8,16 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import cumulative_simpson
 from scipy.interpolate import BSpline
 
+from bayesfric.arrays import Array
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.paths import LEAST_SPEED_SHARE, POINTS, Paths, trial_paths
 from bayesfric.rigs.gravity_board.trial_motion import Events, prepare_events
 
 __all__ = ["MeasuredMotion", "measured_motion", "travel_to_speed"]
 
-Array = NDArray[np.float64]
 DEGREE = 4
 PIECES, EVENTS_A_PIECE = 8, 7  # at most; at least
 STAGES, CORRECTIONS = 33, 6  # of the motion from rest to a speed

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
+from bayesfric.arrays import Array
 from bayesfric.inference.priors import Parameter
 from bayesfric.inference.quadratic import gram
 from bayesfric.recording.tables import Gravity, RigConstants
@@ -29,7 +29,6 @@ __all__ = [
     "pilot_accelerations",
 ]
 
-Array = NDArray[np.float64]
 START_SIGMA_A = 0.01  # m/s², a place to climb from
 
 

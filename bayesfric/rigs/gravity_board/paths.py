@@ -15,9 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import NDArray
 from scipy.integrate import cumulative_simpson
 
+from bayesfric.arrays import Array, Whole
 from bayesfric.effects import Effect
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.base import Unsupported
@@ -25,7 +25,6 @@ from bayesfric.rigs.gravity_board.trial_motion import Events, prepare_events
 
 __all__ = ["Paths", "motion_untold", "trial_paths"]
 
-Array = NDArray[np.float64]
 DEGREE = 4  # of the travel in time: a force that changes linearly in time needs 3
 POINTS = 129  # of the grid in time; odd, for Simpson's rule
 TRAVEL_M = 0.6  # of a trial that has an acceleration alone, where the rig does not say
@@ -59,7 +58,7 @@ class Paths:
         travel = self.step_s * cumulative_simpson(self.speed_m_s, axis=1, initial=0)
         return np.asarray(travel)
 
-    def of(self, trials: NDArray[np.intp]) -> "Paths":
+    def of(self, trials: Whole) -> "Paths":
         """Return the paths of some trials, by place."""
         return Paths(self.step_s[trials], self.speed_m_s[trials], self.acceleration_m_s2[trials])
 

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Flags
 from bayesfric.effects import Effect, Reading, State
 from bayesfric.effects.terms import ActiveEffect, small_values
 from bayesfric.inference.cosines import MODES, cosines
@@ -31,7 +31,6 @@ from bayesfric.rigs.gravity_board.trial_motion import Events, pilot_coefficients
 
 __all__ = ["TrialPlaces", "trial_condition"]
 
-Array = NDArray[np.float64]
 ON_CURRENT = Unsupported("It acts on the current of a motor, and this board has none.")
 SHAPED_PHASES = Unsupported(
     "Nobody recorded its phases, and how it varies between them is not known either."
@@ -122,7 +121,7 @@ class TrialPlaces:
         return prepare_events(self._gravity.events, self._gravity.trials["trial"][with_events])
 
     @property
-    def with_events(self) -> NDArray[np.bool_]:
+    def with_events(self) -> Flags:
         """Which trials have events, shape (N,)."""
         trials, events = self._gravity.trials, self._gravity.events
         return np.asarray(trials["trial"].isin(events["trial"]))

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.paper import table1
 from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.gravity import nominal_tension
@@ -18,7 +18,6 @@ from bayesfric.rigs.residuals import check_residuals, measuring_order
 
 __all__ = ["CURVE_POINTS", "curves", "trials"]
 
-Array = NDArray[np.float64]
 CURVE_POINTS = 41
 
 

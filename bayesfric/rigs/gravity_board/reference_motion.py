@@ -7,8 +7,8 @@ measured, is that of the reference law from the release.
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.effects import State
 from bayesfric.effects.candidates import Candidate, unit_values
 from bayesfric.physics.friction import Coefficients
@@ -23,7 +23,6 @@ from bayesfric.rigs.linear import pulley_radii, rank
 
 __all__ = ["PUSHED", "ReferenceMotion"]
 
-Array = NDArray[np.float64]
 PUSHED = 0.15  # of the travel from rest to the first speed, that a push may have spared
 SPACING_M = 0.01  # where the rig does not say
 

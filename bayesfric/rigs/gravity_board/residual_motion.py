@@ -3,8 +3,8 @@
 from collections.abc import Callable, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.inference.cosines import cosines
 from bayesfric.rigs.gravity_board.linear_scatter import TRIAL, WANDER, WAVES, wander_weights
 from bayesfric.rigs.gravity_board.rows import GravityRows
@@ -13,7 +13,6 @@ from bayesfric.rigs.windows import Windows
 
 __all__ = ["runs_of", "whitening", "windows_of"]
 
-Array = NDArray[np.float64]
 WINDOWS = 8  # of a trial's travel
 EVENTS_A_WINDOW = 4  # at least, of both sensors
 APART = (1, 2, 3)  # powers of the travel, by which two sensors differ

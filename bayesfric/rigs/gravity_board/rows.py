@@ -12,9 +12,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Priors
+from bayesfric.arrays import Array, Flags
 from bayesfric.effects import ActsOn, Effect, Law, Reading
 from bayesfric.effects.candidates import Candidate, unit_values
 from bayesfric.inference.cosines import cosines
@@ -30,12 +30,11 @@ from bayesfric.rigs.gravity_board.measurements import optional_column
 from bayesfric.rigs.gravity_board.paths import POINTS, motion_untold
 from bayesfric.rigs.gravity_board.reference_motion import PUSHED, ReferenceMotion
 from bayesfric.rigs.gravity_board.stray_trials import far_from_their_own
-from bayesfric.rigs.layout import Layout
+from bayesfric.rigs.layout import ModelColumns
 from bayesfric.rigs.linear import LinearRig, rms_of
 
 __all__ = ["NO_CURRENT", "GravityRows"]
 
-Array = NDArray[np.float64]
 LEAST_ACCELERATION = 0.02  # m/s², where the reference law predicts that the cable stands
 LATE_S = 1e-3  # by which one sensor may be late
 PRETENDED = 8  # windows of a trial
@@ -293,11 +292,11 @@ class GravityRows(ReferenceMotion):
         both = (self.events.regressors[:2] != 0).any(axis=1).all()
         return (LATE_S,) if both else ()
 
-    def laid_out(self, layout: Layout, **given: Any) -> LinearRig:
+    def laid_out(self, model: ModelColumns, place: int) -> LinearRig:
         """Return the rig with the columns of a model."""
         from bayesfric.rigs.gravity_board.linear import GravityPart
 
-        return GravityPart(self, layout, **given)
+        return GravityPart(self, model, place)
 
     def relative_deviation(self) -> Array:
         """Return how far each trial's friction is from the law, as a share of it, (N,)."""
@@ -365,7 +364,7 @@ class GravityRows(ReferenceMotion):
         at_ends = [np.full_like(self.residual, end) for end in (0.0, 1.0)]
         return not all(np.any(law(values, reading._replace(is_load=end))) for end in at_ends)
 
-    def _seen_by_both(self) -> NDArray[np.bool_]:
+    def _seen_by_both(self) -> Flags:
         """Return which rows are of trials that both sensors recorded, shape (E,)."""
         sensors = self.events.regressors[:2] != 0
         both = [sensors[:, rows].any(axis=1).all() for rows in self.rows_of_trials()]

@@ -2,16 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-from numpy.typing import NDArray
-
 from bayesfric.analysis import Analysis
+from bayesfric.arrays import Array
 from bayesfric.inference.priors import Parameter
 from bayesfric.rigs.coefficients import SizeIndex
 
 __all__ = ["scatter_parameters", "scatter_values"]
 
-Array = NDArray[np.float64]
 NAMES = ("tau", "omega", "omega_intercept")
 
 

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy import stats
 
+from bayesfric.arrays import Array
 from bayesfric.recording.consistency import MINIMUM_EVENTS
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.gravity_board.event_trains import EventTrains, event_trains, quadratic_fits
@@ -26,7 +26,6 @@ from bayesfric.rigs.gravity_board.likelihood import trial_condition
 
 __all__ = ["MATERIAL_SHARE", "TAIL", "SensorAgreement", "sensor_agreement"]
 
-Array = NDArray[np.float64]
 TAIL = 1e-4  # probability of a |z| beyond the limit by noise alone
 MATERIAL_SHARE = 0.01  # of friction; the mean of both is then off by half of it
 CLIPPED = 4.0  # standard deviations: events beyond do not inform the noise

@@ -12,21 +12,20 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Flags
 from bayesfric.inference.cosines import MODES, cosine_variances, cosines
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import Condition, board_friction, trajectory
 from bayesfric.recording.tables import RigConstants
-from bayesfric.rigs.acting import Acting, draw_phases, of_kind, surroundings
-from bayesfric.rigs.gravity_board.effects_on_trials import Motion, passing_times, trial_motion
+from bayesfric.rigs.acting import PhasedEffect, draw_phases, of_kind, surroundings
+from bayesfric.rigs.gravity_board.effects_on_trials import TrialMotion, passing_times, trial_motion
 from bayesfric.rigs.gravity_board.event_trains import SENSORS
 from bayesfric.rigs.protocols import TRAVEL_M, Assembly, Protocol
 from bayesfric.rigs.truth import Truth, laws_of
 
 __all__ = ["conditions_of", "draw_events", "lay_trials"]
 
-Array = NDArray[np.float64]
 LEAST_PATH_M = 0.001  # from release to the first event, so that the cable moves there
 LEAST_MOTION_M = 1e-6  # below it a trial did not move
 RELEASE_WINDOW_S = 0.3  # the release comes this long, at most, after the clock starts
@@ -66,7 +65,7 @@ def draw_events(
     sensor_rng: np.random.Generator,
     noise_rng: np.random.Generator,
     effects_rng: np.random.Generator,
-) -> tuple[pd.DataFrame, NDArray[np.bool_], NDArray[np.bool_]]:
+) -> tuple[pd.DataFrame, Flags, Flags]:
     """Return the events, which trials gave enough of them, and which did not move."""
     assert rig.hall_spacing_m and rig.magnets_per_revolution and rig.timer_resolution_s
     spacing, tick = rig.hall_spacing_m, rig.timer_resolution_s
@@ -141,11 +140,11 @@ def _motion(
     law: Coefficients,
     condition: Condition,
     factor: Array,
-    acting: Sequence[Acting],
+    acting: Sequence[PhasedEffect],
     around: Mapping[str, Any],
     wander: Callable[[Array], Array] | None,
     push_m_s: Array,
-) -> Motion:
+) -> TrialMotion:
     """Return the motion of each trial from its release, shape (N, …)."""
     if wander or of_kind(acting, "friction") or of_kind(acting, "drive"):
         end = TRAVEL_M + PAST_M

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.paper import table1
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.physics.gravity import nominal_tension
@@ -28,7 +28,6 @@ from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
 
 __all__ = ["paper_slopes"]
 
-Array = NDArray[np.float64]
 GRID = 13
 LEVELS = 3  # tensions at which friction is shown against the wrap angle
 LEAST_TENSION_RATIO = 1.1  # of the largest over the least of them

@@ -8,14 +8,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Flags
+
 __all__ = ["far_from_their_own"]
 
-Array = NDArray[np.float64]
 FEWEST, FAR = 3, 10.0  # trials of an assembly that has a middle; times the usual distance
 MAD = 1.4826  # standard deviation of a normal over its median absolute deviation
 
 
-def far_from_their_own(deviation: Array, setup: NDArray[Any]) -> NDArray[np.bool_]:
+def far_from_their_own(deviation: Array, setup: NDArray[Any]) -> Flags:
     """Return which trials are far from their assembly.
 
     Distances are relative deviations from the law less the assembly's median; the usual one is

@@ -1,8 +1,8 @@
 """What an effect changes of the trials, relative to their friction."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.effects import Reading, State
 from bayesfric.physics.gravity import nominal_tension, trajectory
 from bayesfric.recording.tables import RigConstants
@@ -13,7 +13,6 @@ from bayesfric.rigs.truth import AppliedEffect, Truth, laws_of
 
 __all__ = ["change_of_readings", "change_of_trials"]
 
-Array = NDArray[np.float64]
 TIMES = 33  # of a trial, at which friction is compared
 READING_TIMES = 513  # the same for readings, which may go to and fro
 DERIVATIVE_SHARE = 1e-4  # of a trial's duration, the step of a second derivative

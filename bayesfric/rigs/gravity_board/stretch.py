@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.physics.compliant import Cable
 from bayesfric.physics.gravity import nominal_tension
 from bayesfric.recording.tables import Gravity, RigConstants
@@ -12,8 +12,6 @@ from bayesfric.rigs.gravity_board.likelihood import trial_condition
 from bayesfric.rigs.gravity_board.trial_motion import Events, prepare_events
 
 __all__ = ["friction_ratios"]
-
-Array = NDArray[np.float64]
 
 
 def friction_ratios(

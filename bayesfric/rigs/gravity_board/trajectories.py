@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import Condition, Trajectory
 from bayesfric.physics.laws import Baseline
@@ -15,7 +15,6 @@ from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 
 __all__ = ["trajectories"]
 
-Array = NDArray[np.float64]
 SHOWN_TRIALS = 6
 
 

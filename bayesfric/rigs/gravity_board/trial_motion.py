@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
+
+from bayesfric.arrays import Array, Flags, Whole
 
 __all__ = [
     "NUISANCES",
@@ -20,7 +21,6 @@ __all__ = [
     "prepare_events",
 ]
 
-Array = NDArray[np.float64]
 NUISANCES = 3  # offsets of the two sensors and first speed
 
 
@@ -67,12 +67,12 @@ class Events:
         Whether a trial has the regressor at all.
     """
 
-    starts: NDArray[np.intp]
-    trial: NDArray[np.intp]
+    starts: Whole
+    trial: Whole
     tau: Array
     displacement: Array
     regressors: Array
-    present: NDArray[np.bool_]
+    present: Flags
 
     def total(self, values: Array) -> Array:
         """Sum events over each trial (last axis)."""

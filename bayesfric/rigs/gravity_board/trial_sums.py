@@ -10,15 +10,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Whole
 from bayesfric.rigs.gravity_board.linear_scatter import ALWAYS
 from bayesfric.rigs.gravity_board.residual_motion import whitening
 from bayesfric.rigs.gravity_board.rows import GravityRows
 
 __all__ = ["Beyond", "TrialSums", "orthogonal", "trial_sums"]
 
-Array = NDArray[np.float64]
 LOG_2PI = float(np.log(2 * np.pi))
 
 
@@ -63,7 +62,7 @@ class TrialSums:
         Log density that nothing moves.
     """
 
-    block: NDArray[np.intp]
+    block: Whole
     triangle: Array
     across: Array
     right: Array
@@ -80,9 +79,7 @@ class TrialSums:
         return replace(self, across=self.across @ squeeze, beyond=beyond)
 
 
-def trial_sums(
-    board: GravityRows, columns: Array, random: Array, block: NDArray[np.intp]
-) -> TrialSums:
+def trial_sums(board: GravityRows, columns: Array, random: Array, block: Whole) -> TrialSums:
     """Sum the rows of trials up.
 
     Parameters

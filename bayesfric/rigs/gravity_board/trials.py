@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
+from bayesfric.arrays import Array
 from bayesfric.effects import Effect
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
@@ -45,7 +45,6 @@ from bayesfric.schemas import Agreement, Excluded, PointEstimate, Repaired
 
 __all__ = ["RIG", "GravityBoard", "GravityTrials"]
 
-Array = NDArray[np.float64]
 
 STREAMS = (0, 1, 2, 3, 5)  # of a recording's seed: order, scatter, sensors, noise, phases
 MANY = 0.1  # of the trials, whose sensors disagree, from which on it is the rig's doing

@@ -10,9 +10,9 @@ of the trial in closed form.
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
+from bayesfric.arrays import Array
 from bayesfric.inference.cosines import MODES, cosine_variances
 from bayesfric.inference.priors import Parameter
 from bayesfric.rigs.coefficients import SizeIndex
@@ -21,7 +21,6 @@ from bayesfric.rigs.gravity_board.places import TrialPlaces
 
 __all__ = ["Wander"]
 
-Array = NDArray[np.float64]
 START_LENGTH_M = 0.1  # a place to climb from
 
 

@@ -17,9 +17,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
+from bayesfric.arrays import Array
 from bayesfric.effects import State
 from bayesfric.effects.terms import ActiveEffect, parameters_of, rough_values, total
 from bayesfric.inference.grouped_normal import GroupedNormal, Groups
@@ -33,7 +33,6 @@ from bayesfric.rigs.motor_board.places import RunPlaces, run_condition
 
 __all__ = ["MotorLikelihood", "idle_basis", "run_condition"]
 
-Array = NDArray[np.float64]
 TENSION_ITERATIONS = 2  # each takes the error of an effect's tension down by some 20
 LEAST_CURRENT_A = 1e-5  # of the noise, as a start, where the idle curve fits perfectly
 
@@ -69,7 +68,9 @@ class MotorLikelihood:
     """Currents of the motor board, given coefficients, torque constant and noise.
 
     The scatter of a run is normal: the Student-t option of the analysis is for
-    gravity-board trials.
+    gravity-board trials. Methods are those of
+    :class:`bayesfric.inference.model.RigLikelihood`: of W sets of parameters by name, and, where
+    they draw, of a generator.
 
     Parameters
     ----------
@@ -163,18 +164,9 @@ class MotorLikelihood:
         )
 
     def law(self, theta: Mapping[str, Array]) -> Array:
-        """Return the signed friction of each run by the law and the effects [N].
+        """Return the signed friction of each run by the law and the effects, (W, N) [N].
 
-        Parameters
-        ----------
-        theta : mapping of str to ndarray of shape (W,)
-            Parameters by name.
-
-        Returns
-        -------
-        ndarray, shape (W, N)
-            fc of eq. (15) and of the effects at the nominal tension of the run, with the
-            sign of v.
+        fc of eq. (15) and of the effects at the nominal tension of the run, with the sign of v.
         """
         return self._forces(theta)[0]
 
@@ -204,18 +196,10 @@ class MotorLikelihood:
         return np.broadcast_to(total(here, theta, state) if here else 0.0, shape)
 
     def observed(self, theta: Mapping[str, Array]) -> Array:
-        """Return the signed friction that the currents show [N].
+        """Return the signed friction that the currents show, (W, N) [N].
 
-        Parameters
-        ----------
-        theta : mapping of str to ndarray of shape (W,)
-            Parameters by name; only the torque constant counts.
-
-        Returns
-        -------
-        ndarray, shape (W, N)
-            ``k_t (I − I_idle(v)) / r − m g`` with the idle curve of the idle
-            measurements alone.
+        ``k_t (I − I_idle(v)) / r − m g`` with the idle curve of the idle measurements alone; of the
+        parameters only the torque constant counts.
         """
         beyond = self._beyond_idle()[: self._runs]
         pull = self._torque(theta) * beyond / self._radius
@@ -224,22 +208,10 @@ class MotorLikelihood:
     def draw_scatter(
         self, theta: Mapping[str, Array], rng: np.random.Generator, *, together: bool = False
     ) -> Array:
-        """Draw η + κ n c2 / fc + ε of a new run on a new assembly.
+        """Draw η + κ n c2 / fc + ε of a new run on a new assembly, (W, N).
 
-        Parameters
-        ----------
-        theta : mapping of str to ndarray of shape (W,)
-            Parameters by name.
-        rng : Generator
-            Source of randomness.
-        together : bool
-            Whether runs of one assembly are on one new assembly too.
-
-        Returns
-        -------
-        ndarray, shape (W, N)
-            Relative deviation of friction from the law, without the noise of the
-            current.
+        Without the noise of the current. `together` puts runs of one assembly on one new assembly
+        too.
         """
         tau, omega, of_intercept = self._scatter(theta)
         of_intercept = of_intercept * self._intercept(theta) / self.law(theta)
@@ -255,23 +227,11 @@ class MotorLikelihood:
     def draw_observed(
         self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator
     ) -> Array:
-        """Draw what the currents would show of friction that deviates so from the law.
+        """Draw the signed friction that the currents would show, (…, W, N) [N].
 
-        Parameters
-        ----------
-        theta : mapping of str to ndarray of shape (W,)
-            Parameters by name.
-        deviation : ndarray, shape (…, W, N)
-            As :meth:`draw_scatter` draws it.
-        rng : Generator
-            Source of randomness.
-
-        Returns
-        -------
-        ndarray, shape (…, W, N)
-            Signed friction [N] as :meth:`observed` reads it from the currents with the
-            median torque constant, whatever that of the draw; the idle curve's error,
-            which all runs share, is left out.
+        `deviation` is how far friction is from the law, as :meth:`draw_scatter` draws it. As
+        :meth:`observed` reads it from the currents with the median torque constant, whatever
+        that of the draw; the idle curve's error, which all runs share, is left out.
         """
         friction, held = self._forces(theta)
         torque = self._torque(theta)
@@ -313,17 +273,7 @@ class MotorLikelihood:
     def draw_trial_cdf(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
         """Return the probability of less friction than each run's, of recordings made again.
 
-        Parameters
-        ----------
-        theta : mapping of str to ndarray of shape (W,)
-            Parameters by name.
-        rng : Generator
-            Source of randomness.
-
-        Returns
-        -------
-        ndarray, shape (W, N)
-            A recording made again a row, the idle curve drawn from its prior.
+        A recording a row, the idle curve drawn from its prior.
         """
         return self._friction_cdf(self._currents(theta).drawn(rng))
 

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Priors
 from bayesfric.effects import State
@@ -22,7 +21,6 @@ from bayesfric.rigs.point_rows import PointRows
 
 __all__ = ["motor_rows"]
 
-Array = NDArray[np.float64]
 SCATTER, ERROR = (1e-4, 1.0), (1e-5, 1.0)  # looked at
 
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.effects import Effect, State
 from bayesfric.effects.terms import small_values
 from bayesfric.paper import table1
@@ -15,7 +15,6 @@ from bayesfric.rigs.base import Unsupported, why_inert
 
 __all__ = ["RunPlaces", "run_condition"]
 
-Array = NDArray[np.float64]
 ON_READINGS = Unsupported("It acts on sensors along a trial, and this board reads a current.")
 OVER = Unsupported("Nothing of it is left, or it averages out, once the cable runs steadily.")
 NO_PHASES = Unsupported(

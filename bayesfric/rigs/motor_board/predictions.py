@@ -5,7 +5,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
 from bayesfric.physics.motor import nominal_tension
 from bayesfric.rigs.bands import QUANTILES, bands
@@ -14,8 +13,6 @@ from bayesfric.rigs.motor_board.likelihood import MotorLikelihood
 from bayesfric.rigs.residuals import check_residuals, measuring_order
 
 __all__ = ["runs"]
-
-Array = NDArray[np.float64]
 
 
 def runs(likelihood: MotorLikelihood, recorded: pd.DataFrame, view: Predictive) -> xr.Dataset:

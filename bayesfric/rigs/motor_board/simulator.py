@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.effects import State
 from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.motor import MotorCondition, load_current, motor_friction, nominal_tension
 from bayesfric.recording.tables import Motor, RigConstants
-from bayesfric.rigs.acting import Acting, draw_phases, of_kind, surroundings, total
+from bayesfric.rigs.acting import PhasedEffect, draw_phases, of_kind, surroundings, total
 from bayesfric.rigs.protocols import (
     IDLE_REPEATS,
     IDLE_SPEEDS_M_S,
@@ -28,7 +28,6 @@ from bayesfric.rigs.truth import Truth, laws_of
 
 __all__ = ["lay_runs", "run_conditions", "simulate_motor"]
 
-Array = NDArray[np.float64]
 CURRENT_DECIMALS = 6  # of an ampere, as written down
 TENSION_ITERATIONS = 12  # each takes the error down by n k / 2, some 10
 
@@ -99,7 +98,7 @@ def simulate_motor(
     )
 
 
-def _idle(truth: Truth, velocity_m_s: NDArray[np.float64]) -> NDArray[np.float64]:
+def _idle(truth: Truth, velocity_m_s: Array) -> Array:
     level, slope, curvature = truth.idle_current
     speed = np.abs(velocity_m_s)
     return np.asarray(np.sign(velocity_m_s) * (level + slope * speed + curvature * speed**2))
@@ -119,7 +118,7 @@ def run_conditions(runs: pd.DataFrame, rig: RigConstants) -> MotorCondition:
 def _forces(
     law: Coefficients,
     condition: MotorCondition,
-    acting: Sequence[Acting],
+    acting: Sequence[PhasedEffect],
     around: Mapping[str, Any],
 ) -> tuple[Array, Array | float]:
     """Return friction without scatter and what scatter leaves alone, both signed [N]."""

@@ -1,8 +1,8 @@
 """What an effect changes of the runs, relative to their friction."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.effects import State
 from bayesfric.physics.motor import load_current, motor_friction, nominal_tension
 from bayesfric.recording.tables import RigConstants
@@ -11,8 +11,6 @@ from bayesfric.rigs.motor_board.simulator import lay_runs, run_conditions
 from bayesfric.rigs.truth import AppliedEffect, Truth, laws_of
 
 __all__ = ["change_of_runs"]
-
-Array = NDArray[np.float64]
 
 
 def change_of_runs(constants: RigConstants, truth: Truth) -> Change:

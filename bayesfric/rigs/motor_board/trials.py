@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
 from bayesfric.effects import Effect
@@ -31,7 +30,6 @@ from bayesfric.rigs.truth import Truth
 
 __all__ = ["RIG", "MotorBoard", "MotorRuns"]
 
-Array = NDArray[np.float64]
 
 STREAMS = (4, 6)  # of a recording's seed: runs, and phases of effects on them
 WORDS = Words("motor board", "run", "runs")

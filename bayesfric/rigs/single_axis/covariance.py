@@ -7,14 +7,13 @@ pieces are padded to one length, so that they are solved at once.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.rigs.single_axis.readings import Readings
 
 __all__ = ["Pieces", "Solved"]
 
-Array = NDArray[np.float64]
 LEAST = 1e-12  # of a row's variance, so that a covariance can be inverted
 
 
@@ -36,7 +35,7 @@ class Pieces:
         Of rows.
     """
 
-    rows: NDArray[np.intp]
+    rows: Whole
     position: Array
     force: Array
     apart: Array
@@ -110,7 +109,7 @@ class Pieces:
         diagonal += np.where(self.rows < self.count, LEAST * diagonal.max(), 1.0)
         return Solved(self, np.asarray(np.linalg.inv(whole)), whole, parts, length)
 
-    def grouped(self, size: int) -> tuple[csr_array, NDArray[np.intp]]:
+    def grouped(self, size: int) -> tuple[csr_array, Whole]:
         """Return what makes means over neighbouring rows of a piece, and the first row of each."""
         groups = []
         for piece in self.rows:
@@ -169,14 +168,12 @@ class Solved:
         found[self.pieces.rows] = self.inverse @ padded
         return found[:-1].reshape(values.shape)
 
-    def log_determinant(self, kept: NDArray[np.bool_]) -> float:
+    def log_determinant(self, kept: Flags) -> float:
         """Return that of the covariance of the rows that are kept: of whole pieces."""
         used = kept[self.pieces.rows[:, 0]]
         return float(np.linalg.slogdet(self.whole[used])[1].sum())
 
-    def gradient(
-        self, pulls: Array, pulled: Array, taken: Array, kept: NDArray[np.bool_]
-    ) -> dict[str, float]:
+    def gradient(self, pulls: Array, pulled: Array, taken: Array, kept: Flags) -> dict[str, float]:
         """Return derivatives of the log evidence by logarithms of the noise.
 
         Parameters

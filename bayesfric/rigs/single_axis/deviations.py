@@ -20,7 +20,8 @@ scatter, with the law's own friction taken back, would be an effect that no hypo
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from bayesfric.arrays import Array, Whole
 
 __all__ = [
     "COLUMNS",
@@ -33,7 +34,6 @@ __all__ = [
     "map_spectrum",
 ]
 
-Array = NDArray[np.float64]
 COSINES = 24  # of a map: half a wave is a twenty-fourth of the path at the least
 COLUMNS = COSINES + 2  # of deviations: of all friction, along the path, and of the law's alone
 
@@ -124,7 +124,7 @@ class Shared:
         What the log density is more by the determinant.
     """
 
-    def __init__(self, grams: Array, setup: NDArray[np.intp], levels: Levels) -> None:
+    def __init__(self, grams: Array, setup: Whole, levels: Levels) -> None:
         k = COLUMNS
         self._grams, self._setup, self._levels = grams, setup, levels
         own = np.concatenate([[levels.run], levels.run_map, [0.0]])

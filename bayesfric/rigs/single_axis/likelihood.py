@@ -17,11 +17,11 @@ from itertools import pairwise
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 from scipy.optimize import minimize
 
 from bayesfric.analysis import HalfNormal, LogNormal, Normal, Prior
+from bayesfric.arrays import Array
 from bayesfric.inference.grouped_normal import LOG_2PI, GroupedNormal, Groups
 from bayesfric.inference.model import GivenRest
 from bayesfric.inference.priors import Parameter
@@ -33,7 +33,6 @@ from bayesfric.rigs.single_axis.rows import AxisRows
 
 __all__ = ["AxisLikelihood"]
 
-Array = NDArray[np.float64]
 RATIOS = np.linspace(np.log(3e-3), np.log(3e2), 41)  # logarithms of wander over error
 DECAY = 2.0  # of the spectrum of a map of friction
 FORCE, MASS, COULOMB, VISCOUS, LATENCY = range(5)

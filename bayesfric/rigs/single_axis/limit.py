@@ -9,13 +9,12 @@ function of the command, is a line with a kink at the limit.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Flags
 from bayesfric.rigs.single_axis.readings import Readings
 
 __all__ = ["LIMITS", "Limit", "drive_limit"]
 
-Array = NDArray[np.float64]
 LIMITS = 60
 """Limits that are tried, at as many quantiles of the command."""
 LOW, HIGH = 0.05, 0.998  # of these quantiles
@@ -44,7 +43,7 @@ class Limit(NamedTuple):
         """Whether the drive has one: it explains what nothing else that bends the line does."""
         return self.told > TOLD
 
-    def within(self, readings: Readings) -> NDArray[np.bool_]:
+    def within(self, readings: Readings) -> Flags:
         """Return whether all of what a row commands lies within the limit, (W,).
 
         All rows do where there is none, or where it leaves too few.

@@ -6,14 +6,14 @@ from itertools import pairwise
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
-from bayesfric.analysis import HalfNormal, LogNormal, Priors
-from bayesfric.effects.candidates import Candidate, on_friction
+from bayesfric.analysis import HalfNormal, LogNormal
+from bayesfric.arrays import Array, Flags
+from bayesfric.effects.candidates import on_friction
 from bayesfric.inference.information import Information
 from bayesfric.inference.smooths import Smooth
 from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.layout import COEFFICIENTS, Layout
+from bayesfric.rigs.layout import Layout, ModelColumns
 from bayesfric.rigs.linear import Evaluated, NoiseParameter, Run, noise_parameter
 from bayesfric.rigs.single_axis.covariance import Pieces
 from bayesfric.rigs.single_axis.deviations import (
@@ -29,7 +29,6 @@ from bayesfric.rigs.windows import Windows
 
 __all__ = ["AxisPart"]
 
-Array = NDArray[np.float64]
 LOG_2PI = float(np.log(2 * np.pi))
 SCATTER = (1e-4, 1.0)  # looked at
 ONCE = HalfNormal(scale=0.001)  # scatter of assemblies, each of which has one run
@@ -51,66 +50,40 @@ NAMES = (
 class AxisPart:
     """Rows of an axis as information on the numbers of a hypothesis.
 
-    Parameters are those of the rigs' protocol; see
-    :class:`bayesfric.rigs.linear.LinearRig`.
+    Parameters
+    ----------
+    rows : AxisRows
+        The rows, linear around the reference law.
+    model : ModelColumns
+        What is made of them; rows are kept one by one, and the axis has priors of its own.
+    place : int
+        Of the rig among all.
     """
 
-    def __init__(
-        self,
-        rows: AxisRows,
-        layout: Layout,
-        *,
-        place: int,
-        own: Sequence[Smooth],
-        candidates: Sequence[Candidate],
-        shared: Sequence[Smooth | Candidate],
-        scales: Array,
-        friction_scale: Mapping[str, float],
-        scattering: Sequence[tuple[Candidate, float]],
-        by_trial: bool,
-        priors: Priors,
-    ) -> None:
-        del by_trial, priors  # rows are kept one by one, and the axis has priors of its own
-        self.rows, self.layout = rows, layout
+    def __init__(self, rows: AxisRows, model: ModelColumns, place: int) -> None:
+        self.rows, self.layout = rows, model.layout
         sizes = rows.table["pulley_size"]
-        self._which = layout.sizes.index(sizes.iloc[0])
+        self._which = model.layout.sizes.index(sizes.iloc[0])
         self.size = np.full(len(sizes), self._which, dtype=np.intp)
         self.setup = pd.factorize(rows.table["setup"])[0].astype(np.intp)
         readings, where = rows.readings, rows.covariates()
-        force = friction_scale[sizes.iloc[0]]
-        columns = np.zeros((readings.count, layout.local))
-        columns[:, :COEFFICIENTS] = rows.coefficient_columns()
+        force = model.friction_scale[sizes.iloc[0]]
 
         def smooth_columns(smooth: Smooth) -> Array:
-            if smooth.rig not in (None, rows.name):
-                return np.zeros((readings.count, smooth.count))
             unit = rows.friction_of_row if smooth.relative else force
             return np.asarray(unit * smooth.columns(where)).T
 
-        def candidate_column(candidate: Candidate) -> Array:
-            found = rows.candidate_column(candidate)
-            return np.zeros(readings.count) if isinstance(found, Unsupported) else found
-
-        start = COEFFICIENTS
-        for smooth in own:
-            columns[:, start : start + smooth.count] = smooth_columns(smooth)
-            start += smooth.count
-        for candidate in candidates:
-            columns[:, start] = candidate_column(candidate)
-            start += 1
-        for one in shared:
-            if isinstance(one, Smooth):
-                columns[:, start : start + one.count] = smooth_columns(one)
-                start += one.count
-            else:
-                columns[:, start] = candidate_column(one)
-                start += 1
-        columns[:, layout.nuisance(place)] = readings.force_rate[:, None]
-        self.columns = columns * scales
+        columns = model.filled(
+            rows.name, rows.coefficient_columns(), smooth_columns, rows.candidate_column
+        )
+        columns[:, model.layout.nuisance(place)] = readings.force_rate[:, None]
+        self.columns = columns * model.scales
         self._response = rows.residual()
         moved: Array = rows.friction_of_row
-        for candidate, amplitude in on_friction(scattering):
-            moved = moved + amplitude * candidate_column(candidate)
+        for candidate, amplitude in on_friction(model.scattering):
+            column = rows.candidate_column(candidate)
+            if not isinstance(column, Unsupported):
+                moved = moved + amplitude * column
         # Friction that is missing while it builds up is no better known than when it is whole.
         moved = np.maximum(moved, rows.friction_of_row)
         self._deviating = deviating_columns(
@@ -127,7 +100,7 @@ class AxisPart:
         noise: Mapping[str, float],
         mixing: Array,
         phases: Sequence[tuple[int, float, str]] = (),
-        used: NDArray[np.bool_] | None = None,
+        used: Flags | None = None,
     ) -> Evaluated:
         """Return what the rows say of the numbers; none of its effects has phases."""
         trial = self.rows.readings.trial

@@ -3,14 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
+from bayesfric.arrays import Array, Flags
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 
 __all__ = ["Motion", "even_grid", "position_noise", "resolving", "smooth_motion"]
 
-Array = NDArray[np.float64]
 UNEVEN = 0.01  # of the interval, from which on samples are put on a grid
 GAP = 3.0  # intervals without a sample that are a gap
 NORMAL = 1.4826  # from the median of absolute deviations to a standard deviation
@@ -40,7 +39,7 @@ class Motion:
     time_s: Array
     position: Array
     force: Array
-    known: NDArray[np.bool_]
+    known: Flags
     interval_s: float
     further: dict[str, Array]
     forces: tuple[WeakForce, ...] = ()

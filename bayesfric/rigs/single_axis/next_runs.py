@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy.interpolate import BSpline, make_lsq_spline
 
+from bayesfric.arrays import Array
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.recording.tables import Axis, RigConstants
 from bayesfric.rigs.single_axis.motion import Motion
@@ -23,7 +23,6 @@ from bayesfric.rigs.single_axis.simulated import log_of
 
 __all__ = ["SETTINGS", "lay_out"]
 
-Array = NDArray[np.float64]
 SETTINGS = ("run", "path", "velocity_m_s", "duration_s", "drive_force_n")
 ROUND = {"at a steady speed": 0.5, "sine": 50.0}  # by how a path there and back turns
 RUNS = 3  # of each role: the slowest, the fastest and one between them

@@ -3,13 +3,12 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.rigs.single_axis.readings import Readings
 
 __all__ = ["SEARCHED", "Wave", "strongest_wave"]
 
-Array = NDArray[np.float64]
 LEAST, MOST = 2.0, 100.0  # waves over the path that are looked for
 APART = 0.25  # waves over the path, between two that are tried
 PHASES = 6  # that tell a wave from its neighbours

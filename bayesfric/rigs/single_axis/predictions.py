@@ -3,7 +3,6 @@
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
 from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.base import Predictive
@@ -11,8 +10,6 @@ from bayesfric.rigs.residuals import check_residuals, measuring_order
 from bayesfric.rigs.single_axis.likelihood import AxisLikelihood
 
 __all__ = ["runs"]
-
-Array = NDArray[np.float64]
 
 
 def runs(likelihood: AxisLikelihood, recorded: pd.DataFrame, view: Predictive) -> xr.Dataset:

@@ -7,16 +7,15 @@ from typing import Any
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 from scipy.signal import savgol_filter
 
+from bayesfric.arrays import Array, Whole
 from bayesfric.rigs.single_axis.motion import Motion, position_noise, resolving, smooth_motion
 from bayesfric.rigs.single_axis.weak_form import TestFunction, node_weights, test_function
 
 __all__ = ["PIECE", "Readings", "readings_of", "rough_law"]
 
-Array = NDArray[np.float64]
 QUIET = 0.003  # of the rms drive force, that a row's error from the position may be
 NARROWEST = 8  # samples on either side of a window's middle
 SMOOTHED = 4  # samples on either side that a speed is of, at the least
@@ -62,8 +61,8 @@ class Readings:
         Standard deviation of a position's error, half a window [s], windows' distance over that.
     """
 
-    trial: NDArray[np.intp]
-    piece: NDArray[np.intp]
+    trial: Whole
+    piece: Whole
     way: Array
     force: Array
     acceleration: Array
@@ -92,7 +91,7 @@ class Readings:
         """Of the places inside a window, shape (P,)."""
         return node_weights()[1]
 
-    def of(self, trials: NDArray[np.intp]) -> "Readings":
+    def of(self, trials: Whole) -> "Readings":
         """Return the rows of some trials, which are numbered anew in that order."""
         place = np.full(int(self.trial.max()) + 1, -1, dtype=np.intp)
         place[trials] = np.arange(trials.size)
@@ -110,7 +109,7 @@ class Readings:
 
 def readings_of(
     motions: Sequence[Motion],
-    starts: Sequence[NDArray[np.intp]],
+    starts: Sequence[Whole],
     resolution: float | None,
     like: Readings | None = None,
 ) -> Readings | None:
@@ -305,7 +304,7 @@ def _of_run(
     }
 
 
-def _curvature(motion: Motion, test: TestFunction, centres: NDArray[np.intp], runs: Array) -> Array:
+def _curvature(motion: Motion, test: TestFunction, centres: Whole, runs: Array) -> Array:
     """Return the force's second derivative about each window, by what lies beside it.
 
     By the window's own samples it would have the errors of the mean force in it, with the
@@ -355,9 +354,7 @@ def _loudness(force: Array) -> Array:
     return np.asarray(1 + local / (quiet or 1.0))
 
 
-def _locally(
-    kernel: Array, step: int, lags: range, variance: Array, centres: NDArray[np.intp]
-) -> Array:
+def _locally(kernel: Array, step: int, lags: range, variance: Array, centres: Whole) -> Array:
     """Return covariances of windows by errors whose variance differs along the run, (W, L)."""
     around = sliding_window_view(variance, kernel.size)[centres - kernel.size // 2]
     products = np.zeros((kernel.size, len(lags)))

@@ -6,15 +6,15 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Priors
+from bayesfric.arrays import Array, Flags
 from bayesfric.effects import ActsOn, State
 from bayesfric.effects.candidates import Candidate, unit_values
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.layout import Layout
+from bayesfric.rigs.layout import ModelColumns
 from bayesfric.rigs.linear import LinearRig, rank, rms_of
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.readings import Readings
@@ -22,7 +22,6 @@ from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
 
 __all__ = ["AxisRows", "state_of", "varied_columns"]
 
-Array = NDArray[np.float64]
 NO_SENSOR = Unsupported("it acts on readings of sensors that an axis has not")
 UNKNOWN_PHASE = Unsupported("its phase would be anew in every run, and an axis knows its place")
 KNOWN = ("run", "order", "setup", "role", "trial", "pulley_size", "n_pulleys", "wrap_angle_deg")
@@ -180,11 +179,11 @@ class AxisRows:
         """Return no trial: runs differ by their scatter."""
         return ()
 
-    def laid_out(self, layout: Layout, **given: Any) -> LinearRig:
+    def laid_out(self, model: ModelColumns, place: int) -> LinearRig:
         """Return the rig with the columns of a model."""
         from bayesfric.rigs.single_axis.linear import AxisPart
 
-        return AxisPart(self, layout, **given)
+        return AxisPart(self, model, place)
 
     def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
         """Return the prior standard deviation of the clocks' difference [s]."""
@@ -202,7 +201,7 @@ def state_of(
     rows: Readings,
     law: AxisLaw,
     table: pd.DataFrame,
-    tested: NDArray[np.bool_],
+    tested: Flags,
     measures: Measures,
     constants: RigConstants,
     further: Sequence[str] = (),

@@ -23,8 +23,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array, Flags
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.priors import Parameter, from_normal
 from bayesfric.recording.tables import RigConstants
@@ -36,7 +36,6 @@ from bayesfric.simulators import SimulatorCalls, SimulatorRun, Task, between
 
 __all__ = ["MOST_PARAMETERS", "SimulatedBaseline", "fitting", "linearised", "log_of"]
 
-Array = NDArray[np.float64]
 Forces = tuple[WeakForce, ...]
 MOST_PARAMETERS = 3  # as many as a law has
 ROUNDS = 3  # of linearising around what the round before has found
@@ -113,7 +112,7 @@ class Guide:
         return self.mass * (self.rate**2 * behind + 2 * self.rate * slower)
 
     @property
-    def followed(self) -> NDArray[np.bool_]:
+    def followed(self) -> Flags:
         """Return where the guided axis follows: not right after the start or a reversal, (N,)."""
         long = int(np.ceil(SETTLING / self.rate / self.interval_s))
         found = np.ones(self.velocity.size, dtype=np.bool_)
@@ -162,7 +161,7 @@ def log_of(samples: pd.DataFrame, constants: RigConstants) -> Motion | None:
     return log and replace(log, forces=_recorded_forces(log, constants.moving_mass_kg))
 
 
-def fitting(table: pd.DataFrame) -> NDArray[np.bool_]:
+def fitting(table: pd.DataFrame) -> Flags:
     """Return which trials a simulator is fitted to: those of role ``test`` only show the gap."""
     tested = np.zeros(len(table), dtype=np.bool_)
     if "role" in table:
@@ -177,7 +176,7 @@ def linearised(
     readings: Callable[[Sequence[Motion]], Readings],
     measures: Measures,
     half_s: float,
-    fits: NDArray[np.bool_],
+    fits: Flags,
 ) -> tuple[SimulatedBaseline, Readings]:
     """Make a simulator linear in its parameters, around what fits best.
 
@@ -297,7 +296,7 @@ def _best(
     readings: Readings,
     parameters: Sequence[Parameter],
     theta: Array,
-    fits: NDArray[np.bool_],
+    fits: Flags,
 ) -> Array:
     """Return the parameters by least squares beside their priors, within these."""
     used = fits[readings.trial]

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.effects import Effect, State
 from bayesfric.inference.cosines import MODES, cosine_variances, cosines
 from bayesfric.physics.axis import AxisLaw
@@ -25,7 +25,6 @@ from bayesfric.rigs.truth import AppliedEffect, Truth
 
 __all__ = ["DESIGN"]
 
-Array = NDArray[np.float64]
 SIZE = "axis"  # in the place of a pulley size
 RUNS, SECONDS, RATE_HZ = 6, 8.0, 250.0
 TESTED = 2  # of the runs have the role test, where an effect is of those alone

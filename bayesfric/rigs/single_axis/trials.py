@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis, PriorOverrides
+from bayesfric.arrays import Array, Flags
 from bayesfric.effects import Effect, Law, State
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect, small_values
@@ -35,7 +35,6 @@ from bayesfric.simulators import SimulatorCalls
 
 __all__ = ["RIG", "AxisRuns", "SingleAxis"]
 
-Array = NDArray[np.float64]
 WORDS = Words(
     "driven axis",
     "run",
@@ -299,7 +298,7 @@ class AxisRuns(PlainTrials):
         return runs_dataset(view.likelihood, self.table, view)
 
     @property
-    def _tested(self) -> NDArray[np.bool_]:
+    def _tested(self) -> Flags:
         """Whether each trial may move more mass than the baseline has: those that show the gap.
 
         Where no run is there for the gap alone, every run without a role shows it too. A mass

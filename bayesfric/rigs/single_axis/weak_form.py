@@ -25,12 +25,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 from scipy.special import roots_jacobi
+
+from bayesfric.arrays import Array, Whole
 
 __all__ = ["NODES", "TestFunction", "WeakForce", "node_weights", "test_function"]
 
-Array = NDArray[np.float64]
 NODES = 25  # of a mean over a window of what is known all through it, as edges along the path
 HEIGHT = 35 / 32  # of (1 − u²)³, so that its integral is 1
 
@@ -52,7 +52,7 @@ class TestFunction:
     slope: Array
     curvature: Array
 
-    def over(self, values: Array, kernel: Array, centres: NDArray[np.intp]) -> Array:
+    def over(self, values: Array, kernel: Array, centres: Whole) -> Array:
         """Return the integral over the window around each centre, shape (W,)."""
         windows = sliding_window_view(values, 2 * self.half + 1)
         return np.asarray(windows[centres - self.half] @ kernel)
@@ -73,7 +73,7 @@ class WeakForce:
     value: Array
     curvature: Array | None = None
 
-    def over(self, test: TestFunction, centres: NDArray[np.intp]) -> Array:
+    def over(self, test: TestFunction, centres: Whole) -> Array:
         """Return ∫ φ value + φ'' curvature dt around each centre, shape (W,)."""
         found = test.over(self.value, test.value, centres)
         if self.curvature is None:

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bayesfric.analysis import HalfNormal, Normal, PriorOverrides
+from bayesfric.arrays import Array
 from bayesfric.paper import table1
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
 from bayesfric.recording.steady_signs import against_motion
@@ -16,7 +16,6 @@ from bayesfric.rigs.steady_points.scale import Scale
 
 __all__ = ["Bench", "bench_of"]
 
-Array = NDArray[np.float64]
 PULLEYS = ("pulley_size", "n_pulleys", "wrap_angle_deg")
 KNOWN = ("trial", "order", "setup", "role", "friction_n", "friction_sd_n", "velocity_m_s")
 ABSENT = {

@@ -13,9 +13,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis
+from bayesfric.arrays import Array
 from bayesfric.effects.terms import ActiveEffect, parameters_of, rough_values, total
 from bayesfric.inference.grouped_normal import GroupedNormal, Groups
 from bayesfric.inference.priors import Parameter
@@ -27,8 +27,6 @@ from bayesfric.rigs.steady_points.errors import OMEGA, SIGMA, TAU, error_prior, 
 from bayesfric.rigs.steady_points.places import CONDITION, state_of
 
 __all__ = ["PointsLikelihood"]
-
-Array = NDArray[np.float64]
 
 
 class PointsLikelihood(GroupedLikelihood):

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayesfric.analysis import HalfNormal, Priors
 from bayesfric.physics.friction import Coefficients
@@ -24,7 +23,6 @@ from bayesfric.rigs.steady_points.places import CONDITION, DIRECTION, covariates
 
 __all__ = ["points_rows"]
 
-Array = NDArray[np.float64]
 SCATTER = (1e-4, 1.0)  # looked at
 NEVER = HalfNormal(scale=2e-4)  # of what points would share, where none share anything
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.effects import PULLEYS, Effect, State
 from bayesfric.effects.terms import small_values
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients, coulomb_friction
@@ -13,7 +13,6 @@ from bayesfric.rigs.steady_points.bench import ABSENT, Bench
 
 __all__ = ["CONDITION", "DIRECTION", "covariates_of", "state_of", "supported"]
 
-Array = NDArray[np.float64]
 CONDITION = ("n_pulleys", "wrap_angle_deg", "tension_n")
 LEAST_TENSION = 1e-6  # of the middle: some laws divide by it
 DIRECTION = "direction"

@@ -9,8 +9,8 @@ from itertools import product
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from bayesfric.arrays import Array
 from bayesfric.effects import PULLEYS, Effect, State
 from bayesfric.physics.friction import coulomb_friction
 from bayesfric.recording.tables import RigConstants
@@ -24,7 +24,6 @@ from bayesfric.rigs.truth import AppliedEffect, Truth, laws_of, table1_coefficie
 
 __all__ = ["DESIGN"]
 
-Array = NDArray[np.float64]
 CELLS = ((5, 85.0), (9, 50.0), (9, 85.0), (9, 85.0), (15, 85.0), (15, 135.0))
 TENSIONS_N = (6.0, 15.0, 30.0)
 SPEEDS_M_S = (-1.2, -0.6, -0.1, 0.1, 0.3, 0.6, 1.2)

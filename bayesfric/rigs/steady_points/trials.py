@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
 from bayesfric.analysis import Analysis, PriorOverrides
 from bayesfric.effects import PULLEYS, Effect, State
@@ -36,7 +35,6 @@ from bayesfric.rigs.steady_points.simulator import DESIGN
 
 __all__ = ["RIG", "SteadyPoints", "SteadyTrials"]
 
-Array = NDArray[np.float64]
 NOT_PULLEY_BY_PULLEY = Unsupported("Without pulleys, nothing goes pulley by pulley.")
 VISCOUS_IS_AN_EFFECT = Unsupported("Here viscous friction is an effect, which is diagnosed.")
 NO_TENSION = Unsupported("No tension_n was recorded to which friction could be proportional.")
@@ -137,8 +135,6 @@ class SteadyTrials(PlainTrials):
             return VISCOUS_IS_AN_EFFECT
         if law.name == "recursive" and not self.bench.has_pulleys:
             return NOT_PULLEY_BY_PULLEY
-        if why := super().refuses(law):
-            return VISCOUS_IS_AN_EFFECT if not self.bench.has_pulleys else why
         lacks_slope = "tension_n" not in self.bench.given
         return NO_TENSION if lacks_slope and "c2" in law.without else None
 

@@ -4,16 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from bayesfric.arrays import Array
 from bayesfric.physics.compliant import Cable, compliant_motion
 from bayesfric.physics.gravity import Condition, nominal_tension
 from bayesfric.recording.tables import Gravity, RigConstants
 
 __all__ = ["ConstantFriction", "TrialFriction", "fit_constant_friction", "trial_frictions"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

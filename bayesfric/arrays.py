@@ -1,0 +1,13 @@
+"""Arrays of NumPy as signatures call them; their shapes are told in words."""
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Array", "Complex", "Flags", "Whole"]
+
+Array: TypeAlias = NDArray[np.float64]
+Complex: TypeAlias = NDArray[np.complex128]
+Flags: TypeAlias = NDArray[np.bool_]
+Whole: TypeAlias = NDArray[np.intp]

@@ -1,0 +1,242 @@
+"""One loop and the draws of a fit: what its spec says of them, told for ``margins.json``."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from bayesfric.arrays import Array
+from bayesfric.margins.answer import (
+    SafeGain,
+    against_the_spec,
+    largest_safe_gain,
+    limit_cycle_curve,
+    what_to_measure,
+    which_gain,
+)
+from bayesfric.margins.assembly import Assembly, draw_assembly
+from bayesfric.margins.cable_run import Direction
+from bayesfric.margins.certificate import certify
+from bayesfric.margins.diagnosed import Diagnosed, with_effects
+from bayesfric.margins.echo import plant_of
+from bayesfric.margins.following import follow_all
+from bayesfric.margins.inputs import beyond_the_draws
+from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.loop_file import Loop, Spec, loop_sha256
+from bayesfric.margins.metrics import Key, Linear, closed_forms, linear_of
+from bayesfric.margins.nyquist import nyquist_fans
+from bayesfric.margins.posterior import Posterior, RigDiscrepancy
+from bayesfric.margins.reflecting import at_shaft
+from bayesfric.margins.rows import metric_rows
+from bayesfric.margins.spec import missed_specs
+from bayesfric.margins.thresholds import Hunting, find_hunting
+from bayesfric.margins.tuning import meets_all_now
+from bayesfric.margins.tuning import tune as find_gains
+from bayesfric.margins.variance import variance_shares
+from bayesfric.margins.verification import verify as verify_draws
+from bayesfric.margins.warnings import loop_warnings
+from bayesfric.schemas import HuntingMap, LoopMargins, Metric, WithEffects
+
+__all__ = ["Judged", "loop_margins"]
+
+SHARED = 1000  # draws for the shares of variance
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What a loop's spec says of its draws.
+
+    Parameters
+    ----------
+    linear : mapping of Direction to Linear
+        Its linear loops, with their peaks.
+    values : mapping of Key to ndarray
+        Closed forms of every draw.
+    hunting : Hunting
+        Where it hunts.
+    safe : SafeGain
+        The largest compensation gain that is safe.
+    rows : tuple of Metric
+        Metrics as they are told.
+    hunts : float
+        Probability that it hunts as it is.
+    missed : tuple of str
+        Specs that it misses.
+    """
+
+    linear: Mapping[Direction | None, Linear]
+    values: Mapping[Key, Array]
+    hunting: Hunting
+    safe: SafeGain
+    rows: tuple[Metric, ...]
+    hunts: float
+    missed: tuple[str, ...]
+
+    @classmethod
+    def of(cls, shaft: LoopAtShaft, spec: Spec, simulated: int, draws: float) -> "Judged":
+        """Return what the spec says, of as many effective draws as a fit has."""
+        linear = linear_of(shaft, with_peaks=True)
+        values = closed_forms(shaft, linear)
+        hunting = find_hunting(shaft, simulated, spec.limit_cycle_probability_max)
+        safe = largest_safe_gain(hunting, spec.limit_cycle_probability_max, draws)
+        rows = metric_rows(shaft, values, linear, hunting, draws)
+        hunts = float(hunting.now.mean())
+        return cls(linear, values, hunting, safe, rows, hunts, missed_specs(rows, hunts, spec))
+
+
+def loop_margins(
+    loop: Loop,
+    posterior: Posterior,
+    discrepancy: RigDiscrepancy,
+    diagnosed: Diagnosed | None,
+    seed: int,
+    verify: int,
+    tune: bool,
+    moves: bool,
+    simulated: int,
+) -> tuple[LoopAtShaft, LoopMargins]:
+    """Return a loop at the motor's shaft, and what ``margins.json`` says of it.
+
+    Parameters
+    ----------
+    loop : Loop
+        The joint and its controller.
+    posterior : Posterior
+        Draws of the friction law.
+    discrepancy : RigDiscrepancy
+        How far rigs differ.
+    diagnosed : Diagnosed or None
+        The law and the effects of a diagnosis.
+    seed : int
+        Of what is drawn for the machine.
+    verify : int
+        Draws that are held against an elastic cable.
+    tune, moves : bool
+        Whether gains are looked for, and whether references that move are simulated.
+    simulated : int
+        Draws in which hunting is simulated where no closed form holds, and motion.
+    """
+    given = draw_assembly(loop, posterior, discrepancy, seed)
+    shaft = at_shaft(loop, given)
+    allowed, draws = loop.spec.limit_cycle_probability_max, posterior.effective_draws
+    judged = Judged.of(shaft, loop.spec, simulated, draws)
+    hunting, safe = judged.hunting, judged.safe
+    estimate = float(shaft.estimate.mean())
+    some = np.arange(min(SHARED, given.draws))
+    other = draw_assembly(loop, posterior, discrepancy, seed, stream=1)
+
+    def evaluate(assembly: Assembly) -> Mapping[Key, Array]:
+        one = at_shaft(loop, assembly, estimate=estimate)
+        return closed_forms(one, linear_of(one))
+
+    beyond = beyond_the_draws(shaft, given, posterior)
+    shares = variance_shares(evaluate, given.taken(some), other.taken(some))
+    together = meets_all_now(shaft, hunting)
+    certificate, no_certificate = certify(shaft, hunting)
+    told = LoopMargins(
+        name=loop.name,
+        title=loop.title,
+        loop_sha256=loop_sha256(loop),
+        answer=" ".join(
+            [
+                against_the_spec(judged.rows, judged.missed, judged.hunts, loop.spec),
+                f"All at once are met with probability {together:.2g}.",
+                *([f"Beyond what was measured: {'; '.join(beyond)}."] if beyond else []),
+                which_gain(shaft, hunting, safe, allowed),
+                *what_to_measure(shares),
+            ]
+        ),
+        plant=plant_of(shaft),
+        compensation_signal=loop.compensation.signal,
+        compensation_gain=float(np.median(shaft.gamma)),
+        metrics=judged.rows,
+        missed_specs=judged.missed,
+        violation_probability_max=loop.spec.violation_probability_max,
+        limit_cycle_probability=limit_cycle_curve(hunting, draws),
+        limit_cycle_probability_why=None,
+        limit_cycle_probability_max=allowed,
+        limit_cycle_method=hunting.method,
+        largest_safe_compensation_gain=safe.gamma,
+        largest_safe_compensation_gain_why=safe.why,
+        largest_safe_compensation_gain_se=safe.se,
+        hunting_map=_map(hunting, shaft),
+        hunting_map_why="the file's reference rests, and a formula holds"
+        if not hunting.map
+        else None,
+        not_examined=hunting.not_examined,
+        variance_share=shares,
+        verification=verify_draws(shaft, hunting, verify) if verify else None,
+        verification_why=None if verify else "it was not asked for (--verify N)",
+        with_effects=None
+        if diagnosed is None or not diagnosed.finds_something
+        else _with_effects(loop, diagnosed, discrepancy, seed, simulated),
+        with_effects_why=_why_without(diagnosed),
+        meets_all=together,
+        tuning=find_gains(shaft, loop.spec.violation_probability_max) if tune else None,
+        tuning_why=None if tune else "it was not asked for (--tune)",
+        certificate=certificate,
+        certificate_why=no_certificate,
+        following=follow_all(shaft, simulated) if moves and shaft.wrist is None else None,
+        following_why=_why_not_followed(shaft, moves),
+        nyquist=nyquist_fans(shaft),
+        warnings=loop_warnings(shaft, given, judged.linear, discrepancy, posterior),
+    )
+    return shaft, told
+
+
+def _map(hunting: Hunting, shaft: LoopAtShaft) -> HuntingMap | None:
+    chart = hunting.map
+    if chart is None:
+        return None
+    speeds = [one.speed_of(shaft) for one in chart.speeds]
+    tip = float(np.median(shaft.tip_per_rad))
+    return HuntingMap(
+        draws=chart.hunts.shape[2],
+        gamma=chart.gammas,
+        speed_rad_s=tuple(float(np.median(one)) for one in speeds),
+        speed_tip_m_s=tuple(float(np.median(one * shaft.tip_per_rad)) for one in speeds),
+        probability=_rows(chart.hunts.mean(axis=2)),
+        rms_error_m=_rows(tip * np.median(chart.rms_error, axis=2)),
+    )
+
+
+def _rows(table: Array) -> tuple[tuple[float, ...], ...]:
+    return tuple(tuple(float(value) for value in row) for row in table)
+
+
+def _why_not_followed(shaft: LoopAtShaft, moves: bool) -> str | None:
+    if not moves:
+        return "it was not asked for (--ensembles)"
+    if shaft.wrist is not None:
+        return "not examined: the joint shares motors with others, which would move along"
+    return None
+
+
+def _why_without(diagnosed: Diagnosed | None) -> str | None:
+    if diagnosed is None:
+        return "no diagnosis was given"
+    return None if diagnosed.finds_something else "the diagnosis finds no effect that may act"
+
+
+def _with_effects(
+    loop: Loop, diagnosed: Diagnosed, discrepancy: RigDiscrepancy, seed: int, simulated: int
+) -> WithEffects:
+    given = draw_assembly(loop, diagnosed.posterior, discrepancy, seed)
+    after = with_effects(at_shaft(loop, given), given, diagnosed.acting)
+    judged = Judged.of(after, loop.spec, simulated, diagnosed.posterior.effective_draws)
+    return WithEffects(
+        effects=tuple(one.effect.name for one in diagnosed.acting),
+        left_out=diagnosed.left_out,
+        answer=" ".join(
+            [
+                against_the_spec(judged.rows, judged.missed, judged.hunts, loop.spec),
+                which_gain(
+                    after, judged.hunting, judged.safe, loop.spec.limit_cycle_probability_max
+                ),
+            ]
+        ),
+        metrics=judged.rows,
+        missed_specs=judged.missed,
+        largest_safe_compensation_gain=judged.safe.gamma,
+        largest_safe_compensation_gain_why=judged.safe.why,
+    )
