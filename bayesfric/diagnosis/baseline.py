@@ -38,8 +38,8 @@ def data_of(
     rigs = tuple(one.under(law).entering() for one in there)
     data = Data(tuple(one for one in rigs if not one.table.empty))
     if not data.rigs:
-        names = " or ".join(rig.words.trial for rig in all_rigs().values())
-        raise InputError([Fault(recording.name, f"a {names} to diagnose")])
+        names = " or ".join(dict.fromkeys(rig.words.trial for rig in all_rigs().values()))
+        raise InputError([Fault(recording.name, f"a {names} that enters the diagnosis")])
     return data, law
 
 

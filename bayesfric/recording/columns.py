@@ -7,9 +7,10 @@ from it, and ``docs/recording.md`` says the same in prose.
 from dataclasses import dataclass
 from typing import Literal
 
-__all__ = ["BUILT_IN", "RIG_KEYS_NEEDED", "TABLES", "Column", "TableFormat"]
+__all__ = ["BUILT_IN", "LARGEST", "RIG_KEYS_NEEDED", "TABLES", "Column", "TableFormat"]
 
 MOST_PULLEYS = 1000  # the paper has 19
+LARGEST = 1e12  # of any number, in SI: its square and its cube are still numbers
 LARGEST_INTEGER = 1_000_000_000  # far beyond any count or order, well inside int64
 
 

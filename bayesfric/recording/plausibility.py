@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.errors import Fault
+from bayesfric.recording.energy import gains_energy, motor_pull, pushes_a_cable, tears_a_cable
 from bayesfric.recording.schemas import Table
 from bayesfric.recording.tables import RigConstants
 
@@ -20,6 +21,7 @@ RADIANS_BELOW = 3.2  # wrap angles are tens of degrees, and never above π
 MINUTE_S = 60.0
 SLOWEST_M_S = 0.5 / MINUTE_S  # half a metre of travel takes seconds, not minutes
 FASTEST_M_S = 50.0  # of a cable on a bench
+TRAIN = 20  # events that make an acceleration of it, and not of its odd intervals
 STRAY = 3.0  # of g: a missed or doubled event makes an interval odd, and is no fault
 
 
@@ -48,11 +50,10 @@ def implausible(
         faults += _faster_than_falling(trials, rig)
     events = tables.get("gravity_events.csv")
     if events and events.text.file not in at_fault:
-        faults += _motions(events, rig)
+        faults += _motions(events, trials, rig)
     if runs := tables.get("motor_runs.csv"):
         if runs.has("hanging_mass_kg"):
-            tension = runs.frame["hanging_mass_kg"] * rig.gravity_m_s2
-            faults += _overloaded(runs, "hanging_mass_kg", tension, rig, "grams")
+            faults += _pulls(runs, tables.get("motor_idle.csv"), rig)
         faults += _too_fast(runs)
     points = tables.get("steady_friction.csv")
     if points and not rig.rotary:
@@ -61,6 +62,8 @@ def implausible(
         if points.has("tension_n") and (on_pulleys or "tension_n" in rig.limits):
             tension = points.frame["tension_n"]
             faults += _overloaded(points, "tension_n", tension, rig, "millinewtons or grams")
+        if on_pulleys:
+            faults += tears_a_cable(points)
         faults += _too_fast(points)
     return faults
 
@@ -115,7 +118,22 @@ def _faster_than_falling(trials: Table, rig: RigConstants) -> list[Fault]:
         f"less than g, {rig.gravity_m_s2:g} m/s²: no cable accelerates faster than its weights "
         "fall (is it in mm/s² or cm/s²?)"
     )
-    return _one(trials, trials.frame[column].abs() >= rig.gravity_m_s2, column, expected)
+    falling = trials.frame[column].abs() >= rig.gravity_m_s2
+    measured = trials.frame[column].dropna()
+    return _one(trials, falling, column, expected) or gains_energy(trials, measured, rig, column)
+
+
+def _pulls(runs: Table, idle: Table | None, rig: RigConstants) -> list[Fault]:
+    """Faults of weights too heavy for the cable, and of currents that are not their motor's."""
+    weight = runs.frame["hanging_mass_kg"] * rig.gravity_m_s2
+    faults = _overloaded(runs, "hanging_mass_kg", weight, rig, "grams")
+    pull = motor_pull(runs, idle, rig) if idle else None
+    if faults or pull is None:
+        return faults
+    mistake = "in milliamperes, or is the torque constant in mN·m/A"
+    return _overloaded(runs, "current_a", (weight + pull) / 2, rig, mistake) or pushes_a_cable(
+        runs, pull, weight
+    )
 
 
 def _too_fast(table: Table) -> list[Fault]:
@@ -126,7 +144,7 @@ def _too_fast(table: Table) -> list[Fault]:
     return _one(table, table.frame[column].abs() > FASTEST_M_S, column, expected)
 
 
-def _motions(events: Table, rig: RigConstants) -> list[Fault]:
+def _motions(events: Table, trials: Table | None, rig: RigConstants) -> list[Fault]:
     """Faults of whole trains of events, by their first, middle and last one."""
     keys = ["trial", "sensor"]
     if not events.has(*keys, "displacement_m", "time_s"):
@@ -155,7 +173,7 @@ def _motions(events: Table, rig: RigConstants) -> list[Fault]:
 
     slow = (t[2] - t[0] > MINUTE_S) & (speed < SLOWEST_M_S)
     fast = np.abs(acceleration) > STRAY * rig.gravity_m_s2
-    return at(
+    faults = at(
         slow,
         "times in s: this trial would take minutes for half a metre (are they in milliseconds "
         "or microseconds?)",
@@ -164,3 +182,9 @@ def _motions(events: Table, rig: RigConstants) -> list[Fault]:
         "a motion that weights can drive: this trial would change its speed faster than a "
         f"weight falls, at {rig.gravity_m_s2:g} m/s² (are time and displacement in s and m?)",
     )
+    if faults or trials is None or not trials.has("trial"):
+        return faults
+    long = place.loc[first["index"], "size"].to_numpy() >= TRAIN
+    found = pd.Series(acceleration[long], index=first["trial"][long]).groupby(level=0).median()
+    of_row = trials.frame["trial"].map(found).dropna() if not found.empty else found
+    return gains_energy(trials, of_row, rig, "mass_drive_kg")

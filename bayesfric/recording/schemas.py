@@ -14,7 +14,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from bayesfric.errors import Fault, InputError
-from bayesfric.recording.columns import TABLES, Column, TableFormat
+from bayesfric.recording.columns import LARGEST, TABLES, Column, TableFormat
 from bayesfric.recording.csv_text import TextTable
 
 __all__ = ["Table", "check_cells", "meant"]
@@ -99,7 +99,7 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
     kept_out = []
     for name in text.cells.columns.difference(names, sort=False):
         numbers = _numbers(text.cells[name]) if table.keeps_covariates else None
-        if numbers is not None and not numbers.isna().any():
+        if numbers is not None and (numbers.abs() <= LARGEST).all():
             known[str(name)] = numbers
         else:
             kept_out.append(str(name))
@@ -183,7 +183,8 @@ def _checked(
         values, cells = frame[name], text.cells[name]
         wrong = values.isna() | ~_obeys(values, column)
         excused = (cells == "") & (column.may_be_empty or cells.index.isin(list(text.ragged)))
-        faults += text.faults_at(np.flatnonzero(wrong & ~excused), name, _expected(column, cells))
+        expected = _expected(column, cells, values)
+        faults += text.faults_at(np.flatnonzero(wrong & ~excused), name, expected)
         if column.unique:
             repeated = values.duplicated() & ~wrong
             positions = np.flatnonzero(repeated)
@@ -193,7 +194,9 @@ def _checked(
     return frame, faults
 
 
-def _expected(column: Column, cells: pd.Series) -> str:
+def _expected(column: Column, cells: pd.Series, values: pd.Series) -> str:
+    if column.kind == "number" and (values.abs() > LARGEST).any():
+        return f"{column.expected}, of {LARGEST:g} at most in size"
     if column.is_numeric and any(DECIMAL_COMMA.fullmatch(cell) for cell in cells.head(SEARCHED)):
         return f"{column.expected}, with a point as the decimal mark"
     if column.is_numeric and any(MINUS in cell for cell in cells.head(SEARCHED)):
@@ -213,6 +216,8 @@ def _obeys(values: pd.Series, column: Column) -> "pd.Series[bool]":
         obeys &= ~values.isin([c for c in each if TYPOGRAPHIC.fullmatch(c)])
     if column.kind == "choice":
         obeys &= values.isin(column.choices)
+    if column.kind == "number":
+        obeys &= values.abs() <= LARGEST
     if column.kind == "integer":
         obeys &= (values >= 1) & (values <= column.largest)
     if column.above is not None:

@@ -76,6 +76,8 @@ BOUNDS = [
     ("steady_friction.csv", "wrap_angle_deg", "-1", "from 0 to 180 in deg"),
     ("steady_friction.csv", "tension_n", "-1", "of at least 0 in N"),
     ("steady_friction.csv", "friction_sd_n", "0", "above 0 in N"),
+    ("steady_friction.csv", "friction_n", "-1e13", "in N, of 1e+12 at most in size"),
+    ("axis_samples.csv", "time_s", "1793640000000000000", "in s, of 1e+12 at most in size"),
 ]
 
 

@@ -1,14 +1,16 @@
-"""Fifty mistakes that people make: each is one line that names it, before any fit."""
+"""Sixty mistakes that people make: each is one line that names it, before any fit."""
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from recording.mini import Mini, write_files
 
 from bayesfric.errors import InputError
-from bayesfric.recording import read_recording
+from bayesfric.recording import Recording, read_recording, write_recording
 
 TRIALS, EVENTS, RUNS = "gravity_trials.csv", "gravity_events.csv", "motor_runs.csv"
 STEADY = "steady_friction.csv"
@@ -103,6 +105,24 @@ MISTAKES = {
     "gravity in mm/s²": (rig(gravity_m_s2=9810), "datapackage.json", "mm/s²"),
     "radians": (scaled(TRIALS, "wrap_angle_deg", by=np.pi / 180), TRIALS, "radians"),
     "accelerations in mm/s²": (scaled(TRIALS, "acceleration_m_s2", by=1000), TRIALS, "mm/s²"),
+    "accelerations ten times too large": (
+        scaled(TRIALS, "acceleration_m_s2", by=10),
+        TRIALS,
+        "1.96 m/s² without any friction",
+    ),
+    "currents in mA": (scaled(RUNS, "current_a", by=1000), RUNS, "milliamperes"),
+    "a torque constant in mN·m/A": (rig(motor_torque_constant_n_m_per_a=25.9), RUNS, "mN·m/A"),
+    "idle currents in mA": (
+        scaled("motor_idle.csv", "current_a", by=1000),
+        RUNS,
+        "the unit of motor_idle.csv",
+    ),
+    "currents of the other sign": (
+        scaled(RUNS, "current_a", by=-1),
+        RUNS,
+        "the sign of the torque that raises",
+    ),
+    "friction in mN": (scaled(STEADY, "friction_n", by=1000), STEADY, "millinewtons"),
     "speeds in mm/s": (scaled(RUNS, "velocity_m_s", by=1000), RUNS, "mm/s"),
     "semicolons": (as_text(TRIALS, lambda text: text.replace(",", ";")), TRIALS, "semicolons"),
     "semicolons, decimal commas and a byte order mark": (
@@ -271,6 +291,34 @@ def test_rows_of_nothing_at_the_end_are_passed_over(tmp_path: Path) -> None:
     assert found.motor is not None
     assert plain.motor is not None
     assert found.motor.runs.equals(plain.motor.runs)
+
+
+@pytest.mark.parametrize(("spacing", "refused"), [(1.0, False), (2.0, True)])
+def test_weights_that_gain_energy_are_a_fault(
+    small_recording: Recording, tmp_path: Path, spacing: float, refused: bool
+) -> None:
+    """Every second magnet was forgotten: travel, and acceleration, are twice what they were."""
+    write_recording(small_recording, tmp_path / "board")
+    package = json.loads((tmp_path / "board/datapackage.json").read_text())
+    package["rig"]["hall_spacing_m"] *= spacing
+    (tmp_path / "board/datapackage.json").write_text(json.dumps(package))
+    events = pd.read_csv(tmp_path / "board" / EVENTS)
+    events["displacement_m"] = (events["displacement_m"] * spacing).round(6)
+    events.to_csv(tmp_path / "board" / EVENTS, index=False)
+    if not refused:
+        read_recording(tmp_path / "board")
+        return
+    with pytest.raises(InputError, match="without any friction") as caught:
+        read_recording(tmp_path / "board")
+    assert len(caught.value.faults) == 1
+
+
+def test_one_outlier_of_a_current_or_a_friction_is_data(tmp_path: Path) -> None:
+    mini = Mini().keep(STEADY)
+    header, row, other = mini.rows[STEADY]
+    mini.rows[STEADY] = [header, *([f"r{k}", *row[1:]] for k in range(4)), other]
+    mini.drop(STEADY, "order").set(STEADY, 6, "friction_n", "31")
+    read_recording(mini.write(tmp_path))
 
 
 def test_many_pulleys_at_their_angle_are_not_swapped(tmp_path: Path) -> None:

@@ -1,0 +1,125 @@
+"""Motions and forces that would need friction to push, or a cable to be pushed.
+
+Noise, an outlier or an effect may do that to a row. Where it happens in many rows a unit, a
+sign or a constant of the rig is wrong.
+"""
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from bayesfric.errors import Fault
+from bayesfric.recording.schemas import Table
+from bayesfric.recording.steady_signs import MANY
+from bayesfric.recording.tables import RigConstants
+
+__all__ = ["gains_energy", "motor_pull", "pushes_a_cable", "tears_a_cable"]
+
+FRICTIONLESS = 1.25  # times its acceleration: more is no error of a sensor or a clock
+PUSHED = -0.1  # of the weight: a light cable may be slack, and a current has its noise
+MASSES = ["mass_drive_kg", "mass_load_kg"]
+
+
+def gains_energy(
+    trials: Table, acceleration: "pd.Series[float]", rig: RigConstants, column: str
+) -> list[Fault]:
+    """Return the fault of trials that are faster than two weights without any friction.
+
+    Without friction, the acceleration is ``g (m1 − m2) / (m1 + m2)``.
+
+    Parameters
+    ----------
+    trials : Table
+        ``gravity_trials.csv``.
+    acceleration : Series of float
+        Of some of its rows, by their index [m/s²].
+    rig : RigConstants
+        Local gravity.
+    column : str
+        Where the fault is told.
+    """
+    if acceleration.empty or not trials.has(*MASSES):
+        return []
+    drive, load = (trials.frame.loc[acceleration.index, mass] for mass in MASSES)
+    most = rig.gravity_m_s2 * (drive - load) / (drive + load)
+    wrong = (most > 0) & (acceleration > FRICTIONLESS * most)
+    if wrong.mean() <= MANY:
+        return []
+    first = wrong.idxmax()
+    expected = (
+        f"masses that can drive this motion: it has {acceleration[first]:.3g} m/s², and "
+        f"{most[first]:.3g} m/s² without any friction (are masses, times and the travel between "
+        "two events right?)"
+    )
+    return trials.text.faults_at(acceleration.index[wrong].to_numpy(), column, expected, most=1)
+
+
+def motor_pull(runs: Table, idle: Table, rig: RigConstants) -> "pd.Series[float] | None":
+    """Return the force with which the motor pulls, ``k_t (I − I_idle(v)) / r`` [N].
+
+    Parameters
+    ----------
+    runs, idle : Table
+        ``motor_runs.csv`` and ``motor_idle.csv``.
+    rig : RigConstants
+        Torque constant and radius of the capstan.
+
+    Returns
+    -------
+    Series of float or None
+        By the rows of `runs`; None where something that it needs is missing.
+    """
+    needed = ["velocity_m_s", "current_a"]
+    constant, radius = rig.motor_torque_constant_n_m_per_a, rig.capstan_radius_m
+    if constant is None or radius is None or not (runs.has(*needed) and idle.has(*needed)):
+        return None
+    alone = idle.frame.dropna(subset=needed).groupby("velocity_m_s")["current_a"].mean()
+    if alone.empty:
+        return None
+    without = np.interp(runs.frame["velocity_m_s"], alone.index, alone)
+    return (runs.frame["current_a"] - without) * constant / radius
+
+
+def pushes_a_cable(runs: Table, pull: "pd.Series[float]", weight: "pd.Series[float]") -> list[Fault]:
+    """Return the fault of runs on which the motor would push its cable.
+
+    Parameters
+    ----------
+    runs : Table
+        ``motor_runs.csv``.
+    pull, weight : Series of float
+        By its rows [N].
+    """
+    pushed = pull < PUSHED * weight
+    if pushed.mean() <= MANY:
+        return []
+    expected = (
+        "a current that pulls, with the sign of the torque that raises; beyond that of the motor "
+        "alone this one pushes the cable (are its sign and the unit of motor_idle.csv right?)"
+    )
+    return runs.text.faults_at(np.flatnonzero(pushed), "current_a", expected, most=1)
+
+
+def tears_a_cable(points: Table) -> list[Fault]:
+    """Return the fault of points with more friction than a cable under tension can have.
+
+    The tension is the mean of both ends and friction their difference: beyond twice the
+    tension, one end would push.
+
+    Parameters
+    ----------
+    points : Table
+        ``steady_friction.csv`` of a cable over pulleys.
+    """
+    if not points.has("friction_n", "tension_n"):
+        return []
+    wrong: NDArray[np.bool_] = np.asarray(
+        points.frame["friction_n"].abs() > 2 * points.frame["tension_n"]
+    )
+    if wrong.mean() <= MANY:
+        return []
+    expected = (
+        "friction of at most twice the tension: beyond that one end of the cable would push "
+        "(is it in millinewtons or grams?)"
+    )
+    return points.text.faults_at(np.flatnonzero(wrong), "friction_n", expected, most=1)
