@@ -80,7 +80,9 @@ def motor_pull(runs: Table, idle: Table, rig: RigConstants) -> "pd.Series[float]
     return (runs.frame["current_a"] - without) * constant / radius
 
 
-def pushes_a_cable(runs: Table, pull: "pd.Series[float]", weight: "pd.Series[float]") -> list[Fault]:
+def pushes_a_cable(
+    runs: Table, pull: "pd.Series[float]", weight: "pd.Series[float]"
+) -> list[Fault]:
     """Return the fault of runs on which the motor would push its cable.
 
     Parameters

@@ -27,6 +27,8 @@ from bayesfric.inference.proposals import SAMPLING_SPACE, Chart, LogDensity
 
 __all__ = ["Refit", "refit_without"]
 
+SIZE = 2000  # of the draws
+
 
 @dataclass(frozen=True)
 class Refit:
@@ -84,5 +86,5 @@ def refit_without(
         return np.where(rest < np.inf, rest, -np.inf)
 
     laplace = laplace_approximation(without, start, scale)
-    found = importance_draws(without, laplace, seed, chart, least_effective=LEAST_FOR_A_MEAN)
+    found = importance_draws(without, laplace, seed, chart, SIZE, least_effective=LEAST_FOR_A_MEAN)
     return None if found is None else Refit(found[1], found[0])
