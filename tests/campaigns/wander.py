@@ -1,7 +1,6 @@
 """Recovery of wander along the travel from simulated recordings: one case, and coverage."""
 
 import numpy as np
-
 from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis
