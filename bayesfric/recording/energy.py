@@ -77,10 +77,13 @@ def motor_pull(runs: Table, idle: Table, rig: RigConstants) -> "pd.Series[float]
     if alone.empty:
         return None
     without = np.interp(runs.frame["velocity_m_s"], alone.index, alone)
-    return (runs.frame["current_a"] - without) * constant / radius
+    pull: pd.Series[float] = (runs.frame["current_a"] - without) * constant / radius
+    return pull
 
 
-def pushes_a_cable(runs: Table, pull: "pd.Series[float]", weight: "pd.Series[float]") -> list[Fault]:
+def pushes_a_cable(
+    runs: Table, pull: "pd.Series[float]", weight: "pd.Series[float]"
+) -> list[Fault]:
     """Return the fault of runs on which the motor would push its cable.
 
     Parameters

@@ -1,6 +1,6 @@
 """What needs several assemblies has a reason instead of a number where there is one.
 
-A claim of one trial takes a minute, and ended as a fault of bayesfric itself on its way to the file.
+A claim of one trial ended as a fault of bayesfric itself on its way to the file.
 """
 
 import math
