@@ -273,6 +273,9 @@ def screen_claims(
 
 
 def _result(claim: Claim, found: Finding) -> ClaimResult:
+    elpd_se, elpd_se_why = found.elpd_difference_se, _why(found, found.elpd_difference_se)
+    if elpd_se is not None and not np.isfinite(elpd_se):
+        elpd_se, elpd_se_why = None, "there is only one assembly"
     return ClaimResult(
         id=claim.name,
         statement=claim.statement,
@@ -285,7 +288,8 @@ def _result(claim: Claim, found: Finding) -> ClaimResult:
         log10_bayes_factor_se=found.log10_bayes_factor_se,
         elpd_difference=found.elpd_difference,
         elpd_difference_why=_why(found, found.elpd_difference),
-        elpd_difference_se=found.elpd_difference_se,
+        elpd_difference_se=elpd_se,
+        elpd_difference_se_why=elpd_se_why,
         figures=dict(found.figures),
         by_pulley={
             size: PulleyEvidence(

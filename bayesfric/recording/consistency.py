@@ -133,7 +133,7 @@ def _angles(trials: Table) -> list[Fault]:
         else:
             continue
         faults += trials.text.faults_at([row], column, expected)
-    return faults
+    return with_rest(faults[:LISTED], len(faults[LISTED:]))
 
 
 def _unknown(child: Table, parent: Table, key: str) -> list[Fault]:

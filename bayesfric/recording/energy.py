@@ -77,7 +77,8 @@ def motor_pull(runs: Table, idle: Table, rig: RigConstants) -> "pd.Series[float]
     if alone.empty:
         return None
     without = np.interp(runs.frame["velocity_m_s"], alone.index, alone)
-    return (runs.frame["current_a"] - without) * constant / radius
+    pull: pd.Series[float] = (runs.frame["current_a"] - without) * constant / radius
+    return pull
 
 
 def pushes_a_cable(

@@ -49,6 +49,7 @@ class ClaimResult(Record):
     )
     elpd_difference_why: Why = None
     elpd_difference_se: Number | None = Field(description="Its standard error.")
+    elpd_difference_se_why: Why = None
     figures: dict[str, Number | int | bool | str | dict[str, Number]] = Field(
         description="Numbers that the verdict rests on."
     )

@@ -379,3 +379,16 @@ def test_sixty_thousand_keys_and_columns_are_told_in_few_lines(tmp_path: Path) -
     write_files(tmp_path / "columns", files | {STEADY: names + b"\n" + names + b"\n"})
     with pytest.raises(InputError, match="at most 1,000 columns"):
         read_recording(tmp_path / "columns")
+
+
+def test_individual_angles_that_are_all_wrong_are_told_in_few_lines(tmp_path: Path) -> None:
+    mini = Mini().keep(TRIALS)
+    mini.drop(TRIALS, "order", "setup", "wrap_angles_deg").add(
+        TRIALS, "wrap_angles_deg", ["85", "85", "85"]
+    )
+    header, *_, row = mini.rows[TRIALS]
+    mini.rows[TRIALS] = [header, *([f"g{k}", *row[1:]] for k in range(100))]
+    with pytest.raises(InputError) as caught:
+        read_recording(mini.write(tmp_path))
+    assert len(caught.value.faults) == 20
+    assert caught.value.faults[-1].like == 80
