@@ -73,7 +73,7 @@ class Search:
         return float(np.log(rest * mass / comb(len(self.classes.members), number)))
 
     def with_unknown(self, alone: Unknown, beside: Unknown, name: str) -> "Search":
-        """Return these with an unknown force that acts alone, or beside the effects of a hypothesis.
+        """Return these with an unknown force, alone or beside the effects of a hypothesis.
 
         Of unknown forces that come beside effects, those beside certain ones are as rare as
         these effects are among all: each of them could have been the leader.
