@@ -1,7 +1,7 @@
 """Hypotheses that were weighed, and their posterior probabilities."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import comb
 
 import numpy as np
@@ -17,6 +17,7 @@ __all__ = ["NONE", "UNKNOWN", "Search"]
 
 NONE, UNKNOWN = "none", "unknown"
 LISTED = 1e-6  # probability below which a hypothesis is not listed
+BESIDE = 0.1  # of unknown forces, that come beside smaller effects
 
 
 @dataclass(frozen=True)
@@ -69,6 +70,19 @@ class Search:
         number = name.count("+") + 1
         mass = {1: prior.one, 2: prior.two}.get(number, prior.more)
         return float(np.log(rest * mass / comb(len(self.classes.members), number)))
+
+    def with_unknown(self, alone: Unknown, beside: Unknown, name: str) -> "Search":
+        """Return these with an unknown force, alone or beside the effects of a hypothesis.
+
+        Of unknown forces that come beside effects, those beside certain ones are as rare as
+        these effects are among all: each of them could have been the leader.
+        """
+        acting = self.priors.one + self.priors.two + self.priors.more
+        among = self.log_prior(name) - np.log(acting)
+        parts = np.array([alone.log_evidence, beside.log_evidence])
+        parts += np.log([1 - BESIDE, BESIDE]) + np.array([0.0, among])
+        larger = alone if parts[0] > parts[1] else beside
+        return replace(self, unknown=replace(larger, log_evidence=float(logsumexp(parts))))
 
     def worth(self, one: Weighed) -> float:
         """Return the log of evidence times prior."""

@@ -31,7 +31,6 @@ TRIED = 5  # of those with an effect more, by a first look
 WITHIN = 8.0  # nat from the best, prior included, of what is worth a climb
 NEAR = 3.0  # nat below a mode of the noise, of another place that is climbed from
 FAR = 20.0  # nat from the best, prior included, of what is not compared again
-BESIDE = 0.1  # of unknown forces, that come beside smaller effects
 GAIN = 0.5  # nat that a further effect has to gain to be gone on from
 FINALISTS = 8
 NEAREST = 4.0  # nat from the best, of a hypothesis whose own noise is integrated over
@@ -204,10 +203,7 @@ def compare(model: LinearModel, first: Search, steps: Steps) -> Search:
     if best.names and unknown is not None:
         beside = steps.unknown_force(model, best, best.acting, inverse, volume, (), near)
         if beside is not None and _outweighs(model, beside, best):
-            weights = np.log([1 - BESIDE, BESIDE])
-            parts = weights + np.array([unknown.log_evidence, beside.log_evidence])
-            larger = unknown if parts[0] > parts[1] else beside
-            unknown = replace(larger, log_evidence=float(logsumexp(parts)))
+            return result.with_unknown(unknown, beside, best.label)
     return replace(result, unknown=unknown)
 
 

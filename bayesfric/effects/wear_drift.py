@@ -1,4 +1,8 @@
-"""Wear, run-in, warm-up: friction that changes from trial to trial."""
+"""Wear, run-in, warm-up: friction that changes from trial to trial.
+
+Surfaces settle, each trial by less than the one before, or wear feeds on itself: the change
+dies out or grows exponentially. In between it is in proportion to the trials that were run.
+"""
 
 from collections.abc import Mapping
 
@@ -8,17 +12,16 @@ from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
 from bayesfric.effects.base import Effect, EffectParameter, State
 
-RUN_IN = 0.2  # of the recording, after which 1/e of the change is still to come
+STRAIGHT = 1e-4  # of the rate, below which the change is a straight line to 1e-5 of itself
 
 
-def _linear(p: Mapping[str, Array], state: State) -> Array:
-    return np.asarray(p["change"] * state.friction_n * (np.asarray(state.order) - 0.5))
-
-
-def _saturating(p: Mapping[str, Array], state: State) -> Array:
-    whole = -np.expm1(-1 / RUN_IN)
-    done = -np.expm1(-np.asarray(state.order) / RUN_IN) / whole
-    mean = 1 / whole - RUN_IN
+def _exponential(p: Mapping[str, Array], state: State) -> Array:
+    """Return what is done of the change, its mean over the recording taken off."""
+    order, rate = np.asarray(state.order), np.asarray(p["rate"], dtype=np.float64)
+    straight = np.abs(rate) < STRAIGHT
+    rate = np.where(straight, 1.0, rate)
+    done = np.where(straight, order, np.expm1(rate * order) / np.expm1(rate))
+    mean = np.where(straight, 0.5, 1 / rate - 1 / np.expm1(rate))
     return np.asarray(p["change"] * state.friction_n * (done - mean))
 
 
@@ -35,6 +38,17 @@ EFFECT = Effect(
         reference="argued: new bearings and cables that run in may lose half of their friction, "
         "and worn ones gain as much",
     ),
-    laws={"linear": _linear, "saturating": _saturating},
+    shape=EffectParameter(
+        name="rate",
+        unit="1",
+        meaning="by how many e-folds the change speeds up over the recording; negative where it "
+        "dies out, 0 where it is in proportion to the trials that were run",
+        prior=Normal(mean=0.0, sd=5.0),
+        plausible=(-15.0, 15.0),
+        reference="argued: surfaces run in over a twelfth of the recording or more, or wear "
+        "steadily, or ever faster as what was rubbed off rubs",
+        typical=0.0,
+    ),
+    laws={"exponential": _exponential},
     edge={"order": 1.0},
 )

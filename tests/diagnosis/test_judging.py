@@ -124,3 +124,22 @@ def test_the_remainder_of_an_unknown_force_is_that_force():
 
 NUMBERS = np.zeros(0)
 AT = At(NUMBERS, 0.0, None, SimpleNamespace(), NUMBERS, np.zeros((0, 0)), at_mode=True)
+
+
+def test_an_unknown_force_beside_an_effect_is_as_rare_as_the_effect_is():
+    """Sensors surely disagree, and of a force beside that these data say nothing, odds of 1."""
+    analysis = Analysis().diagnosis
+    effects = tuple((f"effect {number}",) for number in range(20))
+    own = Acting()
+    weighed = {
+        name: Weighed(names, evidence, np.eye(1), own, AT)
+        for name, names, evidence in (("none", (), -70.0), ("effect 3", ("effect 3",), 0.0))
+    }
+    search = Search(
+        weighed, {}, None, Classes(effects, (), {}), analysis.hypotheses, np.eye(1), 0.0
+    )
+    alone, beside = (Unknown((Wide(0.1, None),), np.zeros(1), v, AT, own) for v in (-70.0, 0.0))
+    found = search.with_unknown(alone, beside, "effect 3").probabilities()
+    # One of ten of unknown forces, 0.3 / 0.4 / 20 of which are beside this very effect.
+    odds = 0.1 * 0.1 * (0.3 / 0.4 / 20) / (0.3 / 20)
+    assert found["unknown"] == pytest.approx(odds / (1 + odds))

@@ -15,9 +15,11 @@ from bayesfric.diagnosis.climbing import climb, curvature_at
 from bayesfric.diagnosis.forms import other_forms
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.squeezing import squeezed
+from bayesfric.diagnosis.unknown import unknown_force
 from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed, log_volume, weigh
 from bayesfric.effects import all_effects
 from bayesfric.effects.candidates import candidates_of, is_positive
+from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.truth import AppliedEffect, Truth
 from bayesfric.simulate import simulate_recording, table1_coefficients
 
@@ -79,6 +81,27 @@ def test_an_effect_of_phases_that_is_not_there_gains_nothing_beside_one_of_anoth
     # Steps along its log amplitude are measured from here.
     at_own_form = model.evaluate(both.at.psi, both.acting, None, both.forms)
     assert both.at.value == pytest.approx(at_own_form.value, rel=1e-12)
+
+
+@pytest.mark.parametrize("law", [np.sqrt, np.square], ids=["settles", "speeds-up"])
+def test_a_drift_of_another_form_is_no_unknown_force_along_order(law):
+    """Friction that runs in by a root of the trials, or wears ever faster, by a third in all."""
+    effect = all_effects()["wear-drift"]
+    foreign = {"foreign": lambda p, state: p["change"] * state.friction_n * law(state.order)}
+    effects = [AppliedEffect(replace(effect, laws=foreign, shape=None), "foreign", {"change": 0.3})]
+    cells = {(count, wrap): 2 for count in (5, 15) for wrap in (50.0, 85.0, 130.0)}
+    board = Protocol(cells, (6.0, 28.0), (6.0, 28.0), 3)
+    truth = Truth(effects=effects)
+    recording = simulate_recording(board, seed=3, rigs=("gravity",), truth=truth)
+    candidates = candidates_of(effect)
+    model = LinearModel(data_of(recording), table1_coefficients(), candidates, Analysis())
+    at = climb(model, model.start, Acting())
+    inverse = np.linalg.inv(curvature_at(model, at, Acting()))
+    none = weigh(model, (), [at.psi], inverse, 0.0)
+    known = weigh(model, ("wear-drift",), [at.psi, model.quiet(at.psi)], inverse, 0.0)
+    unknown = unknown_force(model, none, Acting(), inverse, 0.0, [known.at.psi])
+    assert unknown.best.axis == "order"
+    assert known.log_evidence > unknown.log_evidence + 3
 
 
 @dataclass

@@ -166,21 +166,23 @@ def by_law(rows, grown):
     return np.array(found)
 
 
-@pytest.mark.parametrize("law", ["linear", "saturating"])
-def test_wear_drift_changes_the_friction_of_first_and_last_trial(law):
-    drift = AppliedEffect(all_effects()["wear-drift"], law, {"change": 0.3})
+@pytest.mark.parametrize("rate", [0.0, -5.0, 3.0])
+def test_wear_drift_changes_the_friction_of_first_and_last_trial(rate):
+    """In proportion to the trials that were run, run in, or worn ever faster."""
+    parameters = {"change": 0.3, "rate": rate}
+    drift = AppliedEffect(all_effects()["wear-drift"], "exponential", parameters)
     truth = Truth(**QUIET, effects=(drift,))
     worn = simulate_recording("quick", seed=3, rigs=["gravity"], truth=truth)
     table = worn.gravity.trials
     order = np.linspace(0, 1, 180)
-    if law == "linear":
+    if rate == 0:
         grown = 0.3 * (order - 0.5)
         assert (grown[0], grown[-1]) == (-0.15, 0.15)
     else:
-        grown = 0.3 * (1 - np.exp(-5 * order)) / (1 - np.exp(-5))
+        grown = 0.3 * (np.exp(rate * order) - 1) / (np.exp(rate) - 1)
         assert grown[-1] == 0.3
         # The mean over the recording is nothing: an integral by hand.
-        grown -= 0.3 * (1 / (1 - np.exp(-5)) - 0.2)
+        grown -= 0.3 * (1 / rate - 1 / (np.exp(rate) - 1))
     assert (table["order"].to_numpy() == np.arange(1, 181)).all()
     assert by_parabola(worn, table) == pytest.approx(by_law(table, grown), rel=1e-4)
 
