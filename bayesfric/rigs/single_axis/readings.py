@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 from scipy.signal import savgol_filter
 
+from bayesfric.rigs.single_axis.curvature import force_curvature
 from bayesfric.rigs.single_axis.motion import Motion, position_noise, resolving, smooth_motion
 from bayesfric.rigs.single_axis.weak_form import TestFunction, node_weights, test_function
 
@@ -25,7 +26,6 @@ MOST = 3000  # rows of a recording
 PIECE = 16  # rows of a stretch whose friction wanders as one
 LOCAL = 5  # samples over which jumps of the force are averaged
 UNHEARD = 1e-4  # of the force's standard deviation: jumps that are none
-BESIDE = 3  # half windows, within which a force's second derivative is told
 LATEST_S = 0.05  # of a force, in which its rate is told exactly
 FAR = 10.0  # strokes: travel since a reversal that nobody saw
 FORGOTTEN = 0.2  # of the stroke, after which such a reversal no longer counts
@@ -282,7 +282,7 @@ def _of_run(
     simulated = [sign * one.over(test, centres) for one in motion.forces]
     lags = range(0, 2 * half // step + 1)
     force_rate = rate(late_s / 2)
-    curvature = sign * _curvature(motion, test, centres, runs)
+    curvature = sign * force_curvature(motion, test, centres, runs)
     return {
         "centre": centres.astype(np.float64),
         "neighbour": place.astype(np.float64),
@@ -303,39 +303,6 @@ def _of_run(
         "force_lag": _locally(test.value, step, lags, _loudness(motion.force), centres),
         "simulated": np.reshape(simulated, (len(simulated), centres.size)).T,
     }
-
-
-def _curvature(motion: Motion, test: TestFunction, centres: NDArray[np.intp], runs: Array) -> Array:
-    """Return the force's second derivative about each window, by what lies beside it.
-
-    By the window's own samples it would have the errors of the mean force in it, with the
-    other sign: a row would be explained by its own error. Only where the axis turns too near
-    are they taken.
-    """
-    half, count = test.half, motion.time_s.size
-    wide = BESIDE * half
-    found = test.over(motion.force, test.curvature, centres)
-    free = (centres >= wide) & (centres < count - wide)
-    inside = centres[free]
-    free[free] = np.abs(runs[inside + wide + 1] - runs[inside - wide]) == 2 * wide + 1
-    if free.any():
-        kernel = _beside(half, wide, motion.interval_s)
-        windows = sliding_window_view(motion.force, kernel.size)
-        found[free] = windows[centres[free] - wide] @ kernel
-    return found
-
-
-def _beside(half: int, wide: int, interval_s: float) -> Array:
-    """Return weights of samples beside a window that tell a second derivative, (2 wide + 1,)."""
-    place = np.arange(-wide, wide + 1.0)
-    weight = np.where(np.abs(place) > half, (1 - (place / (wide + 1)) ** 2), 0.0)
-    time2 = (place / wide) ** 2
-    powers = np.stack([time2**power for power in range(3)])
-    # No sum and no fourth moment, and 2 of t²: what changes over the window is no curvature.
-    numbers = np.linalg.solve(
-        (powers * weight) @ powers.T, [0.0, 2 / (wide * interval_s) ** 2, 0.0]
-    )
-    return np.asarray(weight * (numbers @ powers))
 
 
 def _lagged(kernel: Array, step: int, lags: range) -> Array:
