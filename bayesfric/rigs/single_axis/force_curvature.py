@@ -48,14 +48,16 @@ def force_curvature(
 
 
 def _inside(test: TestFunction, interval_s: float) -> Array:
-    """Return the least weights of a window's samples that tell a second derivative, (2k + 1,).
+    """Return weights of a window's samples that tell a second derivative, (2k + 1,).
 
-    White errors of the samples have no covariance in it and in ∫ φ F dt.
+    They are those next to φ'' whose error, where samples have white ones, has no covariance with
+    that of ∫ φ F dt.
     """
     place = np.arange(-test.half, test.half + 1.0) / test.half
     held = np.stack([np.ones_like(place), place, place**2, test.value])
-    wanted = [0.0, 0.0, 2 / (test.half * interval_s) ** 2, 0.0]
-    return np.asarray(np.linalg.solve(held @ held.T, wanted) @ held)
+    wanted = np.array([0.0, 0.0, 2 / (test.half * interval_s) ** 2, 0.0])
+    missing = wanted - held @ test.curvature
+    return np.asarray(test.curvature + np.linalg.solve(held @ held.T, missing) @ held)
 
 
 def _beside(half: int, wide: int, interval_s: float) -> Array:
