@@ -38,6 +38,10 @@ Matrix = NDArray[np.floating[Any]]
 Places = NDArray[np.integer[Any]]
 FOUND_WITH = 0.9  # probability of finding an effect that is so large
 TO_ITS_PRIOR = "these conditions leave it to its prior"
+NEEDED = (
+    "a gravity board, whose conditions are laid out anew with the friction of Table I (of other "
+    "rigs nobody knows mass and friction beforehand: `diagnose` says what to run next)"
+)
 ALIKE = 0.95  # correlation of two amplitudes, from which on the data hardly tell them apart
 
 
@@ -104,7 +108,8 @@ def power(recording: Recording, analysis: Analysis | None = None) -> Power:
     planned = {one.rig.name: one.planned(laws) for one in opened}
     data = Data(tuple(one for one in planned.values() if one is not None))
     if not data.rigs:
-        raise InputError([Fault(recording.name, "trials of a rig that can be laid out anew")])
+        there = " and ".join(one.rig.words.rig for one in opened)
+        raise InputError([Fault(recording.name, NEEDED, value=there)])
     left_out = {name: "its trials are not laid out" for name, one in planned.items() if one is None}
     with threadpool_limits(limits=1):
         model, missing = _model(data, laws, analysis)

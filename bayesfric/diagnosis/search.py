@@ -122,10 +122,34 @@ def search(
                 top = max(top, found.worth(one))
         if not grown and number > 2:
             break
-    found = replace(
-        found, unknown=steps.unknown_force(model, found.none, Acting(), inverse, volume)
-    )
-    return found
+    _weigh_parts(model, found, steps)
+    return replace(found, unknown=steps.unknown_force(model, found.none, Acting(), inverse, volume))
+
+
+def _weigh_parts(
+    model: LinearModel, found: Search, steps: Steps, forms: Sequence[float] = (0.0,)
+) -> None:
+    """Weigh the leader without each of its effects, and so on with a part that leads then.
+
+    The way to the leader may have passed them by: a curve along speed that stands for two
+    effects can come in before the second of them, which then makes no more of it.
+    """
+    while True:
+        best = found.best()
+        parts = [tuple(name for name in best.names if name != one) for one in best.names]
+        missing = [names for names in parts if names and label(names) not in found.weighed]
+        if not missing:
+            return
+        for names in missing:
+            found.weighed[label(names)] = steps.weigh(
+                model,
+                names,
+                [best.at.psi, found.none.at.psi],
+                found.inverse,
+                found.volume,
+                shapes=_shapes_of(best),
+                forms=forms,
+            )
 
 
 def compare(model: LinearModel, first: Search, steps: Steps) -> Search:
@@ -187,6 +211,7 @@ def compare(model: LinearModel, first: Search, steps: Steps) -> Search:
                 shapes=_shapes_of(best),
                 forms=FORM_SHARES,
             )
+        _weigh_parts(model, result, steps, FORM_SHARES)
         best = result.best()
     # What was screened keeps its distance from what led then, as that is weighed now.
     level = result.weighed[leader.label].log_evidence - leader.log_evidence

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from rigs.friction_points import joint, recorded
 from typer.testing import CliRunner
 
 from bayesfric.analysis import Analysis, LogNormal, Priors
@@ -123,6 +124,12 @@ def test_a_rig_that_is_not_laid_out_is_said():
     assert "motor" in power(recording).left_out
     with pytest.raises(InputError, match="laid out anew"):
         power(simulate_recording(DESIGN, seed=5, rigs=("motor",)))
+
+
+def test_a_machine_of_which_nobody_knows_the_friction_is_refused_with_the_reason(tmp_path):
+    recording = recorded(tmp_path / "joint", joint(3.0), rotary=True)
+    with pytest.raises(InputError, match=r"found 'bench'.* gravity board.* nobody knows"):
+        power(recording)
 
 
 def test_the_verb_prints_it(tmp_path, plan):

@@ -31,6 +31,15 @@ def joint(viscous: float, *, force: float = 1.0, speed: float = 1.0) -> dict[str
     return {"velocity_m_s": speed * way * size, "friction_n": force * way * friction}
 
 
+def curved(seed: int) -> dict[str, np.ndarray]:
+    """Return 60 points under a Stribeck curve and viscous friction: first less, then more."""
+    rng = np.random.default_rng(seed)
+    speed = np.exp(rng.uniform(np.log(0.005), np.log(0.6), 60))
+    friction = 10 + 5 * np.exp(-speed / 0.04) + 10 * speed
+    friction = friction * (1 + 0.01 * rng.standard_normal(60)) + 0.15 * rng.standard_normal(60)
+    return {"velocity_m_s": speed, "friction_n": friction}
+
+
 def slide(change: float = 0.0) -> dict[str, np.ndarray]:
     """Return 40 points of a slide under four loads, whose friction may fall with temperature."""
     rng = np.random.default_rng(12)

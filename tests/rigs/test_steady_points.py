@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rigs.friction_points import joint, recorded, slide
+from rigs.friction_points import curved, joint, recorded, slide
 
 import bayesfric as bf
 from bayesfric import rigs
@@ -102,6 +102,15 @@ def test_a_joint_with_viscous_friction_is_named_with_its_slope(tmp_path):
     assert stored.pulleys[size].c1 == own.c1 != stored.c1
     again = with_own_priors(checked_analysis(found.analysis, "stored"), [trials])
     assert again.priors.pulleys == stored.pulleys
+
+
+@pytest.mark.parametrize("seed", [2, 3, 4])
+def test_a_stribeck_curve_beside_viscous_friction_is_these_two_and_no_drag_of_air(tmp_path, seed):
+    """Each alone says little, and a drag of air beside the first more than the second."""
+    found = bf.diagnose(recorded(tmp_path, curved(seed))).summary
+    causes = {one.effect: one.parameters for one in found.causes}
+    assert set(causes) == {"stribeck", "viscous"}
+    assert causes["stribeck"]["speed"].mean == pytest.approx(0.04, rel=0.15)
 
 
 def test_readings_whose_errors_are_known_leave_no_noise_to_draw(tmp_path):

@@ -11,6 +11,7 @@ from scipy.ndimage import uniform_filter1d
 from scipy.signal import savgol_filter
 
 from bayesfric.arrays import Array, Whole
+from bayesfric.rigs.single_axis.force_curvature import force_curvature
 from bayesfric.rigs.single_axis.motion import Motion, position_noise, resolving, smooth_motion
 from bayesfric.rigs.single_axis.weak_form import TestFunction, node_weights, test_function
 
@@ -24,7 +25,6 @@ MOST = 3000  # rows of a recording
 PIECE = 16  # rows of a stretch whose friction wanders as one
 LOCAL = 5  # samples over which jumps of the force are averaged
 UNHEARD = 1e-4  # of the force's standard deviation: jumps that are none
-BESIDE = 3  # half windows, within which a force's second derivative is told
 LATEST_S = 0.05  # of a force, in which its rate is told exactly
 FAR = 10.0  # strokes: travel since a reversal that nobody saw
 FORGOTTEN = 0.2  # of the stroke, after which such a reversal no longer counts
@@ -44,10 +44,11 @@ class Readings:
         1 or −1.
     force, acceleration : ndarray, shape (W,)
         ∫ φ F dt and ∫ φ'' q dt, times the direction.
-    force_rate, lagging_rate, force_curvature : ndarray, shape (W,)
-        −∫ φ' F dt and ∫ φ'' F dt, times the direction. The rates are of the force earlier by
-        half of what it is late, and by all of it: F(t) − F(t − d) is d F'(t − d/2), and what
-        an actuator with a lag d still lacks is d F'(t − d), both up to the third order.
+    jerk : ndarray, shape (W,)
+        Rate of the acceleration, times the direction.
+    force_rate, force_curvature : ndarray, shape (W,)
+        −∫ φ' F dt and ∫ φ'' F dt, times the direction. The rate is of the force earlier by half
+        of what it is late: F(t) − F(t − d) is d F'(t − d/2) up to the third order.
     time_s : ndarray, shape (W,)
         Of the window's middle.
     speed, travel, position, drive : ndarray, shape (W, P)
@@ -66,8 +67,8 @@ class Readings:
     way: Array
     force: Array
     acceleration: Array
+    jerk: Array
     force_rate: Array
-    lagging_rate: Array
     force_curvature: Array
     time_s: Array
     speed: Array
@@ -274,25 +275,21 @@ def _of_run(
     def inside(values: Array) -> Array:
         return np.asarray(np.interp(at, motion.time_s, values))
 
-    def rate(ago_s: float) -> Array:
-        force = np.interp(motion.time_s - ago_s, motion.time_s, motion.force)
-        return np.asarray(-sign * test.over(force, test.slope, centres))
-
     simulated = [sign * one.over(test, centres) for one in motion.forces]
     lags = range(0, 2 * half // step + 1)
-    force_rate = rate(late_s / 2)
-    curvature = sign * _curvature(motion, test, centres, runs)
+    midway = np.interp(motion.time_s - late_s / 2, motion.time_s, motion.force)
+    before, after = (np.clip(centres + one, half, motion.time_s.size - half - 1) for one in (-1, 1))
+    gained = test.over(motion.position, test.curvature, after)
+    gained = gained - test.over(motion.position, test.curvature, before)
     return {
         "centre": centres.astype(np.float64),
         "neighbour": place.astype(np.float64),
         "way": sign,
         "force": sign * test.over(motion.force, test.value, centres),
         "acceleration": sign * test.over(motion.position, test.curvature, centres),
-        "force_rate": force_rate,
-        # A later rate by the window's own samples would differ from this by their second
-        # derivative, whose errors are those of the mean force with the other sign.
-        "lagging_rate": force_rate - late_s / 2 * curvature,
-        "force_curvature": curvature,
+        "jerk": sign * gained / ((after - before) * motion.interval_s),
+        "force_rate": -sign * test.over(midway, test.slope, centres),
+        "force_curvature": sign * force_curvature(motion, test, centres, runs),
         "time_s": motion.time_s[centres],
         "speed": np.abs(inside(velocity)),
         "travel": inside(travel),
@@ -302,39 +299,6 @@ def _of_run(
         "force_lag": _locally(test.value, step, lags, _loudness(motion.force), centres),
         "simulated": np.reshape(simulated, (len(simulated), centres.size)).T,
     }
-
-
-def _curvature(motion: Motion, test: TestFunction, centres: Whole, runs: Array) -> Array:
-    """Return the force's second derivative about each window, by what lies beside it.
-
-    By the window's own samples it would have the errors of the mean force in it, with the
-    other sign: a row would be explained by its own error. Only where the axis turns too near
-    are they taken.
-    """
-    half, count = test.half, motion.time_s.size
-    wide = BESIDE * half
-    found = test.over(motion.force, test.curvature, centres)
-    free = (centres >= wide) & (centres < count - wide)
-    inside = centres[free]
-    free[free] = np.abs(runs[inside + wide + 1] - runs[inside - wide]) == 2 * wide + 1
-    if free.any():
-        kernel = _beside(half, wide, motion.interval_s)
-        windows = sliding_window_view(motion.force, kernel.size)
-        found[free] = windows[centres[free] - wide] @ kernel
-    return found
-
-
-def _beside(half: int, wide: int, interval_s: float) -> Array:
-    """Return weights of samples beside a window that tell a second derivative, (2 wide + 1,)."""
-    place = np.arange(-wide, wide + 1.0)
-    weight = np.where(np.abs(place) > half, (1 - (place / (wide + 1)) ** 2), 0.0)
-    time2 = (place / wide) ** 2
-    powers = np.stack([time2**power for power in range(3)])
-    # No sum and no fourth moment, and 2 of t²: what changes over the window is no curvature.
-    numbers = np.linalg.solve(
-        (powers * weight) @ powers.T, [0.0, 2 / (wide * interval_s) ** 2, 0.0]
-    )
-    return np.asarray(weight * (numbers @ powers))
 
 
 def _lagged(kernel: Array, step: int, lags: range) -> Array:
