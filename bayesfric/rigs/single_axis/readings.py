@@ -44,11 +44,10 @@ class Readings:
         1 or −1.
     force, acceleration : ndarray, shape (W,)
         ∫ φ F dt and ∫ φ'' q dt, times the direction.
-    jerk : ndarray, shape (W,)
-        Rate of the acceleration, times the direction.
-    force_rate, force_curvature : ndarray, shape (W,)
-        −∫ φ' F dt and ∫ φ'' F dt, times the direction. The rate is of the force earlier by half
-        of what it is late: F(t) − F(t − d) is d F'(t − d/2) up to the third order.
+    force_rate, lagging_rate, force_curvature : ndarray, shape (W,)
+        −∫ φ' F dt and ∫ φ'' F dt, times the direction. The rates are of the force earlier by
+        half of what it is late, and by all of it: F(t) − F(t − d) is d F'(t − d/2), and what
+        an actuator with a lag d still lacks is d F'(t − d), both up to the third order.
     time_s : ndarray, shape (W,)
         Of the window's middle.
     speed, travel, position, drive : ndarray, shape (W, P)
@@ -67,8 +66,8 @@ class Readings:
     way: Array
     force: Array
     acceleration: Array
-    jerk: Array
     force_rate: Array
+    lagging_rate: Array
     force_curvature: Array
     time_s: Array
     speed: Array
@@ -275,21 +274,25 @@ def _of_run(
     def inside(values: Array) -> Array:
         return np.asarray(np.interp(at, motion.time_s, values))
 
+    def rate(ago_s: float) -> Array:
+        force = np.interp(motion.time_s - ago_s, motion.time_s, motion.force)
+        return np.asarray(-sign * test.over(force, test.slope, centres))
+
     simulated = [sign * one.over(test, centres) for one in motion.forces]
     lags = range(0, 2 * half // step + 1)
-    midway = np.interp(motion.time_s - late_s / 2, motion.time_s, motion.force)
-    before, after = (np.clip(centres + one, half, motion.time_s.size - half - 1) for one in (-1, 1))
-    gained = test.over(motion.position, test.curvature, after)
-    gained = gained - test.over(motion.position, test.curvature, before)
+    force_rate = rate(late_s / 2)
+    curvature = sign * force_curvature(motion, test, centres, runs)
     return {
         "centre": centres.astype(np.float64),
         "neighbour": place.astype(np.float64),
         "way": sign,
         "force": sign * test.over(motion.force, test.value, centres),
         "acceleration": sign * test.over(motion.position, test.curvature, centres),
-        "jerk": sign * gained / ((after - before) * motion.interval_s),
-        "force_rate": -sign * test.over(midway, test.slope, centres),
-        "force_curvature": sign * force_curvature(motion, test, centres, runs),
+        "force_rate": force_rate,
+        # A later rate by the window's own samples would differ from this by their second
+        # derivative, whose errors are those of the mean force with the other sign.
+        "lagging_rate": force_rate - late_s / 2 * curvature,
+        "force_curvature": curvature,
         "time_s": motion.time_s[centres],
         "speed": np.abs(inside(velocity)),
         "travel": inside(travel),

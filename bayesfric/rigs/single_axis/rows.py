@@ -247,7 +247,7 @@ def state_of(
         drive_force_n=rows.drive,
         mass_kg=law.mass,
         force_rate_n_s=rows.force_rate[:, None],
-        lagging_rate_n_s=(law.mass * rows.jerk + law.viscous * rows.acceleration)[:, None],
+        lagging_rate_n_s=rows.lagging_rate[:, None],
         force_curvature_n_s2=rows.force_curvature[:, None],
         wave_from_m=measures.wave.start,
         tested=tested.astype(np.float64)[rows.trial][:, None],
