@@ -26,6 +26,7 @@ from bayesfric.diagnosis.systematic import (
     posterior_of,
     shrink_of,
 )
+from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.verdict import HALF, Known, sort_effects
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.effects.candidates import SHAPE_NODES
@@ -114,10 +115,25 @@ def judge(
     if share < RARE:
         return again
     foreign = {frozenset(judged.named): share}
-    found = _judged(model, replace(search, foreign=foreign), shipped, practical, rng)
+    moved = replace(
+        search, foreign=foreign, unknown=_with_causes(model, search.unknown, search.best())
+    )
+    found = _judged(model, moved, shipped, practical, rng)
     if found.named != judged.named:
         return found
     return replace(found, arms=again.arms, plain=again.plain)
+
+
+def _with_causes(model: LinearModel, force: Unknown, best: Weighed) -> Unknown:
+    """Return the unknown force beside the effects that leave too much, where data ask for these.
+
+    What they take of the gap is there, whoever makes it. Where no smooth force is like it, the
+    force alone has a scatter that takes it up, and with that no gap and no true floor.
+    """
+    at = model.full.evaluate(best.at.psi, best.acting, force.best, best.forms)
+    if at.value <= force.at.value:
+        return force
+    return replace(force, at=at, acting=best.acting, form=best.form)
 
 
 def _reshaped(model: LinearModel, judged: Judged) -> Judged | None:

@@ -87,7 +87,9 @@ def all_left(search: Search, force: Unknown) -> Remainder:
     force : Unknown
         The unknown force.
     """
-    gain = (force.log_evidence - search.none.log_evidence) / LN10
+    # What effects have found and cannot have made is there by their evidence.
+    found = max(force.log_evidence, search.best().log_evidence if search.foreign else -np.inf)
+    gain = (found - search.none.log_evidence) / LN10
     return Remainder(
         significant=gain > SIGNIFICANT,
         log10_bayes_factor=float(gain),

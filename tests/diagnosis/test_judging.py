@@ -1,6 +1,6 @@
 """Effects that leave too much of the gap are no causes: an unknown force acts."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -102,7 +102,10 @@ def test_effects_are_judged_again_where_they_leave_too_much(monkeypatch, force, 
 
     monkeypatch.setattr(judging, "_judged", once)
     monkeypatch.setattr(judging, "_reshaped", lambda model, one: None)
-    search = Search({}, {}, force, None, None, np.eye(1), 0.0)
+    monkeypatch.setattr(judging, "_with_causes", lambda model, force, best: force)
+    weighed = {"none": Weighed((), 0.0, None, Acting(), AT)}
+    classes, priors = Classes((), (), {}), Analysis().diagnosis.hypotheses
+    search = Search(weighed, {}, force, classes, priors, np.eye(1), 0.0)
     judge(None, search, {}, 0.02, np.random.default_rng(0))
     assert asked == [{}, {frozenset(["viscous"]): 1.0}][:times]
 
@@ -143,3 +146,40 @@ def test_an_unknown_force_beside_an_effect_is_as_rare_as_the_effect_is():
     # One of ten of unknown forces, 0.3 / 0.4 / 20 of which are beside this very effect.
     odds = 0.1 * 0.1 * (0.3 / 0.4 / 20) / (0.3 / 20)
     assert found["unknown"] == pytest.approx(odds / (1 + odds))
+
+
+@pytest.mark.parametrize(("with_causes", "kept"), [(5.0, False), (-5.0, True)])
+def test_a_force_that_causes_leave_is_beside_them_where_they_are_asked_for(with_causes, kept):
+    """Alone it would be drawn at a scatter that takes up what no smooth force is like."""
+    alone = Unknown((Wide(0.1, None),), np.zeros(1), 0.0, AT, Acting())
+    acting = Acting(shapes=(0.5,))
+    best = Weighed(("viscous",), 9.0, None, acting, AT, form=0.1)
+    asked = []
+
+    def evaluate(*inputs):
+        asked.append(inputs)
+        return replace(AT, value=with_causes)
+
+    model = SimpleNamespace(full=SimpleNamespace(evaluate=evaluate))
+    found = judging._with_causes(model, alone, best)
+    assert asked == [(AT.psi, acting, Wide(0.1, None), {"viscous": 0.1})]
+    if kept:
+        assert found is alone
+    else:
+        assert (found.at.value, found.acting, found.form) == (with_causes, acting, 0.1)
+        assert found.log_evidence == alone.log_evidence
+
+
+def test_a_force_that_causes_leave_is_a_remainder():
+    """As good as none by itself; with the causes 2 powers of ten better."""
+    weighed = {
+        "none": Weighed((), 0.0, None, Acting(), AT),
+        "viscous": Weighed(("viscous",), 2 * np.log(10), None, Acting(), AT),
+    }
+    classes = Classes((("viscous",),), (), {})
+    foreign = {frozenset(["viscous"]): 1.0}
+    priors = Analysis().diagnosis.hypotheses
+    search = Search(weighed, {}, None, classes, priors, np.eye(1), 0.0, foreign)
+    told = all_left(search, Unknown((Wide(0.1, "order"),), np.zeros(1), 0.0, AT, Acting()))
+    assert told.significant
+    assert told.log10_bayes_factor == pytest.approx(2.0)
