@@ -56,7 +56,7 @@ def keep(card, name, command):
     """Write the evidence: scorecard and picture, and the figures with commit and command."""
     folder = evidence.EVIDENCE / name
     folder.mkdir(exist_ok=True)
-    source = evidence.WORK / name / "scorecard.json"
+    source = evidence.work(name, sys.modules[__name__]) / "scorecard.json"
     (folder / "scorecard.json").write_bytes(source.read_bytes())
     (folder / "scorecard.svg").write_bytes(to_svg(promises_and_reliability(card)))
     figures = card.model_dump(mode="json", exclude={"cases", "versions", "confusion"})

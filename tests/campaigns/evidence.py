@@ -118,6 +118,12 @@ def digest(path, root=ROOT):
     return whole.hexdigest()[:DIGITS]
 
 
+def work(name, campaign):
+    """Return the folder of the cases of a campaign: those of other code are no cases of it."""
+    code = "".join(digest(path) for path in code_of(Path(campaign.__file__)))
+    return WORK / f"{name}-{hashlib.sha256(code.encode()).hexdigest()[:DIGITS]}"
+
+
 def write(name, campaign, *, seeds, figures, cases, command=COMMAND):
     """Write the evidence of a campaign.
 

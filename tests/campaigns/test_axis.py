@@ -37,7 +37,7 @@ def test_each_is_right(name, repeated):
 @pytest.mark.long
 def test_a_hundred_axes():
     found = list(
-        run_on_processes(axis.case, axis.cases(), evidence.WORK / "axis", workers=2).values()
+        run_on_processes(axis.case, axis.cases(), evidence.work("axis", axis), workers=2).values()
     )
     figures = axis.figures(found)
     seeds = [one["seed"] for one in found]

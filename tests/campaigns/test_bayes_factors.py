@@ -116,7 +116,7 @@ def test_figures_of_a_conjugate_pair():
 
 @pytest.mark.long
 def test_four_hundred_of_each_effect():
-    cases = run(bayes_factors.SEEDS, evidence.WORK / "bayes_factors")
+    cases = run(bayes_factors.SEEDS, evidence.work("bayes_factors", bayes_factors))
     found = {name: bayes_factors.figures(*of_effect(cases, name)) for name in EFFECTS}
     evidence.write(
         "bayes_factors",

@@ -65,7 +65,7 @@ def test_every_fixed_case(tmp_path):
 def test_the_scorecard():
     number = blind.number_of(blind.whole())
     card = run_blind(
-        evidence.WORK / "blind", number=number, first_seed=blind.SCORING_SEED, workers=WORKERS
+        evidence.work("blind", blind), number=number, first_seed=blind.SCORING_SEED, workers=WORKERS
     )
     blind.keep(card, "blind", f"BAYESFRIC_BLIND_CASES={number} make test-long")
     assert [target.name for target in card.targets if target.met is False] == []
@@ -75,7 +75,7 @@ def test_the_scorecard():
 def test_probabilities_come_true_as_often_as_they_say():
     number = blind.number_of(blind.PRIOR_CASES)
     card = run_blind(
-        evidence.WORK / "blind_prior",
+        evidence.work("blind_prior", blind),
         number=number,
         first_seed=blind.PRIOR_SEED,
         from_prior=True,

@@ -66,7 +66,7 @@ def test_the_evidence_is_calibrated():
 
 @pytest.mark.long
 def test_calibration_of_a_hundred_repeats():
-    cases = run(bridging.SEEDS, evidence.WORK / "bridging")
+    cases = run(bridging.SEEDS, evidence.work("bridging", bridging))
     figures = bridging.calibration(cases)
     evidence.write(
         "bridging",

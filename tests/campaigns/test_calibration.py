@@ -25,7 +25,7 @@ def test_they_are_those_of_the_evidence(tmp_path):
 
 @pytest.mark.long
 def test_five_hundred_recordings_are_calibrated():
-    found = calibration.run(calibration.CASES, evidence.WORK / "calibration")
+    found = calibration.run(calibration.CASES, evidence.work("calibration", calibration))
     evidence.write(
         "calibration",
         calibration,

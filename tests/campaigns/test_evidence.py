@@ -115,6 +115,19 @@ def test_a_campaign_writes_what_is_read_back_as_fresh(tmp_path, monkeypatch):
     assert evidence.age(record).endswith("STALE: bayesfric/physics changed")
 
 
+def test_cases_of_other_code_are_no_cases_of_a_campaign(tmp_path, monkeypatch):
+    from campaigns import wander
+
+    monkeypatch.setattr(evidence, "WORK", tmp_path)
+    here = evidence.work("wander", wander)
+    assert here.parent == tmp_path
+    assert here == evidence.work("wander", wander)
+    digests = {path: evidence.digest(path) for path in evidence.code_of(Path(wander.__file__))}
+    digests["bayesfric/physics"] = "0" * evidence.DIGITS
+    monkeypatch.setattr(evidence, "digest", digests.__getitem__)
+    assert evidence.work("wander", wander) != here
+
+
 @pytest.mark.nightly
 @pytest.mark.parametrize("name", evidence.names())
 def test_no_evidence_is_older_than_its_code(name):

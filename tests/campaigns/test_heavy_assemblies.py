@@ -30,7 +30,7 @@ def test_coverage_by_hand():
 
 @pytest.mark.long
 def test_coverage_of_sixty_recordings():
-    folder = evidence.WORK / "heavy_assemblies"
+    folder = evidence.work("heavy_assemblies", heavy_assemblies)
     cases = heavy_assemblies.cases()
     done = list(run_on_processes(heavy_assemblies.case, cases, folder, workers=2).values())
     figures = heavy_assemblies.figures(done)

@@ -46,7 +46,7 @@ def test_the_first_recordings_are_those_of_the_evidence(tmp_path):
 
 @pytest.mark.long
 def test_coverage_of_two_hundred_recordings_of_each_level():
-    folder = evidence.WORK / "intercept_scatter"
+    folder = evidence.work("intercept_scatter", intercept_scatter)
     cases = intercept_scatter.cases()
     done = list(run_on_processes(intercept_scatter.case, cases, folder, workers=2).values())
     figures = intercept_scatter.figures(done)

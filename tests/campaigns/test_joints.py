@@ -29,7 +29,7 @@ def flat(case):
 @pytest.mark.long
 def test_fifty_random_joints():
     cases = {f"{seed:04d}": seed for seed in joints.SEEDS}
-    folder = evidence.WORK / "joints"
+    folder = evidence.work("joints", joints)
     found = list(run_on_processes(joints.case, cases, folder, workers=2).values())
     figures = joints.figures(found)
     evidence.write(

@@ -8,7 +8,7 @@ LEAST_CORRECT = 0.95
 
 @pytest.mark.long
 def test_boards_of_another_simulator_are_diagnosed():
-    card = mujoco.run(evidence.WORK / "mujoco", workers=2)
+    card = mujoco.run(evidence.work("mujoco", mujoco), workers=2)
     evidence.write(
         "mujoco",
         mujoco,

@@ -68,7 +68,7 @@ def test_the_first_boards_are_those_of_the_evidence(tmp_path):
 
 @pytest.mark.long
 def test_what_is_proposed_tells_apart():
-    done = run(next_trials.cases(), evidence.WORK / "next_trials")
+    done = run(next_trials.cases(), evidence.work("next_trials", next_trials))
     figures = next_trials.figures(done)
     seeds = [done[0]["seed"], done[-1]["seed"]]
     (evidence.EVIDENCE / "next_trials.svg").write_bytes(to_svg(next_trials.picture(done)))

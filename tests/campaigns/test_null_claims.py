@@ -67,7 +67,7 @@ def test_an_effect_fells_its_claim_and_no_other(effect, fallen):
 
 @pytest.mark.long
 def test_a_hundred_recordings_without_an_effect():
-    cases = run(null_claims.SEEDS, evidence.WORK / "null_claims")
+    cases = run(null_claims.SEEDS, evidence.work("null_claims", null_claims))
     fallen = refuted(cases)
     judged = Counter(pair for case in cases for pair in case["judged"].items())
     verdicts = {f"{name}: {verdict}": count for (name, verdict), count in sorted(judged.items())}

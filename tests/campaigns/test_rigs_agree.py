@@ -46,7 +46,7 @@ def test_the_first_recordings_are_those_of_the_evidence(tmp_path):
 
 @pytest.mark.long
 def test_verdicts_on_a_hundred_and_seventy_recordings():
-    done = run(rigs_agree.cases(), evidence.WORK / "rigs_agree")
+    done = run(rigs_agree.cases(), evidence.work("rigs_agree", rigs_agree))
     figures = rigs_agree.figures(done)
     seeds = [min(c["seed"] for c in done), max(c["seed"] for c in done)]
     evidence.write("rigs_agree", rigs_agree, seeds=seeds, figures=figures, cases=done)

@@ -33,7 +33,7 @@ def test_the_second_world():
 
     With ``BAYESFRIC_SECOND_SO_FAR`` what is done is scored, and no more is run.
     """
-    folder = evidence.WORK / "second_world"
+    folder = evidence.work("second_world", second_world)
     cases = second_world.cases()
     if "BAYESFRIC_SECOND_SO_FAR" in os.environ:
         cases = {name: one for name, one in cases.items() if (folder / f"{name}.json").exists()}

@@ -31,7 +31,7 @@ def test_a_few_agree_with_the_evidence(tmp_path):
 
 @pytest.mark.long
 def test_sixty_near_threshold_boards():
-    cases = run(stalls.SEEDS, evidence.WORK / "stalls")
+    cases = run(stalls.SEEDS, evidence.work("stalls", stalls))
     at_rest = sum(case["at_rest"] for case in cases) / len(cases)
     found = {which: stalls.bias(cases, which) for which in ("with", "without")}
     evidence.write(

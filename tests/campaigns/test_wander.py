@@ -10,7 +10,9 @@ from bayesfric.campaign import processes, run_campaign
 def test_coverage_of_the_wander_on_a_hundred_recordings():
     with processes(2) as executor:
         cases = {f"{seed:04d}": seed for seed in wander.SEEDS}
-        done = list(run_campaign(wander.case, cases, evidence.WORK / "wander", executor).values())
+        done = list(
+            run_campaign(wander.case, cases, evidence.work("wander", wander), executor).values()
+        )
     figures = wander.coverage(done)
     seeds = [wander.SEEDS.start, wander.SEEDS.stop - 1]
     evidence.write("wander", wander, seeds=seeds, figures=figures, cases=done)
