@@ -1,5 +1,7 @@
 """Evidence that is older than the code that it speaks of is told."""
 
+from pathlib import Path
+
 import pytest
 from campaigns import evidence
 
