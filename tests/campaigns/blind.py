@@ -25,7 +25,7 @@ from bayesfric.plots.style import to_svg
 
 RIGS = ("gravity_board", "motor_board")
 FIXED_SEEDS = range(1, 16)
-SCORING_SEED, PRIOR_SEED = 71_514, 60_000
+SCORING_SEED, PRIOR_SEED = 71_554, 60_000
 PRIOR_CASES = 200
 SHORT = ("withheld", "form", "strength", "noise_free_gap", "verdict", "causes", "correct")
 
