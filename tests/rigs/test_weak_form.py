@@ -158,26 +158,6 @@ def test_a_curvature_is_told_by_what_lies_beside_a_window():
     assert told == pytest.approx([0.0, 0.0, 2.0], abs=1e-6)
 
 
-def test_a_curvature_is_not_told_by_the_errors_of_the_force_itself():
-    """Passes that are no longer than a few windows have samples beside them in few."""
-    rng = np.random.default_rng(4)
-    time = 0.005 * np.arange(6000)
-    position = force = np.sin(2 * np.pi * time)
-    error = 0.3 * rng.standard_normal(time.size)
-
-    def read(logged):
-        log = even_grid(time, {"position": position, "force": logged})
-        return readings_of([log], [np.zeros(1, dtype=int)], 1e-3)
-
-    quiet, loud = read(force), read(force + error)
-    own = loud.force - quiet.force
-    beyond = loud.force_curvature - quiet.force_curvature
-    assert abs(np.corrcoef(own, beyond)[0, 1]) < 5 / np.sqrt(own.size)
-    # And what is told is the curvature.
-    told = quiet.force_curvature @ quiet.acceleration / (quiet.acceleration**2).sum()
-    assert told == pytest.approx(1.0, rel=0.1)
-
-
 def test_travel_counts_from_rest():
     position = np.concatenate(
         [np.zeros(20), 0.01 * np.arange(1, 31), 0.3 - 0.01 * np.arange(1, 31)]

@@ -47,7 +47,7 @@ def made_from(record: Provenance) -> Table:
     """Return the table of seed, hashes and versions of what one recording gave."""
     sha256 = record.recording.sha256
     return _made(
-        record, "seed", "provenance", [["recording, SHA-256", Code(sha256) if sha256 else MISSING]]
+        record, "seed", "provenance", ["recording, SHA-256", Code(sha256) if sha256 else MISSING]
     )
 
 

@@ -18,10 +18,9 @@ def force_curvature(
 ) -> Array:
     """Return the force's second derivative about each window, shape (W,) [N/s²].
 
-    ∫ φ'' F dt over a window's own samples has the errors of the mean force ∫ φ F dt, with the
-    other sign: a row would be explained by its own error, and a compliance be seen in a loud
-    force. What lies beside the window tells it; where the axis turns too near, the window's own
-    samples do, by weights whose error has no covariance with that of the mean force.
+    By the window's own samples it would have the errors of the mean force in it, with the
+    other sign: a row would be explained by its own error. Only where the axis turns too near
+    are they taken: there friction jumps, and its jump is what a compliance answers to.
 
     Parameters
     ----------
@@ -36,7 +35,7 @@ def force_curvature(
     """
     half, count = test.half, motion.time_s.size
     wide = BESIDE * half
-    found = test.over(motion.force, _inside(test, motion.interval_s), centres)
+    found = test.over(motion.force, test.curvature, centres)
     free = (centres >= wide) & (centres < count - wide)
     inside = centres[free]
     free[free] = np.abs(runs[inside + wide + 1] - runs[inside - wide]) == 2 * wide + 1
@@ -45,19 +44,6 @@ def force_curvature(
         windows = sliding_window_view(motion.force, kernel.size)
         found[free] = windows[centres[free] - wide] @ kernel
     return found
-
-
-def _inside(test: TestFunction, interval_s: float) -> Array:
-    """Return weights of a window's samples that tell a second derivative, (2k + 1,).
-
-    They are those next to φ'' whose error, where samples have white ones, has no covariance with
-    that of ∫ φ F dt.
-    """
-    place = np.arange(-test.half, test.half + 1.0) / test.half
-    held = np.stack([np.ones_like(place), place, place**2, test.value])
-    wanted = np.array([0.0, 0.0, 2 / (test.half * interval_s) ** 2, 0.0])
-    missing = wanted - held @ test.curvature
-    return np.asarray(test.curvature + np.linalg.solve(held @ held.T, missing) @ held)
 
 
 def _beside(half: int, wide: int, interval_s: float) -> Array:
