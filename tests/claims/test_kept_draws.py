@@ -49,6 +49,14 @@ def test_arviz_finds_the_rival_whose_every_assembly_is_less_likely():
         "gravity/slip/constant": "separate places",
         "gravity/viscous/tension": NOT_BEST,
     }
+    assert set(groups) == {
+        "models",
+        *(
+            f"models/gravity/{one}/{group}"
+            for one in ("paper", "viscous/constant")
+            for group in ("posterior", "log_likelihood")
+        ),
+    }
     pair = {"law": tree["gravity/paper"], "rival": tree["gravity/viscous/constant"]}
     table = azs.compare(pair, **BY_ASSEMBLY)
     assert list(table.index) == ["law", "rival"]

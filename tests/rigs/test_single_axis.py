@@ -128,6 +128,9 @@ def test_the_likelihood_is_that_of_a_dense_normal(trials):
     off = readings.force - 2.05 * readings.acceleration - 1.45 - 4e-4 * readings.force_rate
     expected = multivariate_normal(np.zeros(off.size), covariance).logpdf(off)
     assert likelihood.log_likelihood(theta)[0] == pytest.approx(expected, abs=0.01)
+    given = likelihood.given_rest(theta)  # assemblies are independent, and of one run each
+    assert given.setup[0].sum() == pytest.approx(likelihood.log_likelihood(theta)[0], abs=1e-6)
+    assert given.trial[0] == pytest.approx(given.setup[0], abs=1e-6)
 
 
 def test_a_drive_that_clips_has_its_limit_where_the_motion_no_longer_answers(tmp_path):
