@@ -1,0 +1,57 @@
+"""Boards on which nothing is withheld: no effect is named, and no band leaves zero.
+
+Boards of the blind engine, with the nuisances of any real board and the small amounts of
+effects that it puts beside them. Seeds were fixed before the first run.
+"""
+
+import tempfile
+from pathlib import Path
+
+from bayesfric.analysis import Analysis
+from bayesfric.blind.case import diagnose_sealed, engine_of
+
+RIGS = ("gravity_board", "motor_board")
+SEEDS = range(90_000, 90_008)
+MOST = 0.05  # of all panels: a simultaneous 95 % band leaves zero by chance no oftener
+
+
+def cases():
+    """Return the seeds by name."""
+    return {str(seed): seed for seed in SEEDS}
+
+
+def case(seed):
+    """Diagnose one board; say what was found and which axes have a band without zero."""
+    engine = engine_of("reference")
+    recording = engine.make(engine.Withheld("none", (), "random"), seed).recording
+    with tempfile.TemporaryDirectory() as folder:
+        found = diagnose_sealed(recording, Analysis(seed=seed), Path(folder))
+    shapes = {axis.axis: axis.shape for axis in found.where if axis.shape is not None}
+    return {
+        "seed": seed,
+        "verdict": found.verdict,
+        "probability": found.verdict_probability,
+        "causes": [cause.effect for cause in found.causes],
+        "panels": len(shapes),
+        "without_zero": [name for name, shape in shapes.items() if leaves_zero(shape)],
+    }
+
+
+def leaves_zero(shape):
+    """Return whether a band lies above or below zero anywhere."""
+    return max(shape.low_n) > 0 or min(shape.high_n) < 0
+
+
+def figures(done):
+    """Return the verdicts, what was named, and the share of panels whose band leaves zero."""
+    panels = sum(one["panels"] for one in done)
+    left = sum(len(one["without_zero"]) for one in done)
+    told = [one["verdict"] for one in done]
+    return {
+        "boards": len(done),
+        "verdicts": {one: told.count(one) for one in ("no-gap", "undecided")},
+        "named": sum(bool(one["causes"]) for one in done),
+        "panels": panels,
+        "without_zero": left,
+        "share": left / panels,
+    }
