@@ -244,7 +244,7 @@ def _diagnose(
         return causes_of(names, model, found, posterior, practical, floor, check)
 
     causes = told(named)
-    unseparated = unseparated_of(found.classes, together if verdict == "unseparated" else ())
+    unseparated = unseparated_of(found.classes, together)
     proposals, no_proposal = next_experiment(model, found, chances)
     law_found = law_of_diagnosis(model, psi, posterior, residuals)
     asked_for = None

@@ -155,6 +155,8 @@ def sentence_of(
         f"{gap.systematic.q50:.3g} {gap.unit} rms, {gap.systematic.q50 / friction:.1%} of friction"
     )
     acting = _acting(causes, unseparated)
+    open_sets = [one.effects for one in unseparated if one.reason == "these-data"]
+    rivals = ", ".join(open_sets[0]) if open_sets else "several effects"
     if verdict == "no-gap":
         absorbed = f" {acting}, and the recalibrated law absorbs most of it." if causes else ""
         return (
@@ -184,20 +186,20 @@ def sentence_of(
             f"it (probability {chance:.2f})."
         )
     if verdict == "unseparated":
-        sets = [one.effects for one in unseparated if one.reason == "these-data"]
-        rivals = ", ".join(sets[0]) if sets else "several effects"
         return (
             f"A gap of {size} is there, and one of {rivals} causes it; these data cannot tell "
             f"which (probability {chance:.2f})."
         )
-    shrunk = ""
+    shrunk = beside = ""
+    them = "it" if len(causes) == 1 else "them"
+    if open_sets:
+        beside = f" One of {rivals} acts beside {them}; these data cannot tell which."
     if gap.shrink is not None:
-        them = "it" if len(causes) == 1 else "them"
         shrunk = (
             f" The systematic gap is {size}; adding {them} takes {_share(gap.shrink)} of its "
             "square away."
         )
-    return f"{acting} (probability {chance:.2f}).{shrunk}"
+    return f"{acting} (probability {chance:.2f}).{shrunk}{beside}"
 
 
 def _share(shrink: Interval) -> str:

@@ -14,7 +14,7 @@ from bayesfric.diagnosis.remainder import left_matters, remainder_of
 from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.verdict import Known, decide, sentence_of, sets_of_one, sort_effects
 from bayesfric.diagnosis.weighing import Weighed
-from bayesfric.schemas import Interval
+from bayesfric.schemas import Interval, Unseparated
 
 
 def known(effect="viscous", probability=0.99, above=1.0, **options):
@@ -96,6 +96,15 @@ def test_an_unknown_force_that_is_too_small_to_count_is_said_to_be_so():
 
     assert f"of friction, less than the {1.1 * share:.1%} that counts, is" in sentence(1.1 * share)
     assert "of friction is there" in sentence(0.9 * share)
+
+
+def test_effects_of_which_one_acts_beside_a_cause_are_in_the_sentence():
+    rivals = (Unseparated(effects=("air-drag", "stribeck"), reason="these-data"),)
+    gap = diagnosis().gap
+    both = sentence_of("named", 0.97, [cause("viscous")], gap, (), rivals, 0.02)
+    assert both.startswith("viscous acts (probability 0.97).")
+    assert both.endswith("One of air-drag, stribeck acts beside it; these data cannot tell which.")
+    assert "One of" not in sentence_of("named", 0.97, [cause("viscous")], gap, (), (), 0.02)
 
 
 @pytest.mark.parametrize(
