@@ -155,6 +155,6 @@ CLAIM = Claim(
     statement="The coefficients are those of Table I.",
     paper="Table I, as printed.",
     judge=_judge,
-    motion="accelerated",
+    regime="accelerated",
     by_size=False,
 )

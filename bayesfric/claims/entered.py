@@ -7,7 +7,7 @@ from itertools import permutations
 from bayesfric.fitting.hypothesis import Hypothesis
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs import all_rigs
-from bayesfric.rigs.base import Motion, RigTrials
+from bayesfric.rigs.base import Regime, RigTrials
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.opening import baseline_of, chosen_rigs, open_rigs, rigs_with_trials
 
@@ -81,12 +81,12 @@ class Entered:
         (trials,) = self.data[name].rigs
         return trials
 
-    def first(self, motion: Motion) -> str | None:
+    def first(self, regime: Regime) -> str | None:
         """Return the name of the first rig that moves so, if one has data."""
         moving = (
             name
             for name in self.rigs
-            if self.trials(name).rig.motion == motion and self.trials(name).has_pulleys
+            if self.trials(name).rig.regime == regime and self.trials(name).has_pulleys
         )
         return next(moving, None)
 
@@ -95,9 +95,9 @@ class Entered:
         """Whether any data are of a cable over pulleys, which claims are about."""
         return any(self.trials(name).has_pulleys for name in self.rigs)
 
-    def lack(self, motion: Motion) -> str:
+    def lack(self, regime: Regime) -> str:
         """Return why there is no rig that moves so, a sentence."""
-        kinds = [rig for rig in all_rigs().values() if rig.motion == motion]
+        kinds = [rig for rig in all_rigs().values() if rig.regime == regime]
         without = [rig for rig in kinds if rig.name in self.left_out]
         if without:
             return f"The {' and the '.join(rig.words.rig for rig in without)} was left out."

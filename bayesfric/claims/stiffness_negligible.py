@@ -56,7 +56,7 @@ CLAIM = Claim(
     statement="The stretch of the cable can be left out.",
     paper="Models (3) and (4) give 0.816 and 0.818 N (medium, n = 9, 85°, 15.5 N; Sec. III.B).",
     judge=_judge,
-    motion="accelerated",
+    regime="accelerated",
     about_these_data=False,
     by_size=False,
 )

@@ -31,8 +31,8 @@ from bayesfric.schemas import PointEstimate
 from bayesfric.simulators import SimulatorCalls
 
 __all__ = [
-    "Motion",
     "Predictive",
+    "Regime",
     "Resting",
     "Rig",
     "RigTrials",
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from bayesfric.rigs.linear import LinearRows
     from bayesfric.rigs.own_design import OwnDesign
 
-Motion = Literal["accelerated", "steady"]
+Regime = Literal["accelerated", "steady"]
 """Whether a trial gathers speed along a path, or is one measurement at one speed."""
 
 
@@ -104,7 +104,7 @@ class Rig(Protocol):
         """What it is called in commands and files."""
 
     @property
-    def motion(self) -> Motion:
+    def regime(self) -> Regime:
         """How its trials move."""
 
     @property

@@ -137,7 +137,7 @@ def _prior(
     likelihood = model.likelihoods[0]
     key = [*CELL, *trials.loads]
     measured = {name: table[name].to_numpy() for name in ("tension_n", "friction_n")}
-    if trials.rig.motion == "steady":  # signed there: it is against the motion
+    if trials.rig.regime == "steady":  # signed there: it is against the motion
         measured["friction_n"] = np.abs(measured["friction_n"])
     rows = likelihood.trials[key].assign(**measured)
     rows = rows.groupby(key, sort=False, as_index=False).mean()

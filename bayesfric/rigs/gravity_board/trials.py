@@ -19,7 +19,7 @@ from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import nominal_tension
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Gravity, Recording, RigConstants
-from bayesfric.rigs.base import Motion, Predictive, Resting, Simulated, Unsupported, Words
+from bayesfric.rigs.base import Predictive, Regime, Resting, Simulated, Unsupported, Words
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.gravity_board.estimator import estimate_as_the_paper
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood, trial_condition
@@ -56,7 +56,7 @@ class GravityBoard:
     """A board on which a weight falls and lifts another over n pulleys."""
 
     name: str = "gravity"
-    motion: Motion = "accelerated"
+    regime: Regime = "accelerated"
     words: Words = WORDS
     tables: tuple[str, ...] = ("gravity_trials.csv", "gravity_events.csv")
     paper: bool = True

@@ -15,7 +15,7 @@ from bayesfric.effects.terms import ActiveEffect
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, Baseline
 from bayesfric.recording.tables import Motor, Recording, RigConstants
-from bayesfric.rigs.base import Motion, Predictive, Simulated, Unsupported, Words
+from bayesfric.rigs.base import Predictive, Regime, Simulated, Unsupported, Words
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.motor_board.likelihood import MotorLikelihood
 from bayesfric.rigs.motor_board.linear import motor_rows
@@ -40,7 +40,7 @@ class MotorBoard:
     """A board on which a motor winds the cable at constant speed."""
 
     name: str = "motor"
-    motion: Motion = "steady"
+    regime: Regime = "steady"
     words: Words = WORDS
     tables: tuple[str, ...] = ("motor_runs.csv", "motor_idle.csv")
     paper: bool = True

@@ -15,7 +15,7 @@ from bayesfric.effects.terms import ActiveEffect
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, VISCOUS, Baseline
 from bayesfric.recording.tables import Recording
-from bayesfric.rigs.base import Motion, Predictive, Unsupported, Words
+from bayesfric.rigs.base import Predictive, Regime, Unsupported, Words
 from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.point_rows import PointRows
@@ -55,7 +55,7 @@ class SteadyPoints(PlainRig):
     """Anybody's bench, joint or slide on which friction was measured at steady motion."""
 
     name: str = NAME
-    motion: Motion = "steady"
+    regime: Regime = "steady"
     words: Words = WORDS
     tables: tuple[str, ...] = ("steady_friction.csv",)
     paper: bool = False

@@ -44,7 +44,7 @@ def steady(law, table):
 @dataclass(frozen=True)
 class PullScale:
     name: str = "scale"
-    motion: str = "steady"
+    regime: str = "steady"
     words: Words = field(default=Words("pull scale", "reading", "readings"))
     tables: tuple[str, ...] = (FILE,)
     paper: bool = False
