@@ -153,7 +153,7 @@ class Claim:
         if self.by_size:
             names += [name for name in entered.data if name.startswith(f"{subject}/")]
         return [
-            Task(name, one) for name in names for one in (entered.baseline, *self.against(entered))
+            Task(name, one) for name in names for one in (entered.claimed, *self.against(entered))
         ]
 
 
@@ -185,13 +185,13 @@ class Case:
     effects: Mapping[str, Effect] = field(default_factory=dict)
     posterior: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)
 
-    def baseline(self, rig: str) -> Mapping[str, Array]:
+    def draws(self, rig: str) -> Mapping[str, Array]:
         """Return draws of the law by parameter, given one rig's data; empty without any."""
-        return self.posterior.get(rig) or self.studied[Task(rig, self.entered.baseline)].theta
+        return self.posterior.get(rig) or self.studied[Task(rig, self.entered.claimed)].theta
 
     def undrawn(self, rig: str) -> Finding | None:
         """Return the finding where the law has no draws given one rig's data."""
-        if self.baseline(rig):
+        if self.draws(rig):
             return None
-        why = self.studied[Task(rig, self.entered.baseline)].why
+        why = self.studied[Task(rig, self.entered.claimed)].why
         return Finding("undecided", f"The posterior could not be drawn: {why}.")

@@ -228,7 +228,7 @@ def _compared(
     claims: Sequence[Claim], entered: Entered, studied: Mapping[Task, Studied]
 ) -> set[Task]:
     """Return the law and each claim's best rival, given all sizes together."""
-    found = {task for task in studied if task.hypothesis == entered.baseline}
+    found = {task for task in studied if task.hypothesis == entered.claimed}
     for claim in claims:
         rivals = [
             task

@@ -45,7 +45,7 @@ def compare(claim: Claim, case: Case) -> Finding:
         return Finding("not-testable", lack)
     name = claim.subject(case.entered)
     rules = case.analysis.claims
-    own = case.studied[Task(name, case.entered.baseline)]
+    own = case.studied[Task(name, case.entered.claimed)]
     rivals = {one: case.studied[Task(name, one)] for one in claim.against(case.entered)}
     lacking = [f"{one.label}: {found.why}" for one, found in rivals.items() if not found.evidence]
     known = {one: found for one, found in rivals.items() if found.evidence is not None}
@@ -343,7 +343,7 @@ def bayes_factor(
 
 
 def _by_pulley(claim: Claim, case: Case, name: str) -> tuple[float | None, float | None, str]:
-    own = case.studied[Task(name, case.entered.baseline)]
+    own = case.studied[Task(name, case.entered.claimed)]
     rivals = [case.studied[Task(name, one)] for one in claim.against(case.entered)]
     lacking = [one.why for one in (own, *rivals) if one.evidence is None]
     if lacking:

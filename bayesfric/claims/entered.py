@@ -63,7 +63,7 @@ class Entered:
         return cls(data, tuple(name for name in there if name not in data), law)
 
     @property
-    def baseline(self) -> Hypothesis:
+    def claimed(self) -> Hypothesis:
         """The law, and nothing beside it."""
         return Hypothesis(self.law)
 

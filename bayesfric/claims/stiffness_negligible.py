@@ -25,7 +25,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
     )
     if undrawn := case.undrawn(name):
         return undrawn
-    ratios = case.entered.trials(name).stretch_ratios(cable, case.baseline(name))
+    ratios = case.entered.trials(name).stretch_ratios(cable, case.draws(name))
     if isinstance(ratios, Unsupported):
         return Finding("not-testable", ratios.reason)
     off = np.abs(ratios - 1)

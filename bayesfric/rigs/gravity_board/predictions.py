@@ -10,7 +10,7 @@ from bayesfric.arrays import Array
 from bayesfric.paper import table1
 from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.gravity import nominal_tension
-from bayesfric.physics.laws import Baseline
+from bayesfric.physics.laws import FrictionLaw
 from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.base import Predictive
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
@@ -60,7 +60,7 @@ def trials(likelihood: GravityLikelihood, recorded: pd.DataFrame, view: Predicti
 
 
 def curves(
-    likelihood: GravityLikelihood, named: dict[str, Array], baseline: Baseline
+    likelihood: GravityLikelihood, named: dict[str, Array], baseline: FrictionLaw
 ) -> xr.Dataset:
     """Return friction against tension at each (size, n, θ) cell, of the law and of Table I."""
     trials = likelihood.trials

@@ -7,7 +7,7 @@ import xarray as xr
 from bayesfric.arrays import Array
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import Condition, Trajectory
-from bayesfric.physics.laws import Baseline
+from bayesfric.physics.laws import FrictionLaw
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
@@ -24,7 +24,7 @@ def trajectories(
     rig: RigConstants,
     named: dict[str, Array],
     factor: Array,
-    baseline: Baseline,
+    baseline: FrictionLaw,
 ) -> xr.Dataset:
     """Predict a few trials, free-running from the first event's speed."""
     trials = likelihood.trials

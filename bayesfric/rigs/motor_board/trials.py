@@ -13,7 +13,7 @@ from bayesfric.effects import Effect
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import BASELINES, Baseline
+from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Motor, Recording, RigConstants
 from bayesfric.rigs.base import Predictive, Regime, Simulated, Unsupported, Words
 from bayesfric.rigs.changes import Change
@@ -85,14 +85,14 @@ class MotorRuns(PlainTrials):
         Runs and idle measurements.
     recorded : DataFrame
         All runs as recorded; their id is ``trial``.
-    law : Baseline
+    law : FrictionLaw
         Around which a diagnosis makes them linear.
     """
 
     constants: RigConstants
     motor: Motor
     recorded: pd.DataFrame
-    law: Baseline = BASELINES["paper"]
+    law: FrictionLaw = BASELINES["paper"]
     rig: MotorBoard = RIG
     loads: tuple[str, ...] = ("hanging_mass_kg",)
 
@@ -130,7 +130,7 @@ class MotorRuns(PlainTrials):
     def likelihood(
         self,
         analysis: Analysis,
-        law: Baseline = BASELINES["paper"],
+        law: FrictionLaw = BASELINES["paper"],
         effects: Sequence[ActiveEffect] = (),
     ) -> MotorLikelihood:
         """Return the density of the currents."""

@@ -15,7 +15,7 @@ from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect, small_values
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import BASELINES, VISCOUS, Baseline
+from bayesfric.physics.laws import BASELINES, VISCOUS, FrictionLaw
 from bayesfric.recording.tables import Axis, Recording, RigConstants
 from bayesfric.rigs.base import Predictive, Regime, Unsupported, Words, why_inert
 from bayesfric.rigs.own_design import OwnDesign
@@ -92,7 +92,7 @@ class AxisRuns(PlainTrials):
         Of the whole recording.
     still : tuple of str
         Runs in which the axis does not move.
-    law : Baseline
+    law : FrictionLaw
         Around which a diagnosis makes them linear.
     source : Axis
         The tables.
@@ -106,7 +106,7 @@ class AxisRuns(PlainTrials):
     readings: Readings
     measures: Measures
     still: tuple[str, ...] = ()
-    law: Baseline = BASELINES["paper"]
+    law: FrictionLaw = BASELINES["paper"]
     loads: tuple[str, ...] = ()
     interval_s: float = field(default=0.0)
     source: Axis | None = None
@@ -203,7 +203,7 @@ class AxisRuns(PlainTrials):
         """False."""
         return False
 
-    def refuses(self, law: Baseline) -> Unsupported | None:
+    def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why a law of cables makes no sense here."""
         if law.name in ("paper", VISCOUS):
             return None
@@ -275,7 +275,7 @@ class AxisRuns(PlainTrials):
     def likelihood(
         self,
         analysis: Analysis,
-        law: Baseline = BASELINES["paper"],
+        law: FrictionLaw = BASELINES["paper"],
         effects: Sequence[ActiveEffect] = (),
     ) -> AxisLikelihood:
         """Return the density of the rows."""
