@@ -5,7 +5,7 @@ import numpy as np
 from bayesfric.claims.base import Case, Claim, Finding, Verdict
 from bayesfric.claims.comparison import share
 from bayesfric.inference.priors import draw
-from bayesfric.physics.compliant import Cable
+from bayesfric.physics.cable import Cable
 from bayesfric.rigs.base import Unsupported
 
 CABLES = 64  # draws of the cable from its priors

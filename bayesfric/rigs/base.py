@@ -18,7 +18,7 @@ from bayesfric.arrays import Array
 from bayesfric.effects import Effect, State
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.inference.model import RigLikelihood
-from bayesfric.physics.compliant import Cable
+from bayesfric.physics.cable import Cable
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Recording, RigConstants

@@ -53,8 +53,7 @@ def trajectories(
         law = Coefficients(*(named[f"{c}[{row['pulley_size']}]"] for c in Coefficients._fields))
         friction = factor[:, place] * baseline.gravity(law, condition)
         acceleration = (condition.drive_force_n - friction) / condition.total_mass_kg
-        still = np.zeros_like(acceleration)[:, None]
-        motion = Trajectory(acceleration[:, None], still, still + start_speed)
+        motion = Trajectory(acceleration[:, None], start_speed)
         tables.append(
             (row, time, events["displacement_m"].to_numpy(), bands(motion.position(time)))
         )

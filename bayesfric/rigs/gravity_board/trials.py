@@ -14,7 +14,7 @@ from bayesfric.arrays import Array
 from bayesfric.effects import Effect
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
-from bayesfric.physics.compliant import Cable
+from bayesfric.physics.cable import Cable
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import nominal_tension
 from bayesfric.physics.laws import BASELINES, FrictionLaw
