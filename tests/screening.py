@@ -1,5 +1,7 @@
 """A quick look at claims, of which none is judged."""
 
+from dataclasses import replace
+
 from bayesfric.analysis import Analysis
 from bayesfric.claims import registered
 from bayesfric.claims.checking import rival_effects
@@ -14,7 +16,8 @@ def screen_claims(recording):
     Of all sizes together.
     """
     analysis = Analysis()
-    entered = Entered.of(recording).whole()
+    entered = Entered.of(recording)
+    entered = replace(entered, data={name: entered.data[name] for name in entered.rigs})
     compared = [claim for claim in registered() if claim.by_size and claim.rivals]
     claims = [claim for claim in compared if not claim.untestable(entered)]
     tasks = list(dict.fromkeys(task for claim in claims for task in claim.tasks(entered)))

@@ -202,10 +202,10 @@ def same_around(verdicts: Sequence[Verdict], verdict: Verdict) -> tuple[float, f
     return WIDTHS[low], WIDTHS[high]
 
 
-def _quantile(values: Array, weights: Array, level: float = 0.95) -> float:
-    """Return a quantile of weighted draws; the weights add up to 1."""
+def _quantile(values: Array, weights: Array) -> float:
+    """Return the 95 % quantile of weighted draws; the weights add up to 1."""
     order = np.argsort(values)
-    place = int(np.searchsorted(np.cumsum(weights[order]), level))
+    place = int(np.searchsorted(np.cumsum(weights[order]), 0.95))
     return float(values[order][min(place, len(order) - 1)])
 
 

@@ -1,7 +1,7 @@
 """The data that claims are judged on, by name, and the law that they are about."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import permutations
 
 from bayesfric.fitting.hypothesis import Hypothesis
@@ -71,10 +71,6 @@ class Entered:
     def rigs(self) -> tuple[str, ...]:
         """Names of the rigs."""
         return tuple(name for name in self.data if "/" not in name and "+" not in name)
-
-    def whole(self) -> "Entered":
-        """Return the data of all sizes together, without those of each."""
-        return replace(self, data={name: self.data[name] for name in self.rigs})
 
     def trials(self, name: str) -> RigTrials:
         """Return the trials of a rig."""
