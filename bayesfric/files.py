@@ -45,22 +45,20 @@ def file_bytes(path: Path, name: str | None = None, most: int | None = None) -> 
         raise InputError([Fault(name, f"a readable file ({reason})")]) from error
 
 
-def read_toml(path: Path, name: str | None = None) -> dict[str, Any]:
+def read_toml(path: Path) -> dict[str, Any]:
     """Return the keys of a TOML file.
 
     Parameters
     ----------
     path : Path
         The file.
-    name : str or None
-        What an error calls it; None for the path's last part.
 
     Raises
     ------
     InputError
         It cannot be read, is not UTF-8 or is not TOML: where, and why.
     """
-    name = path.name if name is None else name
+    name = path.name
     data = file_bytes(path, name, LARGEST_TOML)
     try:
         return tomllib.loads(data.decode("utf-8"))

@@ -4,6 +4,6 @@ A file of this folder that holds a ``CLAIM`` is a claim; there is no list to add
 """
 
 from bayesfric.claims.base import Claim
-from bayesfric.claims.checking import Checked, check_claims, registered, screen_claims
+from bayesfric.claims.checking import Checked, check_claims, registered
 
-__all__ = ["Checked", "Claim", "check_claims", "registered", "screen_claims"]
+__all__ = ["Checked", "Claim", "check_claims", "registered"]

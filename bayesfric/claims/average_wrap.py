@@ -48,7 +48,7 @@ CLAIM = Claim(
     statement="Of the individual wrap angles only the average matters.",
     paper="θ is the average of the individual wrap angles (eqs (15), (16); Table II).",
     judge=compare,
-    motion="accelerated",
+    regime="accelerated",
     effects=(SPREAD,),
     rivals=tuple(Hypothesis(effects=(("wrap-spread", law),)) for law in SPREAD.laws),
 )

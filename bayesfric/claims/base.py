@@ -13,7 +13,7 @@ from bayesfric.claims.studies import Studied, Task
 from bayesfric.effects import Effect, all_effects
 from bayesfric.fitting.hypothesis import Hypothesis
 from bayesfric.recording.tables import Recording
-from bayesfric.rigs.base import Motion
+from bayesfric.rigs.base import Regime
 
 __all__ = ["Case", "Claim", "Finding", "Verdict"]
 
@@ -78,7 +78,7 @@ class Claim:
         What the paper states, and where.
     judge : callable
         (claim, case) to a finding.
-    motion : {"accelerated", "steady"} or None
+    regime : {"accelerated", "steady"} or None
         How the trials that it is about move; it takes the first rig whose trials do.
         None where it needs no data.
     beside : {"accelerated", "steady"} or None
@@ -103,8 +103,8 @@ class Claim:
     statement: str
     paper: str
     judge: Callable[["Claim", "Case"], Finding]
-    motion: Motion | None = None
-    beside: Motion | None = None
+    regime: Regime | None = None
+    beside: Regime | None = None
     effects: tuple[Effect, ...] = ()
     rivals: tuple[Hypothesis, ...] = ()
     levels: Mapping[str, int] = field(default_factory=dict)
@@ -113,8 +113,8 @@ class Claim:
 
     def subject(self, entered: Entered) -> str:
         """Return the name of the data that the claim is judged on, where it is testable."""
-        needed = (motion for motion in (self.motion, self.beside) if motion is not None)
-        return "+".join(str(entered.first(motion)) for motion in needed)
+        needed = (regime for regime in (self.regime, self.beside) if regime is not None)
+        return "+".join(str(entered.first(regime)) for regime in needed)
 
     def against(self, entered: Entered) -> tuple[Hypothesis, ...]:
         """Return the rivals; those that add to the law add to the one that is claimed."""
@@ -126,10 +126,10 @@ class Claim:
         """Return what the data lack to compare the claim with its rivals, or nothing."""
         if not entered.has_pulleys:
             return "It is about cables over pulleys, and these data have none."
-        for motion in (self.motion, self.beside):
-            if motion is not None and entered.first(motion) is None:
-                return entered.lack(motion)
-        if self.motion is None:
+        for regime in (self.regime, self.beside):
+            if regime is not None and entered.first(regime) is None:
+                return entered.lack(regime)
+        if self.regime is None:
             return ""
         if self.beside is not None:
             shared = self.subject(entered) in entered.data
@@ -146,14 +146,14 @@ class Claim:
 
     def tasks(self, entered: Entered) -> list[Task]:
         """Return what must be studied, of the data that there are."""
-        if self.motion is None or self.untestable(entered):
+        if self.regime is None or self.untestable(entered):
             return []
         subject = self.subject(entered)
         names = [subject]
         if self.by_size:
             names += [name for name in entered.data if name.startswith(f"{subject}/")]
         return [
-            Task(name, one) for name in names for one in (entered.baseline, *self.against(entered))
+            Task(name, one) for name in names for one in (entered.claimed, *self.against(entered))
         ]
 
 
@@ -185,13 +185,13 @@ class Case:
     effects: Mapping[str, Effect] = field(default_factory=dict)
     posterior: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)
 
-    def baseline(self, rig: str) -> Mapping[str, Array]:
+    def draws(self, rig: str) -> Mapping[str, Array]:
         """Return draws of the law by parameter, given one rig's data; empty without any."""
-        return self.posterior.get(rig) or self.studied[Task(rig, self.entered.baseline)].theta
+        return self.posterior.get(rig) or self.studied[Task(rig, self.entered.claimed)].theta
 
     def undrawn(self, rig: str) -> Finding | None:
         """Return the finding where the law has no draws given one rig's data."""
-        if self.baseline(rig):
+        if self.draws(rig):
             return None
-        why = self.studied[Task(rig, self.entered.baseline)].why
+        why = self.studied[Task(rig, self.entered.claimed)].why
         return Finding("undecided", f"The posterior could not be drawn: {why}.")

@@ -19,7 +19,7 @@ from bayesfric.arrays import Array
 from bayesfric.characters import legible
 from bayesfric.checkpoint import NOTHING_KEPT, Checkpoint
 from bayesfric.claims.base import Case, Claim, Finding
-from bayesfric.claims.comparison import bayes_factor, log_evidence
+from bayesfric.claims.comparison import log_evidence
 from bayesfric.claims.contradictions import contradictions
 from bayesfric.claims.entered import PAPER, Entered
 from bayesfric.claims.kept_draws import models_kept
@@ -35,7 +35,7 @@ from bayesfric.schemas import (
     SelfContradiction,
 )
 
-__all__ = ["Checked", "check_claims", "registered", "rival_effects", "screen_claims"]
+__all__ = ["Checked", "check_claims", "registered", "rival_effects"]
 
 
 @cache
@@ -228,7 +228,7 @@ def _compared(
     claims: Sequence[Claim], entered: Entered, studied: Mapping[Task, Studied]
 ) -> set[Task]:
     """Return the law and each claim's best rival, given all sizes together."""
-    found = {task for task in studied if task.hypothesis == entered.baseline}
+    found = {task for task in studied if task.hypothesis == entered.claimed}
     for claim in claims:
         rivals = [
             task
@@ -237,38 +237,6 @@ def _compared(
         ]
         if rivals:
             found.add(max(rivals, key=lambda task: log_evidence(studied[task])))
-    return found
-
-
-def screen_claims(
-    recording: Recording, analysis: Analysis | None = None, *, executor: Executor | None = None
-) -> dict[str, tuple[float, float]]:
-    """Weigh the claims that have rivals, and judge none of them.
-
-    A quick look at all sizes together: Bayes factors alone.
-
-    Parameters
-    ----------
-    recording, analysis, executor
-        As for :func:`check_claims`.
-
-    Returns
-    -------
-    dict of str to (float, float)
-        Log10 Bayes factor and its error, of the claims for which they can be had.
-    """
-    analysis = Analysis() if analysis is None else analysis
-    entered = Entered.of(recording).whole()
-    compared = [claim for claim in registered() if claim.by_size and claim.rivals]
-    claims = [claim for claim in compared if not claim.untestable(entered)]
-    tasks = list(dict.fromkeys(task for claim in claims for task in claim.tasks(entered)))
-    effects = rival_effects(analysis)
-    studied = study_all(tasks, entered.data, analysis, effects, executor)
-    found = {}
-    for claim in claims:
-        own, *rivals = (studied[task] for task in claim.tasks(entered))
-        if all(one.evidence is not None for one in (own, *rivals)):
-            found[claim.name] = bayes_factor(own, rivals)
     return found
 
 

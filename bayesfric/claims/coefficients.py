@@ -121,7 +121,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
         return Finding("not-testable", "The recording has no pulley size of Table I.")
     if undrawn := case.undrawn(name):
         return undrawn
-    theta = case.baseline(name)
+    theta = case.draws(name)
     parameters = coefficient_parameters(tuple(sizes), case.analysis)
     printed = [getattr(table1()[p.name[3:-1]], p.name[:2]) for p in parameters]
     point = np.array([number.value for number in printed])
@@ -131,7 +131,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
     off = largest_difference(theta, sizes)
     rules = case.analysis.claims
     probability = float((off <= rules.table1_tolerance).mean())
-    model = model_of(data, case.analysis, case.entered.baseline, all_effects())
+    model = model_of(data, case.analysis, case.entered.claimed, all_effects())
     whole = np.stack([theta[parameter] for parameter in model.names], axis=1)
     informed = dict(zip(model.names, informed_by_data(model, whole), strict=True))
     uninformed = [p.name for p in parameters if not informed[p.name]]
@@ -155,6 +155,6 @@ CLAIM = Claim(
     statement="The coefficients are those of Table I.",
     paper="Table I, as printed.",
     judge=_judge,
-    motion="accelerated",
+    regime="accelerated",
     by_size=False,
 )

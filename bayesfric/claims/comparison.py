@@ -45,7 +45,7 @@ def compare(claim: Claim, case: Case) -> Finding:
         return Finding("not-testable", lack)
     name = claim.subject(case.entered)
     rules = case.analysis.claims
-    own = case.studied[Task(name, case.entered.baseline)]
+    own = case.studied[Task(name, case.entered.claimed)]
     rivals = {one: case.studied[Task(name, one)] for one in claim.against(case.entered)}
     lacking = [f"{one.label}: {found.why}" for one, found in rivals.items() if not found.evidence]
     known = {one: found for one, found in rivals.items() if found.evidence is not None}
@@ -202,10 +202,10 @@ def same_around(verdicts: Sequence[Verdict], verdict: Verdict) -> tuple[float, f
     return WIDTHS[low], WIDTHS[high]
 
 
-def _quantile(values: Array, weights: Array, level: float = 0.95) -> float:
-    """Return a quantile of weighted draws; the weights add up to 1."""
+def _quantile(values: Array, weights: Array) -> float:
+    """Return the 95 % quantile of weighted draws; the weights add up to 1."""
     order = np.argsort(values)
-    place = int(np.searchsorted(np.cumsum(weights[order]), level))
+    place = int(np.searchsorted(np.cumsum(weights[order]), 0.95))
     return float(values[order][min(place, len(order) - 1)])
 
 
@@ -343,7 +343,7 @@ def bayes_factor(
 
 
 def _by_pulley(claim: Claim, case: Case, name: str) -> tuple[float | None, float | None, str]:
-    own = case.studied[Task(name, case.entered.baseline)]
+    own = case.studied[Task(name, case.entered.claimed)]
     rivals = [case.studied[Task(name, one)] for one in claim.against(case.entered)]
     lacking = [one.why for one in (own, *rivals) if one.evidence is None]
     if lacking:

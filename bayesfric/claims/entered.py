@@ -1,13 +1,13 @@
 """The data that claims are judged on, by name, and the law that they are about."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import permutations
 
 from bayesfric.fitting.hypothesis import Hypothesis
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs import all_rigs
-from bayesfric.rigs.base import Motion, RigTrials
+from bayesfric.rigs.base import Regime, RigTrials
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.opening import baseline_of, chosen_rigs, open_rigs, rigs_with_trials
 
@@ -63,7 +63,7 @@ class Entered:
         return cls(data, tuple(name for name in there if name not in data), law)
 
     @property
-    def baseline(self) -> Hypothesis:
+    def claimed(self) -> Hypothesis:
         """The law, and nothing beside it."""
         return Hypothesis(self.law)
 
@@ -72,21 +72,17 @@ class Entered:
         """Names of the rigs."""
         return tuple(name for name in self.data if "/" not in name and "+" not in name)
 
-    def whole(self) -> "Entered":
-        """Return the data of all sizes together, without those of each."""
-        return replace(self, data={name: self.data[name] for name in self.rigs})
-
     def trials(self, name: str) -> RigTrials:
         """Return the trials of a rig."""
         (trials,) = self.data[name].rigs
         return trials
 
-    def first(self, motion: Motion) -> str | None:
+    def first(self, regime: Regime) -> str | None:
         """Return the name of the first rig that moves so, if one has data."""
         moving = (
             name
             for name in self.rigs
-            if self.trials(name).rig.motion == motion and self.trials(name).has_pulleys
+            if self.trials(name).rig.regime == regime and self.trials(name).has_pulleys
         )
         return next(moving, None)
 
@@ -95,9 +91,9 @@ class Entered:
         """Whether any data are of a cable over pulleys, which claims are about."""
         return any(self.trials(name).has_pulleys for name in self.rigs)
 
-    def lack(self, motion: Motion) -> str:
+    def lack(self, regime: Regime) -> str:
         """Return why there is no rig that moves so, a sentence."""
-        kinds = [rig for rig in all_rigs().values() if rig.motion == motion]
+        kinds = [rig for rig in all_rigs().values() if rig.regime == regime]
         without = [rig for rig in kinds if rig.name in self.left_out]
         if without:
             return f"The {' and the '.join(rig.words.rig for rig in without)} was left out."

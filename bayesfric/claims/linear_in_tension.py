@@ -10,7 +10,7 @@ CLAIM = Claim(
     statement="Friction is a straight line in tension.",
     paper="fc is linear in T at 85°, with R² above 0.99 for each size and n (Fig. 12).",
     judge=compare,
-    motion="accelerated",
+    regime="accelerated",
     rivals=tuple(
         Hypothesis(effects=(("tension-curvature", law),)) for law in ("quadratic", "power")
     ),

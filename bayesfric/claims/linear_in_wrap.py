@@ -12,7 +12,7 @@ CLAIM = Claim(
     paper="fc is linear in θ (Fig. 14), its slope proportional to n (eqs (10), (11)) and to T "
     "(eq. (9)); c2 does not depend on θ.",
     judge=compare,
-    motion="accelerated",
+    regime="accelerated",
     rivals=(
         Hypothesis(effects=(("wrap-curvature", "quadratic"),)),
         Hypothesis(effects=(("wrap-intercept", "linear"),)),

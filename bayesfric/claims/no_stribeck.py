@@ -28,6 +28,6 @@ CLAIM = Claim(
     statement="Friction does not rise towards standstill.",
     paper="With rolling bearings neither stiction nor a Stribeck term is needed (Sec. II).",
     judge=_judge,
-    motion="accelerated",
+    regime="accelerated",
     rivals=tuple(Hypothesis(effects=(("stribeck", law),)) for law in ("exponential", "gaussian")),
 )

@@ -10,7 +10,7 @@ CLAIM = Claim(
     statement="A falling weight's friction does not grow with its speed.",
     paper="Trajectories fit without fv; R² of a trial is often above 0.95 (Sec. III.B, Fig. 11).",
     judge=compare,
-    motion="accelerated",
+    regime="accelerated",
     rivals=tuple(
         Hypothesis(effects=(("viscous", law),)) for law in ("constant", "tension", "wrap")
     ),

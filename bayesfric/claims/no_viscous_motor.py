@@ -11,7 +11,7 @@ CLAIM = Claim(
     paper="Friction is the same at every speed, whatever tension (Figs 4, 5), wrap angle (Fig. 6) "
     "or number of pulleys (Fig. 7).",
     judge=compare,
-    motion="steady",
+    regime="steady",
     rivals=tuple(
         Hypothesis(effects=(("viscous", law),)) for law in ("constant", "tension", "wrap")
     ),

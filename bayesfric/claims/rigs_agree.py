@@ -114,7 +114,7 @@ CLAIM = Claim(
     statement="The motor board's friction is what the law of the gravity board gives.",
     paper="Means of the motor board lie within 5 % of eq. (16) mostly, within 10 % at most.",
     judge=_judge,
-    motion="accelerated",
+    regime="accelerated",
     beside="steady",
     by_size=False,
 )

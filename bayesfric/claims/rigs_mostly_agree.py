@@ -38,7 +38,7 @@ CLAIM = Claim(
     statement="Most of the motor board's frictions are within 5 % of the gravity board's law.",
     paper="Means of the motor board lie within 5 % of eq. (16) mostly.",
     judge=_judge,
-    motion="accelerated",
+    regime="accelerated",
     beside="steady",
     by_size=False,
 )

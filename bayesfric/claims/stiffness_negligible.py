@@ -5,7 +5,7 @@ import numpy as np
 from bayesfric.claims.base import Case, Claim, Finding, Verdict
 from bayesfric.claims.comparison import share
 from bayesfric.inference.priors import draw
-from bayesfric.physics.compliant import Cable
+from bayesfric.physics.cable import Cable
 from bayesfric.rigs.base import Unsupported
 
 CABLES = 64  # draws of the cable from its priors
@@ -25,7 +25,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
     )
     if undrawn := case.undrawn(name):
         return undrawn
-    ratios = case.entered.trials(name).stretch_ratios(cable, case.baseline(name))
+    ratios = case.entered.trials(name).stretch_ratios(cable, case.draws(name))
     if isinstance(ratios, Unsupported):
         return Finding("not-testable", ratios.reason)
     off = np.abs(ratios - 1)
@@ -56,7 +56,7 @@ CLAIM = Claim(
     statement="The stretch of the cable can be left out.",
     paper="Models (3) and (4) give 0.816 and 0.818 N (medium, n = 9, 85°, 15.5 N; Sec. III.B).",
     judge=_judge,
-    motion="accelerated",
+    regime="accelerated",
     about_these_data=False,
     by_size=False,
 )

@@ -55,7 +55,7 @@ CLAIM = Claim(
     statement="The slope of friction in the wrap angle is proportional to the number of pulleys.",
     paper="Eqs (10) and (11): the slope in θ is c3 T n, without an offset.",
     judge=compare,
-    motion="accelerated",
+    regime="accelerated",
     effects=(DEPARTURE,),
     rivals=tuple(Hypothesis(effects=(("wrap-slope", law),)) for law in DEPARTURE.laws),
     levels={"wrap_angle_deg": 2, "n_pulleys": 2},

@@ -9,7 +9,7 @@ from bayesfric.diagnosis.climbing import climb
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.errors import Fault, InputError
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import Baseline
+from bayesfric.physics.laws import FrictionLaw
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.coefficients import coefficient_name, law_of
@@ -22,7 +22,7 @@ __all__ = ["data_of", "fitted_baseline"]
 
 def data_of(
     recording: Recording, baseline: str, simulator: SimulatorCalls | None
-) -> tuple[Data, Baseline]:
+) -> tuple[Data, FrictionLaw]:
     """Return the trials that enter a diagnosis, and the law by its name.
 
     Raises
@@ -48,7 +48,7 @@ def fitted_baseline(
     analysis: Analysis,
     fixed: frozenset[str],
     shipped: Mapping[str, Coefficients],
-    law: Baseline,
+    law: FrictionLaw,
     climb: Callable[..., At] = climb,
 ) -> tuple[Data, tuple[str, ...], dict[str, Coefficients], Array]:
     """Fit the law, leave out trials that stray, and fit again, by climbing as asked.
@@ -89,7 +89,7 @@ def fitted_baseline(
     return data, stray, laws, psi
 
 
-def _rough_laws(data: Data, analysis: Analysis, law: Baseline) -> dict[str, Coefficients]:
+def _rough_laws(data: Data, analysis: Analysis, law: FrictionLaw) -> dict[str, Coefficients]:
     """Return laws by plain least squares, without what the law lacks."""
     start: dict[str, float] = {}
     for one in reversed(data.rigs):

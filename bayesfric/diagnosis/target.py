@@ -18,7 +18,7 @@ from bayesfric.diagnosis.systematic import Posterior, interval
 from bayesfric.effects.base import Effect
 from bayesfric.errors import Fault, InputError
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import Baseline
+from bayesfric.physics.laws import FrictionLaw
 from bayesfric.rigs.base import RigTrials, Unsupported
 from bayesfric.rigs.coefficients import coefficient_name
 from bayesfric.schemas import ConditionAsked, FrictionAsked, LawNumber
@@ -75,7 +75,7 @@ def check_target(target: pd.DataFrame, trials: RigTrials, sizes: Collection[str]
 def friction_at(
     target: pd.DataFrame,
     model: LinearModel,
-    baseline: Baseline,
+    baseline: FrictionLaw,
     before: Mapping[str, LawNumber],
     posterior: Posterior,
     named: Collection[str],
@@ -90,7 +90,7 @@ def friction_at(
         C conditions, as :func:`check_target` passes them.
     model : LinearModel
         In which hypotheses were compared.
-    baseline : Baseline
+    baseline : FrictionLaw
         The friction law.
     before : mapping of str to LawNumber
         The law fitted alone, by name of coefficient.
@@ -150,7 +150,7 @@ def friction_at(
 
 
 def _friction(
-    trials: RigTrials, baseline: Baseline, condition: pd.DataFrame, law: Coefficients
+    trials: RigTrials, baseline: FrictionLaw, condition: pd.DataFrame, law: Coefficients
 ) -> Array:
     """Return the law's friction at a condition, (S,)."""
     state = trials.at(condition, law)

@@ -13,7 +13,6 @@ import numpy as np
 from scipy.stats import norm
 
 from bayesfric.analysis import HalfCauchy, HalfNormal, LogNormal, Normal, Prior, Uniform
-from bayesfric.arrays import Array
 from bayesfric.effects import Effect
 from bayesfric.inference.priors import from_normal
 
@@ -61,26 +60,15 @@ class Candidate:
         return float(from_normal(self.effect.shape.prior, self.node))
 
 
-def candidates_of(effect: Effect, nodes: Mapping[str, Array] | None = None) -> list[Candidate]:
-    """Return the candidates of an effect.
-
-    Parameters
-    ----------
-    effect : Effect
-        What may act.
-    nodes : mapping of str to ndarray, or None
-        Nodes of each law, ascending normal quantiles; None is the usual ones.
-    """
-    usual = np.zeros(1) if effect.shape is None else SHAPE_NODES
-    found = []
-    for law in effect.laws:
-        places = usual if nodes is None else nodes[law]
-        cells = np.gradient(places) if places.size > 1 else np.zeros(1)
-        found += [
-            Candidate(effect, law, float(node), float(cell))
-            for node, cell in zip(places, cells, strict=True)
-        ]
-    return found
+def candidates_of(effect: Effect) -> list[Candidate]:
+    """Return the candidates of an effect, by law and then by ascending nodes of the shape."""
+    nodes = np.zeros(1) if effect.shape is None else SHAPE_NODES
+    cells = np.gradient(nodes) if nodes.size > 1 else np.zeros(1)
+    return [
+        Candidate(effect, law, float(node), float(cell))
+        for law in effect.laws
+        for node, cell in zip(nodes, cells, strict=True)
+    ]
 
 
 def unit_values(candidate: Candidate) -> tuple[Mapping[str, Any], float]:

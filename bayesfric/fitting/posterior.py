@@ -23,7 +23,7 @@ from bayesfric.fitting.summary import summarise, summarise_without_exclusions
 from bayesfric.fitting.tested import tested_conditions
 from bayesfric.inference.model import Model
 from bayesfric.inference.sampling import Progress
-from bayesfric.physics.laws import Baseline
+from bayesfric.physics.laws import FrictionLaw
 from bayesfric.recording.tables import Recording
 from bayesfric.results import (
     identified,
@@ -220,7 +220,7 @@ def fit(
 
 def opened(
     recording: Recording, analysis: Analysis, rigs: Sequence[str], baseline: str
-) -> tuple[Data, Baseline, Analysis]:
+) -> tuple[Data, FrictionLaw, Analysis]:
     """Return what enters a fit, its law, and the analysis with the rigs' own priors.
 
     Parameters and errors are those of :func:`fit`.
@@ -229,7 +229,7 @@ def opened(
     return data, baseline_of(baseline, data.rigs), with_own_priors(analysis, data.rigs)
 
 
-def model_of_law(data: Data, analysis: Analysis, law: Baseline) -> Model:
+def model_of_law(data: Data, analysis: Analysis, law: FrictionLaw) -> Model:
     """Return the posterior of a law that nothing acts beside."""
     return Model([trials.likelihood(analysis, law) for trials in data.rigs])
 

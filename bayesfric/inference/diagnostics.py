@@ -220,15 +220,13 @@ def multivariate_r_hat(chains: Array) -> float:
     return float(np.sqrt((half - 1) / half + (1 + 0.5 / count) * largest))
 
 
-def smooth_weights(log_weights: Array, r_eff: float = 1.0) -> tuple[Array, float]:
+def smooth_weights(log_weights: Array) -> tuple[Array, float]:
     """Smooth the largest importance weights by a Pareto distribution fitted to them.
 
     Parameters
     ----------
     log_weights : ndarray, shape (N,)
         Unnormalised; −inf is a weight of zero.
-    r_eff : float
-        Effective draws over draws.
 
     Returns
     -------
@@ -251,13 +249,13 @@ def smooth_weights(log_weights: Array, r_eff: float = 1.0) -> tuple[Array, float
         return log_weights, float("inf")
     if ordered[-1] - ordered[-5] < 1e-12:
         return log_weights, 0.0  # no tail to fit
-    tail = int(np.ceil(min(ordered.size / 5, 3 * np.sqrt(ordered.size / r_eff))))
+    tail = int(np.ceil(min(ordered.size / 5, 3 * np.sqrt(ordered.size))))
     if ordered[tail // 4 - tail] == ordered[-tail]:
         return log_weights, float("inf")  # a quarter of the tail is one draw
     beside = np.exp(ordered[-tail - 1 :] - ordered[-1])
     if beside[int(tail / 4 + 0.5)] == beside[0]:
         return log_weights, float("inf")  # beside the largest, a quarter of the tail is nothing
-    normalised, k = array_stats.psislw(-weights, r_eff=r_eff)
+    normalised, k = array_stats.psislw(-weights, r_eff=1.0)
     # The library normalises; the smallest weight is as it was but for that.
     smallest = np.argmin(weights)
     smoothed = log_weights.copy()

@@ -22,7 +22,6 @@ __all__ = [
     "coulomb_friction",
     "equal_pulleys",
     "in_a_row",
-    "pulley_by_pulley",
     "recursive_friction",
     "tension_slope",
 ]
@@ -143,25 +142,6 @@ def equal_pulleys(
     share = -np.expm1(n * np.log1p(-a))
     passes = np.where(a == 0, n, share / np.where(a == 0, 1.0, a))
     return TensionLoss(share, _floats(coefficients.c2) * passes)
-
-
-def pulley_by_pulley(coefficients: Coefficients, wrap_angles_deg: ArrayLike) -> TensionLoss:
-    """Return the tension loss over pulleys that each have a wrap angle of their own.
-
-    Parameters
-    ----------
-    coefficients : Coefficients
-        Of the pulley size, shape (...); each a_i = c1 + c3 (θ_i − 85°) below 1.
-    wrap_angles_deg : array_like, shape (..., n)
-        Wrap angle of each pulley, from the drive to the load [deg].
-
-    Returns
-    -------
-    TensionLoss
-        Of shape (...).
-    """
-    columns = Coefficients(*(_floats(value)[..., None] for value in coefficients))
-    return in_a_row(tension_slope(columns, 1.0, wrap_angles_deg), coefficients.c2)
 
 
 def in_a_row(shares: ArrayLike, constant_n: ArrayLike) -> TensionLoss:

@@ -25,11 +25,11 @@ from bayesfric.physics.friction import (
 from bayesfric.physics.gravity import Condition, board_friction, recursive_board_friction
 from bayesfric.physics.motor import MotorCondition, motor_friction, recursive_motor_friction
 
-__all__ = ["BASELINES", "RIVAL_LAWS", "VISCOUS", "Baseline"]
+__all__ = ["BASELINES", "RIVAL_LAWS", "VISCOUS", "FrictionLaw"]
 
 
 @dataclass(frozen=True)
-class Baseline:
+class FrictionLaw:
     """A friction law on each board.
 
     Parameters
@@ -65,17 +65,17 @@ def _recursive_at_tension(
 
 VISCOUS = "viscous"
 BASELINES = {
-    "paper": Baseline("paper", board_friction, motor_friction, coulomb_friction),
-    "recursive": Baseline(
+    "paper": FrictionLaw("paper", board_friction, motor_friction, coulomb_friction),
+    "recursive": FrictionLaw(
         "recursive", recursive_board_friction, recursive_motor_friction, _recursive_at_tension
     ),
-    "proportional": Baseline(
+    "proportional": FrictionLaw(
         "proportional", board_friction, motor_friction, coulomb_friction, ("c2",)
     ),
-    "constant": Baseline(
+    "constant": FrictionLaw(
         "constant", board_friction, motor_friction, coulomb_friction, ("c1", "c3")
     ),
-    VISCOUS: Baseline(VISCOUS, board_friction, motor_friction, coulomb_friction),
+    VISCOUS: FrictionLaw(VISCOUS, board_friction, motor_friction, coulomb_friction),
 }
 """The laws by name."""
 
@@ -90,7 +90,7 @@ def _bearing_load(coefficients: Coefficients, wrap_angle_deg: ArrayLike) -> Coef
     return Coefficients(coefficients.c1 * load, coefficients.c2, 0.0)
 
 
-def _rival(name: str, change: Callable[[Coefficients, ArrayLike], Coefficients]) -> Baseline:
+def _rival(name: str, change: Callable[[Coefficients, ArrayLike], Coefficients]) -> FrictionLaw:
     """Return eq. (15) with coefficients that a wrap angle changes."""
 
     def gravity(coefficients: Coefficients, condition: Condition) -> Array:
@@ -104,7 +104,7 @@ def _rival(name: str, change: Callable[[Coefficients, ArrayLike], Coefficients])
     ) -> Array:
         return coulomb_friction(change(coefficients, wrap), n, wrap, tension)
 
-    return Baseline(name, gravity, motor, at_tension)
+    return FrictionLaw(name, gravity, motor, at_tension)
 
 
 RIVAL_LAWS = {

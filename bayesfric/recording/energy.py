@@ -6,7 +6,6 @@ sign or a constant of the rig is wrong.
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from bayesfric.errors import Fault
 from bayesfric.recording.schemas import Table
@@ -93,14 +92,13 @@ def pushes_a_cable(
     pull, weight : Series of float
         By its rows [N].
     """
-    pushed = pull < PUSHED * weight
-    if pushed.mean() <= MANY:
-        return []
-    expected = (
+    return _where_many(
+        runs,
+        pull < PUSHED * weight,
+        "current_a",
         "a current that pulls, with the sign of the torque that raises; beyond that of the motor "
-        "alone this one pushes the cable (are its sign and the unit of motor_idle.csv right?)"
+        "alone this one pushes the cable (are its sign and the unit of motor_idle.csv right?)",
     )
-    return runs.text.faults_at(np.flatnonzero(pushed), "current_a", expected, most=1)
 
 
 def tears_a_cable(points: Table) -> list[Fault]:
@@ -116,13 +114,17 @@ def tears_a_cable(points: Table) -> list[Fault]:
     """
     if not points.has("friction_n", "tension_n"):
         return []
-    wrong: NDArray[np.bool_] = np.asarray(
-        points.frame["friction_n"].abs() > 2 * points.frame["tension_n"]
+    return _where_many(
+        points,
+        points.frame["friction_n"].abs() > 2 * points.frame["tension_n"],
+        "friction_n",
+        "friction of at most twice the tension: beyond that one end of the cable would push "
+        "(is it in millinewtons or grams?)",
     )
+
+
+def _where_many(table: Table, wrong: "pd.Series[bool]", column: str, expected: str) -> list[Fault]:
+    """Return the fault of the first wrong row, where many are."""
     if wrong.mean() <= MANY:
         return []
-    expected = (
-        "friction of at most twice the tension: beyond that one end of the cable would push "
-        "(is it in millinewtons or grams?)"
-    )
-    return points.text.faults_at(np.flatnonzero(wrong), "friction_n", expected, most=1)
+    return table.text.faults_at(np.flatnonzero(wrong), column, expected, most=1)

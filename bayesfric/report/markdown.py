@@ -1,7 +1,4 @@
-"""The content tree as GitHub-flavoured Markdown, whole or page one alone.
-
-Figures are named by their captions; everything else is there.
-"""
+"""Page one of the content tree as GitHub-flavoured Markdown, without its figures."""
 
 import re
 from collections.abc import Mapping
@@ -13,15 +10,12 @@ from bayesfric.report.content import (
     Code,
     Document,
     Emphasis,
-    Equation,
     Figure,
     Heading,
     Inline,
     Link,
-    Listing,
     Math,
     Notice,
-    PageBreak,
     Paragraph,
     Reference,
     Strong,
@@ -31,28 +25,13 @@ from bayesfric.report.content import (
 )
 from bayesfric.report.numbering import Place, label_places, number_blocks
 
-__all__ = ["render_markdown", "render_summary"]
+__all__ = ["render_summary"]
 
 _RULES = {"left": "---", "center": ":-:", "right": "--:", "decimal": "--:"}
 
 
-def render_markdown(document: Document) -> str:
-    """Write a whole document as GitHub-flavoured Markdown.
-
-    Parameters
-    ----------
-    document : Document
-
-    Returns
-    -------
-    str
-        The same for the same document; ends with a line end.
-    """
-    return _render(document, len(document.blocks))
-
-
 def render_summary(document: Document) -> str:
-    """Write page one alone, without figures: what fits a comment on a change of code.
+    """Write page one as GitHub-flavoured Markdown: what fits a comment on a change of code.
 
     Parameters
     ----------
@@ -61,14 +40,9 @@ def render_summary(document: Document) -> str:
     Returns
     -------
     str
-        What stands before the first heading, as :func:`render_markdown` writes it;
-        references name places of the whole report.
+        What stands before the first heading, without its figures; the same for the same
+        document. References name places of the whole report.
     """
-    headings = [i for i, block in enumerate(document.blocks) if isinstance(block, Heading)]
-    return _render(document, min(headings, default=len(document.blocks)), figures=False)
-
-
-def _render(document: Document, count: int, figures: bool = True) -> str:
     labels = label_places(document)
     parts = [f"# {_escape(document.title)}"]
     if document.subtitle:
@@ -78,36 +52,26 @@ def _render(document: Document, count: int, figures: bool = True) -> str:
         made.append(document.date.date().isoformat())
     if made:
         parts.append(_guard(", ".join(made)))
-    for block, place in list(zip(document.blocks, number_blocks(document), strict=True))[:count]:
-        if isinstance(block, PageBreak) or (isinstance(block, Figure) and not figures):
-            continue
-        parts.append(_block(block, place, labels))
+    for block, place in zip(document.blocks, number_blocks(document), strict=True):
+        if isinstance(block, Heading):
+            break
+        if not isinstance(block, Figure):
+            parts.append(_block(block, place, labels))
     return "\n\n".join(parts) + "\n"
 
 
 def _block(block: Block, place: Place | None, labels: Mapping[str, Place]) -> str:
-    name = place.name if place else ""
     match block:
-        case Heading(level, words) if place is not None:
-            return f"{'#' * (level + 1)} {place.number} {_escape(words)}"
         case Paragraph(words):
             return _guard(_text(words, labels))
         case BulletList(items):
             return "\n".join(f"- {_guard(_text(item, labels))}" for item in items)
         case Notice():
             return f"> **{_escape(block.title)}.** {_text(block.text, labels)}"
-        case Listing(words):
-            shown = legible(words, lines=True)
-            fence = _fence(shown, at_least=3)
-            return f"{fence}text\n{shown}\n{fence}"
-        case Equation(source):
-            return f"```math\n{source}\n```\n\n({name})"
-        case Figure():
-            return f"**{name}.** {_text(block.caption, labels)} *({_escape(block.alt)})*"
         case Table():
-            return _table(block, name, labels)
+            return _table(block, place.name if place else "", labels)
         case _:
-            raise TypeError(f"not a block: {block!r}")
+            raise TypeError(f"not a block of page one: {block!r}")
 
 
 def _table(table: Table, name: str, labels: Mapping[str, Place]) -> str:
@@ -141,7 +105,7 @@ def _inline(inline: Inline, labels: Mapping[str, Place], in_table: bool) -> str:
             return _marked("**", text)
         case Code(text):
             code = legible(text)
-            fence = _fence(code, at_least=1)
+            fence = "`" * (1 + max((len(run) for run in re.findall("`+", code)), default=0))
             edge = " " if code.startswith("`") or code.endswith("`") else ""
             shown = f"{fence}{edge}{code}{edge}{fence}"
             # A cell ends at a pipe even within code.
@@ -177,8 +141,3 @@ def _guard(line: str) -> str:
     """Take its meaning from what makes a list or a rule, at the start of a line only."""
     line = re.sub(r"^([-+=])", r"\\\1", line.strip())
     return re.sub(r"^(\d+)([.)])", r"\1\\\2", line)
-
-
-def _fence(text: str, at_least: int) -> str:
-    longest = max((len(run) for run in re.findall("`+", text)), default=0)
-    return "`" * max(at_least, longest + 1)

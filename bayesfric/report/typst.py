@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from importlib import resources
-from typing import Any, Literal
+from typing import Any
 
 import typst
 
@@ -19,7 +19,7 @@ from bayesfric.report.characters import printable
 from bayesfric.report.formulas import FORMULAS
 from bayesfric.report.numbering import Place, label_places, number_blocks
 
-__all__ = ["render_pages", "render_pdf"]
+__all__ = ["render_pdf"]
 
 # PDF/A demands a date; this one stands for "none" where a result has none.
 _NO_DATE = datetime(1970, 1, 1, tzinfo=UTC)
@@ -43,35 +43,6 @@ def render_pdf(document: content.Document) -> bytes:
     typst.TypstError
         If the document cannot be set, say for a figure that is not well-formed SVG.
     """
-    (pdf,) = _compile(document, "pdf")
-    return pdf
-
-
-def render_pages(document: content.Document, ppi: float = 144.0) -> list[bytes]:
-    """Set a document as PNG pictures of its pages, to look at.
-
-    Parameters
-    ----------
-    document : Document
-    ppi : float
-        Pixels per inch.
-
-    Returns
-    -------
-    list of bytes
-        A picture a page.
-
-    Raises
-    ------
-    typst.TypstError
-        As `render_pdf`.
-    """
-    return _compile(document, "png", ppi)
-
-
-def _compile(
-    document: content.Document, form: Literal["pdf", "png"], ppi: float | None = None
-) -> list[bytes]:
     template = resources.files(__package__).joinpath("template.typ").read_bytes()
     files = {
         "main.typ": template,
@@ -80,18 +51,14 @@ def _compile(
     for block, place in zip(document.blocks, number_blocks(document), strict=True):
         if isinstance(block, content.Figure) and place is not None:
             files[f"{place.anchor}.svg"] = block.svg
-    # The package's stub leaves out files in memory by name, and a list of several pages.
+    # The package's stub leaves out files in memory by name.
     compile_files: Any = typst.compile_with_warnings
-    result, remarks = compile_files(
-        files,
-        format=form,
-        ppi=ppi,
-        ignore_system_fonts=True,
-        pdf_standards=["a-2a", "ua-1"] if form == "pdf" else [],
+    pdf, remarks = compile_files(
+        files, format="pdf", ignore_system_fonts=True, pdf_standards=["a-2a", "ua-1"]
     )
     for remark in remarks:
-        warnings.warn(remark, stacklevel=3)
-    return result if isinstance(result, list) else [result]
+        warnings.warn(remark, stacklevel=2)
+    return bytes(pdf)
 
 
 def _document(document: content.Document) -> dict[str, object]:

@@ -18,9 +18,9 @@ from bayesfric.arrays import Array
 from bayesfric.effects import Effect, State
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.inference.model import RigLikelihood
-from bayesfric.physics.compliant import Cable
+from bayesfric.physics.cable import Cable
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import BASELINES, Baseline
+from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Recording, RigConstants
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.own_law import OwnLaw
@@ -31,8 +31,8 @@ from bayesfric.schemas import PointEstimate
 from bayesfric.simulators import SimulatorCalls
 
 __all__ = [
-    "Motion",
     "Predictive",
+    "Regime",
     "Resting",
     "Rig",
     "RigTrials",
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from bayesfric.rigs.linear import LinearRows
     from bayesfric.rigs.own_design import OwnDesign
 
-Motion = Literal["accelerated", "steady"]
+Regime = Literal["accelerated", "steady"]
 """Whether a trial gathers speed along a path, or is one measurement at one speed."""
 
 
@@ -104,7 +104,7 @@ class Rig(Protocol):
         """What it is called in commands and files."""
 
     @property
-    def motion(self) -> Motion:
+    def regime(self) -> Regime:
         """How its trials move."""
 
     @property
@@ -219,7 +219,7 @@ class RigTrials(Protocol):
     def has_pulleys(self) -> bool:
         """Whether a cable runs over pulleys, which the paper and its claims are about."""
 
-    def refuses(self, law: Baseline) -> Unsupported | None:
+    def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why a friction law makes no sense here; None where it does."""
 
     @property
@@ -247,7 +247,7 @@ class RigTrials(Protocol):
     def beside(self, simulator: SimulatorCalls) -> "RigTrials | Unsupported":
         """Return the trials beside a user's simulator of them, or why there can be none."""
 
-    def under(self, law: Baseline) -> "RigTrials":
+    def under(self, law: FrictionLaw) -> "RigTrials":
         """Return the same trials, which a diagnosis makes linear around another law."""
 
     def linear(
@@ -277,7 +277,7 @@ class RigTrials(Protocol):
     def likelihood(
         self,
         analysis: Analysis,
-        law: Baseline = BASELINES["paper"],
+        law: FrictionLaw = BASELINES["paper"],
         effects: Sequence[ActiveEffect] = (),
     ) -> RigLikelihood:
         """Return the exact density of the raw data, without effects that are not supported."""
@@ -349,7 +349,7 @@ class Predictive:
     ----------
     likelihood : RigLikelihood
         Of the rig.
-    law : Baseline
+    law : FrictionLaw
         The friction law of the fit.
     named : dict of str to ndarray, shape (W,)
         Posterior draws by parameter.
@@ -362,7 +362,7 @@ class Predictive:
     """
 
     likelihood: RigLikelihood
-    law: Baseline
+    law: FrictionLaw
     named: dict[str, Array]
     factor: Array
     remade: Remade

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from bayesfric.analysis import Analysis, PriorOverrides
 from bayesfric.errors import Fault, InputError
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import BASELINES, Baseline
+from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.base import RigTrials, Unsupported
@@ -134,7 +134,7 @@ def beside_simulator(rigs: Sequence[RigTrials], simulator: SimulatorCalls) -> li
     return found
 
 
-def diagnosed_law(name: str, rigs: Sequence[RigTrials]) -> Baseline:
+def diagnosed_law(name: str, rigs: Sequence[RigTrials]) -> FrictionLaw:
     """Return what has the place of the law in a diagnosis: a simulator, else a law by its name.
 
     Raises
@@ -162,7 +162,7 @@ def diagnosed_law(name: str, rigs: Sequence[RigTrials]) -> Baseline:
     return law
 
 
-def baseline_of(name: str, rigs: Sequence[RigTrials]) -> Baseline:
+def baseline_of(name: str, rigs: Sequence[RigTrials]) -> FrictionLaw:
     """Return a friction law by its name.
 
     Parameters

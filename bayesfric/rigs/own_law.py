@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from bayesfric.inference.priors import Parameter
-from bayesfric.physics.laws import Baseline
+from bayesfric.physics.laws import FrictionLaw
 
 __all__ = ["OwnLaw"]
 
@@ -14,7 +14,7 @@ class OwnLaw:
 
     Parameters
     ----------
-    law : Baseline
+    law : FrictionLaw
         By the simulator's name, without the coefficients that it has no parameter for.
     parameters : tuple of Parameter
         In the places of c1, c2 and c3.
@@ -22,6 +22,6 @@ class OwnLaw:
         Of the simulator; 0 of what it left in a recording.
     """
 
-    law: Baseline
+    law: FrictionLaw
     parameters: tuple[Parameter, ...]
     calls: int

@@ -8,7 +8,7 @@ import xarray as xr
 
 from bayesfric.arrays import Array
 from bayesfric.effects import Effect
-from bayesfric.physics.compliant import Cable
+from bayesfric.physics.cable import Cable
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.base import Predictive, Resting, Simulated, Unsupported
 from bayesfric.rigs.changes import Change

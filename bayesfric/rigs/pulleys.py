@@ -10,7 +10,7 @@ import pandas as pd
 from bayesfric.analysis import PriorOverrides
 from bayesfric.effects import PULLEYS, Effect, State
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import VISCOUS, Baseline
+from bayesfric.physics.laws import VISCOUS, FrictionLaw
 from bayesfric.rigs.base import RigTrials, Unsupported
 from bayesfric.rigs.coefficients import coefficient_name, coefficient_units
 from bayesfric.rigs.own_law import OwnLaw
@@ -34,7 +34,7 @@ class PulleyTrials:
         """True."""
         return True
 
-    def refuses(self, law: Baseline) -> Unsupported | None:
+    def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why not, of the one law that is an axis' own."""
         if law.name == VISCOUS:
             return Unsupported("Over pulleys viscous friction is an effect, which is diagnosed.")
@@ -81,7 +81,7 @@ class PulleyTrials:
         """Return the effect as it is: it was described for cables over pulleys."""
         return effect
 
-    def under(self, law: Baseline) -> Self:
+    def under(self, law: FrictionLaw) -> Self:
         """Return the same trials, which a diagnosis makes linear around another law."""
         found: Self = replace(cast(Any, self), law=law)  # each rig's trials are a dataclass
         return found

@@ -1,18 +1,54 @@
 """How far each trial lies from what a new trial is predicted to do."""
 
+from collections.abc import Mapping
 from statistics import NormalDist
 from typing import Any
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
 from bayesfric.arrays import Array, Whole
 from bayesfric.rigs.bands import QUANTILES, bands
+from bayesfric.rigs.base import Predictive
 from bayesfric.rigs.remaking import Remade
 
-__all__ = ["check_residuals", "measuring_order"]
+__all__ = ["beside_predicted", "check_residuals", "measuring_order"]
 
 FALSE_ALARM = 0.05  # chance that a recording that obeys the model has an outlier
+
+
+def beside_predicted(
+    dimension: str,
+    table: pd.DataFrame,
+    observed: Mapping[str, Any],
+    law: Array,
+    recorded: pd.DataFrame,
+    view: Predictive,
+) -> xr.Dataset:
+    """Return what was observed of each trial beside what is predicted of a new one.
+
+    Parameters
+    ----------
+    dimension : str
+        What that of the trials is called.
+    table : DataFrame
+        One row a trial.
+    observed : mapping of str to array_like, each of N
+        Conditions and what was measured, ``friction_n`` among it [N].
+    law : ndarray, shape (W, N)
+        Friction by the law, draw by draw [N].
+    recorded : DataFrame
+        All trials as recorded, for their order.
+    view : Predictive
+        The fit.
+    """
+    columns: dict[str, Any] = {name: (dimension, values) for name, values in observed.items()}
+    columns["law_n"] = ((dimension, "quantile"), bands(law))
+    columns["predicted_n"] = ((dimension, "quantile"), bands(law * view.factor))
+    columns["order"] = (dimension, measuring_order(recorded, table))
+    columns |= check_residuals(dimension, view.remade, np.asarray(observed["friction_n"]))
+    return xr.Dataset(columns, {dimension: table["trial"].to_numpy(), "quantile": list(QUANTILES)})
 
 
 def check_residuals(trial: str, remade: Remade, observed: Array) -> dict[str, Any]:

@@ -1,7 +1,9 @@
 """The claims on simulated `quick` recordings of the paper's law, and of one effect."""
 
+from screening import screen_claims
+
 from bayesfric.analysis import ClaimRules
-from bayesfric.claims import check_claims, registered, screen_claims
+from bayesfric.claims import check_claims, registered
 from bayesfric.simulate import simulate_recording
 
 RIGS = ("gravity_board", "motor_board")

@@ -27,7 +27,7 @@ def test_data_are_of_each_rig_of_each_size_and_of_two_rigs(both):
 
 def test_a_claim_takes_the_rig_that_moves_as_it_needs(both):
     entered = Entered.of(both)
-    taken = {one.name: one.subject(entered) for one in registered() if one.motion is not None}
+    taken = {one.name: one.subject(entered) for one in registered() if one.regime is not None}
     assert taken.pop("no-viscous-motor") == "motor"
     assert taken.pop("rigs-agree") == taken.pop("rigs-mostly-agree") == "gravity+motor"
     assert set(taken.values()) == {"gravity"}

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from physics.compliant import compliant_motion
 from scipy import stats
 
 from bayesfric.analysis import Analysis, ClaimRules
@@ -11,7 +12,7 @@ from bayesfric.claims.comparison import bayes_factor, decide, odds, share
 from bayesfric.claims.contradictions import contradictions
 from bayesfric.claims.studies import Studied
 from bayesfric.inference.evidence import Evidence
-from bayesfric.physics.compliant import Cable, compliant_motion
+from bayesfric.physics.cable import Cable
 from bayesfric.physics.gravity import Condition, board_friction
 from bayesfric.recording.tables import Gravity
 from bayesfric.rigs.gravity_board.likelihood import trial_condition

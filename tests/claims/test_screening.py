@@ -5,9 +5,9 @@ By a quick look at few data; whole verdicts are judged nightly, in tests/campaig
 
 import pytest
 from altered import by_acceleration, one_size
+from screening import screen_claims
 
 from bayesfric.analysis import ClaimRules
-from bayesfric.claims import screen_claims
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import simulate_recording
 

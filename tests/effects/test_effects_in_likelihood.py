@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 from altered import one_size
+from physics.damped import damped_trajectory
 from scipy import stats
 
 from bayesfric.analysis import Analysis
@@ -15,7 +16,7 @@ from bayesfric.effects.terms import ActiveEffect
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import Model
 from bayesfric.physics.friction import coulomb_friction
-from bayesfric.physics.gravity import Condition, trajectory
+from bayesfric.physics.gravity import Condition
 from bayesfric.recording.tables import Gravity
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
@@ -168,7 +169,7 @@ def test_viscous_trial_against_a_dense_normal():
         one = Condition(9, 85.0, row.mass_drive_kg, row.mass_load_kg, recording.rig.gravity_m_s2)
 
         def travel(factor, speed, time=tau, one=one):
-            motion = trajectory(
+            motion = damped_trajectory(
                 law, one, start_speed_m_s=speed, viscous_n_s_m=drag, friction_factor=factor
             )
             return motion.position(time)

@@ -4,10 +4,11 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
+from physics.compliant import CompliantMotion, compliant_motion, integrate
 from scipy.integrate import simpson, solve_ivp
 
 from bayesfric.analysis import Priors
-from bayesfric.physics.compliant import Cable, CompliantMotion, compliant_motion, integrate
+from bayesfric.physics.cable import Cable
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import (
     Condition,

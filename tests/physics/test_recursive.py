@@ -10,7 +10,7 @@ from bayesfric.physics.friction import (
     Coefficients,
     coulomb_friction,
     equal_pulleys,
-    pulley_by_pulley,
+    in_a_row,
     recursive_friction,
     tension_slope,
 )
@@ -29,6 +29,12 @@ CELLS = sorted(
         for a in design.assemblies()
     }
 )
+
+
+def pulley_by_pulley(law, wraps):
+    """The loss over pulleys that each have a wrap angle of their own, from drive to load."""
+    columns = Coefficients(*(np.asarray(value)[..., None] for value in law))
+    return in_a_row(tension_slope(columns, 1.0, wraps), law.c2)
 
 
 def tension_after(law, wraps, tension):

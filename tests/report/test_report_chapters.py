@@ -11,6 +11,7 @@ from types import SimpleNamespace
 import pytest
 import xarray as xr
 from pypdf import PdfReader
+from report.told import told
 
 from bayesfric.errors import InputError
 from bayesfric.report.assembly import build_document
@@ -20,7 +21,6 @@ from bayesfric.report.chapters.page_one import page_one
 from bayesfric.report.chapters.summary import summary
 from bayesfric.report.chapters.symbols import symbol
 from bayesfric.report.content import Document, Notice, Table
-from bayesfric.report.markdown import render_markdown
 from bayesfric.report.stored import StoredFit, StoredResults, read_stored
 from bayesfric.report.typst import render_pdf
 from bayesfric.report.writing import write_report
@@ -166,12 +166,6 @@ def test_excluded_trials_are_listed_with_their_rule(stored):
     assert listed.rows == [["g0007", "stalled", "it stopped"]]
 
 
-def test_markdown_has_every_coefficient(document, stored):
-    text = render_markdown(document)
-    for size in stored.fit.pulleys:
-        assert [text.count(f"| {size} | $`c_{k}`$") for k in (1, 2, 3)] == [1, 1, 1]
-
-
 def test_report_is_written_from_the_folder_and_repeats_its_bytes(small_fit, tmp_path):
     small_fit.write(tmp_path)
     write_report(tmp_path)
@@ -232,7 +226,7 @@ def test_results_of_a_rig_that_nobody_here_knows_have_a_report(small_fit):
     )
     stored = StoredResults(StoredFit(rail, small_fit.draws, predictive))
     document = build_document(stored)
-    text = render_markdown(document)
+    text = told(document)
     assert "48 slides of the rail" in text
     assert "trial of the rig rail" in text
     assert "gravity" not in text

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from margins.loops import loop, write_draws
+from report.told import told
 
 from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins
@@ -16,7 +17,6 @@ from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters.gain import gain_lines
 from bayesfric.report.chapters.margins import margins
 from bayesfric.report.content import Heading, Paragraph, Strong, Table
-from bayesfric.report.markdown import render_markdown
 from bayesfric.report.stored import StoredResults, read_stored
 from bayesfric.report.writing import write_report
 from bayesfric.schemas import Certificate, FollowedWith, Following, Interval, Trajectory
@@ -101,9 +101,7 @@ def test_the_tables_hold_the_stored_figures(computed):
 
 
 def test_why_a_figure_is_missing_is_said(computed):
-    text = render_markdown(build_document(StoredResults(margins=computed.summary))).replace(
-        "\\", ""
-    )
+    text = told(build_document(StoredResults(margins=computed.summary)))
     assert "drive.continuous_current_a is not given" in text
     assert "Coulomb friction is not in the linear loop" in text
     assert re.search(r"steady error \| 2 \| 100\s% \| 33\s% to 100\s%", text)

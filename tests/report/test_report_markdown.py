@@ -4,10 +4,11 @@ from markdown_it.token import Token
 from report.sample import document
 
 from bayesfric.report.content import (
+    BulletList,
     Code,
     Document,
     Emphasis,
-    Heading,
+    Figure,
     Link,
     Listing,
     Math,
@@ -15,7 +16,7 @@ from bayesfric.report.content import (
     Strong,
     Table,
 )
-from bayesfric.report.markdown import render_markdown
+from bayesfric.report.markdown import render_summary
 
 
 def tokens(text: str) -> list[Token]:
@@ -31,32 +32,32 @@ def inline_texts(text: str) -> list[str]:
     ]
 
 
-@pytest.fixture(scope="module")
-def markdown() -> str:
-    return render_markdown(document())
+def test_page_one_ends_at_the_first_heading() -> None:
+    assert render_summary(document()) == (
+        "# A sample report\n\n"
+        "With everything in it\n\n"
+        "A. Author, 2026-03-04\n\n"
+        "> **Unconverged.** See Equation 1.\n\n"
+        "> **In order.** All is well.\n\n"
+        "> **Note.** Synthetic data.\n"
+    )
 
 
-def test_headings_captions_and_references_carry_the_same_numbers(markdown: str) -> None:
+def test_blocks_of_page_one() -> None:
+    kinds = Paragraph | BulletList | Table | Figure
+    shown = [block for block in document().blocks if isinstance(block, kinds)]
+    markdown = render_summary(Document("t", "", shown[:-1]))
     lines = markdown.splitlines()
     for line in (
-        "# A sample report",
-        "A. Author, 2026-03-04",
-        "> **Unconverged.** See Equation 1.",
-        "## 1 First chapter",
-        "### 1.1 Numbers",
-        "#### 1.1.1 Details",
-        "**Figure 1.** A blue field. *(A rectangle filled with blue.)*",
         "**Table 1.** Coefficients.",
         "- two: Table 1",
         "Plain, *slanted*, **bold**, `a.toml`.",
         "[the paper](https://example.org/paper) has $`c_1`$.",
     ):
         assert line in lines
+    assert "field" not in markdown
     assert markdown.endswith("\n")
     assert not markdown.endswith("\n\n")
-
-
-def test_a_table_is_a_table(markdown: str) -> None:
     assert (
         "| Pulley | $`c_1`$ [N] | Informed |\n"
         "| --- | --: | :-: |\n"
@@ -67,7 +68,7 @@ def test_a_table_is_a_table(markdown: str) -> None:
 
 def test_pipes_stay_inside_their_cell() -> None:
     cells = [["a | b", Code("c | d `e`"), Math("c_1"), "end"]]
-    text = render_markdown(Document("t", "", [Table("c", list("wxyz"), cells)]))
+    text = render_summary(Document("t", "", [Table("c", list("wxyz"), cells)]))
     row = inline_texts(text)[-4:]
     assert row[0] == "a | b"
     assert row[1] == "c | d `e`"
@@ -77,18 +78,20 @@ def test_pipes_stay_inside_their_cell() -> None:
 
 def test_ticks_and_line_ends_cannot_end_what_holds_them() -> None:
     blocks = [
-        Heading(1, "a\nb"),
-        Listing("```\n# no heading"),
         Paragraph([Code("`"), " ", Link("x", "https://example.org/a b)c")]),
         Paragraph("12) a\n# b"),
     ]
-    text = render_markdown(Document("t", "", blocks))
-    assert [t.tag for t in tokens(text) if t.type == "heading_open"] == ["h1", "h2"]
-    assert [t.content for t in tokens(text) if t.type == "fence"] == ["```\n# no heading\n"]
+    text = render_summary(Document("a\nb", "", blocks))
+    assert [t.tag for t in tokens(text) if t.type == "heading_open"] == ["h1"]
     assert inline_texts(text)[-2:] == ["` x", "12) a # b"]
     assert "(https://example.org/a%20b%29c)" in text
 
 
+def test_what_page_one_cannot_hold_is_an_error_not_a_gap() -> None:
+    with pytest.raises(TypeError, match="page one"):
+        render_summary(Document("t", "", [Listing("x")]))
+
+
 def test_bold_words_with_blanks_at_their_ends_are_bold() -> None:
     blocks = [Paragraph([Strong("Where. "), "Here", Emphasis(" or there")])]
-    assert "**Where.** Here *or there*" in render_markdown(Document("t", "", blocks))
+    assert "**Where.** Here *or there*" in render_summary(Document("t", "", blocks))

@@ -24,7 +24,7 @@ from bayesfric.report.content import (
     Table,
 )
 from bayesfric.report.formulas import FORMULAS, LAW
-from bayesfric.report.typst import render_pages, render_pdf
+from bayesfric.report.typst import render_pdf
 
 FONTS = ("LibertinusSerif-", "NewCM", "DejaVuSansMono")
 
@@ -250,21 +250,13 @@ def test_a_broken_picture_is_an_error_not_a_gap() -> None:
         render_pdf(Document("t", "", [Figure(lambda: b"<svg <", "c", "a")]))
 
 
-def test_pages_are_pictures() -> None:
-    pages = render_pages(document(), ppi=36)
-    assert len(pages) == len(PdfReader(io.BytesIO(render_pdf(document()))).pages)
-    assert all(page.startswith(b"\x89PNG") for page in pages)
-    # A4 at 36 pixels per inch.
-    assert int.from_bytes(pages[0][16:20], "big") == 298
-
-
 def test_two_processes_write_the_same_bytes() -> None:
     code = (
         "import hashlib, json; from report.sample import document;"
         "from bayesfric.report.typst import render_pdf;"
         "from bayesfric.report.html import render_html;"
-        "from bayesfric.report.markdown import render_markdown;"
-        "d = document(); texts = [render_html(d).encode(), render_markdown(d).encode()];"
+        "from bayesfric.report.markdown import render_summary;"
+        "d = document(); texts = [render_html(d).encode(), render_summary(d).encode()];"
         "print(json.dumps([hashlib.sha256(b).hexdigest() for b in [render_pdf(d), *texts]]))"
     )
     tests = str(resources.files("report").joinpath(".."))

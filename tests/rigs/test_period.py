@@ -11,7 +11,7 @@ from bayesfric.diagnosis.acting import lawbook
 from bayesfric.effects import all_effects
 from bayesfric.effects.candidates import candidates_of
 from bayesfric.rigs import all_rigs
-from bayesfric.rigs.single_axis.motion import Motion
+from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.period import SEARCHED, strongest_wave
 from bayesfric.rigs.single_axis.readings import readings_of
 
@@ -44,7 +44,7 @@ def test_the_wave_that_was_looked_for_weighs_as_one_of_all(trials):
 
 def log(position):
     time = np.arange(position.size) * 2e-3
-    return Motion(time, position, np.ones(time.size), np.ones(time.size, dtype=bool), 2e-3, {})
+    return EvenLog(time, position, np.ones(time.size), np.ones(time.size, dtype=bool), 2e-3, {})
 
 
 def windows(position):

@@ -6,8 +6,8 @@ from rigs.driven_mass import Machine, simulate, write
 
 from bayesfric.recording import read_recording
 from bayesfric.rigs import all_rigs
+from bayesfric.rigs.single_axis.even_log import even_grid, position_noise, smooth_motion
 from bayesfric.rigs.single_axis.force_curvature import _beside
-from bayesfric.rigs.single_axis.motion import even_grid, position_noise, smooth_motion
 from bayesfric.rigs.single_axis.readings import (
     PIECE,
     _loudness,

@@ -12,7 +12,7 @@ from bayesfric.blind.engines.design import Trials
 from bayesfric.blind.engines.law import Nature
 from bayesfric.blind.engines.motion import acceleration_of
 from bayesfric.blind.engines.recorder import Train
-from bayesfric.blind.engines.state import Acting, Kind
+from bayesfric.blind.engines.state import ImposedEffect, Kind
 
 __all__ = ["Awkward", "background_of", "draw_awkward", "nearly_stalling", "spoiled"]
 
@@ -62,7 +62,7 @@ def draw_awkward(rng: Generator, needs: Collection[str], background: bool) -> Aw
 
 def background_of(
     withheld: Sequence[Kind], awkward: Awkward, trials: int, rng: Generator
-) -> list[Acting]:
+) -> list[ImposedEffect]:
     """Draw three or four effects whose strengths sum up to less than `TOGETHER`."""
     there = {""} | ({"motor"} if awkward.motor_board else set())
     there |= {"both sensors"} if awkward.sensors == "both" else set()
@@ -77,7 +77,7 @@ def background_of(
 
 
 def nearly_stalling(
-    nature: Nature, trials: Trials, effects: Sequence[Acting], rng: Generator
+    nature: Nature, trials: Trials, effects: Sequence[ImposedEffect], rng: Generator
 ) -> tuple[str, Trials]:
     """Take so much off one slow trial's drive mass that the cable hardly moves."""
     board = board_of(nature, trials)

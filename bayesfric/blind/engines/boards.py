@@ -8,7 +8,7 @@ import numpy as np
 from bayesfric.blind.engines.design import TRAVEL_M, Bench, Trials
 from bayesfric.blind.engines.law import GRAVITY, RADII_M, Nature
 from bayesfric.blind.engines.motion import Board, Motion, friction_along, times_at
-from bayesfric.blind.engines.state import Acting, Array, Passage, State
+from bayesfric.blind.engines.state import Array, BoardState, ImposedEffect, Passage
 
 __all__ = [
     "CAPSTAN_M",
@@ -35,13 +35,13 @@ def _state(
     tension: Array,
     speed: Array,
     steady: bool,
-) -> State:
+) -> BoardState:
     def column(values: Array) -> Array:
         return np.asarray(values, dtype=np.float64)[:, None]
 
     c1, c2, c3 = nature.coefficients[size].T
     order = np.linspace(0, 1, len(size)) if len(size) > 1 else np.array([0.5])
-    return State(
+    return BoardState(
         travel_m=column(np.zeros(len(size))),
         speed_m_s=column(speed),
         acceleration_m_s2=column(np.zeros(len(size))),
@@ -80,7 +80,7 @@ def board_of(nature: Nature, trials: Trials, factor: Array | None = None) -> Boa
     )
 
 
-def motor_state(nature: Nature, bench: Bench) -> State:
+def motor_state(nature: Nature, bench: Bench) -> BoardState:
     """Return the motor board's runs, (runs, 1); the tension is the weight's."""
     weight = bench.weight_kg * GRAVITY
     return _state(
@@ -94,12 +94,14 @@ def law_friction(board: Board) -> Array:
     return friction_along(board.state, (), np.ones(1), entering) - entering
 
 
-def run_friction(state: State, effects: Sequence[Acting], factor: Array) -> Array:
+def run_friction(state: BoardState, effects: Sequence[ImposedEffect], factor: Array) -> Array:
     """Return friction on the motor board, which raises its weight steadily, (runs, 1) [N]."""
     return friction_along(state, effects, factor, state.tension_n) - state.tension_n
 
 
-def motor_currents(state: State, effects: Sequence[Acting], factor: Array) -> tuple[Array, Array]:
+def motor_currents(
+    state: BoardState, effects: Sequence[ImposedEffect], factor: Array
+) -> tuple[Array, Array]:
     """Return current beyond the idle motor's, and the part of it that moves the load [A]."""
     torque = (state.tension_n + run_friction(state, effects, factor)) * CAPSTAN_M
     load = torque / TORQUE_CONSTANT

@@ -5,7 +5,7 @@ from numpy.random import Generator
 from bayesfric.blind.engines import condition_forms, speed_forms, travel_forms
 from bayesfric.blind.engines.measuring_forms import MEASURING_KINDS
 from bayesfric.blind.engines.outsiders import OUTSIDERS
-from bayesfric.blind.engines.state import Acting, Form, Kind
+from bayesfric.blind.engines.state import Form, ImposedEffect, Kind
 
 __all__ = ["EFFECTS", "OUTSIDERS_BY_NAME", "drawn", "forms_of"]
 
@@ -46,10 +46,10 @@ def forms_of(kind: Kind, which: str) -> tuple[Form, ...]:
     return found or kind.forms
 
 
-def drawn(kind: Kind, strength: float, which: str, trials: int, rng: Generator) -> Acting:
+def drawn(kind: Kind, strength: float, which: str, trials: int, rng: Generator) -> ImposedEffect:
     """Draw form, shape and sign of an effect; its amplitude is the sign alone as yet."""
     choices = forms_of(kind, which)
     form = choices[int(rng.integers(len(choices)))]
     shape = form.draw(rng, trials)
     sign = -1.0 if kind.signed and rng.random() < 0.5 else 1.0
-    return Acting(kind, form, shape, sign, strength)
+    return ImposedEffect(kind, form, shape, sign, strength)

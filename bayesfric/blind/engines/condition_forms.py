@@ -11,7 +11,7 @@ import numpy as np
 
 from bayesfric.blind.engines.factors import Parameters, scaled, share, uniform
 from bayesfric.blind.engines.law import RADII_M
-from bayesfric.blind.engines.state import Array, Form, Kind, State
+from bayesfric.blind.engines.state import Array, BoardState, Form, Kind
 
 __all__ = [
     "BED_IN",
@@ -32,7 +32,7 @@ MIDDLE_RAD = float(np.deg2rad(85.0))  # the angle of Table I
 def _of_tension(change: Callable[[Parameters, Array], Array]) -> Any:
     """Return a law: a change of the part of friction that grows with tension."""
 
-    def law(p: Parameters, s: State, tension: Array) -> Array:
+    def law(p: Parameters, s: BoardState, tension: Array) -> Array:
         return np.asarray(s.slope * tension * change(p, np.maximum(tension, 0.1) / 16.5))
 
     return law
@@ -68,16 +68,16 @@ TENSION_CURVATURE = Kind(
 )
 
 
-def _of_wrap(change: Callable[[Parameters, State], Array]) -> Any:
+def _of_wrap(change: Callable[[Parameters, BoardState], Array]) -> Any:
     """Return a law: a factor of the part of friction that grows with tension."""
 
-    def law(p: Parameters, s: State, tension: Array) -> Array:
+    def law(p: Parameters, s: BoardState, tension: Array) -> Array:
         return np.asarray(p["amplitude"] * change(p, s) * s.slope * tension)
 
     return law
 
 
-def _radians(s: State) -> Array:
+def _radians(s: BoardState) -> Array:
     return np.asarray(np.deg2rad(s.wrap_angle_deg))
 
 
@@ -162,7 +162,7 @@ PULLEY_COUNT_CURVATURE = Kind(
 
 
 def _pulley_mass(name: str, own: bool, power: float) -> Form:
-    def law(p: Parameters, s: State, tension: Any) -> Array:
+    def law(p: Parameters, s: BoardState, tension: Any) -> Array:
         return np.asarray(p["amplitude"] * (s.radius_m / MEDIUM_M) ** power)
 
     return Form(name, own, law, "inertia")

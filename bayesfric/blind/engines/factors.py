@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
-from bayesfric.blind.engines.state import Array, State
+from bayesfric.blind.engines.state import Array, BoardState
 
 __all__ = ["Draw", "Factor", "Parameters", "scaled", "share", "uniform", "with_tension"]
 
 Parameters = Mapping[str, Any]
 Draw = Callable[[Generator, int], dict[str, Any]]
-Factor = Callable[[Parameters, State], Any]
+Factor = Callable[[Parameters, BoardState], Any]
 
 
 def uniform(**ranges: tuple[float, float]) -> Draw:
@@ -27,7 +27,7 @@ def uniform(**ranges: tuple[float, float]) -> Draw:
 def share(factor: Factor) -> Any:
     """Return a law: a factor of the pulley's friction."""
 
-    def law(p: Parameters, s: State, tension: Array) -> Array:
+    def law(p: Parameters, s: BoardState, tension: Array) -> Array:
         return np.asarray(p["amplitude"] * factor(p, s) * s.friction(tension))
 
     return law
@@ -36,7 +36,7 @@ def share(factor: Factor) -> Any:
 def scaled(factor: Factor) -> Any:
     """Return a law: a factor of a pulley's friction at 15 N and 85°, whatever the tension."""
 
-    def law(p: Parameters, s: State, tension: Array) -> Array:
+    def law(p: Parameters, s: BoardState, tension: Array) -> Array:
         return np.asarray(p["amplitude"] * factor(p, s) * s.scale_n + 0.0 * tension)
 
     return law
@@ -45,7 +45,7 @@ def scaled(factor: Factor) -> Any:
 def with_tension(factor: Factor) -> Any:
     """Return a law: the same, in proportion to tension."""
 
-    def law(p: Parameters, s: State, tension: Array) -> Array:
+    def law(p: Parameters, s: BoardState, tension: Array) -> Array:
         return np.asarray(p["amplitude"] * factor(p, s) * s.scale_n * tension / 15.0)
 
     return law

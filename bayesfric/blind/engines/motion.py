@@ -12,7 +12,7 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from bayesfric.blind.engines.design import TRAVEL_M
-from bayesfric.blind.engines.state import Acting, Array, State
+from bayesfric.blind.engines.state import Array, BoardState, ImposedEffect
 
 __all__ = ["Board", "Motion", "acceleration_of", "friction_along", "move", "times_at"]
 
@@ -32,7 +32,7 @@ class Board:
 
     Parameters
     ----------
-    state : State
+    state : BoardState
         At rest before the release.
     drive_kg, load_kg : ndarray
         Masses.
@@ -44,7 +44,7 @@ class Board:
         Speed at the release.
     """
 
-    state: State
+    state: BoardState
     drive_kg: Array
     load_kg: Array
     factor: Array
@@ -78,15 +78,15 @@ class Motion:
 
 
 def friction_along(
-    state: State, effects: Sequence[Acting], factor: Array, entering: Array
+    state: BoardState, effects: Sequence[ImposedEffect], factor: Array, entering: Array
 ) -> Array:
     """Add up the pulleys from the end where the cable runs on.
 
     Parameters
     ----------
-    state : State
+    state : BoardState
         Where the board is.
-    effects : sequence of Acting
+    effects : sequence of ImposedEffect
         Those on friction, on the drive and on inertia act.
     factor : ndarray
         Multiplies all friction, and leaves the drive and inertia alone.
@@ -116,7 +116,7 @@ def friction_along(
 
 
 def _straight(
-    state: State, effects: Sequence[Acting], factor: Array
+    state: BoardState, effects: Sequence[ImposedEffect], factor: Array
 ) -> tuple[Array, Array, Array, tuple[Array, Array]]:
     """Return a pulley's slope and constant, the mass it moves along, and forces at the ends."""
     slope, constant = state.slope, state.constant_n
@@ -145,14 +145,16 @@ def _powers(slope: Array, n: Array) -> tuple[Array, Array]:
     return np.exp(log), np.where(flat, n, np.expm1(log) / safe)
 
 
-def acceleration_of(board: Board, effects: Sequence[Acting], travel: Array, speed: Array) -> Array:
+def acceleration_of(
+    board: Board, effects: Sequence[ImposedEffect], travel: Array, speed: Array
+) -> Array:
     """Return the acceleration that balances the two masses and the pulleys [m/s²].
 
     Parameters
     ----------
     board : Board
         The trials.
-    effects : sequence of Acting
+    effects : sequence of ImposedEffect
         What acts.
     travel, speed : ndarray
         Of the cable, (trials, anything).
@@ -187,7 +189,7 @@ def acceleration_of(board: Board, effects: Sequence[Acting], travel: Array, spee
     return np.asarray(found)
 
 
-def move(board: Board, effects: Sequence[Acting], travel_m: float = TRAVEL_M) -> Motion:
+def move(board: Board, effects: Sequence[ImposedEffect], travel_m: float = TRAVEL_M) -> Motion:
     """Integrate all trials from their release until each has run its travel, or stands.
 
     A stage is a piece of time, of another length for each trial: trials that have
@@ -220,7 +222,7 @@ def move(board: Board, effects: Sequence[Acting], travel_m: float = TRAVEL_M) ->
 
 
 def _time_left(
-    board: Board, effects: Sequence[Acting], travel: Array, speed: Array, goal: float
+    board: Board, effects: Sequence[ImposedEffect], travel: Array, speed: Array, goal: float
 ) -> Array:
     """Guess the time to the goal, or a little more than the time to a stall."""
     left = np.maximum(goal - travel, 1e-6)
@@ -233,7 +235,7 @@ def _time_left(
 
 
 def _stage(
-    board: Board, effects: Sequence[Acting], travel: Array, speed: Array, length: Array
+    board: Board, effects: Sequence[ImposedEffect], travel: Array, speed: Array, length: Array
 ) -> tuple[Array, Array]:
     trials = len(travel)
 

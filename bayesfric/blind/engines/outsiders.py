@@ -12,7 +12,7 @@ import numpy as np
 from numpy.random import Generator
 
 from bayesfric.blind.engines.law import TABLE_I
-from bayesfric.blind.engines.state import Array, Form, Kind, State
+from bayesfric.blind.engines.state import Array, BoardState, Form, Kind
 
 __all__ = ["OUTSIDERS"]
 
@@ -27,7 +27,7 @@ def _either(rng: Generator, *choices: Any) -> Any:
 def _kind(
     name: str,
     axes: tuple[str, ...],
-    factor: Callable[[Parameters, State], Any] | None,
+    factor: Callable[[Parameters, BoardState], Any] | None,
     draw: Callable[[Generator], dict[str, Any]],
     *,
     law: Any = None,
@@ -36,7 +36,7 @@ def _kind(
     needs: str = "",
     boards: tuple[str, ...] = ("gravity", "motor"),
 ) -> Kind:
-    def share(p: Parameters, s: State, tension: Array) -> Array:
+    def share(p: Parameters, s: BoardState, tension: Array) -> Array:
         assert factor is not None
         return np.asarray(p["amplitude"] * factor(p, s) * s.friction(tension))
 
@@ -52,17 +52,17 @@ def _step(values: Array, place: float, width: float) -> Array:
     return np.asarray(0.5 * (1 + np.tanh((values - place) / width)))
 
 
-def _kinked(p: Parameters, s: State, tension: Array) -> Array:
+def _kinked(p: Parameters, s: BoardState, tension: Array) -> Array:
     # The same force for every size, as of a bearing that starts to rub on its shield.
     beyond = np.logaddexp(0.0, (tension - p["tension"]) / p["width"]) * p["width"]
     return np.asarray(p["amplitude"] * MEDIUM_N * beyond / 15.0)
 
 
-def _crossed(p: Parameters, s: State, tension: Array) -> Array:
+def _crossed(p: Parameters, s: BoardState, tension: Array) -> Array:
     return np.asarray(p["amplitude"] * (s.speed_m_s - 0.6) * (tension / 15 - 1) * s.scale_n)
 
 
-def _bump_of_wrap(p: Parameters, s: State, tension: Array) -> Array:
+def _bump_of_wrap(p: Parameters, s: BoardState, tension: Array) -> Array:
     bump = _bump(s.wrap_angle_deg, p["angle"], p["width"])
     return np.asarray(p["amplitude"] * bump * s.scale_n + 0.0 * tension)
 

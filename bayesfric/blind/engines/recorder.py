@@ -21,7 +21,7 @@ from bayesfric.blind.engines.design import TRAVEL_M, Bench, Trials
 from bayesfric.blind.engines.law import GRAVITY, SIZES, Nature
 from bayesfric.blind.engines.measuring_forms import MAGNETS
 from bayesfric.blind.engines.motion import Board, Motion, times_at
-from bayesfric.blind.engines.state import Acting, Array, State
+from bayesfric.blind.engines.state import Array, BoardState, ImposedEffect
 from bayesfric.recording import Recording, read_recording
 
 __all__ = ["CLOCK_S", "Train", "event_trains", "gravity_tables", "motor_tables", "recorded"]
@@ -54,7 +54,7 @@ class Train:
 def event_trains(
     board: Board,
     motion: Motion,
-    effects: Sequence[Acting],
+    effects: Sequence[ImposedEffect],
     phases_m: dict[bool, Array],
     clock_start_s: Array,
     nature: Nature | None,
@@ -66,7 +66,7 @@ def event_trains(
     ----------
     board, motion : Board, Motion
         The trials and how they run.
-    effects : sequence of Acting
+    effects : sequence of ImposedEffect
         Those on readings and on the clock act.
     phases_m : dict
         By sensor, true for the load end's: travel to the first magnet, (trials, 1) [m].
@@ -132,8 +132,8 @@ def gravity_tables(
 
 def motor_tables(
     bench: Bench,
-    state: State,
-    effects: Sequence[Acting],
+    state: BoardState,
+    effects: Sequence[ImposedEffect],
     factor: Array,
     nature: Nature,
     rng: Generator | None,

@@ -35,7 +35,7 @@ from bayesfric.blind.engines.recorder import (
     motor_tables,
     recorded,
 )
-from bayesfric.blind.engines.state import Acting, Array, Form
+from bayesfric.blind.engines.state import Array, Form, ImposedEffect
 from bayesfric.blind.engines.strength import CleanDesign, scaled
 from bayesfric.recording import Recording
 
@@ -285,8 +285,8 @@ def _scatter(
 def _truth(
     nature: Nature,
     withheld: Withheld,
-    effects: list[Acting],
-    background: list[Acting],
+    effects: list[ImposedEffect],
+    background: list[ImposedEffect],
     awkward: Awkward,
 ) -> dict[str, Any]:
     return {
@@ -312,7 +312,7 @@ def _truth(
     }
 
 
-def _told(effect: Acting) -> dict[str, Any]:
+def _told(effect: ImposedEffect) -> dict[str, Any]:
     # Phases that differ from trial to trial are no parameters.
     shape = {
         name: value

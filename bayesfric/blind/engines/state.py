@@ -8,13 +8,13 @@ from numpy.random import Generator
 
 from bayesfric.arrays import Array
 
-__all__ = ["Acting", "Array", "Form", "Kind", "Passage", "State", "no_parameters"]
+__all__ = ["Array", "BoardState", "Form", "ImposedEffect", "Kind", "Passage", "no_parameters"]
 
 Acts = Literal["pulley", "ends", "air", "drive", "load", "inertia", "reading", "clock", "current"]
 
 
 @dataclass(frozen=True)
-class State:
+class BoardState:
     """Where a board is; arrays that broadcast, trials (or runs) on the first axis.
 
     Parameters
@@ -120,7 +120,7 @@ class Form:
     own : bool
         Whether the package's own effect has this form.
     law : callable
-        (parameters, where, tension) to a number. `where` is a :class:`State`, or a
+        (parameters, where, tension) to a number. `where` is a :class:`BoardState`, or a
         :class:`Passage` for a sensor. What is returned depends on `acts`.
     acts : str
         ``pulley``: friction of one pulley [N] at the tension that enters it; ``ends``:
@@ -180,7 +180,7 @@ class Kind:
 
 
 @dataclass(frozen=True)
-class Acting:
+class ImposedEffect:
     """One effect in one case: a form with numbers.
 
     Parameters
@@ -203,6 +203,6 @@ class Acting:
     amplitude: float = 0.0
     strength: float = 0.0
 
-    def __call__(self, where: State | Passage, tension: Any = 0.0) -> Any:
+    def __call__(self, where: BoardState | Passage, tension: Any = 0.0) -> Any:
         """Return what the form's law does here."""
         return self.form.law({"amplitude": self.amplitude, **self.shape}, where, tension)

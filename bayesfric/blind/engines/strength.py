@@ -23,7 +23,7 @@ from bayesfric.blind.engines.boards import (
 )
 from bayesfric.blind.engines.measuring_forms import MAGNETS
 from bayesfric.blind.engines.motion import Board, Motion, friction_along
-from bayesfric.blind.engines.state import Acting, Array, Passage, State
+from bayesfric.blind.engines.state import Array, BoardState, ImposedEffect, Passage
 
 __all__ = ["FULL", "CleanDesign", "scaled", "share_of_friction"]
 
@@ -43,25 +43,25 @@ class CleanDesign:
     ----------
     board : Board
         The trials, friction unscattered.
-    along : State
+    along : BoardState
         The trials at instants evenly spread over their time, (trials, points).
     passages : sequence of Passage
         Of each sensor that there is.
     instants : sequence of Passage
         The same sensors at instants evenly spread over time, whether an event is there or not.
-    bench : State or None
+    bench : BoardState or None
         The runs; None without a motor board.
     """
 
     board: Board
-    along: State
+    along: BoardState
     passages: Sequence[Passage]
     instants: Sequence[Passage]
-    bench: State | None
+    bench: BoardState | None
 
     @classmethod
     def of(
-        cls, board: Board, motion: Motion, phases_m: dict[bool, Array], bench: State | None
+        cls, board: Board, motion: Motion, phases_m: dict[bool, Array], bench: BoardState | None
     ) -> "CleanDesign":
         """Build it from the clean motion; `phases_m` by sensor, true for the load end's."""
         points = (np.arange(POINTS) + 0.5) / POINTS
@@ -88,7 +88,7 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.nanmean(np.square(values))))
 
 
-def share_of_friction(effect: Acting, design: CleanDesign) -> float:
+def share_of_friction(effect: ImposedEffect, design: CleanDesign) -> float:
     """Return the rms of what the effect changes, or its equivalent, as a share of friction."""
     entering = design.board.load_kg * (
         design.board.state.gravity_m_s2 + design.along.acceleration_m_s2
@@ -115,7 +115,7 @@ def share_of_friction(effect: Acting, design: CleanDesign) -> float:
     return _rms(np.array(shares))
 
 
-def _pretended(effect: Acting, design: CleanDesign, friction: Array) -> Array:
+def _pretended(effect: ImposedEffect, design: CleanDesign, friction: Array) -> Array:
     """Return what a sensor's error pretends in each window of each trial, as a share."""
     shares = []
     for at in design.passages:
@@ -134,7 +134,7 @@ def _pretended(effect: Acting, design: CleanDesign, friction: Array) -> Array:
     return np.array(shares)
 
 
-def _shaken(effect: Acting, design: CleanDesign, friction: Array) -> Array:
+def _shaken(effect: ImposedEffect, design: CleanDesign, friction: Array) -> Array:
     """Return the force that shakes each end at each instant, as a share of friction."""
     shares = []
     for at in design.instants:
@@ -145,7 +145,7 @@ def _shaken(effect: Acting, design: CleanDesign, friction: Array) -> Array:
     return np.array(shares)
 
 
-def scaled(effect: Acting, design: CleanDesign) -> Acting:
+def scaled(effect: ImposedEffect, design: CleanDesign) -> ImposedEffect:
     """Return the effect with the amplitude of its strength; the sign is its amplitude's."""
     wanted = FULL * effect.strength
     sign = -1.0 if effect.amplitude < 0 else 1.0

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.random import Generator
 
 from bayesfric.blind.engines.factors import Parameters, share, uniform
-from bayesfric.blind.engines.state import Array, Form, Kind, State
+from bayesfric.blind.engines.state import Array, BoardState, Form, Kind
 
 __all__ = ["CABLE_WEIGHT", "HYSTERESIS", "PRESLIDING", "RUNOUT"]
 
@@ -94,7 +94,7 @@ HYSTERESIS = Kind(
 )
 
 
-def _heavy_cable(p: Parameters, s: State, middle: float, length: float) -> Array:
+def _heavy_cable(p: Parameters, s: BoardState, middle: float, length: float) -> Array:
     # What hangs longer on the drive side drives; all of the cable must be accelerated.
     hangs = -s.gravity_m_s2 * (2 * s.travel_m - middle) + length * s.acceleration_m_s2
     return np.asarray(p["amplitude"] * hangs * (not s.steady))
@@ -130,7 +130,7 @@ def _phases(rng: Generator, trials: int, *names: str) -> dict[str, Any]:
     return {name: rng.uniform(0, 2 * np.pi, (trials, 1)) for name in names}
 
 
-def _turning(p: Parameters, s: State, ratio: float = 1.0, phase: str = "phase") -> Array:
+def _turning(p: Parameters, s: BoardState, ratio: float = 1.0, phase: str = "phase") -> Array:
     return np.asarray(np.cos(ratio * s.travel_m / s.radius_m + p[phase]))
 
 

@@ -16,7 +16,7 @@ from bayesfric.fitting.predictive.left_out import LeftOut, scores, uniformity
 from bayesfric.fitting.predictive.parameters import coefficients, densities, ranks
 from bayesfric.fitting.predictive.prior import PRIOR_DRAWS, friction_of_prior
 from bayesfric.inference.model import Model, RigLikelihood
-from bayesfric.physics.laws import Baseline
+from bayesfric.physics.laws import FrictionLaw
 from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.base import Predictive, RigTrials
 from bayesfric.rigs.data import Data
@@ -34,7 +34,7 @@ def predict(
     left_out: Mapping[str, LeftOut],
     assemblies: Mapping[str, Assemblies | None],
     analysis: Analysis,
-    baseline: Baseline,
+    baseline: FrictionLaw,
 ) -> xr.DataTree:
     """Compute predictions from draws.
 
@@ -52,7 +52,7 @@ def predict(
         What it predicts of assemblies that it has not seen, by rig.
     analysis : Analysis
         For the seed and the form of the scatter.
-    baseline : Baseline
+    baseline : FrictionLaw
         The friction law of the fit.
 
     Returns
@@ -129,7 +129,7 @@ def _prior(
     model: Model,
     named: dict[str, Array],
     analysis: Analysis,
-    baseline: Baseline,
+    baseline: FrictionLaw,
 ) -> xr.Dataset:
     """Return what the priors imply of friction, by condition."""
     rng = np.random.default_rng(np.random.SeedSequence([analysis.seed, 4]))
@@ -137,7 +137,7 @@ def _prior(
     likelihood = model.likelihoods[0]
     key = [*CELL, *trials.loads]
     measured = {name: table[name].to_numpy() for name in ("tension_n", "friction_n")}
-    if trials.rig.motion == "steady":  # signed there: it is against the motion
+    if trials.rig.regime == "steady":  # signed there: it is against the motion
         measured["friction_n"] = np.abs(measured["friction_n"])
     rows = likelihood.trials[key].assign(**measured)
     rows = rows.groupby(key, sort=False, as_index=False).mean()

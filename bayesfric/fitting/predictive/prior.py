@@ -8,7 +8,7 @@ import xarray as xr
 
 from bayesfric.arrays import Array
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import Baseline
+from bayesfric.physics.laws import FrictionLaw
 from bayesfric.rigs.base import Resting
 from bayesfric.rigs.coefficients import law_of
 
@@ -23,7 +23,7 @@ def friction_of_prior(
     resting: Resting | None,
     prior: Mapping[str, Array],
     posterior: Mapping[str, Array],
-    baseline: Baseline,
+    baseline: FrictionLaw,
 ) -> xr.Dataset:
     """Return the friction of each condition by prior and posterior draws.
 
@@ -36,7 +36,7 @@ def friction_of_prior(
         What holds the same conditions at rest; None where the rig moves whatever friction is.
     prior, posterior : mapping of str to ndarray, shape (W,)
         Draws by parameter.
-    baseline : Baseline
+    baseline : FrictionLaw
         The friction law.
 
     Returns

@@ -111,7 +111,6 @@ class Difference:
 def elpd(
     log_likelihood: Array,
     refit: Callable[[int], float | None] | None = None,
-    r_eff: float = 1.0,
 ) -> ELPD:
     """Estimate leave-one-group-out predictive densities.
 
@@ -124,8 +123,6 @@ def elpd(
         Place of a group to its exact log p(y_g | y_−g), such as from the draws of
         :func:`bayesfric.inference.evidence.refit_without`, or to None where that cannot be had;
         called where Pareto smoothing fails.
-    r_eff : float
-        Effective draws over draws.
 
     Returns
     -------
@@ -141,7 +138,7 @@ def elpd(
     draws, groups = log_likelihood.shape
     pointwise, pareto_k = np.empty(groups), np.empty(groups)
     for place, column in enumerate(log_likelihood.T):
-        weights, pareto_k[place] = smooth_weights(-column, r_eff)
+        weights, pareto_k[place] = smooth_weights(-column)
         pointwise[place] = logsumexp(weights + column) - logsumexp(weights)
     limit_k = min(LIMIT_K, 1 - 1 / np.log10(draws))
     refitted = np.zeros(groups, dtype=bool)
@@ -188,7 +185,7 @@ def difference(first: ELPD, second: ELPD) -> Difference:
     return Difference(total, _standard_error(pairs), tuple(reasons))
 
 
-def loo_pit(cdf: Array, log_likelihood: Array, r_eff: float = 1.0) -> Array:
+def loo_pit(cdf: Array, log_likelihood: Array) -> Array:
     """Return the leave-one-out probability integral transform (LOO-PIT) of each group.
 
     It is the probability, had the group been left out, of a lower value than was observed;
@@ -201,8 +198,6 @@ def loo_pit(cdf: Array, log_likelihood: Array, r_eff: float = 1.0) -> Array:
         conditional z-score.
     log_likelihood : ndarray, shape (draws, G)
         log p(y_g | y_−g, θ), as for :func:`elpd`.
-    r_eff : float
-        Effective draws over draws.
 
     Returns
     -------
@@ -224,7 +219,7 @@ def loo_pit(cdf: Array, log_likelihood: Array, r_eff: float = 1.0) -> Array:
         raise ValueError(f"cdf {cdf.shape} and log_likelihood {log_likelihood.shape} differ")
     found = np.empty(cdf.shape[1])
     for place, (column, below) in enumerate(zip(log_likelihood.T, cdf.T, strict=True)):
-        weights, _ = smooth_weights(-column, r_eff)
+        weights, _ = smooth_weights(-column)
         found[place] = np.exp(weights - logsumexp(weights)) @ below
     return np.clip(found, 0.0, 1.0)  # a sum of weights is 1 but for rounding
 

@@ -19,7 +19,7 @@ from bayesfric.inference.grouped_normal import GroupedNormal
 from bayesfric.inference.thresholds import Thresholds, log_probability_above
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import nominal_tension
-from bayesfric.physics.laws import Baseline
+from bayesfric.physics.laws import FrictionLaw
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.acting import surroundings
 from bayesfric.rigs.coefficients import SizeIndex
@@ -44,7 +44,7 @@ class TrialsAtRest:
         The board.
     sizes : sequence of str
         Pulley sizes of the trials that moved, in their order.
-    baseline : Baseline
+    baseline : FrictionLaw
         The friction law.
     effects : sequence of ActiveEffect
         What acts beside it; what acts on readings is of no concern here.
@@ -63,7 +63,7 @@ class TrialsAtRest:
         moving: pd.DataFrame,
         rig: RigConstants,
         sizes: Sequence[str],
-        baseline: Baseline,
+        baseline: FrictionLaw,
         effects: Sequence[ActiveEffect],
         wander: Wander,
     ) -> None:

@@ -10,7 +10,7 @@ from bayesfric.effects import State
 from bayesfric.effects.terms import ActiveEffect, total
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import Condition, tension_feedback
-from bayesfric.physics.laws import Baseline
+from bayesfric.physics.laws import FrictionLaw
 from bayesfric.rigs.coefficients import SizeIndex
 
 __all__ = ["Forces", "SteadyForces"]
@@ -31,7 +31,7 @@ class SteadyForces:
 
     Parameters
     ----------
-    baseline : Baseline
+    baseline : FrictionLaw
         The friction law.
     condition : Condition
         Of the N trials.
@@ -45,7 +45,7 @@ class SteadyForces:
 
     def __init__(
         self,
-        baseline: Baseline,
+        baseline: FrictionLaw,
         condition: Condition,
         size: SizeIndex,
         effects: Sequence[ActiveEffect],

@@ -29,7 +29,7 @@ from bayesfric.inference.heavy_groups import HeavyGroups
 from bayesfric.inference.model import GivenRest
 from bayesfric.inference.quadratic import bilinear
 from bayesfric.inference.student import GroupedStudent
-from bayesfric.physics.laws import BASELINES, Baseline
+from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.coefficients import coefficient_parameters
 from bayesfric.rigs.gravity_board.along import EffectsAlong
@@ -64,7 +64,7 @@ class GravityLikelihood:
         The board.
     analysis : Analysis
         Priors and the form of the scatter.
-    baseline : Baseline
+    baseline : FrictionLaw
         The friction law.
     effects : sequence of ActiveEffect
         What acts beside the law; what :meth:`TrialPlaces.supports` refuses is left out.
@@ -94,7 +94,7 @@ class GravityLikelihood:
         gravity: Gravity,
         rig: RigConstants,
         analysis: Analysis,
-        baseline: Baseline = BASELINES["paper"],
+        baseline: FrictionLaw = BASELINES["paper"],
         effects: Sequence[ActiveEffect] = (),
         at_rest: pd.DataFrame | None = None,
         places: TrialPlaces | None = None,

@@ -1,7 +1,5 @@
 """Trials of the gravity board, and friction against tension."""
 
-from typing import Any
-
 import numpy as np
 import pandas as pd
 import xarray as xr
@@ -10,11 +8,11 @@ from bayesfric.arrays import Array
 from bayesfric.paper import table1
 from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.gravity import nominal_tension
-from bayesfric.physics.laws import Baseline
+from bayesfric.physics.laws import FrictionLaw
 from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.base import Predictive
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
-from bayesfric.rigs.residuals import check_residuals, measuring_order
+from bayesfric.rigs.residuals import beside_predicted
 
 __all__ = ["CURVE_POINTS", "curves", "trials"]
 
@@ -34,33 +32,23 @@ def trials(likelihood: GravityLikelihood, recorded: pd.DataFrame, view: Predicti
         The fit.
     """
     table, named = likelihood.trials, view.named
-    law = likelihood.law(named)
     middle = {name: np.median(values, keepdims=True) for name, values in named.items()}
-    observed, variance, _ = (values[0] for values in likelihood.observed(middle))
+    friction, variance, _ = (values[0] for values in likelihood.observed(middle))
     condition = likelihood.condition
-    acceleration = (condition.drive_force_n - observed) / condition.total_mass_kg
-    columns: dict[str, Any] = {
-        name: ("trial", table[name].to_numpy())
+    acceleration = (condition.drive_force_n - friction) / condition.total_mass_kg
+    observed = {
+        name: table[name].to_numpy()
         for name in ("pulley_size", "setup", "n_pulleys", "wrap_angle_deg")
     }
-    return xr.Dataset(
-        columns
-        | {
-            "tension_n": ("trial", nominal_tension(condition, acceleration)),
-            "acceleration_m_s2": ("trial", acceleration),
-            "friction_n": ("trial", observed),
-            "friction_sd_n": ("trial", np.sqrt(variance)),
-            "law_n": (("trial", "quantile"), bands(law)),
-            "predicted_n": (("trial", "quantile"), bands(law * view.factor)),
-            "order": ("trial", measuring_order(recorded, table)),
-            **check_residuals("trial", view.remade, observed),
-        },
-        coords={"trial": table["trial"].to_numpy(), "quantile": list(QUANTILES)},
-    )
+    observed["tension_n"] = nominal_tension(condition, acceleration)
+    observed["acceleration_m_s2"] = acceleration
+    observed["friction_n"] = friction
+    observed["friction_sd_n"] = np.sqrt(variance)
+    return beside_predicted("trial", table, observed, likelihood.law(named), recorded, view)
 
 
 def curves(
-    likelihood: GravityLikelihood, named: dict[str, Array], baseline: Baseline
+    likelihood: GravityLikelihood, named: dict[str, Array], baseline: FrictionLaw
 ) -> xr.Dataset:
     """Return friction against tension at each (size, n, θ) cell, of the law and of Table I."""
     trials = likelihood.trials

@@ -13,7 +13,7 @@ from bayesfric.effects import State
 from bayesfric.effects.candidates import Candidate, unit_values
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import nominal_tension, tension_feedback
-from bayesfric.physics.laws import Baseline
+from bayesfric.physics.laws import FrictionLaw
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.acting import drive_end, trial_in_setup
 from bayesfric.rigs.coefficients import intercept_of
@@ -43,7 +43,7 @@ class ReferenceMotion:
         laws: Mapping[str, Coefficients],
         measured: MeasuredMotion,
         acting: Sequence[tuple[Candidate, float]],
-        law: Baseline,
+        law: FrictionLaw,
     ) -> None:
         self.table, self.constants, self._gravity = gravity.trials, rig, gravity
         self.condition = trial_condition(gravity.trials, rig)

@@ -20,7 +20,7 @@ from bayesfric.effects.candidates import Candidate, unit_values
 from bayesfric.inference.cosines import cosines
 from bayesfric.inference.smooths import Smooth
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
-from bayesfric.physics.laws import BASELINES, Baseline
+from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.gravity_board.double_integral import DoubleIntegral
@@ -90,7 +90,7 @@ class GravityRows(ReferenceMotion):
         laws: Mapping[str, Coefficients],
         measured: MeasuredMotion,
         acting: Sequence[tuple[Candidate, float]] = (),
-        law: Baseline = BASELINES["paper"],
+        law: FrictionLaw = BASELINES["paper"],
     ) -> None:
         super().__init__(gravity, rig, laws, measured, acting, law)
         duration = self._paths.step_s[:, 0] * (POINTS - 1)

@@ -15,7 +15,7 @@ from bayesfric.arrays import Array
 from bayesfric.paper import table1
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.physics.gravity import nominal_tension
-from bayesfric.physics.laws import Baseline
+from bayesfric.physics.laws import FrictionLaw
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.gravity_board.estimator import (
@@ -58,7 +58,7 @@ def paper_slopes(
     gravity: Gravity,
     rig: RigConstants,
     named: dict[str, Array],
-    baseline: Baseline,
+    baseline: FrictionLaw,
     rng: np.random.Generator,
 ) -> dict[str, xr.Dataset]:
     """Return the slopes behind the paper's Figs 12 to 16.
@@ -73,7 +73,7 @@ def paper_slopes(
         For gravity.
     named : dict of str to ndarray, shape (W,)
         Posterior draws by parameter.
-    baseline : Baseline
+    baseline : FrictionLaw
         The friction law of the fit.
     rng : Generator
         For recordings made again.
@@ -150,7 +150,7 @@ def _sizes(cells: Sequence[_Cell]) -> list[str]:
 
 
 def _tension_lines(
-    cells: Sequence[_Cell], named: dict[str, Array], baseline: Baseline
+    cells: Sequence[_Cell], named: dict[str, Array], baseline: FrictionLaw
 ) -> xr.Dataset:
     sizes = _sizes(cells)
     count = np.linspace(0.0, max(cell.line.n_pulleys for cell in cells), GRID)
@@ -195,7 +195,9 @@ def _tension_lines(
     )
 
 
-def _wrap_lines(cells: Sequence[_Cell], named: dict[str, Array], baseline: Baseline) -> xr.Dataset:
+def _wrap_lines(
+    cells: Sequence[_Cell], named: dict[str, Array], baseline: FrictionLaw
+) -> xr.Dataset:
     """Return friction against the wrap angle where two angles or more were measured."""
     groups: dict[tuple[str, int], list[_Cell]] = {}
     for cell in cells:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from bayesfric.arrays import Array
-from bayesfric.physics.compliant import Cable
+from bayesfric.physics.cable import Cable
 from bayesfric.physics.gravity import nominal_tension
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.likelihood import trial_condition

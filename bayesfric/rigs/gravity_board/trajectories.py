@@ -7,7 +7,7 @@ import xarray as xr
 from bayesfric.arrays import Array
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import Condition, Trajectory
-from bayesfric.physics.laws import Baseline
+from bayesfric.physics.laws import FrictionLaw
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
@@ -24,7 +24,7 @@ def trajectories(
     rig: RigConstants,
     named: dict[str, Array],
     factor: Array,
-    baseline: Baseline,
+    baseline: FrictionLaw,
 ) -> xr.Dataset:
     """Predict a few trials, free-running from the first event's speed."""
     trials = likelihood.trials
@@ -53,8 +53,7 @@ def trajectories(
         law = Coefficients(*(named[f"{c}[{row['pulley_size']}]"] for c in Coefficients._fields))
         friction = factor[:, place] * baseline.gravity(law, condition)
         acceleration = (condition.drive_force_n - friction) / condition.total_mass_kg
-        still = np.zeros_like(acceleration)[:, None]
-        motion = Trajectory(acceleration[:, None], still, still + start_speed)
+        motion = Trajectory(acceleration[:, None], start_speed)
         tables.append(
             (row, time, events["displacement_m"].to_numpy(), bands(motion.position(time)))
         )

@@ -14,12 +14,12 @@ from bayesfric.arrays import Array
 from bayesfric.effects import Effect
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
-from bayesfric.physics.compliant import Cable
+from bayesfric.physics.cable import Cable
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import nominal_tension
-from bayesfric.physics.laws import BASELINES, Baseline
+from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Gravity, Recording, RigConstants
-from bayesfric.rigs.base import Motion, Predictive, Resting, Simulated, Unsupported, Words
+from bayesfric.rigs.base import Predictive, Regime, Resting, Simulated, Unsupported, Words
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.gravity_board.estimator import estimate_as_the_paper
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood, trial_condition
@@ -56,7 +56,7 @@ class GravityBoard:
     """A board on which a weight falls and lifts another over n pulleys."""
 
     name: str = "gravity"
-    motion: Motion = "accelerated"
+    regime: Regime = "accelerated"
     words: Words = WORDS
     tables: tuple[str, ...] = ("gravity_trials.csv", "gravity_events.csv")
     paper: bool = True
@@ -115,7 +115,7 @@ class GravityTrials(PulleyTrials):
         All trials and events as recorded.
     at_rest : DataFrame
         Trials that did not move, of which the likelihood knows.
-    law : Baseline
+    law : FrictionLaw
         Around which a diagnosis makes them linear.
     event_error_m : float or None
         Rms error of an event, of trials that nobody has made; None is what events show [m].
@@ -126,7 +126,7 @@ class GravityTrials(PulleyTrials):
     screened: Screened
     source: Gravity
     at_rest: pd.DataFrame
-    law: Baseline = BASELINES["paper"]
+    law: FrictionLaw = BASELINES["paper"]
     event_error_m: float | None = None
     rig: GravityBoard = RIG
     loads: tuple[str, ...] = ("mass_drive_kg", "mass_load_kg")
@@ -230,7 +230,7 @@ class GravityTrials(PulleyTrials):
     def likelihood(
         self,
         analysis: Analysis,
-        law: Baseline = BASELINES["paper"],
+        law: FrictionLaw = BASELINES["paper"],
         effects: Sequence[ActiveEffect] = (),
     ) -> GravityLikelihood:
         """Return the density of the event times."""

@@ -25,7 +25,7 @@ from bayesfric.effects.terms import ActiveEffect, parameters_of, rough_values, t
 from bayesfric.inference.grouped_normal import GroupedNormal, Groups
 from bayesfric.inference.model import GivenRest
 from bayesfric.inference.priors import Parameter
-from bayesfric.physics.laws import BASELINES, Baseline
+from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.physics.motor import load_current, nominal_tension, tension_feedback
 from bayesfric.recording.tables import Motor, RigConstants
 from bayesfric.rigs.coefficients import SizeIndex, coefficient_parameters
@@ -80,7 +80,7 @@ class MotorLikelihood:
         The board; torque constant and capstan radius.
     analysis : Analysis
         Priors, and whether each size has a scatter of its own.
-    baseline : Baseline
+    baseline : FrictionLaw
         The friction law.
     effects : sequence of ActiveEffect
         What acts beside the law; what :meth:`RunPlaces.supports` refuses is left out.
@@ -105,7 +105,7 @@ class MotorLikelihood:
         motor: Motor,
         rig: RigConstants,
         analysis: Analysis,
-        baseline: Baseline = BASELINES["paper"],
+        baseline: FrictionLaw = BASELINES["paper"],
         effects: Sequence[ActiveEffect] = (),
     ) -> None:
         self._friction = baseline.motor

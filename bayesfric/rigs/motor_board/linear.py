@@ -7,7 +7,7 @@ import numpy as np
 from bayesfric.analysis import Priors
 from bayesfric.effects import State
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import BASELINES, Baseline
+from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.physics.motor import (
     load_current,
     nominal_tension,
@@ -28,7 +28,7 @@ def motor_rows(
     motor: Motor,
     constants: RigConstants,
     laws: Mapping[str, Coefficients],
-    baseline: Baseline = BASELINES["paper"],
+    baseline: FrictionLaw = BASELINES["paper"],
 ) -> PointRows:
     """Return the runs around a reference law, their readings in ampere.
 
@@ -42,7 +42,7 @@ def motor_rows(
         The board.
     laws : mapping of str to Coefficients
         Coefficients of each pulley size.
-    baseline : Baseline
+    baseline : FrictionLaw
         The law.
     """
     runs = motor.runs.rename(columns={"run": "trial"}).reset_index(drop=True)

@@ -13,9 +13,9 @@ from bayesfric.effects import Effect
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import BASELINES, Baseline
+from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Motor, Recording, RigConstants
-from bayesfric.rigs.base import Motion, Predictive, Simulated, Unsupported, Words
+from bayesfric.rigs.base import Predictive, Regime, Simulated, Unsupported, Words
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.motor_board.likelihood import MotorLikelihood
 from bayesfric.rigs.motor_board.linear import motor_rows
@@ -40,7 +40,7 @@ class MotorBoard:
     """A board on which a motor winds the cable at constant speed."""
 
     name: str = "motor"
-    motion: Motion = "steady"
+    regime: Regime = "steady"
     words: Words = WORDS
     tables: tuple[str, ...] = ("motor_runs.csv", "motor_idle.csv")
     paper: bool = True
@@ -85,14 +85,14 @@ class MotorRuns(PlainTrials):
         Runs and idle measurements.
     recorded : DataFrame
         All runs as recorded; their id is ``trial``.
-    law : Baseline
+    law : FrictionLaw
         Around which a diagnosis makes them linear.
     """
 
     constants: RigConstants
     motor: Motor
     recorded: pd.DataFrame
-    law: Baseline = BASELINES["paper"]
+    law: FrictionLaw = BASELINES["paper"]
     rig: MotorBoard = RIG
     loads: tuple[str, ...] = ("hanging_mass_kg",)
 
@@ -130,7 +130,7 @@ class MotorRuns(PlainTrials):
     def likelihood(
         self,
         analysis: Analysis,
-        law: Baseline = BASELINES["paper"],
+        law: FrictionLaw = BASELINES["paper"],
         effects: Sequence[ActiveEffect] = (),
     ) -> MotorLikelihood:
         """Return the density of the currents."""

@@ -5,7 +5,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from bayesfric.arrays import Array
-from bayesfric.rigs.single_axis.motion import Motion
+from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.weak_form import TestFunction
 
 __all__ = ["force_curvature"]
@@ -14,7 +14,7 @@ BESIDE = 3  # half windows, within which a force's second derivative is told
 
 
 def force_curvature(
-    motion: Motion, test: TestFunction, centres: NDArray[np.intp], runs: Array
+    log: EvenLog, test: TestFunction, centres: NDArray[np.intp], runs: Array
 ) -> Array:
     """Return the force's second derivative about each window, shape (W,) [N/s²].
 
@@ -24,7 +24,7 @@ def force_curvature(
 
     Parameters
     ----------
-    motion : Motion
+    log : EvenLog
         A run.
     test : TestFunction
         Of the windows.
@@ -33,15 +33,15 @@ def force_curvature(
     runs : ndarray, shape (N + 1,)
         Sum of the ways before each sample.
     """
-    half, count = test.half, motion.time_s.size
+    half, count = test.half, log.time_s.size
     wide = BESIDE * half
-    found = test.over(motion.force, test.curvature, centres)
+    found = test.over(log.force, test.curvature, centres)
     free = (centres >= wide) & (centres < count - wide)
     inside = centres[free]
     free[free] = np.abs(runs[inside + wide + 1] - runs[inside - wide]) == 2 * wide + 1
     if free.any():
-        kernel = _beside(half, wide, motion.interval_s)
-        windows = sliding_window_view(motion.force, kernel.size)
+        kernel = _beside(half, wide, log.interval_s)
+        windows = sliding_window_view(log.force, kernel.size)
         found[free] = windows[centres[free] - wide] @ kernel
     return found
 

@@ -14,8 +14,8 @@ from bayesfric.analysis import HalfNormal, LogNormal, Normal, Prior, PriorOverri
 from bayesfric.effects import Effect, EffectParameter
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.rotary import rotary_unit
+from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.limit import LIMITS, Limit, drive_limit
-from bayesfric.rigs.single_axis.motion import Motion
 from bayesfric.rigs.single_axis.period import SEARCHED, Wave, strongest_wave
 from bayesfric.rigs.single_axis.readings import Readings, rough_law
 
@@ -120,14 +120,14 @@ class Measures:
         )
 
 
-def measures_of(readings: Readings, logs: Sequence[Motion], constants: RigConstants) -> Measures:
+def measures_of(readings: Readings, logs: Sequence[EvenLog], constants: RigConstants) -> Measures:
     """Return the measures of a recording.
 
     Parameters
     ----------
     readings : Readings
         Rows of all runs.
-    logs : sequence of Motion
+    logs : sequence of EvenLog
         The runs.
     constants : RigConstants
         What somebody wrote down of the machine.

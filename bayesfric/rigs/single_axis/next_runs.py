@@ -17,7 +17,7 @@ from scipy.interpolate import BSpline, make_lsq_spline
 from bayesfric.arrays import Array
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.recording.tables import Axis, RigConstants
-from bayesfric.rigs.single_axis.motion import Motion
+from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.readings import Readings, readings_of
 from bayesfric.rigs.single_axis.simulated import log_of
 
@@ -58,24 +58,24 @@ def lay_out(
     tops = {run: _top(path) for run, path in own.items()}
     most = float(np.abs(like.drive).max())
     speeds = _speeds(tops, rig)
-    motions, rows = [], []
+    made, rows = [], []
     for run in _chosen(axis.runs, tops):
         name = str(run["run"])
         paths = _paths(logs[name], own[name], like.half_s, speeds[-1])
         for (kind, path), speed in product(paths.items(), sorted({*speeds, tops[name]})):
-            motion = _motion(path, speed / _top(path), logs[name], law)
-            length = motion.time_s.size * motion.interval_s
-            peak = float(np.abs(motion.force).max())
+            log = _faster(path, speed / _top(path), logs[name], law)
+            length = log.time_s.size * log.interval_s
+            peak = float(np.abs(log.force).max())
             again = kind == "as recorded" and speed == tops[name]
             inside = again or (speeds[0] <= speed <= speeds[-1] and peak <= most)
             if inside and length >= LEAST * like.half_s:
-                motions.append(motion)
+                made.append(log)
                 settings = (name, kind, speed, length, peak)
                 rows.append(run | dict(zip(SETTINGS, settings, strict=True)))
-    if not motions:
+    if not made:
         return None
-    starts = [np.zeros(1, dtype=np.intp)] * len(motions)
-    readings = readings_of(motions, starts, None, like)
+    starts = [np.zeros(1, dtype=np.intp)] * len(made)
+    readings = readings_of(made, starts, None, like)
     if readings is None:
         return None
     moving = np.unique(readings.trial)
@@ -85,14 +85,14 @@ def lay_out(
     return table, readings.of(moving)
 
 
-def _spline(log: Motion, position: Array, knot_s: float) -> BSpline:
+def _spline(log: EvenLog, position: Array, knot_s: float) -> BSpline:
     """Return a path that a window resolves, from time 0 on."""
     time = log.time_s - log.time_s[0]
     inner = np.linspace(0.0, time[-1], max(2, round(time[-1] / knot_s)))
     return make_lsq_spline(time, position, np.pad(inner, 3, mode="edge"))
 
 
-def _paths(log: Motion, own: BSpline, knot_s: float, fastest: float) -> dict[str, BSpline]:
+def _paths(log: EvenLog, own: BSpline, knot_s: float, fastest: float) -> dict[str, BSpline]:
     """Return paths over the range of a run, by what they are called.
 
     A path there and back is a triangle wave whose corners are round: A arcsin(r cos φ), whose
@@ -132,11 +132,11 @@ def _chosen(runs: pd.DataFrame, tops: Mapping[str, float]) -> list[dict[str, Any
     return found
 
 
-def _motion(path: BSpline, faster: float, log: Motion, law: AxisLaw) -> Motion:
+def _faster(path: BSpline, faster: float, log: EvenLog, law: AxisLaw) -> EvenLog:
     """Return a path run so much faster, and the drive force that it takes, on time."""
     time = np.arange(0.0, path.t[-1] / max(faster, 1.0), log.interval_s)
     velocity = faster * path(faster * time, 1)
     force = law.mass * faster**2 * path(faster * time, 2)
     force = force + np.sign(velocity) * law.coulomb + law.viscous * velocity
     known = np.ones(time.size, dtype=np.bool_)
-    return Motion(time, path(faster * time), force, known, log.interval_s, {})
+    return EvenLog(time, path(faster * time), force, known, log.interval_s, {})

@@ -4,9 +4,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.base import Predictive
-from bayesfric.rigs.residuals import check_residuals, measuring_order
+from bayesfric.rigs.residuals import beside_predicted
 from bayesfric.rigs.single_axis.likelihood import AxisLikelihood
 
 __all__ = ["runs"]
@@ -28,14 +27,5 @@ def runs(likelihood: AxisLikelihood, recorded: pd.DataFrame, view: Predictive) -
     middle = {name: np.median(values, keepdims=True) for name, values in view.named.items()}
     friction = likelihood.observed(middle)[0]
     table = likelihood.trials
-    return xr.Dataset(
-        {
-            "setup": ("run", table["setup"].to_numpy()),
-            "friction_n": ("run", friction),
-            "law_n": (("run", "quantile"), bands(law)),
-            "predicted_n": (("run", "quantile"), bands(law * view.factor)),
-            "order": ("run", measuring_order(recorded, table)),
-            **check_residuals("run", view.remade, friction),
-        },
-        coords={"run": table["trial"].to_numpy(), "quantile": list(QUANTILES)},
-    )
+    observed = {"setup": table["setup"].to_numpy(), "friction_n": friction}
+    return beside_predicted("run", table, observed, law, recorded, view)

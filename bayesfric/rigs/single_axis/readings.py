@@ -11,8 +11,8 @@ from scipy.ndimage import uniform_filter1d
 from scipy.signal import savgol_filter
 
 from bayesfric.arrays import Array, Whole
+from bayesfric.rigs.single_axis.even_log import EvenLog, position_noise, resolving, smooth_motion
 from bayesfric.rigs.single_axis.force_curvature import force_curvature
-from bayesfric.rigs.single_axis.motion import Motion, position_noise, resolving, smooth_motion
 from bayesfric.rigs.single_axis.weak_form import TestFunction, node_weights, test_function
 
 __all__ = ["PIECE", "Readings", "readings_of", "rough_law"]
@@ -108,7 +108,7 @@ class Readings:
 
 
 def readings_of(
-    motions: Sequence[Motion],
+    logs: Sequence[EvenLog],
     starts: Sequence[Whole],
     resolution: float | None,
     like: Readings | None = None,
@@ -117,7 +117,7 @@ def readings_of(
 
     Parameters
     ----------
-    motions : sequence of Motion
+    logs : sequence of EvenLog
         Runs.
     starts : sequence of ndarray of int
         Of each run, the samples at which its trials begin, 0 first.
@@ -126,20 +126,20 @@ def readings_of(
     like : Readings or None
         Rows whose windows and noise these have, on time; None looks for them.
     """
-    stroke = max(float(np.ptp(one.position)) for one in motions)
+    stroke = max(float(np.ptp(one.position)) for one in logs)
     if like is None:
-        noise = float(np.median([position_noise(one, resolution) for one in motions]))
-        half_s, hop = _width(motions, noise, stroke)
-        late_s = _late_by(motions, half_s, noise, stroke)
+        noise = float(np.median([position_noise(one, resolution) for one in logs]))
+        half_s, hop = _width(logs, noise, stroke)
+        late_s = _late_by(logs, half_s, noise, stroke)
     else:
         noise, half_s, hop, late_s = like.position_sd, like.half_s, like.hop, 0.0
     parts: list[dict[str, Any]] = []
     trials = pieces = 0
-    for motion, begin in zip(motions, starts, strict=True):
-        half = max(NARROWEST, round(half_s / motion.interval_s))
+    for log, begin in zip(logs, starts, strict=True):
+        half = max(NARROWEST, round(half_s / log.interval_s))
         step = max(1, round(hop * half))
-        test = test_function(half, motion.interval_s)
-        part = _of_run(motion, test, step, noise, stroke, late_s)
+        test = test_function(half, log.interval_s)
+        part = _of_run(log, test, step, noise, stroke, late_s)
         place = np.searchsorted(begin, part.pop("centre"), side="right")
         part["trial"] = np.asarray(trials + place - 1, dtype=np.float64)
         part["piece"] = pieces + _pieces(part.pop("neighbour"), part["trial"])
@@ -159,15 +159,15 @@ def readings_of(
     return Readings(**whole, **joined, position_sd=noise, half_s=half_s, hop=hop)
 
 
-def _width(motions: Sequence[Motion], noise: float, stroke: float) -> tuple[float, float]:
+def _width(logs: Sequence[EvenLog], noise: float, stroke: float) -> tuple[float, float]:
     """Return half the width of a window [s], and windows' distance as a share of that."""
-    interval = max(one.interval_s for one in motions)
-    length = sum(one.time_s.size * one.interval_s for one in motions)
-    longest = max(_pass_s(motions, noise) / (2 * PASSES), NARROWEST * interval)
+    interval = max(one.interval_s for one in logs)
+    length = sum(one.time_s.size * one.interval_s for one in logs)
+    longest = max(_pass_s(logs, noise) / (2 * PASSES), NARROWEST * interval)
     half_s = NARROWEST * interval
     while half_s < longest:
         rows = []
-        for one in motions:
+        for one in logs:
             half = max(NARROWEST, round(half_s / one.interval_s))
             test = test_function(half, one.interval_s)
             rows.append(_of_run(one, test, 2 * half, noise, stroke))
@@ -181,10 +181,10 @@ def _width(motions: Sequence[Motion], noise: float, stroke: float) -> tuple[floa
     return half_s, max(1.0, length / (MOST * half_s))
 
 
-def _pass_s(motions: Sequence[Motion], noise: float) -> float:
+def _pass_s(logs: Sequence[EvenLog], noise: float) -> float:
     """Return the median time that the axis runs one way [s]; a quarter of it counts at least."""
     found = []
-    for one in motions:
+    for one in logs:
         way = smooth_motion(one, resolving(one, SMOOTHED, noise), noise)[2]
         edges = np.flatnonzero(np.diff(way, prepend=0.0, append=0.0))
         each = np.diff(edges)[way[edges[:-1]] != 0] if edges.size > 1 else np.zeros(0)
@@ -220,12 +220,12 @@ def rough_law(force: Array, acceleration: Array, speed: Array) -> tuple[float, f
         columns = columns * np.array([1.0, 1.0, 0.0])
 
 
-def _late_by(motions: Sequence[Motion], half_s: float, noise: float, stroke: float) -> float:
+def _late_by(logs: Sequence[EvenLog], half_s: float, noise: float, stroke: float) -> float:
     """Return by how much the force acts later than the log has it, roughly [s]."""
     late_s = 0.0
     for _ in range(2):
         rows = []
-        for one in motions:
+        for one in logs:
             half = max(NARROWEST, round(half_s / one.interval_s))
             test = test_function(half, one.interval_s)
             rows.append(_of_run(one, test, half, noise, stroke, late_s))
@@ -240,7 +240,7 @@ def _late_by(motions: Sequence[Motion], half_s: float, noise: float, stroke: flo
 
 
 def _of_run(
-    motion: Motion,
+    log: EvenLog,
     test: TestFunction,
     step: int,
     noise: float,
@@ -249,10 +249,10 @@ def _of_run(
 ) -> dict[str, Array]:
     """Return the rows of one run, fields of :class:`Readings` and where they are."""
     half = test.half
-    position, velocity, way = smooth_motion(motion, max(SMOOTHED, half // 2), noise)
-    if (other := motion.further.get("sim_position")) is not None:
+    position, velocity, way = smooth_motion(log, max(SMOOTHED, half // 2), noise)
+    if (other := log.further.get("sim_position")) is not None:
         # Where the simulated axis runs the other way its friction says nothing of this motion.
-        there = smooth_motion(replace(motion, position=other), max(SMOOTHED, half // 2), noise)[2]
+        there = smooth_motion(replace(log, position=other), max(SMOOTHED, half // 2), noise)[2]
         way = np.where(there == way, way, 0.0)
     travel = _since_reversal(position, way, FAR * stroke)
     # A log that begins in motion does not say how long ago the axis turned, which friction may
@@ -260,7 +260,7 @@ def _of_run(
     unseen = travel == FAR * stroke
     if not unseen.all():
         way[unseen & (np.abs(position - position[0]) < FORGOTTEN * stroke)] = 0.0
-    centres = np.arange(half, motion.time_s.size - half, step)
+    centres = np.arange(half, log.time_s.size - half, step)
     # A window counts where all of its samples run the same way.
     runs = np.concatenate([[0.0], np.cumsum(way)])
     one_way = np.abs(runs[centres + half + 1] - runs[centres - half]) == 2 * half + 1
@@ -269,37 +269,37 @@ def _of_run(
     sign = way[centres]
     # The outermost places may lie between a window's last sample and the next, which turned.
     places = np.clip(node_weights()[0] * (half + 1), -half, half)
-    at = motion.time_s[centres][:, None] + places * motion.interval_s
+    at = log.time_s[centres][:, None] + places * log.interval_s
 
     def inside(values: Array) -> Array:
-        return np.asarray(np.interp(at, motion.time_s, values))
+        return np.asarray(np.interp(at, log.time_s, values))
 
     def rate(ago_s: float) -> Array:
-        force = np.interp(motion.time_s - ago_s, motion.time_s, motion.force)
+        force = np.interp(log.time_s - ago_s, log.time_s, log.force)
         return np.asarray(-sign * test.over(force, test.slope, centres))
 
-    simulated = [sign * one.over(test, centres) for one in motion.forces]
+    simulated = [sign * one.over(test, centres) for one in log.forces]
     lags = range(0, 2 * half // step + 1)
     force_rate = rate(late_s / 2)
-    curvature = sign * force_curvature(motion, test, centres, runs)
+    curvature = sign * force_curvature(log, test, centres, runs)
     return {
         "centre": centres.astype(np.float64),
         "neighbour": place.astype(np.float64),
         "way": sign,
-        "force": sign * test.over(motion.force, test.value, centres),
-        "acceleration": sign * test.over(motion.position, test.curvature, centres),
+        "force": sign * test.over(log.force, test.value, centres),
+        "acceleration": sign * test.over(log.position, test.curvature, centres),
         "force_rate": force_rate,
         # A later rate by the window's own samples would differ from this by their second
         # derivative, whose errors are those of the mean force with the other sign.
         "lagging_rate": force_rate - late_s / 2 * curvature,
         "force_curvature": curvature,
-        "time_s": motion.time_s[centres],
+        "time_s": log.time_s[centres],
         "speed": np.abs(inside(velocity)),
         "travel": inside(travel),
         "position": inside(position),
-        "drive": inside(savgol_filter(motion.force, 2 * half + 1, 2)),
+        "drive": inside(savgol_filter(log.force, 2 * half + 1, 2)),
         "position_lag": np.tile(_lagged(test.curvature, step, lags), (centres.size, 1)),
-        "force_lag": _locally(test.value, step, lags, _loudness(motion.force), centres),
+        "force_lag": _locally(test.value, step, lags, _loudness(log.force), centres),
         "simulated": np.reshape(simulated, (len(simulated), centres.size)).T,
     }
 

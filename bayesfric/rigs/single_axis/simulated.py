@@ -28,8 +28,8 @@ from bayesfric.arrays import Array, Flags
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.priors import Parameter, from_normal
 from bayesfric.recording.tables import RigConstants
+from bayesfric.rigs.single_axis.even_log import EvenLog, even_grid, smooth_motion
 from bayesfric.rigs.single_axis.measures import Measures
-from bayesfric.rigs.single_axis.motion import Motion, even_grid, smooth_motion
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 from bayesfric.simulators import SimulatorCalls, SimulatorRun, Task, between
@@ -121,7 +121,7 @@ class Guide:
         return found
 
 
-def _recorded_forces(log: Motion, mass: float | None) -> Forces:
+def _recorded_forces(log: EvenLog, mass: float | None) -> Forces:
     """Return the force that a simulator needed by what it left in a recording; empty if nothing.
 
     ``sim_force_n`` is the force of the simulated axis, and without it that of the log;
@@ -130,7 +130,7 @@ def _recorded_forces(log: Motion, mass: float | None) -> Forces:
 
     Parameters
     ----------
-    log : Motion
+    log : EvenLog
         A run.
     mass : float or None
         That the simulator moves [kg, or kg·m²].
@@ -142,7 +142,7 @@ def _recorded_forces(log: Motion, mass: float | None) -> Forces:
     return (WeakForce(value=log.force if force is None else force, curvature=apart),)
 
 
-def log_of(samples: pd.DataFrame, constants: RigConstants) -> Motion | None:
+def log_of(samples: pd.DataFrame, constants: RigConstants) -> EvenLog | None:
     """Return the log of a run, with what a simulator left in it; None where it is too short."""
     names = {
         "position": "position_m",
@@ -171,9 +171,9 @@ def fitting(table: pd.DataFrame) -> Flags:
 
 def linearised(
     calls: SimulatorCalls,
-    logs: Sequence[Motion],
+    logs: Sequence[EvenLog],
     rows: Sequence[Mapping[str, object]],
-    readings: Callable[[Sequence[Motion]], Readings],
+    readings: Callable[[Sequence[EvenLog]], Readings],
     measures: Measures,
     half_s: float,
     fits: Flags,
@@ -184,7 +184,7 @@ def linearised(
     ----------
     calls : SimulatorCalls
         The simulator.
-    logs : sequence of Motion
+    logs : sequence of EvenLog
         Runs.
     rows : sequence of mapping
         Of each, its row of ``axis_runs.csv``.
@@ -232,14 +232,14 @@ def linearised(
     return SimulatedBaseline(calls.name, parameters, centre, calls.made - made), found
 
 
-def _guide(log: Motion, mass: float, half_s: float) -> Guide:
+def _guide(log: EvenLog, mass: float, half_s: float) -> Guide:
     rate = min(WINDOW / half_s, FASTEST / log.interval_s)
     velocity = smooth_motion(log, GUIDED, 0.0)[1]
     start = float(log.time_s[0])
     return Guide(start, log.interval_s, log.position, velocity, mass, rate)
 
 
-def _run(log: Motion, guide: Guide, row: Mapping[str, object]) -> SimulatorRun:
+def _run(log: EvenLog, guide: Guide, row: Mapping[str, object]) -> SimulatorRun:
     start, speed = float(log.position[0]), float(guide.velocity[0])
     columns = {name: value for name, value in row.items() if name != "trial"}
     return SimulatorRun(str(row["run"]), log.time_s, log.force, start, speed, columns)

@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -16,20 +15,20 @@ from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect, small_values
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import BASELINES, VISCOUS, Baseline
+from bayesfric.physics.laws import BASELINES, VISCOUS, FrictionLaw
 from bayesfric.recording.tables import Axis, Recording, RigConstants
-from bayesfric.rigs.base import Motion, Predictive, Unsupported, Words, why_inert
+from bayesfric.rigs.base import Predictive, Regime, Unsupported, Words, why_inert
 from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.plain import PlainRig, PlainTrials
+from bayesfric.rigs.single_axis.entering import NO_CABLE, SIZE, entering
 from bayesfric.rigs.single_axis.likelihood import AxisLikelihood
-from bayesfric.rigs.single_axis.measures import Measures, measures_of
-from bayesfric.rigs.single_axis.motion import Motion as Log
+from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.next_runs import SETTINGS, lay_out
 from bayesfric.rigs.single_axis.predictions import runs as runs_dataset
-from bayesfric.rigs.single_axis.readings import Readings, readings_of, rough_law
+from bayesfric.rigs.single_axis.readings import Readings, rough_law
 from bayesfric.rigs.single_axis.rows import AxisRows, state_of, varied_columns
-from bayesfric.rigs.single_axis.simulated import SimulatedBaseline, fitting, linearised, log_of
+from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
 from bayesfric.rigs.single_axis.simulator import DESIGN
 from bayesfric.simulators import SimulatorCalls
 
@@ -48,10 +47,6 @@ WORDS = Words(
     "friction scatters from run to run (τ) and from assembly to assembly (ω). The clocks of force "
     "and position may be off by a little (latency), which no friction is blamed for.",
 )
-SIZE = "axis"  # in the place of a pulley size
-NO_CABLE: dict[str, Any] = {"pulley_size": SIZE, "n_pulleys": 1, "wrap_angle_deg": 85.0}
-ENOUGH = 6  # trials, so that something can be held out; few runs are cut in parts
-SETUPS = 3  # assemblies from which on they are taken for what differs; fewer say nothing
 MARGIN_S = 1e-3  # by which two clocks may be off at the least
 WITHIN = 12**-0.5  # of an interval: what two columns read at any time within it are apart, rms
 NOTHING = 1e-12
@@ -64,7 +59,7 @@ class SingleAxis(PlainRig):
     """A mass, or a joint, that one drive moves along or about one axis."""
 
     name: str = "single-axis"
-    motion: Motion = "accelerated"
+    regime: Regime = "accelerated"
     words: Words = WORDS
     tables: tuple[str, ...] = ("axis_runs.csv", "axis_samples.csv")
     paper: bool = False
@@ -97,7 +92,7 @@ class AxisRuns(PlainTrials):
         Of the whole recording.
     still : tuple of str
         Runs in which the axis does not move.
-    law : Baseline
+    law : FrictionLaw
         Around which a diagnosis makes them linear.
     source : Axis
         The tables.
@@ -111,7 +106,7 @@ class AxisRuns(PlainTrials):
     readings: Readings
     measures: Measures
     still: tuple[str, ...] = ()
-    law: Baseline = BASELINES["paper"]
+    law: FrictionLaw = BASELINES["paper"]
     loads: tuple[str, ...] = ()
     interval_s: float = field(default=0.0)
     source: Axis | None = None
@@ -208,7 +203,7 @@ class AxisRuns(PlainTrials):
         """False."""
         return False
 
-    def refuses(self, law: Baseline) -> Unsupported | None:
+    def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why a law of cables makes no sense here."""
         if law.name in ("paper", VISCOUS):
             return None
@@ -280,7 +275,7 @@ class AxisRuns(PlainTrials):
     def likelihood(
         self,
         analysis: Analysis,
-        law: Baseline = BASELINES["paper"],
+        law: FrictionLaw = BASELINES["paper"],
         effects: Sequence[ActiveEffect] = (),
     ) -> AxisLikelihood:
         """Return the density of the rows."""
@@ -359,55 +354,5 @@ class AxisRuns(PlainTrials):
 def _opened(
     rig: SingleAxis, axis: Axis, constants: RigConstants, simulator: SimulatorCalls | None = None
 ) -> AxisRuns | None:
-    parts = max(1, -(-ENOUGH // len(axis.runs)))
-    logs, starts, rows, runs = [], [], [], list[Mapping[str, object]]()
-    by_run = dict(iter(axis.samples.groupby("run", sort=False)))
-    still = []
-    for _, run in axis.runs.iterrows():
-        log = log_of(by_run[run["run"]], constants)
-        if log is None:
-            still.append(str(run["run"]))
-            continue
-        logs.append(log)
-        runs.append({str(name): value for name, value in run.items()})
-        starts.append(np.arange(parts) * (log.time_s.size // parts))
-        for part in range(parts):
-            name = run["run"] if parts == 1 else f"{run['run']}/{part + 1}"
-            rows.append({**run.to_dict(), "trial": str(name)})
-    readings = readings_of(logs, starts, constants.encoder_resolution) if logs else None
-    if readings is None:
-        return None
-    table = pd.DataFrame(rows).assign(**NO_CABLE)
-    measures, beside = measures_of(readings, logs, constants), None
-    if simulator is not None:
-
-        def again(told: Sequence[Log]) -> Readings:
-            found = readings_of(told, starts, constants.encoder_resolution)
-            assert found is not None
-            return found
-
-        beside, readings = linearised(
-            simulator, logs, runs, again, measures, readings.half_s, fitting(table)
-        )
-    elif readings.simulated.shape[1]:
-        named = {"sim_force": "sim_force_n", "sim_position": "sim_position_m"}
-        columns = [column for name, column in named.items() if name in logs[0].further]
-        beside = SimulatedBaseline(" and ".join(columns))
-    if "setup" not in table or table["setup"].nunique() < SETUPS:
-        table["setup"] = table["trial"]
-    moving = np.unique(readings.trial)
-    order = np.argsort(pd.factorize(table["setup"])[0][moving], kind="stable")
-    chosen = moving[order]
-    still += [str(run) for run in table["trial"][~table.index.isin(moving)]]
-    table = table.iloc[chosen].reset_index(drop=True)
-    return AxisRuns(
-        rig,
-        constants,
-        table,
-        readings.of(chosen),
-        measures,
-        tuple(still),
-        interval_s=float(np.median([log.interval_s for log in logs])),
-        source=axis,
-        simulated=beside,
-    )
+    found = entering(axis, constants, simulator)
+    return found and AxisRuns(rig, constants, **found._asdict(), source=axis)

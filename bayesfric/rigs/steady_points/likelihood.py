@@ -19,7 +19,7 @@ from bayesfric.arrays import Array
 from bayesfric.effects.terms import ActiveEffect, parameters_of, rough_values, total
 from bayesfric.inference.grouped_normal import GroupedNormal, Groups
 from bayesfric.inference.priors import Parameter
-from bayesfric.physics.laws import Baseline
+from bayesfric.physics.laws import FrictionLaw
 from bayesfric.rigs.coefficients import SizeIndex, coefficient_parameters
 from bayesfric.rigs.grouped import GroupedLikelihood
 from bayesfric.rigs.steady_points.bench import Bench
@@ -38,7 +38,7 @@ class PointsLikelihood(GroupedLikelihood):
         N points.
     analysis : Analysis
         Priors.
-    baseline : Baseline
+    baseline : FrictionLaw
         The friction law.
     effects : sequence of ActiveEffect
         What acts beside the law, all of it supported.
@@ -57,7 +57,7 @@ class PointsLikelihood(GroupedLikelihood):
         self,
         bench: Bench,
         analysis: Analysis,
-        baseline: Baseline,
+        baseline: FrictionLaw,
         effects: Sequence[ActiveEffect] = (),
     ) -> None:
         self._bench, self._effects = bench, tuple(effects)

@@ -6,7 +6,7 @@ import numpy as np
 
 from bayesfric.analysis import HalfNormal, Priors
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import Baseline
+from bayesfric.physics.laws import FrictionLaw
 from bayesfric.rigs.linear import NoiseParameter, noise_parameter
 from bayesfric.rigs.point_rows import PointRows
 from bayesfric.rigs.steady_points.bench import Bench
@@ -28,7 +28,7 @@ NEVER = HalfNormal(scale=2e-4)  # of what points would share, where none share a
 
 
 def points_rows(
-    bench: Bench, loads: tuple[str, ...], law: Baseline, laws: Mapping[str, Coefficients]
+    bench: Bench, loads: tuple[str, ...], law: FrictionLaw, laws: Mapping[str, Coefficients]
 ) -> PointRows:
     """Return the points around a reference law.
 
@@ -38,7 +38,7 @@ def points_rows(
         N points.
     loads : tuple of str
         Columns that make a condition, with size, number and wrap angle.
-    law : Baseline
+    law : FrictionLaw
         The friction law.
     laws : mapping of str to Coefficients
         Coefficients of each pulley size.

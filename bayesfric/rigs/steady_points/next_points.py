@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import Baseline
+from bayesfric.physics.laws import FrictionLaw
 from bayesfric.rigs.steady_points.bench import Bench
 from bayesfric.rigs.steady_points.places import CONDITION
 
@@ -20,7 +20,7 @@ FEW = 3
 
 
 def lay_out(
-    bench: Bench, law: Baseline, laws: Mapping[str, Coefficients]
+    bench: Bench, law: FrictionLaw, laws: Mapping[str, Coefficients]
 ) -> tuple[Bench, tuple[str, ...]]:
     """Return a point at every feasible condition, each on an assembly of its own.
 
@@ -28,7 +28,7 @@ def lay_out(
     ----------
     bench : Bench
         What was recorded.
-    law : Baseline
+    law : FrictionLaw
         The friction law, which says what is read.
     laws : mapping of str to Coefficients
         Of each pulley size.

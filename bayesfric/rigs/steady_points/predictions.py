@@ -1,13 +1,10 @@
 """What a fit predicts of steady points."""
 
-from typing import Any
-
 import pandas as pd
 import xarray as xr
 
-from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.base import Predictive
-from bayesfric.rigs.residuals import check_residuals, measuring_order
+from bayesfric.rigs.residuals import beside_predicted
 from bayesfric.rigs.steady_points.bench import Bench
 from bayesfric.rigs.steady_points.places import CONDITION
 
@@ -30,9 +27,5 @@ def points_dataset(bench: Bench, recorded: pd.DataFrame, view: Predictive) -> xr
     # What nobody recorded is not shown: where there is no pulley, none is spoken of.
     shown = ("pulley_size", *CONDITION, "velocity_m_s", *bench.covariates)
     kept = ["setup", "friction_n", *(name for name in shown if name in bench.given)]
-    columns: dict[str, Any] = {name: ("point", table[name].to_numpy()) for name in kept}
-    columns["law_n"] = (("point", "quantile"), bands(law))
-    columns["predicted_n"] = (("point", "quantile"), bands(law * view.factor))
-    columns["order"] = ("point", measuring_order(recorded, table))
-    columns |= check_residuals("point", view.remade, table["friction_n"].to_numpy())
-    return xr.Dataset(columns, {"point": table["trial"].to_numpy(), "quantile": list(QUANTILES)})
+    observed = {name: table[name].to_numpy() for name in kept}
+    return beside_predicted("point", table, observed, law, recorded, view)

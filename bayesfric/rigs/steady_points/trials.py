@@ -13,9 +13,9 @@ from bayesfric.effects import PULLEYS, Effect, State
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import BASELINES, VISCOUS, Baseline
+from bayesfric.physics.laws import BASELINES, VISCOUS, FrictionLaw
 from bayesfric.recording.tables import Recording
-from bayesfric.rigs.base import Motion, Predictive, Unsupported, Words
+from bayesfric.rigs.base import Predictive, Regime, Unsupported, Words
 from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.point_rows import PointRows
@@ -55,7 +55,7 @@ class SteadyPoints(PlainRig):
     """Anybody's bench, joint or slide on which friction was measured at steady motion."""
 
     name: str = NAME
-    motion: Motion = "steady"
+    regime: Regime = "steady"
     words: Words = WORDS
     tables: tuple[str, ...] = ("steady_friction.csv",)
     paper: bool = False
@@ -83,7 +83,7 @@ class SteadyTrials(PlainTrials):
         The points.
     recorded : DataFrame
         All points as recorded; their id is ``trial``.
-    law : Baseline
+    law : FrictionLaw
         Around which a diagnosis makes them linear.
     settings : tuple of str
         Of points that are laid out: columns that make a condition, beside the tension.
@@ -91,7 +91,7 @@ class SteadyTrials(PlainTrials):
 
     bench: Bench
     recorded: pd.DataFrame
-    law: Baseline = BASELINES["paper"]
+    law: FrictionLaw = BASELINES["paper"]
     settings: tuple[str, ...] = ()
     rig: SteadyPoints = RIG
 
@@ -129,7 +129,7 @@ class SteadyTrials(PlainTrials):
         one = np.ones(len(self.table))
         return supported(self.bench, effect, Coefficients(one, one, 0 * one))
 
-    def refuses(self, law: Baseline) -> Unsupported | None:
+    def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why a friction law makes no sense here; None where it does."""
         if law.name == VISCOUS:
             return VISCOUS_IS_AN_EFFECT
@@ -186,7 +186,7 @@ class SteadyTrials(PlainTrials):
     def likelihood(
         self,
         analysis: Analysis,
-        law: Baseline = BASELINES["paper"],
+        law: FrictionLaw = BASELINES["paper"],
         effects: Sequence[ActiveEffect] = (),
     ) -> PointsLikelihood:
         """Return the density of the readings."""

@@ -5,7 +5,7 @@ import numpy as np
 from bayesfric.blind.engines.boards import board_of
 from bayesfric.blind.engines.design import Trials
 from bayesfric.blind.engines.law import TABLE_I, draw_nature
-from bayesfric.blind.engines.state import Acting, Form, Kind
+from bayesfric.blind.engines.state import Form, ImposedEffect, Kind
 
 G = 9.80665
 
@@ -33,4 +33,4 @@ def board(*rows):
 def acting(law, acts="pulley", amplitude=1.0, affine=True, **shape):
     """Return an effect with a law of the test's own."""
     form = Form("test", True, law, acts, affine=affine)
-    return Acting(Kind("test", "amplitude", "1", (form,), ()), form, shape, amplitude, 1.0)
+    return ImposedEffect(Kind("test", "amplitude", "1", (form,), ()), form, shape, amplitude, 1.0)

@@ -10,7 +10,7 @@ from bayesfric.blind.engines.design import Bench, Trials, bench_of, trials_of
 from bayesfric.blind.engines.law import RADII_M, SIZES, TABLE_I
 from bayesfric.blind.engines.motion import move
 from bayesfric.blind.engines.recorder import event_trains
-from bayesfric.blind.engines.state import Acting, Passage
+from bayesfric.blind.engines.state import ImposedEffect, Passage
 from bayesfric.blind.engines.strength import CleanDesign, scaled, share_of_friction
 from bayesfric.effects import Reading, all_effects
 from bayesfric.paper import table1
@@ -130,7 +130,7 @@ def test_own_forms_do_what_the_packages_effects_do(plain, pure, name, form, law,
     kind = EFFECTS[name]
     (same,) = (one for one in kind.forms if one.name == form)
     assert same.own
-    effect = Acting(kind, same, shape, amplitude)
+    effect = ImposedEffect(kind, same, shape, amplitude)
     found = accelerations(ours(plain, [effect])) - pure[1]
     # Of 15 pulleys with T's share c1, the tension grows by 15 c1 on the way, 19 % where small:
     # the two differ by about half of that where an effect changes the tension itself.
@@ -181,7 +181,7 @@ def test_own_forms_on_the_motor_board(name, form, law, amplitude):
     kind = EFFECTS[name]
     (same,) = (one for one in kind.forms if one.name == form)
     state, one = motor_state(nature(), bench), np.ones((len(bench), 1))
-    found = motor_currents(state, [Acting(kind, same, {}, amplitude)], one)[0]
+    found = motor_currents(state, [ImposedEffect(kind, same, {}, amplitude)], one)[0]
     found = (found - motor_currents(state, [], one)[0])[:, 0]
     assert np.abs(found - expected).max() < 0.03 * np.abs(expected).max()
 
@@ -220,7 +220,7 @@ def friction_by_hand(board):
 def amplitude_of(clean, name, form, strength=1.0, **shape):
     kind = EFFECTS[name]
     (same,) = (one for one in kind.forms if one.name == form)
-    return scaled(Acting(kind, same, shape, 1.0, strength), clean).amplitude
+    return scaled(ImposedEffect(kind, same, shape, 1.0, strength), clean).amplitude
 
 
 def test_full_strength_is_ten_per_cent_of_friction(clean):
@@ -268,7 +268,7 @@ def test_beds_in_by_the_trials_of_its_own_assembly(clean):
         ("hyperbolic", {"trials": 2.0}, 1 / (1 + place / 2)),
         ("power", {}, 1 / np.sqrt(1 + place)),
     ):
-        effect = Acting(EFFECTS["bed-in"], forms[name], shape, 0.2)
+        effect = ImposedEffect(EFFECTS["bed-in"], forms[name], shape, 0.2)
         entering = np.full_like(state.slope, 15.0)
         excess = effect(state, entering) / state.friction(entering)
         assert excess[:, 0] == pytest.approx(0.2 * left, rel=1e-12)
@@ -277,7 +277,7 @@ def test_beds_in_by_the_trials_of_its_own_assembly(clean):
 def test_only_the_constant_part_differs_with_the_end(clean):
     state = clean.board.state
     forms = {form.name: form for form in EFFECTS["end-asymmetry"].forms}
-    effect = Acting(EFFECTS["end-asymmetry"], forms["constant"], {}, 0.2)
+    effect = ImposedEffect(EFFECTS["end-asymmetry"], forms["constant"], {}, 0.2)
     # The trials of an assembly swap ends in turn, the first with the drive mass on the right.
     expected = 0.2 * np.tile([0.5, -0.5], 90)[:, None] * state.constant_n
     for tension in (5.0, 30.0):
@@ -287,7 +287,7 @@ def test_only_the_constant_part_differs_with_the_end(clean):
 def test_a_guide_rubs_by_as_much_in_every_trial(clean):
     state = clean.board.state
     forms = {form.name: form for form in EFFECTS["end-asymmetry"].forms}
-    effect = Acting(EFFECTS["end-asymmetry"], forms["guide"], {}, 0.2)
+    effect = ImposedEffect(EFFECTS["end-asymmetry"], forms["guide"], {}, 0.2)
     force = effect(state, np.full_like(state.slope, 15.0))
     assert force[:, 0] == pytest.approx(np.tile([0.1, -0.1], 90))
 
@@ -297,7 +297,7 @@ def test_the_motor_board_has_neither_ends_nor_an_assemblys_trials(clean, name):
     kind = EFFECTS[name]
     for form in kind.forms:
         shape = form.draw(np.random.default_rng(1), 1)
-        effect = Acting(kind, form, shape, 0.3)
+        effect = ImposedEffect(kind, form, shape, 0.3)
         assert not np.any(effect(clean.bench, clean.bench.tension_n))
 
 
@@ -306,7 +306,7 @@ def test_every_amplitude_reaches_its_strength(clean):
     for kind in (*EFFECTS.values(), *OUTSIDERS_BY_NAME.values()):
         form = kind.forms[-1]
         sign = -1.0 if kind.signed else 1.0
-        effect = scaled(Acting(kind, form, form.draw(rng, 180), sign, 0.3), clean)
+        effect = scaled(ImposedEffect(kind, form, form.draw(rng, 180), sign, 0.3), clean)
         assert share_of_friction(effect, clean) == pytest.approx(0.03, rel=1e-6), kind.name
         assert np.sign(effect.amplitude) == sign
 

@@ -1,7 +1,6 @@
 """The paper's own estimator: friction of each trial, then slopes, then slopes of slopes.
 
-1. The friction fc of each trial by least squares on its motion, with eq. (4), where
-   the cable does not stretch, or with the four-state model (3).
+1. The friction fc of each trial by least squares on its motion, with eq. (4).
 2. At each (size, n, θ) a straight line of fc against nominal tension, with its R².
 3. At 85°, the slopes and the intercepts of these lines as proportional to n,
    eqs. (6) and (7): c1 and c2.
@@ -22,23 +21,16 @@ from bayesfric.rigs.gravity_board.estimator.slopes import (
     is_upright,
     lines_of_sizes,
 )
-from bayesfric.rigs.gravity_board.estimator.trials import (
-    ConstantFriction,
-    TrialFriction,
-    fit_constant_friction,
-    trial_frictions,
-)
+from bayesfric.rigs.gravity_board.estimator.trials import TrialFriction, trial_frictions
 
 __all__ = [
     "CellLine",
-    "ConstantFriction",
     "PaperEstimate",
     "SizeEstimate",
     "Slope",
     "TrialFriction",
     "WrapLine",
     "estimate_as_the_paper",
-    "fit_constant_friction",
     "is_upright",
     "lines_of_sizes",
     "trial_frictions",

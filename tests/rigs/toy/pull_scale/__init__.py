@@ -6,11 +6,9 @@ standard error.
 """
 
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 
 from bayesfric.analysis import HalfNormal
 from bayesfric.effects import State
@@ -20,14 +18,13 @@ from bayesfric.inference.priors import Parameter
 from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.laws import BASELINES
 from bayesfric.recording.columns import COUNT, RUN, SETUP, SIZE, TABLES, WRAP, Column, TableFormat
-from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.base import Simulated, Unsupported, Words
 from bayesfric.rigs.coefficients import SizeIndex, coefficient_parameters
 from bayesfric.rigs.grouped import GroupedLikelihood
 from bayesfric.rigs.linear import noise_parameter, rank
 from bayesfric.rigs.plain import PlainTrials
 from bayesfric.rigs.point_rows import PointRows
-from bayesfric.rigs.residuals import check_residuals, measuring_order
+from bayesfric.rigs.residuals import beside_predicted
 from bayesfric.rigs.truth import laws_of
 
 OWN = tuple(Column(name, "number", name, "N") for name in ("tension_n", "friction_n"))
@@ -44,7 +41,7 @@ def steady(law, table):
 @dataclass(frozen=True)
 class PullScale:
     name: str = "scale"
-    motion: str = "steady"
+    regime: str = "steady"
     words: Words = field(default=Words("pull scale", "reading", "readings"))
     tables: tuple[str, ...] = (FILE,)
     paper: bool = False
@@ -105,12 +102,8 @@ class Readings(PlainTrials):
     def predicted(self, view):
         table, law = self.table, view.likelihood.law(view.named)
         kept = ("pulley_size", "setup", *CONDITION, "friction_n")
-        columns: dict[str, Any] = {name: ("reading", table[name].to_numpy()) for name in kept}
-        columns["law_n"] = (("reading", "quantile"), bands(law))
-        columns["predicted_n"] = (("reading", "quantile"), bands(law * view.factor))
-        columns["order"] = ("reading", measuring_order(self.recorded, table))
-        columns |= check_residuals("reading", view.remade, table["friction_n"].to_numpy())
-        return xr.Dataset(columns, {"reading": table["trial"], "quantile": list(QUANTILES)})
+        observed = {name: table[name].to_numpy() for name in kept}
+        return beside_predicted("reading", table, observed, law, self.recorded, view)
 
     def under(self, law):
         return self

@@ -8,7 +8,7 @@ from scipy.signal import savgol_filter
 from bayesfric.arrays import Array, Flags
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 
-__all__ = ["Motion", "even_grid", "position_noise", "resolving", "smooth_motion"]
+__all__ = ["EvenLog", "even_grid", "position_noise", "resolving", "smooth_motion"]
 
 UNEVEN = 0.01  # of the interval, from which on samples are put on a grid
 GAP = 3.0  # intervals without a sample that are a gap
@@ -19,7 +19,7 @@ LEAST_SAMPLES = 16
 
 
 @dataclass(frozen=True)
-class Motion:
+class EvenLog:
     """A run, evenly sampled.
 
     Parameters
@@ -45,7 +45,7 @@ class Motion:
     forces: tuple[WeakForce, ...] = ()
 
 
-def even_grid(time_s: Array, columns: dict[str, Array]) -> Motion | None:
+def even_grid(time_s: Array, columns: dict[str, Array]) -> EvenLog | None:
     """Put a log on an even grid; None where it is too short.
 
     Parameters
@@ -68,50 +68,50 @@ def even_grid(time_s: Array, columns: dict[str, Array]) -> Motion | None:
         columns = {name: np.interp(grid, time_s, values) for name, values in columns.items()}
         time_s = grid
     rest = {n: v for n, v in columns.items() if n not in ("position", "force")}
-    return Motion(time_s, columns["position"], columns["force"], known, interval, rest)
+    return EvenLog(time_s, columns["position"], columns["force"], known, interval, rest)
 
 
-def position_noise(motion: Motion, resolution: float | None) -> float:
+def position_noise(log: EvenLog, resolution: float | None) -> float:
     """Return the standard deviation of a position's error.
 
     What a parabola over seven samples leaves; at least that of rounding to the encoder's
     resolution, or to the least step that the log has where nobody says.
     """
-    smooth = savgol_filter(motion.position, 7, 2)
-    left = np.abs(motion.position - smooth)[3:-3]
+    smooth = savgol_filter(log.position, 7, 2)
+    left = np.abs(log.position - smooth)[3:-3]
     # A parabola through seven samples takes up a third of the variance at its middle.
     found = NORMAL * float(np.median(left)) / (1 - 1 / 3) ** 0.5
     if resolution is None:
-        steps = np.abs(np.diff(motion.position))
+        steps = np.abs(np.diff(log.position))
         steps = steps[steps > 0]
         resolution = float(np.quantile(steps, 0.01)) if steps.size else 0.0
     return float(max(found, resolution / 12**0.5))
 
 
-def resolving(motion: Motion, half: int, noise: float) -> int:
+def resolving(log: EvenLog, half: int, noise: float) -> int:
     """Return samples on either side, `half` at least, over which the axis' speed is resolved.
 
     Over a few samples of a coarse encoder nothing seems to move.
     """
-    while 8 * half < motion.time_s.size:
-        velocity = savgol_filter(motion.position, 2 * half + 1, 2, deriv=1, delta=motion.interval_s)
-        if SURE * _speed_error(motion, half, noise) < SLOW * np.abs(velocity).max():
+    while 8 * half < log.time_s.size:
+        velocity = savgol_filter(log.position, 2 * half + 1, 2, deriv=1, delta=log.interval_s)
+        if SURE * _speed_error(log, half, noise) < SLOW * np.abs(velocity).max():
             break
         half += max(1, half // 4)
     return half
 
 
-def _speed_error(motion: Motion, half: int, noise: float) -> float:
+def _speed_error(log: EvenLog, half: int, noise: float) -> float:
     # Least squares: the variance of a slope through n samples is 12 σ² / (n³ Δt²).
-    return float(noise * np.sqrt(12 / (2 * half + 1) ** 3) / motion.interval_s)
+    return float(noise * np.sqrt(12 / (2 * half + 1) ** 3) / log.interval_s)
 
 
-def smooth_motion(motion: Motion, half: int, noise: float) -> tuple[Array, Array, Array]:
+def smooth_motion(log: EvenLog, half: int, noise: float) -> tuple[Array, Array, Array]:
     """Return position, speed, and where it is known which way the axis runs.
 
     Parameters
     ----------
-    motion : Motion
+    log : EvenLog
         A run.
     half : int
         Samples on either side that a parabola goes through.
@@ -125,8 +125,8 @@ def smooth_motion(motion: Motion, half: int, noise: float) -> tuple[Array, Array
         1, −1, or 0 where the speed is below what the positions resolve.
     """
     length = 2 * half + 1
-    position = savgol_filter(motion.position, length, 2)
-    velocity = savgol_filter(motion.position, length, 2, deriv=1, delta=motion.interval_s)
-    error = _speed_error(motion, half, noise)
+    position = savgol_filter(log.position, length, 2)
+    velocity = savgol_filter(log.position, length, 2, deriv=1, delta=log.interval_s)
+    error = _speed_error(log, half, noise)
     way = np.where(np.abs(velocity) > SURE * error, np.sign(velocity), 0.0)
-    return position, velocity, np.where(motion.known, way, 0.0)
+    return position, velocity, np.where(log.known, way, 0.0)

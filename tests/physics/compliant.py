@@ -21,39 +21,15 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
+from physics.damped import DampedTrajectory
 from scipy.optimize import elementwise
 
 from bayesfric.arrays import Array, Flags
-from bayesfric.physics.gravity import Condition, Trajectory
-
-__all__ = ["Cable", "CompliantMotion", "Ends", "compliant_motion", "integrate"]
+from bayesfric.physics.cable import Cable
+from bayesfric.physics.gravity import Condition
 
 STEP = 0.05  # of Runge-Kutta, times the rate of the stiff mode: (0.05)⁴/120 a radian
 LEAST_SPLIT = 1e-12  # of the two rates of the stretch, where they would coincide
-
-
-class Cable(NamedTuple):
-    """The cable as a spring and a damper; the defaults are assumptions.
-
-    Parameters
-    ----------
-    axial_stiffness_n : array_like
-        EA [N]; 0.61 mm 7×19 stainless steel has 14 to 16 kN.
-    length_m : array_like
-        Between the masses [m].
-    damping_ratio : array_like
-        Of the masses ringing against each other, over the critical [-].
-    """
-
-    axial_stiffness_n: ArrayLike = 15e3
-    length_m: ArrayLike = 1.6
-    damping_ratio: ArrayLike = 0.05
-
-    @property
-    def stiffness_n_m(self) -> Array:
-        """The spring constant k = EA / L [N/m]."""
-        stiffness = np.asarray(self.axial_stiffness_n, dtype=np.float64)
-        return stiffness / np.asarray(self.length_m, dtype=np.float64)
 
 
 class Ends(NamedTuple):
@@ -121,9 +97,9 @@ class CompliantMotion:
         return (self.mass_drive_kg - self.mass_load_kg) * self.gravity_m_s2 - self.friction_n
 
     @property
-    def rigid(self) -> Trajectory:
+    def rigid(self) -> DampedTrajectory:
         """The motion of eqs. (4) and (5): the same board with a cable that does not stretch."""
-        return Trajectory(
+        return DampedTrajectory(
             self.surplus_n / self.total_mass_kg,
             self.viscous_n_s_m / self.total_mass_kg,
             self.start_speed_m_s,
