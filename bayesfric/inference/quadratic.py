@@ -70,21 +70,22 @@ def eliminate(triangle: Array, variances: Sequence[ArrayLike]) -> tuple[Array, A
         integral multiplies the density by.
     """
     size = side(triangle)
-    log_determinant = np.zeros_like(triangle[0])
+    gain, rest, product = np.ones_like(triangle[0]), triangle, np.empty_like(triangle[:size])
     for variance in variances:
-        row, before = triangle[:size], triangle[size:]
-        triangle = np.empty_like(before)  # in the memory's own order, whichever axis is last
+        row, before = rest[:size], rest[size:]
+        # The first number leaves what was given alone, the others take their place.
+        rest = np.empty_like(before) if rest is triangle else before
         size -= 1
         pivot = 1 + variance * row[0]
-        log_determinant += np.log(pivot)
-        scaled = (variance / pivot) * row
+        gain *= pivot
+        scaled = (variance / pivot) * row[1:]
         start = 0
-        for place in range(1, size + 1):
-            stop = start + size + 1 - place
-            np.multiply(scaled[place], row[place:], out=triangle[start:stop])
-            np.subtract(before[start:stop], triangle[start:stop], out=triangle[start:stop])
+        for place in range(size):
+            stop = start + size - place
+            taken = np.multiply(scaled[place], row[place + 1 :], out=product[: size - place])
+            np.subtract(before[start:stop], taken, out=rest[start:stop])
             start = stop
-    return triangle, log_determinant
+    return rest, np.log(gain)
 
 
 def bilinear(

@@ -271,7 +271,7 @@ class GravityLikelihood:
         """Return what was measured, the wander along the trials integrated out."""
         variances = self._wander.variances(theta, friction_n)
         variances += self._along.variances(theta, self._size.coefficients(theta))
-        return self._measurements.at(theta).without(variances)
+        return self._measurements.at(theta, variances)
 
     def _intercept(self, theta: Mapping[str, Array]) -> Array:
         """Return the part of each trial's friction that does not grow with tension, (W, N) [N]."""

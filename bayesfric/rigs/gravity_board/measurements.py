@@ -6,7 +6,7 @@ Events win where both are there. An acceleration alone is taken as the mean over
 trial from rest.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +15,7 @@ import pandas as pd
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
 from bayesfric.inference.priors import Parameter
-from bayesfric.inference.quadratic import gram
+from bayesfric.inference.quadratic import eliminate, gram
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.hall_events import LOG_2PI, EventTable, TrialForm, reduce_events
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
@@ -156,13 +156,15 @@ class TrialMeasurements:
                 shown += list(columns.acceleration[:, self._by_acceleration])
             self._shown = np.stack(shown)
 
-    def at(self, theta: Mapping[str, Array]) -> TrialForm:
+    def at(self, theta: Mapping[str, Array], variances: Sequence[Array] = ()) -> TrialForm:
         """Evaluate the measurements at the noise of each walker.
 
         Parameters
         ----------
         theta : mapping of str to ndarray of shape (W,)
             Parameters by name.
+        variances : sequence of B ndarrays, shape (W, N)
+            Of the normal numbers that are drawn anew in each trial; they are integrated out.
 
         Returns
         -------
@@ -170,11 +172,12 @@ class TrialMeasurements:
             Of W noises and N trials.
         """
         if not self._by_acceleration.size:
-            return self._events.at(theta["sigma_x"], theta["sigma_t"])
-        alone = self._alone(theta)
+            return self._events.at(theta["sigma_x"], theta["sigma_t"], variances)
+        alone = self._alone(theta, [one[:, self._by_acceleration] for one in variances])
         if not self._by_events.size:
             return alone
-        seen = self._events.at(theta["sigma_x"], theta["sigma_t"])
+        with_events = [one[:, self._by_events] for one in variances]
+        seen = self._events.at(theta["sigma_x"], theta["sigma_t"], with_events)
         place = np.argsort(np.concatenate([self._by_events, self._by_acceleration]))
         return TrialForm(
             *(
@@ -185,17 +188,17 @@ class TrialMeasurements:
             )
         )
 
-    def _alone(self, theta: Mapping[str, Array]) -> TrialForm:
+    def _alone(self, theta: Mapping[str, Array], variances: Sequence[Array]) -> TrialForm:
         """Return the trials that have an acceleration alone: it is its own origin."""
         walkers = max((len(values) for values in theta.values()), default=1)
         unknown = theta["sigma_a"][:, None] if "sigma_a" in theta else np.nan
         sd = np.where(np.isfinite(self._stated_sd), self._stated_sd, unknown)
         precision = np.broadcast_to(1 / sd**2, (walkers, sd.shape[-1]))
         columns = [*self._shown, np.zeros_like(self._acceleration)]  # no residual
+        form = gram(columns, np.ones_like(self._acceleration), np.asarray)[:, None] * precision
+        form, log_determinant = eliminate(form, variances)
         return TrialForm(
-            self._acceleration,
-            gram(columns, np.ones_like(self._acceleration), np.asarray)[:, None] * precision,
-            0.5 * (np.log(precision) - LOG_2PI),
+            self._acceleration, form, 0.5 * (np.log(precision) - LOG_2PI - log_determinant)
         )
 
     def start(self) -> dict[str, float]:
