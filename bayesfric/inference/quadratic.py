@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from bayesfric.arrays import Array
 
-__all__ = ["bilinear", "eliminate", "gram", "matrices", "side"]
+__all__ = ["contract", "eliminate", "gram", "matrices", "side"]
 
 
 def side(triangle: Array) -> int:
@@ -88,23 +88,41 @@ def eliminate(triangle: Array, variances: Sequence[ArrayLike]) -> tuple[Array, A
     return rest, np.log(gain)
 
 
-def bilinear(
-    triangle: Array, left: Sequence[Array | float], right: Sequence[Array | float]
-) -> Array:
-    """Return leftᵀ M right, shape (…).
+def contract(triangle: Array, vectors: tuple[Array, Array]) -> Array:
+    """Return the form of two multiples of vectors of the last numbers instead of these.
 
     Parameters
     ----------
     triangle : ndarray, shape (s (s + 1) / 2, …)
         M.
-    left, right : sequence of s ndarrays or floats
-        Two vectors, their entries broadcastable to (…).
+    vectors : pair of ndarray, shape (k, …)
+        Entries of either for the last k numbers.
+
+    Returns
+    -------
+    ndarray, shape ((s − k + 2)(s − k + 3) / 2, …)
+        In the first s − k numbers, and by how much each vector is taken.
     """
-    total = np.zeros(triangle.shape[1:])
-    start = 0
-    for i in range(len(left)):
-        for j in range(i, len(left)):
-            both = left[i] * right[j] if i == j else left[i] * right[j] + left[j] * right[i]
-            total += both * triangle[start + j - i]
-        start += len(left) - i
-    return total
+    first, second = vectors
+    size, count = side(triangle), len(first)
+    found, start = [], 0
+    for length in range(size, count, -1):
+        row = triangle[start : start + length]
+        found += [*row[:-count], *(_dot(row[-count:], vector) for vector in vectors)]
+        start += length
+    squares = np.zeros((3, *triangle.shape[1:]))
+    for place in range(count):
+        row = triangle[start : start + count - place]
+        one, other = first[place], second[place]
+        # What stands on the diagonal is met once, all else in either order.
+        along, across = _dot(row, first[place:]), _dot(row, second[place:])
+        before = along - row[0] * one
+        squares[0] += one * (along + before)
+        squares[1] += one * across + other * before
+        squares[2] += other * (2 * across - row[0] * other)
+        start += count - place
+    return np.stack([*found, *squares])
+
+
+def _dot(row: Array, vector: Array) -> Array:
+    return np.asarray(np.einsum("k...,k...->...", row, vector))

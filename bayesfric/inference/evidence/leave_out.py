@@ -253,7 +253,7 @@ def loo_pit(cdf: Array, without: Without) -> Array:
     if cdf.shape != weights.shape:
         raise ValueError(f"cdf {cdf.shape} and the weights {weights.shape} differ")
     # A sum of weights is 1 but for rounding.
-    return np.clip(np.einsum("sg,sg->g", weights, cdf), 0.0, 1.0)
+    return np.asarray(np.clip((weights * cdf).sum(axis=0), 0.0, 1.0))
 
 
 def _check(log_likelihood: Array) -> None:

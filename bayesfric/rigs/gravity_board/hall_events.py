@@ -23,14 +23,15 @@ Speeds in the weights and in the Jacobian are those of a pilot fit a trial.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import pandas as pd
 from numpy.polynomial import chebyshev
+from numpy.typing import ArrayLike
 
-from bayesfric.arrays import Array
-from bayesfric.inference.quadratic import eliminate
+from bayesfric.arrays import Array, Whole
+from bayesfric.inference.quadratic import contract, eliminate
 from bayesfric.rigs.gravity_board.trial_motion import (
     NUISANCES,
     Events,
@@ -41,13 +42,16 @@ from bayesfric.rigs.gravity_board.trial_motion import (
 
 __all__ = [
     "EventTable",
+    "Motions",
     "TrialAcceleration",
     "TrialForm",
     "reduce_events",
 ]
 
+Motions: TypeAlias = Sequence[Sequence[Array | float]]
 LOG_2PI = float(np.log(2 * np.pi))
 LOG_RHO_SPAN = 9.25  # ± about 1/v*: beyond it one noise is 1e-4 of the other
+CACHED = 900_000  # numbers of forms at a time: more fall out of the processor's cache
 INTERVAL = 1.0  # of log ρ
 DEGREE = 11  # of a polynomial: 1e-5 nat of the paper's protocol
 
@@ -150,7 +154,13 @@ class EventTable:
         )
         return replace(self, constant=self.constant + log_prior)
 
-    def at(self, sigma_x: Array, sigma_t: Array, variances: Sequence[Array] = ()) -> TrialForm:
+    def at(
+        self,
+        sigma_x: Array,
+        sigma_t: Array,
+        variances: Sequence[Array] = (),
+        motions: Motions | None = None,
+    ) -> TrialForm:
         """Evaluate the statistics.
 
         Parameters
@@ -158,7 +168,9 @@ class EventTable:
         sigma_x, sigma_t : ndarray, shape (W,)
             Position [m] and clock [s] noise, above zero.
         variances : sequence of B ndarrays, shape (W, N)
-            Of the numbers that are drawn anew in each trial; they are integrated out.
+            Of the normal numbers that are drawn anew in each trial; they are integrated out.
+        motions : pair of sequence of 2 + K arrays or floats, broadcastable to (W, N), or None
+            Multiples of two motions (w, −1) take the place of w.
 
         Returns
         -------
@@ -173,11 +185,16 @@ class EventTable:
         polynomials = chebyshev.chebvander(2 * within / INTERVAL - 1, DEGREE) / scale2
         asked = np.unique(interval).astype(int).tolist()
         if len(asked) == 1:
-            found = self._without(asked[0], polynomials, variances)
+            found = self._without(asked[0], polynomials, variances, motions)
         else:
             walkers = [np.flatnonzero(interval == one) for one in asked]
             parts = [
-                self._without(one, polynomials[here], [one.T[:, here].T for one in variances])
+                self._without(
+                    one,
+                    polynomials[here],
+                    [_of(variance, here) for variance in variances],
+                    None if motions is None else [[_of(x, here) for x in y] for y in motions],
+                )
                 for one, here in zip(asked, walkers, strict=True)
             ]
             found = np.concatenate(parts, axis=-1)[..., np.argsort(np.concatenate(walkers))]
@@ -190,7 +207,13 @@ class EventTable:
             - 0.5 * self.degrees_of_freedom * (LOG_2PI + np.log(scale2)),
         )
 
-    def _without(self, interval: int, weights: Array, variances: Sequence[Array]) -> Array:
+    def _without(
+        self,
+        interval: int,
+        weights: Array,
+        variances: Sequence[Array],
+        motions: Motions | None,
+    ) -> Array:
         """Integrate numbers out of the statistics of one interval.
 
         Returns
@@ -198,10 +221,23 @@ class EventTable:
         ndarray, shape (s (s + 1)/2 + 1, N, W)
             The form that is left, then the log determinant of all that was integrated out.
         """
-        # Walkers next to each other in memory: what follows is faster so.
-        statistics = self._interval(interval) @ weights.T
-        triangle, gained = eliminate(statistics[:-1], [variance.T for variance in variances])
-        return np.concatenate([triangle, (statistics[-1] / weights[:, 0] + gained)[None]])
+        coefficients = self._interval(interval)
+        shape = self.origin.size, len(weights)
+        drawn = [np.broadcast_to(one.T, shape) for one in variances]
+        moved = motions and [[np.broadcast_to(np.transpose(x), shape) for x in y] for y in motions]
+        step = max(1, CACHED // (len(coefficients) * len(weights)))
+        parts = []
+        for start in range(0, self.origin.size, step):
+            trials = slice(start, start + step)
+            # Walkers next to each other in memory: what follows is faster so.
+            statistics = coefficients[:, trials] @ weights.T
+            form = statistics[:-1]
+            if moved is not None:
+                first, second = (np.stack([one[trials] for one in motion]) for motion in moved)
+                form = contract(form, (first, second))
+            form, gained = eliminate(form, [one[trials] for one in drawn])
+            parts.append(np.concatenate([form, (statistics[-1] / weights[:, 0] + gained)[None]]))
+        return parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
 
     def _interval(self, place: int) -> Array:
         """Return the polynomials of one interval of log ρ, shape (R, N, 1 + DEGREE)."""
@@ -233,6 +269,12 @@ class EventTable:
         return np.concatenate(
             [form[..., row, column].transpose(0, 2, 1), determinant[:, None]], axis=1
         )
+
+
+def _of(values: ArrayLike, walkers: Whole) -> Array:
+    """Return the rows of some walkers, which lie next to each other in memory."""
+    whole = np.asarray(values, dtype=np.float64)
+    return whole if whole.ndim == 0 or len(whole) == 1 else whole.T[:, walkers].T
 
 
 def reduce_events(
