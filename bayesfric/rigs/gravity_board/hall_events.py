@@ -224,7 +224,9 @@ class EventTable:
         coefficients = self._interval(interval)
         shape = self.origin.size, len(weights)
         drawn = [np.broadcast_to(one.T, shape) for one in variances]
-        moved = motions and [[np.broadcast_to(np.transpose(x), shape) for x in y] for y in motions]
+        moved = None
+        if motions is not None:
+            moved = [[np.broadcast_to(np.transpose(x), shape) for x in y] for y in motions]
         step = max(1, CACHED // (len(coefficients) * len(weights)))
         parts = []
         for start in range(0, self.origin.size, step):
@@ -243,7 +245,7 @@ class EventTable:
         """Return the polynomials of one interval of log ρ, shape (R, N, 1 + DEGREE)."""
         if place not in self.intervals:
             nodes = chebyshev.chebpts1(DEGREE + 1)
-            values = self._statistics((place + (nodes + 1) / 2) * INTERVAL)
+            values = self.statistics((place + (nodes + 1) / 2) * INTERVAL)
             solved = np.linalg.solve(
                 chebyshev.chebvander(nodes, DEGREE), values.reshape(len(nodes), -1)
             )
@@ -252,8 +254,11 @@ class EventTable:
             )
         return self.intervals[place]
 
-    def _statistics(self, log_ratio: Array) -> Array:
-        """Return the form (upper triangle) and the log determinant at V noise ratios, (V, R, N)."""
+    def statistics(self, log_ratio: Array) -> Array:
+        """Return the form (upper triangle) and the log determinant at V noise ratios, (V, R, N).
+
+        They are exact, and touch all events.
+        """
         ratio2 = np.exp(2 * log_ratio)[:, None]
         relative2 = (self.speed / self.typical_speed) ** 2
         spread = (1 + ratio2 * relative2) / (1 + ratio2)  # event variance over S²
