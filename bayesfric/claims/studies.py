@@ -31,6 +31,7 @@ from bayesfric.inference.laplace import Laplace, laplace_approximation
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import log_density
 from bayesfric.inference.sampling import sample
+from bayesfric.physics.laws import RIVAL_LAWS
 from bayesfric.rigs.coefficients import law_of
 from bayesfric.rigs.data import Data
 
@@ -159,8 +160,13 @@ def study_all(
     dict of Task to Studied
         The same whatever the executor.
     """
+    near = {
+        task.data: _mode(data[task.data], analysis, task.hypothesis, effects)
+        for task in tasks
+        if not (task.apart or task.hypothesis.effects or task.hypothesis.law in RIVAL_LAWS)
+    }
     each = [
-        (data[task.data], analysis, task, effects)
+        (data[task.data], analysis, task, effects, near.get(task.data, {}))
         for task in sorted(tasks, key=lambda task: _cost(task, effects), reverse=True)
     ]
     found: dict[Task, Studied] = {}
@@ -169,10 +175,6 @@ def study_all(
         found[given[2]] = keeping.record(_name(given), Studied, compute)
         done()
 
-    if executor is not None:
-        # What likelihoods of the same trials share is tabulated here, and travels with these.
-        for name in dict.fromkeys(task.data for task in tasks):
-            model_of(data[name], analysis, Hypothesis(), effects)
     running = {}
     for one in each:
         if executor is None or keeping.has(_name(one)):
@@ -191,7 +193,20 @@ def _cost(task: Task, effects: dict[str, Effect]) -> int:
     return 8 * task.apart + 4 * task.whole + 2 * any(shapes) + any(along)
 
 
-Given = tuple[Data, Analysis, Task, dict[str, Effect]]
+Given = tuple[Data, Analysis, Task, dict[str, Effect], dict[str, float]]
+
+
+def _mode(
+    data: Data, analysis: Analysis, law: Hypothesis, effects: dict[str, Effect]
+) -> dict[str, float]:
+    """Return the mode of a law alone, from which the climbs of all hypotheses start.
+
+    What likelihoods of the same trials share is tabulated on the way, and travels with the data.
+    """
+    with threadpool_limits(limits=1):
+        model = model_of(data, analysis, law, effects)
+        laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
+    return dict(zip(model.names, model.natural(laplace.mode).tolist(), strict=True))
 
 
 def _name(given: Given) -> str:
@@ -203,7 +218,13 @@ def _study_one(given: Given) -> Studied:
     return _study(*given)
 
 
-def _study(data: Data, analysis: Analysis, task: Task, effects: dict[str, Effect]) -> Studied:
+def _study(
+    data: Data,
+    analysis: Analysis,
+    task: Task,
+    effects: dict[str, Effect],
+    near: dict[str, float],
+) -> Studied:
     # The seed rests on what is studied, not on how many things are.
     words = f"{task.data} {task.hypothesis.law} {task.hypothesis.label}".encode()
     seed, proposals = np.random.SeedSequence([analysis.seed, *words]).generate_state(2)
@@ -212,7 +233,7 @@ def _study(data: Data, analysis: Analysis, task: Task, effects: dict[str, Effect
         if task.apart:
             first, second = model.likelihoods
             return _apart(ApartModel(first, second, analysis.priors), int(seed), int(proposals))
-        start = _start(model, task.hypothesis, effects)
+        start = _start(model, task.hypothesis, effects, near)
         laplace = laplace_approximation(model.log_posterior, start, model.scale())
         weighed = importance_draws(model.log_posterior, laplace, int(proposals), chart_of(model))
         if weighed is None:
@@ -277,10 +298,14 @@ def _apart(model: Model, seed: int, proposals: int) -> Studied:
     return Studied(None, "no rival was weighed", model.by_name(model.natural(z)))
 
 
-def _start(model: Model, hypothesis: Hypothesis, effects: dict[str, Effect]) -> Array:
+def _start(
+    model: Model, hypothesis: Hypothesis, effects: dict[str, Effect], near: dict[str, float]
+) -> Array:
     """Return the best of some amplitudes and shapes, a place to climb from."""
-    start = model.start()
-    candidates = [start]
+    rough = model.start()
+    known = dict(zip(model.names, model.natural(rough).tolist(), strict=True)) | near
+    start = model.sampling(np.array([known[name] for name in model.names]))
+    candidates = [rough, start]
     for name, _ in hypothesis.effects:
         effect = effects[name]
         places = [model.names.index(f"{name}.{p.name}") for p in effect.parameters]

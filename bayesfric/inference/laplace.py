@@ -18,6 +18,7 @@ LogDensity = Callable[[Array], Array]
 
 DROP = 0.02  # step of a difference, in curvature standard deviations squared
 RESTARTS, STEPS = 60, 8  # of a climb at most; steps of a restart
+SETTLED = 0.1  # of the logarithm of steps: they are a scale, no more
 LEAST_CURVATURE = 1e-3  # of the whitened Hessian; flatter directions are cut off here
 
 
@@ -71,11 +72,11 @@ def laplace_approximation(log_density: LogDensity, start: Array, scale: Array) -
     best = float(log_density(start[None])[0])
     if not np.isfinite(best):
         raise ValueError(f"the log density at the start is {best}, not finite")
-    point = start
+    point, steps = start, 1e-3 * scale
     # Restarting rescales the coordinates with the curvature found so far. One Hessian is good
     # for some steps of a trust region, and costs as much as dozens of gradients.
     for _ in range(RESTARTS):
-        steps = curvature_steps(log_density, point, scale)
+        steps = curvature_steps(log_density, point, scale, steps)
         bent = _whitened(log_density, point, steps)
 
         def objective(u: Array, origin: Array = point, unit: Array = steps) -> float:
@@ -167,7 +168,9 @@ def _gradient(log_density: LogDensity, point: Array, unit: Array) -> Array:
         return _finite((value[: point.size] - value[point.size :]) / (2 * step))
 
 
-def curvature_steps(log_density: LogDensity, point: Array, scale: Array) -> Array:
+def curvature_steps(
+    log_density: LogDensity, point: Array, scale: Array, first: Array | None = None
+) -> Array:
     """Return the change of each coordinate that lowers the log density by about 1/2.
 
     Parameters
@@ -178,13 +181,15 @@ def curvature_steps(log_density: LogDensity, point: Array, scale: Array) -> Arra
         Where.
     scale : ndarray, shape (D,)
         The largest change allowed.
+    first : ndarray, shape (D,), or None
+        A guess, such as those of a point nearby; None is a thousandth of the scale.
 
     Returns
     -------
     ndarray, shape (D,)
         From the curvature along each coordinate.
     """
-    steps = 1e-3 * scale
+    steps = 1e-3 * scale if first is None else first
     for _ in range(6):
         shifts = np.diag(steps)
         value = log_density(np.concatenate([point[None], point + shifts, point - shifts]))
@@ -193,5 +198,9 @@ def curvature_steps(log_density: LogDensity, point: Array, scale: Array) -> Arra
             second = np.abs(value[1 : size + 1] - 2 * value[0] + value[size + 1 :]) / steps**2
             wanted = 1 / np.sqrt(second)
         # Beyond an edge of the density a difference is not finite: come closer.
-        steps = np.where(np.isfinite(second), np.minimum(wanted, scale), 0.1 * steps)
+        found = np.where(np.isfinite(second), np.minimum(wanted, scale), 0.1 * steps)
+        settled = bool((np.abs(np.log(found / steps)) < SETTLED).all())
+        steps = found
+        if settled:
+            break
     return steps

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from bayesfric.arrays import Array
 
-__all__ = ["bilinear", "eliminate", "gram", "matrices", "side"]
+__all__ = ["contract", "eliminate", "gram", "matrices", "side"]
 
 
 def side(triangle: Array) -> int:
@@ -70,40 +70,59 @@ def eliminate(triangle: Array, variances: Sequence[ArrayLike]) -> tuple[Array, A
         integral multiplies the density by.
     """
     size = side(triangle)
-    log_determinant = np.zeros_like(triangle[0])
+    gain, rest, product = np.ones_like(triangle[0]), triangle, np.empty_like(triangle[:size])
     for variance in variances:
-        row, before = triangle[:size], triangle[size:]
-        triangle = np.empty_like(before)  # in the memory's own order, whichever axis is last
+        row, before = rest[:size], rest[size:]
+        # The first number leaves what was given alone, the others take their place.
+        rest = np.empty_like(before) if rest is triangle else before
         size -= 1
         pivot = 1 + variance * row[0]
-        log_determinant += np.log(pivot)
-        scaled = (variance / pivot) * row
+        gain *= pivot
+        scaled = (variance / pivot) * row[1:]
         start = 0
-        for place in range(1, size + 1):
-            stop = start + size + 1 - place
-            np.multiply(scaled[place], row[place:], out=triangle[start:stop])
-            np.subtract(before[start:stop], triangle[start:stop], out=triangle[start:stop])
+        for place in range(size):
+            stop = start + size - place
+            taken = np.multiply(scaled[place], row[place + 1 :], out=product[: size - place])
+            np.subtract(before[start:stop], taken, out=rest[start:stop])
             start = stop
-    return triangle, log_determinant
+    return rest, np.log(gain)
 
 
-def bilinear(
-    triangle: Array, left: Sequence[Array | float], right: Sequence[Array | float]
-) -> Array:
-    """Return leftᵀ M right, shape (…).
+def contract(triangle: Array, vectors: tuple[Array, Array]) -> Array:
+    """Return the form of two multiples of vectors of the last numbers instead of these.
 
     Parameters
     ----------
     triangle : ndarray, shape (s (s + 1) / 2, …)
         M.
-    left, right : sequence of s ndarrays or floats
-        Two vectors, their entries broadcastable to (…).
+    vectors : pair of ndarray, shape (k, …)
+        Entries of either for the last k numbers.
+
+    Returns
+    -------
+    ndarray, shape ((s − k + 2)(s − k + 3) / 2, …)
+        In the first s − k numbers, and by how much each vector is taken.
     """
-    total = np.zeros(triangle.shape[1:])
-    start = 0
-    for i in range(len(left)):
-        for j in range(i, len(left)):
-            both = left[i] * right[j] if i == j else left[i] * right[j] + left[j] * right[i]
-            total += both * triangle[start + j - i]
-        start += len(left) - i
-    return total
+    first, second = vectors
+    size, count = side(triangle), len(first)
+    found, start = [], 0
+    for length in range(size, count, -1):
+        row = triangle[start : start + length]
+        found += [*row[:-count], *(_dot(row[-count:], vector) for vector in vectors)]
+        start += length
+    squares = np.zeros((3, *triangle.shape[1:]))
+    for place in range(count):
+        row = triangle[start : start + count - place]
+        one, other = first[place], second[place]
+        # What stands on the diagonal is met once, all else in either order.
+        along, across = _dot(row, first[place:]), _dot(row, second[place:])
+        before = along - row[0] * one
+        squares[0] += one * (along + before)
+        squares[1] += one * across + other * before
+        squares[2] += other * (2 * across - row[0] * other)
+        start += count - place
+    return np.stack([*found, *squares])
+
+
+def _dot(row: Array, vector: Array) -> Array:
+    return np.asarray(np.einsum("k...,k...->...", row, vector))

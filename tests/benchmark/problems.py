@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from scipy.interpolate import make_interp_spline
 
 from bayesfric.analysis import Analysis
 from bayesfric.inference.cosines import MODES
@@ -18,6 +19,7 @@ from bayesfric.inference.model import Model
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
 from bayesfric.recording import read_recording
 from bayesfric.recording.tables import Gravity, Recording
+from bayesfric.rigs.gravity_board.hall_events import LOG_RHO_SPAN
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
 from bayesfric.rigs.gravity_board.measurements import TrialMeasurements, event_table
 from bayesfric.rigs.gravity_board.places import TrialPlaces
@@ -113,7 +115,7 @@ def arrays_of(model: Model, gravity: Gravity, recording: Recording) -> dict[str,
             "acceleration_sd": stated["acceleration_sd_m_s2"].to_numpy(),
         }
     table = places.table.with_first_speed(Analysis().priors.first_speed.scale)
-    spline = table.spline
+    spline, basis = _reduced(table)
     knots = np.unique(spline.t[spline.k : -spline.k])
     powers = range(spline.k, -1, -1)  # a polynomial a piece, for Horner's scheme
     pieces = [spline(knots[:-1], nu=power) / factorial(power) for power in powers]
@@ -121,7 +123,7 @@ def arrays_of(model: Model, gravity: Gravity, recording: Recording) -> dict[str,
         "knots": knots[:-1],
         "pieces": np.stack(pieces),
         "end": knots[-1:],
-        "basis": table.basis,
+        "basis": basis,
         "degrees_of_freedom": table.degrees_of_freedom,
         "constant": table.constant,
         "origin": table.origin,
@@ -130,6 +132,25 @@ def arrays_of(model: Model, gravity: Gravity, recording: Recording) -> dict[str,
         "extent": np.array(places.travel_m[places.with_events].max()),
         "modes": np.array(MODES),
     }
+
+
+def _reduced(table):
+    """Return a spline over log ρ of a few coefficients, and their singular vectors, (1 + L, R N).
+
+    One table for all noises suits a compiler better than an interval of them at a time.
+    """
+    log_ratio = np.linspace(-LOG_RHO_SPAN, LOG_RHO_SPAN, 149)
+    rows = np.stack([table.statistics(np.array([one]))[0] for one in log_ratio])
+    rows[:, -1] *= -0.5  # of the determinant, as it stands in the log density
+    rows = rows.reshape(log_ratio.size, -1)
+    unit = np.abs(rows).mean(axis=0)
+    unit[unit == 0] = 1.0
+    rows /= unit
+    centre = rows.mean(axis=0)
+    left, singular, right = np.linalg.svd(rows - centre, full_matrices=False)
+    kept = singular > 1e-9 * singular[0]
+    spline = make_interp_spline(log_ratio, left[:, kept], k=7)
+    return spline, np.vstack([centre, singular[kept, None] * right[kept]]) * unit
 
 
 def _scale(prior) -> np.ndarray:

@@ -45,6 +45,22 @@ def test_steps_follow_the_curvature():
     assert steps == pytest.approx(1 / np.sqrt(np.diag(PRECISION)), rel=1e-3)
 
 
+def test_a_good_guess_of_the_steps_takes_one_call():
+    asked = []
+
+    def counted(z):
+        asked.append(len(z))
+        return gaussian(z)
+
+    right = 1 / np.sqrt(np.diag(PRECISION))
+    assert curvature_steps(counted, MODE, np.ones(3), 1.05 * right) == pytest.approx(
+        right, rel=1e-3
+    )
+    assert asked == [7]
+    bad = curvature_steps(counted, MODE, np.ones(3), 50 * right)
+    assert bad == pytest.approx(right, rel=1e-3)
+
+
 def test_flat_direction_keeps_a_finite_width():
     flat = laplace_approximation(lambda z: -0.5 * z[:, 0] ** 2, np.zeros(2), np.full(2, 3.0))
     assert np.isfinite(flat.covariance).all()

@@ -12,6 +12,7 @@ from bayesfric.inference.evidence import (
     elpd,
     loo_pit,
     refit_without,
+    without_each,
 )
 
 GROUPS, EACH, DRAWS = 30, 3, 4000
@@ -223,7 +224,7 @@ def test_a_single_group_has_no_standard_error():
 def test_pit_is_that_of_exact_refits(case):
     found = loo_pit(
         np.stack([stats.norm.cdf(case.conditional(g)[1]) for g in range(GROUPS)], axis=1),
-        case.log_likelihood(),
+        without_each(case.log_likelihood()),
     )
     exact = [case.exact_pit(group) for group in range(GROUPS)]
     assert found == pytest.approx(exact, abs=0.02)
@@ -235,9 +236,9 @@ def test_pit_of_the_right_model_is_uniform_and_of_a_wrong_one_is_not():
     for seed in range(10, 20):
         case = Case(seed)
         scores = np.stack([case.conditional(g)[1] for g in range(GROUPS)], axis=1)
-        log_likelihood = case.log_likelihood()
-        right.append(loo_pit(stats.norm.cdf(scores), log_likelihood))
-        wrong.append(loo_pit(stats.norm.cdf(2 * scores), log_likelihood))
+        without = without_each(case.log_likelihood())
+        right.append(loo_pit(stats.norm.cdf(scores), without))
+        wrong.append(loo_pit(stats.norm.cdf(2 * scores), without))
     assert stats.kstest(np.concatenate(right), "uniform").pvalue > 0.01
     assert stats.kstest(np.concatenate(wrong), "uniform").pvalue < 1e-4
 
@@ -254,11 +255,11 @@ def test_bad_densities_are_refused(log_likelihood, match):
     with pytest.raises(ValueError, match=match):
         elpd(log_likelihood)
     with pytest.raises(ValueError, match=match):
-        loo_pit(log_likelihood, log_likelihood)
+        without_each(log_likelihood)
 
 
 def test_shapes_that_differ_are_refused():
     with pytest.raises(ValueError, match="differ"):
-        loo_pit(np.zeros((200, 2)), np.zeros((200, 3)))
+        loo_pit(np.zeros((200, 2)), without_each(np.zeros((200, 3))))
     with pytest.raises(ValueError, match="cannot be paired"):
         difference(predictions([1.0]), predictions([1.0, 2.0]))

@@ -8,7 +8,7 @@ from scipy import stats
 from scipy.integrate import quad
 
 from bayesfric.inference.grouped_normal import GroupedNormal, Groups
-from bayesfric.inference.quadratic import bilinear, eliminate, gram, matrices
+from bayesfric.inference.quadratic import contract, eliminate, gram, matrices
 from bayesfric.inference.student import GroupedStudent
 
 RESIDUAL = np.array([0.02, -0.02, 0.11, -0.01, -0.05, 0.02])
@@ -170,8 +170,6 @@ def test_numbers_integrated_out_leave_the_schur_complement():
     form = gram(list(columns), weight, np.sum)
     whole = columns * weight @ columns.T
     assert matrices(form) == pytest.approx(whole, rel=1e-12)
-    left, right = rng.standard_normal((2, 4))
-    assert bilinear(form, list(left), list(right)) == pytest.approx(left @ whole @ right)
     variances = [0.7, 0.0, 2.0]
     rest, log_determinant = eliminate(form, variances)
     # Of a number without variance nothing is left: it is 0.
@@ -181,6 +179,19 @@ def test_numbers_integrated_out_leave_the_schur_complement():
     assert rest[0] == pytest.approx(whole[3, 3] - whole[3, kept] @ gain)
     expected = np.linalg.slogdet(np.eye(3) + np.diag(variances) @ whole[:3, :3])[1]
     assert log_determinant == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("count", [1, 3, 5])
+def test_a_form_of_multiples_of_two_vectors(count):
+    rng = np.random.default_rng(3)
+    columns, vectors = rng.standard_normal((5, 9)), rng.standard_normal((2, count))
+    whole = columns @ columns.T
+    taken = np.zeros((5 - count + 2, 5))
+    taken[: 5 - count, : 5 - count] = np.eye(5 - count)
+    taken[5 - count :, 5 - count :] = vectors
+    form = gram(list(columns), np.ones(9), np.sum)
+    found = contract(form[:, None, None], tuple(vectors[..., None, None]))
+    assert matrices(found)[0, 0] == pytest.approx(taken @ whole @ taken.T, rel=1e-12)
 
 
 def student(rank, freedom):

@@ -9,9 +9,10 @@ from rigs.hall import SPACING, few_trials, likelihood_of, one_point, truth_by_na
 from scipy import integrate, linalg, stats
 
 from bayesfric.analysis import Analysis
-from bayesfric.inference.cosines import cosine_variances, cosines
+from bayesfric.inference.cosines import MODES, cosine_variances, cosines
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.hall_events import reduce_events
+from bayesfric.rigs.gravity_board.measurements import event_table
 from bayesfric.rigs.gravity_board.places import TrialPlaces
 from bayesfric.rigs.gravity_board.screening import screen_trials
 from bayesfric.rigs.gravity_board.wander import Wander
@@ -295,6 +296,49 @@ def test_table_agrees_with_a_direct_solution(ratio):
     found = events_table(recording).at(np.array([sigma_x]), np.array([sigma_t])).acceleration()
     assert found.mean[0, 0] == pytest.approx(fit[3], rel=1e-9)
     assert found.variance[0, 0] == pytest.approx(np.linalg.inv(information)[3, 3], rel=1e-6)
+
+
+def test_statistics_between_the_nodes_are_those_of_the_events():
+    """Over all ratios, whichever interval they are in, of walkers in any order."""
+    recording = few_trials(3, 40)
+    table = events_table(recording)
+    rng = np.random.default_rng(0)
+    log_ratio = rng.permutation(np.concatenate([np.linspace(-9.2, 9.2, 41), [-2.0, 0.0, 3.0]]))
+    # Of a scale of 1 m, beside which the clock's tick is nothing.
+    sigma_x = 1 / np.sqrt(1 + np.exp(2 * log_ratio))
+    sigma_t = np.exp(log_ratio) * sigma_x / table.typical_speed
+    found = table.at(sigma_x, sigma_t)
+    exact = table.statistics(log_ratio)
+    size = np.abs(exact).max(axis=0)
+    form = np.moveaxis(found.triangle, 0, 1)
+    assert (np.abs(form - exact[:, :-1]) / size[:-1]).max() < 1e-8
+    at_scale = table.constant - 0.5 * table.degrees_of_freedom * np.log(2 * np.pi)
+    expected = at_scale - 0.5 * exact[:, -1]
+    assert np.abs(found.log_constant - expected).max() < 1e-5
+
+
+def test_numbers_are_integrated_out_walker_by_walker():
+    """A few walkers in several intervals, against each of them alone."""
+    recording = few_trials(4, 40)
+    gravity = recording.gravity
+    wander = TrialPlaces(gravity, recording.rig).wander
+    table = event_table(gravity, recording.rig, wander, wander)
+    rng = np.random.default_rng(1)
+    sigma_x, sigma_t = 10.0 ** rng.uniform(-5, -4, (2, 7))
+    sigma_t[3:] *= 30
+    variances = list(rng.uniform(0, 1e-3, (MODES, 7, 4)))
+    motions = [[*rng.standard_normal((1 + MODES, 7, 4)), end] for end in (0.0, -1.0)]
+    together = table.at(sigma_x, sigma_t, variances, motions)
+    for walker in range(7):
+        one = slice(walker, walker + 1)
+        alone = table.at(
+            sigma_x[one],
+            sigma_t[one],
+            [variance[one] for variance in variances],
+            [[*(x[one] for x in motion[:-1]), motion[-1]] for motion in motions],
+        )
+        assert together.triangle[:, walker] == pytest.approx(alone.triangle[:, 0], rel=1e-9)
+        assert together.log_constant[walker] == pytest.approx(alone.log_constant[0], rel=1e-9)
 
 
 def test_stalled_trial_enters_and_leaves_what_moved_all_the_way():

@@ -17,11 +17,13 @@ from bayesfric.fitting.hypothesis import chart_of
 from bayesfric.inference.evidence import (
     ELPD,
     Evidence,
+    Without,
     bridge_ratio,
     elpd,
     importance_draws,
     loo_pit,
     refit_without,
+    without_each,
 )
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import GivenRest, Model, RigLikelihood
@@ -134,18 +136,21 @@ def leave_out(
     """
     given = _given_rest(model, likelihood, z)
     trial, setup = given.trial, given.setup
-    trials, without = _leave_out(model, likelihood, "trial", trial, start, seed)
-    setups, unseen_setups = _leave_out(model, likelihood, "setup", setup, start, seed)
     pit, again = np.empty(0), np.empty((0, trial.shape[1]))
     setup_pit = np.empty(0)
-    if setups is not None:
-        setup_pit = loo_pit(given.setup_cdf, setup)
-        for place, unseen in unseen_setups.items():
+    trials = setups = None
+    if np.isfinite(setup).all():
+        without = without_each(setup)
+        setups, refits = _leave_out(model, likelihood, "setup", setup, without, start, seed)
+        setup_pit = loo_pit(given.setup_cdf, without)
+        for place, unseen in refits.items():
             refitted = _given_rest(model, likelihood, unseen)
             setup_pit[place] = refitted.setup_cdf[:, place].mean()
-    if trials is not None:
-        pit = loo_pit(given.trial_cdf, trial)
-        for place, unseen in without.items():
+    if np.isfinite(trial).all():
+        without = without_each(trial)
+        trials, refits = _leave_out(model, likelihood, "trial", trial, without, start, seed)
+        pit = loo_pit(given.trial_cdf, without)
+        for place, unseen in refits.items():
             pit[place] = _given_rest(model, likelihood, unseen).trial_cdf[:, place].mean()
         some = z[np.linspace(0, len(z) - 1, min(AGAIN, len(z))).astype(int)]
         rng = np.random.default_rng(np.random.SeedSequence([seed, 3]))
@@ -264,12 +269,11 @@ def _leave_out(
     likelihood: RigLikelihood,
     kind: Kind,
     log_likelihood: Array,
+    without: Without,
     start: Array,
     seed: int,
-) -> tuple[ELPD | None, dict[int, Array]]:
+) -> tuple[ELPD, dict[int, Array]]:
     """Return the predictive densities, and the draws of each refit by its group's place."""
-    if not np.isfinite(log_likelihood).all():
-        return None, {}
     chart = chart_of(model)
     refits: dict[int, Array] = {}
 
@@ -300,7 +304,7 @@ def _leave_out(
         refits[place] = unseen.draws
         return value
 
-    return elpd(log_likelihood, refit), refits
+    return elpd(log_likelihood, refit, without), refits
 
 
 def _given_rest(model: Model, likelihood: RigLikelihood, z: Array) -> GivenRest:

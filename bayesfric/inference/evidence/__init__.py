@@ -2,7 +2,15 @@
 
 from bayesfric.inference.evidence.bridge import bridge_evidence, bridge_ratio, in_one_place
 from bayesfric.inference.evidence.importance import LEAST_FOR_A_MEAN, importance_draws
-from bayesfric.inference.evidence.leave_out import ELPD, Difference, difference, elpd, loo_pit
+from bayesfric.inference.evidence.leave_out import (
+    ELPD,
+    Difference,
+    Without,
+    difference,
+    elpd,
+    loo_pit,
+    without_each,
+)
 from bayesfric.inference.evidence.record import Evidence, SeparatedModes
 from bayesfric.inference.evidence.refit import Refit, refit_without
 
@@ -13,6 +21,7 @@ __all__ = [
     "Evidence",
     "Refit",
     "SeparatedModes",
+    "Without",
     "bridge_evidence",
     "bridge_ratio",
     "difference",
@@ -21,4 +30,5 @@ __all__ = [
     "in_one_place",
     "loo_pit",
     "refit_without",
+    "without_each",
 ]

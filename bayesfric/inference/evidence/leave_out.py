@@ -25,6 +25,7 @@ leave-one-out cross-validation based model comparison", arXiv:2008.10296.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,13 +34,28 @@ from scipy.special import logsumexp
 from bayesfric.arrays import Array
 from bayesfric.inference.diagnostics import smooth_weights
 
-__all__ = ["ELPD", "Difference", "difference", "elpd", "loo_pit"]
+__all__ = ["ELPD", "Difference", "Without", "difference", "elpd", "loo_pit", "without_each"]
 
 
 LIMIT_K = 0.7
 LEAST_DRAWS = 100
 LEAST_GROUPS, LEAST_DIFFERENCE = 20, 4.0
 """Below either, the standard error of a difference is too small (Sivula et al.)."""
+
+
+class Without(NamedTuple):
+    """Weights that make draws of the posterior draws as if they had not seen a group.
+
+    Parameters
+    ----------
+    log_weights : ndarray, shape (draws, G)
+        For each group left out, adding up to 1 over the draws.
+    pareto_k : ndarray, shape (G,)
+        Shape of the tail of each one's weights.
+    """
+
+    log_weights: Array
+    pareto_k: Array
 
 
 @dataclass(frozen=True)
@@ -108,21 +124,43 @@ class Difference:
         return not self.unreliable
 
 
-def elpd(
-    log_likelihood: Array,
-    refit: Callable[[int], float | None] | None = None,
-) -> ELPD:
-    """Estimate leave-one-group-out predictive densities.
+def without_each(log_likelihood: Array) -> Without:
+    """Weigh draws for each group left out.
 
     Parameters
     ----------
     log_likelihood : ndarray, shape (draws, G)
         log p(y_g | y_−g, θ) of each group for each posterior draw; for groups that are
         independent given θ, the same as log p(y_g | θ).
+
+    Raises
+    ------
+    ValueError
+        Fewer than 100 draws, or densities that are not finite.
+    """
+    _check(log_likelihood)
+    smoothed = [smooth_weights(-column) for column in log_likelihood.T]
+    weights = np.stack([one for one, _ in smoothed], axis=1)
+    return Without(weights - logsumexp(weights, axis=0), np.array([k for _, k in smoothed]))
+
+
+def elpd(
+    log_likelihood: Array,
+    refit: Callable[[int], float | None] | None = None,
+    without: Without | None = None,
+) -> ELPD:
+    """Estimate leave-one-group-out predictive densities.
+
+    Parameters
+    ----------
+    log_likelihood : ndarray, shape (draws, G)
+        As for :func:`without_each`.
     refit : callable or None
         Place of a group to its exact log p(y_g | y_−g), such as from the draws of
         :func:`bayesfric.inference.evidence.refit_without`, or to None where that cannot be had;
         called where Pareto smoothing fails.
+    without : Without or None
+        Weights of these draws; None finds them.
 
     Returns
     -------
@@ -134,12 +172,9 @@ def elpd(
     ValueError
         Fewer than 100 draws, or densities that are not finite.
     """
-    _check(log_likelihood)
+    log_weights, pareto_k = without or without_each(log_likelihood)
     draws, groups = log_likelihood.shape
-    pointwise, pareto_k = np.empty(groups), np.empty(groups)
-    for place, column in enumerate(log_likelihood.T):
-        weights, pareto_k[place] = smooth_weights(-column)
-        pointwise[place] = logsumexp(weights + column) - logsumexp(weights)
+    pointwise = logsumexp(log_weights + log_likelihood, axis=0)
     limit_k = min(LIMIT_K, 1 - 1 / np.log10(draws))
     refitted = np.zeros(groups, dtype=bool)
     if refit is not None:
@@ -185,7 +220,7 @@ def difference(first: ELPD, second: ELPD) -> Difference:
     return Difference(total, _standard_error(pairs), tuple(reasons))
 
 
-def loo_pit(cdf: Array, log_likelihood: Array) -> Array:
+def loo_pit(cdf: Array, without: Without) -> Array:
     """Return the leave-one-out probability integral transform (LOO-PIT) of each group.
 
     It is the probability, had the group been left out, of a lower value than was observed;
@@ -196,8 +231,8 @@ def loo_pit(cdf: Array, log_likelihood: Array) -> Array:
     cdf : ndarray, shape (draws, G)
         P(Y_g ≤ y_g | y_−g, θ) of one number of each group, such as Φ of its
         conditional z-score.
-    log_likelihood : ndarray, shape (draws, G)
-        log p(y_g | y_−g, θ), as for :func:`elpd`.
+    without : Without
+        Weights of these draws.
 
     Returns
     -------
@@ -207,21 +242,18 @@ def loo_pit(cdf: Array, log_likelihood: Array) -> Array:
     Raises
     ------
     ValueError
-        Shapes that differ, fewer than 100 draws, or densities that are not finite.
+        Shapes that differ.
 
     References
     ----------
     A. Gelfand, D. Dey, H. Chang, "Model determination using predictive distributions
     with implementation via sampling-based methods", Bayesian Statistics 4 (1992).
     """
-    _check(log_likelihood)
-    if cdf.shape != log_likelihood.shape:
-        raise ValueError(f"cdf {cdf.shape} and log_likelihood {log_likelihood.shape} differ")
-    found = np.empty(cdf.shape[1])
-    for place, (column, below) in enumerate(zip(log_likelihood.T, cdf.T, strict=True)):
-        weights, _ = smooth_weights(-column)
-        found[place] = np.exp(weights - logsumexp(weights)) @ below
-    return np.clip(found, 0.0, 1.0)  # a sum of weights is 1 but for rounding
+    weights = np.exp(without.log_weights)
+    if cdf.shape != weights.shape:
+        raise ValueError(f"cdf {cdf.shape} and the weights {weights.shape} differ")
+    # A sum of weights is 1 but for rounding.
+    return np.asarray(np.clip((weights * cdf).sum(axis=0), 0.0, 1.0))
 
 
 def _check(log_likelihood: Array) -> None:

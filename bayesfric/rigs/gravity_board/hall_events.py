@@ -15,22 +15,23 @@ a trial is a quadratic form in w = (a − â₀, A_1, …, A_K), â₀ being a p
     log p(times | w, σ) = C − (wᵀ G w − 2 bᵀ w) / 2.
 
 G, b and C depend on ρ = σ_t/σ_x only, apart from the overall scale
-S² = σ_x² + v*² σ_t². They are tabulated once over log ρ, and the table is
-reduced to its few leading singular vectors.
+S² = σ_x² + v*² σ_t². They are interpolated over log ρ by polynomials, an interval of it
+after the other, each tabulated when it is first asked for.
 
 Speeds in the weights and in the Jacobian are those of a pilot fit a trial.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import pandas as pd
-from scipy.interpolate import BSpline, make_interp_spline
+from numpy.polynomial import chebyshev
+from numpy.typing import ArrayLike
 
-from bayesfric.arrays import Array
-from bayesfric.inference.quadratic import eliminate
+from bayesfric.arrays import Array, Whole
+from bayesfric.inference.quadratic import contract, eliminate
 from bayesfric.rigs.gravity_board.trial_motion import (
     NUISANCES,
     Events,
@@ -41,16 +42,18 @@ from bayesfric.rigs.gravity_board.trial_motion import (
 
 __all__ = [
     "EventTable",
+    "Motions",
     "TrialAcceleration",
     "TrialForm",
     "reduce_events",
 ]
 
+Motions: TypeAlias = Sequence[Sequence[Array | float]]
 LOG_2PI = float(np.log(2 * np.pi))
 LOG_RHO_SPAN = 9.25  # ± about 1/v*: beyond it one noise is 1e-4 of the other
-GRID_STEP = 0.125
-SPLINE_DEGREE = 7
-REDUCED_TO = 1e-9  # singular values kept, relative to the largest: 1e-5 nat of quick
+CACHED = 900_000  # numbers of forms at a time: more fall out of the processor's cache
+INTERVAL = 1.0  # of log ρ
+DEGREE = 11  # of a polynomial: 1e-5 nat of the paper's protocol
 
 
 class TrialAcceleration(NamedTuple):
@@ -80,8 +83,7 @@ class TrialForm(NamedTuple):
         â₀, from which acceleration is counted [m/s²].
     triangle : ndarray, shape (s (s + 1)/2, W, N)
         Upper triangle of [[G, b], [bᵀ, squares]] row by row: minus twice the log density is
-        this form of (w, −1), up to a constant. Numbers that are drawn anew in each trial
-        stand before w until they are integrated out.
+        this form of (w, −1), up to a constant.
     log_constant : ndarray, shape (W, N)
         C, without what the squares take from it.
     """
@@ -89,20 +91,6 @@ class TrialForm(NamedTuple):
     origin: Array
     triangle: Array
     log_constant: Array
-
-    def without(self, variances: Sequence[Array]) -> "TrialForm":
-        """Return the form with its leading numbers integrated out.
-
-        Parameters
-        ----------
-        variances : sequence of B ndarrays, shape (W, N)
-            Of the normal numbers that stand before the acceleration.
-        """
-        if not variances:
-            return self
-        triangle, log_determinant = eliminate(self.triangle, variances)
-        constant = self.log_constant - 0.5 * log_determinant
-        return TrialForm(self.origin, np.ascontiguousarray(triangle), constant)
 
     def acceleration(self) -> TrialAcceleration:
         """Return the normal density of the acceleration where no effect acts."""
@@ -118,18 +106,20 @@ class TrialForm(NamedTuple):
 
 @dataclass(frozen=True)
 class EventTable:
-    """Tabulated sufficient statistics of N trials and K effects along them.
+    """Sufficient statistics of N trials and K effects along them.
 
     Parameters
     ----------
+    events : Events
+        Their regressors are those of the nuisances, then those of the form.
+    residual : ndarray, shape (E,)
+        Displacement less that of the pilot [m].
+    speed : ndarray, shape (E,)
+        Of the pilot [m/s].
     typical_speed : float
         v*, which splits the noise into scale and ratio [m/s].
     tick_variance : float
         Variance of rounding the clock, added to σ_t² [s²].
-    spline : BSpline
-        From log(ρ v*) to L coefficients.
-    basis : ndarray, shape (1 + L, R N)
-        Mean of the table and its leading singular vectors; R statistics a trial.
     degrees_of_freedom : ndarray, shape (N,)
         Events minus nuisances.
     constant : ndarray, shape (N,)
@@ -140,17 +130,22 @@ class EventTable:
         Root mean square residual of the pilot [m].
     first_speed : ndarray, shape (N,)
         Of the pilot, at the trial's first event [m/s].
+    intervals : dict of int to ndarray, shape (R, N, 1 + DEGREE)
+        Of those of log ρ that were asked for, R statistics a trial as coefficients of
+        Chebyshev polynomials.
     """
 
+    events: Events
+    residual: Array
+    speed: Array
     typical_speed: float
     tick_variance: float
-    spline: BSpline
-    basis: Array
     degrees_of_freedom: Array
     constant: Array
     origin: Array
     pilot_scale: float
     first_speed: Array
+    intervals: dict[int, Array] = field(default_factory=dict)
 
     def with_first_speed(self, scale_m_s: float) -> "EventTable":
         """Return the same with a half-normal prior of the first speed, of this scale [m/s]."""
@@ -159,13 +154,23 @@ class EventTable:
         )
         return replace(self, constant=self.constant + log_prior)
 
-    def at(self, sigma_x: Array, sigma_t: Array) -> TrialForm:
+    def at(
+        self,
+        sigma_x: Array,
+        sigma_t: Array,
+        variances: Sequence[Array] = (),
+        motions: Motions | None = None,
+    ) -> TrialForm:
         """Evaluate the statistics.
 
         Parameters
         ----------
         sigma_x, sigma_t : ndarray, shape (W,)
             Position [m] and clock [s] noise, above zero.
+        variances : sequence of B ndarrays, shape (W, N)
+            Of the normal numbers that are drawn anew in each trial; they are integrated out.
+        motions : pair of sequence of 2 + K arrays or floats, broadcastable to (W, N), or None
+            Multiples of two motions (w, −1) take the place of w.
 
         Returns
         -------
@@ -175,18 +180,106 @@ class EventTable:
         clock = np.sqrt(sigma_t**2 + self.tick_variance) * self.typical_speed
         scale2 = (sigma_x**2 + clock**2)[:, None]
         log_ratio = np.clip(np.log(clock / sigma_x), -LOG_RHO_SPAN, LOG_RHO_SPAN)
-        # The scale goes into the few coefficients, not into all that comes of them.
-        rows = self.basis.T @ (np.insert(self.spline(log_ratio), 0, 1.0, axis=1) / scale2).T
-        # Walkers next to each other in memory: what follows is faster so.
-        parts = rows.reshape(-1, self.origin.size, len(sigma_x)).transpose(0, 2, 1)
-        log_determinant = parts[-1] * scale2
+        interval, within = np.divmod(log_ratio, INTERVAL)
+        # The scale goes into the few polynomials, not into all that comes of them.
+        polynomials = chebyshev.chebvander(2 * within / INTERVAL - 1, DEGREE) / scale2
+        asked = np.unique(interval).astype(int).tolist()
+        if len(asked) == 1:
+            found = self._without(asked[0], polynomials, variances, motions)
+        else:
+            walkers = [np.flatnonzero(interval == one) for one in asked]
+            parts = [
+                self._without(
+                    one,
+                    polynomials[here],
+                    [_of(variance, here) for variance in variances],
+                    None if motions is None else [[_of(x, here) for x in y] for y in motions],
+                )
+                for one, here in zip(asked, walkers, strict=True)
+            ]
+            found = np.concatenate(parts, axis=-1)[..., np.argsort(np.concatenate(walkers))]
+        rows = found.transpose(0, 2, 1)
         return TrialForm(
             self.origin,
-            parts[:-1],
+            rows[:-1],
             self.constant
-            + log_determinant
+            - 0.5 * rows[-1]
             - 0.5 * self.degrees_of_freedom * (LOG_2PI + np.log(scale2)),
         )
+
+    def _without(
+        self,
+        interval: int,
+        weights: Array,
+        variances: Sequence[Array],
+        motions: Motions | None,
+    ) -> Array:
+        """Integrate numbers out of the statistics of one interval.
+
+        Returns
+        -------
+        ndarray, shape (s (s + 1)/2 + 1, N, W)
+            The form that is left, then the log determinant of all that was integrated out.
+        """
+        coefficients = self._interval(interval)
+        shape = self.origin.size, len(weights)
+        drawn = [np.broadcast_to(one.T, shape) for one in variances]
+        moved = None
+        if motions is not None:
+            moved = [[np.broadcast_to(np.transpose(x), shape) for x in y] for y in motions]
+        step = max(1, CACHED // (len(coefficients) * len(weights)))
+        parts = []
+        for start in range(0, self.origin.size, step):
+            trials = slice(start, start + step)
+            # Walkers next to each other in memory: what follows is faster so.
+            statistics = coefficients[:, trials] @ weights.T
+            form = statistics[:-1]
+            if moved is not None:
+                first, second = (np.stack([one[trials] for one in motion]) for motion in moved)
+                form = contract(form, (first, second))
+            form, gained = eliminate(form, [one[trials] for one in drawn])
+            parts.append(np.concatenate([form, (statistics[-1] / weights[:, 0] + gained)[None]]))
+        return parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
+
+    def _interval(self, place: int) -> Array:
+        """Return the polynomials of one interval of log ρ, shape (R, N, 1 + DEGREE)."""
+        if place not in self.intervals:
+            nodes = chebyshev.chebpts1(DEGREE + 1)
+            values = self.statistics((place + (nodes + 1) / 2) * INTERVAL)
+            solved = np.linalg.solve(
+                chebyshev.chebvander(nodes, DEGREE), values.reshape(len(nodes), -1)
+            )
+            self.intervals[place] = np.ascontiguousarray(solved.T).reshape(
+                *values.shape[1:], len(nodes)
+            )
+        return self.intervals[place]
+
+    def statistics(self, log_ratio: Array) -> Array:
+        """Return the form (upper triangle) and the log determinant at V noise ratios, (V, R, N).
+
+        They are exact, and touch all events.
+        """
+        ratio2 = np.exp(2 * log_ratio)[:, None]
+        relative2 = (self.speed / self.typical_speed) ** 2
+        spread = (1 + ratio2 * relative2) / (1 + ratio2)  # event variance over S²
+        events = self.events
+        whole = events.normal_equations(1 / spread, self.residual)
+        nuisance, mixed = whole[..., :NUISANCES, :NUISANCES], whole[..., :NUISANCES, NUISANCES:]
+        # Integrating over the nuisances leaves the Schur complement.
+        form = whole[..., NUISANCES:, NUISANCES:] - mixed.swapaxes(-1, -2) @ np.linalg.solve(
+            nuisance, mixed
+        )
+        determinant = events.total(np.log(spread)) + np.linalg.slogdet(nuisance)[1]
+        row, column = np.triu_indices(form.shape[-1])
+        return np.concatenate(
+            [form[..., row, column].transpose(0, 2, 1), determinant[:, None]], axis=1
+        )
+
+
+def _of(values: ArrayLike, walkers: Whole) -> Array:
+    """Return the rows of some walkers, which lie next to each other in memory."""
+    whole = np.asarray(values, dtype=np.float64)
+    return whole if whole.ndim == 0 or len(whole) == 1 else whole.T[:, walkers].T
 
 
 def reduce_events(
@@ -236,47 +329,16 @@ def reduce_events(
     ]
     table = replace(table, regressors=np.concatenate(parts))
     speed = pilot.first_speed[table.trial] + pilot.acceleration[table.trial] * table.tau
-    typical = float(np.exp(np.mean(np.log(speed))))
-    relative2 = (speed / typical) ** 2
-    log_ratio = np.arange(-LOG_RHO_SPAN, LOG_RHO_SPAN + GRID_STEP / 2, GRID_STEP)
-    rows = np.stack([_statistics(table, relative2, ratio, residual) for ratio in log_ratio])
-    # Each statistic in a unit of its own, so that a cut of the table is fair to all.
-    unit = np.abs(rows).mean(axis=0)
-    unit[unit == 0] = 1.0
-    rows /= unit
-    centre = rows.mean(axis=0)
-    # A triangle of the few ratios has the singular values and vectors of the wide table.
-    triangle = np.asarray(np.linalg.qr((rows - centre).T, mode="r"))
-    left, singular, _ = np.linalg.svd(triangle.T, full_matrices=False)
-    leading = left[:, singular > REDUCED_TO * singular[0]]
     sensors = table.present[:2].sum(axis=0)
     return EventTable(
-        typical_speed=typical,
+        events=table,
+        residual=residual,
+        speed=speed,
+        typical_speed=float(np.exp(np.mean(np.log(speed)))),
         tick_variance=tick_s**2 / 12,
-        spline=make_interp_spline(log_ratio, leading, k=SPLINE_DEGREE),
-        basis=np.vstack([centre, leading.T @ (rows - centre)]) * unit,
         degrees_of_freedom=table.total(np.ones_like(table.tau)) - sensors - 1.0,
         constant=table.total(np.log(speed)) - sensors * np.log(spacing_m),
         origin=pilot.acceleration,
         pilot_scale=pilot.rms_residual,
         first_speed=pilot.first_speed,
     )
-
-
-def _statistics(table: Events, relative2: Array, log_ratio: float, residual: Array) -> Array:
-    """Return the form (upper triangle) and the log determinant at one noise ratio, (R N,)."""
-    ratio2 = np.exp(2 * log_ratio)
-    spread = (1 + ratio2 * relative2) / (1 + ratio2)  # event variance over S²
-    matrix, right = table.normal_equations(1 / spread, residual)
-    nuisance, mixed = matrix[:, :NUISANCES, :NUISANCES], matrix[:, :NUISANCES, NUISANCES:]
-    # Integrating over the nuisances leaves the Schur complement.
-    solved = np.linalg.solve(nuisance, np.concatenate([mixed, right[:, :NUISANCES, None]], axis=2))
-    curvature = matrix[:, NUISANCES:, NUISANCES:] - mixed.transpose(0, 2, 1) @ solved[..., :-1]
-    slope = right[:, NUISANCES:] - (mixed * solved[..., -1:]).sum(axis=1)
-    squares = table.total(residual**2 / spread) - (right[:, :NUISANCES] * solved[..., -1]).sum(1)
-    determinant = np.linalg.slogdet(nuisance)[1]
-    rows = [
-        [*curvature[:, place, place:].T, slope[:, place]] for place in range(curvature.shape[1])
-    ]
-    last = [squares, -0.5 * (table.total(np.log(spread)) + determinant)]
-    return np.concatenate([one for row in rows for one in row] + last)

@@ -27,7 +27,6 @@ from bayesfric.errors import Fault, InputError
 from bayesfric.inference.grouped_normal import LOG_2PI, GroupedNormal, Groups
 from bayesfric.inference.heavy_groups import HeavyGroups
 from bayesfric.inference.model import GivenRest
-from bayesfric.inference.quadratic import bilinear
 from bayesfric.inference.student import GroupedStudent
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Gravity, RigConstants
@@ -35,7 +34,7 @@ from bayesfric.rigs.coefficients import coefficient_parameters
 from bayesfric.rigs.gravity_board.along import EffectsAlong
 from bayesfric.rigs.gravity_board.at_rest import TrialsAtRest
 from bayesfric.rigs.gravity_board.forces import Forces, SteadyForces
-from bayesfric.rigs.gravity_board.hall_events import TrialForm
+from bayesfric.rigs.gravity_board.hall_events import Motions, TrialForm
 from bayesfric.rigs.gravity_board.measurements import TrialMeasurements, event_table, joined
 from bayesfric.rigs.gravity_board.places import TrialPlaces, trial_condition
 from bayesfric.rigs.gravity_board.scatter import scatter_parameters, scatter_values
@@ -254,24 +253,24 @@ class GravityLikelihood:
         if self._along.columns is None:
             friction, variance, constant = self._shown(theta, forces)
             return friction, variance, law, constant
-        form = self._form(theta, law)
         added, scattered = self._along.amplitudes(theta, self._size.coefficients(theta))
-        # Around the pilot, with A the amplitudes: m0 = (r, A) and m1 = (f, −A), of A only
-        # what scatters with friction. The last entry is the residual's.
-        resting: list[Array | float] = [(drive - law) / mass - form.origin, *added, -1.0]
+        # Around the pilot, with A the amplitudes: m1 = (f, −A), of A only what scatters with
+        # friction, and m0 = (r, A). The last entry is the residual's.
         slowed: list[Array | float] = [law / mass, *(-one for one in scattered), 0.0]
-        precision = bilinear(form.triangle, slowed, slowed)
-        across = bilinear(form.triangle, resting, slowed)
-        square = bilinear(form.triangle, resting, resting)
+        around = (drive - law) / mass - self._measurements.origin
+        form = self._form(theta, law, (slowed, [around, *added, -1.0]))
+        precision, across, square = form.triangle
         constant = form.log_constant - 0.5 * (square - across**2 / precision)
         constant = constant + 0.5 * (LOG_2PI - np.log(precision)) + np.log(np.abs(law))
         return law * (1 + across / precision), law**2 / precision, law, constant
 
-    def _form(self, theta: Mapping[str, Array], friction_n: Array) -> TrialForm:
+    def _form(
+        self, theta: Mapping[str, Array], friction_n: Array, motions: Motions | None = None
+    ) -> TrialForm:
         """Return what was measured, the wander along the trials integrated out."""
         variances = self._wander.variances(theta, friction_n)
         variances += self._along.variances(theta, self._size.coefficients(theta))
-        return self._measurements.at(theta).without(variances)
+        return self._measurements.at(theta, variances, motions)
 
     def _intercept(self, theta: Mapping[str, Array]) -> Array:
         """Return the part of each trial's friction that does not grow with tension, (W, N) [N]."""

@@ -6,18 +6,25 @@ Events win where both are there. An acceleration alone is taken as the mean over
 trial from rest.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from bayesfric.analysis import Analysis
-from bayesfric.arrays import Array
+from bayesfric.arrays import Array, Whole
 from bayesfric.inference.priors import Parameter
-from bayesfric.inference.quadratic import gram
+from bayesfric.inference.quadratic import contract, eliminate, gram
 from bayesfric.recording.tables import Gravity, RigConstants
-from bayesfric.rigs.gravity_board.hall_events import LOG_2PI, EventTable, TrialForm, reduce_events
+from bayesfric.rigs.gravity_board.hall_events import (
+    LOG_2PI,
+    EventTable,
+    Motions,
+    TrialForm,
+    reduce_events,
+)
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 
 __all__ = [
@@ -156,13 +163,22 @@ class TrialMeasurements:
                 shown += list(columns.acceleration[:, self._by_acceleration])
             self._shown = np.stack(shown)
 
-    def at(self, theta: Mapping[str, Array]) -> TrialForm:
+    def at(
+        self,
+        theta: Mapping[str, Array],
+        variances: Sequence[Array] = (),
+        motions: Motions | None = None,
+    ) -> TrialForm:
         """Evaluate the measurements at the noise of each walker.
 
         Parameters
         ----------
         theta : mapping of str to ndarray of shape (W,)
             Parameters by name.
+        variances : sequence of B ndarrays, shape (W, N)
+            Of the normal numbers that are drawn anew in each trial; they are integrated out.
+        motions : pair of sequence of 2 + K arrays or floats, broadcastable to (W, N), or None
+            Multiples of two motions (w, −1) take the place of w.
 
         Returns
         -------
@@ -170,11 +186,12 @@ class TrialMeasurements:
             Of W noises and N trials.
         """
         if not self._by_acceleration.size:
-            return self._events.at(theta["sigma_x"], theta["sigma_t"])
-        alone = self._alone(theta)
+            return self._events.at(theta["sigma_x"], theta["sigma_t"], variances, motions)
+        alone = self._alone(theta, *_columns(self._by_acceleration, variances, motions))
         if not self._by_events.size:
             return alone
-        seen = self._events.at(theta["sigma_x"], theta["sigma_t"])
+        with_events = _columns(self._by_events, variances, motions)
+        seen = self._events.at(theta["sigma_x"], theta["sigma_t"], *with_events)
         place = np.argsort(np.concatenate([self._by_events, self._by_acceleration]))
         return TrialForm(
             *(
@@ -185,17 +202,34 @@ class TrialMeasurements:
             )
         )
 
-    def _alone(self, theta: Mapping[str, Array]) -> TrialForm:
+    @cached_property
+    def origin(self) -> Array:
+        """From which the acceleration of each trial is counted, shape (N,) [m/s²]."""
+        origin = np.empty(self._by_events.size + self._by_acceleration.size)
+        if self._by_events.size:
+            origin[self._by_events] = self._events.origin
+        if self._by_acceleration.size:
+            origin[self._by_acceleration] = self._acceleration
+        return origin
+
+    def _alone(
+        self, theta: Mapping[str, Array], variances: Sequence[Array], motions: Motions | None
+    ) -> TrialForm:
         """Return the trials that have an acceleration alone: it is its own origin."""
         walkers = max((len(values) for values in theta.values()), default=1)
         unknown = theta["sigma_a"][:, None] if "sigma_a" in theta else np.nan
         sd = np.where(np.isfinite(self._stated_sd), self._stated_sd, unknown)
         precision = np.broadcast_to(1 / sd**2, (walkers, sd.shape[-1]))
         columns = [*self._shown, np.zeros_like(self._acceleration)]  # no residual
+        form = gram(columns, np.ones_like(self._acceleration), np.asarray)[:, None] * precision
+        if motions is not None:
+            first, second = (
+                np.stack([np.broadcast_to(x, precision.shape) for x in y]) for y in motions
+            )
+            form = contract(form, (first, second))
+        form, log_determinant = eliminate(form, variances)
         return TrialForm(
-            self._acceleration,
-            gram(columns, np.ones_like(self._acceleration), np.asarray)[:, None] * precision,
-            0.5 * (np.log(precision) - LOG_2PI),
+            self._acceleration, form, 0.5 * (np.log(precision) - LOG_2PI - log_determinant)
         )
 
     def start(self) -> dict[str, float]:
@@ -203,6 +237,16 @@ class TrialMeasurements:
         scale = self._events.pilot_scale if self._by_events.size else 0.0
         rough = {"sigma_x": scale, "sigma_t": 0.1 * scale, "sigma_a": START_SIGMA_A}
         return {parameter.name: rough[parameter.name] for parameter in self.parameters}
+
+
+def _columns(
+    trials: Whole, variances: Sequence[Array], motions: Motions | None
+) -> tuple[list[Array], Motions | None]:
+    """Return what belongs to some of the trials."""
+    of_motions = motions and [
+        [x if np.ndim(x) == 0 else np.asarray(x)[:, trials] for x in y] for y in motions
+    ]
+    return [one[:, trials] for one in variances], of_motions
 
 
 def optional_column(table: pd.DataFrame, name: str) -> Array:

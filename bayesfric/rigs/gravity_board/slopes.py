@@ -16,12 +16,11 @@ from bayesfric.paper import table1
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.physics.gravity import nominal_tension
 from bayesfric.physics.laws import FrictionLaw
-from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.gravity_board.estimator import (
     CellLine,
+    PaperEstimate,
     SizeEstimate,
-    estimate_as_the_paper,
     is_upright,
 )
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
@@ -55,8 +54,7 @@ class _Cell:
 
 def paper_slopes(
     likelihood: GravityLikelihood,
-    gravity: Gravity,
-    rig: RigConstants,
+    estimate: PaperEstimate,
     named: dict[str, Array],
     baseline: FrictionLaw,
     rng: np.random.Generator,
@@ -67,10 +65,8 @@ def paper_slopes(
     ----------
     likelihood : GravityLikelihood
         Of the fit.
-    gravity : Gravity
-        The trials that entered.
-    rig : RigConstants
-        For gravity.
+    estimate : PaperEstimate
+        Of the trials that entered.
     named : dict of str to ndarray, shape (W,)
         Posterior draws by parameter.
     baseline : FrictionLaw
@@ -87,7 +83,6 @@ def paper_slopes(
         three tensions, its slope, and the law's slope against n and against tension.
         Either is empty where the recording does not allow it.
     """
-    estimate = estimate_as_the_paper(gravity, rig)
     # nan where a trial has no friction; it is in no line then
     measured = np.array([trial.tension_n for trial in estimate.trials], dtype=np.float64)
     deviation = likelihood.draw_scatter(named, rng, together=True)

@@ -73,9 +73,10 @@ def _least_squares(
     events: Events, weight: Array, stretch: Array | None = None
 ) -> tuple[Array, Array]:
     """Return the coefficients of each trial and the speed at each event."""
-    matrix, right = events.normal_equations(weight, events.displacement)
+    whole = events.normal_equations(weight[None], events.displacement)[0]
+    matrix, right = whole[:, :-1, :-1], whole[:, :-1, -1:]
     if stretch is not None:
         for place in (4, 5):
             matrix[:, place, place] += 1 / stretch**2
-    fit = np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0], dtype=np.float64)
+    fit = np.asarray(np.linalg.solve(matrix, right)[..., 0])
     return fit, fit[events.trial, 2] + fit[events.trial, 3] * events.tau

@@ -78,18 +78,32 @@ class Events:
         """Sum events over each trial (last axis)."""
         return np.add.reduceat(values, self.starts, axis=-1)
 
-    def normal_equations(self, weight: Array, response: Array) -> tuple[Array, Array]:
-        """Return XᵀWX, shape (N, R, R), and XᵀWy, shape (N, R); absent nuisances are unit."""
-        weighted = self.regressors * weight
-        size = len(self.regressors)
-        matrix = np.empty((self.starts.size, size, size))
-        for row in range(size):
-            for column in range(row, size):
-                matrix[:, row, column] = self.total(weighted[row] * self.regressors[column])
-                matrix[:, column, row] = matrix[:, row, column]
-        for row in range(NUISANCES):
-            matrix[~self.present[row], row, row] = 1.0
-        return matrix, self.total(weighted * response).T
+    def normal_equations(self, weights: Array, response: Array) -> Array:
+        """Return sums over each trial of the products of regressors and response, weighted.
+
+        Parameters
+        ----------
+        weights : ndarray, shape (V, E)
+            V weights of each event.
+        response : ndarray, shape (E,)
+            Comes last, after the R regressors.
+
+        Returns
+        -------
+        ndarray, shape (V, N, R + 1, R + 1)
+            Symmetric; absent nuisances are unit.
+        """
+        columns = np.vstack([self.regressors, response])
+        row, column = np.triu_indices(len(columns))
+        whole = np.empty((len(weights), self.starts.size, len(columns), len(columns)))
+        stops = np.append(self.starts[1:], response.size)
+        for trial, (start, stop) in enumerate(zip(self.starts, stops, strict=True)):
+            here = columns[:, start:stop]  # fits a cache, as all events at once do not
+            sums = weights[:, start:stop] @ (here[row] * here[column]).T
+            whole[:, trial, row, column] = whole[:, trial, column, row] = sums
+        for place in range(NUISANCES):
+            whole[:, ~self.present[place], place, place] = 1.0
+        return whole
 
 
 def prepare_events(events: pd.DataFrame, trial_ids: pd.Series) -> Events:
@@ -155,5 +169,5 @@ def pilot_of(table: Events) -> PilotFit:
 
 def pilot_coefficients(table: Events) -> Array:
     """Return offsets, first speed and acceleration of each trial, shape (N, 4)."""
-    matrix, right = table.normal_equations(np.ones_like(table.tau), table.displacement)
-    return np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0], dtype=np.float64)
+    whole = table.normal_equations(np.ones((1, table.tau.size)), table.displacement)[0]
+    return np.asarray(np.linalg.solve(whole[:, :-1, :-1], whole[:, :-1, -1:])[..., 0])

@@ -21,7 +21,7 @@ from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Gravity, Recording, RigConstants
 from bayesfric.rigs.base import Predictive, Regime, Resting, Simulated, Unsupported, Words
 from bayesfric.rigs.changes import Change
-from bayesfric.rigs.gravity_board.estimator import estimate_as_the_paper
+from bayesfric.rigs.gravity_board.estimator import PaperEstimate, estimate_as_the_paper
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood, trial_condition
 from bayesfric.rigs.gravity_board.linear_scatter import EVENT_SD_M
 from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion, measured_motion
@@ -282,7 +282,6 @@ class GravityTrials(PulleyTrials):
 
     def paper_estimates(self) -> Mapping[str, PointEstimate]:
         """Return the paper's own estimate of each pulley size, eqs (6) to (15)."""
-        estimates = estimate_as_the_paper(self.gravity, self.constants).sizes
         return {
             size.pulley_size: PointEstimate(
                 c1=size.c1.value,
@@ -292,8 +291,13 @@ class GravityTrials(PulleyTrials):
                 c3=size.c3.value,
                 c3_why=size.c3.reason,
             )
-            for size in estimates
+            for size in self.estimate.sizes
         }
+
+    @cached_property
+    def estimate(self) -> PaperEstimate:
+        """The paper's estimator, run on these trials."""
+        return estimate_as_the_paper(self.gravity, self.constants)
 
     def predicted(self, view: Predictive) -> xr.Dataset:
         """Return friction observed, and predicted for a new trial on a new assembly."""
@@ -308,7 +312,7 @@ class GravityTrials(PulleyTrials):
         """Return friction against tension, the paper's slopes, and a few trajectories."""
         likelihood, board = self._mine(view), (self.gravity, self.constants)
         found = {"curves": curves(likelihood, view.named, view.law)}
-        found |= paper_slopes(likelihood, *board, view.named, view.law, view.rng)
+        found |= paper_slopes(likelihood, self.estimate, view.named, view.law, view.rng)
         found["trajectories"] = trajectories(likelihood, *board, view.named, view.factor, view.law)
         return found
 
