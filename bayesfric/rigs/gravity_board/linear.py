@@ -130,9 +130,13 @@ class GravityPart:
         layout, sums = self.layout, self._sums
         start, end = layout.own, layout.own + layout.candidates
         used = np.ones(len(self.setup), dtype=bool) if trials is None else trials
+        entering = np.flatnonzero(mixing.any(axis=1))
+        weights = mixing[entering]
+        alone = np.array_equal(weights, np.eye(entering.size))  # each a number by itself
 
         def mixed(values: Array) -> Array:
-            parts = [values[..., :start], values[..., start:end] @ mixing, values[..., end:]]
+            those = values[..., start + entering]
+            parts = [values[..., :start], those if alone else those @ weights, values[..., end:]]
             return np.concatenate(parts, axis=-1)
 
         def of_size(size: int) -> OneSize:
