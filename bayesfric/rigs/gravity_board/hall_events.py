@@ -136,8 +136,6 @@ class EventTable:
         The part of C that no parameter moves.
     origin : ndarray, shape (N,)
         Pilot accelerations [m/s²].
-    pilot_scale : float
-        Root mean square residual of the pilot [m].
     first_speed : ndarray, shape (N,)
         Of the pilot, at the trial's first event [m/s].
     """
@@ -149,7 +147,6 @@ class EventTable:
     degrees_of_freedom: Array
     constant: Array
     origin: Array
-    pilot_scale: float
     first_speed: Array
 
     def with_first_speed(self, scale_m_s: float) -> "EventTable":
@@ -258,7 +255,6 @@ def reduce_events(
         degrees_of_freedom=table.total(np.ones_like(table.tau)) - sensors - 1.0,
         constant=table.total(np.log(speed)) - sensors * np.log(spacing_m),
         origin=pilot.acceleration,
-        pilot_scale=pilot.rms_residual,
         first_speed=pilot.first_speed,
     )
 
