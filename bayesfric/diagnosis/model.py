@@ -281,7 +281,7 @@ class LinearModel:
             Trials of each rig that enter, by rig; None is all.
         """
         parts, information = self._evaluated(psi, self.mixing(acting), acting.phases, used)
-        at = self._at(psi, acting, information, wide, form)
+        at = self.integrated(psi, acting, information, wide, form)
         if not gradient:
             return at
         columns = self.layout.own + len(acting.laws) + self.layout.always
@@ -295,40 +295,23 @@ class LinearModel:
         slope = self.log_prior(psi, acting)[1] + np.array([found[name] for name in names])
         return replace(at, gradient=slope)
 
-    def at(
-        self,
-        psi: Array,
-        acting: Acting,
-        said: Information,
-        places: Sequence[int],
-        form: Mapping[str, float] | None = None,
-    ) -> At:
-        """Return a hypothesis at one noise, where is known what the data say of candidates.
-
-        Parameters
-        ----------
-        psi, acting, form
-            As of :meth:`evaluate`.
-        said : Information
-            Of these candidates at this noise, as of :meth:`said_of`.
-        places : sequence of int
-            The candidates, those of the effects among them.
-        """
-        mixing = self.mixing(acting)[list(places)]
-        return self._at(psi, acting, said.mixed(self.places(len(places)), mixing), None, form)
-
-    def _at(
+    def integrated(
         self,
         psi: Array,
         acting: Acting,
         information: Information,
-        wide: Wide | None,
-        form: Mapping[str, float] | None,
+        wide: Wide | None = None,
+        form: Mapping[str, float] | None = None,
     ) -> At:
+        """Return a hypothesis at one noise where the information on its numbers is known."""
         mean, sd = self.prior([self.amplitude_prior(law) for law in acting.laws], wide, form)
         value, centre, covariance = information.integrated(mean, sd)
         value += self.log_prior(psi, acting)[0]
         return At(psi, value, None, information, centre, covariance)
+
+    def mixed(self, said: Information, places: Sequence[int], acting: Acting) -> Information:
+        """Return what is said of a hypothesis, where is known what is said of its candidates."""
+        return said.mixed(self.places(len(places)), self.mixing(acting)[list(places)])
 
     def _evaluated(
         self,

@@ -194,7 +194,8 @@ def _chosen(
         best = choices[0]
         total = reduced.log_evidence + float(logsumexp([one.log_evidence for one in choices]))
         acting = Acting(best.laws, best.shapes, phases)
-        at = partial(model.at, psi, acting, information, places, share)
+        own = model.mixed(information, places, acting)
+        at = partial(model.integrated, psi, acting, own, None, share)
         found.append(_Chosen(acting, total, choices, at))
     return found
 

@@ -114,12 +114,14 @@ def test_what_is_said_of_candidates_is_so_of_their_hypotheses(model):
     acting, psi = Acting((viscous,), (0.3,)), psi_of(model, phases=False)
     wanted = model.evaluate(psi, acting)
     for places in ([*viscous.places[::-1]], [*torque.places, *viscous.places], viscous.places):
-        found = model.at(psi, acting, model.said_of(psi, places), places)
+        said = model.mixed(model.said_of(psi, places), places, acting)
+        found = model.integrated(psi, acting, said)
         assert found.value == pytest.approx(wanted.value, abs=1e-7)
         np.testing.assert_allclose(found.mean, wanted.mean, rtol=1e-7, atol=1e-9)
         np.testing.assert_allclose(found.information.slope, wanted.information.slope, rtol=1e-9)
     nearby = psi + 0.1
-    found = model.at(nearby, acting, model.said_of(nearby, viscous.places), viscous.places)
+    said = model.mixed(model.said_of(nearby, viscous.places), viscous.places, acting)
+    found = model.integrated(nearby, acting, said)
     assert found.value == pytest.approx(model.evaluate(nearby, acting).value, abs=1e-7)
 
 
