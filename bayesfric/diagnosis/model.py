@@ -14,6 +14,7 @@ from bayesfric.analysis import Analysis, Prior
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.diagnosis.acting import Acting, At, Law, lawbook, merged, phase_name
 from bayesfric.diagnosis.discrepancy import Discrepancy, Wide, discrepancy_share
+from bayesfric.diagnosis.said import Said
 from bayesfric.diagnosis.scales import coefficient_moments, rms_friction, scales_of_numbers
 from bayesfric.effects import Effect
 from bayesfric.effects.candidates import Candidate, on_friction, prior_moments
@@ -127,6 +128,7 @@ class LinearModel:
         )
         self.noise: tuple[NoiseParameter, ...] = tuple(n for rig in self.rigs for n in rig.noise)
         self.lawbook = lawbook(self.candidates)
+        self.said = Said()
         self.squeezed_from: LinearModel | None = None
         self.squeeze: Array | None = None
 
@@ -279,20 +281,37 @@ class LinearModel:
             Trials of each rig that enter, by rig; None is all.
         """
         parts, information = self._evaluated(psi, self.mixing(acting), acting.phases, used)
+        at = self.integrated(psi, acting, information, wide, form)
+        if not gradient:
+            return at
+        columns = self.layout.own + len(acting.laws) + self.layout.always
+        places = [self.layout.spread(columns, s) for s in range(len(self.layout.sizes))]
+        means = [at.mean[one] for one in places]
+        covariances = [at.covariance[np.ix_(one, one)] for one in places]
+        found: dict[str, float] = {}
+        for part in parts:
+            found |= part.gradient(means, covariances)
+        names = [*(one.name for one in self.noise), *map(phase_name, acting.phases)]
+        slope = self.log_prior(psi, acting)[1] + np.array([found[name] for name in names])
+        return replace(at, gradient=slope)
+
+    def integrated(
+        self,
+        psi: Array,
+        acting: Acting,
+        information: Information,
+        wide: Wide | None = None,
+        form: Mapping[str, float] | None = None,
+    ) -> At:
+        """Return a hypothesis at one noise where the information on its numbers is known."""
         mean, sd = self.prior([self.amplitude_prior(law) for law in acting.laws], wide, form)
         value, centre, covariance = information.integrated(mean, sd)
-        prior, slope = self.log_prior(psi, acting)
-        if gradient:
-            columns = self.layout.own + len(acting.laws) + self.layout.always
-            places = [self.layout.spread(columns, s) for s in range(len(self.layout.sizes))]
-            means = [centre[one] for one in places]
-            covariances = [covariance[np.ix_(one, one)] for one in places]
-            found: dict[str, float] = {}
-            for part in parts:
-                found |= part.gradient(means, covariances)
-            names = [*(one.name for one in self.noise), *map(phase_name, acting.phases)]
-            slope = slope + np.array([found[name] for name in names])
-        return At(psi, value + prior, slope if gradient else None, information, centre, covariance)
+        value += self.log_prior(psi, acting)[0]
+        return At(psi, value, None, information, centre, covariance)
+
+    def mixed(self, said: Information, places: Sequence[int], acting: Acting) -> Information:
+        """Return what is said of a hypothesis, where is known what is said of its candidates."""
+        return said.mixed(self.places(len(places)), self.mixing(acting)[list(places)])
 
     def _evaluated(
         self,
@@ -315,8 +334,15 @@ class LinearModel:
 
     def said_of(self, psi: Array, places: Sequence[int], phases: Sequence[Law] = ()) -> Information:
         """Return what the data say of the numbers with some candidates as effects."""
-        mixing = np.eye(len(self.candidates))[:, list(places)]
-        return self._evaluated(psi, mixing, phases, None)[1]
+
+        def computed(those: Sequence[int]) -> Information:
+            mixing = np.eye(len(self.candidates))[:, list(those)]
+            return self._evaluated(psi, mixing, phases, None)[1]
+
+        if phases:
+            return computed(places)
+        first = self.layout.own * len(self.layout.sizes)
+        return self.said.of(psi, places, len(self.candidates), first, computed)
 
     def reduced_of(
         self, information: Information, form: Mapping[str, float] | None, places: Sequence[int]

@@ -9,6 +9,7 @@ from scipy.linalg import block_diag
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.discrepancy import Wide
 from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis.said import Said
 from bayesfric.rigs.layout import COEFFICIENTS
 
 __all__ = ["squeezed"]
@@ -54,6 +55,7 @@ def squeezed(model: LinearModel, psi: Array, wide: Wide | None = None) -> Linear
     )
     found = copy(model)
     found.squeezed_from, found.squeeze, found.layout = model, squeeze, squeezed
+    found.said = Said()
     found.rigs = tuple(rig.squeezed(squeeze, squeezed) for rig in model.rigs)
     found.scales = np.ones(squeezed.local)
     found.scales[:COEFFICIENTS] = model.scales[:COEFFICIENTS]

@@ -14,6 +14,7 @@ from bayesfric.diagnosis.discrepancy import Wide
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.weighing import Weighed, log_volume, over_amplitudes
+from bayesfric.inference.information import Information
 
 __all__ = ["Unknown", "unknown_force"]
 
@@ -98,8 +99,13 @@ def unknown_force(
     scattering = {axis for rig in model.rigs for axis in rig.rows.scattering_axes}
     idle = np.array([one.axis in scattering and one.share < practical for one in nodes])
 
+    places = [place for law in acting.laws for place in law.places]
+
+    def information_at(psi: Array) -> Information:
+        return model.mixed(model.said_of(psi, places, acting.phases), places, acting)
+
     def values(psi: Array, of: Whole) -> Array:
-        information = model.evaluate(psi, acting, nodes[0], form).information
+        information = information_at(psi)
         priors = [model.amplitude_prior(law) for law in acting.laws]
         nothing = np.array([], dtype=np.intp)
         log_prior, _ = model.log_prior(psi, acting)
@@ -124,7 +130,8 @@ def unknown_force(
         found[likely] = values(psi, likely)
         if settled:
             break
-    at = model.evaluate(psi, acting, nodes[int(np.argmax(found))], form)
+    likeliest = nodes[int(np.argmax(found))]
+    at = model.integrated(psi, acting, information_at(psi), likeliest, form)
     total = float(logsumexp(found) - np.log(len(nodes))) + volume
     total += over_amplitudes(small, there, acting, form)
     if near is not None and total > near:

@@ -1,7 +1,9 @@
 """One hypothesis weighed: its noise climbed to its own mode, laws and shapes integrated out."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import logsumexp
@@ -79,6 +81,15 @@ class Weighed:
         return dict.fromkeys(self.names, self.form)
 
 
+class _Chosen(NamedTuple):
+    """The best laws and shapes at a noise, the log evidence of all, the choices, and the best."""
+
+    acting: Acting
+    total: float
+    choices: list[Choice]
+    at: Callable[[], At]
+
+
 def label(names: Sequence[str]) -> str:
     """Return the name of a joint hypothesis."""
     return "+".join(sorted(names)) if names else NONE
@@ -124,11 +135,8 @@ def weigh(
     known = dict(shapes or {})
     each = [np.concatenate([start[: len(model.noise)], first]) for start in starts]
     tried = [_chosen(model, free, phases, one, known, (0.0,))[0] for one in each]
-    rated = [
-        model.evaluate(one, acting).value for one, (acting, _) in zip(each, tried, strict=True)
-    ]
-    best = int(np.argmax(rated))
-    psi, (acting, _) = each[best], tried[best]
+    best = int(np.argmax([one.at().value for one in tried]))
+    psi, acting = each[best], tried[best].acting
     form, weights = 0.0, np.zeros(len(forms))
     for _ in range(ROUNDS):
         at = climb(model, psi, acting, None, dict.fromkeys(names, form), inverse)
@@ -136,14 +144,14 @@ def weigh(
         psi = at.psi
         known |= {f"{w.effect}:{w.law}": s for w, s in zip(acting.laws, acting.shapes, strict=True)}
         results = _chosen(model, free, phases, psi, known, forms)
-        weights = np.array([total for _, (total, _) in results])
-        form = forms[int(np.argmax(weights))]
-        acting, (_, choices) = results[int(np.argmax(weights))]
+        weights = np.array([one.total for one in results])
+        form, chosen = forms[int(np.argmax(weights))], results[int(np.argmax(weights))]
+        acting = chosen.acting
         if _same(before[0], acting) and before[1] == form:
             break
     share = dict.fromkeys(names, form)
     # What follows is measured from the value of these laws, shapes and forms, and no others.
-    at = replace(model.evaluate(psi, acting, None, share), at_mode=at.at_mode)
+    at = replace(chosen.at(), at_mode=at.at_mode)
     prior, _ = model.log_prior(psi, acting)
     total = float(logsumexp(weights) - np.log(len(forms))) + prior
     total += over_amplitudes(model, at, acting, share)
@@ -154,7 +162,7 @@ def weigh(
         curvature_at(model, at, acting, share) if own_volume else None,
         acting,
         at,
-        tuple(choices),
+        tuple(chosen.choices),
         form,
         tuple(float(one) for one in shares),
         bound=not at.at_mode,
@@ -174,7 +182,7 @@ def _chosen(
     psi: Array,
     known: Mapping[str, float],
     shares: Sequence[float],
-) -> list[tuple[Acting, tuple[float, list[Choice]]]]:
+) -> list[_Chosen]:
     """Return for each share of forms the best laws and shapes, and all their log evidence."""
     places = [place for name in free for law in model.lawbook[name] for place in law.places]
     information = model.said_of(psi, places, phases)
@@ -185,7 +193,10 @@ def _chosen(
         choices = choose(Quadratic(model, reduced, places), model.lawbook, free, known)
         best = choices[0]
         total = reduced.log_evidence + float(logsumexp([one.log_evidence for one in choices]))
-        found.append((Acting(best.laws, best.shapes, phases), (total, choices)))
+        acting = Acting(best.laws, best.shapes, phases)
+        own = model.mixed(information, places, acting)
+        at = partial(model.integrated, psi, acting, own, None, share)
+        found.append(_Chosen(acting, total, choices, at))
     return found
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
 from scipy.linalg.lapack import dpotri
 
-from bayesfric.arrays import Array
+from bayesfric.arrays import Array, Whole
 
 __all__ = ["Information", "Reduced"]
 
@@ -61,6 +61,30 @@ class Information:
             self.slope + other.slope,
             self.constant + other.constant,
         )
+
+    def at(self, numbers: Whole) -> "Information":
+        """Return the information where all other numbers are 0."""
+        chosen = self.precision[np.ix_(numbers, numbers)]
+        return Information(chosen, self.slope[numbers], self.constant)
+
+    def mixed(self, numbers: Whole, mixing: Array) -> "Information":
+        """Return the information on mixtures in the place of numbers next to each other.
+
+        Parameters
+        ----------
+        numbers : ndarray of int, shape (n,)
+            Their places.
+        mixing : ndarray, shape (n, k)
+            Each mixture a column.
+        """
+        start = int(numbers[0]) if numbers.size else 0
+        stop = start + numbers.size
+
+        def of(values: Array) -> Array:
+            parts = [values[..., :start], values[..., start:stop] @ mixing, values[..., stop:]]
+            return np.concatenate(parts, axis=-1)
+
+        return Information(of(of(self.precision).T), of(self.slope), self.constant)
 
     def reduced(self, mean: Array, prior_sd: Array, candidates: NDArray[np.intp]) -> Reduced:
         """Integrate out all numbers but the candidates.

@@ -156,7 +156,7 @@ class ModelColumns:
         -------
         ndarray, shape (N, q)
         """
-        columns = np.zeros((len(coefficients), self.layout.local))
+        columns = np.zeros((len(coefficients), self.layout.local), order="F")  # filled by column
         columns[:, :COEFFICIENTS] = coefficients
         place = COEFFICIENTS
         for one in (*self.own, *self.candidates, *self.shared):

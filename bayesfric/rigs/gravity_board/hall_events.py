@@ -126,8 +126,6 @@ class EventTable:
         The part of C that no parameter moves.
     origin : ndarray, shape (N,)
         Pilot accelerations [m/s²].
-    pilot_scale : float
-        Root mean square residual of the pilot [m].
     first_speed : ndarray, shape (N,)
         Of the pilot, at the trial's first event [m/s].
     intervals : dict of int to ndarray, shape (R, N, 1 + DEGREE)
@@ -143,7 +141,6 @@ class EventTable:
     degrees_of_freedom: Array
     constant: Array
     origin: Array
-    pilot_scale: float
     first_speed: Array
     intervals: dict[int, Array] = field(default_factory=dict)
 
@@ -339,6 +336,5 @@ def reduce_events(
         degrees_of_freedom=table.total(np.ones_like(table.tau)) - sensors - 1.0,
         constant=table.total(np.log(speed)) - sensors * np.log(spacing_m),
         origin=pilot.acceleration,
-        pilot_scale=pilot.rms_residual,
         first_speed=pilot.first_speed,
     )

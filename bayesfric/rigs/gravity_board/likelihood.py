@@ -15,6 +15,7 @@ Without effects along the trial that is the density of its friction,
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
@@ -35,7 +36,13 @@ from bayesfric.rigs.gravity_board.along import EffectsAlong
 from bayesfric.rigs.gravity_board.at_rest import TrialsAtRest
 from bayesfric.rigs.gravity_board.forces import Forces, SteadyForces
 from bayesfric.rigs.gravity_board.hall_events import Motions, TrialForm
-from bayesfric.rigs.gravity_board.measurements import TrialMeasurements, event_table, joined
+from bayesfric.rigs.gravity_board.measurements import (
+    TrialMeasurements,
+    event_table,
+    joined,
+    noise_parameters,
+    rough_noise,
+)
 from bayesfric.rigs.gravity_board.places import TrialPlaces, trial_condition
 from bayesfric.rigs.gravity_board.scatter import scatter_parameters, scatter_values
 from bayesfric.rigs.gravity_board.wander import Wander
@@ -113,18 +120,14 @@ class GravityLikelihood:
         )
         self._along = EffectsAlong(self._places, along)
         self._wander = Wander(self._places, analysis)
-        columns, scattered = self._along.columns, self._along.scattered
-        drawn_anew = joined(self._wander.columns, scattered)
-        if columns is None and scattered is None:
-            table = self._places.table
-        else:
-            table = event_table(gravity, rig, columns, drawn_anew)
-        self._measurements = TrialMeasurements(gravity, table, analysis, columns, drawn_anew)
+        noise = noise_parameters(gravity, analysis)
+        self._rough_noise = rough_noise(noise, self._places.residual_m)
+        self._gravity, self._rig, self._analysis = gravity, rig, analysis
         self.parameters = (
             *coefficient_parameters(self.sizes, analysis, baseline.without),
             *scatter_parameters(self.sizes, analysis),
             *self._wander.parameters,
-            *self._measurements.parameters,
+            *noise,
             *(parameter for active in here for parameter in parameters_of(active)),
         )
         scatter = analysis.scatter
@@ -310,6 +313,17 @@ class GravityLikelihood:
         sd = np.sqrt(self.observed(theta)[1])
         return self.law(theta) * (1 + deviation) + sd * rng.standard_normal(deviation.shape)
 
+    @cached_property
+    def _measurements(self) -> TrialMeasurements:
+        """Made when a density is first asked for: a start needs none."""
+        columns, scattered = self._along.columns, self._along.scattered
+        drawn_anew = joined(self._wander.columns, scattered)
+        if columns is None and scattered is None:
+            table = self._places.table
+        else:
+            table = event_table(self._gravity, self._rig, columns, drawn_anew)
+        return TrialMeasurements(self._gravity, table, self._analysis, columns, drawn_anew)
+
     def start(self) -> dict[str, float]:
         """Return rough estimates by least squares, a place to climb from."""
         scatter = {
@@ -319,7 +333,7 @@ class GravityLikelihood:
         }
         scatter |= self._wander.start()
         effects = rough_values(self._effects)
-        return self._measurements.start() | scatter | effects | self._places.rough
+        return self._rough_noise | scatter | effects | self._places.rough
 
 
 def _blocks(theta: Mapping[str, Array]) -> Iterator[dict[str, Array]]:

@@ -10,13 +10,12 @@ identity.
 
 from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 import pandas as pd
 
-from bayesfric.arrays import Array, Flags
+from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.effects.candidates import Candidate, on_friction
 from bayesfric.inference.information import Information
 from bayesfric.rigs.base import Unsupported
@@ -33,6 +32,7 @@ from bayesfric.rigs.gravity_board.linear_scatter import (
 )
 from bayesfric.rigs.gravity_board.residual_motion import runs_of, whitening, windows_of
 from bayesfric.rigs.gravity_board.rows import GravityRows
+from bayesfric.rigs.gravity_board.scattered import OneSize, Scattered
 from bayesfric.rigs.gravity_board.trial_sums import orthogonal, trial_sums
 from bayesfric.rigs.layout import Layout, ModelColumns
 from bayesfric.rigs.linear import Evaluated, Run
@@ -40,14 +40,7 @@ from bayesfric.rigs.windows import Windows
 
 __all__ = ["GravityPart"]
 
-
-@dataclass(frozen=True)
-class _View:
-    """The sums of the columns of one hypothesis."""
-
-    precision: tuple[Array, ...]  # by size, (k, k)
-    slope: tuple[Array, ...]  # by size, (k,)
-    across: Array  # (n, w, k)
+_Sizes = tuple[OneSize, ...]
 
 
 class GravityPart:
@@ -76,8 +69,6 @@ class GravityPart:
         self.size = np.array([model.layout.sizes.index(size) for size in sizes])
         codes, setups = pd.factorize(rows.table["setup"])
         self.setup, self.setups = codes, tuple(str(setup) for setup in setups)
-        self.size_of_setup = self.size[[int(np.argmax(codes == j)) for j in range(len(setups))]]
-        self._member = np.equal.outer(np.arange(len(setups)), codes).astype(np.float64)
         self._travel = float(rows.covariates()["displacement"].max())
         self._assemble(model, place, np.array([model.friction_scale[size] for size in sizes]))
         for candidate, amplitude in model.scattering:
@@ -92,7 +83,7 @@ class GravityPart:
         self.noise = noise_of(model.priors, float(np.median(rows.variance)), unstated=rows.unstated)
         block = np.arange(len(codes)) if model.by_trial else self.size
         self._sums = trial_sums(rows, self._columns, self.random, block)
-        self._views: dict[bytes, _View] = {}
+        self._views: dict[bytes, _Sizes] = {}
 
     def _assemble(self, model: ModelColumns, place: int, force: Array) -> None:
         rows, layout = self.rows, self.layout
@@ -131,24 +122,40 @@ class GravityPart:
         self._squeeze: Array | None = None
         self.random = np.hstack(random)
 
-    def _view(self, mixing: Array, trials: Flags | None, width: int) -> _View:
-        key = mixing.tobytes() + str((*mixing.shape, width)).encode()
+    def _view(self, mixing: Array, chosen: Whole, width: int, trials: Flags | None) -> _Sizes:
+        """Return the sums of a hypothesis' columns, by size."""
+        key = b"".join((mixing.tobytes(), str(mixing.shape).encode(), chosen.tobytes()))
         if trials is None and key in self._views:
             return self._views[key]
-        layout = self.layout
+        layout, sums = self.layout, self._sums
         start, end = layout.own, layout.own + layout.candidates
         used = np.ones(len(self.setup), dtype=bool) if trials is None else trials
+        entering = np.flatnonzero(mixing.any(axis=1))
+        weights = mixing[entering]
+        alone = np.array_equal(weights, np.eye(entering.size))  # each a number by itself
 
         def mixed(values: Array) -> Array:
-            parts = [values[..., :start], values[..., start:end] @ mixing, values[..., end:]]
+            those = values[..., start + entering]
+            parts = [values[..., :start], those if alone else those @ weights, values[..., end:]]
             return np.concatenate(parts, axis=-1)
 
-        own = [used & (self.size == s) for s in range(len(layout.sizes))]
-        blocks = [np.unique(self._sums.block[mine]) for mine in own]
-        beyond = self._sums.beyond[width]
-        both = [mixed(mixed(beyond.precision[one].sum(axis=0)).T) for one in blocks]
-        slopes = [mixed(beyond.slope[mine].sum(axis=0)) for mine in own]
-        view = _View(tuple(both), tuple(slopes), mixed(self._sums.across[used, :width]))
+        def of_size(size: int) -> OneSize:
+            mine = np.flatnonzero(used & (self.size == size))
+            beyond = sums.beyond[width]
+            both = beyond.precision[np.unique(sums.block[mine])].sum(axis=0)
+            return OneSize(
+                np.unique(self.setup[mine], return_inverse=True)[1],
+                mixed(mixed(both).T),
+                mixed(beyond.slope[mine].sum(axis=0)),
+                float(beyond.square[mine].sum()),
+                sums.triangle[np.ix_(mine, np.arange(width), chosen)],
+                mixed(sums.across[mine, :width]),
+                sums.right[mine, :width],
+                float(sums.constant[mine].sum()),
+                float(sums.freedom[mine].sum()),
+            )
+
+        view = tuple(of_size(size) for size in range(len(layout.sizes)))
         if trials is None:
             if len(self._views) > 3:
                 self._views.clear()
@@ -163,14 +170,12 @@ class GravityPart:
         used: Flags | None = None,
     ) -> Evaluated:
         """Return what the events say of the numbers of a hypothesis."""
-        trials = np.ones(len(self.setup), dtype=bool) if used is None else used
         blocks = [(self.blocks[place], value) for place, value, _ in phases if place in self.blocks]
         chosen = np.concatenate(
             [np.arange(ALWAYS), *(np.arange(b.start, b.stop) for b, _ in blocks)]
         )
         # Where nothing else scatters, the other columns' directions are rows like any.
         width, kappa = (self.random.shape[1] if blocks else ALWAYS), noise["kappa"]
-        view, beyond = self._view(mixing, used, width), self._sums.beyond[width]
         variance, growth = wander_weights(noise["wander_length"], self._travel)
         sd = np.zeros(chosen.size)
         sd[TRIAL], sd[ELSEWHERE], sd[UNEVEN] = noise["tau"], 1.0, UNEVEN_SHARE
@@ -180,75 +185,22 @@ class GravityPart:
             places[name] = slice(start, start + block.stop - block.start)
             sd[places[name]] = value
             start = places[name].stop
-        rows = np.flatnonzero(trials)
-        # Of the rows along what scatters, what their scatter leaves; nothing is taken off that
-        # could leave rounding alone, where trials are long and their scatter is all they show.
-        triangle = self._sums.triangle[np.ix_(rows, np.arange(width), chosen)]
-        scaled = triangle * sd
-        factor = np.linalg.cholesky(np.eye(width) + scaled @ scaled.swapaxes(1, 2) / kappa)
-        root = np.linalg.inv(factor)
-        triangle, across = root @ triangle, root @ view.across
-        right = (root @ self._sums.right[rows, :width, None])[:, :, 0]
-        constant = self._sums.constant[trials].sum()
-        freedom = self._sums.freedom[trials].sum()
-        square = (beyond.square[trials].sum() + (right**2).sum()) / kappa
-        constant -= np.log(np.diagonal(factor, axis1=1, axis2=2)).sum()
-        constant -= 0.5 * freedom * np.log(kappa)
-        back = triangle.swapaxes(1, 2) / kappa
-        right_left, along = (back @ right[:, :, None])[:, :, 0], back @ triangle[:, :, :2]
-        # Of all friction and of its intercept alone, which the assembly shares.
-        member = self._member[:, trials]
-        columns = across.shape[2]
-        flat = member @ (back[:, :2] @ across).reshape(len(across), 2 * columns)
-        summed = flat.reshape(len(self.setups), 2, columns)
-        pulled = member @ right_left[:, :2]
-        stiff = (member @ along[:, :2].reshape(len(across), 4)).reshape(-1, 2, 2)
         omega = np.array([noise["omega"], noise["omega_intercept"]])
-        shared = np.eye(2) + omega[:, None] * stiff * omega
-        taken = omega[:, None] * np.linalg.inv(shared) * omega
-        share, pull = taken @ summed, (taken @ pulled[:, :, None])[:, :, 0]
-        constant += -0.5 * np.linalg.slogdet(shared)[1].sum()
-        square -= (pulled * pull).sum()
-        constant -= 0.5 * square
+        view = self._view(mixing, chosen, width, used)
+        each = [Scattered(one, sd, omega, kappa) for one in view]
+        columns = self.layout.own + mixing.shape[1] + self.layout.always
         total = self.layout.total(columns)
         precision, slope = np.zeros((total, total)), np.zeros(total)
-        locals_ = []
-        for size in range(len(self.layout.sizes)):
-            mine, theirs = self.size[trials] == size, self.size_of_setup == size
-            here = across[mine].reshape(-1, columns)
-            part = (view.precision[size] + here.T @ here) / kappa
-            part -= _fold(share[theirs], summed[theirs])
-            own = (view.slope[size] + right[mine].ravel() @ here) / kappa
-            own = own - np.einsum("na,nak->k", pull[theirs], summed[theirs])
+        for size, one in enumerate(each):
             place = self.layout.spread(columns, size)
-            precision[np.ix_(place, place)] += part
-            slope[place] += own
-            locals_.append((part, own))
-        information = Information(precision, slope, float(constant))
+            precision[np.ix_(place, place)] += one.precision
+            slope[place] += one.slope
+        information = Information(precision, slope, sum(one.constant for one in each))
 
         def gradient(mean: Sequence[Array], covariance: Sequence[Array]) -> dict[str, float]:
             """Return derivatives of the log evidence by the logarithms of the noise."""
-            setup = self.setup[trials]
-            across_left, known = back @ across, (triangle**2).sum(axis=1) / kappa
-            trial_q, setup_q = np.zeros(chosen.size), np.zeros(2)
-            scale = square - freedom
-            for size in range(len(self.layout.sizes)):
-                mine, theirs = self.size[trials] == size, self.size_of_setup == size
-                m, v = mean[size], covariance[size]
-                part, own = locals_[size]
-                scale += m @ part @ m - 2 * own @ m + (part * v).sum()
-                j = setup[mine]
-                a = across_left[mine] - along[mine] @ share[j]
-                b = right_left[mine] - (along[mine] @ pull[j][:, :, None])[:, :, 0]
-                c = known[mine] - ((along[mine] @ taken[j]) * along[mine]).sum(axis=2)
-                trial_q += ((b - a @ m) ** 2 + _spread(a, v) - c).sum(axis=0)
-                whole_setup = stiff[theirs]
-                a = summed[theirs] - whole_setup @ share[theirs]
-                b = pulled[theirs] - (whole_setup @ pull[theirs][:, :, None])[:, :, 0]
-                c = np.diagonal(
-                    whole_setup - whole_setup @ taken[theirs] @ whole_setup, axis1=1, axis2=2
-                )
-                setup_q += ((b - a @ m) ** 2 + _spread(a, v) - c).sum(axis=0)
+            moments = [one.moments(*of) for one, *of in zip(each, mean, covariance, strict=True)]
+            trial_q, setup_q, scale = (sum(of) for of in zip(*moments, strict=True))
             felt, shared_felt = sd**2 * trial_q, omega**2 * setup_q
             found = {
                 "tau": felt[TRIAL],
@@ -331,14 +283,3 @@ class GravityPart:
         """
         columns = self.columns, self.random
         return runs_of(self.rows, *columns, self._travel, self.scatter(noise), noise, numbers)
-
-
-def _fold(one: Array, other: Array) -> Array:
-    """Return the sum over trials and columns that scatter of outer products, (k, k)."""
-    return np.asarray(one.reshape(-1, one.shape[-1]).T @ other.reshape(-1, other.shape[-1]))
-
-
-def _spread(columns: Array, covariance: Array) -> Array:
-    """Return the variance of each column's mixture of numbers, (n, r)."""
-    flat = columns.reshape(-1, columns.shape[-1])
-    return np.asarray(((flat @ covariance) * flat).sum(axis=1).reshape(columns.shape[:2]))

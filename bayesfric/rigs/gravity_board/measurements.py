@@ -32,8 +32,10 @@ __all__ = [
     "TrialMeasurements",
     "event_table",
     "joined",
+    "noise_parameters",
     "optional_column",
     "pilot_accelerations",
+    "rough_noise",
 ]
 
 START_SIGMA_A = 0.01  # m/s², a place to climb from
@@ -107,6 +109,31 @@ def event_table(
     )
 
 
+def noise_parameters(gravity: Gravity, analysis: Analysis) -> tuple[Parameter, ...]:
+    """Return the noise that measurements have.
+
+    That is sigma_x and sigma_t where there are events, and sigma_a where an acceleration comes
+    without its standard error.
+    """
+    trials, priors = gravity.trials, analysis.priors
+    seen = trials["trial"].isin(gravity.events["trial"])
+    found: tuple[Parameter, ...] = ()
+    if seen.any():
+        found += (
+            Parameter("sigma_x", "m", priors.sigma_x, "noise", power=0.5),
+            Parameter("sigma_t", "s", priors.sigma_t, "noise", power=0.5),
+        )
+    if np.isnan(optional_column(trials[~seen], "acceleration_sd_m_s2")).any():
+        found += (Parameter("sigma_a", "m/s²", priors.sigma_a, "noise"),)
+    return found
+
+
+def rough_noise(parameters: Sequence[Parameter], residual_m: float) -> dict[str, float]:
+    """Return rough estimates of the noise, by the rms residual of the events [m]."""
+    rough = {"sigma_x": residual_m, "sigma_t": 0.1 * residual_m, "sigma_a": START_SIGMA_A}
+    return {one.name: rough[one.name] for one in parameters}
+
+
 class TrialMeasurements:
     """The measurements of N trials as quadratic forms in their motion.
 
@@ -122,12 +149,6 @@ class TrialMeasurements:
         What effects along the trials add.
     scattered : Columns or None
         What numbers add that are drawn anew in each trial; they come first in the form.
-
-    Attributes
-    ----------
-    parameters : tuple of Parameter
-        Noise that these measurements have: sigma_x and sigma_t where there are
-        events, sigma_a where an acceleration comes without its standard error.
     """
 
     def __init__(
@@ -142,19 +163,12 @@ class TrialMeasurements:
         with_events = trials["trial"].isin(gravity.events["trial"]).to_numpy()
         self._by_events = np.flatnonzero(with_events)
         self._by_acceleration = np.flatnonzero(~with_events)
-        self.parameters: tuple[Parameter, ...] = ()
         if table is not None:
             self._events = table.with_first_speed(priors.first_speed.scale)
-            self.parameters += (
-                Parameter("sigma_x", "m", priors.sigma_x, "noise", power=0.5),
-                Parameter("sigma_t", "s", priors.sigma_t, "noise", power=0.5),
-            )
         if self._by_acceleration.size:
             alone = trials.iloc[self._by_acceleration]
             self._acceleration = alone["acceleration_m_s2"].to_numpy(dtype=np.float64)
             self._stated_sd = optional_column(alone, "acceleration_sd_m_s2")
-            if np.isnan(self._stated_sd).any():
-                self.parameters += (Parameter("sigma_a", "m/s²", priors.sigma_a, "noise"),)
             shown = []  # what each adds to the mean acceleration
             if scattered is not None:
                 shown += list(scattered.acceleration[:, self._by_acceleration])
@@ -231,12 +245,6 @@ class TrialMeasurements:
         return TrialForm(
             self._acceleration, form, 0.5 * (np.log(precision) - LOG_2PI - log_determinant)
         )
-
-    def start(self) -> dict[str, float]:
-        """Return rough estimates of the noise."""
-        scale = self._events.pilot_scale if self._by_events.size else 0.0
-        rough = {"sigma_x": scale, "sigma_t": 0.1 * scale, "sigma_a": START_SIGMA_A}
-        return {parameter.name: rough[parameter.name] for parameter in self.parameters}
 
 
 def _columns(

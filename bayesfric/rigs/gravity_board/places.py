@@ -27,7 +27,12 @@ from bayesfric.rigs.coefficients import SizeIndex
 from bayesfric.rigs.gravity_board.hall_events import EventTable
 from bayesfric.rigs.gravity_board.measurements import Columns, event_table, pilot_accelerations
 from bayesfric.rigs.gravity_board.paths import Paths, motion_untold, trial_paths
-from bayesfric.rigs.gravity_board.trial_motion import Events, pilot_coefficients, prepare_events
+from bayesfric.rigs.gravity_board.trial_motion import (
+    Events,
+    pilot_coefficients,
+    pilot_of,
+    prepare_events,
+)
 
 __all__ = ["TrialPlaces", "trial_condition"]
 
@@ -119,6 +124,11 @@ class TrialPlaces:
         if not with_events.any():
             return None
         return prepare_events(self._gravity.events, self._gravity.trials["trial"][with_events])
+
+    @cached_property
+    def residual_m(self) -> float:
+        """Rms residual of the events of trials of constant acceleration; 0 without any [m]."""
+        return 0.0 if self.events is None else pilot_of(self.events).rms_residual
 
     @property
     def with_events(self) -> Flags:

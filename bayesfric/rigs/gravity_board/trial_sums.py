@@ -39,6 +39,19 @@ class Beyond:
     slope: Array
     square: Array
 
+    def add(self, trial: int, block: int, rows: Array) -> None:
+        """Add rows of a trial, the residual their last column."""
+        if rows.size:
+            square = rows.T @ rows
+            self.precision[block] += square[:-1, :-1]
+            self.slope[trial], self.square[trial] = square[:-1, -1], square[-1, -1]
+
+    def with_(self, other: "Beyond") -> "Beyond":
+        """Return the sums of both."""
+        return Beyond(
+            self.precision + other.precision, self.slope + other.slope, self.square + other.square
+        )
+
 
 @dataclass(frozen=True)
 class TrialSums:
@@ -97,10 +110,9 @@ def trial_sums(board: GravityRows, columns: Array, random: Array, block: Whole) 
     blocks = int(block.max()) + 1
     triangle, across = np.zeros((count, r, r)), np.zeros((count, r, q))
     right, freedom, constant = np.zeros((count, r)), np.zeros(count), np.zeros(count)
-    beyond = {
-        width: Beyond(np.zeros((blocks, q, q)), np.zeros((count, q)), np.zeros(count))
-        for width in (ALWAYS, r)
-    }
+    beyond, further = (
+        Beyond(np.zeros((blocks, q, q)), np.zeros((count, q)), np.zeros(count)) for _ in range(2)
+    )
     for trial, rows in enumerate(board.rows_of_trials()):
         white, project = whitening(board, rows)
         stack = np.column_stack([columns[rows], board.residual[rows], random[rows]])
@@ -109,15 +121,13 @@ def trial_sums(board: GravityRows, columns: Array, random: Array, block: Whole) 
         told = len(own)
         triangle[trial, :told] = own
         across[trial, :told], right[trial, :told] = along[:, :q], along[:, q]
-        for width, one in beyond.items():
-            rest = np.vstack([apart, along[width:]])
-            square = rest.T @ rest
-            one.precision[block[trial]] += square[:q, :q]
-            one.slope[trial], one.square[trial] = square[:q, q], square[q, q]
+        beyond.add(trial, block[trial], apart)
+        further.add(trial, block[trial], along[ALWAYS:])
         nuisances = (board.events.regressors[:3, rows] != 0).any(axis=1).sum()
         freedom[trial] = white.size - nuisances
         constant[trial] = np.log(white).sum() - 0.5 * freedom[trial] * LOG_2PI
-    return TrialSums(block, triangle, across, right, beyond, freedom, constant)
+    parted = {r: beyond, ALWAYS: beyond.with_(further)}
+    return TrialSums(block, triangle, across, right, parted, freedom, constant)
 
 
 def orthogonal(columns: Array, values: Array) -> tuple[Array, Array, Array]:

@@ -1,0 +1,155 @@
+"""Trials of one pulley size, their scatter and their assemblies' integrated out at a noise.
+
+An assembly has one size, so that sizes share numbers alone and are taken one after another.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg.lapack import dtrtri
+
+from bayesfric.arrays import Array, Whole
+from bayesfric.rigs.gravity_board.linear_scatter import INTERCEPT, TRIAL
+
+__all__ = ["OneSize", "Scattered"]
+
+SHARED = slice(TRIAL, INTERCEPT + 1)  # of all friction and of its intercept alone
+
+
+@dataclass(frozen=True)
+class OneSize:
+    """The sums of n trials of one size for the k numbers of a hypothesis.
+
+    Parameters
+    ----------
+    setup : ndarray of int, shape (n,)
+        Assembly of each trial.
+    precision, slope, square
+        Of what is orthogonal to the w directions of the columns that scatter, (k, k), (k,) and
+        a number.
+    triangle : ndarray, shape (n, w, c)
+        The c columns that scatter, in these directions.
+    across : ndarray, shape (n, w, k)
+        The columns of the numbers in them.
+    right : ndarray, shape (n, w)
+        The residual in them.
+    constant, freedom : float
+        Log density that nothing moves, and rows less nuisances.
+    """
+
+    setup: Whole
+    precision: Array
+    slope: Array
+    square: float
+    triangle: Array
+    across: Array
+    right: Array
+    constant: float
+    freedom: float
+
+
+class Scattered:
+    """What trials of one size say of the numbers of a hypothesis.
+
+    Parameters
+    ----------
+    sums : OneSize
+        Of the trials.
+    sd : ndarray, shape (c,)
+        Of what scatters from trial to trial.
+    omega : ndarray, shape (2,)
+        Of an assembly's friction and of its intercept.
+    kappa : float
+        By what the variance of the events is multiplied.
+
+    Attributes
+    ----------
+    precision, slope : ndarray, shape (k, k) and (k,)
+        As of an :class:`~bayesfric.inference.information.Information`.
+    constant : float
+        As of the same.
+    """
+
+    def __init__(self, sums: OneSize, sd: Array, omega: Array, kappa: float) -> None:
+        self._setup = sums.setup
+        count, width, k = sums.across.shape
+        setups = int(sums.setup.max(initial=-1)) + 1
+        # Of the rows along what scatters, what their scatter leaves; nothing is taken off that
+        # could leave rounding alone, where trials are long and their scatter is all they show.
+        scaled = sums.triangle * sd
+        inner = np.eye(width) + scaled @ scaled.swapaxes(1, 2) / kappa
+        factor = np.asarray(np.linalg.cholesky(inner), dtype=np.float64)
+        root = _inverses(factor)
+        triangle, self._across = root @ sums.triangle, root @ sums.across
+        right = (root @ sums.right[:, :, None])[:, :, 0]
+        self._known = (triangle**2).sum(axis=1) / kappa
+        self._back = back = triangle.swapaxes(1, 2) / kappa
+        self._pulled = (back @ right[:, :, None])[:, :, 0]
+        self._along = back @ triangle[:, :, SHARED]
+        # What an assembly's trials share.
+        member = np.equal.outer(np.arange(setups), sums.setup).astype(np.float64)
+        summed = member @ (back[:, SHARED] @ self._across).reshape(count, 2 * k)
+        self._summed = summed.reshape(setups, 2, k)
+        self._stiff = (member @ self._along[:, SHARED].reshape(count, 4)).reshape(-1, 2, 2)
+        self._sum_pulled = member @ self._pulled[:, SHARED]
+        shared = np.eye(2) + omega[:, None] * self._stiff * omega
+        self._taken = omega[:, None] * np.linalg.inv(shared) * omega
+        self._share = self._taken @ self._summed
+        self._pull = (self._taken @ self._sum_pulled[:, :, None])[:, :, 0]
+        square = (sums.square + (right**2).sum()) / kappa
+        square -= (self._sum_pulled * self._pull).sum()
+        self._scale = square - sums.freedom
+        constant = sums.constant - 0.5 * sums.freedom * np.log(kappa) - 0.5 * square
+        constant -= np.log(np.diagonal(factor, axis1=1, axis2=2)).sum()
+        self.constant = float(constant - 0.5 * np.linalg.slogdet(shared)[1].sum())
+        flat, of_setups = self._across.reshape(-1, k), self._summed.reshape(-1, k)
+        self.precision = (sums.precision + flat.T @ flat) / kappa
+        self.precision -= self._share.reshape(-1, k).T @ of_setups
+        self.slope = (sums.slope + right.ravel() @ flat) / kappa - self._pull.ravel() @ of_setups
+
+    def moments(self, mean: Array, covariance: Array) -> tuple[Array, Array, float]:
+        """Return second moments given all data, less what they are on average.
+
+        Parameters
+        ----------
+        mean, covariance : ndarray, shape (k,) and (k, k)
+            Of the numbers, given all data.
+
+        Returns
+        -------
+        trial : ndarray, shape (c,)
+            Half of the derivative of the log evidence by the variance of a column that scatters,
+            twice.
+        setup : ndarray, shape (2,)
+            The same of an assembly's.
+        scale : float
+            The same of all variances together, by their logarithm.
+        """
+        j, along, stiff = self._setup, self._along, self._stiff
+        a = self._back @ self._across
+        a -= along @ self._share[j]
+        b = self._pulled - (along @ self._pull[j][:, :, None])[:, :, 0]
+        c = self._known - ((along @ self._taken[j]) * along).sum(axis=2)
+        trial = _second(a, b, mean, covariance) - c.sum(axis=0)
+        a = self._summed - stiff @ self._share
+        b = self._sum_pulled - (stiff @ self._pull[:, :, None])[:, :, 0]
+        c = np.diagonal(stiff - stiff @ self._taken @ stiff, axis1=1, axis2=2)
+        setup = _second(a, b, mean, covariance) - c.sum(axis=0)
+        scale = self._scale + mean @ self.precision @ mean - 2 * self.slope @ mean
+        return trial, setup, float(scale + (self.precision * covariance).sum())
+
+
+def _second(columns: Array, response: Array, mean: Array, covariance: Array) -> Array:
+    """Return the sum over n of the mean squares of r responses less their columns', (r,)."""
+    flat = columns.reshape(-1, columns.shape[-1])
+    spread = np.einsum("ij,ij->i", flat @ covariance, flat)
+    square = (response.ravel() - flat @ mean) ** 2 + spread
+    return np.asarray(square.reshape(response.shape).sum(axis=0))
+
+
+def _inverses(lower: Array) -> Array:
+    """Return the inverses of lower triangles, (n, w, w)."""
+    found = np.empty_like(lower)
+    for one, inverse in zip(lower, found, strict=True):
+        inverse[:] = dtrtri(one.T)[0].T  # LAPACK's order of a C array is its transpose
+    return found
