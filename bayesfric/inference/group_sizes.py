@@ -81,7 +81,9 @@ def drawn_in_groups(
     readings = vectors[:, seen].T @ slope / root
     thin = [_thin(design[:, one.places]) for one in groups]
     chosen = [0] * len(groups)
-    sd = np.zeros(mixing.shape[1])
+    sd = np.empty(mixing.shape[1])
+    for one in groups:
+        sd[one.places] = one.sizes[0]
 
     def whitening() -> Array:
         wide = design * sd
