@@ -85,7 +85,7 @@ class LinearModel:
     ) -> None:
         self.data, self.laws, self.candidates = data, dict(laws), tuple(candidates)
         self.analysis, self.fixed = analysis, fixed
-        self.scattering = tuple(scattering)
+        self.scattering, self.forms = tuple(scattering), list(forms)
         rows = [one.linear(laws, on_friction(scattering)) for one in data.rigs]
         self.friction_scale = rms_friction(data.sizes, rows)
         share = discrepancy_share(analysis.diagnosis.practical_share)
@@ -93,7 +93,6 @@ class LinearModel:
         if discrepancy:
             self.discrepancy = Discrepancy.of(rows, candidates, share, small)
         own, smooths = self.discrepancy.own, self.discrepancy.shared
-        self.forms = list(forms)
         nuisances = [one.nuisance_scales(analysis.priors) for one in rows]
         little = [*self.discrepancy.amounts, *((one.candidate, one.sd) for one in forms)]
         shared: list[Smooth | Candidate] = [*smooths, *(candidate for candidate, _ in little)]
