@@ -10,7 +10,7 @@ is averaged over.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -22,7 +22,7 @@ from bayesfric.effects.candidates import Candidate, goes_to_and_fro, unit_values
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.linear import LinearRows
 
-__all__ = ["other_forms"]
+__all__ = ["Form", "other_forms"]
 
 FORCE_AXES = (
     "speed_m_s",
@@ -44,10 +44,18 @@ UNLIKE = 0.05  # of a polynomial's rms where the effect acts, that lower degrees
 TAIL = 1e-3  # of the effect's square, beyond either end of the range
 
 
+class Form(NamedTuple):
+    """A difference of form: the effect as it varies, its standard deviation at a share of 1."""
+
+    candidate: Candidate
+    sd: float
+    axis: str
+
+
 def other_forms(
     rows: Sequence[LinearRows], acting: Sequence[tuple[Candidate, float]]
-) -> list[tuple[Candidate, float]]:
-    """Return differences of form, with their standard deviations at a share of 1.
+) -> list[Form]:
+    """Return differences of form along each axis.
 
     Parameters
     ----------
@@ -57,7 +65,7 @@ def other_forms(
         Effects that act, with their amplitudes. Errors of readings that go to and fro have
         none: there is no equivalent force to take a share of.
     """
-    found: list[tuple[Candidate, float]] = []
+    found: list[Form] = []
     for candidate, amplitude in acting:
         if goes_to_and_fro(candidate.effect) or amplitude == 0:
             continue
@@ -70,7 +78,7 @@ def other_forms(
             weights = 1 / np.arange(1, len(shapes) + 1)
             for shape, weight in zip(shapes, weights / np.linalg.norm(weights), strict=True):
                 one = replace(candidate, effect=_varied(candidate.effect, axis, shape))
-                found.append((one, weight * size / _size(rows, one)))
+                found.append(Form(one, weight * size / _size(rows, one), axis))
     return found
 
 

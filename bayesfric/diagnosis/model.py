@@ -14,6 +14,7 @@ from bayesfric.analysis import Analysis, Prior
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.diagnosis.acting import Acting, At, Law, lawbook, merged, phase_name
 from bayesfric.diagnosis.discrepancy import Discrepancy, Wide, discrepancy_share
+from bayesfric.diagnosis.forms import Form
 from bayesfric.diagnosis.said import Said
 from bayesfric.diagnosis.scales import coefficient_moments, rms_friction, scales_of_numbers
 from bayesfric.effects import Effect
@@ -54,8 +55,8 @@ class LinearModel:
         trials start to move with them, and sensors disagree unevenly by them.
     small : sequence of (Candidate, float), or None
         Small amounts of effects; None is of all candidates.
-    forms : sequence of (Candidate, float)
-        What laws may be wrong by, with the standard deviation at a share of 1.
+    forms : sequence of Form
+        What laws may be wrong by.
     by_trial : bool
         Whether trials can be left out.
 
@@ -80,12 +81,12 @@ class LinearModel:
         discrepancy: bool = True,
         scattering: Sequence[tuple[Candidate, float]] = (),
         small: Sequence[tuple[Candidate, float]] | None = None,
-        forms: Sequence[tuple[Candidate, float]] = (),
+        forms: Sequence[Form] = (),
         by_trial: bool = False,
     ) -> None:
         self.data, self.laws, self.candidates = data, dict(laws), tuple(candidates)
         self.analysis, self.fixed = analysis, fixed
-        self.scattering = tuple(scattering)
+        self.scattering, self.forms = tuple(scattering), list(forms)
         rows = [one.linear(laws, on_friction(scattering)) for one in data.rigs]
         self.friction_scale = rms_friction(data.sizes, rows)
         share = discrepancy_share(analysis.diagnosis.practical_share)
@@ -93,9 +94,8 @@ class LinearModel:
         if discrepancy:
             self.discrepancy = Discrepancy.of(rows, candidates, share, small)
         own, smooths = self.discrepancy.own, self.discrepancy.shared
-        self.forms = list(forms)
         nuisances = [one.nuisance_scales(analysis.priors) for one in rows]
-        little = [*self.discrepancy.amounts, *forms]
+        little = [*self.discrepancy.amounts, *((one.candidate, one.sd) for one in forms)]
         shared: list[Smooth | Candidate] = [*smooths, *(candidate for candidate, _ in little)]
         self.layout = Layout(
             data.sizes,
@@ -145,7 +145,7 @@ class LinearModel:
         *,
         discrepancy: bool = True,
         scattering: Sequence[tuple[Candidate, float]] | None = None,
-        forms: Sequence[tuple[Candidate, float]] = (),
+        forms: Sequence[Form] = (),
         by_trial: bool = False,
     ) -> "LinearModel":
         """Return the model around another reference law, with other effects that may act."""
@@ -229,7 +229,7 @@ class LinearModel:
         mean = np.hstack([mean, np.zeros((sizes, layout.smooths))])
         sd = np.hstack([sd, np.tile(discrepancy * own, (sizes, 1))])
         at = [prior_moments(one)[0] / prior_moments(one)[1] for one in priors]
-        forms = [(form or {}).get(candidate.effect.name, 0.0) for candidate, _ in self.forms]
+        forms = [(form or {}).get(one.candidate.effect.name, 0.0) for one in self.forms]
         nuisances = np.ones(sum(layout.nuisances))
         rest = np.concatenate([np.ones(len(at)), discrepancy * shared, forms, nuisances])
         return (

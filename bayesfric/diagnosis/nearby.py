@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from bayesfric.diagnosis.forms import Form
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.effects.candidates import Candidate
 from bayesfric.physics.friction import Coefficients
@@ -26,7 +27,7 @@ def around_nearby(
     candidates: Sequence[Candidate],
     *,
     scattering: Sequence[tuple[Candidate, float]],
-    forms: Sequence[tuple[Candidate, float]],
+    forms: Sequence[Form],
 ) -> LinearModel:
     """Return the model around other laws, or as far on the way to them as holds.
 

@@ -15,10 +15,11 @@ from bayesfric.arrays import Array
 from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.discrepancy import Wide
 from bayesfric.diagnosis.hypotheses import NONE, UNKNOWN, Search
+from bayesfric.diagnosis.left_open import drawn_numbers
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.refitted import RefittedLaw
 from bayesfric.diagnosis.residuals import Residuals, spread_numbers
-from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed
+from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.effects.candidates import is_positive
 from bayesfric.schemas import Interval
 
@@ -26,8 +27,6 @@ __all__ = ["SMALLEST", "Posterior", "best_of", "interval", "left_of", "posterior
 
 DRAWS = 1000
 RARE = 0.003  # probability of a hypothesis that is not drawn from
-DISCREPANCIES = (0.3, 1.0)  # of its rms, each as likely before the data; the whole last
-TINY = 1e-300
 SMALLEST = 1e-9  # of friction, of a gap that can shrink
 # Of friction: what windows and linearisation leave of boards without noise (docs/blind.md).
 UNRESOLVED = 0.002
@@ -115,11 +114,14 @@ def posterior_of(
             at, wide, form = search.unknown.at, search.unknown.best, search.unknown.forms
             one = replace(one, acting=search.unknown.acting, at=at)
         own = model.full if name == UNKNOWN else model
-        if name == UNKNOWN:
-            drawn = _numbers(own, one, at, int(count), rng)
-        else:
-            drawn = _over_forms(own, one, int(count), rng)
         acting = one.acting
+        if name == UNKNOWN:
+            drawn = rng.multivariate_normal(
+                at.mean, at.covariance, int(count), check_valid="ignore", method="eigh"
+            )
+        else:
+            drawn = drawn_numbers(own, one, int(count), rng)
+        drawn = _made_positive(own, acting, at, drawn, rng)
         places = own.places(len(acting.laws))
         local = spread_numbers(own, drawn, own.mixing(acting))
         rows = slice(start, start + int(count))
@@ -185,55 +187,24 @@ def _made(residuals: Residuals, local: Array) -> Array:
     return force
 
 
-def _over_forms(model: LinearModel, one: Weighed, count: int, rng: np.random.Generator) -> Array:
-    """Draw the numbers of a hypothesis, (S, p).
-
-    Over the shares by which its laws may be wrong, and over how large the discrepancy is.
-    """
-    information = model.evaluate(one.at.psi, one.acting).information
-    priors = [model.amplitude_prior(law) for law in one.acting.laws]
-    logs, found = [], []
-    for share, weight in zip(FORM_SHARES, one.form_weights, strict=False):
-        form = dict.fromkeys(one.names, share)
-        each = [
-            information.integrated(*model.prior(priors, None, form, discrepancy=size))
-            for size in DISCREPANCIES
-        ]
-        found += each
-        # What a share is worth is known already, with the discrepancy as it is listed.
-        logs += [np.log(max(weight, TINY)) + value - each[-1][0] for value, _, _ in each]
-    weights = np.exp(np.array(logs) - max(logs))
-    drawn = [
-        _numbers(model, one, replace(one.at, mean=mean, covariance=covariance), int(number), rng)
-        for number, (_, mean, covariance) in zip(
-            rng.multinomial(count, weights / weights.sum()), found, strict=True
-        )
-        if number
-    ]
-    return np.concatenate(drawn)
-
-
-def _numbers(
-    model: LinearModel, one: Weighed, at: At, count: int, rng: np.random.Generator
+def _made_positive(
+    model: LinearModel, acting: Acting, at: At, drawn: Array, rng: np.random.Generator
 ) -> Array:
-    """Draw the numbers of a hypothesis, no positive amplitude below 0, (S, p)."""
-    covariance = 0.5 * (at.covariance + at.covariance.T)
-    values, vectors = np.linalg.eigh(covariance)
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
-    drawn = at.mean + rng.standard_normal((count, values.size)) @ root.T
-    for place, law in zip(model.places(len(one.acting.laws)), one.acting.laws, strict=True):
+    """Return draws of the numbers, (S, p), in which no positive amplitude is below 0."""
+    for place, law in zip(model.places(len(acting.laws)), acting.laws, strict=True):
         if not is_positive(model.amplitude_prior(law)):
             continue
         below = drawn[:, place] <= 0
         if below.any():
-            mean, sd = at.mean[place], np.sqrt(covariance[place, place])
+            mean, variance = at.mean[place], at.covariance[place, place]
+            sd = np.sqrt(variance)
             again = truncnorm.rvs(
                 -mean / sd, np.inf, mean, sd, size=int(below.sum()), random_state=rng
             )
             # What hangs together with it moves along.
             moved = again - drawn[below, place]
-            drawn[below] += moved[:, None] * covariance[place] / covariance[place, place]
-    return np.asarray(drawn)
+            drawn[below] += moved[:, None] * at.covariance[place] / variance
+    return drawn
 
 
 def _strength(residuals: Residuals, column: Array) -> tuple[float, float]:

@@ -1,0 +1,105 @@
+"""Draws of a hypothesis: what it leaves open has a size of its own along each axis.
+
+Smooth forces along an axis, the small amounts of an effect and the other forms of an effect
+along an axis may each be nothing or all that a hypothesis allows. How large one is says nothing
+of another: of forces along the travel events tell to a thousandth of friction, of a difference
+between the ends scatter hides three times as much.
+"""
+
+import numpy as np
+from scipy.linalg import block_diag, solve_triangular
+
+from bayesfric.arrays import Array
+from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed
+from bayesfric.inference.group_sizes import Group, drawn_in_groups
+from bayesfric.rigs.layout import COEFFICIENTS
+
+__all__ = ["drawn_numbers"]
+
+# Of the rms that is listed; the smaller, the likelier: most effects leave no trace.
+SIZES = np.array([0.1, 0.3, 1.0])
+
+
+def drawn_numbers(model: LinearModel, one: Weighed, count: int, rng: np.random.Generator) -> Array:
+    """Draw the numbers of a hypothesis, over the size of each thing that it leaves open.
+
+    Parameters
+    ----------
+    model : LinearModel
+        In which it was weighed.
+    one : Weighed
+        The hypothesis.
+    count : int
+        S of draws.
+    rng : Generator
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray, shape (S, p)
+        Amplitudes that cannot be negative may be so here.
+    """
+    information = model.evaluate(one.at.psi, one.acting).information
+    priors = [model.amplitude_prior(law) for law in one.acting.laws]
+    mean, sd = model.prior(priors, None, dict.fromkeys(one.names, 1.0))
+    layout, sizes = model.layout, len(model.layout.sizes)
+    own = [np.arange(COEFFICIENTS, layout.own) + layout.own * size for size in range(sizes)]
+    start = layout.own * sizes + len(one.acting.laws)
+    places = np.concatenate([*own, np.arange(start, start + layout.shared)])
+    scale, rest = sd[places], np.delete(np.arange(sd.size), places)
+    mixing, groups = _groups(model)
+    reduced = information.reduced(mean, sd, places)
+    numbers = drawn_in_groups(
+        scale[:, None] * reduced.precision * scale,
+        scale * reduced.slope,
+        mixing,
+        groups,
+        count,
+        rng,
+    )
+    found = np.empty((count, sd.size))
+    found[:, places] = scale * (numbers @ mixing.T)
+    # All other numbers are normal given these.
+    within = information.precision[np.ix_(rest, rest)]
+    across = information.precision[np.ix_(rest, places)]
+    factor = np.linalg.cholesky(sd[rest, None] * within * sd[rest] + np.eye(rest.size))
+    slope = information.slope[rest] - within @ mean[rest] - found[:, places] @ across.T
+    half = solve_triangular(factor, (sd[rest] * slope).T, lower=True)
+    half += rng.standard_normal(half.shape)
+    found[:, rest] = mean[rest] + sd[rest] * solve_triangular(factor.T, half, lower=False).T
+    return found
+
+
+def _groups(model: LinearModel) -> tuple[Array, list[Group]]:
+    """Return what makes a model's numbers of those that have sizes, and these by what they are."""
+    full, sizes, forms = model.full, len(model.layout.sizes), len(model.forms)
+    of_own, of_shared = np.eye(full.layout.smooths), np.eye(full.layout.shared - forms)
+    if model.squeeze is not None:
+        _, sd = full.prior(())
+        left = full.layout.own + full.layout.candidates
+        there = model.layout.own + model.layout.candidates
+        own = slice(COEFFICIENTS, full.layout.own), slice(COEFFICIENTS, model.layout.own)
+        shared = (
+            slice(left, left + len(of_shared)),
+            slice(there, there + model.layout.shared - forms),
+        )
+        of_own = model.squeeze[own].T / sd[own[0]]
+        of_shared = model.squeeze[shared].T / sd[full.layout.own * sizes :][: len(of_shared)]
+    mixing = block_diag(*[of_own] * sizes, of_shared, np.eye(forms))
+    smooth = full.discrepancy
+    what = [("along", one.axis) for one in smooth.own for _ in range(one.count)] * sizes
+    what += [("along", one.axis) for one in smooth.shared for _ in range(one.count)]
+    what += [("amount", candidate.effect.name) for candidate, _ in smooth.amounts]
+    what += [(one.candidate.effect.name, one.axis) for one in model.forms]
+    places: dict[tuple[str, str], list[int]] = {}
+    for place, thing in enumerate(what):
+        places.setdefault(thing, []).append(place)
+    shares, first = np.array(FORM_SHARES), len(what) - forms
+    found = []
+    for own_places in places.values():
+        is_form = own_places[0] >= first
+        sizes_of = shares if is_form else SIZES
+        weights = np.zeros(shares.size) if is_form else -np.log(SIZES)
+        found.append(Group(np.array(own_places), sizes_of, weights))
+    return mixing, found

@@ -1,0 +1,125 @@
+"""Normal numbers in groups, each group of a size of its own that nobody knows.
+
+The numbers are those of a linear Gaussian model. One size for all would be that of the groups
+that the data tell most of; a group that is larger than the others would be taken for noise.
+Sizes are drawn with the numbers integrated out, one group after another (Gibbs), and the
+numbers then given the sizes.
+
+References
+----------
+A. Doucet, "A note on efficient conditional simulation of Gaussian distributions" (2010).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import softmax
+
+from bayesfric.arrays import Array, Whole
+
+__all__ = ["Group", "drawn_in_groups"]
+
+BURN_IN = 10  # sweeps over all groups before the first draw
+TOGETHER = 10  # draws of numbers at the same sizes
+TOLD = 1e-3  # information beside a prior of 1, below which data tell nothing
+
+
+@dataclass(frozen=True)
+class Group:
+    """Numbers that have one size.
+
+    Parameters
+    ----------
+    places : ndarray of int
+        Of the numbers.
+    sizes : ndarray, shape (K,)
+        Standard deviations that they may have, ascending; 0 is none.
+    log_weights : ndarray, shape (K,)
+        Of each before the data.
+    """
+
+    places: Whole
+    sizes: Array
+    log_weights: Array
+
+
+def drawn_in_groups(
+    precision: Array,
+    slope: Array,
+    mixing: Array,
+    groups: Sequence[Group],
+    count: int,
+    rng: np.random.Generator,
+) -> Array:
+    """Draw the numbers given the data, over the sizes of their groups.
+
+    Parameters
+    ----------
+    precision : ndarray, shape (m, m)
+        ``log p(data | g) = slopeᵀg − gᵀ precision g / 2`` of mixtures g of the numbers.
+    slope : ndarray, shape (m,)
+        As above.
+    mixing : ndarray, shape (m, n)
+        The mixtures, of numbers that are normal of mean zero.
+    groups : sequence of Group
+        Every number is in one.
+    count : int
+        S of draws.
+    rng : Generator
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray, shape (S, n)
+    """
+    values, vectors = np.linalg.eigh(0.5 * (precision + precision.T))
+    seen = values > TOLD
+    root = np.sqrt(values[seen])
+    # The data as q readings of unit error.
+    design = root[:, None] * (vectors[:, seen].T @ mixing)
+    readings = vectors[:, seen].T @ slope / root
+    thin = [_thin(design[:, one.places]) for one in groups]
+    chosen = [0] * len(groups)
+    sd = np.empty(mixing.shape[1])
+    for one in groups:
+        sd[one.places] = one.sizes[0]
+
+    def whitening() -> Array:
+        wide = design * sd
+        return np.asarray(np.linalg.inv(np.eye(readings.size) + wide @ wide.T))
+
+    def sweep() -> None:
+        inverse = whitening()
+        for place in rng.permutation(len(groups)):
+            one, columns = groups[place], thin[place]
+            moved = inverse @ columns
+            told, axes = np.linalg.eigh(columns.T @ moved)
+            pull = axes.T @ (moved.T @ readings)
+            step = one.sizes**2 - one.sizes[chosen[place]] ** 2
+            spread = 1 + step[:, None] * told
+            gain = (step[:, None] * pull**2 / spread - np.log(spread)).sum(axis=1)
+            chances = softmax(one.log_weights + 0.5 * gain)
+            number = int(rng.choice(chances.size, p=chances))
+            if number != chosen[place]:
+                chosen[place] = number
+                sd[one.places] = one.sizes[number]
+                turned = moved @ axes
+                inverse -= (turned * (step[number] / spread[number])) @ turned.T
+
+    for _ in range(BURN_IN):
+        sweep()
+    found = []
+    for start in range(0, count, TOGETHER):
+        sweep()
+        shape = (min(TOGETHER, count - start), sd.size)
+        prior = sd * rng.standard_normal(shape)
+        off = readings - prior @ design.T - rng.standard_normal((shape[0], readings.size))
+        found.append(prior + sd**2 * (off @ whitening() @ design))
+    return np.concatenate(found)
+
+
+def _thin(columns: Array) -> Array:
+    """Return fewer columns with the same outer product."""
+    left, singular, _ = np.linalg.svd(columns, full_matrices=False)
+    return np.asarray((left * singular)[:, singular**2 > TOLD])
