@@ -12,6 +12,7 @@ from scipy.signal import savgol_filter
 
 from bayesfric.arrays import Array, Whole
 from bayesfric.rigs.single_axis.force_curvature import force_curvature
+from bayesfric.rigs.single_axis.late_rates import late_rates
 from bayesfric.rigs.single_axis.motion import Motion, position_noise, resolving, smooth_motion
 from bayesfric.rigs.single_axis.weak_form import TestFunction, node_weights, test_function
 
@@ -45,9 +46,9 @@ class Readings:
     force, acceleration : ndarray, shape (W,)
         ∫ φ F dt and ∫ φ'' q dt, times the direction.
     force_rate, lagging_rate, force_curvature : ndarray, shape (W,)
-        −∫ φ' F dt and ∫ φ'' F dt, times the direction. The rates are of the force earlier by
-        half of what it is late, and by all of it: F(t) − F(t − d) is d F'(t − d/2), and what
-        an actuator with a lag d still lacks is d F'(t − d), both up to the third order.
+        −∫ φ' F dt and ∫ φ'' F dt, times the direction. The first rate is of the force earlier
+        by half of what it is late: F(t) − F(t − d) is d F'(t − d/2) up to the third order. The
+        other is that of what an actuator gives which lags by as much.
     time_s : ndarray, shape (W,)
         Of the window's middle.
     speed, travel, position, drive : ndarray, shape (W, P)
@@ -274,25 +275,19 @@ def _of_run(
     def inside(values: Array) -> Array:
         return np.asarray(np.interp(at, motion.time_s, values))
 
-    def rate(ago_s: float) -> Array:
-        force = np.interp(motion.time_s - ago_s, motion.time_s, motion.force)
-        return np.asarray(-sign * test.over(force, test.slope, centres))
-
     simulated = [sign * one.over(test, centres) for one in motion.forces]
     lags = range(0, 2 * half // step + 1)
-    force_rate = rate(late_s / 2)
-    curvature = sign * force_curvature(motion, test, centres, runs)
+    curvature = force_curvature(motion, test, centres, runs)
+    delayed, lagging = late_rates(motion, test, centres, curvature, late_s)
     return {
         "centre": centres.astype(np.float64),
         "neighbour": place.astype(np.float64),
         "way": sign,
         "force": sign * test.over(motion.force, test.value, centres),
         "acceleration": sign * test.over(motion.position, test.curvature, centres),
-        "force_rate": force_rate,
-        # A later rate by the window's own samples would differ from this by their second
-        # derivative, whose errors are those of the mean force with the other sign.
-        "lagging_rate": force_rate - late_s / 2 * curvature,
-        "force_curvature": curvature,
+        "force_rate": sign * delayed,
+        "lagging_rate": sign * lagging,
+        "force_curvature": sign * curvature,
         "time_s": motion.time_s[centres],
         "speed": np.abs(inside(velocity)),
         "travel": inside(travel),
