@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from scipy.signal import savgol_filter
 
 from bayesfric.arrays import Array, Flags
@@ -15,6 +16,7 @@ GAP = 3.0  # intervals without a sample that are a gap
 NORMAL = 1.4826  # from the median of absolute deviations to a standard deviation
 SURE = 4.0  # standard deviations of a speed's noise
 SLOW = 0.2  # of the top speed: speeds from which on it shall be known which way the axis runs
+FINE = 0.005  # of the top speed, to which a speed is told well
 LEAST_SAMPLES = 16
 
 
@@ -94,8 +96,7 @@ def resolving(motion: Motion, half: int, noise: float) -> int:
     Over a few samples of a coarse encoder nothing seems to move.
     """
     while 8 * half < motion.time_s.size:
-        velocity = savgol_filter(motion.position, 2 * half + 1, 2, deriv=1, delta=motion.interval_s)
-        if SURE * _speed_error(motion, half, noise) < SLOW * np.abs(velocity).max():
+        if SURE * _speed_error(motion, half, noise) < SLOW * np.abs(_speed(motion, half)).max():
             break
         half += max(1, half // 4)
     return half
@@ -109,12 +110,15 @@ def _speed_error(motion: Motion, half: int, noise: float) -> float:
 def smooth_motion(motion: Motion, half: int, noise: float) -> tuple[Array, Array, Array]:
     """Return position, speed, and where it is known which way the axis runs.
 
+    Parabolas go through no more samples than tell the speed well: over many of them a stop, or
+    a slip, is none.
+
     Parameters
     ----------
     motion : Motion
         A run.
     half : int
-        Samples on either side that a parabola goes through.
+        Samples on either side that a parabola goes through, at the most.
     noise : float
         Standard deviation of a position's error.
 
@@ -122,11 +126,33 @@ def smooth_motion(motion: Motion, half: int, noise: float) -> tuple[Array, Array
     -------
     position, velocity : ndarray, shape (N,)
     way : ndarray, shape (N,)
-        1, −1, or 0 where the speed is below what the positions resolve.
+        1, −1, or 0 where it is not known that the axis runs.
     """
-    length = 2 * half + 1
-    position = savgol_filter(motion.position, length, 2)
-    velocity = savgol_filter(motion.position, length, 2, deriv=1, delta=motion.interval_s)
-    error = _speed_error(motion, half, noise)
+    widths = [*(2**power for power in range((half - 1).bit_length())), half]
+    way = np.zeros(motion.position.size)
+    for width in widths:
+        way = np.where(way == 0, _surely(motion, width, noise), way)
+    well = FINE * np.abs(_speed(motion, half)).max()
+    fine = next((one for one in widths if _speed_error(motion, one, noise) < well), half)
+    position = savgol_filter(motion.position, 2 * fine + 1, 2)
+    return position, _speed(motion, fine), np.where(motion.known, way, 0.0)
+
+
+def _surely(motion: Motion, half: int, noise: float) -> Array:
+    """Return which way the axis runs, by parabolas through `half` samples on either side, (N,).
+
+    It runs at a sample where it does at all through which the parabola goes: one that goes over
+    a stop moves for as many samples as it reaches, while friction is anything.
+    """
+    velocity, error = _speed(motion, half), _speed_error(motion, half, noise)
     way = np.where(np.abs(velocity) > SURE * error, np.sign(velocity), 0.0)
-    return position, velocity, np.where(motion.known, way, 0.0)
+    least = minimum_filter1d(way, 2 * half + 1)
+    return np.where(least == maximum_filter1d(way, 2 * half + 1), least, 0.0)
+
+
+def _speed(motion: Motion, half: int) -> Array:
+    """Return the slope at the middle of a parabola through `half` samples on either side, (N,)."""
+    length = 2 * half + 1
+    return np.asarray(
+        savgol_filter(motion.position, length, 2, deriv=1, delta=motion.interval_s)
+    )
