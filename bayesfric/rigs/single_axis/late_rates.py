@@ -1,4 +1,4 @@
-"""Rates of the force that acts later than the log has it, or that follows its command with a lag."""
+"""Rates of a force that acts later than the log has it, or follows its command with a lag."""
 
 import numpy as np
 from numpy.typing import NDArray

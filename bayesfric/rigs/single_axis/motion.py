@@ -1,6 +1,6 @@
 """A run on an even grid, and what is known of its speed."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
@@ -9,7 +9,7 @@ from scipy.signal import savgol_filter
 from bayesfric.arrays import Array, Flags
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 
-__all__ = ["Motion", "even_grid", "position_noise", "resolving", "smooth_motion"]
+__all__ = ["Motion", "even_grid", "given", "position_noise", "resolving", "smooth_motion"]
 
 UNEVEN = 0.01  # of the interval, from which on samples are put on a grid
 GAP = 3.0  # intervals without a sample that are a gap
@@ -71,6 +71,11 @@ def even_grid(time_s: Array, columns: dict[str, Array]) -> Motion | None:
         time_s = grid
     rest = {n: v for n, v in columns.items() if n not in ("position", "force")}
     return Motion(time_s, columns["position"], columns["force"], known, interval, rest)
+
+
+def given(motion: Motion, limit: float) -> Motion:
+    """Return a run with the force that a drive gives which clips at a limit."""
+    return replace(motion, force=np.clip(motion.force, -limit, limit))
 
 
 def position_noise(motion: Motion, resolution: float | None) -> float:
@@ -153,6 +158,4 @@ def _surely(motion: Motion, half: int, noise: float) -> Array:
 def _speed(motion: Motion, half: int) -> Array:
     """Return the slope at the middle of a parabola through `half` samples on either side, (N,)."""
     length = 2 * half + 1
-    return np.asarray(
-        savgol_filter(motion.position, length, 2, deriv=1, delta=motion.interval_s)
-    )
+    return np.asarray(savgol_filter(motion.position, length, 2, deriv=1, delta=motion.interval_s))

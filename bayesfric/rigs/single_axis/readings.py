@@ -13,7 +13,13 @@ from scipy.signal import savgol_filter
 from bayesfric.arrays import Array, Whole
 from bayesfric.rigs.single_axis.force_curvature import force_curvature
 from bayesfric.rigs.single_axis.late_rates import late_rates
-from bayesfric.rigs.single_axis.motion import Motion, position_noise, resolving, smooth_motion
+from bayesfric.rigs.single_axis.motion import (
+    Motion,
+    given,
+    position_noise,
+    resolving,
+    smooth_motion,
+)
 from bayesfric.rigs.single_axis.weak_form import TestFunction, node_weights, test_function
 
 __all__ = ["PIECE", "Readings", "readings_of", "rough_law"]
@@ -113,6 +119,7 @@ def readings_of(
     starts: Sequence[Whole],
     resolution: float | None,
     like: Readings | None = None,
+    limit: float = np.inf,
 ) -> Readings | None:
     """Reduce runs to rows; None where no window runs one way.
 
@@ -126,12 +133,14 @@ def readings_of(
         Of the encoder.
     like : Readings or None
         Rows whose windows and noise these have, on time; None looks for them.
+    limit : float
+        Of the drive: what is commanded beyond it neither acts later nor changes what acts.
     """
     stroke = max(float(np.ptp(one.position)) for one in motions)
     if like is None:
         noise = float(np.median([position_noise(one, resolution) for one in motions]))
         half_s, hop = _width(motions, noise, stroke)
-        late_s = _late_by(motions, half_s, noise, stroke)
+        late_s = _late_by([given(one, limit) for one in motions], half_s, noise, stroke)
     else:
         noise, half_s, hop, late_s = like.position_sd, like.half_s, like.hop, 0.0
     parts: list[dict[str, Any]] = []
@@ -140,7 +149,7 @@ def readings_of(
         half = max(NARROWEST, round(half_s / motion.interval_s))
         step = max(1, round(hop * half))
         test = test_function(half, motion.interval_s)
-        part = _of_run(motion, test, step, noise, stroke, late_s)
+        part = _of_run(motion, test, step, noise, stroke, late_s, limit)
         place = np.searchsorted(begin, part.pop("centre"), side="right")
         part["trial"] = np.asarray(trials + place - 1, dtype=np.float64)
         part["piece"] = pieces + _pieces(part.pop("neighbour"), part["trial"])
@@ -247,6 +256,7 @@ def _of_run(
     noise: float,
     stroke: float,
     late_s: float = 0.0,
+    limit: float = np.inf,
 ) -> dict[str, Array]:
     """Return the rows of one run, fields of :class:`Readings` and where they are."""
     half = test.half
@@ -277,8 +287,9 @@ def _of_run(
 
     simulated = [sign * one.over(test, centres) for one in motion.forces]
     lags = range(0, 2 * half // step + 1)
-    curvature = force_curvature(motion, test, centres, runs)
-    delayed, lagging = late_rates(motion, test, centres, curvature, late_s)
+    acting = given(motion, limit)
+    curvature = force_curvature(acting, test, centres, runs)
+    delayed, lagging = late_rates(acting, test, centres, curvature, late_s)
     return {
         "centre": centres.astype(np.float64),
         "neighbour": place.astype(np.float64),

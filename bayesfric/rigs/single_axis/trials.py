@@ -23,6 +23,7 @@ from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.single_axis.likelihood import AxisLikelihood
+from bayesfric.rigs.single_axis.limit import within_limit
 from bayesfric.rigs.single_axis.measures import Measures, measures_of
 from bayesfric.rigs.single_axis.motion import Motion as Log
 from bayesfric.rigs.single_axis.next_runs import SETTINGS, lay_out
@@ -374,7 +375,7 @@ def _opened(
         for part in range(parts):
             name = run["run"] if parts == 1 else f"{run['run']}/{part + 1}"
             rows.append({**run.to_dict(), "trial": str(name)})
-    readings = readings_of(logs, starts, constants.encoder_resolution) if logs else None
+    readings = within_limit(logs, starts, constants.encoder_resolution) if logs else None
     if readings is None:
         return None
     table = pd.DataFrame(rows).assign(**NO_CABLE)
