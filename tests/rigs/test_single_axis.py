@@ -138,6 +138,12 @@ def test_a_drive_that_clips_has_its_limit_where_the_motion_no_longer_answers(tmp
     limit = trials.measures.limit
     assert limit.there
     assert limit.force == pytest.approx(3.0, rel=0.02)
+    beyond = np.abs(trials.readings.drive).min(axis=1) > 1.2 * 3.0  # by their error, and long ago
+    assert beyond.any()
+    assert (
+        np.abs(trials.readings.force_rate[beyond]).max()
+        < 1e-3 * np.abs(trials.readings.force_rate).max()
+    )
     # Commands beyond it, which move nothing, are no part of the rough law.
     assert (trials._rough.mass, trials._rough.coulomb) == pytest.approx((2.0, 1.5), rel=0.02)
     effect = trials.suited(all_effects(None)["torque-saturation"])
