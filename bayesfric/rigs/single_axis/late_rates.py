@@ -32,21 +32,20 @@ def late_rates(
     curvature : ndarray, shape (W,)
         The force's second derivative, apart from the errors of the mean force [N/s²].
     late_s : float
-        Delay, or time constant of the lag, roughly; none that is negative lags [s].
+        Delay, or time constant of the lag, roughly; no lag is shorter than a sample [s].
     """
-    steps = late_s / motion.interval_s
+    ago = 0.5 * late_s / motion.interval_s
+    lag = max(late_s / motion.interval_s, 1.0)
 
     def rate(force: Array) -> Array:
         return -test.over(force, test.slope, centres)
 
-    delayed = rate(_earlier(motion.force, steps / 2))
-    if late_s <= 0:
-        return delayed, delayed
     value = np.pad(test.value, 1)  # no error lies outside of the window
-    more = _following(value, steps) - _earlier(value, steps / 2)
+    more = _following(value, lag) - _earlier(value, ago)
     shared = (test.slope @ more[1:-1]) / (test.curvature @ test.value)
     own = test.over(motion.force, test.curvature, centres)
-    return delayed, rate(_following(motion.force, steps)) + shared * (own - curvature)
+    lagging = rate(_following(motion.force, lag)) + shared * (own - curvature)
+    return rate(_earlier(motion.force, ago)), lagging
 
 
 def _earlier(force: Array, steps: float) -> Array:
