@@ -243,7 +243,7 @@ def _diagnose(
     def told(names: list[str]) -> tuple[Cause, ...]:
         return causes_of(names, model, found, posterior, practical, floor, check)
 
-    causes = told(named)
+    causes, present = told(named), told(judged.present)
     unseparated = unseparated_of(found.classes, together)
     proposals, no_proposal = next_experiment(model, found, chances)
     law_found = law_of_diagnosis(model, psi, posterior, residuals)
@@ -269,7 +269,7 @@ def _diagnose(
         practical_share=practical,
         verdict=verdict,
         verdict_probability=chance,
-        sentence=sentence_of(verdict, chance, causes, gap, where, unseparated, practical),
+        sentence=sentence_of(verdict, chance, causes, gap, where, unseparated, practical, present),
         probabilities=chances,
         hypothesis_prior=prior.model_dump(),
         prior_sensitivity={
@@ -279,7 +279,7 @@ def _diagnose(
         unvisited_probability=found.unvisited(),
         inclusion=inclusion_of(known, posterior, practical),
         causes=causes,
-        present=told(judged.present),
+        present=present,
         possible=told(judged.possible),
         scatter=model.named(settled.psi),
         law=law_found,

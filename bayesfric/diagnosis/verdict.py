@@ -14,6 +14,7 @@ Verdict = Literal["no-gap", "named", "unseparated", "unknown", "undecided"]
 HALF, SURE, POSSIBLE = 0.5, 0.9, 0.1
 ALL_BUT = 0.999
 FELT = 0.003  # of friction: an error of readings or of a current below it is not named
+LEAST = 0.001  # of friction, below which a gap has no figure
 
 
 @dataclass(frozen=True)
@@ -138,6 +139,7 @@ def sentence_of(
     where: Sequence[Axis],
     unseparated: Sequence[Unseparated],
     share: float,
+    weak: Sequence[Cause] = (),
 ) -> str:
     """Return the verdict in words: one thing, and the probability of that.
 
@@ -149,11 +151,14 @@ def sentence_of(
         As they are stored.
     share : float
         The practical share of friction.
+    weak : sequence of Cause
+        Effects that act, and are each less than that share.
     """
     friction = gap.friction_rms
-    size = (
-        f"{gap.systematic.q50:.3g} {gap.unit} rms, {gap.systematic.q50 / friction:.1%} of friction"
-    )
+    size = f"less than {LEAST:.1%} of friction"
+    if gap.systematic.q50 >= LEAST * friction:
+        part = gap.systematic.q50 / friction
+        size = f"{gap.systematic.q50:.3g} {gap.unit} rms, {part:.1%} of friction"
     acting = _acting(causes, unseparated)
     open_sets = [one.effects for one in unseparated if one.reason == "these-data"]
     rivals = ", ".join(open_sets[0]) if open_sets else "several effects"
@@ -164,7 +169,11 @@ def sentence_of(
             f"friction (probability {chance:.2f}); the median is {size}.{absorbed}"
         )
     if verdict == "undecided" and not causes and gap.systematic.q05 >= share * friction:
-        return f"A gap of {size} is there (probability {chance:.2f}); what causes it stays open."
+        there = f"A gap of {size} is there (probability {chance:.2f})"
+        if not weak:
+            return f"{there}; what causes it stays open."
+        each, else_ = ("each ", "") if len(weak) > 1 else ("", "; what else causes it stays open")
+        return f"{there}; {_acting(weak, unseparated)}, {each}less than {share:.1%}{else_}."
     if verdict == "undecided":
         left = (
             f"{acting}; whether more than {share:.1%} of friction is left once the law is "

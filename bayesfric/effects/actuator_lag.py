@@ -10,7 +10,7 @@ from bayesfric.effects.base import Effect, EffectParameter, State
 
 
 def _first_order(p: Mapping[str, Array], state: State) -> Array:
-    # τ F_a' + F_a = F, and F_a' is F' a time τ ago up to the second order.
+    # τ F_a' + F_a = F: what is commanded is more than what acts by τ F_a'.
     return np.asarray(p["time"] * np.asarray(state.lagging_rate_n_s))
 
 

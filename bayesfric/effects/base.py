@@ -70,7 +70,7 @@ class State(NamedTuple):
         First and second derivative of the drive force along the motion [N/s], [N/s²]; the
         first half of a delay ago.
     lagging_rate_n_s : array_like
-        The same derivative a whole delay ago [N/s].
+        The first derivative of what an actuator gives that lags as the drive does [N/s].
     wave_from_m : array_like
         Where a wave that was found along the path rises through zero [m or rad].
     tested : array_like

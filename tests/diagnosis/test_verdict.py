@@ -85,6 +85,19 @@ def test_a_gap_that_is_surely_there_is_not_said_to_be_open():
     there = sentence_of("undecided", 0.97, [], gap, (), (), 0.9 * share)
     assert "is there (probability 0.97); what causes it stays open" in there
     assert "gap of up to" in sentence_of("undecided", 0.97, [], gap, (), (), 1.1 * share)
+    both = [cause("viscous"), cause("stribeck")]
+    together = sentence_of("undecided", 0.97, [], gap, (), (), 0.9 * share, both)
+    assert together.endswith(f"; viscous and stribeck act, each less than {0.9 * share:.1%}.")
+    alone = sentence_of("undecided", 0.97, [], gap, (), (), 0.9 * share, both[:1])
+    assert f"viscous acts, less than {0.9 * share:.1%}; what else causes it stays open." in alone
+
+
+def test_a_gap_of_nothing_has_no_figure():
+    gap = diagnosis().gap
+    nothing = gap.systematic.model_copy(update={"q50": 1e-19})
+    gap = gap.model_copy(update={"systematic": nothing})
+    told = sentence_of("no-gap", 0.97, [], gap, (), (), 0.02)
+    assert told.endswith("the median is less than 0.1% of friction.")
 
 
 def test_an_unknown_force_that_is_too_small_to_count_is_said_to_be_so():

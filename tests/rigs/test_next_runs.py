@@ -157,7 +157,7 @@ def test_runs_of_both_roles_are_run_again_with_their_payload(tmp_path):
 @pytest.fixture(scope="module")
 def question(tmp_path_factory):
     """Return slow runs, their model, two hypotheses that they leave open, and what is proposed."""
-    runs, folder = slow_runs(1), tmp_path_factory.mktemp("slow")
+    runs, folder = slow_runs(4), tmp_path_factory.mktemp("slow")
     recording = recorded(folder / "axis", runs, limits={"velocity_m_s": [0.0, REACHED]})
     model, acting = modelled(recording)
     found = hypotheses(model, acting)

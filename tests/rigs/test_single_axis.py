@@ -138,12 +138,35 @@ def test_a_drive_that_clips_has_its_limit_where_the_motion_no_longer_answers(tmp
     limit = trials.measures.limit
     assert limit.there
     assert limit.force == pytest.approx(3.0, rel=0.02)
+    beyond = np.abs(trials.readings.drive).min(axis=1) > 1.2 * 3.0  # by their error, and long ago
+    assert beyond.any()
+    assert (
+        np.abs(trials.readings.force_rate[beyond]).max()
+        < 1e-3 * np.abs(trials.readings.force_rate).max()
+    )
     # Commands beyond it, which move nothing, are no part of the rough law.
     assert (trials._rough.mass, trials._rough.coulomb) == pytest.approx((2.0, 1.5), rel=0.02)
     effect = trials.suited(all_effects(None)["torque-saturation"])
     (law,) = lawbook(candidates_of(effect))["torque-saturation"]
     assert law.log_weight == pytest.approx(-np.log(LIMITS))
     assert effect.shape.prior.median == limit.force
+
+
+def test_friction_after_a_reversal_may_be_missing_twice(tmp_path):
+    """Dahl's model goes from −1 to 1: z = 1 − 2 exp(−x/L), in steps of L/1000 here."""
+    trials = all_rigs()["single-axis"].trials(recorded(tmp_path, seed=2, seconds=3.0))
+    effect = trials.suited(all_effects(None)["hysteresis"])
+    state, steps = -1.0, []
+    for _ in range(3000):
+        state += (1 - state) / 1000
+        steps.append(state)
+    at = trials._state(trials._rough)._replace(
+        travel_m=np.arange(1, 3001) / 1000, constant_friction_n=1.0, tension_friction_n=0.0
+    )
+    missing = effect.laws["dahl"]({"share": 2.0, "length": 1.0}, at)
+    np.testing.assert_allclose(1 + missing, steps, atol=1e-3)
+    assert effect.amplitude.plausible == (0.0, 2.0)
+    assert effect.amplitude.prior.scale == 1.0
 
 
 @pytest.mark.parametrize("machine", [{"compliance": (3000.0, 0.05, 0.3)}, {"lag_s": 0.01}])

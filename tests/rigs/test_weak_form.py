@@ -113,6 +113,22 @@ def test_an_axis_that_rests_has_no_way():
     assert readings_of([log], [np.zeros(1, dtype=int)], 1e-6) is None
 
 
+@pytest.mark.parametrize(("resolution", "reach"), [(1e-6, 2), (1e-3, 8)])
+def test_a_stop_is_not_run_over(resolution, reach):
+    """An axis at 0.2 m/s stands still from one sample to the next, as friction may have it.
+
+    A parabola through eight samples on either side still moves for eight samples more.
+    """
+    step, stop = 5e-3, 300
+    position = 0.2 * step * np.minimum(np.arange(600.0), stop)
+    position = resolution * np.round(position / resolution)
+    log = even_grid(step * np.arange(600), {"position": position, "force": np.ones(600)})
+    _, velocity, way = smooth_motion(log, 8, resolution / 12**0.5)
+    assert not way[stop + 1 :].any()
+    assert (way[20 : stop - reach] == 1).all()
+    np.testing.assert_allclose(velocity[20 : stop - reach], 0.2, rtol=max(40 * resolution, 1e-2))
+
+
 def test_pieces_are_neighbours_of_one_pass():
     time, position, force = moving()
     log = even_grid(time, {"position": position, "force": force})

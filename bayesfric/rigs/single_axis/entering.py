@@ -8,6 +8,7 @@ import pandas as pd
 
 from bayesfric.recording.tables import Axis, RigConstants
 from bayesfric.rigs.single_axis.even_log import EvenLog
+from bayesfric.rigs.single_axis.limit import within_limit
 from bayesfric.rigs.single_axis.measures import Measures, measures_of
 from bayesfric.rigs.single_axis.readings import Readings, readings_of
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline, fitting, linearised, log_of
@@ -61,7 +62,7 @@ def entering(
         for part in range(parts):
             name = run["run"] if parts == 1 else f"{run['run']}/{part + 1}"
             rows.append({**run.to_dict(), "trial": str(name)})
-    readings = readings_of(logs, starts, constants.encoder_resolution) if logs else None
+    readings = within_limit(logs, starts, constants.encoder_resolution) if logs else None
     if readings is None:
         return None
     table = pd.DataFrame(rows).assign(**NO_CABLE)

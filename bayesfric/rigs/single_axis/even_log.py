@@ -1,20 +1,22 @@
 """A run on an even grid, and what is known of its speed."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from scipy.signal import savgol_filter
 
 from bayesfric.arrays import Array, Flags
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 
-__all__ = ["EvenLog", "even_grid", "position_noise", "resolving", "smooth_motion"]
+__all__ = ["EvenLog", "even_grid", "given", "position_noise", "resolving", "smooth_motion"]
 
 UNEVEN = 0.01  # of the interval, from which on samples are put on a grid
 GAP = 3.0  # intervals without a sample that are a gap
 NORMAL = 1.4826  # from the median of absolute deviations to a standard deviation
 SURE = 4.0  # standard deviations of a speed's noise
 SLOW = 0.2  # of the top speed: speeds from which on it shall be known which way the axis runs
+FINE = 0.005  # of the top speed, to which a speed is told well
 LEAST_SAMPLES = 16
 
 
@@ -71,6 +73,11 @@ def even_grid(time_s: Array, columns: dict[str, Array]) -> EvenLog | None:
     return EvenLog(time_s, columns["position"], columns["force"], known, interval, rest)
 
 
+def given(log: EvenLog, limit: float) -> EvenLog:
+    """Return a run with the force that a drive gives which clips at a limit."""
+    return replace(log, force=np.clip(log.force, -limit, limit))
+
+
 def position_noise(log: EvenLog, resolution: float | None) -> float:
     """Return the standard deviation of a position's error.
 
@@ -94,8 +101,7 @@ def resolving(log: EvenLog, half: int, noise: float) -> int:
     Over a few samples of a coarse encoder nothing seems to move.
     """
     while 8 * half < log.time_s.size:
-        velocity = savgol_filter(log.position, 2 * half + 1, 2, deriv=1, delta=log.interval_s)
-        if SURE * _speed_error(log, half, noise) < SLOW * np.abs(velocity).max():
+        if SURE * _speed_error(log, half, noise) < SLOW * np.abs(_speed(log, half)).max():
             break
         half += max(1, half // 4)
     return half
@@ -109,12 +115,15 @@ def _speed_error(log: EvenLog, half: int, noise: float) -> float:
 def smooth_motion(log: EvenLog, half: int, noise: float) -> tuple[Array, Array, Array]:
     """Return position, speed, and where it is known which way the axis runs.
 
+    Parabolas go through no more samples than tell the speed well: over many of them a stop, or
+    a slip, is none.
+
     Parameters
     ----------
     log : EvenLog
         A run.
     half : int
-        Samples on either side that a parabola goes through.
+        Samples on either side that a parabola goes through, at the most.
     noise : float
         Standard deviation of a position's error.
 
@@ -122,11 +131,31 @@ def smooth_motion(log: EvenLog, half: int, noise: float) -> tuple[Array, Array, 
     -------
     position, velocity : ndarray, shape (N,)
     way : ndarray, shape (N,)
-        1, −1, or 0 where the speed is below what the positions resolve.
+        1, −1, or 0 where it is not known that the axis runs.
     """
-    length = 2 * half + 1
-    position = savgol_filter(log.position, length, 2)
-    velocity = savgol_filter(log.position, length, 2, deriv=1, delta=log.interval_s)
-    error = _speed_error(log, half, noise)
+    widths = [*(2**power for power in range((half - 1).bit_length())), half]
+    way = np.zeros(log.position.size)
+    for width in widths:
+        way = np.where(way == 0, _surely(log, width, noise), way)
+    well = FINE * np.abs(_speed(log, half)).max()
+    fine = next((one for one in widths if _speed_error(log, one, noise) < well), half)
+    position = savgol_filter(log.position, 2 * fine + 1, 2)
+    return position, _speed(log, fine), np.where(log.known, way, 0.0)
+
+
+def _surely(log: EvenLog, half: int, noise: float) -> Array:
+    """Return which way the axis runs, by parabolas through `half` samples on either side, (N,).
+
+    It runs at a sample where it does at all through which the parabola goes: one that goes over
+    a stop moves for as many samples as it reaches, while friction is anything.
+    """
+    velocity, error = _speed(log, half), _speed_error(log, half, noise)
     way = np.where(np.abs(velocity) > SURE * error, np.sign(velocity), 0.0)
-    return position, velocity, np.where(log.known, way, 0.0)
+    least = minimum_filter1d(way, 2 * half + 1)
+    return np.where(least == maximum_filter1d(way, 2 * half + 1), least, 0.0)
+
+
+def _speed(log: EvenLog, half: int) -> Array:
+    """Return the slope at the middle of a parabola through `half` samples on either side, (N,)."""
+    length = 2 * half + 1
+    return np.asarray(savgol_filter(log.position, length, 2, deriv=1, delta=log.interval_s))

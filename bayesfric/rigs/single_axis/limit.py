@@ -6,14 +6,16 @@ explains everything. What moves the axis is told by the other way round: acceler
 function of the command, is a line with a kink at the limit.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from bayesfric.arrays import Flags
-from bayesfric.rigs.single_axis.readings import Readings
+from bayesfric.arrays import Flags, Whole
+from bayesfric.rigs.single_axis.even_log import EvenLog
+from bayesfric.rigs.single_axis.readings import Readings, readings_of
 
-__all__ = ["LIMITS", "Limit", "drive_limit"]
+__all__ = ["LIMITS", "Limit", "drive_limit", "within_limit"]
 
 LIMITS = 60
 """Limits that are tried, at as many quantiles of the command."""
@@ -50,6 +52,16 @@ class Limit(NamedTuple):
         """
         inside = np.abs(readings.drive).max(axis=1) < self.force
         return np.asarray(inside | (not self.there or inside.sum() < ENOUGH))
+
+
+def within_limit(
+    logs: Sequence[EvenLog], starts: Sequence[Whole], resolution: float | None
+) -> Readings | None:
+    """Reduce runs to rows as :func:`readings_of` does, beyond no limit that their drive has."""
+    rows = readings_of(logs, starts, resolution)
+    if rows is None or not (limit := drive_limit(rows)).there:
+        return rows
+    return readings_of(logs, starts, resolution, limit=limit.force)
 
 
 def drive_limit(readings: Readings) -> Limit:

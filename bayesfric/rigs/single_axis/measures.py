@@ -83,7 +83,14 @@ class Measures:
     def effect(self, effect: Effect) -> Effect:
         """Return an effect with priors in these measures."""
         shape = None if effect.shape is None else self._parameter(effect.shape)
-        found = replace(effect, amplitude=self._parameter(effect.amplitude), shape=shape)
+        amplitude = self._parameter(effect.amplitude)
+        if "travel_m" in effect.edge:
+            # A board starts from rest. An axis turns: its friction still has the other sign.
+            low, high = amplitude.plausible
+            amplitude = replace(
+                amplitude, prior=amplitude.prior.times(2), plausible=(2 * low, 2 * high)
+            )
+        found = replace(effect, amplitude=amplitude, shape=shape)
         if shape is not None and "period" in effect.needs:
             prior = LogNormal(median=self.wave.period, sd_log=self.wave.spread)
             return replace(found, shape=replace(shape, prior=prior), searched=SEARCHED)

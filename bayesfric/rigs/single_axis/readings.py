@@ -11,8 +11,15 @@ from scipy.ndimage import uniform_filter1d
 from scipy.signal import savgol_filter
 
 from bayesfric.arrays import Array, Whole
-from bayesfric.rigs.single_axis.even_log import EvenLog, position_noise, resolving, smooth_motion
+from bayesfric.rigs.single_axis.even_log import (
+    EvenLog,
+    given,
+    position_noise,
+    resolving,
+    smooth_motion,
+)
 from bayesfric.rigs.single_axis.force_curvature import force_curvature
+from bayesfric.rigs.single_axis.late_rates import late_rates
 from bayesfric.rigs.single_axis.weak_form import TestFunction, node_weights, test_function
 
 __all__ = ["PIECE", "Readings", "readings_of", "rough_law"]
@@ -45,9 +52,9 @@ class Readings:
     force, acceleration : ndarray, shape (W,)
         ∫ φ F dt and ∫ φ'' q dt, times the direction.
     force_rate, lagging_rate, force_curvature : ndarray, shape (W,)
-        −∫ φ' F dt and ∫ φ'' F dt, times the direction. The rates are of the force earlier by
-        half of what it is late, and by all of it: F(t) − F(t − d) is d F'(t − d/2), and what
-        an actuator with a lag d still lacks is d F'(t − d), both up to the third order.
+        −∫ φ' F dt and ∫ φ'' F dt, times the direction. The first rate is of the force earlier
+        by half of what it is late: F(t) − F(t − d) is d F'(t − d/2) up to the third order. The
+        other is that of what an actuator gives which lags by as much.
     time_s : ndarray, shape (W,)
         Of the window's middle.
     speed, travel, position, drive : ndarray, shape (W, P)
@@ -112,6 +119,7 @@ def readings_of(
     starts: Sequence[Whole],
     resolution: float | None,
     like: Readings | None = None,
+    limit: float = np.inf,
 ) -> Readings | None:
     """Reduce runs to rows; None where no window runs one way.
 
@@ -125,12 +133,14 @@ def readings_of(
         Of the encoder.
     like : Readings or None
         Rows whose windows and noise these have, on time; None looks for them.
+    limit : float
+        Of the drive: what is commanded beyond it neither acts later nor changes what acts.
     """
     stroke = max(float(np.ptp(one.position)) for one in logs)
     if like is None:
         noise = float(np.median([position_noise(one, resolution) for one in logs]))
         half_s, hop = _width(logs, noise, stroke)
-        late_s = _late_by(logs, half_s, noise, stroke)
+        late_s = _late_by([given(one, limit) for one in logs], half_s, noise, stroke)
     else:
         noise, half_s, hop, late_s = like.position_sd, like.half_s, like.hop, 0.0
     parts: list[dict[str, Any]] = []
@@ -139,7 +149,7 @@ def readings_of(
         half = max(NARROWEST, round(half_s / log.interval_s))
         step = max(1, round(hop * half))
         test = test_function(half, log.interval_s)
-        part = _of_run(log, test, step, noise, stroke, late_s)
+        part = _of_run(log, test, step, noise, stroke, late_s, limit)
         place = np.searchsorted(begin, part.pop("centre"), side="right")
         part["trial"] = np.asarray(trials + place - 1, dtype=np.float64)
         part["piece"] = pieces + _pieces(part.pop("neighbour"), part["trial"])
@@ -246,6 +256,7 @@ def _of_run(
     noise: float,
     stroke: float,
     late_s: float = 0.0,
+    limit: float = np.inf,
 ) -> dict[str, Array]:
     """Return the rows of one run, fields of :class:`Readings` and where they are."""
     half = test.half
@@ -274,25 +285,20 @@ def _of_run(
     def inside(values: Array) -> Array:
         return np.asarray(np.interp(at, log.time_s, values))
 
-    def rate(ago_s: float) -> Array:
-        force = np.interp(log.time_s - ago_s, log.time_s, log.force)
-        return np.asarray(-sign * test.over(force, test.slope, centres))
-
     simulated = [sign * one.over(test, centres) for one in log.forces]
     lags = range(0, 2 * half // step + 1)
-    force_rate = rate(late_s / 2)
-    curvature = sign * force_curvature(log, test, centres, runs)
+    acting = given(log, limit)
+    curvature = force_curvature(acting, test, centres, runs)
+    delayed, lagging = late_rates(acting, test, centres, curvature, late_s)
     return {
         "centre": centres.astype(np.float64),
         "neighbour": place.astype(np.float64),
         "way": sign,
         "force": sign * test.over(log.force, test.value, centres),
         "acceleration": sign * test.over(log.position, test.curvature, centres),
-        "force_rate": force_rate,
-        # A later rate by the window's own samples would differ from this by their second
-        # derivative, whose errors are those of the mean force with the other sign.
-        "lagging_rate": force_rate - late_s / 2 * curvature,
-        "force_curvature": curvature,
+        "force_rate": sign * delayed,
+        "lagging_rate": sign * lagging,
+        "force_curvature": sign * curvature,
         "time_s": log.time_s[centres],
         "speed": np.abs(inside(velocity)),
         "travel": inside(travel),
