@@ -117,6 +117,11 @@ MISTAKES = {
         RUNS,
         "the unit of motor_idle.csv",
     ),
+    "a torque constant in kN·m/A": (
+        rig(motor_torque_constant_n_m_per_a=25.9e-6),
+        RUNS,
+        "holds the weight that it raises",
+    ),
     "currents of the other sign": (
         scaled(RUNS, "current_a", by=-1),
         RUNS,
@@ -198,7 +203,9 @@ MISTAKES = {
     "a table listed in capitals": (
         as_text(
             "datapackage.json",
-            lambda text: text.replace("gravity_trials", "Gravity_Trials"),
+            lambda text: text.replace("gravity-trials", "Gravity-Trials").replace(
+                "gravity_trials", "Gravity_Trials"
+            ),
         ),
         "datapackage.json",
         "gravity_trials.csv, in small letters",
