@@ -1,5 +1,6 @@
 """Bytes and TOML of a file that a user names, read within bounds."""
 
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -8,6 +9,8 @@ from bayesfric.errors import Fault, InputError
 
 __all__ = ["file_bytes", "read_toml"]
 
+CAPITALS = "; true and false are written in small letters"
+MEANT = re.compile(rb"=\s*(?!true|false)(?i:true|false)\b")
 LARGEST_TOML = 262_144  # bytes; settings are a few kilobytes, and parsing is slow
 
 
@@ -66,7 +69,8 @@ def read_toml(path: Path) -> dict[str, Any]:
         row = data.count(b"\n", 0, error.start) + 1
         raise InputError([Fault(name, "a file in UTF-8", row=row)]) from error
     except tomllib.TOMLDecodeError as error:
-        raise InputError([Fault(name, f"TOML that parses ({error})")]) from error
+        why = f"{error}{CAPITALS if MEANT.search(data) else ''}"
+        raise InputError([Fault(name, f"TOML that parses ({why})")]) from error
     except RecursionError as error:
         raise InputError([Fault(name, "TOML that is not nested so deeply")]) from error
     except ValueError as error:  # Python's limit of 4,300 digits

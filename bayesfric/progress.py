@@ -17,11 +17,13 @@ __all__ = ["LOGGER", "stage"]
 
 LOGGER = logging.getLogger("bayesfric")
 PATIENCE_S = 5.0  # until steps that are done say how long the rest takes
-ENOUGH = 0.1  # of all steps, since the longest may come first
+ENOUGH = 0.1  # of all steps
 
 
 @contextmanager
-def stage(title: str, *, quiet: bool = False) -> Iterator[Callable[[int, int], None]]:
+def stage(
+    title: str, *, quiet: bool = False, longest_first: bool = False
+) -> Iterator[Callable[[int, int], None]]:
     """Tell of a stage that may take over a second.
 
     Parameters
@@ -30,6 +32,9 @@ def stage(title: str, *, quiet: bool = False) -> Iterator[Callable[[int, int], N
         What is being done.
     quiet : bool
         Tell nothing.
+    longest_first : bool
+        Whether the longest steps come first, so that what is left takes less than its share:
+        of the time to go, no more than a bound is told.
 
     Yields
     ------
@@ -46,20 +51,22 @@ def stage(title: str, *, quiet: bool = False) -> Iterator[Callable[[int, int], N
         yield _in_notebook(title)
     elif sys.stderr.isatty() and not console.is_dumb_terminal:  # whatever FORCE_COLOR says
         from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
-        from rich.progress import TimeRemainingColumn as TimeRemaining
+        from rich.progress import TimeElapsedColumn as Elapsed
+        from rich.progress import TimeRemainingColumn as Remaining
 
         name = TextColumn("{task.description}", markup=False)
-        columns = (name, BarColumn(), TaskProgressColumn(), TimeRemaining())
+        time = Elapsed() if longest_first else Remaining()
+        columns = (name, BarColumn(), TaskProgressColumn(), time)
         with Progress(*columns, console=console) as bar:
             task = bar.add_task(legible(title), total=None)
             yield lambda done, total: bar.update(task, completed=done, total=total)
     else:
         LOGGER.info("%s: started", title)
-        yield _in_log(title)
+        yield _in_log(title, "less than" if longest_first else "about")
         LOGGER.info("%s: done", title)
 
 
-def _in_log(title: str) -> Callable[[int, int], None]:
+def _in_log(title: str, roughly: str) -> Callable[[int, int], None]:
     """Return what tells once about how long a stage still takes."""
     began, told = monotonic(), False
 
@@ -68,8 +75,8 @@ def _in_log(title: str) -> Callable[[int, int], None]:
         passed = monotonic() - began
         left = passed * (total - done) / done if done else 0.0
         if not told and done >= ENOUGH * total and passed > PATIENCE_S and left > PATIENCE_S:
-            about = f"{left / 60:.0f} min" if left > 90.0 else f"{max(left, 10.0):.0f} s"
-            LOGGER.info("%s: about %s to go", title, about)
+            time = f"{left / 60:.0f} min" if left > 90.0 else f"{max(left, 10.0):.0f} s"
+            LOGGER.info("%s: %s %s to go", title, roughly, time)
             told = True
 
     return tell

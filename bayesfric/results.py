@@ -26,6 +26,7 @@ from bayesfric.analysis import Analysis, analysis_sha256
 from bayesfric.checksum import add_checksum, checksum_differs, has_checksum
 from bayesfric.errors import Fault, InputError
 from bayesfric.files import file_bytes
+from bayesfric.interrupts import uninterrupted
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.coefficients import NO_PULLEY, coefficient_name, law_of
 from bayesfric.schemas import FitFile, Provenance, RecordingId
@@ -186,7 +187,8 @@ def write_netcdf(tree: xr.DataTree, path: Path, run_id: str = "") -> None:
         }
         for node in tree.subtree
     }
-    tree.to_netcdf(path, engine=ENGINE, encoding=encoding)
+    with uninterrupted():  # xarray would wait for ever for the lock of a write that was cut off
+        tree.to_netcdf(path, engine=ENGINE, encoding=encoding)
     add_checksum(path)
 
 

@@ -4,6 +4,7 @@ import json
 import shutil
 
 import pytest
+from reasons import explained
 
 from bayesfric.comparing import compare, comparison_text
 from bayesfric.errors import InputError
@@ -29,7 +30,7 @@ def change(path, edit):
 
 
 def test_the_same_run_twice_differs_in_nothing(runs):
-    found = compare(runs / "a", runs / "b")
+    found = explained(compare(runs / "a", runs / "b"))
     assert found.same
     assert found.flips == found.settings == ()
     assert {one.shift for one in found.shifts} <= {0.0, None}
@@ -45,7 +46,7 @@ def test_a_shift_is_in_standard_deviations_of_both(runs):
         c1["sd"] *= 7**0.5
 
     change(runs / "b" / "fit.json", edit)
-    found = compare(runs / "a", runs / "b")
+    found = explained(compare(runs / "a", runs / "b"))
     assert not found.same
     first, second = found.shifts[:2]
     assert (first.file, first.name) == ("fit.json", "pulleys.small.c1")

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import signal
 from pathlib import Path
 
 import netCDF4
@@ -19,7 +20,13 @@ from bayesfric.errors import InputError
 from bayesfric.margins.posterior import read_posterior
 from bayesfric.report.stored import read_stored
 from bayesfric.resources import reference_folder
-from bayesfric.results import fitted_coefficients, identified, read_json, read_tree
+from bayesfric.results import (
+    fitted_coefficients,
+    identified,
+    read_json,
+    read_tree,
+    write_netcdf,
+)
 from bayesfric.schemas import ClaimsFile, DiagnosisFile
 
 
@@ -247,3 +254,27 @@ def test_a_checkpoint_that_cannot_be_written_is_told(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="can be written"):
         Checkpoint(tmp_path / "file" / "c", "key")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_waits_until_a_file_is_written(tmp_path, monkeypatch, number):
+    """An interrupt between two locks of xarray left the second taken: a wait without end."""
+    tree = xr.DataTree(xr.Dataset({"x": ("draw", np.arange(3.0))}))
+    whole = xr.DataTree.to_netcdf
+
+    def interrupted(*given, **options):
+        signal.raise_signal(number)
+        whole(*given, **options)
+
+    def interrupt(number, frame):
+        raise KeyboardInterrupt
+
+    before = signal.signal(number, interrupt)
+    monkeypatch.setattr(xr.DataTree, "to_netcdf", interrupted)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            write_netcdf(tree, tmp_path / "a.nc")
+        assert signal.getsignal(number) is interrupt
+    finally:
+        signal.signal(number, before)
+    assert xr.open_dataset(tmp_path / "a.nc")["x"].to_numpy().tolist() == [0.0, 1.0, 2.0]

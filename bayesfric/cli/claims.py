@@ -101,7 +101,7 @@ def claims_into(
     found = read_recording(recording)
     title = "comparing the claims with their rivals"
     checkpoint = output / ".checkpoint-claims"
-    with stage(title, quiet=quiet) as progress, processes(workers) as executor:
+    with stage(title, quiet=quiet, longest_first=True) as progress, processes(workers) as executor:
         checked = check_claims(
             found,
             analysis,

@@ -59,7 +59,7 @@ Baseline = Annotated[
         "--baseline",
         metavar="LAW",
         help="Friction law: paper (c1 T + c2), recursive (pulley by pulley), proportional (no "
-        "constant) or constant (nothing else).",
+        "constant), constant (nothing else) or viscous (of an axis: with a share of speed).",
     ),
 ]
 Workers = Annotated[

@@ -215,12 +215,12 @@ def _variables(model: Model, values: Array) -> dict[str, Array]:
 
 
 def flat_attributes(attributes: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Flatten provenance for netCDF attributes, which hold no mappings."""
+    """Flatten provenance for netCDF attributes: no mappings, and empty for null."""
     flat: dict[str, Any] = {}
     for key, value in attributes.items():
         if isinstance(value, Mapping):
             flat |= flat_attributes(value, f"{prefix}{key}.")
-        else:
+        elif not key.endswith("_why"):
             flat[f"{prefix}{key}"] = "" if value is None else value
     return flat
 

@@ -190,7 +190,7 @@ def interval_of(draws: Array) -> Interval:
     )
 
 
-def _sensitivity(model: Model, draws: Draws, theta: Array) -> dict[str, dict[str, float]]:
+def _sensitivity(model: Model, draws: Draws, theta: Array) -> dict[str, dict[str, float | None]]:
     """Return how much each coefficient moves with the power of priors and likelihood."""
     by_walker = draws.z.shape[:-1]
     prior = model.log_prior(theta.reshape(-1, theta.shape[-1])).reshape(by_walker)
@@ -204,7 +204,11 @@ def _sensitivity(model: Model, draws: Draws, theta: Array) -> dict[str, dict[str
         # Uniform priors are the same everywhere, to whatever power.
         moved[key] = power_scaling(values, flat) if np.ptp(flat) > 0 else np.zeros(len(places))
     return {
-        name: {f"{key}_sensitivity": float(found[place]) for key, found in moved.items()}
+        name: {
+            f"{key}_sensitivity{told}": value
+            for key, found in moved.items()
+            for told, value in (("", float(found[place])), ("_why", None))
+        }
         for place, name in enumerate(places)
     }
 

@@ -138,15 +138,21 @@ def _none(grid: _Grid, many: LoopAtShaft) -> Tuning:
     kp, kd = grid.scales[list(best)]
     missed = float(_missed(scaled(many, float(kp), float(kd))).mean())
     name = max(grid.each, key=lambda one: grid.each[one].min())
+    why = (
+        f"no kp and kd from 1/{WIDEST:g} to {WIDEST:g} times those of the file meet all specs; "
+        f"{name.replace('_', ' ')} is missed with probability {grid.each[name].min():.2g} at the "
+        "best of them"
+    )
     return Tuning(
         kp_scale=None,
+        kp_scale_why=why,
         kd_scale=None,
+        kd_scale_why=why,
         compensation_gain=None,
+        compensation_gain_why=why,
         probability=1 - missed,
         probability_se=standard_error(missed, float(many.gamma.size)),
-        why=f"no kp and kd from 1/{WIDEST:g} to {WIDEST:g} times those of the file meet all specs; "
-        f"{name.replace('_', ' ')} is missed with probability {grid.each[name].min():.2g} at the "
-        "best of them",
+        why=why,
     )
 
 

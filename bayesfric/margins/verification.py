@@ -84,6 +84,7 @@ def verify(shaft: LoopAtShaft, hunting: Hunting, count: int) -> Verification:
                 inside_conditions=bool(inside[place]),
                 predicted=_number(predicted[place]),
                 simulated=_number(simulated[place]) if tried[place] else None,
+                simulated_why=_why(simulated[place]) if tried[place] else TOO_LONG,
                 agrees=bool(agrees[place]) and bool(tried[place]),
                 stays_within=bool(within[place]),
             )
@@ -216,6 +217,10 @@ def jeffreys(hits: int, count: int) -> tuple[float, float]:
     """Return Jeffreys' interval of 95 % of a share that was seen `hits` times of `count`."""
     low, high = beta.ppf(np.array([0.025, 0.975]), hits + 0.5, count - hits + 0.5)
     return float(low) if hits else 0.0, float(high) if hits < count else 1.0
+
+
+def _why(value: float) -> str | None:
+    return None if np.isfinite(value) else "it hunts at no γ that was tried"
 
 
 def _number(value: float) -> float | None:

@@ -126,7 +126,7 @@ def coefficient_pairs(draws: xr.DataTree, size: str, paper: dict[str, float] | N
     look = size_styles([size])[size]
     with (
         warnings.catch_warnings(),
-        figure(PAIRS_SHARE * TEXT_WIDTH, 68.0, room=False) as fig,
+        figure(PAIRS_SHARE * TEXT_WIDTH, 60.0, room=False) as fig,
     ):
         warnings.simplefilter("ignore", FutureWarning)  # arviz, which corner imports
         import corner
@@ -156,9 +156,10 @@ def coefficient_pairs(draws: xr.DataTree, size: str, paper: dict[str, float] | N
                 if len(axis.get_ticklocs()):
                     axis.set_major_locator(MaxNLocator(3, prune="both"))
             axes.tick_params(axis="both", labelrotation=0)
-            axes.xaxis.set_label_coords(0.5, -0.3)
+            axes.xaxis.set_label_coords(0.5, -0.36)
+            axes.set_ylabel(axes.get_ylabel().replace(" [", "\n["))  # low panels, long units
             axes.yaxis.set_label_coords(-0.38, 0.5)
-        fig.subplots_adjust(left=0.15, bottom=0.15, right=0.98, top=0.98, wspace=0.1, hspace=0.1)
+        fig.subplots_adjust(left=0.15, bottom=0.17, right=0.98, top=0.98, wspace=0.1, hspace=0.1)
         fig.legend(
             handles=_keys(look.color, shown, marks),
             loc="upper right",

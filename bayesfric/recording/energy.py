@@ -12,10 +12,11 @@ from bayesfric.recording.schemas import Table
 from bayesfric.recording.steady_signs import MANY
 from bayesfric.recording.tables import RigConstants
 
-__all__ = ["gains_energy", "motor_pull", "pushes_a_cable", "tears_a_cable"]
+__all__ = ["drops_the_weight", "gains_energy", "motor_pull", "pushes_a_cable", "tears_a_cable"]
 
 FRICTIONLESS = 1.25  # times its acceleration: more is no error of a sensor or a clock
 PUSHED = -0.1  # of the weight: a light cable may be slack, and a current has its noise
+HELD = 0.5  # of a weight that is raised: less is no error of a torque constant
 MASSES = ["mass_drive_kg", "mass_load_kg"]
 
 
@@ -99,6 +100,29 @@ def pushes_a_cable(
         "a current that pulls, with the sign of the torque that raises; beyond that of the motor "
         "alone this one pushes the cable (are its sign and the unit of motor_idle.csv right?)",
     )
+
+
+def drops_the_weight(
+    runs: Table, pull: "pd.Series[float]", weight: "pd.Series[float]"
+) -> list[Fault]:
+    """Return the fault of runs on which the motor raises a weight that it does not hold.
+
+    Parameters
+    ----------
+    runs : Table
+        ``motor_runs.csv``.
+    pull, weight : Series of float
+        By its rows [N].
+    """
+    raised = runs.frame["velocity_m_s"] > 0
+    dropped = raised & (pull < HELD * weight)
+    if dropped.sum() <= MANY * raised.sum():
+        return []
+    expected = (
+        "a current that holds the weight that it raises, beyond that of the motor alone (are it "
+        "and the torque constant in A and N·m/A, and the radius in m?)"
+    )
+    return runs.text.faults_at(np.flatnonzero(dropped), "current_a", expected, most=1)
 
 
 def tears_a_cable(points: Table) -> list[Fault]:

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import reprlib
 from collections import Counter
 from typing import Any
@@ -11,6 +12,8 @@ from bayesfric.recording.csv_text import decode_utf8
 
 __all__ = ["dotted", "parse_json_object", "shown"]
 
+CAPITALS = "; true, false and null are written in small letters"
+MEANT = re.compile(r"(true|false|null|none)\b", re.IGNORECASE)
 EMPTY_KEY = '""'  # so that its place can be told
 
 
@@ -44,7 +47,8 @@ def parse_json_object(file: str, data: bytes) -> tuple[dict[str, Any], list[Faul
         content = json.loads(text, object_pairs_hook=unique_keys)
     except json.JSONDecodeError as error:
         found = text[error.pos : error.pos + 20].split("\n")[0] or None
-        raise InputError([Fault(file, f"JSON ({error.msg})", error.lineno, None, found)]) from None
+        why = error.msg + (CAPITALS if MEANT.match(text, error.pos) else "")
+        raise InputError([Fault(file, f"JSON ({why})", error.lineno, None, found)]) from None
     except RecursionError:
         raise InputError([Fault(file, "JSON that is not nested so deeply")]) from None
     except ValueError:  # Python's limit of 4,300 digits

@@ -45,7 +45,7 @@ EXPECTED = {
     "string_pattern_mismatch": "text that is not blank",
     "float_type": "a number",
     "int_type": "an integer",
-    "bool_type": "true or false",
+    "bool_type": "true or false, in small letters without quotation marks",
     "list_type": "a list",
     "too_short": "a list of at least {min_length}",
     "too_long": "a list of at most {max_length}",

@@ -9,7 +9,13 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.errors import Fault
-from bayesfric.recording.energy import gains_energy, motor_pull, pushes_a_cable, tears_a_cable
+from bayesfric.recording.energy import (
+    drops_the_weight,
+    gains_energy,
+    motor_pull,
+    pushes_a_cable,
+    tears_a_cable,
+)
 from bayesfric.recording.schemas import Table
 from bayesfric.recording.tables import RigConstants
 
@@ -131,8 +137,10 @@ def _pulls(runs: Table, idle: Table | None, rig: RigConstants) -> list[Fault]:
     if faults or pull is None:
         return faults
     mistake = "in milliamperes, or is the torque constant in mN·m/A"
-    return _overloaded(runs, "current_a", (weight + pull) / 2, rig, mistake) or pushes_a_cable(
-        runs, pull, weight
+    return (
+        _overloaded(runs, "current_a", (weight + pull) / 2, rig, mistake)
+        or pushes_a_cable(runs, pull, weight)
+        or drops_the_weight(runs, pull, weight)
     )
 
 

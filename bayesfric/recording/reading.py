@@ -131,10 +131,7 @@ def _read_inside(folder: Path, name: str) -> bytes:
             raise InputError([Fault(name, "a file inside the recording's folder", value=name)])
         if not file.is_file():  # a pipe or a device might never end
             found = "a folder" if file.is_dir() else None
-            beside = [file.with_suffix(end) for end in (".xlsx", ".xls", ".ods", ".txt")]
-            expected = "a file of this name in the folder" + "".join(
-                f" (is {one.name} meant? save it as CSV)" for one in beside if one.is_file()
-            )
+            expected = "a file of this name in the folder" + _beside(file)
             if name == PACKAGE_FILE:
                 expected += f" ({WHAT_IT_IS})"
             raise InputError([Fault(name, expected, value=found)])
@@ -147,6 +144,15 @@ def _read_inside(folder: Path, name: str) -> bytes:
         raise InputError([Fault(name, "a file that can be read", value=reason)]) from None
 
 
+def _beside(file: Path) -> str:
+    """Return the question whether a file of nearly this name is meant."""
+    spreadsheets = [file.with_suffix(end) for end in (".xlsx", ".xls", ".ods", ".txt")]
+    hints = [f" (is {one.name} meant? save it as CSV)" for one in spreadsheets if one.is_file()]
+    folder = sorted(file.parent.iterdir()) if file.parent.is_dir() else []
+    small = [one.name for one in folder if one.name.lower() == file.name.lower()]
+    return "".join(hints + [f" (is {name} meant? capital letters matter)" for name in small])
+
+
 def _known_tables(package: Package, faults: list[Fault], notes: list[str]) -> dict[str, Resource]:
     """Canonical file name → resource, for the tables of the format."""
     by_name = {table.resource: file for file, table in TABLES.items()}
@@ -154,7 +160,11 @@ def _known_tables(package: Package, faults: list[Fault], notes: list[str]) -> di
     for resource in package.resources:
         base = resource.path.rpartition("/")[2]
         file = base if base in TABLES else by_name.get(resource.name)
-        if file is None:
+        if file is None and base.lower() in TABLES:
+            column = f"{resource.place}.path"
+            expected = f"{base.lower()}, in small letters, here and as the file's name"
+            faults.append(Fault(PACKAGE_FILE, expected, column=column, value=resource.path))
+        elif file is None:
             notes.append(f"{PACKAGE_FILE}: resource {resource.name!r} is no known table, not read")
         elif file in listed:
             column = f"{resource.place}.path"

@@ -21,8 +21,14 @@ __all__ = ["Table", "check_cells", "meant"]
 
 DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
-DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+", re.ASCII)
-MINUS = "\N{MINUS SIGN}"
+NO_NUMBERS = {
+    r"[+-]?\d+,\d+": ", with a point as the decimal mark",
+    ".*\N{MINUS SIGN}.*": ", with a hyphen as the minus sign",
+    "(?i:true|false)": " (a spreadsheet's answer to a comparison is none)",
+    r"\d{1,4}([-/.])\d{1,2}\1\d{1,4}.*|(?i:.*\b(jan|feb|mar|apr|may|jun|jul|aug|sep|oct|nov|dec)"
+    r"[a-z]*\b.*)": " (has a spreadsheet made a date of it?)",
+}
+"""What stands where a number belongs, and what is said of it."""
 SEARCHED = 1000  # cells that are searched for one
 NOTED = 10  # columns that are named where more are kept out
 
@@ -197,10 +203,9 @@ def _checked(
 def _expected(column: Column, cells: pd.Series, values: pd.Series) -> str:
     if column.kind == "number" and (values.abs() > LARGEST).any():
         return f"{column.expected}, of {LARGEST:g} at most in size"
-    if column.is_numeric and any(DECIMAL_COMMA.fullmatch(cell) for cell in cells.head(SEARCHED)):
-        return f"{column.expected}, with a point as the decimal mark"
-    if column.is_numeric and any(MINUS in cell for cell in cells.head(SEARCHED)):
-        return f"{column.expected}, with a hyphen as the minus sign"
+    for pattern, hint in NO_NUMBERS.items() if column.is_numeric else ():
+        if any(re.fullmatch(pattern, cell, re.ASCII) for cell in cells.head(SEARCHED)):
+            return column.expected + hint
     if column.is_text and any(TYPOGRAPHIC.fullmatch(cell) for cell in cells.head(SEARCHED)):
         return f'{column.expected}, in " or in no quotation marks (these are typographic)'
     return column.expected

@@ -21,12 +21,13 @@ TENSION_N = 33.0
 PULLEYS = 19
 INDIVIDUAL_WRAP_DEG = (15.0, 180.0)
 AVERAGE_WRAP_DEG = (45.0, 150.0)
+NAMED = 5
 PULLEYS_ARE = ("pulley_size", "n_pulleys", "wrap_angle_deg")  # else Table II says nothing
 WINDOW = 4  # intervals over which a speed is taken, so that one odd interval does not count
 
 
 def notes_on_range(recording: Recording) -> tuple[str, ...]:
-    """One sentence for each bound of Table II that is passed, naming the trials or runs."""
+    """One sentence a table, on the bounds of Table II that are passed and where."""
     notes: list[str] = []
     g = recording.rig.gravity_m_s2
     if recording.gravity is not None:
@@ -46,10 +47,19 @@ def notes_on_range(recording: Recording) -> tuple[str, ...]:
 
 
 def _notes(table: pd.DataFrame, key: str) -> Iterator[str]:
-    for what, outside in _outside(table):
-        if outside.any():
-            ids = ", ".join(table.loc[outside, key])
-            yield f"{key} {ids}: outside the paper's Table II, {what}"
+    passed = [
+        f"{what} ({key} {_folded(table.loc[outside, key])})"
+        for what, outside in _outside(table)
+        if outside.any()
+    ]
+    if passed:
+        yield f"outside the paper's Table II: {'; '.join(passed)}"
+
+
+def _folded(ids: "pd.Series[str]") -> str:
+    """Return the first ids, and how many more there are."""
+    more = len(ids) - NAMED
+    return ", ".join(ids[:NAMED]) + (f" and {more:,} more" if more > 0 else "")
 
 
 def _outside(table: pd.DataFrame) -> Iterator[tuple[str, "pd.Series[bool]"]]:

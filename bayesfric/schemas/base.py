@@ -1,20 +1,43 @@
 """What every JSON file has, and the pieces that several share."""
 
+from dataclasses import dataclass
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-__all__ = ["Interval", "Number", "Provenance", "Record", "RecordingId", "Why"]
+__all__ = ["Because", "Interval", "Number", "Provenance", "Record", "RecordingId", "Why"]
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Why = Annotated[str | None, Field(description="Why there is none.")]
 """Of a key ``x_why``: the reason where ``x`` is null or empty, null where there is an ``x``."""
 
 
+@dataclass(frozen=True)
+class Because:
+    """Of a ``Why``: the one reason for which its key is null."""
+
+    reason: str
+
+
 class Record(BaseModel):
-    """Frozen, and without unknown keys."""
+    """Frozen, without unknown keys, and with a reason for what is null."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _give_the_only_reason(cls, data: Any) -> Any:
+        if not isinstance(data, dict):
+            return data
+        given = {
+            name: one.reason
+            for name, field in cls.model_fields.items()
+            for one in field.metadata
+            if isinstance(one, Because)
+            and data.get(name) is None
+            and data.get(name.removesuffix("_why")) is None
+        }
+        return data | given
 
 
 class Interval(Record):
@@ -43,11 +66,16 @@ class Provenance(Record):
     recording: RecordingId = Field(description="The data.")
     analysis_sha256: str = Field(description="Over the analysis, defaults filled in.")
     analysis: dict[str, Any] | None = Field(
-        None, description="Every setting; null in files of earlier versions."
+        None,
+        description="Every setting, as in analysis.toml; one that is null there is chosen by "
+        "what is analysed. Null in files of earlier versions.",
     )
     created: str | None = Field(
         description="SOURCE_DATE_EPOCH, else the recording's own date, else null."
     )
+    created_why: Annotated[
+        Why, Because("neither SOURCE_DATE_EPOCH nor the recording has a date")
+    ] = None
     run_id: str = Field(
         "",
         description="Hash of all else in this file, carried by the files written with it; empty "

@@ -1,10 +1,10 @@
 """``claims.json``."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
-from bayesfric.schemas.base import Number, Provenance, Record, Why
+from bayesfric.schemas.base import Because, Number, Provenance, Record, Why
 
 __all__ = [
     "ClaimResult",
@@ -13,6 +13,8 @@ __all__ = [
     "SelfContradiction",
 ]
 
+NO_FACTOR = Because("there is no Bayes factor")
+
 
 class PulleyEvidence(Record):
     """A claim's Bayes factor from the data of one pulley size alone."""
@@ -20,6 +22,7 @@ class PulleyEvidence(Record):
     log10_bayes_factor: Number | None = Field(description="In favour of the claim.")
     log10_bayes_factor_why: Why = None
     log10_bayes_factor_se: Number | None = Field(description="Its standard error.")
+    log10_bayes_factor_se_why: Annotated[Why, NO_FACTOR] = None
 
 
 class ClaimResult(Record):
@@ -43,6 +46,7 @@ class ClaimResult(Record):
     )
     log10_bayes_factor_why: Why = None
     log10_bayes_factor_se: Number | None = Field(description="Its standard error.")
+    log10_bayes_factor_se_why: Annotated[Why, NO_FACTOR] = None
     elpd_difference: Number | None = Field(
         description="Assemblies left out one at a time: positive where the claim predicts them "
         "better than its best rival [nat]."

@@ -1,10 +1,10 @@
 """``comparison.json``: what changed between two runs."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
-from bayesfric.schemas.base import Number, Record, Why
+from bayesfric.schemas.base import Because, Number, Record, Why
 
 __all__ = ["ComparisonFile", "Flip", "Setting", "Shift"]
 
@@ -15,7 +15,9 @@ class Setting(Record):
     file: str = Field(description="Result that says so, such as fit.json.")
     key: str = Field(description="Dotted key, such as analysis.priors.c1.scale.")
     a: str | None = Field(description="In the first run; null where it has none.")
+    a_why: Annotated[Why, Because("the first run has none")] = None
     b: str | None = Field(description="In the second run; null where it has none.")
+    b_why: Annotated[Why, Because("the second run has none")] = None
 
 
 class Shift(Record):

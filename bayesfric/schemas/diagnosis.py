@@ -1,12 +1,12 @@
 """``diagnosis.json``."""
 
 import math
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
 from bayesfric.analysis import Prior
-from bayesfric.schemas.base import Interval, Number, Provenance, Record
+from bayesfric.schemas.base import Because, Interval, Number, Provenance, Record, Why
 
 __all__ = [
     "Absorbed",
@@ -192,6 +192,7 @@ class Gap(Record):
     floor_disagreement: str | None = Field(
         None, description="How held-out data and the model contradict each other; null if not."
     )
+    floor_disagreement_why: Annotated[Why, Because("they agree")] = None
     shrink: Interval | None = Field(
         description="Part of the squared systematic gap that the causes take away: its "
         "posterior. `held_out` has the figures of data that the fit has not seen."
@@ -282,10 +283,12 @@ class DiagnosisFile(Provenance):
     simulator: SimulatorUsed | None = Field(
         None, description="In the place of the law; null where a law of the package is examined."
     )
+    simulator_why: Annotated[Why, Because("a law of the package is examined")] = None
     fixed: tuple[str, ...] = Field((), description="Parameters held at their shipped values.")
     shipped: dict[str, float] | None = Field(
         None, description="Shipped values as they were given, by name; null where nobody gave any."
     )
+    shipped_why: Annotated[Why, Because("nobody gave any")] = None
     stray_trials: tuple[str, ...] = Field(
         (), description="Trials left out: each lies far from the others of its own assembly."
     )
@@ -336,5 +339,6 @@ class DiagnosisFile(Provenance):
     target: FrictionAsked | None = Field(
         None, description="Conditions that were asked about, if any."
     )
+    target_why: Annotated[Why, Because("no conditions were asked about (--target)")] = None
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)

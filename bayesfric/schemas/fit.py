@@ -1,10 +1,10 @@
 """``fit.json`` and ``timings.json``."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
-from bayesfric.schemas.base import Interval, Number, Provenance, Record, Why
+from bayesfric.schemas.base import Because, Interval, Number, Provenance, Record, Why
 from bayesfric.schemas.parameter import ParameterSummary
 from bayesfric.schemas.pooled import Pooled
 
@@ -23,6 +23,8 @@ __all__ = [
     "Uniformity",
     "WithoutExclusions",
 ]
+
+NOT_COMPARED = Because("the two sensors of no trial can be compared")
 
 
 class SamplerSummary(Record):
@@ -83,8 +85,11 @@ class Agreement(Record):
     largest_z: Number | None = Field(
         description="Largest |z|, the difference over its standard error; null without trials."
     )
+    largest_z_why: Annotated[Why, NOT_COMPARED] = None
     z_q95: Number | None = Field(description="95 % quantile of |z|, 1.96 by noise alone.")
+    z_q95_why: Annotated[Why, NOT_COMPARED] = None
     limit_z: Number | None = Field(description="A trial disagrees beyond this |z| ...")
+    limit_z_why: Annotated[Why, NOT_COMPARED] = None
     limit_friction_share: Number = Field(
         description="... if its frictions by either sensor also differ by more than this share."
     )
@@ -110,6 +115,7 @@ class DataQuality(Record):
     agreement: Agreement | None = Field(
         None, description="Of the sensors; null where no gravity trial was recorded."
     )
+    agreement_why: Annotated[Why, Because("no gravity trial was recorded")] = None
     stalled: tuple[str, ...] = Field(
         (), description="Trials that stop on their way, left out or not."
     )
@@ -135,6 +141,7 @@ class Prediction(Record):
     pareto_k_limit: Number | None = Field(
         description="Above it the weights of draws that saw the group are not relied on."
     )
+    pareto_k_limit_why: Why = None
     bad: int = Field(description="Groups whose Pareto k is above the limit.")
     refitted: int = Field(description="Of these, how many were refitted without the group.")
 
@@ -199,7 +206,7 @@ class FitFile(Provenance):
 
     schema_: Literal["bayesfric.fit/1"] = Field("bayesfric.fit/1", alias="schema")
     rigs: tuple[str, ...] = Field(description="Rigs whose data entered.")
-    baseline: str = Field("paper", description="Friction law: paper or recursive.")
+    baseline: str = Field("paper", description="Friction law, as for `--baseline`.")
     converged: bool = Field(description="Whether every diagnostic is within its bound.")
     attention: tuple[str, ...] = Field(description="What a reader must know first; may be empty.")
     pulleys: dict[str, dict[str, ParameterSummary]] = Field(
@@ -238,6 +245,7 @@ class FitFile(Provenance):
         description="Of several recordings: their boards, whose population `pulleys` describes; "
         "scatter and noise are in the fit of each.",
     )
+    pooled_why: Annotated[Why, Because("it is a fit of one recording")] = None
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
 

@@ -1,10 +1,10 @@
 """``margins.json``."""
 
-from typing import Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 from pydantic import ConfigDict, Field
 
-from bayesfric.schemas.base import Interval, Number, Provenance, Record, Why
+from bayesfric.schemas.base import Because, Interval, Number, Provenance, Record, Why
 
 __all__ = [
     "Certificate",
@@ -25,6 +25,8 @@ __all__ = [
     "WithEffects",
 ]
 
+NO_WAY = Because("only an open run is driven or overhauled")
+
 
 class Metric(Record):
     """One figure of a loop, over draws of new assemblies."""
@@ -35,12 +37,14 @@ class Metric(Record):
     direction: Literal["driving", "overhauling"] | None = Field(
         None, description="Of an open run: the motor pulls the load, or the load the motor."
     )
+    direction_why: Annotated[Why, NO_WAY] = None
     interval: Interval | None = Field(description="Over the draws.")
     interval_why: Why = None
     quantiles: tuple[Number, ...] = Field(
         (), description="At 0.01, 0.05, 0.10, … 0.95, 0.99; empty without an interval."
     )
     spec: Number | None = Field(None, description="What is asked for; null where nothing is.")
+    spec_why: Annotated[Why, Because("nothing is asked for")] = None
     sense: Literal["at least", "at most"] = Field(description="Which way the spec bounds it.")
     probability_of_violation: Number | None = Field(None, description="Of the spec.")
     probability_of_violation_why: Why = None
@@ -82,9 +86,11 @@ class VerifiedDraw(Record):
     draw: int = Field(description="Number of the draw.")
     inside_conditions: bool = Field(description="Whether the formula claims to hold there.")
     predicted: Number | None = Field(description="γ that hunts, as reported; null: none.")
+    predicted_why: Annotated[Why, Because("it hunts at no γ")] = None
     simulated: Number | None = Field(
         description="γ that hunts on the elastic cable, between two that were tried; null: none."
     )
+    simulated_why: Why = None
     agrees: bool = Field(description="Both none, or within the tolerance.")
     stays_within: bool = Field(
         description="Without compensation and integral, the simulated loop comes to rest inside "
@@ -104,6 +110,7 @@ class Held(Record):
     ratio: Interval | None = Field(
         None, description="Simulated over reported; of a bound, how near it the farthest came."
     )
+    ratio_why: Annotated[Why, Because("it has no draw with two numbers to compare")] = None
 
 
 class Verification(Record):
@@ -130,6 +137,7 @@ class NyquistFan(Record):
         description="L(jω); or motor speed per friction torque, times √(kp J)."
     )
     direction: Literal["driving", "overhauling"] | None = Field(None, description="As above.")
+    direction_why: Annotated[Why, NO_WAY] = None
     real: tuple[tuple[Number, ...], ...] = Field(description="A row for each draw.")
     imag: tuple[tuple[Number, ...], ...] = Field(description="Likewise.")
 
@@ -151,7 +159,9 @@ class Tuning(Record):
     """The largest kp, its kd and the largest γ that meet all specs at once."""
 
     kp_scale: Number | None = Field(description="Over the file's; null where none will do.")
+    kp_scale_why: Why = None
     kd_scale: Number | None = Field(description="Likewise.")
+    kd_scale_why: Why = None
     compensation_gain: Number | None = Field(description="γ; the file's where it cannot hunt.")
     compensation_gain_why: Why = None
     probability: Number = Field(description="That all specs are met at once, at this setting.")
@@ -241,7 +251,9 @@ class WithEffects(Record):
     )
     answer: str = Field(description="Which compensation gain to set, in a sentence.")
     metrics: tuple[Metric, ...] = Field(description="As without the effects.")
-    missed_specs: tuple[str, ...] | None = Field(None, description="As without the effects.")
+    missed_specs: tuple[str, ...] | None = Field(
+        None, description="As without the effects; null in files of earlier versions."
+    )
     largest_safe_compensation_gain: Number | None = Field(
         description="The largest γ with P(limit cycle) within the spec."
     )
@@ -286,6 +298,7 @@ class LoopMargins(Record):
     largest_safe_compensation_gain_se: Number | None = Field(
         None, description="Its Monte Carlo standard error."
     )
+    largest_safe_compensation_gain_se_why: Annotated[Why, Because("there is no such γ")] = None
     hunting_map: HuntingMap | None = Field(None, description="Over speed and γ.")
     hunting_map_why: Why = None
     not_examined: tuple[str, ...] = Field(
@@ -302,7 +315,9 @@ class LoopMargins(Record):
     )
     with_effects_why: Why = None
     meets_all: Number | None = Field(
-        None, description="P(all specs are met at once, without hunting), at the file's setting."
+        None,
+        description="P(all specs are met at once, without hunting), at the file's setting; null "
+        "in files of earlier versions.",
     )
     tuning: Tuning | None = Field(None, description="What meets them with the asked probability.")
     tuning_why: Why = None

@@ -1,10 +1,14 @@
 """A parameter in ``fit.json``."""
 
+from typing import Annotated
+
 from pydantic import Field
 
-from bayesfric.schemas.base import Interval, Number, Why
+from bayesfric.schemas.base import Because, Interval, Number, Why
 
 __all__ = ["ParameterSummary"]
+
+NO_COEFFICIENT = Because("it is asked of coefficients alone")
 
 
 class ParameterSummary(Interval):
@@ -25,6 +29,8 @@ class ParameterSummary(Interval):
         description="Of a coefficient: how far its cumulative distribution moves for a doubling "
         "of the power to which all priors are raised; above 0.05 they matter.",
     )
+    prior_sensitivity_why: Annotated[Why, NO_COEFFICIENT] = None
     likelihood_sensitivity: Number | None = Field(
         None, description="The same for the power of the likelihood."
     )
+    likelihood_sensitivity_why: Annotated[Why, NO_COEFFICIENT] = None

@@ -1,10 +1,10 @@
 """``scorecard.json``."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
-from bayesfric.schemas.base import Interval, Number, Record, RecordingId, Why
+from bayesfric.schemas.base import Because, Interval, Number, Record, RecordingId, Why
 
 __all__ = [
     "Confusion",
@@ -92,7 +92,9 @@ class Target(Record):
     name: str = Field(description="In words.")
     rate: Rate = Field(description="What was measured.")
     at_least: Number | None = Field(None, description="The rate must not be below.")
+    at_least_why: Annotated[Why, Because("it is bounded from above only")] = None
     at_most: Number | None = Field(None, description="The rate must not be above.")
+    at_most_why: Annotated[Why, Because("it is bounded from below only")] = None
     met: bool | None = Field(description="By the point estimate; null without a case.")
     met_why: str | None = Field(None, description="Why it is null.")
 

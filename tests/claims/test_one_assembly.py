@@ -5,6 +5,8 @@ A claim of one trial ended as a fault of bayesfric itself on its way to the file
 
 import math
 
+from reasons import explained
+
 from bayesfric.claims import registered
 from bayesfric.claims.base import Finding
 from bayesfric.claims.checking import _result
@@ -12,6 +14,6 @@ from bayesfric.claims.checking import _result
 
 def test_the_error_of_one_assembly_is_missing_with_its_reason():
     found = Finding("undecided", "Odds of 1 to 1.", {}, 0.1, 0.1, 0.5, math.inf)
-    one = _result(registered()[0], found)
+    one = explained(_result(registered()[0], found))
     assert (one.elpd_difference, one.elpd_difference_se) == (0.5, None)
     assert one.elpd_difference_se_why == "there is only one assembly"

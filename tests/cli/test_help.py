@@ -8,6 +8,7 @@ from typer.testing import CliRunner
 from bayesfric.cli.exits import CAN_HAPPEN, FAILURES, check_fail_on
 from bayesfric.cli.verbs import app
 from bayesfric.errors import InputError
+from bayesfric.physics.laws import BASELINES
 
 VERBS = [found.name or found.callback.__name__ for found in app.registered_commands]
 
@@ -29,6 +30,13 @@ def test_a_verb_shows_types_that_people_know_and_an_example(verb):
         *re.findall(r"<[\w|]+\|[\w|]+>", said),  # choices, spelled out
     }
     assert max(map(len, said.splitlines())) <= 80
+
+
+@pytest.mark.parametrize("verb", ["run", "fit", "claims", "diagnose"])
+def test_every_law_that_can_be_asked_for_is_explained(verb):
+    said = " ".join(help_of(verb).split("--baseline LAW")[1].split("[default")[0].split())
+    for law in BASELINES:
+        assert re.search(rf"\b{law} \(", said), law
 
 
 def test_summaries_are_whole_sentences():

@@ -44,7 +44,7 @@ def test_the_package_logs_and_whoever_runs_it_decides_where_to(capfd, caplog, mo
         (60.0, 1, ["dig: about 9 min to go"]),
         (6.0, 8, []),  # soon over
         (6.0, 0, []),
-        (6.0, 0.9, []),  # less than a tenth, and the longest steps may come first
+        (6.0, 0.9, []),  # less than a tenth
     ],
 )
 def test_a_log_says_once_how_long_a_long_stage_takes(monkeypatch, caplog, seconds, done, said):
@@ -54,6 +54,14 @@ def test_a_log_says_once_how_long_a_long_stage_takes(monkeypatch, caplog, second
         progress(done, 10)
         progress(10, 10)
     assert [one.message for one in caplog.records][1:-1] == said
+
+
+def test_of_steps_of_which_the_longest_come_first_a_bound_is_told(monkeypatch, caplog):
+    now = iter([0.0, 60.0])
+    monkeypatch.setattr("bayesfric.progress.monotonic", lambda: next(now))
+    with caplog.at_level(logging.INFO, "bayesfric"), stage("dig", longest_first=True) as progress:
+        progress(1, 10)
+    assert caplog.records[1].message == "dig: less than 9 min to go"
 
 
 def test_a_stage_that_fails_is_not_done(caplog):

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from altered import by_acceleration, with_trials
+from reasons import explained
 
 from bayesfric.analysis import Analysis, Scatter
 from bayesfric.blind.engines import reference
@@ -42,7 +43,7 @@ def nothing():
 @pytest.fixture(scope="module")
 def empty(nothing):
     """Its diagnosis."""
-    return diagnose(nothing).summary
+    return explained(diagnose(nothing).summary)
 
 
 @pytest.fixture(scope="module")
@@ -249,7 +250,7 @@ def test_one_acceleration_alone_tells_of_no_axis(small_recording):
     """It varies along none; what it leaves open is wide, and no cause is named."""
     recording = by_acceleration(small_recording)
     alone = with_trials(recording, recording.gravity.trials["trial"] == "g0007")
-    found = diagnose(alone).summary
+    found = explained(diagnose(alone).summary)
     assert not found.causes
     assert found.verdict == "undecided"
     assert found.where
@@ -268,7 +269,8 @@ def test_accelerations_alone_of_one_assembly_are_diagnosed():
         for _, one in own
     ]
     trials["acceleration_sd_m_s2"] = 1e-3
-    found = diagnose(replace(recording, gravity=Gravity(trials, events.iloc[:0]))).summary
+    alone = replace(recording, gravity=Gravity(trials, events.iloc[:0]))
+    found = explained(diagnose(alone).summary)
     assert not found.causes
     assert found.gap.trajectory is None
 

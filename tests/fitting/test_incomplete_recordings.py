@@ -11,6 +11,7 @@ from functools import cache
 import numpy as np
 import pytest
 from altered import by_acceleration, of_size, one_size, with_trials
+from reasons import explained
 
 import bayesfric as bf
 from bayesfric.analysis import Analysis, Sampler
@@ -165,7 +166,7 @@ def fit_of(small_recording, tmp_path_factory):
 def test_what_is_informed_is_right_and_the_rest_is_said_to_be_open(name, fit_of, tmp_path):
     _, sampler, informed = CASES[name]
     recording, fitted = fit_of(name)
-    summary = fitted.summary
+    summary = explained(fitted.summary)
     assert summary.pulleys
     for size, coefficients in summary.pulleys.items():
         assert {c: entry.informed for c, entry in coefficients.items()} == informed, size

@@ -21,7 +21,7 @@ ROWS = (
     ("logs",),
     ("paper", "families", "priors", "analysis", "schemas"),
     ("physics",),
-    ("campaign", "checkpoint", "progress"),
+    ("campaign", "checkpoint", "interrupts", "progress"),
     ("inference",),
     ("effects", "simulators"),
     ("rigs",),
@@ -54,6 +54,7 @@ ONLY = {
     "checksum": set(),
     "campaign": set(),  # maps any function over any cases
     "checkpoint": set(),  # any computation
+    "interrupts": set(),  # whatever must be whole
     "progress": set(),  # any stage
     "families": set(),  # densities, of whatever
     "inference": {"families", "analysis", "checkpoint"},  # any density; analysis has its settings

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from margins.loops import loop, posterior, write_draws
+from reasons import explained
 from scipy import stats
 
 from bayesfric.errors import InputError
@@ -38,7 +39,9 @@ def many_draws(tmp_path_factory):
 
 
 def computed(draws, changes=None, simulated=8, **options):
-    return compute_margins([loop(changes)], draws, simulated=simulated, **options).summary
+    return explained(
+        compute_margins([loop(changes)], draws, simulated=simulated, **options).summary
+    )
 
 
 def metric(found, name, direction=None):

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from margins.loops import loop, posterior
+from reasons import explained
 
 from bayesfric.margins import tuning
 from bayesfric.margins.assembly import draw_assembly
@@ -77,7 +78,8 @@ def test_the_stiffest_loop_has_just_the_delay_margin_that_is_asked_for():
 
 
 def test_what_no_gain_can_meet_is_named():
-    found = tune(made({"spec.backdrive_force_max_n": 1e-3}, seed=1, draws=200), 0.05)
+    shaft = made({"spec.backdrive_force_max_n": 1e-3}, seed=1, draws=200)
+    found = explained(tune(shaft, 0.05))
     assert found.kp_scale is None
     assert "backdrive force is missed with probability 1 at the best" in found.why
     assert found.probability == 0.0

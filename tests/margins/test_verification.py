@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from margins import two_masses
 from margins.loops import loop, posterior, shaft
+from reasons import explained
 from scipy.stats import beta
 
 from bayesfric.margins.assembly import draw_assembly
@@ -70,7 +71,7 @@ def uncertain():
 
 
 def test_figures_that_are_right_hold_and_their_share_has_its_interval(uncertain):
-    found = verify(*uncertain, 8)
+    found = explained(verify(*uncertain, 8))
     by_name = {one.what: one for one in found.held}
     assert found.draws == 8
     for what in ("γ that hunts", "steady error", "lost motion"):
@@ -115,7 +116,7 @@ def test_an_error_at_rest_that_is_too_small_does_not_hold(uncertain, monkeypatch
 def test_what_takes_too_long_is_said(uncertain):
     made, hunting = uncertain
     slow = replace(made, ki=np.full(40, 1e-5), stiction_ratio=np.full(40, 1.5))
-    found = verify(slow, hunting, 4)
+    found = explained(verify(slow, hunting, 4))
     assert found.agreement is None
     assert "takes longer than 20 s" in found.agreement_why
     assert all(one.simulated is None and not one.agrees for one in found.by_draw)

@@ -1,5 +1,7 @@
 """Figures show the stored numbers where they say they do."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -47,6 +49,17 @@ def test_table_1_is_marked_in_the_pairs(small_fit):
     bare = coefficient_pairs(small_fit.draws, "medium", None)
     assert not [line for axes in bare.axes for line in axes.lines]
     assert "Table I" not in legend_texts(bare)
+
+
+def test_labels_of_the_pairs_do_not_overprint(small_fit):
+    """Three low panels stand above each other, each with a name and a long unit."""
+    fig = coefficient_pairs(small_fit.draws, "medium", None)
+    fig.canvas.draw()
+    labels = [axes.yaxis.label for axes in fig.axes if axes.get_ylabel() and axes.axison]
+    boxes = [one.get_window_extent() for one in labels if one.get_visible()]
+    boxes = sorted(boxes, key=lambda box: box.y0)
+    assert len(boxes) >= 2
+    assert all(low.y1 <= high.y0 or low.x1 <= high.x0 for low, high in pairwise(boxes))
 
 
 def test_table_1_far_from_the_draws_is_named_and_does_not_squeeze_them(small_fit):

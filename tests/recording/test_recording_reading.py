@@ -181,19 +181,32 @@ def test_conditions_outside_table_2_are_notes(tmp_path: Path) -> None:
     mini.set(TRIALS, 4, "mass_drive_kg", "6.2").set(TRIALS, 4, "wrap_angle_deg", "14")
     for line, moment in enumerate(("0.3", "0.306", "0.312", "0.318", "0.324"), start=12):
         mini.set(EVENTS, line, "time_s", moment)
-    mini.set("motor_runs.csv", 2, "hanging_mass_kg", "3.4")
+    mini.set("motor_runs.csv", 2, "hanging_mass_kg", "3.4").set(
+        "motor_runs.csv", 2, "current_a", "8.9"
+    )
     mini.set("motor_runs.csv", 3, "velocity_m_s", "-1.31")
     mini.set("steady_friction.csv", 2, "tension_n", "33.1")
     table = "outside the paper's Table II"
     assert read(mini, tmp_path).notes == (
-        f"trial g2: {table}, |v| at most 1.3 m/s",
-        f"trial g3: {table}, tension at most 33 N",
-        f"trial g2: {table}, at most 19 pulleys",
-        f"trial g3: {table}, individual wrap angle 15 to 180 deg",
-        f"trial g1, g3: {table}, average wrap angle 45 to 150 deg",
-        f"run m2: {table}, |v| at most 1.3 m/s",
-        f"run m1: {table}, tension at most 33 N",
-        f"run s1: {table}, tension at most 33 N",
+        f"{table}: |v| at most 1.3 m/s (trial g2); tension at most 33 N (trial g3); at most 19 "
+        "pulleys (trial g2); individual wrap angle 15 to 180 deg (trial g3); average wrap angle "
+        "45 to 150 deg (trial g1, g3)",
+        f"{table}: |v| at most 1.3 m/s (run m2); tension at most 33 N (run m1)",
+        f"{table}: tension at most 33 N (run s1)",
+    )
+
+
+def test_many_runs_outside_table_2_are_one_note(tmp_path: Path) -> None:
+    mini = Mini().keep("steady_friction.csv")
+    header, row, _ = mini.rows["steady_friction.csv"]
+    more = [[f"r{k}", *row[1:]] for k in range(1008)]
+    mini.rows["steady_friction.csv"] = [header, *more]
+    mini.drop("steady_friction.csv", "order")
+    for line in range(2, 1010):
+        mini.set("steady_friction.csv", line, "tension_n", "34")
+    assert read(mini, tmp_path).notes == (
+        "outside the paper's Table II: tension at most 33 N (run r0, r1, r2, r3, r4 and "
+        "1,003 more)",
     )
 
 

@@ -117,6 +117,11 @@ MISTAKES = {
         RUNS,
         "the unit of motor_idle.csv",
     ),
+    "a torque constant in kN·m/A": (
+        rig(motor_torque_constant_n_m_per_a=25.9e-6),
+        RUNS,
+        "holds the weight that it raises",
+    ),
     "currents of the other sign": (
         scaled(RUNS, "current_a", by=-1),
         RUNS,
@@ -187,6 +192,39 @@ MISTAKES = {
         RUNS,
         "is motor_runs.xlsx meant? save it as CSV",
     ),
+    "a file's name in capitals": (
+        lambda mini: {
+            file.replace(TRIALS, "Gravity_Trials.csv"): data
+            for file, data in mini.contents().items()
+        },
+        TRIALS,
+        "is Gravity_Trials.csv meant? capital letters matter",
+    ),
+    "a table listed in capitals": (
+        as_text(
+            "datapackage.json",
+            lambda text: text.replace("gravity-trials", "Gravity-Trials").replace(
+                "gravity_trials", "Gravity_Trials"
+            ),
+        ),
+        "datapackage.json",
+        "gravity_trials.csv, in small letters",
+    ),
+    "a boolean in capitals": (
+        as_text("datapackage.json", lambda text: text.replace("{", '{"rotary": TRUE,', 1)),
+        "datapackage.json",
+        "true, false and null are written in small letters",
+    ),
+    "a boolean in quotation marks": (
+        rig(rotary="TRUE"),
+        "datapackage.json",
+        "true or false, in small letters without quotation marks",
+    ),
+    "a boolean in place of a number": (
+        put(STEADY, "friction_n", "TRUE"),
+        STEADY,
+        "a finite number in N (a spreadsheet's answer to a comparison is none)",
+    ),
     "an empty file": (bytes_of(TRIALS, b""), TRIALS, "a header in line 1"),
     "a header alone": (
         as_text(RUNS, lambda text: text.splitlines()[0]),
@@ -232,7 +270,8 @@ MISTAKES = {
     ),
     "a cell with its unit": (put(TRIALS, "mass_drive_kg", "1.6 kg"), TRIALS, "above 0 in kg"),
     "a dash for a minus": (put(RUNS, "velocity_m_s", "−0.5"), RUNS, "a hyphen as the minus sign"),
-    "a spreadsheet's date": (put(STEADY, "friction_n", "01. Feb"), STEADY, "a finite number in N"),
+    "a spreadsheet's date": (put(STEADY, "friction_n", "01. Feb"), STEADY, "made a date of it?"),
+    "a date in figures": (put(STEADY, "friction_n", "2026-02-01"), STEADY, "made a date of it?"),
     "a negative tension": (put(STEADY, "tension_n", "-15"), STEADY, "at least 0 in N"),
     "a run twice": (put(RUNS, "run", "m2"), RUNS, "a value that no other row has"),
     "times that go back": (put(EVENTS, "time_s", "0.2"), EVENTS, "more than the time_s before it"),

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from reasons import explained
 from rigs.driven_mass import Machine, simulate, write
 
 import bayesfric as bf
@@ -91,6 +92,7 @@ def test_calls_are_counted_before_they_are_made_and_none_is_made_twice(tmp_path,
 
 def test_a_simulator_without_viscous_friction_lacks_it(tmp_path, viscous):
     found = bf.diagnose(recorded(tmp_path, viscous), simulator=Mass()).summary
+    assert explained(found).simulator is not None
     assert [one.effect for one in found.causes] == ["viscous"]
     (slope,) = found.causes[0].parameters.values()
     assert slope.q50 * found.gap.friction_rms == pytest.approx(0.8, rel=0.2)

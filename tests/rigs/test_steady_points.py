@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from reasons import explained
 from rigs.friction_points import curved, joint, recorded, slide
 
 import bayesfric as bf
@@ -88,7 +89,7 @@ def test_a_machine_of_another_size_in_other_units_is_diagnosed_alike(tmp_path):
 
 def test_a_joint_with_viscous_friction_is_named_with_its_slope(tmp_path):
     recording = recorded(tmp_path, joint(3.0), rotary=True)
-    found = bf.diagnose(recording).summary
+    found = explained(bf.diagnose(recording).summary)
     assert found.verdict == "named"
     (cause,) = found.causes
     assert cause.effect == "viscous"

@@ -34,9 +34,8 @@ def _prediction(rig: str, kind: str, found: ELPD | None, groups: int) -> Predict
     if found is None:
         why = "the density of one given the others is not finite for some draw"
         nothing = dict.fromkeys(("elpd", "elpd_se", "pareto_k_limit"))
-        return Prediction.model_validate(
-            fields | nothing | {"elpd_why": why, "elpd_se_why": why, "bad": 0, "refitted": 0}
-        )
+        reasons = {f"{key}_why": why for key in nothing}
+        return Prediction.model_validate(fields | nothing | reasons | {"bad": 0, "refitted": 0})
     se = found.se if math.isfinite(found.se) else None
     return Prediction.model_validate(
         fields

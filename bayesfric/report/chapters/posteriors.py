@@ -19,28 +19,6 @@ def posteriors(stored: StoredFit) -> Iterator[Block]:
     """Yield prior beside posterior, and a corner figure a size."""
     yield Heading(1, "Posteriors")
     yield from prior_friction(stored)
-    yield Heading(2, "Each parameter")
-    yield Paragraph(
-        [
-            Reference("densities"),
-            " sets each posterior beside its prior. Where the prior is level it does not push; "
-            "the higher the posterior stands above it, the more the data say.",
-        ]
-    )
-    yield Figure(
-        svg_of(prior_and_posterior, stored.predictive),
-        [
-            "Prior and posterior density of each parameter, on a logarithmic axis over the range "
-            "of the draws. Where the two are alike, the recording says nothing of the parameter. "
-            "From ",
-            Code("predictive.nc"),
-            ".",
-        ],
-        "Small panels, one for each parameter: a filled histogram of the posterior, with one peak, "
-        "and a dashed line of the prior.",
-        label="densities",
-        floats=True,
-    )
     if stored.fit.pulleys:
         # Of all draws these alone: another process may draw the figures.
         own = stored.draws["posterior"].to_dataset()[["c1", "c2", "c3"]]
@@ -77,3 +55,25 @@ def posteriors(stored: StoredFit) -> Iterator[Block]:
             label=f"pairs-{size}",
             width=PAIRS_SHARE,
         )
+    yield Heading(2, "Each parameter")
+    yield Paragraph(
+        [
+            Reference("densities"),
+            " sets each posterior beside its prior. Where the prior is level it does not push; "
+            "the higher the posterior stands above it, the more the data say.",
+        ]
+    )
+    yield Figure(
+        svg_of(prior_and_posterior, stored.predictive),
+        [
+            "Prior and posterior density of each parameter, on a logarithmic axis over the range "
+            "of the draws. Where the two are alike, the recording says nothing of the parameter. "
+            "From ",
+            Code("predictive.nc"),
+            ".",
+        ],
+        "Small panels, one for each parameter: a filled histogram of the posterior, with one peak, "
+        "and a dashed line of the prior.",
+        label="densities",
+        floats=True,
+    )

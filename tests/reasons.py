@@ -1,0 +1,38 @@
+"""What a result file leaves out without a reason, or explains without leaving it out."""
+
+import re
+from typing import Any, TypeVar
+
+from pydantic import BaseModel
+
+Record = TypeVar("Record", bound=BaseModel)
+REASON = re.compile(r"(^|_)why$")
+
+
+def unexplained(value: Any, place: str = "") -> list[str]:
+    """Return the places, as in /loops/0/tuning, where what is missing and its reason do not agree.
+
+    Settings are left alone: they are the user's, as in analysis.toml.
+    """
+    if value is None:
+        return [place]
+    if isinstance(value, list):
+        return [w for k, one in enumerate(value) for w in unexplained(one, f"{place}/{k}")]
+    if not isinstance(value, dict):
+        return []
+    wrong = []
+    for key, one in value.items():
+        if REASON.search(key) or key == "analysis":
+            continue
+        why = value.get(f"{key}_why")
+        if why or (one == [] and f"{key}_why" in value):
+            wrong += [f"{place}/{key}"] if bool(why) != (one in (None, [])) else []
+        else:
+            wrong += unexplained(one, f"{place}/{key}")
+    return wrong
+
+
+def explained(record: Record) -> Record:
+    """Return a record of which all that is missing has a reason, and nothing else has one."""
+    assert unexplained(record.model_dump(mode="json")) == []
+    return record
