@@ -245,7 +245,7 @@ def _next(model: LinearModel, psi: Array, rest: Places, covariance: Matrix) -> p
     if not rigs:
         return pd.DataFrame()
     more = LinearModel(Data(rigs), model.laws, (), model.analysis, discrepancy=False)
-    noise = model.named(psi)
+    noise = model.noise.named(psi)
     best: dict[str, tuple[float, dict[str, float]]] = {name: (1.0, {}) for name in names}
     for rig in more.rigs:
         for trial, condition, information in _told(rig, noise):

@@ -79,7 +79,7 @@ def fitted_baseline(
     psi: Array | None = None
     for last in (False, True):
         model = LinearModel(data, laws, (), analysis, fixed | frozenset(law.without))
-        at = climb(model, model.start if psi is None else psi, Acting())
+        at = climb(model, model.noise.start if psi is None else psi, Acting())
         psi, laws = at.psi, model.fitted_laws(at)
         if not last:
             stray = tuple(name for one in data.rigs for name in one.linear(laws).strays())

@@ -281,7 +281,7 @@ def _diagnose(
         causes=causes,
         present=present,
         possible=told(judged.possible),
-        scatter=model.named(settled.psi),
+        scatter=model.noise.named(settled.psi),
         law=law_found,
         unseparated=unseparated,
         absorbed=tuple(

@@ -217,7 +217,7 @@ def _free_running(
 ) -> tuple[Squares | None, tuple[tuple[str, Run], ...]]:
     """Return squares of the deviation of each held-out trial [m²], and some examples."""
     first = np.unique(residuals.trial, return_index=True)[1]
-    noise, start = arms.plain.named(arms.psi), 0
+    noise, start = arms.plain.noise.named(arms.psi), 0
     numbers = np.stack([[arm.local for arm in one] for one in by_fold])
     runs: dict[int, Run] = {}
     squares: list[Array] = []

@@ -4,7 +4,7 @@ The noise (scatter of friction, errors of events and currents) is not linear; de
 are closed forms too (Fisher's identity), and each hypothesis climbs to its own mode of it.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -15,22 +15,21 @@ from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.diagnosis.acting import Acting, At, Law, lawbook, merged, phase_name
 from bayesfric.diagnosis.discrepancy import Discrepancy, Wide, discrepancy_share
 from bayesfric.diagnosis.forms import Form
+from bayesfric.diagnosis.noise import Noise
 from bayesfric.diagnosis.said import Said
 from bayesfric.diagnosis.scales import coefficient_moments, rms_friction, scales_of_numbers
 from bayesfric.effects import Effect
 from bayesfric.effects.candidates import Candidate, on_friction, prior_moments
 from bayesfric.inference.information import Information, Reduced
-from bayesfric.inference.priors import log_density
 from bayesfric.inference.smooths import Smooth
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.layout import COEFFICIENTS, Layout, ModelColumns
-from bayesfric.rigs.linear import Evaluated, LinearRig, NoiseParameter
+from bayesfric.rigs.linear import Evaluated, LinearRig
 
 __all__ = ["LinearModel"]
 
 LEAST = {"c1": 1e-5, "c2": 1e-5, "c3": -np.inf}  # a law whose friction is above zero
-QUIET = 0.015  # relative scatter of a good rig
 
 
 class LinearModel:
@@ -64,7 +63,7 @@ class LinearModel:
     ----------
     rigs : tuple of LinearRig
     layout : Layout
-    noise : tuple of NoiseParameter
+    noise : Noise
         Of all rigs.
     friction_scale : dict of str to float
         Rms friction of each size [N].
@@ -126,7 +125,7 @@ class LinearModel:
         self.rigs: tuple[LinearRig, ...] = tuple(
             one.laid_out(columns, place) for place, one in enumerate(rows)
         )
-        self.noise: tuple[NoiseParameter, ...] = tuple(n for rig in self.rigs for n in rig.noise)
+        self.noise = Noise(one for rig in self.rigs for one in rig.noise)
         self.lawbook = lawbook(self.candidates)
         self.said = Said()
         self.squeezed_from: LinearModel | None = None
@@ -161,24 +160,6 @@ class LinearModel:
             forms=forms,
             by_trial=by_trial,
         )
-
-    @property
-    def start(self) -> Array:
-        """Rough logarithms of the noise, a place to climb from."""
-        return np.log([one.start for one in self.noise])
-
-    def quiet(self, psi: Array) -> Array:
-        """Return a noise whose friction scatters no more than on a good rig."""
-        found = psi.copy()
-        for place, one in enumerate(self.noise):
-            if one.scatters:
-                found[place] = min(found[place], np.log(QUIET / 2))
-        return found
-
-    def named(self, psi: Array) -> dict[str, float]:
-        """Return the noise by name."""
-        values = np.exp(psi[: len(self.noise)])
-        return {one.name: float(value) for one, value in zip(self.noise, values, strict=True)}
 
     @property
     def acting_axes(self) -> tuple[str, ...]:
@@ -239,17 +220,7 @@ class LinearModel:
 
     def log_prior(self, psi: Array, acting: Acting) -> tuple[float, Array]:
         """Return the log prior density of the logarithms of the noise, and its gradient."""
-        densities = [one.log_prior for one in self.noise]
-        densities += [self._amplitude_density(law) for law in acting.phases]
-        value, gradient = 0.0, np.empty(psi.size)
-        for place, (density, at) in enumerate(zip(densities, psi, strict=True)):
-            here, there = density(float(np.exp(at))), density(float(np.exp(at + 1e-5)))
-            value, gradient[place] = value + here, (there - here) / 1e-5
-        return value, gradient
-
-    def _amplitude_density(self, law: Law) -> Callable[[float], float]:
-        prior = self.amplitude_prior(law)
-        return lambda value: float(log_density(prior, value)) + float(np.log(value))
+        return self.noise.log_prior(psi, [self.amplitude_prior(law) for law in acting.phases])
 
     def amplitude_prior(self, law: Law) -> Prior:
         """Return the prior of an effect's amplitude."""
@@ -320,7 +291,7 @@ class LinearModel:
         phases: Sequence[Law],
         used: Mapping[str, Flags] | None,
     ) -> tuple[list[Evaluated], Information]:
-        noise = self.named(psi)
+        noise = self.noise.named(psi)
         amplitudes = np.exp(psi[len(self.noise) :])
         each = [
             (law.places[0], float(amplitude), phase_name(law))

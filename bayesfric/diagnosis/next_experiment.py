@@ -91,7 +91,7 @@ def _most_telling(
         scattering=model.scattering,
         small=model.full.discrepancy.amounts,
     )
-    noise = model.named(one.at.psi)
+    noise = model.noise.named(one.at.psi)
     left_open = _left_open(rows)
     best: NextExperiment | None = None
     for trials, rig in zip(data.rigs, rows.rigs, strict=True):

@@ -67,7 +67,7 @@ class RefittedLaw:
             How far the coefficients are from the model's, in its scales.
         """
         self.coefficients[rows] = model.coefficients_of(own)
-        for name, value in model.named(psi).items():
+        for name, value in model.noise.named(psi).items():
             if name.startswith("omega"):
                 self.scatter.setdefault(name, np.zeros(self.draws))[rows] = value
         places = model.places(len(acting.laws))

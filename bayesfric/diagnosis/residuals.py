@@ -174,7 +174,7 @@ def residuals_of(model: LinearModel, psi: Array) -> Residuals:
     psi : ndarray
         Logarithms of the noise.
     """
-    noise = model.named(psi)
+    noise = model.noise.named(psi)
     further = dict.fromkeys(axis for rig in model.rigs for axis in rig.rows.trial_axes)
     axes = AXES | {axis: "" for axis in further if axis not in AXES}
     parts = [_of_rig(rig, noise, place, axes) for place, rig in enumerate(model.rigs)]

@@ -72,7 +72,7 @@ def search(
     priors = model.analysis.diagnosis.hypotheses
     found = Search({NONE: none}, {}, None, classes, priors, inverse, volume)
     effects = sorted(members[0] for members in classes.members)
-    quiet = model.quiet(none.at.psi)
+    quiet = model.noise.quiet(none.at.psi)
     starts = [none.at.psi]
     shapes: dict[str, float] = {}
     rough = _extended(model, none, effects, none.at.psi, shapes)

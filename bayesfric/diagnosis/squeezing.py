@@ -34,7 +34,7 @@ def squeezed(model: LinearModel, psi: Array, wide: Wide | None = None) -> Linear
         Smooth forces that are wider than the discrepancy; they are so in what is returned.
     """
     layout, sizes = model.layout, len(model.layout.sizes)
-    information = model.said_of(model.quiet(psi[: len(model.noise)]), ())
+    information = model.said_of(model.noise.quiet(psi[: len(model.noise)]), ())
     _, sd = model.prior((), wide)
     whole = sd[:, None] * information.precision * sd
     forms = len(model.forms)

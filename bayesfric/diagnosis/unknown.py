@@ -116,7 +116,7 @@ def unknown_force(
         return np.where(idle[of], -np.inf, log_prior + np.array(each))
 
     psi = without.at.psi
-    tried = [psi, model.quiet(psi), *(s for s in starts if s.size == psi.size)]
+    tried = [psi, model.noise.quiet(psi), *(s for s in starts if s.size == psi.size)]
     middling = np.arange(len(QUANTILES) // 2, len(nodes), len(QUANTILES))
     psi = tried[int(np.argmax([values(one, middling).max() for one in tried]))]
     found = values(psi, np.arange(len(nodes)))

@@ -31,6 +31,7 @@ __all__ = [
     "LinearRows",
     "NoiseParameter",
     "Run",
+    "log_prior_of_logarithm",
     "noise_parameter",
     "pulley_radii",
     "rank",
@@ -76,10 +77,13 @@ def noise_parameter(
     scatters: bool = False,
 ) -> NoiseParameter:
     """Return a parameter of the noise with a prior of its value, not of its logarithm."""
-    return NoiseParameter(name, start, bounds, partial(_log_prior, prior), usual, scatters)
+    return NoiseParameter(
+        name, start, bounds, partial(log_prior_of_logarithm, prior), usual, scatters
+    )
 
 
-def _log_prior(prior: Prior, value: float) -> float:
+def log_prior_of_logarithm(prior: Prior, value: float) -> float:
+    """Return the log prior density of the logarithm of a value."""
     return float(log_density(prior, value)) + float(np.log(value))
 
 

@@ -19,7 +19,7 @@ PROTOCOL = Protocol({(9, 85.0): 1, (15, 50.0): 2, (5, 140.3): 1}, (6.0, 16.0, 28
 def boards():
     """A model without discrepancy, its windows, and local numbers of another law."""
     model = model_of(protocol=PROTOCOL, discrepancy=False)
-    residuals = residuals_of(model, model.start)
+    residuals = residuals_of(model, model.noise.start)
     local = np.zeros((3, model.layout.local))
     local[:, :3] = model.prior(())[0][:9].reshape(3, 3)
     local[:, :3] += np.random.default_rng(3).normal(0, 0.2, (3, 3))
@@ -110,7 +110,7 @@ def test_forces_are_redrawn_with_the_covariance_that_is_said(drawn):
 def drawn():
     """Residual forces of chance alone, drawn anew many times around the same board."""
     model = model_of(protocol=PROTOCOL, discrepancy=False)
-    residuals = residuals_of(model, model.start)
+    residuals = residuals_of(model, model.noise.start)
     rng = np.random.default_rng(11)
     identity = np.eye(residuals.size.size)
     covariance = residuals.scattered(identity)

@@ -255,7 +255,7 @@ def test_a_squeezed_model_says_the_same(model):
 
 def test_a_climb_ends_where_no_derivative_is_left(model):
     acting = acting_of(model, phases=False)
-    at = climb(model, model.start, acting)
+    at = climb(model, model.noise.start, acting)
     curvature = curvature_at(model, at, acting)
     assert at.gradient @ np.linalg.solve(curvature, at.gradient) / 2 < 0.1
 
@@ -289,4 +289,4 @@ def test_events_without_any_error_are_known_to_a_tenth_of_a_micrometre():
     board = all_rigs()["gravity"].trials(made.recording)
     model = LinearModel(Data((board,)), table1_coefficients(), (), Analysis())
     assert np.sqrt(model.rigs[0].rows.variance) == pytest.approx(1e-7)
-    assert np.isfinite(climb(model, model.start, Acting()).value)
+    assert np.isfinite(climb(model, model.noise.start, Acting()).value)

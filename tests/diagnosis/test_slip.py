@@ -39,9 +39,9 @@ def found(law, acting=False, **scatter):
     if acting:
         acts = [(model.candidate(chosen, 0.0), SHARE)]
         model = model.around(model.laws, model.candidates, discrepancy=False, scattering=acts)
-    at = climb(model, model.start, Acting((chosen,), (0.0,)))
+    at = climb(model, model.noise.start, Acting((chosen,), (0.0,)))
     share = at.mean[model.places(1)[0]] * model.amplitude_scale(chosen)
-    return share, model.named(at.psi)["kappa"]
+    return share, model.noise.named(at.psi)["kappa"]
 
 
 @pytest.mark.parametrize("law", ["proportional", "creep"])

@@ -95,10 +95,10 @@ def test_a_drift_of_another_form_is_no_unknown_force_along_order(law):
     recording = simulate_recording(board, seed=3, rigs=("gravity",), truth=truth)
     candidates = candidates_of(effect)
     model = LinearModel(data_of(recording), table1_coefficients(), candidates, Analysis())
-    at = climb(model, model.start, Acting())
+    at = climb(model, model.noise.start, Acting())
     inverse = np.linalg.inv(curvature_at(model, at, Acting()))
     none = weigh(model, (), [at.psi], inverse, 0.0)
-    known = weigh(model, ("wear-drift",), [at.psi, model.quiet(at.psi)], inverse, 0.0)
+    known = weigh(model, ("wear-drift",), [at.psi, model.noise.quiet(at.psi)], inverse, 0.0)
     unknown = unknown_force(model, none, Acting(), inverse, 0.0, [known.at.psi])
     assert unknown.best.axis == "order"
     assert known.log_evidence > unknown.log_evidence + 3

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from bayesfric.rigs.single_axis.even_log import even_grid
 
+from bayesfric.rigs.single_axis.even_log import even_grid
 from bayesfric.rigs.single_axis.late_rates import late_rates
 from bayesfric.rigs.single_axis.readings import readings_of
 from bayesfric.rigs.single_axis.weak_form import test_function as bump
