@@ -50,5 +50,5 @@ def wrap_fit():
     cells = {(n, angle): 1 for n in (9, 15) for angle in (50.0, 85.0, 135.0)}
     design = Protocol(cells, (8.0, 16.0, 28.0), (8.0, 16.0, 28.0), 2)
     recording = simulate_recording(design, seed=4, name="wrap-recording")
-    sampler = QUICK_SAMPLER.model_copy(update={"steps": 160, "thin": 6})  # quantiles are read
+    sampler = QUICK_SAMPLER.model_copy(update={"steps": 160, "thin": 2})  # quantiles are read
     return fit(recording, Analysis(seed=5, sampler=sampler), rigs=("gravity", "motor"))

@@ -22,7 +22,7 @@ def screen_claims(recording):
     claims = [claim for claim in compared if not claim.untestable(entered)]
     tasks = list(dict.fromkeys(task for claim in claims for task in claim.tasks(entered)))
     effects = rival_effects(analysis)
-    studied = study_all(tasks, entered.data, analysis, effects)
+    studied = study_all(tasks, entered.data, analysis, effects, None)
     found = {}
     for claim in claims:
         own, *rivals = (studied[task] for task in claim.tasks(entered))

@@ -32,7 +32,7 @@ def weighed():
         one for name in ("end-asymmetry", "viscous") for one in candidates_of(all_effects()[name])
     ]
     first = LinearModel(data_of(recording), table1_coefficients(), candidates, Analysis())
-    at = climb(first, first.start, Acting())
+    at = climb(first, first.noise.start, Acting())
     inverse = np.linalg.inv(curvature_at(first, at, Acting()))
     known = weigh(first, ("viscous",), [at.psi], inverse, 0.0)
     acting = first.amplitudes(known.at, known.acting)

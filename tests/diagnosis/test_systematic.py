@@ -57,7 +57,7 @@ def test_the_amplitude_of_phases_is_as_well_known_beside_an_unknown_force():
     recording = simulate_recording(SMALL, seed=5, rigs=("gravity",), truth=truth)
     candidates = candidates_of(all_effects()["runout"])
     whole = LinearModel(data_of(recording), table1_coefficients(), candidates, Analysis())
-    at = climb(whole, whole.start, Acting())
+    at = climb(whole, whole.noise.start, Acting())
     model = squeezed(whole, at.psi)
     inverse = np.linalg.inv(curvature_at(model, at, Acting()))
     none = weigh(model, (), [at.psi], inverse, 0.0)

@@ -32,7 +32,7 @@ def test_a_nested_effect_loses_no_more_than_its_own_width():
     A sign that the prior forbids costs more, by the mass that the data leave to the other.
     """
     whole = model_of(NAMES)
-    none_at = climb(whole, whole.start, Acting())
+    none_at = climb(whole, whole.noise.start, Acting())
     model = squeezed(whole, none_at.psi)
     inverse = np.linalg.inv(curvature_at(model, none_at, Acting()))
     none = weigh(model, (), [none_at.psi], inverse, 0.0)
@@ -65,7 +65,7 @@ def test_an_effect_of_phases_that_is_not_there_gains_nothing_beside_one_of_anoth
     names = ("runout", "viscous")
     candidates = [one for name in names for one in candidates_of(all_effects()[name])]
     first = LinearModel(data_of(recording), table1_coefficients(), candidates, Analysis())
-    at = climb(first, first.start, Acting())
+    at = climb(first, first.noise.start, Acting())
     inverse = np.linalg.inv(curvature_at(first, at, Acting()))
     known = weigh(first, ("viscous",), [at.psi], inverse, 0.0)
     acting = first.amplitudes(known.at, known.acting)

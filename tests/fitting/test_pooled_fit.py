@@ -44,8 +44,10 @@ def test_boards_with_the_same_data_stay_where_they_are(folder, small_fit):
             pooled = summary.pooled.pulleys[size][name]
             assert abs(entry.mean - alone.mean) < 0.5 * alone.sd, (size, name)
             for board in pooled.boards.values():
-                # Its own data twice would have its sd over the root of two; no board has less.
-                assert 0.6 * alone.sd < board.pooled.sd < 1.1 * alone.sd
+                # Its own data twice would have its sd over the root of two where scatter is known.
+                # It is not: a Student-t's variance is ν/(ν − 2) in units of its scale, and twice
+                # the assemblies have more than twice the ν: from ν = 3 on no ratio is below 1/√6.
+                assert 0.41 * alone.sd < board.pooled.sd < 1.1 * alone.sd
                 assert board.alone.mean == pytest.approx(alone.mean, abs=0.1 * alone.sd)
             assert pooled.new_board.sd > entry.sd
             assert pooled.between.q50 < 0.05  # the prior's median is 0.034, and boards are alike

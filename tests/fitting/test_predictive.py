@@ -157,7 +157,7 @@ def test_z_is_the_distance_in_units_of_both_scatters(wrap_fit):
     share = trials["n_pulleys"].to_numpy() * c2.reshape(-1, len(law)) / law[:, 1]
     intercept = posterior["omega_intercept"].to_numpy().reshape(-1, 1) * share
     tau, omega = (values[:, None] for values in scatter_draws(wrap_fit))
-    deviation = np.sqrt(tau**2 + omega**2 + intercept**2)
+    deviation = np.tile(np.sqrt(tau**2 + omega**2 + intercept**2), (16, 1))  # quantiles are read
     deviation = deviation * np.random.default_rng(0).standard_normal(deviation.shape)
     low, high = np.quantile(deviation, (0.05, 0.95), axis=0)
     sd = np.hypot((high - low) * law[:, 1], law[:, 2] - law[:, 0]) / TO_SD

@@ -91,7 +91,7 @@ def modelled(recording):
 
 
 def hypotheses(model, acting):
-    at = climb(model, model.start, acting["viscous"]).psi
+    at = climb(model, model.noise.start, acting["viscous"]).psi
     return {
         name: Weighed((name,), 0.0, None, one, model.evaluate(at, one))
         for name, one in acting.items()
@@ -156,8 +156,11 @@ def test_runs_of_both_roles_are_run_again_with_their_payload(tmp_path):
 
 @pytest.fixture(scope="module")
 def question(tmp_path_factory):
-    """Return slow runs, their model, two hypotheses that they leave open, and what is proposed."""
-    runs, folder = slow_runs(4), tmp_path_factory.mktemp("slow")
+    """Return slow runs, their model, two hypotheses that they leave open, and what is proposed.
+
+    Runs of seed 1 tell the two apart at more than 10 to 1: these are the next ones.
+    """
+    runs, folder = slow_runs(2), tmp_path_factory.mktemp("slow")
     recording = recorded(folder / "axis", runs, limits={"velocity_m_s": [0.0, REACHED]})
     model, acting = modelled(recording)
     found = hypotheses(model, acting)
@@ -172,7 +175,7 @@ def test_the_next_run_is_at_the_speed_at_which_a_line_and_a_parabola_part(questi
     assert abs(found["viscous"].at.value - found["air-drag"].at.value) < np.log(10)
     assert told.separates == ("viscous", "air-drag")
     assert told.condition["velocity_m_s"] == pytest.approx(REACHED)
-    assert told.log10_bayes_factor > 2
+    assert told.log10_bayes_factor > 1  # what 10 to 1 leaves open, it decides
 
 
 def test_a_new_run_has_the_clocks_of_the_machine(question):
@@ -218,7 +221,11 @@ def test_the_expected_bayes_factor_is_that_of_runs_that_are_made(question, tmp_p
         numbers = scales * rng.multivariate_normal(one.at.mean, one.at.covariance)
         mass, coulomb, _, viscous, late_s = numbers
         truth = Truth(
-            1 + mass, 1.5 + coulomb, 1.5 * viscous, late_s, model.named(one.at.psi)["tau_axis"]
+            1 + mass,
+            1.5 + coulomb,
+            1.5 * viscous,
+            late_s,
+            model.noise.named(one.at.psi)["tau_axis"],
         )
         new = run_of(rng, truth, (rate, 1.0), (half, 0.0), (-np.pi / 2, 0.0))
         more, acting = modelled(recorded(tmp_path / f"more{place}", [*runs, new]))
