@@ -51,7 +51,7 @@ __all__ = [
 Motions: TypeAlias = Sequence[Sequence[Array | float]]
 LOG_2PI = float(np.log(2 * np.pi))
 LOG_RHO_SPAN = 9.25  # ± about 1/v*: beyond it one noise is 1e-4 of the other
-CACHED = 900_000  # numbers of forms at a time: more fall out of the processor's cache
+CACHED = 200_000  # numbers of forms at a time: more are given back to the system each time
 INTERVAL = 1.0  # of log ρ
 DEGREE = 11  # of a polynomial: 1e-5 nat of the paper's protocol
 
