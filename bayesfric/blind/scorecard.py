@@ -227,14 +227,12 @@ def _targets(cases: Sequence[ScoredCase], rates: dict[str, Rate]) -> tuple[Targe
 
 
 def _target(name: str, rate: Rate, least: float | None, most: float | None) -> Target:
-    met = None
+    low, high = 0.0 if least is None else least, 1.0 if most is None else most
+    met, why = None, rate.rate_why
     if rate.rate is not None:
-        met = (least is None or rate.rate >= least) and (most is None or rate.rate <= most)
-    return Target(
-        name=name,
-        rate=rate,
-        at_least=least,
-        at_most=most,
-        met=met,
-        met_why=None if met is not None else "no case counts",
-    )
+        if any(low <= hits / rate.cases <= high for hits in range(rate.cases + 1)):
+            met = low <= rate.rate <= high
+        else:
+            asked = f"{100 * low:.0f} and {100 * high:.0f} %"
+            why = f"of {rate.cases} cases no count lies between {asked}"
+    return Target(name=name, rate=rate, at_least=least, at_most=most, met=met, met_why=why)

@@ -110,7 +110,7 @@ def blind(
     say(f"{scorecard.accuracy.hits} of {scorecard.accuracy.cases} verdicts are correct")
     for target in scorecard.targets:
         if target.rate.rate is not None:
-            met = "met" if target.met else "missed"
+            met = {True: "met", False: "missed", None: target.met_why}[target.met]
             say(
                 f"  {target.name:<42} {target.rate.rate:6.1%} "
                 f"[{target.rate.low:.1%}, {target.rate.high:.1%}] {met}"

@@ -14,6 +14,7 @@ __all__ = ["confusion_matrix", "named_by_strength", "promises_and_reliability"]
 
 ROW_MM = 4.4
 SQUARE_MM = 66.0  # of the height at which the reliability diagram is about as wide as high
+MET = {True: COLORS["green"], False: COLORS["vermilion"], None: NEUTRAL}  # None: too few to tell
 FEWEST = 4  # rows of promises for which there is room at least
 PALE = 0.6  # share of a row from which on black is not legible on blue
 SMALLEST_DOT, LARGEST_DOT = 3.0, 9.0  # of a bin with few and with many cases
@@ -50,9 +51,9 @@ def _promises(panel: Axes, targets: tuple[Target, ...]) -> None:
         panel.barh(place, high - low, left=low, height=0.8, color="#dcebf5", zorder=1)
         rate = target.rate
         assert rate.rate is not None
-        color = COLORS["green"] if target.met else COLORS["vermilion"]
+        color, mark = MET[target.met], "X" if target.met is False else "o"
         panel.plot([100 * rate.low, 100 * rate.high], [place, place], color=color, linewidth=1.6)
-        panel.plot(100 * rate.rate, place, "o" if target.met else "X", color=color, markersize=5)
+        panel.plot(100 * rate.rate, place, mark, color=color, markersize=5)
         panel.text(
             108, place, f"{rate.hits}/{rate.cases}", va="center", fontsize=6.5, clip_on=False
         )

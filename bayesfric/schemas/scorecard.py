@@ -95,7 +95,7 @@ class Target(Record):
     at_least_why: Annotated[Why, Because("it is bounded from above only")] = None
     at_most: Number | None = Field(None, description="The rate must not be above.")
     at_most_why: Annotated[Why, Because("it is bounded from below only")] = None
-    met: bool | None = Field(description="By the point estimate; null without a case.")
+    met: bool | None = Field(description="By the point estimate; null where too few cases count.")
     met_why: str | None = Field(None, description="Why it is null.")
 
 

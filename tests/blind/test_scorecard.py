@@ -163,7 +163,16 @@ def test_targets_are_met_by_the_point_estimate(card):
     assert met["no effect, falsely named"] is False  # 1 of 5, the small one left out
     assert met["significant remainder, own form"] is True
     assert met["significant remainder, foreign form"] is False
-    assert met["90 % intervals of shrink"] is False  # too wide is no better than too narrow
+
+
+def test_a_range_that_no_count_of_so_few_cases_can_meet_is_left_open():
+    # 5 of 6 is 83 % and 6 of 6 is 100 %; 6 of 7 is 86 %; of 20, 20 is too many
+    for cases, hits, met in [(6, 6, None), (7, 6, True), (20, 20, False)]:
+        held = [scored("effect", shrink_covered=k < hits) for k in range(cases)]
+        (target,) = (t for t in card_of(held).targets if t.name == "90 % intervals of shrink")
+        assert target.met is met
+        why = "of 6 cases no count lies between 85 and 95 %"
+        assert target.met_why == (why if met is None else None)
 
 
 def test_the_interval_of_a_rate_is_exact():

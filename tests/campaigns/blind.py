@@ -9,8 +9,8 @@ and, from the prior, 20,000 to 20,199 commit bde1875, 70,000 to 70,051 commit e1
 71,233 commit c51231a, 71,234 to 71,273 commit 5887a0a, 71,274 to 71,313 commit 7b37d59,
 71,314 to 71,353 commit 9df2f12, 71,354 to 71,393 commit 005671f, 71,394 to 71,433 commit
 4be024a, 71,434 to 71,473 commit a208700, 71,474 to 71,513
-commit 740d861, 71,514 to 71,553 commit 83f0aef, 71,554 to 71,593 commit e27d908; all have been
-looked at since.
+commit 740d861, 71,514 to 71,553 commit 83f0aef, 71,554 to 71,593 commit e27d908, 71,594 to
+71,633 commit fc10dd2; all have been looked at since.
 """
 
 import os
@@ -26,7 +26,7 @@ from bayesfric.plots.style import to_svg
 
 RIGS = ("gravity_board", "motor_board")
 FIXED_SEEDS = range(1, 16)
-SCORING_SEED, PRIOR_SEED = 71_594, 60_000
+SCORING_SEED, PRIOR_SEED = 71_634, 60_000
 PRIOR_CASES = 200
 SHORT = ("withheld", "form", "strength", "noise_free_gap", "verdict", "causes", "correct")
 

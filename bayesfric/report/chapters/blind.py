@@ -87,6 +87,7 @@ def _seeds(card: ScorecardFile) -> list[Inline | str]:
 
 def _promises(card: ScorecardFile) -> Table:
     untried = [target.name for target in card.targets if target.rate.rate is None]
+    few = [target for target in card.targets if target.met is None and target.rate.cases]
     return Table(
         "What was promised, and what came of it.",
         [
@@ -109,7 +110,8 @@ def _promises(card: ScorecardFile) -> Table:
         ],
         label="promises",
         note="A promise is kept if the rate keeps it; the interval is that of Clopper and Pearson."
-        + (f" No case yet for: {'; '.join(untried)}." if untried else ""),
+        + (f" No case yet for: {'; '.join(untried)}." if untried else "")
+        + "".join(f" {target.name}: {target.met_why}." for target in few),
     )
 
 
