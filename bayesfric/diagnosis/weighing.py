@@ -1,7 +1,7 @@
 """One hypothesis weighed: its noise climbed to its own mode, laws and shapes integrated out."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
 
@@ -46,8 +46,6 @@ class Weighed:
         Of laws, the best first, at that noise.
     form : float
         The most probable share by which laws are wrong.
-    form_weights : tuple of float
-        Posterior probability of each share.
     bound : bool
         Whether the noise was not climbed to its mode, so that the evidence is a lower bound.
     """
@@ -59,7 +57,6 @@ class Weighed:
     at: At
     choices: tuple[Choice, ...] = ()
     form: float = 0.0
-    form_weights: tuple[float, ...] = field(default=(1.0,))
     bound: bool = False
 
     @property
