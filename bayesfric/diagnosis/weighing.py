@@ -152,7 +152,6 @@ def weigh(
     prior, _ = model.log_prior(psi, acting)
     total = float(logsumexp(weights) - np.log(len(forms))) + prior
     total += over_amplitudes(model, at, acting, share)
-    shares = np.exp(weights - logsumexp(weights))
     found = Weighed(
         names,
         total,
@@ -161,7 +160,6 @@ def weigh(
         at,
         tuple(chosen.choices),
         form,
-        tuple(float(one) for one in shares),
         bound=not at.at_mode,
     )
     own = found.volume
