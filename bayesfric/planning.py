@@ -18,6 +18,7 @@ from threadpoolctl import threadpool_limits
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array, Flags
 from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis.next_experiment import condition_of
 from bayesfric.effects import all_effects, with_priors
 from bayesfric.effects.candidates import Candidate, candidates_of
 from bayesfric.errors import Fault, InputError
@@ -29,8 +30,7 @@ from bayesfric.recording.tables import Recording
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.data import Data
-from bayesfric.rigs.layout import COEFFICIENTS
-from bayesfric.rigs.linear import LinearRig
+from bayesfric.rigs.opening import with_own_priors
 
 __all__ = ["Power", "power"]
 
@@ -38,10 +38,8 @@ Matrix = NDArray[np.floating[Any]]
 Places = NDArray[np.integer[Any]]
 FOUND_WITH = 0.9  # probability of finding an effect that is so large
 TO_ITS_PRIOR = "these conditions leave it to its prior"
-NEEDED = (
-    "a gravity board, whose conditions are laid out anew with the friction of Table I (of other "
-    "rigs nobody knows mass and friction beforehand: `diagnose` says what to run next)"
-)
+NEEDED = "conditions at which something moves by the friction of Table I or of the priors"
+AS_TEXT: dict[str, Any] = {"float_format": "{:.3g}".format, "na_rep": ""}
 ALIKE = 0.95  # correlation of two amplitudes, from which on the data hardly tell them apart
 
 
@@ -55,8 +53,9 @@ class Power:
         By coefficient and size: ``value`` that was taken, ``sd`` that its posterior would have,
         ``informed``, whether the data would say more than the prior.
     effects : DataFrame
-        By effect and law: ``smallest`` amplitude that is found with probability 0.9, its
-        ``unit``, and ``share``, its rms as a share of friction; null where there is none.
+        By effect and law that the data would tell: ``smallest`` amplitude that is found with
+        probability 0.9, its ``unit``, and ``share``, its rms as a share of friction; null of
+        what does not act on friction.
     pairs : DataFrame
         Pairs of effects whose amplitudes have a ``correlation`` above 0.95.
     next_condition : DataFrame
@@ -77,14 +76,19 @@ class Power:
             ("Coefficients", self.coefficients),
             (f"Effects: the smallest found with probability {FOUND_WITH:g}", self.effects),
             (f"Pairs hardly told apart, correlation above {ALIKE:g}", self.pairs),
-            ("One more assembly with one trial", self.next_condition),
+            ("One more trial", self.next_condition),
         ]
-        lines = [
-            f"{title}\n{'none' if table.empty else table.to_string(float_format='{:.3g}'.format)}"
+        tables = [
+            f"{title}\n{'none' if table.empty else table.to_string(**AS_TEXT)}"
             for title, table in parts
         ]
-        lines += [f"{name}: {reason}" for name, reason in self.left_out.items()]
-        return "\n\n".join(lines[:4]) + "".join(f"\n{line}" for line in lines[4:])
+        together: dict[str, list[str]] = {}
+        for name, reason in self.left_out.items():
+            together.setdefault(reason, []).append(name)
+        nothing = [f"  {', '.join(names)}: {reason}" for reason, names in together.items()]
+        if nothing:
+            tables.append("\n".join(["Nothing is said of", *nothing]))
+        return "\n\n".join(tables)
 
 
 def power(recording: Recording, analysis: Analysis | None = None) -> Power:
@@ -104,6 +108,7 @@ def power(recording: Recording, analysis: Analysis | None = None) -> Power:
     """
     analysis = Analysis() if analysis is None else analysis
     opened = [one for rig in all_rigs().values() if (one := rig.trials(recording)) is not None]
+    analysis = with_own_priors(analysis, opened)
     laws = _laws(Data(tuple(opened)).sizes, analysis)
     planned = {one.rig.name: one.planned(laws) for one in opened}
     data = Data(tuple(one for one in planned.values() if one is not None))
@@ -117,14 +122,19 @@ def power(recording: Recording, analysis: Analysis | None = None) -> Power:
 
 
 def _laws(sizes: tuple[str, ...], analysis: Analysis) -> dict[str, Coefficients]:
-    """Return Table I, and of sizes that it does not have the middle of their priors."""
+    """Return Table I, and of sizes that it does not have the middle of their priors.
+
+    Priors of a machine of its own are as wide as its forces are large; nothing else of what
+    was measured enters.
+    """
     found, priors = {}, analysis.priors
     for size in sizes:
         if size in table1():
             row = table1()[size]
             found[size] = Coefficients(row.c1.value, row.c2.value, row.c3.value)
         else:
-            middle = [float(from_normal(one, 0.0)) for one in (priors.c1, priors.c2, priors.c3)]
+            own = priors.pulleys[size]
+            middle = [float(from_normal(getattr(own, one), 0.0)) for one in Coefficients._fields]
             found[size] = Coefficients(*middle)
     return found
 
@@ -181,25 +191,25 @@ def _power(model: LinearModel, left_out: dict[str, str], analysis: Analysis) -> 
     )
 
 
-def _named(model: LinearModel) -> list[tuple[str, str, int]]:
-    """Return coefficient, size and place of each."""
+def _named(model: LinearModel, rest: Places) -> list[tuple[str, int, int, int]]:
+    """Return name, place of the size, column and place among `rest` of each that is known."""
+    at = {int(place): k for k, place in enumerate(rest)}
     return [
-        (name, size, place * model.layout.own + column)
-        for place, size in enumerate(model.layout.sizes)
-        for column, name in enumerate(Coefficients._fields)
+        (name, size, column, at[place])
+        for size, of in enumerate(model.layout.sizes)
+        for column, (name, _) in enumerate(model.data.law_numbers(of))
+        if (place := size * model.layout.own + column) in at
     ]
 
 
 def _coefficients(model: LinearModel, rest: Places, covariance: Matrix, sd: Array) -> pd.DataFrame:
     rows = {}
-    for name, size, place in _named(model):
-        (at,) = np.flatnonzero(rest == place)
-        column = Coefficients._fields.index(name)
+    for name, size, column, at in _named(model, rest):
         spread = float(np.sqrt(covariance[at, at]))
-        rows[f"{name}[{size}]"] = {
-            "value": float(np.asarray(model.laws[size][column])),
+        rows[name] = {
+            "value": float(np.asarray(model.laws[model.layout.sizes[size]][column])),
             "sd": spread * float(model.scales[column]),
-            "informed": spread < float(sd[place]) / np.sqrt(2),
+            "informed": spread < float(sd[rest[at]]) / np.sqrt(2),
         }
     return pd.DataFrame.from_dict(rows, orient="index")
 
@@ -207,18 +217,17 @@ def _coefficients(model: LinearModel, rest: Places, covariance: Matrix, sd: Arra
 def _effects(model: LinearModel, told: Array, nothing: Flags, analysis: Analysis) -> pd.DataFrame:
     odds = analysis.claims.support_log10_bayes_factor * np.log(10)
     rows = {}
-    for place, one in enumerate(model.candidates):
+    for place in np.flatnonzero(~nothing):
+        one = model.candidates[place]
         amplitude = one.effect.amplitude
-        entry: dict[str, object] = {"smallest": None, "unit": amplitude.unit, "share": None}
-        if not nothing[place]:
-            scale = float(model.scales[model.layout.own + place])
-            error = scale / float(np.sqrt(told[place, place]))
-            smallest = smallest_found(error, amplitude.prior, odds, FOUND_WITH)
-            entry["smallest"] = smallest
-            if one.effect.acts_on == "friction":
-                entry["share"] = smallest * float(
-                    np.sqrt(np.mean([rig.rows.size_of(one) ** 2 for rig in model.rigs]))
-                )
+        scale = float(model.scales[model.layout.own + place])
+        error = scale / float(np.sqrt(told[place, place]))
+        smallest = smallest_found(error, amplitude.prior, odds, FOUND_WITH)
+        share = None
+        if one.effect.acts_on == "friction":
+            sizes = [rig.rows.size_of(one) ** 2 for rig in model.rigs]
+            share = smallest * float(np.sqrt(np.mean(sizes)))
+        entry = {"smallest": smallest, "unit": amplitude.unit, "share": share}
         rows[f"{one.effect.name}/{one.law}"] = entry
     return pd.DataFrame.from_dict(rows, orient="index")
 
@@ -240,39 +249,24 @@ def _pairs(model: LinearModel, told: Array, nothing: Flags) -> pd.DataFrame:
 def _next(model: LinearModel, psi: Array, rest: Places, covariance: Matrix) -> pd.DataFrame:
     """Return for each coefficient the condition at which one more assembly tells most."""
     laid = [one.next_trials(model.laws) for one in model.data.rigs]
-    rigs = tuple(one for one in laid if one is not None)
-    names = [f"{name}[{size}]" for name, size, _ in _named(model)]
-    if not rigs:
+    data = Data(tuple(one for one in laid if one is not None))
+    if not data.rigs:
         return pd.DataFrame()
-    more = LinearModel(Data(rigs), model.laws, (), model.analysis, discrepancy=False)
+    more = LinearModel(data, model.laws, (), model.analysis, discrepancy=False)
     noise = model.noise.named(psi)
-    best: dict[str, tuple[float, dict[str, float]]] = {name: (1.0, {}) for name in names}
-    for rig in more.rigs:
-        for trial, condition, information in _told(rig, noise):
-            name_of_size = more.layout.sizes[int(rig.size[trial])]
-            size = model.layout.sizes.index(name_of_size)
-            own = size * model.layout.own + np.arange(COEFFICIENTS)
-            place = np.array([int(np.flatnonzero(rest == one)[0]) for one in own])
+    named = _named(model, rest)
+    best: dict[str, tuple[float, dict[str, float | str]]] = {}
+    for trials, rig in zip(data.rigs, more.rigs, strict=True):
+        for trial, information in enumerate(rig.told(noise)):
+            size = model.layout.sizes.index(more.layout.sizes[int(rig.size[trial])])
+            own = [(name, column, at) for name, of, column, at in named if of == size]
+            columns, place = [one[1] for one in own], [one[2] for one in own]
             known = covariance[np.ix_(place, place)]
-            after = np.linalg.inv(np.linalg.inv(known) + information[:COEFFICIENTS, :COEFFICIENTS])
-            shrunk = np.sqrt(np.diag(after) / np.diag(known))
-            for column, name in enumerate(Coefficients._fields):
-                key = f"{name}[{name_of_size}]"
-                if shrunk[column] < best[key][0]:
-                    best[key] = (float(shrunk[column]), condition)
-    rows = {
-        name: condition | {"factor": factor}
-        for name, (factor, condition) in best.items()
-        if condition
-    }
+            after = np.linalg.inv(np.linalg.inv(known) + information[np.ix_(columns, columns)])
+            for (name, *_), factor in zip(
+                own, np.sqrt(np.diag(after) / np.diag(known)), strict=True
+            ):
+                if factor < best.get(name, (1.0, {}))[0]:
+                    best[name] = (float(factor), condition_of(trials, rig, trial))
+    rows = {name: condition | {"factor": factor} for name, (factor, condition) in best.items()}
     return pd.DataFrame.from_dict(rows, orient="index")
-
-
-def _told(rig: LinearRig, noise: Mapping[str, float]) -> list[tuple[int, dict[str, float], Array]]:
-    columns = ("n_pulleys", "wrap_angle_deg", *rig.rows.loads)
-    told = rig.told(noise)
-    table = rig.rows.table
-    return [
-        (trial, {name: float(table[name].iloc[trial]) for name in columns}, told[trial])
-        for trial in range(len(table))
-    ]

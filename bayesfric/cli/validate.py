@@ -36,4 +36,5 @@ def validate(
         from bayesfric.planning import power as power_of
 
         say("")
-        say(str(power_of(found, read_analysis(config))))
+        for line in str(power_of(found, read_analysis(config))).splitlines():
+            say(line)

@@ -15,12 +15,13 @@ from bayesfric.arrays import Array, Whole
 from bayesfric.diagnosis.hypotheses import UNKNOWN, Search
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.rigs.base import RigTrials
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.layout import COEFFICIENTS
 from bayesfric.rigs.linear import LinearRig
 from bayesfric.schemas import NextExperiment
 
-__all__ = ["next_experiment"]
+__all__ = ["condition_of", "next_experiment"]
 
 Places = Whole
 RIVAL = 0.05  # probability of a hypothesis that is still in question
@@ -114,18 +115,29 @@ def _most_telling(
         )
         top = int(np.argmax(found))
         if best is None or found[top] > best.log10_bayes_factor:
-            row = rig.rows.table.iloc[top]
-            names = (*(PULLEYS if trials.has_pulleys else ()), *rig.rows.loads)
-            condition: dict[str, float | str] = {"rig": rig.rows.name}
-            for name in names:
-                value = row[name]
-                condition[name] = value if isinstance(value, str) else float(value)
             best = NextExperiment(
-                condition=condition,
+                condition={"rig": rig.rows.name, **condition_of(trials, rig, top)},
                 separates=(one.label, other.label),
                 log10_bayes_factor=float(found[top]),
             )
     return best
+
+
+def condition_of(trials: RigTrials, rig: LinearRig, trial: int) -> dict[str, float | str]:
+    """Return at which condition a trial is, in the columns of its recording.
+
+    Parameters
+    ----------
+    trials : RigTrials
+        N trials.
+    rig : LinearRig
+        Of them.
+    trial : int
+        Its place.
+    """
+    names = (*(PULLEYS if trials.has_pulleys else ()), *rig.rows.loads)
+    values = ((name, rig.rows.table[name].iloc[trial]) for name in names)
+    return {name: value if isinstance(value, str) else float(value) for name, value in values}
 
 
 def _left_open(rows: LinearModel) -> Array:

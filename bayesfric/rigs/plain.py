@@ -57,9 +57,9 @@ class PlainTrials(PulleyTrials):
         return self
 
     def planned(self, laws: Mapping[str, Any]) -> Self | None:
-        """Return None: nobody lays trials out anew."""
+        """Return all trials: readings are linear, so that what they tell rests on conditions."""
         del laws
-        return None
+        return self
 
     def next_trials(self, laws: Mapping[str, Any]) -> Self | None:
         """Return None: nobody lays out further trials."""

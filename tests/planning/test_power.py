@@ -1,8 +1,12 @@
 """What a design can tell, against the exact likelihood of recordings that were made by it."""
 
+from dataclasses import replace
+
 import numpy as np
+import pandas as pd
 import pytest
-from rigs.friction_points import joint, recorded
+from rigs.driven_mass import Machine, simulate, write
+from rigs.friction_points import joint, recorded, slide
 from typer.testing import CliRunner
 
 from bayesfric.analysis import Analysis, LogNormal, Priors
@@ -13,7 +17,7 @@ from bayesfric.fitting.hypothesis import Hypothesis, model_of
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.power import log_bayes_factor
 from bayesfric.planning import power
-from bayesfric.recording import write_recording
+from bayesfric.recording import read_recording, write_recording
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.opening import open_rigs
 from bayesfric.rigs.protocols import Protocol
@@ -119,22 +123,76 @@ def test_the_next_condition_is_one_that_this_size_can_have(plan):
         assert 0.3 < row["factor"] < 1.0
 
 
-def test_a_rig_that_is_not_laid_out_is_said():
-    recording = simulate_recording(DESIGN, seed=5)
-    assert "motor" in power(recording).left_out
-    with pytest.raises(InputError, match="laid out anew"):
-        power(simulate_recording(DESIGN, seed=5, rigs=("motor",)))
+def test_a_bench_knows_its_law_as_least_squares_does(tmp_path):
+    """Of 40 points with stated errors: friction scatters by 1 %, hardly by its assembly."""
+    points = slide() | {"friction_sd_n": np.full(40, 0.1)}
+    found = power(recorded(tmp_path / "slide", points)).coefficients
+    load = np.asarray(points["tension_n"])
+    design = np.stack([load, np.ones(40)], axis=1)
+    friction = design @ found["value"].loc[["c1", "c2"]]
+    variance = (0.01**2 + 2 * 0.001**2) * friction**2 + 0.1**2
+    sd = np.sqrt(np.diag(np.linalg.inv(design.T @ (design / variance[:, None]))))
+    np.testing.assert_allclose(found["sd"].loc[["c1", "c2"]], sd, rtol=0.02)
 
 
-def test_a_machine_of_which_nobody_knows_the_friction_is_refused_with_the_reason(tmp_path):
-    recording = recorded(tmp_path / "joint", joint(3.0), rotary=True)
-    with pytest.raises(InputError, match=r"found 'bench'.* gravity board.* nobody knows"):
-        power(recording)
+def test_a_machine_whose_friction_nobody_knows_takes_its_size_from_its_forces(tmp_path):
+    """Twice the friction is twice the coefficient, known alike and to tell the same effects."""
+    plans = [
+        power(recorded(tmp_path / str(force), joint(3.0, force=force), rotary=True))
+        for force in (1.0, 2.0)
+    ]
+    one, twice = (plan.coefficients.loc["c2"] for plan in plans)
+    assert twice["value"] == pytest.approx(2 * one["value"], rel=1e-6)
+    assert twice["sd"] == pytest.approx(2 * one["sd"], rel=1e-3)
+    shares = [plan.effects["share"].to_numpy(dtype=float) for plan in plans]
+    np.testing.assert_allclose(*shares, rtol=1e-3)
+    assert "viscous/constant" in plans[0].effects.index
+    assert plans[0].left_out["tension-curvature/quadratic"].endswith("to its prior")
 
 
-def test_the_verb_prints_it(tmp_path, plan):
+def test_an_axis_that_runs_twice_as_often_knows_its_mass_better_by_the_root_of_two(tmp_path):
+    def again(table):
+        later = table["order"] + len(table) if "order" in table else None
+        return table.assign(
+            run="again-" + table["run"], **({} if later is None else {"order": later})
+        )
+
+    machine = Machine()
+    table, samples = simulate(machine, runs=4, seconds=5.0, seed=2)
+    twice = [pd.concat([one, again(one)]) for one in (table, samples)]
+    found = []
+    for name, tables in (("once", (table, samples)), ("twice", twice)):
+        written = write(tmp_path / name, machine, *tables)
+        found.append(power(read_recording(written)).coefficients)
+    few, many = found
+    assert few.index.tolist() == ["mass", "coulomb"]
+    assert many["sd"]["mass"] == pytest.approx(few["sd"]["mass"] / np.sqrt(2), rel=0.05)
+
+
+def test_a_motor_board_tells_its_torque_constant_from_friction():
+    recording = simulate_recording(DESIGN, seed=5, rigs=("motor",))
+    plan, again = power(recording), power(simulate_recording(DESIGN, seed=6, rigs=("motor",)))
+    assert "torque-constant/scaled" in plan.effects.index
+    one, other = (found.coefficients["sd"].sort_index() for found in (plan, again))
+    np.testing.assert_allclose(one, other, rtol=0.02)
+
+
+def test_conditions_at_which_nothing_moves_are_refused():
+    recording = made(1)
+    trials = recording.gravity.trials.assign(mass_load_kg=lambda t: t["mass_drive_kg"] - 1e-4)
+    still = replace(recording, gravity=replace(recording.gravity, trials=trials))
+    with pytest.raises(InputError, match=r"found 'gravity board'.*at which something moves"):
+        power(still)
+
+
+def test_the_verb_prints_it(tmp_path):
+    plan_by_default = power(made(1))
     write_recording(made(1), tmp_path / "board")
     done = CliRunner().invoke(app, ["validate", str(tmp_path / "board"), "--power"])
     assert done.exit_code == 0, done.output
-    for said in ("smallest found with probability 0.9", "viscous/constant", "clock-scale"):
-        assert said in done.output
+    lines = done.output.splitlines()
+    assert "Effects: the smallest found with probability 0.9" in lines
+    (row,) = (line.split() for line in lines if line.startswith("viscous/constant"))
+    assert float(row[1]) == pytest.approx(plan_by_default.effects["smallest"][row[0]], rel=5e-3)
+    nothing = lines[lines.index("Nothing is said of") + 1 :]
+    assert sum("runout" in line for line in nothing) == 1

@@ -55,7 +55,8 @@ def points_rows(
         shared = priors.omega if bench.shared else NEVER
         own = noise_parameter(TAU, priors.tau, 0.012, SCATTER, 0.01, scatters=True)
         load = noise_parameter(f"load_{NAME}", shared, 0.001, SCATTER, 0.001, scatters=True)
-        setup = noise_parameter(OMEGA, shared, 0.001, SCATTER, 0.001, scatters=True)
+        usual = 0.015 if bench.shared else 0.001
+        setup = noise_parameter(OMEGA, shared, 0.001, SCATTER, usual, scatters=True)
         bounds = (1e-3 * unit, 1e3 * unit)
         error = noise_parameter(SIGMA, error_prior(bench, priors), unit, bounds, unit)
         return own, load, setup, error
