@@ -94,7 +94,7 @@ class PointPart:
         used: Flags | None = None,
     ) -> Evaluated:
         """Return what the readings say; those at rest always enter, and no phases show."""
-        runs = np.ones(len(self.setup), dtype=bool) if used is None else used
+        runs = slice(None) if used is None else used
         start, end = self.layout.own, self.layout.own + self.layout.candidates
         whole = self.columns[runs]
         x = np.concatenate([whole[:, :start], whole[:, start:end] @ mixing, whole[:, end:]], axis=1)
@@ -119,12 +119,11 @@ class PointPart:
         precision, slope = np.zeros((total, total)), np.zeros(total)
         for which in range(len(self.layout.sizes)):
             mine = size == which
-            place = self.layout.spread(k, which)
             part, own = weighted[mine].T @ x[mine], weighted[mine].T @ y[mine]
             taken = nested.told(self._size_of_load == which, self._size_of_setup == which)
             part, own = part - taken[0], own - taken[1]
-            precision[np.ix_(place, place)] += part
-            slope[place] += own
+            self.layout.add(precision, part, which)
+            self.layout.add(slope, own, which)
         constant = -0.5 * (y.size * LOG_2PI + np.log(variance).sum() + (y**2 / variance).sum())
         constant += nested.constant
         mine = slice(total + self._mine.start, total + (self._mine.stop or 0))
