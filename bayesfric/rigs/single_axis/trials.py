@@ -50,7 +50,7 @@ WORDS = Words(
 MARGIN_S = 1e-3  # by which two clocks may be off at the least
 WITHIN = 12**-0.5  # of an interval: what two columns read at any time within it are apart, rms
 NOTHING = 1e-12
-ALWAYS = frozenset({"direction", "position", "drive", "period"})
+ALWAYS = frozenset({"direction", "position", "drive", "period", "play", "spring"})
 OFFERED = ALWAYS | {"angle", "test", "limit"}  # what no column of the user's own stands for
 
 
