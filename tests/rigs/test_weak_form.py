@@ -187,6 +187,21 @@ def test_travel_counts_from_rest():
     assert begun[:20] == pytest.approx(9.0)
 
 
+def test_nobody_saw_by_which_way_it_came_to_where_a_log_begins():
+    """From rest it goes up, and comes back or does not: its first fifth counts in the latter."""
+    time = INTERVAL * np.arange(4000)
+    angle = np.pi * np.clip(time - 0.2, 0.0, 2.0)
+    path, force = 0.5 * (1 - np.cos(angle)), np.cos(angle) + np.sign(np.sin(angle))
+
+    def first(count):
+        log = even_grid(time[:count], {"position": path[:count], "force": force[:count]})
+        rows = readings_of([log], [np.zeros(1, dtype=np.intp)], 1e-7)
+        return rows.position[rows.time_s < 0.8].min()
+
+    assert first(1150) < 0.1
+    assert first(4000) > 0.19
+
+
 @pytest.mark.nightly
 def test_a_coarse_encoder_leaves_the_mass_alone(tmp_path):
     """Steps of a two-hundredth of the path: over nine samples the axis seems to stand still."""
