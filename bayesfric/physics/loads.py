@@ -7,8 +7,6 @@ from bayesfric.arrays import Array
 
 __all__ = ["behind", "on_spring", "taken_along", "through_play"]
 
-DAMPING = 0.05  # of a load on its spring, as a ratio: that of steel, gears and belts
-
 
 def taken_along(
     travel: ArrayLike, speed: ArrayLike, length: ArrayLike, sharp: float
@@ -38,7 +36,13 @@ def taken_along(
 
 
 def behind(
-    held: str, path: Array, interval_s: float, slows: float, heavy: Array, length: Array
+    held: str,
+    path: Array,
+    interval_s: float,
+    slows: float,
+    heavy: Array,
+    length: Array,
+    damping: float,
 ) -> tuple[Array, Array]:
     """Return how loads follow a drive, as :func:`through_play` does.
 
@@ -55,11 +59,14 @@ def behind(
     length : ndarray, shape (K,)
         The play, or the travel over which as much friction as there is for its mass, or without
         friction the drive's, winds the spring up from one side to the other [m].
+    damping : float
+        Of the spring, over what is critical.
     """
     each = slows / heavy
     if held == "play":
         return through_play(path, interval_s, each, length)
-    return on_spring(path, interval_s, each, 2 * np.where(each > 0, each, slows) / length)
+    pull = 2 * np.where(each > 0, each, slows) / length
+    return on_spring(path, interval_s, each, pull, damping)
 
 
 def through_play(path: Array, interval_s: float, slows: Array, gap: Array) -> tuple[Array, Array]:
@@ -100,7 +107,9 @@ def through_play(path: Array, interval_s: float, slows: Array, gap: Array) -> tu
     return ahead, rubs
 
 
-def on_spring(path: Array, interval_s: float, slows: Array, pull: Array) -> tuple[Array, Array]:
+def on_spring(
+    path: Array, interval_s: float, slows: Array, pull: Array, damping: float
+) -> tuple[Array, Array]:
     """Return how loads move that hang on a drive by a spring, as :func:`through_play` does.
 
     Parameters
@@ -109,9 +118,11 @@ def on_spring(path: Array, interval_s: float, slows: Array, pull: Array) -> tupl
         As there.
     pull : ndarray, shape (K,)
         Stiffness over mass [1/s²].
+    damping : float
+        Over what is critical.
     """
     ahead, rubs = (np.zeros((path.size, pull.size)) for _ in range(2))
-    damped = DAMPING * np.sqrt(pull) * interval_s
+    damped = damping * np.sqrt(pull) * interval_s
     halved = 0.25 * pull * interval_s**2
     loss = np.maximum(slows * interval_s / (1 + damped + halved), np.finfo(float).tiny)
     speed = np.zeros(pull.size)

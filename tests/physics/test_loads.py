@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from bayesfric.physics.loads import DAMPING, on_spring, through_play
+from bayesfric.physics.loads import on_spring, through_play
 
-INTERVAL = 1e-3
+INTERVAL, DAMPING = 1e-3, 0.05
 TIME = INTERVAL * np.arange(4001)
 
 
@@ -33,7 +33,7 @@ def test_a_load_that_rubs_harder_than_the_drive_brakes_never_leaves_it():
 def test_a_load_on_a_spring_rings_at_its_frequency_and_rubs():
     pull, slows = 400.0, np.array([0.0, 0.4])
     path = np.where(TIME > 0.1, 0.01, 0.0)
-    ahead, _ = on_spring(path, INTERVAL, slows, np.full(2, pull))
+    ahead, _ = on_spring(path, INTERVAL, slows, np.full(2, pull), DAMPING)
     after = TIME - 0.1
     damped = np.sqrt(pull * (1 - DAMPING**2))
     free = -0.01 * np.exp(-DAMPING * 20 * after) * np.cos(damped * after)
@@ -43,6 +43,6 @@ def test_a_load_on_a_spring_rings_at_its_frequency_and_rubs():
     assert np.abs(ahead[-1, 1]) <= 0.4 / pull
     assert np.ptp(ahead[-500:, 1]) < 1e-9
     slow = np.cumsum(np.full(TIME.size, 0.02)) * INTERVAL
-    dragged, rubs = on_spring(slow, INTERVAL, slows[1:], np.array([4e5]))
+    dragged, rubs = on_spring(slow, INTERVAL, slows[1:], np.array([4e5]), DAMPING)
     assert dragged[-1, 0] == pytest.approx(-0.4 / 4e5, rel=0.01)
     assert rubs[-1, 0] == pytest.approx(1.0)

@@ -92,7 +92,7 @@ def _coverage(rigs: tuple[RigTable, ...]) -> Table:
         rows,
         label="coverage",
         note="If made again: the share, 5 % to 95 %, that the fit expects of another recording of "
-        "the same design. It is wide since the trials of an assembly move together.",
+        "the same design. It is wide since trials that share a scatter move together.",
     )
 
 

@@ -21,10 +21,14 @@ from bayesfric.effects.base import Load
 from bayesfric.physics.loads import behind
 from bayesfric.rigs.single_axis.weak_form import TestFunction
 
-__all__ = ["LENGTHS", "DrivePath", "Followed"]
+__all__ = ["DAMPINGS", "LENGTHS", "TRIED", "DrivePath", "Followed"]
 
 LENGTHS = {"play": np.geomspace(4e-4, 0.1, 31), "spring": np.geomspace(6e-5, 0.02, 33)}
 """Of the stroke: a fifth more from one to the next."""
+DAMPINGS = (0.02, 0.035, 0.06, 0.1, 0.18)
+"""Of a spring, over what is critical: steel, gears and belts."""
+TRIED = {"play": 31, "spring": 33 * len(DAMPINGS)}
+"""Of how a load is held, forms that were tried."""
 HEAVY = (0.5, 1.0, np.inf)  # of a load: share of the mass over share of the friction
 
 
@@ -72,9 +76,9 @@ class Followed:
 
     def __init__(self, paths: Sequence[DrivePath]) -> None:
         self._paths = tuple(paths)
-        self._kept: dict[tuple[str, float, bytes], dict[float, Array]] = {}
+        self._kept: dict[tuple[str, float, bytes, float], dict[float, Array]] = {}
 
-    def load(self, rows: Whole, slows: float, lengths: Mapping[str, Array]) -> Load:
+    def load(self, rows: Whole, slows: float, lengths: Mapping[str, Array], damping: float) -> Load:
         """Return how a load moves in some rows.
 
         Parameters
@@ -85,25 +89,29 @@ class Followed:
             Friction of the axis over its mass [m/s²].
         lengths : mapping of str to ndarray
             Of how it is held, those at which it is followed, ascending [m].
+        damping : float
+            Of a spring.
         """
 
         def load(held: str, heavy: float, length: ArrayLike) -> tuple[Array, Array]:
             tried = lengths[held]
             at = np.interp(float(np.asarray(length)), tried, np.arange(tried.size))
             low = min(int(at), tried.size - 2)
-            table = self._tabulated(held, slows, tried)[heavy][:, rows]
+            table = self._tabulated(held, slows, tried, damping)[heavy][:, rows]
             found = (1 - (at - low)) * table[..., low] + (at - low) * table[..., low + 1]
             return found[0][:, None], found[1][:, None]
 
         return load
 
-    def _tabulated(self, held: str, slows: float, lengths: Array) -> dict[float, Array]:
+    def _tabulated(
+        self, held: str, slows: float, lengths: Array, damping: float
+    ) -> dict[float, Array]:
         """Return rows by how heavy the load is, (2, W, K)."""
-        key = (held, slows, lengths.tobytes())
+        key = (held, slows, lengths.tobytes(), damping if held == "spring" else 0.0)
         if key not in self._kept:
             each = np.repeat(HEAVY, lengths.size), np.tile(lengths, len(HEAVY))
             found = [
-                one.rows(*behind(held, one.position, one.interval_s, slows, *each))
+                one.rows(*behind(held, one.position, one.interval_s, slows, *each, damping))
                 for one in self._paths
             ]
             parts = np.split(np.concatenate(found, axis=1), len(HEAVY), axis=2)

@@ -4,6 +4,8 @@ A load that coasts through play, or rings on a spring, does so in another rhythm
 between two lengths that a prior's quantiles would try nothing can be interpolated.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 
@@ -12,18 +14,20 @@ from bayesfric.effects import Effect, State, all_effects
 from bayesfric.effects.candidates import SHAPE_NODES, prior_moments
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.recording.tables import RigConstants
-from bayesfric.rigs.single_axis.following import LENGTHS
+from bayesfric.rigs.single_axis.following import DAMPINGS, LENGTHS
 from bayesfric.rigs.single_axis.measures import SPREAD, Measures
 from bayesfric.rigs.single_axis.readings import Readings
 from bayesfric.rigs.single_axis.rows import state_of
 
-__all__ = ["found_lengths"]
+__all__ = ["with_lengths"]
 
 
-def found_lengths(
+def with_lengths(
     readings: Readings, table: pd.DataFrame, measures: Measures, constants: RigConstants
-) -> dict[str, Array]:
-    """Return, of how a load is held, the strongest length and its neighbours [m or rad].
+) -> Measures:
+    """Return measures with the strongest length of each way to hold a load, and its neighbours.
+
+    Of a spring it is looked for at a middling damping, and then for the strongest of these.
 
     Parameters
     ----------
@@ -38,7 +42,6 @@ def found_lengths(
     """
     law = AxisLaw(measures.mass, measures.friction)
     nobody = np.zeros(len(table), dtype=np.bool_)
-    state = state_of(readings, law, table, nobody, measures, constants)
     inside = measures.limit.within(readings)
     way, place = readings.way, readings.position @ readings.weights
     speed = readings.speed @ readings.weights
@@ -55,7 +58,12 @@ def found_lengths(
     basis = np.linalg.qr(known / np.maximum(np.abs(known).max(axis=0), 1e-300))[0]
     left = readings.force[inside] - basis @ (basis.T @ readings.force[inside])
 
-    def told(effect: Effect, length: float) -> float:
+    def strongest(effect: Effect, lengths: Array, measures: Measures) -> tuple[float, float]:
+        """Return what the best law of all lengths takes off the squares, and at which."""
+        state = state_of(readings, law, table, nobody, measures, constants)
+        return max((told(effect, float(one), state), float(one)) for one in lengths)
+
+    def told(effect: Effect, length: float, state: State) -> float:
         """Return what the best law of a length takes off the squares, by the prior's width."""
         columns = [_column(effect, law, length, state, readings)[inside] for law in effect.laws]
         free = np.stack(columns, axis=1)
@@ -64,13 +72,16 @@ def found_lengths(
         gain = np.maximum(left @ free, 0.0) ** 2 / (np.sum(free**2, axis=0) + noise)
         return float(gain.max())
 
+    known_to = [one for one in all_effects(None).values() if one.needs & LENGTHS.keys()]
     found = {}
-    for effect in all_effects(None).values():
-        for held in effect.needs & LENGTHS.keys():
-            tried = measures.stroke * LENGTHS[held]
-            best = tried[int(np.argmax([told(effect, float(one)) for one in tried]))]
-            found[held] = best * np.exp(SPREAD * SHAPE_NODES)
-    return found
+    for effect in known_to:
+        (held,) = effect.needs & LENGTHS.keys()
+        _, best = strongest(effect, measures.stroke * LENGTHS[held], measures)
+        found[held] = best * np.exp(SPREAD * SHAPE_NODES)
+    measures = replace(measures, lengths=found)
+    (spring,) = (one for one in known_to if "spring" in one.needs)
+    each = [replace(measures, damping=one) for one in DAMPINGS]
+    return max(each, key=lambda one: strongest(spring, found["spring"], one)[0])
 
 
 def _column(effect: Effect, law: str, length: float, state: State, readings: Readings) -> Array:

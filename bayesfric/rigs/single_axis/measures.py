@@ -17,7 +17,7 @@ from bayesfric.effects.base import Load
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.rotary import rotary_unit
 from bayesfric.rigs.single_axis.even_log import EvenLog
-from bayesfric.rigs.single_axis.following import LENGTHS
+from bayesfric.rigs.single_axis.following import DAMPINGS, LENGTHS, TRIED
 from bayesfric.rigs.single_axis.limit import LIMITS, Limit, drive_limit
 from bayesfric.rigs.single_axis.period import SEARCHED, Wave, strongest_wave
 from bayesfric.rigs.single_axis.readings import Readings, rough_law
@@ -50,6 +50,8 @@ class Measures:
         The likeliest of the drive.
     lengths : mapping of str to ndarray
         Of how a load is held: lengths at which it is followed [m or rad].
+    damping : float
+        Of a load's spring, over what is critical.
     """
 
     stroke: float
@@ -63,12 +65,13 @@ class Measures:
     wave: Wave
     limit: Limit
     lengths: Mapping[str, Array] = field(default_factory=dict)
+    damping: float = DAMPINGS[2]
 
     def load(self, rows: Readings) -> Load:
         """Return how a load follows in some rows."""
         lengths = {held: self.stroke * shares for held, shares in LENGTHS.items()}
         return rows.followed.load(
-            rows.place, self.friction / self.mass, {**lengths, **self.lengths}
+            rows.place, self.friction / self.mass, {**lengths, **self.lengths}, self.damping
         )
 
     def unit(self, unit: str) -> str:
@@ -115,7 +118,7 @@ class Measures:
         if shape is not None and held is not None:
             tried = self.lengths[held]
             prior = LogNormal(median=float(tried[tried.size // 2]), sd_log=SPREAD)
-            return replace(found, shape=replace(shape, prior=prior), searched=len(LENGTHS[held]))
+            return replace(found, shape=replace(shape, prior=prior), searched=TRIED[held])
         return found
 
     def _parameter(self, one: EffectParameter) -> EffectParameter:

@@ -37,6 +37,7 @@ SWINGS_HZ, SHARES = (0.23, 0.57, 1.3), (0.7, 0.25, 0.05)
 LAW = AxisLaw(mass=2.0, coulomb=1.5)
 RESOLUTION_M = 5e-6
 DECIMALS = 6
+DAMPING = 0.06  # of a spring, over what is critical
 
 
 @dataclass(frozen=True)
@@ -118,7 +119,8 @@ def _following(path: Path, law: AxisLaw) -> Load:
     def load(held: str, heavy: float, length: ArrayLike) -> tuple[Array, Array]:
         each = np.array([heavy]), np.atleast_1d(np.asarray(length, dtype=np.float64))
         found = [
-            behind(held, run, interval, law.coulomb / law.mass, *each) for run in path.position
+            behind(held, run, interval, law.coulomb / law.mass, *each, DAMPING)
+            for run in path.position
         ]
         ahead, rubs = (np.stack(one)[..., 0] for one in zip(*found, strict=True))
         late = np.gradient(np.gradient(ahead, interval, axis=1), interval, axis=1)
