@@ -60,7 +60,8 @@ def _probabilities(stored: StoredFit, found: tuple[Uniformity, ...]) -> Iterator
         [
             "Distribution function of the leave-one-out probabilities, less that of uniform ones. "
             "The band is simultaneous: 95 % of recordings made again stay inside it everywhere, "
-            f"trials of one {group_words(stored.fit.rigs)[0]} dependent as the model has them. From ",
+            f"trials of one {group_words(stored.fit.rigs)[0]} dependent as the model has them. "
+            "From ",
             Code("predictive.nc"),
             ".",
         ],
