@@ -164,6 +164,9 @@ def sentence_of(
     rivals = ", ".join(open_sets[0]) if open_sets else "several effects"
     if verdict == "no-gap":
         absorbed = f" {acting}, and the recalibrated law absorbs most of it." if causes else ""
+        if weak and not causes:
+            each = "each " if len(weak) > 1 else ""
+            absorbed = f" {_acting(weak, unseparated)}, {each}by less than that."
         return (
             f"Once recalibrated, the simulation is systematically off by less than {share:.1%} of "
             f"friction (probability {chance:.2f}); the median is {size}.{absorbed}"
@@ -179,6 +182,8 @@ def sentence_of(
             f"{acting}; whether more than {share:.1%} of friction is left once the law is "
             "recalibrated stays open."
             if causes
+            else f"{_acting(weak, unseparated)}, and whether as much as that counts is not sure."
+            if weak
             else "no cause is sure."
         )
         return (

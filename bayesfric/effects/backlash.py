@@ -1,8 +1,8 @@
-"""Play in a transmission: after a reversal the drive turns alone, then it catches the load.
+"""Play in a transmission: the drive turns alone, then it catches the load.
 
-While the axis runs through the gap, the friction and the inertia of what lies behind are missing,
-whatever they are. At its end the load, which is at rest, is brought to the speed of the drive:
-that takes its momentum.
+A load without mass stands still after a reversal, until the drive is through the gap. One with mass
+coasts: wherever the drive is braked harder than its own friction brakes the load, it runs through
+the gap, is caught on the other side and gets the drive's speed, which takes its momentum.
 """
 
 from collections.abc import Mapping
@@ -11,28 +11,22 @@ import numpy as np
 
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, Law, State
+from bayesfric.effects.base import Effect, EffectParameter, Law, State, followed
 from bayesfric.physics.loads import taken_along
 
 SHARP = 10.0  # the gap closes over a tenth of it
 
 
-def _gap(heavy: float) -> Law:
-    """Return the law of a load with as large a share of the mass, times a number."""
-
-    def law(p: Mapping[str, Array], state: State) -> Array:
-        behind, caught = taken_along(state.travel_m, state.speed_m_s, p["gap"], SHARP)
-        load = heavy * np.asarray(state.mass_kg)
-        missing = (state.friction_n + load * np.asarray(state.acceleration_m_s2)) * behind
-        return np.asarray(p["share"] * np.abs(state.direction) * (load * caught - missing))
-
-    return law
+def _light(p: Mapping[str, Array], state: State) -> Array:
+    behind, _ = taken_along(state.travel_m, state.speed_m_s, p["gap"], SHARP)
+    return np.asarray(-p["share"] * np.abs(state.direction) * state.friction_n * behind)
 
 
 LAWS: dict[str, Law] = {
-    "friction": _gap(0.0),
-    "half-mass": _gap(0.5),
-    "mass": _gap(1.0),
+    "friction": _light,
+    "half-mass": followed("play", "gap", 0.5),
+    "mass": followed("play", "gap", 1.0),
+    "mass-alone": followed("play", "gap", np.inf),
 }
 EFFECT = Effect(
     name="backlash",
@@ -42,7 +36,7 @@ EFFECT = Effect(
         name="share",
         unit="1",
         meaning="part of the friction that is behind the gap, and of the mass none, half as "
-        "large a part, or as large a one",
+        "large a part, or as large a one; or of the mass alone",
         prior=HalfNormal(scale=0.5),
         plausible=(0.0, 1.0),
         reference="by definition: between nothing and all of it is behind the gap",
@@ -58,5 +52,5 @@ EFFECT = Effect(
     ),
     laws=LAWS,
     along_path=True,
-    needs=frozenset({"direction", "drive"}),
+    needs=frozenset({"direction", "drive", "play"}),
 )

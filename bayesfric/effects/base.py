@@ -1,6 +1,6 @@
 """What an effect is: something physical that the baseline leaves out."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
@@ -17,12 +17,35 @@ from bayesfric.physics.friction import (
     tension_slope,
 )
 
-__all__ = ["ActsOn", "Effect", "EffectParameter", "Law", "Reading", "State"]
+__all__ = [
+    "ActsOn",
+    "Effect",
+    "EffectParameter",
+    "Law",
+    "Load",
+    "Reading",
+    "State",
+    "after_passes",
+    "followed",
+]
 
 REFERENCE_TENSION_N = 15.0
 MEDIUM_RADIUS_M = 7.82e-3  # Table I
 ActsOn = Literal["friction", "drive", "reading", "current"]
 STANDARD_GRAVITY_M_S2 = 9.80665
+Load = Callable[[str, float, ArrayLike], tuple[ArrayLike, ArrayLike]]
+"""How a load follows that is held by a drive in ``play``, or on a ``spring``.
+
+Of how it is held, its share of the mass over its share of the friction, and a length (the play, or
+the travel over which friction winds the spring up), it makes the load's acceleration beyond the
+drive's, and its friction beyond that of a load which never lets go, as a share of it.
+"""
+
+
+def _fixed(held: str, heavy: float, length: ArrayLike) -> tuple[ArrayLike, ArrayLike]:
+    """Return nothing: the load is the drive."""
+    del held, heavy, length
+    return 0.0, 0.0
 
 
 class State(NamedTuple):
@@ -47,6 +70,8 @@ class State(NamedTuple):
         Motor current beyond that of the idle motor [A]; 0 on the gravity board.
     travel_m : array_like
         Travel of the cable since the trial was released [m]; 0 in a steady run.
+    passes_m : sequence of array_like
+        Of a driven axis: travel of the passes before the present one, the last first [m].
     acceleration_m_s2 : array_like
         Of the cable [m/s²]; 0 in a steady run.
     radius_m : array_like
@@ -75,6 +100,8 @@ class State(NamedTuple):
         Where a wave that was found along the path rises through zero [m or rad].
     tested : array_like
         1 in a run of role ``test``, in which something may differ from calibration; else 0.
+    load : Load
+        Of a driven axis: how a load behind its drive moves.
     wrap_spread_deg : array_like
         Standard deviation of the pulleys' individual wrap angles [deg]; nan where nobody
         wrote them down.
@@ -94,6 +121,7 @@ class State(NamedTuple):
     pulley_friction_n: ArrayLike
     load_current_a: ArrayLike = 0.0
     travel_m: ArrayLike = 0.0
+    passes_m: Sequence[ArrayLike] = ()
     acceleration_m_s2: ArrayLike = 0.0
     radius_m: ArrayLike = MEDIUM_RADIUS_M
     order: ArrayLike = 0.5
@@ -109,6 +137,7 @@ class State(NamedTuple):
     force_curvature_n_s2: ArrayLike = 0.0
     wave_from_m: ArrayLike = 0.0
     tested: ArrayLike = 0.0
+    load: Load = _fixed
     wrap_spread_deg: ArrayLike = np.nan
     steady: bool = False
     covariates: Mapping[str, ArrayLike] = MappingProxyType({})
@@ -250,8 +279,8 @@ class Effect:
         What a rig must offer beyond speed, friction and order: ``pulleys``, ``direction``,
         ``position``, ``drive`` (the drive force along a run), ``angle`` (a position that is
         one), ``test`` (runs of that role), ``period`` (of a force that comes back along the
-        path); or a covariate, which is a further column of the recording by its name and stands
-        in ``State.covariates``.
+        path), ``play`` and ``spring`` (a load that is followed behind such); or a covariate, which
+        is a further column of the recording by its name and stands in ``State.covariates``.
     components : int
         0; or how many components a law returns, stacked on a first axis, each to be
         multiplied by a number N(0, 1) drawn anew for every trial (of an effect on
@@ -259,6 +288,8 @@ class Effect:
     searched : int
         Among how many forms that cannot be told apart beforehand a rig found its laws in the
         data: what they weigh is divided by it.
+    turning : mapping of str to callable
+        Further laws, of a motion that turns; the others are of one from rest.
     two_ends : str or None
         An axis that takes two values only: whatever differs along it is this effect, and
         nothing along it alone is unknown.
@@ -275,9 +306,55 @@ class Effect:
     components: int = 0
     needs: frozenset[str] = frozenset()
     searched: int = 1
+    turning: Mapping[str, Law] = field(default_factory=dict)
     two_ends: str | None = None
 
     @property
     def parameters(self) -> tuple[EffectParameter, ...]:
         """Amplitude, and the shape where there is one."""
         return (self.amplitude,) if self.shape is None else (self.amplitude, self.shape)
+
+
+def followed(held: str, length: str, heavy: float) -> Law:
+    """Return the law of a load that is followed along the path.
+
+    Parameters
+    ----------
+    held : str
+        ``play`` or ``spring``.
+    length : str
+        Name of the parameter that is the play, or the travel over which friction winds it up.
+    heavy : float
+        Share of the mass that is behind, over that of the friction; infinite for the mass alone.
+    """
+
+    def law(p: Mapping[str, Array], state: State) -> Array:
+        late, lost = (np.asarray(one) for one in state.load(held, heavy, p[length]))
+        if np.isinf(heavy):
+            return np.asarray(p["share"] * np.asarray(state.mass_kg) * late)
+        mass = heavy * np.asarray(state.mass_kg)
+        return np.asarray(p["share"] * (mass * late + state.friction_n * lost))
+
+    return law
+
+
+def after_passes(share: str, length: str) -> Law:
+    """Return Dahl's law, dz/dx = (1 − z)/L along the motion, through passes of any travel.
+
+    After a reversal friction starts from where the pass before left it: the less it was built up
+    there, the less is missing now.
+
+    Parameters
+    ----------
+    share, length : str
+        Names of the parameters: what a whole reversal takes, as a share of friction, and L.
+    """
+
+    def law(p: Mapping[str, Array], state: State) -> Array:
+        missing: Array = np.ones(())  # of what a whole reversal takes
+        for passed in reversed(state.passes_m):
+            missing = 1 - missing * np.exp(-np.asarray(passed) / p[length])
+        left = missing * np.exp(-np.asarray(state.travel_m) / p[length])
+        return np.asarray(-p[share] * state.settling_friction_n * left)
+
+    return law

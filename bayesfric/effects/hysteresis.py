@@ -11,7 +11,7 @@ import numpy as np
 
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, State, after_passes
 
 
 def _dahl(p: Mapping[str, Array], state: State) -> Array:
@@ -48,6 +48,7 @@ EFFECT = Effect(
         typical=0.04,
     ),
     laws={"dahl": _dahl, "bouc-wen": _bouc_wen},
+    turning={"after-passes": after_passes("share", "length")},
     edge={"travel_m": 0.0},
     along_path=True,
 )

@@ -6,7 +6,7 @@ import numpy as np
 
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, State
+from bayesfric.effects.base import Effect, EffectParameter, State, after_passes
 
 
 def _exponential(p: Mapping[str, Array], state: State) -> Array:
@@ -43,6 +43,7 @@ EFFECT = Effect(
         typical=0.02,
     ),
     laws={"exponential": _exponential, "rational": _rational},
+    turning={"after-passes": after_passes("share", "length")},
     edge={"travel_m": 0.0},
     along_path=True,
 )

@@ -12,7 +12,7 @@ import numpy as np
 
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, Law, State
+from bayesfric.effects.base import Effect, EffectParameter, Law, State, followed
 from bayesfric.physics.loads import taken_along
 
 SPREAD = 3.0  # a spring takes a load along over a third of the travel
@@ -68,7 +68,14 @@ EFFECT = Effect(
         "hundredth of the travel under their friction",
         typical=0.004,
     ),
-    laws={"half-mass": _wound_up(0.5), "mass": _wound_up(1.0), "seen-at-load": _seen_at_load},
+    laws={
+        "half-mass": _wound_up(0.5),
+        "mass": _wound_up(1.0),
+        "seen-at-load": _seen_at_load,
+        "rings-half-mass": followed("spring", "length", 0.5),
+        "rings-mass": followed("spring", "length", 1.0),
+        "rings-mass-alone": followed("spring", "length", np.inf),
+    },
     along_path=True,
-    needs=frozenset({"direction", "drive"}),
+    needs=frozenset({"direction", "drive", "spring"}),
 )

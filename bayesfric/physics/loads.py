@@ -5,7 +5,7 @@ from numpy.typing import ArrayLike
 
 from bayesfric.arrays import Array
 
-__all__ = ["taken_along"]
+__all__ = ["behind", "on_spring", "taken_along", "through_play"]
 
 
 def taken_along(
@@ -33,3 +33,107 @@ def taken_along(
     end = np.tanh(sharp * (np.asarray(travel) / whole - 1))
     density = 0.5 * sharp * (1 - end**2) / whole
     return 0.5 * (1 - end), np.asarray(speed) ** 2 * density
+
+
+def behind(
+    held: str,
+    path: Array,
+    interval_s: float,
+    slows: float,
+    heavy: Array,
+    length: Array,
+    damping: float,
+) -> tuple[Array, Array]:
+    """Return how loads follow a drive, as :func:`through_play` does.
+
+    Parameters
+    ----------
+    held : str
+        In ``play``, or on a ``spring``.
+    path, interval_s
+        Of the drive, as there.
+    slows : float
+        Friction of drive and load together over their mass [m/s²].
+    heavy : ndarray, shape (K,)
+        Each load's share of the mass over its share of the friction.
+    length : ndarray, shape (K,)
+        The play, or the travel over which as much friction as there is for its mass, or without
+        friction the drive's, winds the spring up from one side to the other [m].
+    damping : float
+        Of the spring, over what is critical.
+    """
+    each = slows / heavy
+    if held == "play":
+        return through_play(path, interval_s, each, length)
+    pull = 2 * np.where(each > 0, each, slows) / length
+    return on_spring(path, interval_s, each, pull, damping)
+
+
+def through_play(path: Array, interval_s: float, slows: Array, gap: Array) -> tuple[Array, Array]:
+    """Return how loads move that a drive pushes from either side, with play between.
+
+    A load that is not pushed coasts, slowed by its friction; one that is hit does not bounce.
+
+    Parameters
+    ----------
+    path : ndarray, shape (N,)
+        Of the drive [m].
+    interval_s : float
+        Between its samples.
+    slows : ndarray, shape (K,)
+        Friction of each load over its mass [m/s²].
+    gap : ndarray, shape (K,)
+        Play [m].
+
+    Returns
+    -------
+    ahead : ndarray, shape (N, K)
+        Each load's place less the drive's [m].
+    rubs : ndarray, shape (N, K)
+        Friction that acts on it, as a share of what it is in motion, against the path's sense.
+    """
+    ahead, rubs = (np.zeros((path.size, gap.size)) for _ in range(2))
+    loss = np.maximum(slows * interval_s, np.finfo(float).tiny)
+    speed = np.zeros(gap.size)
+    moves = np.diff(path, prepend=path[:1])
+    for k in range(1, path.size):
+        coasting = np.sign(speed) * np.maximum(np.abs(speed) - loss, 0.0)
+        freely = ahead[k - 1] + coasting * interval_s - moves[k]
+        ahead[k] = np.clip(freely, -0.5 * gap, 0.5 * gap)
+        pushed = ahead[k] != freely
+        before = speed
+        speed = np.where(pushed, (ahead[k] - ahead[k - 1] + moves[k]) / interval_s, coasting)
+        rubs[k] = np.where(pushed, np.sign(speed), (before - coasting) / loss)
+    return ahead, rubs
+
+
+def on_spring(
+    path: Array, interval_s: float, slows: Array, pull: Array, damping: float
+) -> tuple[Array, Array]:
+    """Return how loads move that hang on a drive by a spring, as :func:`through_play` does.
+
+    Parameters
+    ----------
+    path, interval_s, slows
+        As there.
+    pull : ndarray, shape (K,)
+        Stiffness over mass [1/s²].
+    damping : float
+        Over what is critical.
+    """
+    ahead, rubs = (np.zeros((path.size, pull.size)) for _ in range(2))
+    damped = damping * np.sqrt(pull) * interval_s
+    halved = 0.25 * pull * interval_s**2
+    loss = np.maximum(slows * interval_s / (1 + damped + halved), np.finfo(float).tiny)
+    speed = np.zeros(pull.size)
+    moves = np.diff(path, prepend=path[:1])
+    # Means over a step of what pulls and damps: no energy is lost by the steps themselves.
+    by_place, by_speed = interval_s * pull, 2 * damped / interval_s
+    for k in range(1, path.size):
+        pulled = by_place * (0.5 * moves[k] - ahead[k - 1]) + by_speed * moves[k]
+        freely = (speed * (1 - damped - halved) + pulled) / (1 + damped + halved)
+        after = np.sign(freely) * np.maximum(np.abs(freely) - loss, 0.0)
+        rubs[k] = (freely - after) / loss
+        ahead[k] = ahead[k - 1] + 0.5 * interval_s * (speed + after) - moves[k]
+        speed = after
+    return ahead, rubs

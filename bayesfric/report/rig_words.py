@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.base import Words
 
-__all__ = ["law_words", "rig_words"]
+__all__ = ["group_words", "law_words", "rig_words"]
 
 DEFAULT = "paper"  # the law where none is asked for
 
@@ -21,6 +21,18 @@ def rig_words(name: str) -> Words:
     """
     rig = all_rigs().get(name)
     return rig.words if rig is not None else Words(f"rig {name}", "trial", "trials")
+
+
+def group_words(rigs: Sequence[str]) -> tuple[str, str]:
+    """Return what trials of one setup are together, and several of these: of rigs that agree.
+
+    Parameters
+    ----------
+    rigs : sequence of str
+        As stored.
+    """
+    found = {(words.group, words.groups) for words in map(rig_words, rigs)}
+    return found.pop() if len(found) == 1 else (Words.group, Words.groups)
 
 
 def law_words(law: str, rigs: Sequence[str]) -> str:

@@ -88,12 +88,16 @@ class Words:
         One of its measurements, and several.
     law : str
         What its law and its likelihood are, in sentences; nothing where they are the paper's.
+    group, groups : str
+        What trials of one value of ``setup`` are together, and several of these.
     """
 
     rig: str
     trial: str
     trials: str
     law: str = ""
+    group: str = "assembly"
+    groups: str = "assemblies"
 
 
 class Rig(Protocol):

@@ -77,6 +77,10 @@ def test_a_cause_without_a_sure_gap_is_in_the_sentence(verdict):
     assert "acts" not in sentence([])
     assert ("no cause is sure" in sentence([])) == (verdict == "undecided")
     assert "no cause is sure" not in sentence([cause("viscous")])
+    # One that acts, and is each less than what counts, is in it too.
+    weak = sentence_of(verdict, 0.97, [], gap, (), (), 0.02, [cause("cogging")])
+    assert "cogging acts" in weak
+    assert "no cause is sure" not in weak
 
 
 def test_a_gap_that_is_surely_there_is_not_said_to_be_open():

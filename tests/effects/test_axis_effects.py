@@ -25,6 +25,7 @@ AT = State(
     force_curvature_n_s2=500.0,
     wave_from_m=0.03,
     tested=1.0,
+    load=lambda held, heavy, length: (4.0, -0.2),
 )
 
 
@@ -55,10 +56,10 @@ AT = State(
         ("torque-saturation", "beyond", {"share": 1.0, "limit": 4.5}, 0.0),
         ("backlash", "friction", {"share": 0.4, "gap": 0.02}, -0.6),
         ("backlash", "friction", {"share": 0.4, "gap": 0.0002}, 0.0),
-        # 2 kg that are braked by 3 m/s² push the drive with 6 N, and friction of 1.5 N holds them.
-        ("backlash", "mass", {"share": 0.5, "gap": 0.04}, 2.25),
-        # At the end of the gap half of it is still missing, and 0.32 N m are taken up over 0.4 mm.
-        ("backlash", "half-mass", {"share": 0.5, "gap": 0.002}, 0.5 * (0.5 * 800 + 0.75)),
+        # The load gains 4 m/s² on the drive, and a fifth of its friction does not reach the drive.
+        ("backlash", "mass", {"share": 0.5, "gap": 0.04}, 0.5 * (2 * 4 - 0.2 * 1.5)),
+        ("backlash", "half-mass", {"share": 0.5, "gap": 0.04}, 0.5 * (4 - 0.2 * 1.5)),
+        ("backlash", "mass-alone", {"share": 0.5, "gap": 0.04}, 0.5 * 2 * 4),
     ],
 )
 def test_it_is_the_force_against_the_motion(name, law, values, expected):

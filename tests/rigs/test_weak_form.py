@@ -8,10 +8,10 @@ from bayesfric.recording import read_recording
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.single_axis.even_log import even_grid, position_noise, smooth_motion
 from bayesfric.rigs.single_axis.force_curvature import _beside
+from bayesfric.rigs.single_axis.passes import passes_of
 from bayesfric.rigs.single_axis.readings import (
     PIECE,
     _loudness,
-    _since_reversal,
     readings_of,
     rough_law,
 )
@@ -179,11 +179,27 @@ def test_travel_counts_from_rest():
         [np.zeros(20), 0.01 * np.arange(1, 31), 0.3 - 0.01 * np.arange(1, 31)]
     )
     way = np.concatenate([np.zeros(20), np.ones(30), -np.ones(30)])
-    travel = _since_reversal(position, way, 9.0)
+    travel, before = passes_of(position, way, 9.0)
     assert travel[49] == pytest.approx(0.3)
     assert travel[79] == pytest.approx(0.3, abs=0.011)
-    begun = _since_reversal(position[20:], way[20:], 9.0)  # nobody saw where it came from
+    assert (before == 9.0).all()  # nobody saw where it came from
+    begun, _ = passes_of(position[20:], way[20:], 9.0)
     assert begun[:20] == pytest.approx(9.0)
+
+
+def test_nobody_saw_by_which_way_it_came_to_where_a_log_begins():
+    """From rest it goes up, and comes back or does not: its first fifth counts in the latter."""
+    time = INTERVAL * np.arange(4000)
+    angle = np.pi * np.clip(time - 0.2, 0.0, 2.0)
+    path, force = 0.5 * (1 - np.cos(angle)), np.cos(angle) + np.sign(np.sin(angle))
+
+    def first(count):
+        log = even_grid(time[:count], {"position": path[:count], "force": force[:count]})
+        rows = readings_of([log], [np.zeros(1, dtype=np.intp)], 1e-7)
+        return rows.position[rows.time_s < 0.8].min()
+
+    assert first(1150) < 0.1
+    assert first(4000) > 0.19
 
 
 @pytest.mark.nightly

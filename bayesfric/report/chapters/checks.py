@@ -17,6 +17,7 @@ from bayesfric.report.content import (
     Table,
 )
 from bayesfric.report.quantities import format_count, format_number, format_share
+from bayesfric.report.rig_words import group_words
 from bayesfric.report.stored import StoredFit
 
 __all__ = ["checks"]
@@ -32,11 +33,12 @@ CONDITION = (
 
 def checks(stored: StoredFit) -> Iterator[Block]:
     """Yield coverage of the predictive intervals, outliers and the figure of residuals."""
+    group, _ = group_words(stored.fit.rigs)
     yield Heading(1, "Predictive checks")
     yield Paragraph(
         [
             "Each trial is compared with what the fit predicts for a new trial of the same "
-            "condition on a new assembly, scatter and noise included. In ",
+            f"condition on a new {group}, scatter and noise included. In ",
             Reference("residuals"),
             " z is its distance from the predicted median in standard deviations; ",
             Reference("coverage"),
@@ -51,7 +53,7 @@ def checks(stored: StoredFit) -> Iterator[Block]:
         svg_of(residuals_by_order, stored.predictive),
         [
             "Friction of each trial against what a new one is predicted to do, in the order of "
-            "measuring. A trend would be a drift of the rig; trials of an assembly lie together, "
+            f"measuring. A trend would be a drift of the rig; trials of one {group} lie together, "
             "since they share its scatter. From ",
             Code("predictive.nc"),
             ".",
@@ -90,7 +92,7 @@ def _coverage(rigs: tuple[RigTable, ...]) -> Table:
         rows,
         label="coverage",
         note="If made again: the share, 5 % to 95 %, that the fit expects of another recording of "
-        "the same design. It is wide since the trials of an assembly move together.",
+        "the same design. It is wide since trials that share a scatter move together.",
     )
 
 

@@ -39,6 +39,7 @@ from bayesfric.report.quantities import (
     format_probability,
     format_share,
 )
+from bayesfric.report.rig_words import group_words
 from bayesfric.report.stored import StoredDiagnosis
 from bayesfric.schemas import Axis, DiagnosisFile, Gap, Interval
 
@@ -270,7 +271,7 @@ def _how_far(stored: StoredDiagnosis) -> Figure:
             Strong("How far."),
             " ",
             *_tuning(gap),
-            *_shrink(gap, named),
+            *_shrink(gap, named, group_words(found.rigs)[1]),
             "Bars are rms on conditions that the fit has not seen, but for the systematic gap, "
             "which is the posterior's; lines are 90 % intervals; dashed is the practical share."
             + (" Right: three held-out trials." if trajectories is not None else "")
@@ -301,7 +302,7 @@ def _tuning(gap: Gap) -> list[str]:
     return [f"Recalibration alone: {shipped} to {before}. "]
 
 
-def _shrink(gap: Gap, named: bool) -> list[str]:
+def _shrink(gap: Gap, named: bool, groups: str) -> list[str]:
     if not named:
         return ["No effect is added. "]
     if gap.shrink is None:
@@ -310,7 +311,7 @@ def _shrink(gap: Gap, named: bool) -> list[str]:
     seen = gap.held_out[0].shrink if gap.held_out else None
     if seen is not None:
         part = "all" if seen.q50 >= 1 else _percent(seen)
-        said.append(f", and {part} of what new assemblies show above the floor")
+        said.append(f", and {part} of what new {groups} show above the floor")
     return [*said, ". "]
 
 

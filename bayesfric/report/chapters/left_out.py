@@ -21,7 +21,7 @@ from bayesfric.report.quantities import (
     format_number,
     format_probability,
 )
-from bayesfric.report.rig_words import rig_words
+from bayesfric.report.rig_words import group_words, rig_words
 from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import AssemblyCheck, Prediction, Uniformity
 
@@ -45,7 +45,8 @@ def _probabilities(stored: StoredFit, found: tuple[Uniformity, ...]) -> Iterator
     yield Paragraph(
         [
             "Each trial is now left out in turn, and the fit to all others, those of its own "
-            "assembly included, says how probable less friction was than it had. Of a model that "
+            f"{group_words(stored.fit.rigs)[0]} included, says how probable less friction was "
+            "than it had. Of a model that "
             "is right these probabilities are uniform; in ",
             Reference("loo-pit"),
             " their distribution then stays inside the band. An S that first rises and then falls "
@@ -59,7 +60,8 @@ def _probabilities(stored: StoredFit, found: tuple[Uniformity, ...]) -> Iterator
         [
             "Distribution function of the leave-one-out probabilities, less that of uniform ones. "
             "The band is simultaneous: 95 % of recordings made again stay inside it everywhere, "
-            "trials of an assembly dependent as the model has them. From ",
+            f"trials of one {group_words(stored.fit.rigs)[0]} dependent as the model has them. "
+            "From ",
             Code("predictive.nc"),
             ".",
         ],
@@ -81,13 +83,14 @@ def _uniform(one: Uniformity) -> str:
 
 
 def _assemblies(stored: StoredFit, found: tuple[AssemblyCheck, ...]) -> Iterator[Block]:
+    group, groups = group_words(stored.fit.rigs)
     yield Paragraph(
         [
             "What is told of n and of the wrap angle rests on assemblies, which differ by more "
             "than their trials. "
             if stored.fit.pulleys
             else "",
-            "Each assembly is left out with all its trials, and ",
+            f"Each {group} is left out with all its trials, and ",
             Reference("assemblies"),
             " shows where it then lies. ",
             " ".join(map(_assembly, found)),
@@ -96,12 +99,13 @@ def _assemblies(stored: StoredFit, found: tuple[AssemblyCheck, ...]) -> Iterator
     yield Figure(
         svg_of(assemblies_left_out, stored.predictive),
         [
-            "Assemblies, each against what all others predict of it. Above, left: distribution of "
+            f"{groups.capitalize()}, each against what all others predict of it. Above, left: "
+            "distribution of "
             "the probabilities less the uniform one, with a band that 95 % of sets of independent "
             "ones stay inside everywhere. Beside it: normal scores of these over those expected of "
             "their rank, with 90 % of each; and those of single trials given the others of their "
-            "assembly, with 90 % of recordings made again. Below: the scores by condition; a "
-            "condition whose assemblies all lie on one side is one that the law misses. From ",
+            f"{group}, with 90 % of recordings made again. Below: the scores by condition; a "
+            f"condition whose {groups} all lie on one side is one that the law misses. From ",
             Code("predictive.nc"),
             ".",
         ],
@@ -112,7 +116,7 @@ def _assemblies(stored: StoredFit, found: tuple[AssemblyCheck, ...]) -> Iterator
 
 
 def _assembly(one: AssemblyCheck) -> str:
-    rig = rig_words(one.rig).rig
+    words = rig_words(one.rig)
     far = "; ".join(
         f"{outlier.setup} {format_fixed(abs(outlier.z), 1)} sd "
         f"{'above' if outlier.z > 0 else 'below'} (one recording in "
@@ -120,7 +124,7 @@ def _assembly(one: AssemblyCheck) -> str:
         for outlier in one.outlying
     )
     return (
-        f"The {format_count(one.assemblies)} assemblies of the {rig}: p = "
+        f"The {format_count(one.assemblies)} {words.groups} of the {words.rig}: p = "
         f"{format_probability(one.p_value)}; they lie {format_fixed(one.spread, 2)} times as far "
         f"from their prediction as the model says ({format_fixed(one.spread_q05, 2)} to "
         f"{format_fixed(one.spread_q95, 2)} by chance, 5 % to 95 %). "
@@ -161,7 +165,7 @@ def _densities(found: tuple[Prediction, ...]) -> Table:
 
 def _kind(one: Prediction) -> str:
     words = rig_words(one.rig)
-    return f"{words.trial if one.left_out == 'trial' else 'assembly'} of the {words.rig}"
+    return f"{words.trial if one.left_out == 'trial' else words.group} of the {words.rig}"
 
 
 def _limit(found: tuple[Prediction, ...]) -> str:

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from bayesfric.report.chapters.plain_law import own_law
 from bayesfric.report.content import Block, Equation, Heading, Math, Paragraph, Reference
 from bayesfric.report.formulas import CURRENT, LAW, RECURSIVE, SCATTER
+from bayesfric.report.rig_words import group_words
 from bayesfric.report.stored import StoredResults
 from bayesfric.schemas import DiagnosisFile, FitFile
 
@@ -54,6 +55,7 @@ def _fit(fit: FitFile) -> Iterator[Block]:
 def _diagnosis(found: DiagnosisFile) -> Iterator[Block]:
     """Yield how hypotheses are compared, and what gap, floor and shrink are."""
     prior = ", ".join(f"{name} {value:g}" for name, value in found.hypothesis_prior.items())
+    groups = group_words(found.rigs)[1]
     yield Heading(2, "The diagnosis")
     yield Paragraph(
         "A hypothesis is a set of effects that act beside the law, or an unknown smooth force. "
@@ -63,14 +65,14 @@ def _diagnosis(found: DiagnosisFile) -> Iterator[Block]:
         "number. Every hypothesis has the same small discrepancy, since no law is quite right. "
         "Where effects leave more than 15\u202f% of the squared gap at their best amplitudes, that "
         "hypothesis counts as an unknown force. "
-        "Scatter of trials and of assemblies is normal, whatever the fit takes it to be."
+        f"Scatter of trials and of {groups} is normal, whatever the fit takes it to be."
     )
     yield Paragraph(
         "The gap is the rms of the residual friction force, resolved along the travel, on "
         "conditions that are held out of the fit, every parameter refitted before and after an "
         "effect is added. The floor is what a perfect law would leave there, from the scatter "
-        "between trials and assemblies. Shrink on held-out data is (before² − "
-        "after²) / (before² − floor²); these intervals are by bootstrap over assemblies. The "
+        f"between trials and {groups}. Shrink on held-out data is (before² − "
+        f"after²) / (before² − floor²); these intervals are by bootstrap over {groups}. The "
         "systematic gap, and the part of it that the causes take away, are posteriors of the force "
         "that the recalibrated law leaves out, averaged over hypotheses."
     )

@@ -8,6 +8,7 @@ import pandas as pd
 
 from bayesfric.recording.tables import Axis, RigConstants
 from bayesfric.rigs.single_axis.even_log import EvenLog
+from bayesfric.rigs.single_axis.lengths import with_lengths
 from bayesfric.rigs.single_axis.limit import within_limit
 from bayesfric.rigs.single_axis.measures import Measures, measures_of
 from bayesfric.rigs.single_axis.readings import Readings, readings_of
@@ -83,6 +84,7 @@ def entering(
         beside = SimulatedBaseline(" and ".join(columns))
     if "setup" not in table or table["setup"].nunique() < SETUPS:
         table["setup"] = table["trial"]
+    measures = with_lengths(readings, table, measures, constants)
     moving = np.unique(readings.trial)
     order = np.argsort(pd.factorize(table["setup"])[0][moving], kind="stable")
     chosen = moving[order]

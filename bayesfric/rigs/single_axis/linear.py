@@ -32,7 +32,7 @@ __all__ = ["AxisPart"]
 LOG_2PI = float(np.log(2 * np.pi))
 SCATTER = (1e-4, 1.0)  # looked at
 ONCE = HalfNormal(scale=0.001)  # scatter of assemblies, each of which has one run
-GROUPED = 4  # rows of a window in which residual forces are shown
+GROUPED = 1  # rows of a window in which residual forces are shown
 NAMES = (
     "sigma_position",
     "sigma_force",

@@ -5,25 +5,29 @@ friction and 1 kg. On an axis of any size the same shares of its own stroke, top
 and mass are as plausible.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from bayesfric.analysis import HalfNormal, LogNormal, Normal, Prior, PriorOverrides
+from bayesfric.arrays import Array
 from bayesfric.effects import Effect, EffectParameter
+from bayesfric.effects.base import Load
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.rotary import rotary_unit
 from bayesfric.rigs.single_axis.even_log import EvenLog
+from bayesfric.rigs.single_axis.following import DAMPINGS, LENGTHS, TRIED
 from bayesfric.rigs.single_axis.limit import LIMITS, Limit, drive_limit
 from bayesfric.rigs.single_axis.period import SEARCHED, Wave, strongest_wave
 from bayesfric.rigs.single_axis.readings import Readings, rough_law
 
-__all__ = ["Measures", "measures_of"]
+__all__ = ["SPREAD", "Measures", "measures_of"]
 
 BOARD_M, BOARD_M_S = 0.6, 1.3
 KNOWN_MASS = 0.2  # relative error of a moving mass that somebody wrote down
 NEAR = 0.1  # relative error of a limit that was looked for
+SPREAD = 0.1  # of a load's length, by half a step between those that were tried
 WIDE = 3.0  # times the rough value, of a prior that says little
 
 
@@ -44,6 +48,10 @@ class Measures:
         The strongest along the path.
     limit : Limit
         The likeliest of the drive.
+    lengths : mapping of str to ndarray
+        Of how a load is held: lengths at which it is followed [m or rad].
+    damping : float
+        Of a load's spring, over what is critical.
     """
 
     stroke: float
@@ -56,6 +64,15 @@ class Measures:
     rotary: bool
     wave: Wave
     limit: Limit
+    lengths: Mapping[str, Array] = field(default_factory=dict)
+    damping: float = DAMPINGS[2]
+
+    def load(self, rows: Readings) -> Load:
+        """Return how a load follows in some rows."""
+        lengths = {held: self.stroke * shares for held, shares in LENGTHS.items()}
+        return rows.followed.load(
+            rows.place, self.friction / self.mass, {**lengths, **self.lengths}, self.damping
+        )
 
     def unit(self, unit: str) -> str:
         """Return a unit as it is here, radians for metres where the axis turns."""
@@ -83,20 +100,25 @@ class Measures:
     def effect(self, effect: Effect) -> Effect:
         """Return an effect with priors in these measures."""
         shape = None if effect.shape is None else self._parameter(effect.shape)
-        amplitude = self._parameter(effect.amplitude)
+        amplitude, laws = self._parameter(effect.amplitude), {**effect.laws, **effect.turning}
         if "travel_m" in effect.edge:
             # A board starts from rest. An axis turns: its friction still has the other sign.
             low, high = amplitude.plausible
             amplitude = replace(
                 amplitude, prior=amplitude.prior.times(2), plausible=(2 * low, 2 * high)
             )
-        found = replace(effect, amplitude=amplitude, shape=shape)
+        found = replace(effect, amplitude=amplitude, shape=shape, laws=laws)
         if shape is not None and "period" in effect.needs:
             prior = LogNormal(median=self.wave.period, sd_log=self.wave.spread)
             return replace(found, shape=replace(shape, prior=prior), searched=SEARCHED)
         if shape is not None and "limit" in effect.needs:
             prior = LogNormal(median=self.limit.force, sd_log=NEAR)
             return replace(found, shape=replace(shape, prior=prior), searched=LIMITS)
+        held = next((one for one in self.lengths if one in effect.needs), None)
+        if shape is not None and held is not None:
+            tried = self.lengths[held]
+            prior = LogNormal(median=float(tried[tried.size // 2]), sd_log=SPREAD)
+            return replace(found, shape=replace(shape, prior=prior), searched=TRIED[held])
         return found
 
     def _parameter(self, one: EffectParameter) -> EffectParameter:

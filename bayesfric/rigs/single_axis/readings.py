@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -18,8 +17,10 @@ from bayesfric.rigs.single_axis.even_log import (
     resolving,
     smooth_motion,
 )
+from bayesfric.rigs.single_axis.following import DrivePath, Followed
 from bayesfric.rigs.single_axis.force_curvature import force_curvature
 from bayesfric.rigs.single_axis.late_rates import late_rates
+from bayesfric.rigs.single_axis.passes import passes_of
 from bayesfric.rigs.single_axis.weak_form import TestFunction, node_weights, test_function
 
 __all__ = ["PIECE", "Readings", "readings_of", "rough_law"]
@@ -59,11 +60,17 @@ class Readings:
         Of the window's middle.
     speed, travel, position, drive : ndarray, shape (W, P)
         At places inside: speed, travel since the last reversal, position and drive force.
+    passes : ndarray, shape (W, E)
+        Travel of the passes before the present one, the last first.
     position_lag, force_lag : ndarray, shape (W, L)
         Covariance of a row with the l-th next by an error of position of 1, at every sample
         its own, per mass squared; and by an error of the force, of 1 where it is quiet.
     simulated : ndarray, shape (W, K)
         Means of what a simulator says of the force, times the direction; K is 0 without one.
+    place : ndarray of int, shape (W,)
+        Of the row among all of `followed`.
+    followed : Followed
+        Loads behind the drive, along the paths of the runs.
     position_sd, half_s, hop : float
         Standard deviation of a position's error, half a window [s], windows' distance over that.
     """
@@ -81,9 +88,12 @@ class Readings:
     travel: Array
     position: Array
     drive: Array
+    passes: Array
     position_lag: Array
     force_lag: Array
     simulated: Array
+    place: Whole
+    followed: Followed
     position_sd: float
     half_s: float
     hop: float
@@ -144,12 +154,16 @@ def readings_of(
     else:
         noise, half_s, hop, late_s = like.position_sd, like.half_s, like.hop, 0.0
     parts: list[dict[str, Any]] = []
+    paths = []
     trials = pieces = 0
     for log, begin in zip(logs, starts, strict=True):
         half = max(NARROWEST, round(half_s / log.interval_s))
         step = max(1, round(hop * half))
         test = test_function(half, log.interval_s)
         part = _of_run(log, test, step, noise, stroke, late_s, limit)
+        centres = part["centre"].astype(np.intp)
+        path = part.pop("path")
+        paths.append(DrivePath(path, log.interval_s, test, centres, part["way"]))
         place = np.searchsorted(begin, part.pop("centre"), side="right")
         part["trial"] = np.asarray(trials + place - 1, dtype=np.float64)
         part["piece"] = pieces + _pieces(part.pop("neighbour"), part["trial"])
@@ -166,7 +180,9 @@ def readings_of(
     if not joined["way"].size:
         return None
     whole: dict[str, Any] = {name: joined.pop(name).astype(np.intp) for name in ("trial", "piece")}
-    return Readings(**whole, **joined, position_sd=noise, half_s=half_s, hop=hop)
+    whole["place"] = np.arange(joined["way"].size)
+    followed = Followed(paths)
+    return Readings(**whole, **joined, followed=followed, position_sd=noise, half_s=half_s, hop=hop)
 
 
 def _width(logs: Sequence[EvenLog], noise: float, stroke: float) -> tuple[float, float]:
@@ -265,12 +281,12 @@ def _of_run(
         # Where the simulated axis runs the other way its friction says nothing of this motion.
         there = smooth_motion(replace(log, position=other), max(SMOOTHED, half // 2), noise)[2]
         way = np.where(there == way, way, 0.0)
-    travel = _since_reversal(position, way, FAR * stroke)
-    # A log that begins in motion does not say how long ago the axis turned, which friction may
-    # remember; where it turns later on, that is better known.
-    unseen = travel == FAR * stroke
-    if not unseen.all():
-        way[unseen & (np.abs(position - position[0]) < FORGOTTEN * stroke)] = 0.0
+    travel, before = passes_of(position, way, FAR * stroke)
+    # A log does not say how long ago the axis turned before it, nor by which way it came to where
+    # it rests, which friction may remember; where it turns later on, that is better known.
+    if (way > 0).any() and (way < 0).any():
+        near = np.abs(position - position[0]) < FORGOTTEN * stroke
+        way[near & (np.arange(way.size) < max(np.argmax(way > 0), np.argmax(way < 0)))] = 0.0
     centres = np.arange(half, log.time_s.size - half, step)
     # A window counts where all of its samples run the same way.
     runs = np.concatenate([[0.0], np.cumsum(way)])
@@ -291,6 +307,7 @@ def _of_run(
     curvature = force_curvature(acting, test, centres, runs)
     delayed, lagging = late_rates(acting, test, centres, curvature, late_s)
     return {
+        "path": position,
         "centre": centres.astype(np.float64),
         "neighbour": place.astype(np.float64),
         "way": sign,
@@ -302,6 +319,7 @@ def _of_run(
         "time_s": log.time_s[centres],
         "speed": np.abs(inside(velocity)),
         "travel": inside(travel),
+        "passes": before[centres],
         "position": inside(position),
         "drive": inside(savgol_filter(log.force, 2 * half + 1, 2)),
         "position_lag": np.tile(_lagged(test.curvature, step, lags), (centres.size, 1)),
@@ -334,33 +352,6 @@ def _locally(kernel: Array, step: int, lags: range, variance: Array, centres: Wh
     for lag in lags:
         products[lag * step :, lag] = kernel[lag * step :] * kernel[: kernel.size - lag * step]
     return np.asarray(around @ products)
-
-
-def _since_reversal(position: Array, way: Array, unseen: float) -> Array:
-    """Return the travel since the axis last turned, or began from rest; `unseen` before."""
-    moving = np.flatnonzero(way)
-    if not moving.size:
-        return np.full(position.size, unseen)
-    turns = moving[1:][np.diff(way[moving]) != 0]
-    last = np.searchsorted(turns, np.arange(position.size), side="right") - 1
-    # It turned at the last extreme, somewhere between two samples whose way is known.
-    extremes = [
-        _extreme(position, int(before), int(after))
-        for before, after in pairwise(moving)
-        if way[before] != way[after]
-    ]
-    travel = np.full(position.size, unseen)
-    if moving[0] >= SMOOTHED:
-        travel = np.abs(position - position[0])
-    seen = last >= 0
-    travel[seen] = np.abs(position[seen] - np.array(extremes)[last[seen]]) if extremes else 0.0
-    return travel
-
-
-def _extreme(position: Array, before: int, after: int) -> float:
-    between = position[before : after + 1]
-    middle = 0.5 * (between[0] + between[-1])
-    return float(between[np.argmax(np.abs(between - middle))])
 
 
 def _pieces(place: Array, trial: Array) -> Array:

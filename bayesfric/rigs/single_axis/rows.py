@@ -239,6 +239,7 @@ def state_of(
         constant_friction_n=law.coulomb + law.viscous * rows.speed,
         pulley_friction_n=law.coulomb,
         travel_m=rows.travel,
+        passes_m=tuple(rows.passes.T[..., None]),
         acceleration_m_s2=rows.acceleration[:, None],
         order=rank(table)[rows.trial][:, None],
         gravity_m_s2=constants.gravity_m_s2,
@@ -250,6 +251,7 @@ def state_of(
         lagging_rate_n_s=rows.lagging_rate[:, None],
         force_curvature_n_s2=rows.force_curvature[:, None],
         wave_from_m=measures.wave.start,
+        load=measures.load(rows),
         tested=tested.astype(np.float64)[rows.trial][:, None],
         covariates={
             name: table[name].to_numpy(dtype=np.float64)[rows.trial][:, None] for name in further

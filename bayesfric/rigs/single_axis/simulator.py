@@ -10,17 +10,21 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike
 
 from bayesfric.arrays import Array
 from bayesfric.effects import Effect, State
+from bayesfric.effects.base import Load
 from bayesfric.inference.cosines import MODES, cosine_variances, cosines
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.loads import behind
 from bayesfric.recording.tables import Axis, RigConstants
 from bayesfric.rigs.acting import draw_phases, of_kind, total
 from bayesfric.rigs.base import Simulated
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.own_design import OwnDesign
+from bayesfric.rigs.single_axis.following import LENGTHS
 from bayesfric.rigs.truth import AppliedEffect, Truth
 
 __all__ = ["DESIGN"]
@@ -33,6 +37,7 @@ SWINGS_HZ, SHARES = (0.23, 0.57, 1.3), (0.7, 0.25, 0.05)
 LAW = AxisLaw(mass=2.0, coulomb=1.5)
 RESOLUTION_M = 5e-6
 DECIMALS = 6
+DAMPING = 0.06  # of a spring, over what is critical
 
 
 @dataclass(frozen=True)
@@ -102,7 +107,26 @@ def _state(path: Path, law: AxisLaw, tested: Array) -> State:
         lagging_rate_n_s=way * rate,
         force_curvature_n_s2=way * np.gradient(rate, path.time_s, axis=1),
         tested=tested[:, None],
+        load=_following(path, law),
     )
+
+
+def _following(path: Path, law: AxisLaw) -> Load:
+    """Return how a load behind the axis follows it."""
+    interval = 1 / RATE_HZ
+    way = np.sign(path.velocity)
+
+    def load(held: str, heavy: float, length: ArrayLike) -> tuple[Array, Array]:
+        each = np.array([heavy]), np.atleast_1d(np.asarray(length, dtype=np.float64))
+        found = [
+            behind(held, run, interval, law.coulomb / law.mass, *each, DAMPING)
+            for run in path.position
+        ]
+        ahead, rubs = (np.stack(one)[..., 0] for one in zip(*found, strict=True))
+        late = np.gradient(np.gradient(ahead, interval, axis=1), interval, axis=1)
+        return way * late, way * rubs - 1
+
+    return load
 
 
 def _tested(effects: list[Effect]) -> Array:
@@ -173,7 +197,7 @@ DESIGN = OwnDesign(
     title="a driven axis of 2 kg with 1.5 N of Coulomb friction",
     constants=RigConstants(encoder_resolution=RESOLUTION_M, force_is="commanded"),
     coefficients={SIZE: Coefficients(*LAW)},
-    offers=frozenset({"direction", "position", "drive", "test", "period", "limit"}),
+    offers=frozenset({"direction", "position", "drive", "test", "period", "limit", *LENGTHS}),
     change=change,
     simulate=simulate,
 )

@@ -44,13 +44,15 @@ WORDS = Words(
     "and position are multiplied by a smooth test function over short windows in which the axis "
     "runs one way, and integrated by parts, so that each window tells a mean force. Windows hang "
     "together by the errors of positions and forces, and by friction that wanders along the path; "
-    "friction scatters from run to run (τ) and from assembly to assembly (ω). The clocks of force "
+    "friction scatters from run to run (τ) and from setup to setup (ω). The clocks of force "
     "and position may be off by a little (latency), which no friction is blamed for.",
+    "setup",
+    "setups",
 )
 MARGIN_S = 1e-3  # by which two clocks may be off at the least
 WITHIN = 12**-0.5  # of an interval: what two columns read at any time within it are apart, rms
 NOTHING = 1e-12
-ALWAYS = frozenset({"direction", "position", "drive", "period"})
+ALWAYS = frozenset({"direction", "position", "drive", "period", "play", "spring"})
 OFFERED = ALWAYS | {"angle", "test", "limit"}  # what no column of the user's own stands for
 
 

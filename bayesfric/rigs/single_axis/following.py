@@ -1,0 +1,119 @@
+"""How a load behind the drive follows it along a log, in the weak form of the rows.
+
+The drive's path is measured. A load behind play, or on a spring, is followed along it step by step
+(:mod:`bayesfric.physics.loads`), for a few shares of mass and friction behind and a grid of
+lengths. With d its place ahead of the drive and s the sense in which it rubs, a row has
+
+    m_load ∫ φ'' d dt + C_load (∫ φ s dt − 1)
+
+more than if the load were fixed to the drive: no derivative is taken here either.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import ArrayLike
+
+from bayesfric.arrays import Array, Whole
+from bayesfric.effects.base import Load
+from bayesfric.physics.loads import behind
+from bayesfric.rigs.single_axis.weak_form import TestFunction
+
+__all__ = ["DAMPINGS", "LENGTHS", "TRIED", "DrivePath", "Followed"]
+
+LENGTHS = {"play": np.geomspace(4e-4, 0.1, 31), "spring": np.geomspace(6e-5, 0.02, 33)}
+"""Of the stroke: a fifth more from one to the next."""
+DAMPINGS = (0.02, 0.035, 0.06, 0.1, 0.18)
+"""Of a spring, over what is critical: steel, gears and belts."""
+TRIED = {"play": 31, "spring": 33 * len(DAMPINGS)}
+"""Of how a load is held, forms that were tried."""
+HEAVY = (0.5, 1.0, np.inf)  # of a load: share of the mass over share of the friction
+
+
+@dataclass(frozen=True)
+class DrivePath:
+    """The path of a run, and the windows in it.
+
+    Parameters
+    ----------
+    position : ndarray, shape (N,)
+        Of the drive, smooth [m or rad].
+    interval_s : float
+        Between samples.
+    test : TestFunction
+        Of the windows.
+    centres : ndarray of int, shape (W,)
+        Their middles.
+    way : ndarray, shape (W,)
+        1 or −1.
+    """
+
+    position: Array
+    interval_s: float
+    test: TestFunction
+    centres: Whole
+    way: Array
+
+    def rows(self, ahead: Array, rubs: Array) -> Array:
+        """Return ∫ φ'' d dt and ∫ φ s dt − 1 in the way's sense, shape (2, W, K)."""
+        first, way = self.centres - self.test.half, self.way[:, None]
+        width = 2 * self.test.half + 1
+        late = sliding_window_view(ahead, width, axis=0)[first] @ self.test.curvature
+        rubbed = sliding_window_view(rubs, width, axis=0)[first] @ self.test.value
+        return np.stack([way * late, way * rubbed - 1])
+
+
+class Followed:
+    """Loads behind the drive of some runs, each followed once.
+
+    Parameters
+    ----------
+    paths : sequence of DrivePath
+        Of the runs.
+    """
+
+    def __init__(self, paths: Sequence[DrivePath]) -> None:
+        self._paths = tuple(paths)
+        self._kept: dict[tuple[str, float, bytes, float], dict[float, Array]] = {}
+
+    def load(self, rows: Whole, slows: float, lengths: Mapping[str, Array], damping: float) -> Load:
+        """Return how a load moves in some rows.
+
+        Parameters
+        ----------
+        rows : ndarray of int, shape (W,)
+            Among all windows of the paths.
+        slows : float
+            Friction of the axis over its mass [m/s²].
+        lengths : mapping of str to ndarray
+            Of how it is held, those at which it is followed, ascending [m].
+        damping : float
+            Of a spring.
+        """
+
+        def load(held: str, heavy: float, length: ArrayLike) -> tuple[Array, Array]:
+            tried = lengths[held]
+            at = np.interp(float(np.asarray(length)), tried, np.arange(tried.size))
+            low = min(int(at), tried.size - 2)
+            table = self._tabulated(held, slows, tried, damping)[heavy][:, rows]
+            found = (1 - (at - low)) * table[..., low] + (at - low) * table[..., low + 1]
+            return found[0][:, None], found[1][:, None]
+
+        return load
+
+    def _tabulated(
+        self, held: str, slows: float, lengths: Array, damping: float
+    ) -> dict[float, Array]:
+        """Return rows by how heavy the load is, (2, W, K)."""
+        key = (held, slows, lengths.tobytes(), damping if held == "spring" else 0.0)
+        if key not in self._kept:
+            each = np.repeat(HEAVY, lengths.size), np.tile(lengths, len(HEAVY))
+            found = [
+                one.rows(*behind(held, one.position, one.interval_s, slows, *each, damping))
+                for one in self._paths
+            ]
+            parts = np.split(np.concatenate(found, axis=1), len(HEAVY), axis=2)
+            self._kept[key] = dict(zip(HEAVY, parts, strict=True))
+        return self._kept[key]

@@ -1,0 +1,92 @@
+"""How much play, or how long a wind-up, a load behind the drive may have: looked for in the rows.
+
+A load that coasts through play, or rings on a spring, does so in another rhythm at each length:
+between two lengths that a prior's quantiles would try nothing can be interpolated.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from bayesfric.arrays import Array
+from bayesfric.effects import Effect, State, all_effects
+from bayesfric.effects.candidates import SHAPE_NODES, prior_moments
+from bayesfric.physics.axis import AxisLaw
+from bayesfric.recording.tables import RigConstants
+from bayesfric.rigs.single_axis.following import DAMPINGS, LENGTHS
+from bayesfric.rigs.single_axis.measures import SPREAD, Measures
+from bayesfric.rigs.single_axis.readings import Readings
+from bayesfric.rigs.single_axis.rows import state_of
+
+__all__ = ["with_lengths"]
+
+
+def with_lengths(
+    readings: Readings, table: pd.DataFrame, measures: Measures, constants: RigConstants
+) -> Measures:
+    """Return measures with the strongest length of each way to hold a load, and its neighbours.
+
+    Of a spring it is looked for at a middling damping, and then for the strongest of these.
+
+    Parameters
+    ----------
+    readings : Readings
+        Rows of all runs.
+    table : DataFrame
+        Trials.
+    measures : Measures
+        Of the recording, without lengths.
+    constants : RigConstants
+        The machine.
+    """
+    law = AxisLaw(measures.mass, measures.friction)
+    nobody = np.zeros(len(table), dtype=np.bool_)
+    inside = measures.limit.within(readings)
+    way, place = readings.way, readings.position @ readings.weights
+    speed = readings.speed @ readings.weights
+    known = np.stack(
+        [
+            readings.acceleration,
+            np.ones(readings.count),
+            speed,
+            readings.force_rate,
+            *(way * (place / measures.stroke) ** power for power in range(2)),
+        ],
+        axis=1,
+    )[inside]
+    basis = np.linalg.qr(known / np.maximum(np.abs(known).max(axis=0), 1e-300))[0]
+    left = readings.force[inside] - basis @ (basis.T @ readings.force[inside])
+
+    def strongest(effect: Effect, lengths: Array, measures: Measures) -> tuple[float, float]:
+        """Return what the best law of all lengths takes off the squares, and at which."""
+        state = state_of(readings, law, table, nobody, measures, constants)
+        return max((told(effect, float(one), state), float(one)) for one in lengths)
+
+    def told(effect: Effect, length: float, state: State) -> float:
+        """Return what the best law of a length takes off the squares, by the prior's width."""
+        columns = [_column(effect, law, length, state, readings)[inside] for law in effect.laws]
+        free = np.stack(columns, axis=1)
+        free = free - basis @ (basis.T @ free)
+        noise = left @ left / left.size / prior_moments(effect.amplitude.prior)[1] ** 2
+        gain = np.maximum(left @ free, 0.0) ** 2 / (np.sum(free**2, axis=0) + noise)
+        return float(gain.max())
+
+    known_to = [one for one in all_effects(None).values() if one.needs & LENGTHS.keys()]
+    found = {}
+    for effect in known_to:
+        (held,) = effect.needs & LENGTHS.keys()
+        _, best = strongest(effect, measures.stroke * LENGTHS[held], measures)
+        found[held] = best * np.exp(SPREAD * SHAPE_NODES)
+    measures = replace(measures, lengths=found)
+    (spring,) = (one for one in known_to if "spring" in one.needs)
+    each = [replace(measures, damping=one) for one in DAMPINGS]
+    return max(each, key=lambda one: strongest(spring, found["spring"], one)[0])
+
+
+def _column(effect: Effect, law: str, length: float, state: State, readings: Readings) -> Array:
+    """Return what a law of amplitude 1 adds to each row, (W,)."""
+    assert effect.shape is not None
+    values = {effect.amplitude.name: 1.0, effect.shape.name: length}
+    found = np.broadcast_to(effect.laws[law](values, state), readings.speed.shape)
+    return np.asarray(found @ readings.weights)

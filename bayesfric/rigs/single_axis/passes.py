@@ -1,0 +1,58 @@
+"""Passes of an axis from one reversal to the next, which friction may remember."""
+
+from itertools import pairwise
+
+import numpy as np
+
+from bayesfric.arrays import Array
+
+__all__ = ["REMEMBERED", "passes_of"]
+
+REMEMBERED = 4  # passes before the present one
+
+
+def passes_of(position: Array, way: Array, unseen: float) -> tuple[Array, Array]:
+    """Return the travel since the axis last turned, and that of the passes before.
+
+    Parameters
+    ----------
+    position, way : ndarray, shape (N,)
+        Where it is, and 1, −1 or, where nobody knows, 0 for the way that it runs.
+    unseen : float
+        Travel of a pass whose beginning nobody saw.
+
+    Returns
+    -------
+    travel : ndarray, shape (N,)
+        `unseen` before the first turn, or the travel from where a log begins at rest.
+    before : ndarray, shape (N, REMEMBERED)
+        The last pass first.
+    """
+    moving = np.flatnonzero(way)
+    travel = np.full(position.size, unseen)
+    before = np.full((position.size, REMEMBERED), unseen)
+    if not moving.size:
+        return travel, before
+    turns = moving[1:][np.diff(way[moving]) != 0]
+    last = np.searchsorted(turns, np.arange(position.size), side="right") - 1
+    # It turned at the last extreme, somewhere between two samples whose way is known.
+    extremes = np.array([
+        _extreme(position, int(first), int(then))
+        for first, then in pairwise(moving)
+        if way[first] != way[then]
+    ])  # fmt: skip
+    if way[0] == 0:
+        travel = np.abs(position - position[0])
+    if extremes.size:
+        seen = last >= 0
+        travel[seen] = np.abs(position[seen] - extremes[last[seen]])
+        strokes = np.concatenate([np.full(REMEMBERED, unseen), np.abs(np.diff(extremes))])
+        ago = last[seen, None] - 1 - np.arange(REMEMBERED)
+        before[seen] = strokes[np.maximum(ago + REMEMBERED, 0)]
+    return travel, before
+
+
+def _extreme(position: Array, before: int, after: int) -> float:
+    between = position[before : after + 1]
+    middle = 0.5 * (between[0] + between[-1])
+    return float(between[np.argmax(np.abs(between - middle))])

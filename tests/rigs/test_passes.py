@@ -1,0 +1,48 @@
+"""Friction that remembers passes of any travel, against Dahl's model step by step."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from bayesfric.effects import State, all_effects
+from bayesfric.rigs.single_axis.passes import REMEMBERED, passes_of
+
+LENGTH = 0.01
+
+
+def dahl(position):
+    """Return Dahl's z along a path, from friction that is whole."""
+    z, found = 1.0, []
+    for moved in np.diff(position, prepend=position[0]):
+        z += (moved - abs(moved) * z) / LENGTH
+        found.append(z)
+    return np.array(found)
+
+
+def test_it_is_missing_as_much_as_the_pass_before_had_built_up():
+    ends = [0.0, 0.3, 0.285, 0.32, 0.31, 0.318, 0.2]
+    position = np.concatenate([np.linspace(a, b, 40000, endpoint=False) for a, b in pairwise(ends)])
+    way = np.sign(np.diff(position, append=0.1))
+    travel, passes = passes_of(position, way, 9.0)
+    law = all_effects(None)["hysteresis"].turning["after-passes"]
+    state = State(
+        1.0,
+        85.0,
+        15.0,
+        0.1,
+        0.0,
+        1.0,
+        1.0,
+        travel_m=travel,
+        passes_m=tuple(passes.T),
+        direction=way,
+    )
+    found = law({"share": 2.0, "length": LENGTH}, state)  # all of it, twice: Dahl's friction turns
+    seen = np.arange(position.size) > 40000
+    assert found[seen] == pytest.approx((way * dahl(position) - 1)[seen], abs=5e-3)
+    # Without memory it would be off by much, where a pass is as short as the length.
+    alone = law({"share": 2.0, "length": LENGTH}, state._replace(passes_m=()))
+    assert np.abs(alone - (way * dahl(position) - 1))[seen].max() > 0.3
+    assert passes[-1, :2] == pytest.approx([0.008, 0.01], abs=1e-4)
+    assert passes.shape[1] == REMEMBERED
