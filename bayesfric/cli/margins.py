@@ -176,14 +176,16 @@ def margins_into(
 
 def _say(metric: "Metric") -> None:
     """Print a figure that is asked for."""
-    p = metric.probability_of_violation
-    if p is None or metric.interval is None:
+    from bayesfric.margins.terms import chance_told
+
+    chance = chance_told(metric)
+    if chance is None or metric.interval is None:
         return
     name = f"{metric.name} {metric.direction or ''}"
     say(
         f"  {name:<28} {metric.interval.q50:.3g} [{metric.interval.q05:.3g}, "
         f"{metric.interval.q95:.3g}] {metric.unit if metric.unit != '1' else ''}"
-        f"  P(violates {metric.spec:.3g}) = {p:.3f}"
+        f"  P(violates {metric.spec:.3g}): {chance}"
     )
 
 
