@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, TypeVar, get_args
 
 import arviz_base
 import h5py
@@ -246,14 +246,15 @@ def read_tree(path: Path) -> xr.DataTree:
     """
     try:
         if not path.is_file():
-            raise InputError([_not_netcdf(path, "there is no such file")])
+            missing = "this is a folder" if path.is_dir() else "there is no such file"
+            raise InputError([_not_netcdf(path, missing)])
         _check_bytes(path)
         with xr.open_datatree(path, engine=ENGINE) as tree:
             found = tree.load()
     except InputError:
         raise
     except Exception as error:  # whatever the libraries make of bytes that are damaged
-        raise InputError([_not_netcdf(path, type(error).__name__)]) from error
+        raise InputError([_not_netcdf(path, "it cannot be read as one")]) from error
     if found.attrs.get("layout", _layout(found)) != _layout(found):
         raise InputError([_not_netcdf(path, "a part of it is not there")])
     return found
@@ -301,6 +302,12 @@ def read_json(model: type[Record], path: Path) -> Record:
     try:
         return model.model_validate_json(file_bytes(path))
     except ValidationError as error:
+        details = error.errors(include_url=False)
+        other = [one["input"] for one in details if one["loc"] == ("schema",)]
+        if other:  # all else follows from that
+            (wanted,) = get_args(model.model_fields["schema_"].annotation)
+            fault = Fault(str(path), f"a file of {wanted}", column="schema", value=str(other[0]))
+            raise InputError([fault]) from error
         raise InputError(
             [
                 Fault(
@@ -308,7 +315,7 @@ def read_json(model: type[Record], path: Path) -> Record:
                     f"a file of the schema that bayesfric writes ({detail['msg']})",
                     column=".".join(str(part) for part in detail["loc"]) or None,
                 )
-                for detail in error.errors(include_url=False, include_input=False)
+                for detail in details
             ]
         ) from error
 
@@ -363,7 +370,7 @@ def _attributes(path: Path) -> Mapping[str, Any]:
         with netCDF4.Dataset(path) as file:
             return {name: file.getncattr(name) for name in ("run_id",) if name in file.ncattrs()}
     except Exception as error:  # as in read_tree
-        raise InputError([_not_netcdf(path, type(error).__name__)]) from error
+        raise InputError([_not_netcdf(path, "it cannot be read as one")]) from error
 
 
 def fitted_coefficients(folder: Path) -> dict[str, Coefficients]:
@@ -389,6 +396,8 @@ def fitted_numbers(folder: Path) -> dict[str, float]:
 
     Parameters and errors are those of :func:`fitted_coefficients`.
     """
+    if folder.is_file():
+        raise InputError([Fault(str(folder), "the folder of a fit; this is a file in it")])
     fit = read_json(FitFile, folder / "fit.json")
     refuse_mixed(fit, folder / "fit.json")
     means = {name: entry.mean for name, entry in fit.parameters.items()}

@@ -92,9 +92,13 @@ def margins(
         return
     if not loops or draws is None:
         expected = "loops and --draws draws.nc, or --template FILE, or --list-loops"
-        raise InputError([Fault("command line", expected)])
+        given = f"{len(loops or [])} loops, {'no' if draws is None else 'with'} --draws"
+        raise InputError([Fault("command line", expected, value=given)])
+    from bayesfric.margins import loop_path
     from bayesfric.margins.matlab import checked_name
 
+    for loop in loops:
+        loop_path(loop)
     if mat is not None:
         checked_name(mat)
     analysis = read_analysis(config, seed=seed)
