@@ -69,11 +69,11 @@ class InputError(ValueError):
         super().__init__("\n".join(str(fault) for fault in self.faults))
 
 
-def near(name: str, among: Iterable[str], question: str = "meant") -> str:
+def near(name: str, among: Iterable[str]) -> str:
     """Return the question whether one of these names, which is nearly `name`, is meant."""
     small = {other.casefold(): other for other in among if other}
     found = get_close_matches(name.casefold(), small, n=1, cutoff=0.75)
-    return f"; is {small[found[0]]!r} {question}?" if found else ""
+    return f"; is {small[found[0]]!r} meant?" if found else ""
 
 
 def one_of(names: Collection[str], value: str) -> str:

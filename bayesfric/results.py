@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
-from typing import Any, Literal, TypeVar, get_args
+from typing import Any, Literal, TypeVar
 
 import arviz_base
 import h5py
@@ -246,8 +246,7 @@ def read_tree(path: Path) -> xr.DataTree:
     """
     try:
         if not path.is_file():
-            missing = "this is a folder" if path.is_dir() else "there is no such file"
-            raise InputError([_not_netcdf(path, missing)])
+            raise InputError([_not_netcdf(path, "a folder" if path.is_dir() else "no such file")])
         _check_bytes(path)
         with xr.open_datatree(path, engine=ENGINE) as tree:
             found = tree.load()
@@ -302,22 +301,17 @@ def read_json(model: type[Record], path: Path) -> Record:
     try:
         return model.model_validate_json(file_bytes(path))
     except ValidationError as error:
-        details = error.errors(include_url=False)
-        other = [one["input"] for one in details if one["loc"] == ("schema",)]
-        if other:  # all else follows from that
-            (wanted,) = get_args(model.model_fields["schema_"].annotation)
-            fault = Fault(str(path), f"a file of {wanted}", column="schema", value=str(other[0]))
-            raise InputError([fault]) from error
-        raise InputError(
-            [
-                Fault(
-                    str(path),
-                    f"a file of the schema that bayesfric writes ({detail['msg']})",
-                    column=".".join(str(part) for part in detail["loc"]) or None,
-                )
-                for detail in details
-            ]
-        ) from error
+        found = sorted(error.errors(), key=lambda one: one["loc"] != ("schema",))
+        several = found if found[0]["loc"] != ("schema",) else found[:1]  # all else follows
+        raise InputError([_unlike(path, model, one) for one in several]) from error
+
+
+def _unlike(path: Path, model: type[BaseModel], detail: Any) -> Fault:
+    key = ".".join(map(str, detail["loc"])) or None
+    if key == "schema":
+        wanted = f"a file of {model.model_fields['schema_'].default}"
+        return Fault(str(path), wanted, column=key, value=str(detail["input"]))
+    return Fault(str(path), f"a file that bayesfric writes ({detail['msg']})", column=key)
 
 
 def read_beside(record: Provenance, path: Path) -> xr.DataTree:

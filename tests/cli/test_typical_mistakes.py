@@ -5,7 +5,10 @@ from recording.mini import Mini
 from typer.testing import CliRunner
 
 from bayesfric.cli.verbs import app
+from bayesfric.errors import InputError
 from bayesfric.recording import write_recording
+from bayesfric.results import read_json
+from bayesfric.schemas import DiagnosisFile
 
 MISTAKES = {
     "a misspelt verb": ("diagnoze board", "Did you mean 'diagnose'?"),
@@ -24,7 +27,7 @@ MISTAKES = {
     "a simulation over a recording": ("simulate board", "empty or does not exist yet"),
     "claims into a folder": ("claims board --junit empty", "this is a folder"),
     "a fit by its file": ("diagnose board --shipped empty/a.toml", "this is a file in it"),
-    "a folder of draws": ("margins raven-elbow --draws empty", "this is a folder"),
+    "a folder of draws": ("margins raven-elbow --draws empty", "whole (a folder)"),
     "a misspelt loop": ("margins raven-elbo --draws x.nc", "is 'raven-elbow' meant?"),
     "no draws": ("margins raven-elbow", "found '1 loops, no --draws'"),
     "a misspelt format": ("export empty --to mjfc", "is 'mjcf' meant?"),
@@ -68,3 +71,13 @@ def test_an_empty_list_of_failures_is_no_mistake(place, monkeypatch):
     monkeypatch.chdir(place)
     done = CliRunner().invoke(app, ["simulate", "board", "--fail-on", ""])
     assert "an empty value" not in done.stderr
+
+
+def test_a_file_of_another_schema_is_one_line(tmp_path):
+    path = tmp_path / "fit.json"
+    path.write_text('{"schema": "bayesfric.fit/1"}')
+    with pytest.raises(
+        InputError, match=r"found 'bayesfric.fit/1', .* bayesfric.diagnosis/1"
+    ) as one:
+        read_json(DiagnosisFile, path)
+    assert len(one.value.faults) == 1
