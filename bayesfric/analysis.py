@@ -10,9 +10,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError, model_validator
 
-from bayesfric.errors import Fault, InputError
+from bayesfric.errors import InputError
 from bayesfric.families import (
     Beta,
+    Family,
     Finite,
     Gamma,
     HalfCauchy,
@@ -26,7 +27,7 @@ from bayesfric.families import (
     TruncatedNormal,
     Uniform,
 )
-from bayesfric.files import read_toml
+from bayesfric.files import key_faults, read_toml
 from bayesfric.priors import PriorOverrides, Priors
 
 __all__ = [
@@ -299,19 +300,10 @@ def checked_analysis(values: Mapping[str, Any], name: str) -> Analysis:
     try:
         return Analysis.model_validate(values)
     except ValidationError as error:
-        raise InputError([_fault(name, detail) for detail in error.errors()]) from error
+        tags = {one.model_fields["family"].default for one in Family.__subclasses__()}
+        raise InputError(key_faults(name, error, "docs/analysis.md", Analysis, tags)) from error
 
 
 def analysis_sha256(analysis: Analysis) -> str:
     """Return the SHA-256 of the settings in full, defaults filled in."""
     return hashlib.sha256(analysis.model_dump_json().encode()).hexdigest()
-
-
-def _fault(name: str, detail: Any) -> Fault:
-    key = ".".join(str(part) for part in detail["loc"])
-    if detail["type"] == "extra_forbidden":
-        return Fault(name, "no such key (see docs/analysis.md)", column=key)
-    message = detail["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
-    value = detail["input"]
-    shown = None if isinstance(value, dict) else str(value)
-    return Fault(name, message, column=key or None, value=shown)

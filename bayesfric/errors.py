@@ -4,9 +4,11 @@ Every reader (recordings, ``analysis.toml``) collects all the faults it can see
 and raises them together, so that a user mends a file in one go.
 """
 
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
+from difflib import get_close_matches
 
-__all__ = ["Fault", "InputError"]
+__all__ = ["Fault", "InputError", "near", "one_of"]
 
 SHOWN = 120  # characters of a value
 
@@ -65,3 +67,15 @@ class InputError(ValueError):
     def __init__(self, faults: list[Fault] | tuple[Fault, ...]) -> None:
         self.faults = tuple(faults)
         super().__init__("\n".join(str(fault) for fault in self.faults))
+
+
+def near(name: str, among: Iterable[str]) -> str:
+    """Return the question whether one of these names, which is nearly `name`, is meant."""
+    small = {other.casefold(): other for other in among if other}
+    found = get_close_matches(name.casefold(), small, n=1, cutoff=0.75)
+    return f"; is {small[found[0]]!r} meant?" if found else ""
+
+
+def one_of(names: Collection[str], value: str) -> str:
+    """Return what is expected where one of these names was, and which of them may be meant."""
+    return f"one of {', '.join(names)}{near(value, names)}"

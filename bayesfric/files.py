@@ -2,15 +2,17 @@
 
 import re
 import tomllib
+from collections.abc import Collection, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
-from bayesfric.errors import Fault, InputError
+from bayesfric.errors import Fault, InputError, near, one_of
 
-__all__ = ["file_bytes", "read_toml"]
+__all__ = ["file_bytes", "key_faults", "read_toml"]
 
 CAPITALS = "; true and false are written in small letters"
 MEANT = re.compile(rb"=\s*(?!true|false)(?i:true|false)\b")
+FEW = 3  # places of a key that can be told
 LARGEST_TOML = 262_144  # bytes; settings are a few kilobytes, and parsing is slow
 
 
@@ -64,7 +66,7 @@ def read_toml(path: Path) -> dict[str, Any]:
     name = path.name
     data = file_bytes(path, name, LARGEST_TOML)
     try:
-        return tomllib.loads(data.decode("utf-8"))
+        return tomllib.loads(data.decode("utf-8-sig"))
     except UnicodeDecodeError as error:
         row = data.count(b"\n", 0, error.start) + 1
         raise InputError([Fault(name, "a file in UTF-8", row=row)]) from error
@@ -75,3 +77,77 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise InputError([Fault(name, "TOML that is not nested so deeply")]) from error
     except ValueError as error:  # Python's limit of 4,300 digits
         raise InputError([Fault(name, "TOML with numbers of reasonable length")]) from error
+
+
+def key_faults(
+    file: str, error: Any, page: str, model: Any, tags: Collection[str] = ()
+) -> list[Fault]:
+    """Return what is wrong at the keys of a TOML file, each in words of its own.
+
+    Parameters
+    ----------
+    file : str
+        Its name.
+    error : pydantic.ValidationError
+        What is wrong.
+    page : str
+        Of the documentation, which has all keys.
+    model : type of pydantic.BaseModel
+        What the file should be.
+    tags : collection of str
+        Parts of a place that are no keys, but which of several kinds of table it is.
+    """
+    known = tuple(dict.fromkeys(_keys(model)))
+    faults: list[Fault] = []
+    for detail in error.errors():
+        key = ".".join(str(part) for part in detail["loc"] if part not in tags)
+        if detail["type"] == "extra_forbidden":
+            faults.append(_unknown(file, key, page, known))
+        elif detail["type"] == "missing":
+            faults.append(Fault(file, f"this key (see {page})", column=key))
+        else:
+            faults.append(_wrong(file, key, page, detail))
+    meant = " ".join(fault.expected for fault in faults)  # a misspelt key is not missing too
+    return [one for one in faults if f"; is {one.column!r} meant" not in meant]
+
+
+def _keys(model: Any, before: str = "") -> Iterator[str]:
+    """Yield the keys of a model, dotted, those of tables in it too."""
+    for name, field in model.model_fields.items():
+        yield before + name
+        yield from _inner(field.annotation, f"{before}{name}.")
+
+
+def _inner(kind: Any, before: str) -> Iterator[str]:
+    if hasattr(kind, "model_fields"):
+        yield from _keys(kind, before)
+    for one in get_args(kind):
+        yield from _inner(one, before)
+
+
+def _unknown(file: str, key: str, page: str, known: Collection[str]) -> Fault:
+    """Return that there is no such key: one of another table, or misspelt."""
+    last = key.rpartition(".")[2]
+    own = [one for one in known if one.rpartition(".")[2] == last]
+    hint = f"; is {' or '.join(map(repr, own))} meant?" if 0 < len(own) <= FEW else ""
+    return Fault(file, f"no such key (see {page}){hint or _misspelt(key, known)}", column=key)
+
+
+def _misspelt(key: str, known: Collection[str]) -> str:
+    table, _, last = key.rpartition(".")
+    same = [one for one in known if one.rpartition(".")[0] == table and one != key]
+    return "" if key in known else near(key, same) or near(last, known)
+
+
+def _wrong(file: str, key: str, page: str, detail: Any) -> Fault:
+    """Return what is wrong with a value."""
+    value = detail["input"]
+    if detail["type"] == "union_tag_invalid":
+        names = detail["ctx"]["expected_tags"].replace("'", "").split(", ")
+        tag, asked = str(detail["ctx"]["tag"]), detail["ctx"]["discriminator"].strip("'")
+        return Fault(file, one_of(names, tag), column=f"{key}.{asked}", value=tag)
+    if detail["type"] in ("model_attributes_type", "model_type", "dict_type"):
+        return Fault(file, f"a table of keys (see {page})", column=key, value=str(value))
+    message = detail["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
+    shown = None if isinstance(value, dict) or hasattr(value, "model_dump") else str(value)
+    return Fault(file, message.partition(", unable")[0], column=key or None, value=shown)

@@ -246,14 +246,14 @@ def read_tree(path: Path) -> xr.DataTree:
     """
     try:
         if not path.is_file():
-            raise InputError([_not_netcdf(path, "there is no such file")])
+            raise InputError([_not_netcdf(path, "a folder" if path.is_dir() else "no such file")])
         _check_bytes(path)
         with xr.open_datatree(path, engine=ENGINE) as tree:
             found = tree.load()
     except InputError:
         raise
     except Exception as error:  # whatever the libraries make of bytes that are damaged
-        raise InputError([_not_netcdf(path, type(error).__name__)]) from error
+        raise InputError([_not_netcdf(path, "it cannot be read as one")]) from error
     if found.attrs.get("layout", _layout(found)) != _layout(found):
         raise InputError([_not_netcdf(path, "a part of it is not there")])
     return found
@@ -301,16 +301,17 @@ def read_json(model: type[Record], path: Path) -> Record:
     try:
         return model.model_validate_json(file_bytes(path))
     except ValidationError as error:
-        raise InputError(
-            [
-                Fault(
-                    str(path),
-                    f"a file of the schema that bayesfric writes ({detail['msg']})",
-                    column=".".join(str(part) for part in detail["loc"]) or None,
-                )
-                for detail in error.errors(include_url=False, include_input=False)
-            ]
-        ) from error
+        found = sorted(error.errors(), key=lambda one: one["loc"] != ("schema",))
+        several = found if found[0]["loc"] != ("schema",) else found[:1]  # all else follows
+        raise InputError([_unlike(path, model, one) for one in several]) from error
+
+
+def _unlike(path: Path, model: type[BaseModel], detail: Any) -> Fault:
+    key = ".".join(map(str, detail["loc"])) or None
+    if key == "schema":
+        wanted = f"a file of {model.model_fields['schema_'].default}"
+        return Fault(str(path), wanted, column=key, value=str(detail["input"]))
+    return Fault(str(path), f"a file that bayesfric writes ({detail['msg']})", column=key)
 
 
 def read_beside(record: Provenance, path: Path) -> xr.DataTree:
@@ -363,7 +364,7 @@ def _attributes(path: Path) -> Mapping[str, Any]:
         with netCDF4.Dataset(path) as file:
             return {name: file.getncattr(name) for name in ("run_id",) if name in file.ncattrs()}
     except Exception as error:  # as in read_tree
-        raise InputError([_not_netcdf(path, type(error).__name__)]) from error
+        raise InputError([_not_netcdf(path, "it cannot be read as one")]) from error
 
 
 def fitted_coefficients(folder: Path) -> dict[str, Coefficients]:
@@ -389,6 +390,8 @@ def fitted_numbers(folder: Path) -> dict[str, float]:
 
     Parameters and errors are those of :func:`fitted_coefficients`.
     """
+    if folder.is_file():
+        raise InputError([Fault(str(folder), "the folder of a fit; this is a file in it")])
     fit = read_json(FitFile, folder / "fit.json")
     refuse_mixed(fit, folder / "fit.json")
     means = {name: entry.mean for name, entry in fit.parameters.items()}

@@ -14,7 +14,7 @@ from bayesfric.blind.noise_free import CleanCase
 from bayesfric.blind.scoring import score
 from bayesfric.diagnosis import diagnose
 from bayesfric.effects import all_effects
-from bayesfric.errors import Fault, InputError
+from bayesfric.errors import Fault, InputError, one_of
 from bayesfric.recording.tables import Recording
 from bayesfric.results import json_bytes
 from bayesfric.schemas import DiagnosisFile
@@ -38,7 +38,7 @@ def engine_of(name: str) -> Any:
         There is no such engine, or what it needs is not installed.
     """
     if name not in ENGINES:
-        expected = f"an engine that is available: {', '.join(sorted(ENGINES))}"
+        expected = one_of(sorted(ENGINES), name)
         raise InputError([Fault("command line", expected, column="--engine", value=name)])
     if name == "mujoco" and find_spec("mujoco") is None:
         expected = "an installation with MuJoCo: pip install 'bayesfric[mujoco]'"

@@ -16,6 +16,7 @@ from bayesfric.inference.informed import informed_by_data
 from bayesfric.paper import paper, table1
 from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.laws import BASELINES
+from bayesfric.probabilities import stated
 from bayesfric.rigs.coefficients import coefficient_parameters
 
 LEAST_TENSION_N = 5.0  # Table II names no lower bound; the paper's lightest weights give more
@@ -93,7 +94,7 @@ def decide(
     """
     within = (
         f"friction by Table I is within {share(rules.table1_tolerance)} of these data's over "
-        f"Table II with probability {probability:.2f}"
+        f"Table II with probability {stated(probability)}"
     )
     if tail < rules.refute_tail_probability:
         out = f"Table I is far out in the posterior (joint tail probability {tail:.1g}); {within}."

@@ -9,6 +9,7 @@ from bayesfric.claims.apart import differences
 from bayesfric.claims.base import Case, Claim, Finding, Verdict
 from bayesfric.claims.comparison import share
 from bayesfric.claims.studies import Task
+from bayesfric.probabilities import stated
 
 
 def agree(rules: ClaimRules, off: Array) -> Array:
@@ -99,7 +100,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
             figures |= {p.name: middle, f"{p.name}_q05": low, f"{p.name}_q95": high}
     return Finding(
         verdict,
-        f"With probability {probability:.2f} all {len(sizes)} conditions agree within "
+        f"With probability {stated(probability)} all {len(sizes)} conditions agree within "
         f"{share(rules.rig_tolerance)} and most within {share(rules.rig_usual_tolerance)}, the "
         "calibration of either rig being as uncertain as its priors and these data leave it; "
         f"the largest median difference is {100 * medians[furthest]:+.2g} % ({furthest}).",

@@ -3,6 +3,7 @@
 from bayesfric.claims.base import Case, Claim, Finding, Verdict
 from bayesfric.claims.comparison import share
 from bayesfric.claims.rigs_agree import difference_of_conditions, most_within
+from bayesfric.probabilities import stated
 
 
 def _judge(claim: Claim, case: Case) -> Finding:
@@ -21,7 +22,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
     close = (abs(off) <= rules.rig_usual_tolerance).mean(axis=0)
     return Finding(
         verdict,
-        f"With probability {probability:.2f} most of {len(off)} conditions agree within "
+        f"With probability {stated(probability)} most of {len(off)} conditions agree within "
         f"{share(rules.rig_usual_tolerance)}.",
         {
             "probability": probability,

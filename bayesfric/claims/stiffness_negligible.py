@@ -6,6 +6,7 @@ from bayesfric.claims.base import Case, Claim, Finding, Verdict
 from bayesfric.claims.comparison import share
 from bayesfric.inference.priors import draw
 from bayesfric.physics.cable import Cable
+from bayesfric.probabilities import stated
 from bayesfric.rigs.base import Unsupported
 
 CABLES = 64  # draws of the cable from its priors
@@ -38,7 +39,7 @@ def _judge(claim: Claim, case: Case) -> Finding:
     return Finding(
         verdict,
         f"A stretching cable changes friction by less than {share(rules.stiffness_tolerance)} "
-        f"with probability {probability:.3f}; in the median by {share(float(np.median(off)))}. "
+        f"with probability {stated(probability)}; in the median by {share(float(np.median(off)))}. "
         "The cable is that of the priors: of these data only masses, times and noise enter.",
         {
             "probability": probability,

@@ -19,6 +19,7 @@ from bayesfric.cli.options import (
     Workers,
     fails,
     named_rigs,
+    no_folder,
 )
 from bayesfric.cli.printing import say
 from bayesfric.progress import stage
@@ -60,13 +61,15 @@ def claims(
     if recording is None:
         raise InputError([Fault("command line", "a RECORDING, or --list")])
     check_fail_on(fail_on_list, "claims")
+    no_folder(junit, "--junit")
+    analysis, chosen = read_analysis(config, seed=seed), named_rigs(rigs)
     with hold(output, "claims"):
         happened = claims_into(
             recording,
             output,
-            read_analysis(config, seed=seed),
+            analysis,
             junit=junit,
-            rigs=named_rigs(rigs),
+            rigs=chosen,
             baseline=baseline,
             workers=workers,
             quiet=quiet,

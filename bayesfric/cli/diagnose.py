@@ -39,7 +39,7 @@ def diagnose(
         str,
         typer.Option(
             "--fixed",
-            metavar="TEXT",
+            metavar="NAME,…",
             help="Held at their shipped values, as in c3,c1[small], or mass.",
         ),
     ] = "",
@@ -82,17 +82,20 @@ def diagnose(
     from bayesfric.results import fitted_numbers
 
     check_fail_on(fail_on_list, "diagnose")
+    analysis = read_analysis(config, seed=seed)
+    numbers = None if shipped is None else fitted_numbers(shipped)
+    conditions = None if target is None else read_conditions(target)
     with hold(output, "diagnose"):
         happened = diagnose_into(
             recording,
             output,
-            read_analysis(config, seed=seed),
+            analysis,
             baseline=baseline,
-            shipped=None if shipped is None else fitted_numbers(shipped),
+            shipped=numbers,
             fixed=fixed,
             effect_modules=effect_module,
             simulator=simulator,
-            target=None if target is None else read_conditions(target),
+            target=conditions,
             workers=workers,
             quiet=quiet,
         )

@@ -18,7 +18,7 @@ from typing import ParamSpec
 import typer
 
 from bayesfric.cli.printing import say
-from bayesfric.errors import Fault, InputError
+from bayesfric.errors import Fault, InputError, one_of
 
 __all__ = [
     "CAN_HAPPEN",
@@ -157,7 +157,7 @@ def check_fail_on(names: str, verb: str) -> None:
     """
     for name in sorted(_names_of(names)):
         if name not in FAILURES:
-            expected = f"one of {', '.join(FAILURES)}"
+            expected = one_of(FAILURES, name)
             raise InputError([Fault("command line", expected, column="--fail-on", value=name)])
         if name not in CAN_HAPPEN[verb]:
             said = f"--fail-on {name} waits in vain: `{verb}` can have {_listed(verb)}"

@@ -16,20 +16,20 @@ __all__ = ["export"]
 def export(
     folder: Annotated[Path, typer.Argument(help="Folder with the results of fit and diagnose.")],
     to: Annotated[
-        str, typer.Option("--to", metavar="TEXT", help="json, python, mjcf or urdf.")
+        str, typer.Option("--to", metavar="<json|python|mjcf|urdf>", help="For which simulator.")
     ] = "json",
 ) -> None:
     """Write the law with the named causes into the folder: law.json, law.py, law.xml, law.urdf.
 
     Example: bayesfric export my-results --to mjcf
     """
-    from bayesfric.errors import Fault, InputError
+    from bayesfric.errors import Fault, InputError, one_of
     from bayesfric.export import FORMATS, export_text, read_law
     from bayesfric.export.joint_friction import joint_friction
     from bayesfric.results import replace_outputs
 
     if to not in FORMATS:
-        raise InputError([Fault("--to", f"one of {', '.join(FORMATS)}", value=to)])
+        raise InputError([Fault("command line", one_of(FORMATS, to), column="--to", value=to)])
     if not folder.is_dir():
         raise InputError([Fault(str(folder), "a folder with results of the verbs")])
     with hold(folder, "export"):

@@ -33,6 +33,8 @@ def hold(folder: Path, verb: str) -> Iterator[None]:
     InputError
         Another run holds it, or the folder cannot be made or written.
     """
+    if (folder / "datapackage.json").exists():
+        raise InputError([Fault(str(folder), "a folder for results; this one is a recording")])
     made = [parent for parent in (folder, *folder.parents) if not parent.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -92,9 +92,13 @@ def margins(
         return
     if not loops or draws is None:
         expected = "loops and --draws draws.nc, or --template FILE, or --list-loops"
-        raise InputError([Fault("command line", expected)])
+        given = f"{len(loops or [])} loops, {'no' if draws is None else 'with'} --draws"
+        raise InputError([Fault("command line", expected, value=given)])
+    from bayesfric.margins import loop_path
     from bayesfric.margins.matlab import checked_name
 
+    for loop in loops:
+        loop_path(loop)
     if mat is not None:
         checked_name(mat)
     analysis = read_analysis(config, seed=seed)
@@ -176,14 +180,16 @@ def margins_into(
 
 def _say(metric: "Metric") -> None:
     """Print a figure that is asked for."""
-    p = metric.probability_of_violation
-    if p is None or metric.interval is None:
+    from bayesfric.margins.terms import chance_told
+
+    chance = chance_told(metric)
+    if chance is None or metric.interval is None:
         return
     name = f"{metric.name} {metric.direction or ''}"
     say(
         f"  {name:<28} {metric.interval.q50:.3g} [{metric.interval.q05:.3g}, "
         f"{metric.interval.q95:.3g}] {metric.unit if metric.unit != '1' else ''}"
-        f"  P(violates {metric.spec:.3g}) = {p:.3f}"
+        f"  P(violates {metric.spec:.3g}): {chance}"
     )
 
 

@@ -6,6 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from bayesfric.cli.exits import CAN_HAPPEN
+from bayesfric.errors import Fault, InputError, one_of
 
 __all__ = [
     "Baseline",
@@ -20,6 +21,7 @@ __all__ = [
     "Workers",
     "fails",
     "named_rigs",
+    "no_folder",
 ]
 
 Folder = Annotated[
@@ -97,5 +99,38 @@ def fails(verb: str) -> Any:
 
 
 def named_rigs(text: str | None) -> list[str] | None:
-    """Return the names in the value of ``--rigs``."""
-    return None if text is None else [name.strip() for name in text.split(",")]
+    """Return the names in the value of ``--rigs``.
+
+    Raises
+    ------
+    InputError
+        A name is unknown, or is there twice.
+    """
+    if text is None:
+        return None
+    from bayesfric.rigs import all_rigs
+
+    known, names = all_rigs(), [name.strip() for name in text.split(",")]
+    faults = [
+        Fault("command line", one_of(known, name), column="--rigs", value=name)
+        for name in names
+        if name not in known
+    ]
+    if len(set(names)) < len(names):
+        faults.append(Fault("command line", "each rig once", column="--rigs", value=text))
+    if faults:
+        raise InputError(faults)
+    return names
+
+
+def no_folder(path: Path | None, option: str) -> None:
+    """Refuse a folder where a file is to be written, before any work.
+
+    Raises
+    ------
+    InputError
+        It is a folder.
+    """
+    if path is not None and path.is_dir():
+        expected = "the name of a file to write; this is a folder"
+        raise InputError([Fault("command line", expected, column=option, value=str(path))])

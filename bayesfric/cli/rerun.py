@@ -1,8 +1,9 @@
 """``bayesfric rerun``: a stored run once more, and what differs."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
@@ -16,8 +17,12 @@ from bayesfric.cli.options import Quiet, Workers, fails
 from bayesfric.cli.printing import say
 
 if TYPE_CHECKING:
+    from pydantic import BaseModel
+
     from bayesfric.analysis import Analysis
-    from bayesfric.schemas import FitFile, Provenance
+    from bayesfric.schemas import ClaimsFile, DiagnosisFile, FitFile, Provenance
+
+    Read = TypeVar("Read", bound=BaseModel)
 
 __all__ = ["rerun"]
 
@@ -51,12 +56,17 @@ def rerun(
     Example: bayesfric rerun my-results --fail-on changed
     """
     from bayesfric.comparing import compare, comparison_text
+    from bayesfric.errors import Fault, InputError
 
     check_fail_on(fail_on_list, "rerun")
+    if output is not None and output.resolve() == folder.resolve():
+        expected = "a folder other than that of the run"
+        raise InputError([Fault("command line", expected, column="--output")])
+    stored = _stored(folder)
     with TemporaryDirectory(prefix="bayesfric-") as scratch:
         again = Path(scratch) if output is None else output
         with hold(again, "rerun"):
-            _repeat(folder, again, recording, workers, quiet)
+            _repeat(folder, stored, again, recording, workers, quiet)
         found = compare(folder, again)
         for line in comparison_text(found):
             say(line)
@@ -66,28 +76,51 @@ def rerun(
     fail_on(fail_on_list, set() if found.same else {"changed"})
 
 
-def _repeat(folder: Path, again: Path, recording: Path | None, workers: int, quiet: bool) -> None:
-    """Run the verbs whose results are in a folder, into another one."""
-    from bayesfric.diagnosis.target import conditions_of
+@dataclass(frozen=True)
+class _Stored:
+    """What is in the folder of a run, and where what it was given is."""
+
+    fitted: "FitFile | None"
+    claims: "ClaimsFile | None"
+    diagnosis: "DiagnosisFile | None"
+    inputs: "dict[str, tuple[str, ...]]"
+
+    @property
+    def records(self) -> "list[Provenance]":
+        """All of it that is there."""
+        return [one for one in (self.fitted, self.claims, self.diagnosis) if one is not None]
+
+
+def _stored(folder: Path) -> _Stored:
+    """Read what was run into a folder."""
     from bayesfric.errors import Fault, InputError
     from bayesfric.results import read_json
     from bayesfric.schemas import ClaimsFile, DiagnosisFile, FitFile, TimingsFile
 
-    if again.resolve() == folder.resolve():
-        expected = "a folder other than that of the run"
-        raise InputError([Fault("command line", expected, column="--output")])
-    inputs: dict[str, tuple[str, ...]] = {}
-    if (folder / "timings.json").is_file():
-        inputs = read_json(TimingsFile, folder / "timings.json").inputs
-    fitted = read_json(FitFile, folder / "fit.json") if _has(folder, "fit") else None
-    claims = read_json(ClaimsFile, folder / "claims.json") if _has(folder, "claims") else None
-    diagnosis = (
-        read_json(DiagnosisFile, folder / "diagnosis.json") if _has(folder, "diagnosis") else None
+    def read(model: "type[Read]", name: str) -> "Read | None":
+        return read_json(model, folder / f"{name}.json") if _has(folder, name) else None
+
+    timings = read(TimingsFile, "timings")
+    stored = _Stored(
+        read(FitFile, "fit"),
+        read(ClaimsFile, "claims"),
+        read(DiagnosisFile, "diagnosis"),
+        {} if timings is None else timings.inputs,
     )
-    records = [one for one in (fitted, claims, diagnosis) if one is not None]
-    if not records:
+    if not stored.records:
         expected = "a folder with fit.json, claims.json or diagnosis.json"
         raise InputError([Fault(str(folder), expected)])
+    return stored
+
+
+def _repeat(
+    folder: Path, stored: _Stored, again: Path, recording: Path | None, workers: int, quiet: bool
+) -> None:
+    """Run the verbs whose results are in a folder, into another one."""
+    from bayesfric.diagnosis.target import conditions_of
+
+    fitted, claims, diagnosis = stored.fitted, stored.claims, stored.diagnosis
+    inputs, records = stored.inputs, stored.records
     sources = _boards(folder, fitted, recording, inputs)
     source = sources[0] if sources else _recording(folder, recording, inputs, records[0])
     if fitted is not None:

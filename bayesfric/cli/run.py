@@ -23,6 +23,7 @@ from bayesfric.cli.options import (
     Workers,
     fails,
     named_rigs,
+    no_folder,
 )
 from bayesfric.cli.printing import say
 from bayesfric.progress import stage
@@ -65,6 +66,8 @@ def run(
     from bayesfric.resources import bundled_recording
 
     check_fail_on(fail_on_list, "run")
+    no_folder(junit, "--junit")
+    analysis, chosen = read_analysis(config, seed=seed), named_rigs(rigs)
     loops = [loop_path(path) for path in loop or []]
     for path in loops:  # a fault in one, likewise
         read_loop(path)
@@ -72,10 +75,10 @@ def run(
         happened = run_into(
             recording if recording is not None else bundled_recording(),
             output,
-            read_analysis(config, seed=seed),
+            analysis,
             loops=loops,
             junit=junit,
-            rigs=named_rigs(rigs),
+            rigs=chosen,
             baseline=baseline,
             workers=workers,
             quiet=quiet,

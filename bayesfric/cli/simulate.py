@@ -52,12 +52,13 @@ def simulate(
     Example: bayesfric simulate my-recording --protocol quick --effect viscous=0.5 --seed 7
     """
     from bayesfric.analysis import read_analysis
-    from bayesfric.recording import describe_recording, write_recording
+    from bayesfric.recording import check_free, describe_recording, write_recording
     from bayesfric.results import created_date
     from bayesfric.simulate import simulate_recording
 
     check_fail_on(fail_on_list, "simulate")
     analysis = read_analysis(config, seed=seed)
+    check_free(folder)
     strengths = _strengths(effect or [])
     with stage("simulating", quiet=quiet):
         recording = simulate_recording(

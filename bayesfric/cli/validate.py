@@ -24,17 +24,18 @@ def validate(
 
     Example: bayesfric validate my-board --power
     """
+    from bayesfric.analysis import read_analysis
     from bayesfric.recording import describe_recording, read_recording
 
+    analysis = read_analysis(config)
     found = read_recording(recording)
     for label, text in describe_recording(found):
         say(f"{label:<16} {text}")
     for note in found.notes:
         say(f"note: {note}", err=True)
     if power:
-        from bayesfric.analysis import read_analysis
         from bayesfric.planning import power as power_of
 
         say("")
-        for line in str(power_of(found, read_analysis(config))).splitlines():
+        for line in str(power_of(found, analysis)).splitlines():
             say(line)

@@ -6,6 +6,7 @@ from typing import Literal
 
 from bayesfric.diagnosis.classes import Classes
 from bayesfric.effects import Effect
+from bayesfric.probabilities import stated
 from bayesfric.schemas import Axis, Cause, Gap, Interval, Unseparated
 
 __all__ = ["Known", "Verdict", "decide", "sentence_of", "sort_effects", "unseparated_of"]
@@ -169,10 +170,10 @@ def sentence_of(
             absorbed = f" {_acting(weak, unseparated)}, {each}by less than that."
         return (
             f"Once recalibrated, the simulation is systematically off by less than {share:.1%} of "
-            f"friction (probability {chance:.2f}); the median is {size}.{absorbed}"
+            f"friction (probability {stated(chance)}); the median is {size}.{absorbed}"
         )
     if verdict == "undecided" and not causes and gap.systematic.q05 >= share * friction:
-        there = f"A gap of {size} is there (probability {chance:.2f})"
+        there = f"A gap of {size} is there (probability {stated(chance)})"
         if not weak:
             return f"{there}; what causes it stays open."
         each, else_ = ("each ", "") if len(weak) > 1 else ("", "; what else causes it stays open")
@@ -197,12 +198,12 @@ def sentence_of(
         small = " " if matters else f", less than the {share:.1%} that counts, "
         return (
             f"A gap of {size}{small}is there{place}, and none of the effects examined explains "
-            f"it (probability {chance:.2f})."
+            f"it (probability {stated(chance)})."
         )
     if verdict == "unseparated":
         return (
             f"A gap of {size} is there, and one of {rivals} causes it; these data cannot tell "
-            f"which (probability {chance:.2f})."
+            f"which (probability {stated(chance)})."
         )
     shrunk = beside = ""
     them = "it" if len(causes) == 1 else "them"
@@ -213,7 +214,7 @@ def sentence_of(
             f" The systematic gap is {size}; adding {them} takes {_share(gap.shrink)} of its "
             "square away."
         )
-    return f"{acting} (probability {chance:.2f}).{shrunk}{beside}"
+    return f"{acting} (probability {stated(chance)}).{shrunk}{beside}"
 
 
 def _share(shrink: Interval) -> str:

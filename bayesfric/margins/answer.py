@@ -12,7 +12,9 @@ from bayesfric.margins.loop_file import Spec
 from bayesfric.margins.rows import standard_error
 from bayesfric.margins.scanning import REST, Condition
 from bayesfric.margins.spec import HUNTS
+from bayesfric.margins.terms import chance_told
 from bayesfric.margins.thresholds import GAMMA_MAX, Hunting
+from bayesfric.probabilities import bound_of, stated_of_draws
 from bayesfric.schemas import GammaProbability, Metric
 
 __all__ = [
@@ -156,7 +158,7 @@ def _now(shaft: LoopAtShaft, hunting: Hunting) -> str:
 
 
 def against_the_spec(
-    metrics: Sequence[Metric], missed: Sequence[str], hunts: float, spec: Spec
+    metrics: Sequence[Metric], missed: Sequence[str], now: Flags, spec: Spec
 ) -> str:
     """Return whether the loop meets what its file asks for, in a sentence.
 
@@ -166,18 +168,18 @@ def against_the_spec(
         Of the loop.
     missed : sequence of str
         As of :func:`~bayesfric.margins.spec.missed_specs`.
-    hunts : float
-        Share of the draws that hunt at the γ of the file.
+    now : ndarray of bool
+        Which draws hunt at the γ of the file.
     spec : Spec
         Of the file.
     """
     chances = {
-        " ".join(filter(None, (one.name, one.direction))): one.probability_of_violation
+        " ".join(filter(None, (one.name, one.direction))): chance_told(one)
         for one in metrics
         if one.spec is not None
     }
     chances.pop("gamma_hunting", None)
-    chances[HUNTS] = hunts
+    chances[HUNTS] = stated_of_draws(float(now.mean()), now.size)
     if not missed:
         return (
             f"Meets its spec: each of {len(chances)} figures with a probability of "
@@ -186,10 +188,14 @@ def against_the_spec(
         )
     told = (
         f"{name.replace('_', ' ')} ("
-        + ("no draw has one)" if (chance := chances[name]) is None else f"P = {chance:.2g})")
+        + ("no draw has one)" if (chance := chances[name]) is None else f"{_equals(chance)})")
         for name in missed
     )
     return f"Misses {len(missed)} of {len(chances)} specs: {', '.join(told)}."
+
+
+def _equals(chance: str) -> str:
+    return f"P {chance}" if chance[0] in "<>" else f"P = {chance}"
 
 
 def what_to_measure(shares: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
@@ -208,7 +214,7 @@ def what_to_measure(shares: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
 def share_of(happened: Flags) -> str:
     """Return a share of draws in words: none of them is a bound at 95 %, as all of them is."""
     count, hits = happened.size, int(happened.sum())
-    bound = 100 * (1 - 0.05 ** (1 / count))
+    bound = 100 * bound_of(count)
     if hits == 0:
         return f"0 of {count} (< {bound:.2g} % at 95 %)"
     if hits == count:

@@ -6,12 +6,12 @@ motor's shaft, before the gearbox. Unknown keys are refused.
 
 import hashlib
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 
-from bayesfric.errors import Fault, InputError
-from bayesfric.files import read_toml
+from bayesfric.errors import Fault, InputError, one_of
+from bayesfric.files import key_faults, read_toml
 from bayesfric.margins.loop_cables import (
     Cable,
     CableRun,
@@ -349,7 +349,7 @@ def loop_path(given: Path) -> Path:
         return given
     bundled = bundled_loops()
     if str(given) not in bundled:
-        expected = f"a loop file that is there, or a bundled loop: {', '.join(bundled)}"
+        expected = f"a loop file that is there, or {one_of(bundled, str(given))}"
         raise InputError([Fault(str(given), expected)])
     return bundled[str(given)]
 
@@ -372,7 +372,7 @@ def read_loop(path: Path) -> Loop:
     try:
         return Loop.model_validate(values)
     except ValidationError as error:
-        raise InputError([_fault(path.name, detail) for detail in error.errors()]) from error
+        raise InputError(key_faults(path.name, error, "docs/loop.md", Loop, TAGS)) from error
 
 
 def loop_sha256(loop: Loop) -> str:
@@ -381,15 +381,3 @@ def loop_sha256(loop: Loop) -> str:
 
 
 TAGS = FAMILIES | {"revolute", "prismatic"}
-
-
-def _fault(name: str, detail: Any) -> Fault:
-    key = ".".join(str(part) for part in detail["loc"] if part not in TAGS)
-    if detail["type"] == "extra_forbidden":
-        return Fault(name, "no such key (see docs/loop.md)", column=key)
-    if detail["type"] == "missing":
-        return Fault(name, "this key (see docs/loop.md)", column=key)
-    message = detail["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
-    value = detail["input"]
-    shown = None if isinstance(value, dict | BaseModel) else str(value)
-    return Fault(name, message, column=key or None, value=shown)

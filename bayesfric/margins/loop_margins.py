@@ -35,6 +35,7 @@ from bayesfric.margins.tuning import tune as find_gains
 from bayesfric.margins.variance import variance_shares
 from bayesfric.margins.verification import verify as verify_draws
 from bayesfric.margins.warnings import loop_warnings
+from bayesfric.probabilities import stated_of_draws
 from bayesfric.schemas import HuntingMap, LoopMargins, Metric, WithEffects
 
 __all__ = ["Judged", "loop_margins"]
@@ -139,8 +140,9 @@ def loop_margins(
         loop_sha256=loop_sha256(loop),
         answer=" ".join(
             [
-                against_the_spec(judged.rows, judged.missed, judged.hunts, loop.spec),
-                f"All at once are met with probability {together:.2g}.",
+                against_the_spec(judged.rows, judged.missed, judged.hunting.now, loop.spec),
+                "All at once are met with probability "
+                f"{stated_of_draws(together, hunting.now.size)}.",
                 *([f"Beyond what was measured: {'; '.join(beyond)}."] if beyond else []),
                 which_gain(shaft, hunting, safe, allowed),
                 *what_to_measure(shares),
@@ -229,7 +231,7 @@ def _with_effects(
         left_out=diagnosed.left_out,
         answer=" ".join(
             [
-                against_the_spec(judged.rows, judged.missed, judged.hunts, loop.spec),
+                against_the_spec(judged.rows, judged.missed, judged.hunting.now, loop.spec),
                 which_gain(
                     after, judged.hunting, judged.safe, loop.spec.limit_cycle_probability_max
                 ),

@@ -4,10 +4,13 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from bayesfric.probabilities import stated_of_draws
 from bayesfric.schemas import Interval, LoopMargins, Metric, Tuning
 
-__all__ = ["certificate_told", "in_degrees_or_decibels", "tuning_told"]
+__all__ = ["certificate_told", "chance_told", "in_degrees_or_decibels", "tuning_told"]
 
+HALF_A_DRAW = float(np.sqrt(0.5))
+"""Monte Carlo error, times the number of draws, of what none or all of them have."""
 NORMAL_WIDTH = 3.29
 """Standard deviations from 5 to 95 %."""
 TURNED: Mapping[str, tuple[str, Callable[[float], float]]] = {
@@ -15,6 +18,14 @@ TURNED: Mapping[str, tuple[str, Callable[[float], float]]] = {
     "gain_margin": ("dB", lambda factor: float(20 * np.log10(factor))),
 }
 """Metric to unit and conversion."""
+
+
+def chance_told(metric: Metric) -> str | None:
+    """Return how probably a loop misses the spec of a metric, in words; None without a spec."""
+    p, error = metric.probability_of_violation, metric.monte_carlo_se
+    if p is None or error is None:
+        return None
+    return stated_of_draws(p, HALF_A_DRAW / error)
 
 
 def in_degrees_or_decibels(metric: Metric) -> Metric | None:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullLocator
+from matplotlib.ticker import LogLocator, NullLocator
 
 from bayesfric.plots.labels import numbers
 from bayesfric.plots.style import COLORS, LINES, MARKERS, NEUTRAL, figure, key
@@ -76,11 +76,13 @@ def against_rivals(factors: Mapping[str, Mapping[str, float]]) -> Figure:
                 axes.plot(shown, row, marker, color=SHADES[place % len(SHADES)], markersize=3.8)
                 if shown != value:
                     axes.text(
-                        shown - np.sign(shown) * 0.25,
-                        row - 0.35,
+                        shown * 0.93,
+                        row,
                         f"{value:.0f}".replace("-", "−"),
                         fontsize=6.5,
                         ha="right" if shown > 0 else "left",
+                        va="center",
+                        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
                     )
                 ticks.append(row)
                 labels.append(rival)
@@ -112,6 +114,7 @@ def smallest_found(shares: Mapping[str, Mapping[str, float]], matters: float) ->
             axes.plot(100 * share, row, "o", color=shade, markersize=4.0)
         axes.axvline(100 * matters, color=NEUTRAL, linewidth=0.8, linestyle="--", zorder=1)
         axes.set_xscale("log")
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axes.xaxis.set_major_formatter(numbers())
         axes.xaxis.set_minor_locator(NullLocator())
         axes.set_yticks(range(len(rows)), [f"{claim}: {rival}" for claim, rival, _ in rows])

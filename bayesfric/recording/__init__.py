@@ -9,7 +9,7 @@ from bayesfric.recording.describing import describe_recording
 from bayesfric.recording.digest import tables_sha256
 from bayesfric.recording.reading import read_recording
 from bayesfric.recording.tables import Axis, Gravity, Motor, Pulley, Recording, RigConstants
-from bayesfric.recording.writing import write_recording
+from bayesfric.recording.writing import check_free, write_recording
 
 __all__ = [
     "Axis",
@@ -18,6 +18,7 @@ __all__ = [
     "Pulley",
     "Recording",
     "RigConstants",
+    "check_free",
     "describe_recording",
     "read_conditions",
     "read_recording",

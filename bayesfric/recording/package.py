@@ -4,13 +4,12 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from datetime import datetime
-from difflib import get_close_matches
 from pathlib import PurePosixPath, PureWindowsPath
 from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
-from bayesfric.errors import Fault
+from bayesfric.errors import Fault, near
 from bayesfric.recording.columns import LARGEST_INTEGER
 from bayesfric.recording.csv_text import LISTED, with_rest
 from bayesfric.recording.json_text import dotted, parse_json_object, shown
@@ -249,9 +248,7 @@ def _folded(faults: list[Fault]) -> list[Fault]:
 def _notes(unknown: list[str]) -> Iterator[str]:
     known = [*OWN, *(f"rig.{key}" for key in _Rig.model_fields)]
     for key in unknown[:LISTED]:
-        near = get_close_matches(key, known, n=1, cutoff=0.8)
-        hint = f"; is {near[0]} meant?" if near else ""
-        yield f"{PACKAGE_FILE}: unknown key {key} kept out{hint}"
+        yield f"{PACKAGE_FILE}: unknown key {key} kept out{near(key, known)}"
     if len(unknown) > LISTED:
         yield f"{PACKAGE_FILE}: and {len(unknown) - LISTED:,} unknown keys more kept out"
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bayesfric.errors import Fault, InputError
+from bayesfric.errors import Fault, InputError, near
 from bayesfric.recording.axis_notes import notes_on_axis
 from bayesfric.recording.columns import BUILT_IN, RIG_KEYS_NEEDED, TABLES
 from bayesfric.recording.consistency import check_across
@@ -187,7 +187,7 @@ def _missing_parts(package: Package, listed: dict[str, Resource]) -> list[Fault]
             faults.append(Fault(needed, f"this table, listed as a resource, because of {file}"))
         for key in RIG_KEYS_NEEDED.get(file, ()):
             if key not in package.rig_keys:
-                expected = f"this key, because of {file}"
+                expected = f"this key, because of {file}{near(key, package.rig_keys)}"
                 faults.append(Fault(PACKAGE_FILE, expected, column=f"rig.{key}"))
     return faults
 

@@ -5,19 +5,17 @@ that every fault keeps its line and its value as written.
 """
 
 import re
-from collections.abc import Iterable
 from dataclasses import dataclass
-from difflib import get_close_matches
 
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from bayesfric.errors import Fault, InputError
+from bayesfric.errors import Fault, InputError, near
 from bayesfric.recording.columns import LARGEST, TABLES, Column, TableFormat
 from bayesfric.recording.csv_text import TextTable
 
-__all__ = ["Table", "check_cells", "meant"]
+__all__ = ["Table", "check_cells"]
 
 DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
@@ -111,9 +109,7 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
             kept_out.append(str(name))
     why = " (not a number in every row)" if table.keeps_covariates else ""
     for name in kept_out[:NOTED]:
-        near = get_close_matches(name, absent, n=1, cutoff=0.75)
-        hint = f"; is {near[0]} meant?" if near else ""
-        notes.append(f"{text.file}: unknown column {name!r} kept out{why}{hint}")
+        notes.append(f"{text.file}: unknown column {name!r} kept out{why}{near(name, absent)}")
     if len(kept_out) > NOTED:
         rest = len(kept_out) - NOTED
         notes.append(f"{text.file}: and {rest:,} unknown columns more kept out{why}")
@@ -183,7 +179,7 @@ def _checked(
         name = column.name
         if name not in frame:
             if column.required:
-                expected = f"this column, each cell {column.expected}{meant(name, written)}"
+                expected = f"this column, each cell {column.expected}{near(name, written)}"
                 faults.append(Fault(text.file, expected, row=1, column=name))
             continue
         values, cells = frame[name], text.cells[name]
@@ -234,9 +230,3 @@ def _obeys(values: pd.Series, column: Column) -> "pd.Series[bool]":
     if column.nonzero:
         obeys &= values != 0
     return obeys
-
-
-def meant(name: str, among: Iterable[str]) -> str:
-    """Return the question whether one of these names, which is nearly `name`, is meant."""
-    near = get_close_matches(name, [other for other in among if other], n=1, cutoff=0.75)
-    return f"; is {near[0]!r} meant to be it?" if near else ""

@@ -22,11 +22,24 @@ from bayesfric.recording.package import PACKAGE_FILE
 from bayesfric.recording.reading import assemble
 from bayesfric.recording.tables import Recording, RigConstants
 
-__all__ = ["write_recording"]
+__all__ = ["check_free", "write_recording"]
 
 # Of kinds 3 and 4 on a rotary rig.
 ROTARY_UNITS = {"m": "rad", "N": "N·m", "kg": "kg·m²", "m/s": "rad/s"}
 ROTARY_TABLES = ("steady_friction.csv", "axis_samples.csv")
+
+
+def check_free(folder: str | PathLike[str]) -> None:
+    """Refuse a place where no recording can be written, since something is there.
+
+    Raises
+    ------
+    InputError
+        It is a file, or a folder that is not empty.
+    """
+    target = Path(folder).resolve()
+    if target.exists() and not (target.is_dir() and not any(target.iterdir())):
+        raise InputError([Fault(str(folder), "a folder that is empty or does not exist yet")])
 
 
 def write_recording(recording: Recording, folder: str | PathLike[str]) -> None:
@@ -53,9 +66,8 @@ def write_recording(recording: Recording, folder: str | PathLike[str]) -> None:
     """
     contents = _contents(recording)
     assemble(contents.__getitem__)
+    check_free(folder)
     target = Path(folder).resolve()
-    if target.exists() and not (target.is_dir() and not any(target.iterdir())):
-        raise InputError([Fault(str(folder), "a folder that is empty or does not exist yet")])
     temporary = target.with_name(f".{target.name}.{uuid.uuid4().hex}")
     try:
         temporary.mkdir(parents=True)

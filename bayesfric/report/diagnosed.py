@@ -5,7 +5,7 @@ from typing import Literal, TypeAlias
 from bayesfric.report.quantities import format_probability
 from bayesfric.schemas import Cause, DiagnosisFile
 
-__all__ = ["VERDICTS", "box", "has_gap", "listed", "posterior_probability"]
+__all__ = ["VERDICTS", "box", "has_gap", "listed"]
 
 VERDICTS = {
     "no-gap": "No gap",
@@ -14,13 +14,7 @@ VERDICTS = {
     "unknown": "Unknown",
     "undecided": "Undecided",
 }
-LEAST = 1e-9
 Kind: TypeAlias = Literal["attention", "good", "info"]
-
-
-def posterior_probability(p: float | None) -> str:
-    """Write the probability of a hypothesis: none is certain, even where the next double is 1."""
-    return format_probability(None if p is None else min(max(p, LEAST), 1 - LEAST))
 
 
 def listed(effects: tuple[Cause, ...]) -> str:

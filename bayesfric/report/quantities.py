@@ -9,6 +9,8 @@ import math
 import re
 from decimal import Decimal
 
+from bayesfric.probabilities import stated
+
 __all__ = [
     "MISSING",
     "format_count",
@@ -166,24 +168,8 @@ def format_fixed(value: float | None, decimals: int) -> str:
 
 
 def format_probability(p: float | None) -> str:
-    """Write a probability with a third decimal near either end: 0.93, 0.004, > 0.999.
-
-    Raises
-    ------
-    ValueError
-        If it is not within 0 to 1.
-    """
-    if p is None:
-        return MISSING
-    if not 0 <= p <= 1:
-        raise ValueError(f"expected a probability, got {p!r}")
-    if p in (0, 1):
-        return f"{p:.0f}"
-    if p < 0.001:
-        return "< 0.001"
-    if p > 0.999:
-        return "> 0.999"
-    return f"{p:.{2 if 0.1 <= p <= 0.95 else 3}f}"
+    """Write a probability as :func:`~bayesfric.probabilities.stated` does, a dash for None."""
+    return MISSING if p is None else stated(p)
 
 
 def format_share(share: float | None, digits: int = 2) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from bayesfric.analysis import Analysis, PriorOverrides
-from bayesfric.errors import Fault, InputError
+from bayesfric.errors import Fault, InputError, one_of
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Recording
@@ -48,15 +48,14 @@ def chosen_rigs(recording: Recording, rigs: Sequence[str] | None) -> tuple[str, 
             kinds = " or ".join(rig.tables[0] for rig in known.values())
             raise InputError([Fault(recording.name, f"{kinds}, the kinds that can be fitted")])
         return (there[0],)
-    one_of = f"one of {', '.join(known)}"
-    unknown = [Fault("rigs", one_of, value=name) for name in rigs if name not in known]
+    unknown = [Fault("rigs", one_of(known, name), value=name) for name in rigs if name not in known]
     absent = [
         Fault(recording.name, f"data of the rig {name!r}, which was asked for")
         for name in rigs
         if name in known and name not in there
     ]
     if unknown or absent or not rigs:
-        raise InputError([*unknown, *absent] or [Fault("rigs", one_of)])
+        raise InputError([*unknown, *absent] or [Fault("rigs", one_of(known, ""))])
     return tuple(name for name in known if name in rigs)
 
 
@@ -178,7 +177,7 @@ def baseline_of(name: str, rigs: Sequence[RigTrials]) -> FrictionLaw:
         The law is unknown, or makes no sense on a rig.
     """
     if name not in BASELINES:
-        raise InputError([Fault("baseline", f"one of {', '.join(BASELINES)}", value=name)])
+        raise InputError([Fault("baseline", one_of(BASELINES, name), value=name)])
     law = BASELINES[name]
     faults = [
         Fault("baseline", f"a law that the {one.rig.words.rig} can have. {why.reason}", value=name)

@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 
 from bayesfric.arrays import Array
 from bayesfric.effects import Effect, all_effects
-from bayesfric.errors import Fault, InputError
+from bayesfric.errors import Fault, InputError, one_of
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs import paper_rigs
 from bayesfric.rigs.own_design import OwnDesign
@@ -69,7 +69,7 @@ def at_strength(
     """
     known = all_effects(design.offers) if isinstance(design, OwnDesign) else all_effects()
     if name not in known:
-        raise InputError([Fault("effect", f"one of {', '.join(known)}", value=name)])
+        raise InputError([Fault("effect", one_of(known, name), value=name)])
     effect = known[name]
     chosen = next(iter(effect.laws)) if law is None else law
     shape: dict[str, float] = {}

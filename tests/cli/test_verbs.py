@@ -192,7 +192,7 @@ def test_too_few_walkers_for_the_parameters_are_refused(board, tmp_path, monkeyp
         (("fit", "nowhere"), "nowhere"),
         (("fit", "board", "--config", "none.toml"), "none.toml"),
         (("fit", "board", "--fail-on", "rain"), "--fail-on: found 'rain'"),
-        (("report", "board"), "fit.json"),
+        (("report", "board"), "a folder for results; this one is a recording"),
         (("fit",), "recording"),
         (("fit", "board", "--colour"), "--colour"),
         (("simulate", "board"), "board"),

@@ -87,7 +87,7 @@ def test_a_gap_that_is_surely_there_is_not_said_to_be_open():
     gap = diagnosis().gap
     share = gap.systematic.q05 / gap.friction_rms
     there = sentence_of("undecided", 0.97, [], gap, (), (), 0.9 * share)
-    assert "is there (probability 0.97); what causes it stays open" in there
+    assert "is there (probability 0.970); what causes it stays open" in there
     assert "gap of up to" in sentence_of("undecided", 0.97, [], gap, (), (), 1.1 * share)
     both = [cause("viscous"), cause("stribeck")]
     together = sentence_of("undecided", 0.97, [], gap, (), (), 0.9 * share, both)
@@ -119,7 +119,7 @@ def test_effects_of_which_one_acts_beside_a_cause_are_in_the_sentence():
     rivals = (Unseparated(effects=("air-drag", "stribeck"), reason="these-data"),)
     gap = diagnosis().gap
     both = sentence_of("named", 0.97, [cause("viscous")], gap, (), rivals, 0.02)
-    assert both.startswith("viscous acts (probability 0.97).")
+    assert both.startswith("viscous acts (probability 0.970).")
     assert both.endswith("One of air-drag, stribeck acts beside it; these data cannot tell which.")
     assert "One of" not in sentence_of("named", 0.97, [cause("viscous")], gap, (), (), 0.02)
 

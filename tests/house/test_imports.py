@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[2]
 
 # From the base up. Rooms of one row may import each other, in one direction.
 ROWS = (
-    ("arrays", "errors", "characters", "files", "resources", "checksum"),
+    ("arrays", "errors", "characters", "files", "resources", "checksum", "probabilities"),
     ("recording",),
     ("logs",),
     ("paper", "families", "priors", "analysis", "schemas"),
@@ -52,6 +52,7 @@ ONLY = {
     "files": set(),
     "resources": set(),
     "checksum": set(),
+    "probabilities": set(),
     "campaign": set(),  # maps any function over any cases
     "checkpoint": set(),  # any computation
     "interrupts": set(),  # whatever must be whole

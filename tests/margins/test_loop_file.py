@@ -67,7 +67,7 @@ def refused(tmp_path, changes):
         ({"controller.velocity_filter": "low-pass"}, "controller", "velocity_cutoff_hz"),
         ({"compensation.signal": "error"}, "compensation", "boundary_rad"),
         ({"tool.lever_m": None}, None, "lever_m"),
-        ({"joint.kind": "hinge"}, "joint", "revolute"),
+        ({"joint.kind": "hinge"}, "joint.kind", "revolute"),
     ],
 )  # fmt: skip
 def test_a_bad_loop_is_one_clear_fault(tmp_path, changes, column, expected):

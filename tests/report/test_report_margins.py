@@ -89,7 +89,7 @@ def test_the_tables_hold_the_stored_figures(computed):
     (two,) = [table for table in tables if table.label == "margins-second"]
     gain = next(row for row in two.rows if row[0] == "gain margin")
     assert gain[6] == "≥ 2.00"
-    assert gain[7] == "0"
+    assert gain[7] == "< 0.03"  # none of some hundred draws
     decibels = two.rows[two.rows.index(gain) + 1]
     assert decibels[1] == "dB"
     assert decibels[6] == "≥ 6.02"

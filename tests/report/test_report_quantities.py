@@ -2,6 +2,7 @@ import math
 
 import pytest
 
+from bayesfric.probabilities import stated_of_draws
 from bayesfric.report.quantities import (
     format_count,
     format_interval,
@@ -63,7 +64,10 @@ def test_units_counts_shares_and_probabilities() -> None:
     assert format_count(-1234567) == f"−1{THIN}234{THIN}567"
     assert format_share(0.1234) == f"12{THIN}%"
     shown = [format_probability(p) for p in (0, 1e-5, 0.004, 0.5, 0.967, 0.9999, 1, None)]
-    assert shown == ["0", "< 0.001", "0.004", "0.50", "0.967", "> 0.999", "1", "—"]
+    assert shown == ["< 0.001", "< 0.001", "0.004", "0.50", "0.967", "> 0.999", "> 0.999", "—"]
+    assert stated_of_draws(1, 200) == "> 0.985"  # none of 200: below 1.5 % at 95 %
+    assert stated_of_draws(0, 3200) == "< 0.001"
+    assert stated_of_draws(0.25, 200) == "0.25"
 
 
 @pytest.mark.parametrize(

@@ -160,10 +160,15 @@ def _alone(one: ClaimResult) -> list[str]:
         return []
     each = ", ".join(
         f"{size} {format_fixed(entry.log10_bayes_factor, 1)}"
-        + (f" ({entry.log10_bayes_factor_why})" if entry.log10_bayes_factor is None else "")
+        + (f" ({_short(entry.log10_bayes_factor_why)})" if entry.log10_bayes_factor is None else "")
         for size, entry in ((size, one.by_pulley[size]) for size in ordered_sizes(one.by_pulley))
     )
     return [f" Log₁₀ Bayes factors of each size alone: {each}."]
+
+
+def _short(why: str | None) -> str:
+    """Return a reason without the figures behind its colon, which are in claims.json."""
+    return (why or "").partition(":")[0]
 
 
 def _elpd_error(one: ClaimResult) -> str:

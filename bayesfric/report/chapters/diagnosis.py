@@ -31,7 +31,7 @@ from bayesfric.report.content import (
     Table,
     Text,
 )
-from bayesfric.report.diagnosed import VERDICTS, box, has_gap, listed, posterior_probability
+from bayesfric.report.diagnosed import VERDICTS, box, has_gap, listed
 from bayesfric.report.quantities import (
     format_fixed,
     format_interval,
@@ -91,7 +91,7 @@ def diagnosis(stored: StoredDiagnosis, *, alone: bool) -> Iterator[Block]:
     if not alone:
         title = VERDICTS[found.verdict]
         if "probability" not in found.sentence:  # one number is told once
-            title += f" (probability {posterior_probability(found.verdict_probability)})"
+            title += f" (probability {format_probability(found.verdict_probability)})"
         yield Notice(box(found), found.sentence, title=title)
     for line in found.attention:
         yield Notice("attention", line)
@@ -237,7 +237,7 @@ def _which(found: DiagnosisFile) -> Figure | Paragraph:
     most: list[Inline] = [
         "Most probable: ",
         Code(best),
-        f" ({posterior_probability(probability)}). ",
+        f" ({format_probability(probability)}). ",
     ]
     hypotheses: list[Inline] = ["All hypotheses: ", Reference("hypotheses"), "."]
     if not any(one.probability > RARE for one in included):

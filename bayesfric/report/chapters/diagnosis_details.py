@@ -16,7 +16,7 @@ from bayesfric.report.content import (
     Table,
     Text,
 )
-from bayesfric.report.diagnosed import has_gap, posterior_probability
+from bayesfric.report.diagnosed import has_gap
 from bayesfric.report.quantities import (
     MISSING,
     format_fixed,
@@ -98,8 +98,8 @@ def _probabilities(found: DiagnosisFile) -> Iterator[Block]:
         [
             [
                 Code(name),
-                posterior_probability(probability),
-                *(posterior_probability(other.get(name)) for other in sensitivity.values()),
+                format_probability(probability),
+                *(format_probability(other.get(name)) for other in sensitivity.values()),
             ]
             for name, probability in ranked[:ROWS]
         ],

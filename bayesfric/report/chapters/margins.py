@@ -3,7 +3,12 @@
 import re
 from collections.abc import Iterator
 
-from bayesfric.margins.terms import certificate_told, in_degrees_or_decibels, tuning_told
+from bayesfric.margins.terms import (
+    certificate_told,
+    chance_told,
+    in_degrees_or_decibels,
+    tuning_told,
+)
 from bayesfric.plots.following import errors_over_time
 from bayesfric.plots.margins import hunting_over_speed, nyquist_fan
 from bayesfric.plots.style import svg_of
@@ -26,7 +31,6 @@ from bayesfric.report.quantities import (
     MISSING,
     format_count,
     format_number,
-    format_probability,
     format_share,
     interval_cells,
 )
@@ -228,7 +232,7 @@ def _row(metric: Metric) -> list[str]:
         metric.place,
         *_cells(metric.interval, scale),
         spec,
-        format_probability(chance),
+        chance_told(metric) or MISSING,
         MISSING if chance is None else format_number(metric.monte_carlo_se, 1),
     ]
 

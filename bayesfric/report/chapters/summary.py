@@ -111,7 +111,7 @@ def _not_estimated(fit: FitFile) -> Iterator[Paragraph]:
 MEANINGS = {
     "tau": "relative scatter of friction from trial to trial",
     "omega": "relative scatter of friction from setup to setup",
-    "omega_intercept": "relative scatter of c2 from setup to setup, beside that",
+    "omega_intercept": "relative scatter of c2 alone from setup to setup",
     "wander": "relative rms of friction that wanders along the travel of a trial",
     "wander_length": "correlation length of the wander",
     "sigma_x": "position error of a Hall event",
