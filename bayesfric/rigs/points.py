@@ -94,7 +94,7 @@ class PointPart:
         used: Flags | None = None,
     ) -> Evaluated:
         """Return what the readings say; those at rest always enter, and no phases show."""
-        runs = slice(None) if used is None else used
+        runs = np.ones(len(self.setup), dtype=bool) if used is None else used
         start, end = self.layout.own, self.layout.own + self.layout.candidates
         whole = self.columns[runs]
         x = np.concatenate([whole[:, :start], whole[:, start:end] @ mixing, whole[:, end:]], axis=1)
