@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
@@ -327,18 +328,18 @@ def followed(held: str, length: str, heavy: float) -> Law:
     heavy : float
         Share of the mass that is behind, over that of the friction; infinite for the mass alone.
     """
-
-    def law(p: Mapping[str, Array], state: State) -> Array:
-        late, lost = (np.asarray(one) for one in state.load(held, heavy, p[length]))
-        if np.isinf(heavy):
-            return np.asarray(p["share"] * np.asarray(state.mass_kg) * late)
-        mass = heavy * np.asarray(state.mass_kg)
-        return np.asarray(p["share"] * (mass * late + state.friction_n * lost))
-
-    return law
+    return partial(_followed, held, length, heavy)
 
 
-def after_passes(share: str, length: str) -> Law:
+def _followed(held: str, length: str, heavy: float, p: Mapping[str, Array], state: State) -> Array:
+    late, lost = (np.asarray(one) for one in state.load(held, heavy, p[length]))
+    if np.isinf(heavy):
+        return np.asarray(p["share"] * np.asarray(state.mass_kg) * late)
+    mass = heavy * np.asarray(state.mass_kg)
+    return np.asarray(p["share"] * (mass * late + state.friction_n * lost))
+
+
+def after_passes(p: Mapping[str, Array], state: State) -> Array:
     """Return Dahl's law, dz/dx = (1 − z)/L along the motion, through passes of any travel.
 
     After a reversal friction starts from where the pass before left it: the less it was built up
@@ -346,15 +347,13 @@ def after_passes(share: str, length: str) -> Law:
 
     Parameters
     ----------
-    share, length : str
-        Names of the parameters: what a whole reversal takes, as a share of friction, and L.
+    p : mapping of str to ndarray
+        ``share``, what a whole reversal takes as a share of friction, and ``length``, L [m].
+    state : State
+        With the travel of the passes before.
     """
-
-    def law(p: Mapping[str, Array], state: State) -> Array:
-        missing: Array = np.ones(())  # of what a whole reversal takes
-        for passed in reversed(state.passes_m):
-            missing = 1 - missing * np.exp(-np.asarray(passed) / p[length])
-        left = missing * np.exp(-np.asarray(state.travel_m) / p[length])
-        return np.asarray(-p[share] * state.settling_friction_n * left)
-
-    return law
+    missing: Array = np.ones(())  # of what a whole reversal takes
+    for passed in reversed(state.passes_m):
+        missing = 1 - missing * np.exp(-np.asarray(passed) / p["length"])
+    left = missing * np.exp(-np.asarray(state.travel_m) / p["length"])
+    return np.asarray(-p["share"] * state.settling_friction_n * left)

@@ -48,7 +48,7 @@ EFFECT = Effect(
         typical=0.04,
     ),
     laws={"dahl": _dahl, "bouc-wen": _bouc_wen},
-    turning={"after-passes": after_passes("share", "length")},
+    turning={"after-passes": after_passes},
     edge={"travel_m": 0.0},
     along_path=True,
 )

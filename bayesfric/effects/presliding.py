@@ -43,7 +43,7 @@ EFFECT = Effect(
         typical=0.02,
     ),
     laws={"exponential": _exponential, "rational": _rational},
-    turning={"after-passes": after_passes("share", "length")},
+    turning={"after-passes": after_passes},
     edge={"travel_m": 0.0},
     along_path=True,
 )

@@ -7,12 +7,13 @@ taken along.
 """
 
 from collections.abc import Mapping
+from functools import partial
 
 import numpy as np
 
 from bayesfric.analysis import HalfNormal, LogNormal
 from bayesfric.arrays import Array
-from bayesfric.effects.base import Effect, EffectParameter, Law, State, followed
+from bayesfric.effects.base import Effect, EffectParameter, State, followed
 from bayesfric.physics.loads import taken_along
 
 SPREAD = 3.0  # a spring takes a load along over a third of the travel
@@ -24,18 +25,14 @@ def _late(heavy: float, length: Array, state: State) -> Array:
     return np.asarray(square * np.asarray(state.force_curvature_n_s2))
 
 
-def _wound_up(heavy: float) -> Law:
-    """Return the law of a load with as large a share of the mass, times a number."""
-
-    def law(p: Mapping[str, Array], state: State) -> Array:
-        length = p["length"]
-        _, caught = taken_along(state.travel_m, state.speed_m_s, length, SPREAD)
-        left = np.maximum(1 - np.asarray(state.travel_m) / length, 0.0)
-        taken = heavy * np.asarray(state.mass_kg) * caught - 2 * state.friction_n * left
-        late = heavy * _late(heavy, length, state)
-        return np.asarray(p["share"] * (np.abs(state.direction) * taken - late))
-
-    return law
+def _wound_up(heavy: float, p: Mapping[str, Array], state: State) -> Array:
+    """Return the force of a load with as large a share of the mass, times a number."""
+    length = p["length"]
+    _, caught = taken_along(state.travel_m, state.speed_m_s, length, SPREAD)
+    left = np.maximum(1 - np.asarray(state.travel_m) / length, 0.0)
+    taken = heavy * np.asarray(state.mass_kg) * caught - 2 * state.friction_n * left
+    late = heavy * _late(heavy, length, state)
+    return np.asarray(p["share"] * (np.abs(state.direction) * taken - late))
 
 
 def _seen_at_load(p: Mapping[str, Array], state: State) -> Array:
@@ -69,8 +66,8 @@ EFFECT = Effect(
         typical=0.004,
     ),
     laws={
-        "half-mass": _wound_up(0.5),
-        "mass": _wound_up(1.0),
+        "half-mass": partial(_wound_up, 0.5),
+        "mass": partial(_wound_up, 1.0),
         "seen-at-load": _seen_at_load,
         "rings-half-mass": followed("spring", "length", 0.5),
         "rings-mass": followed("spring", "length", 1.0),

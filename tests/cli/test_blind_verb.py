@@ -15,7 +15,7 @@ def blind(*arguments):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--engine", "gazebo"], "--engine: found 'gazebo', expected an engine that is available"),
+        (["--engine", "gazebo"], "--engine: found 'gazebo', expected one of"),
         (["--engine", "dream"], "--engine: found 'dream'"),
         (["--seed", "9990", "--n", "20"], "--seed: found '9990', expected seeds of tuning"),
         (["--from", "somewhere"], "--answer: expected --from RECORDING and --answer FILE"),

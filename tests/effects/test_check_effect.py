@@ -1,6 +1,7 @@
 """What an author of an effect is told."""
 
 import dataclasses
+import pickle
 
 import numpy as np
 import pytest
@@ -82,3 +83,10 @@ def test_a_file_is_checked_by_its_name(tmp_path):
     )
     with pytest.raises(EffectError, match="there is no law"):
         check_effect(path)
+
+
+@pytest.mark.parametrize("name", sorted(all_effects()))
+def test_an_effect_goes_to_another_process_and_comes_back(name):
+    """Claims and campaigns send effects to their workers."""
+    back = pickle.loads(pickle.dumps(all_effects()[name]))
+    assert list(back.laws) == list(all_effects()[name].laws)

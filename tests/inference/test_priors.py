@@ -135,7 +135,7 @@ def test_what_a_density_without_variance_is_as_wide_as():
             "above low",
         ),
         ("c1", {"family": "cauchy", "scale": 1.0}, "half-cauchy"),
-        ("c1", {"family": "gamma", "shape": 2.0}, "required"),
+        ("c1", {"family": "gamma", "shape": 2.0}, "expected this key"),
         ("c1", {"family": "beta", "a": -2.0, "b": 1.0}, "greater than 0"),
     ],
 )
