@@ -21,9 +21,7 @@ ROUNDS = 3  # of choosing laws and shapes, and noise, in turn
 SETTLED = 0.05  # of a shape, in normal quantiles
 FORM_SHARES = (0.0, 0.03, 0.1, 0.3)
 """By which shares of what they do laws may be wrong, each as likely before the data."""
-AMPLITUDES = np.linspace(-4.0, 4.0, 9)
-"""Of phases around the mode, in standard deviations: sums over steps of one are exact to 10⁻⁸ for a
-normal density."""
+AMPLITUDES = np.linspace(-4.0, 4.0, 17)  # of phases around the mode, in standard deviations
 START_PHASE = 0.1  # of an amplitude with phases, in units of its prior
 
 

@@ -23,7 +23,6 @@ from bayesfric.inference.diagnostics import smooth_weights
 from bayesfric.inference.laplace import Laplace
 
 __all__ = [
-    "LEAST_AT_LAST",
     "LEAST_EFFECTIVE",
     "SAMPLING_SPACE",
     "Chart",
@@ -43,7 +42,6 @@ POINTS = 2000  # of an importance sample
 PASSES = 5  # each from a proposal that is fitted to the one before
 LIMIT_K = 0.7  # of the Pareto shape, above which weights are not to be relied on
 LEAST_EFFECTIVE = 0.25  # of the points
-LEAST_AT_LAST = 0.02  # of those of the last pass, where many more points can be had
 LEAST_A_COORDINATE = 2  # points that count, for a covariance
 SLOPE_STEP = 1e-4  # of a chart's derivative, in standard deviations
 
@@ -186,7 +184,6 @@ def importance_points(
     chart: Chart,
     rng: Random,
     least_effective: float = LEAST_EFFECTIVE,
-    at_last: float = LEAST_EFFECTIVE,
 ) -> Array | None:
     """Draw points of a density by importance sampling around its mode.
 
@@ -203,8 +200,8 @@ def importance_points(
         In which proposals are fitted.
     rng : RandomState or Generator
         Source of randomness.
-    least_effective, at_last : float
-        Share of the points that have to count, and of those of the last pass.
+    least_effective : float
+        Share of the points that have to count.
 
     Returns
     -------
@@ -213,15 +210,14 @@ def importance_points(
         are to be relied on.
     """
     proposal = Proposal.at_mode(laplace, chart)
-    for left in reversed(range(PASSES)):
+    for _ in range(PASSES):
         z, possible = proposal.draw(POINTS, rng)
         z = z[possible]
         log_weights, k = smooth_weights(log_density(z) - proposal.log_density(z))
         if not np.isfinite(log_weights).any():
             return None
         weights = np.exp(log_weights - logsumexp(log_weights))
-        least = least_effective if left else min(least_effective, at_last)
-        good = k < LIMIT_K and 1 / (weights**2).sum() > least * POINTS
+        good = k < LIMIT_K and 1 / (weights**2).sum() > least_effective * POINTS
         # Few points may hold most of the weight, and their covariance would be singular.
         weights = np.minimum(weights, 1 / np.sqrt(POINTS))
         if weights.sum() ** 2 / (weights**2).sum() < LEAST_A_COORDINATE * z.shape[1]:

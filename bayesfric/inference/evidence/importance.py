@@ -3,9 +3,8 @@
 The proposal is fitted to importance samples of its own until much of a sample counts
 (:func:`bayesfric.inference.proposals.importance_points`); the sample that is weighed is drawn
 afterwards, since one that has been chosen by its weights is biased. It is of a mixture of that
-proposal and a wider one, and its weights are Pareto-smoothed. Where few of its points count, as
-where scatter may be as good as nothing, a sample of more points is drawn: they are cheaper than
-a chain. Where the weights are not to be relied on, that is seen.
+proposal and a wider one, and its weights are Pareto-smoothed. No chain has to be run, and where
+the weights are not to be relied on that is seen.
 
 References
 ----------
@@ -27,7 +26,6 @@ from bayesfric.inference.diagnostics import smooth_weights
 from bayesfric.inference.evidence.record import Evidence
 from bayesfric.inference.laplace import Laplace
 from bayesfric.inference.proposals import (
-    LEAST_AT_LAST,
     LEAST_EFFECTIVE,
     SAMPLING_SPACE,
     Chart,
@@ -41,7 +39,6 @@ __all__ = ["LEAST_FOR_A_MEAN", "importance_draws"]
 
 
 SIZE = 4000
-MORE = 1.5  # times the points that a sample of few that count says are enough
 LEAST_FOR_A_MEAN = 0.1  # of a sample; a mean over draws takes fewer than an evidence
 TRIES = 3  # each from a proposal that is fitted to the sample before
 DEFENSIVE, WIDER = 0.1, 2.0
@@ -74,9 +71,9 @@ def importance_draws(
     chart : Chart
         In which the proposal is fitted.
     size : int
-        Points of the sample that is weighed, if enough of them count.
+        Points of the sample that is weighed.
     least_effective : float
-        Share that has to count of the sample that the proposal is fitted to, and of `size`.
+        Share that has to count of the sample that the proposal is fitted to.
 
     Returns
     -------
@@ -88,26 +85,21 @@ def importance_draws(
     None where no sample around the mode is to be relied on.
     """
     rng = np.random.default_rng(seed)
-    points = importance_points(log_density, laplace, chart, rng, least_effective, LEAST_AT_LAST)
-    drawn = size
+    points = importance_points(log_density, laplace, chart, rng, least_effective)
     for _ in range(TRIES):
         if points is None:
             return None
-        z, log_weights, k = _weighed(log_density, Proposal.around(points, chart), drawn, rng)
+        z, log_weights, k = _weighed(log_density, Proposal.around(points, chart), size, rng)
         total = logsumexp(log_weights)
         weights = np.exp(log_weights - total)
-        short = least_effective * size * (weights**2).sum()  # above 1 where too few count
-        if k <= LIMIT_K and short <= 1:
-            break
         if k <= LIMIT_K:
-            drawn = int(MORE * short * drawn)
-        else:
-            points = z[resampled(np.minimum(weights, 1 / np.sqrt(drawn)), size, rng)]
+            break
+        points = z[resampled(np.minimum(weights, 1 / np.sqrt(size)), size, rng)]
     else:
         return None
     # Points outside of the sampling space are draws too, of weight zero.
-    error = float(np.sqrt(max((weights**2).sum() - 1 / drawn, 0.0)))
-    evidence = Evidence(float(total - np.log(drawn)), error, "importance sampling", k)
+    error = float(np.sqrt(max((weights**2).sum() - 1 / size, 0.0)))
+    evidence = Evidence(float(total - np.log(size)), error, "importance sampling", k)
     return evidence, rng.permutation(z[resampled(weights, size, rng)])
 
 
