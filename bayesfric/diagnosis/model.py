@@ -218,10 +218,9 @@ class LinearModel:
             np.concatenate([sd.ravel(), rest]),
         )
 
-    def log_prior(self, psi: Array, acting: Acting) -> float:
-        """Return the log prior density of the logarithms of the noise."""
-        amplitudes = [self.amplitude_prior(law) for law in acting.phases]
-        return float(self.noise.log_prior(psi, amplitudes).sum())
+    def log_prior(self, psi: Array, acting: Acting) -> tuple[float, Array]:
+        """Return the log prior density of the logarithms of the noise, and its gradient."""
+        return self.noise.log_prior(psi, [self.amplitude_prior(law) for law in acting.phases])
 
     def amplitude_prior(self, law: Law) -> Prior:
         """Return the prior of an effect's amplitude."""
@@ -264,9 +263,7 @@ class LinearModel:
         for part in parts:
             found |= part.gradient(means, covariances)
         names = [*(one.name for one in self.noise), *map(phase_name, acting.phases)]
-        amplitudes = [self.amplitude_prior(law) for law in acting.phases]
-        slope = self.noise.log_prior_slope(psi, amplitudes)
-        slope += [found[name] for name in names]
+        slope = self.log_prior(psi, acting)[1] + np.array([found[name] for name in names])
         return replace(at, gradient=slope)
 
     def integrated(
@@ -280,7 +277,7 @@ class LinearModel:
         """Return a hypothesis at one noise where the information on its numbers is known."""
         mean, sd = self.prior([self.amplitude_prior(law) for law in acting.laws], wide, form)
         value, centre, covariance = information.integrated(mean, sd)
-        value += self.log_prior(psi, acting)
+        value += self.log_prior(psi, acting)[0]
         return At(psi, value, None, information, centre, covariance)
 
     def mixed(self, said: Information, places: Sequence[int], acting: Acting) -> Information:

@@ -36,8 +36,8 @@ class Noise(tuple[NoiseParameter, ...]):
         values = np.exp(psi[: len(self)])
         return {one.name: float(value) for one, value in zip(self, values, strict=True)}
 
-    def log_prior(self, psi: Array, amplitudes: Sequence[Prior]) -> Array:
-        """Return the log prior density of each of some logarithms.
+    def log_prior(self, psi: Array, amplitudes: Sequence[Prior]) -> tuple[float, Array]:
+        """Return the log prior density of logarithms, and its gradient.
 
         Parameters
         ----------
@@ -48,10 +48,8 @@ class Noise(tuple[NoiseParameter, ...]):
         """
         densities = [one.log_prior for one in self]
         densities += [partial(log_prior_of_logarithm, prior) for prior in amplitudes]
-        values = np.exp(psi)
-        return np.array([of(float(one)) for of, one in zip(densities, values, strict=True)])
-
-    def log_prior_slope(self, psi: Array, amplitudes: Sequence[Prior]) -> Array:
-        """Return the gradient of their sum, as of :meth:`log_prior`."""
-        there = self.log_prior(psi + STEP, amplitudes)
-        return (there - self.log_prior(psi, amplitudes)) / STEP
+        value, gradient = 0.0, np.empty(psi.size)
+        for place, (density, at) in enumerate(zip(densities, psi, strict=True)):
+            here, there = density(float(np.exp(at))), density(float(np.exp(at + STEP)))
+            value, gradient[place] = value + here, (there - here) / STEP
+        return value, gradient

@@ -108,7 +108,7 @@ def unknown_force(
         information = information_at(psi)
         priors = [model.amplitude_prior(law) for law in acting.laws]
         nothing = np.array([], dtype=np.intp)
-        log_prior = model.log_prior(psi, acting)
+        log_prior, _ = model.log_prior(psi, acting)
         each = [
             information.reduced(*model.prior(priors, nodes[n], form), nothing).log_evidence
             for n in of

@@ -149,7 +149,7 @@ def weigh(
     share = dict.fromkeys(names, form)
     # What follows is measured from the value of these laws, shapes and forms, and no others.
     at = replace(chosen.at(), at_mode=at.at_mode)
-    prior = model.log_prior(psi, acting)
+    prior, _ = model.log_prior(psi, acting)
     total = float(logsumexp(weights) - np.log(len(forms))) + prior
     total += over_amplitudes(model, at, acting, share)
     found = Weighed(

@@ -9,7 +9,6 @@ only: its columns are the *local* ones. All are in units of their scale.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 
@@ -90,24 +89,6 @@ class Layout:
         """
         shared = np.arange(columns - self.own) + self.own * len(self.sizes)
         return np.concatenate([np.arange(self.own) + self.own * size, shared])
-
-    def add(self, whole: Array, part: Array, size: int) -> None:
-        """Add what one size says of its columns to what is said of all numbers.
-
-        Parameters
-        ----------
-        whole : ndarray, shape (p,) or (p, p)
-            Of all numbers; is changed.
-        part : ndarray, shape (k,) or (k, k)
-            Of the columns of a hypothesis.
-        size : int
-            Place of the size.
-        """
-        own = slice(self.own * size, self.own * (size + 1)), slice(self.own)
-        shared = slice(self.own * len(self.sizes), None), slice(self.own, None)
-        for axes in product((own, shared), repeat=part.ndim):
-            to, of = zip(*axes, strict=True)
-            whole[to] += part[of]
 
     def total(self, columns: int) -> int:
         """Numbers in all, of the columns of a hypothesis."""

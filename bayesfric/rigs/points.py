@@ -119,11 +119,12 @@ class PointPart:
         precision, slope = np.zeros((total, total)), np.zeros(total)
         for which in range(len(self.layout.sizes)):
             mine = size == which
+            place = self.layout.spread(k, which)
             part, own = weighted[mine].T @ x[mine], weighted[mine].T @ y[mine]
             taken = nested.told(self._size_of_load == which, self._size_of_setup == which)
             part, own = part - taken[0], own - taken[1]
-            self.layout.add(precision, part, which)
-            self.layout.add(slope, own, which)
+            precision[np.ix_(place, place)] += part
+            slope[place] += own
         constant = -0.5 * (y.size * LOG_2PI + np.log(variance).sum() + (y**2 / variance).sum())
         constant += nested.constant
         mine = slice(total + self._mine.start, total + (self._mine.stop or 0))

@@ -52,13 +52,14 @@ class SharedDeviation:
 
     def left(self, sums: Array) -> Array:
         """Return sums of groups, (G, R, …), without what their deviations take up."""
-        flat = sums.reshape(*self.response.shape, int(np.prod(sums.shape[2:])))
-        return np.asarray(sums - (self.stiffness @ self.taken @ flat).reshape(sums.shape))
+        lost = np.einsum("grs,gst,gt...->gr...", self.stiffness, self.taken, sums)
+        return np.asarray(sums - lost)
 
     def told(self, groups: Flags) -> tuple[Array, Array]:
         """Return what some groups' deviations take from precision, (k, k), and slope, (k,)."""
         columns = self.columns[groups]
-        flat = (self.taken[groups] @ columns).reshape(-1, columns.shape[2])
+        shares = np.einsum("grs,gsk->grk", self.taken[groups], columns)
+        flat = shares.reshape(-1, columns.shape[2])
         return (
             np.asarray(flat.T @ columns.reshape(flat.shape)),
             np.asarray(flat.T @ self.response[groups].ravel()),

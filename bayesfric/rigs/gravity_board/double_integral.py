@@ -47,30 +47,36 @@ class DoubleIntegral:
         ndarray, shape (E, C)
             By cubic Hermite interpolation on the grid [m].
         """
-        # By trial and place, both integrals of a trial one below the other.
-        along = np.ascontiguousarray(np.moveaxis(acceleration, 0, 2))
-        both = _integrals() @ along
-        return np.asarray(self._at_rows @ both.reshape(-1, len(acceleration)))
+        flat = acceleration.reshape(-1, POINTS)
+        speeds, travels = (
+            np.ascontiguousarray((flat @ one).reshape(len(acceleration), -1).T)
+            for one in _integrals()
+        )
+        of_speeds, of_travels = self._at_rows
+        return np.asarray(of_speeds @ speeds + of_travels @ travels)
 
     @cached_property
-    def _at_rows(self) -> csr_array:
-        """What speeds and travels on the grids add to the displacement of rows, (E, 2 N P)."""
+    def _at_rows(self) -> tuple[csr_array, csr_array]:
+        """What speeds and travels on the grids add to the displacement of rows, (E, N P)."""
         left = np.minimum(self.place.astype(int), POINTS - 2)
         share = self.place - left
         rise = share**2 * (3 - 2 * share)
-        # On a grid of unit steps; a step is of this many seconds.
-        values = self.step_s**2 * np.stack(
-            [share * (1 - share) ** 2, -(share**2) * (1 - share), 1 - rise, rise]
-        )
-        places = 2 * self.trial * POINTS + left + np.array([[0], [1], [POINTS], [POINTS + 1]])
-        ends = np.arange(0, values.size + 1, len(values))
-        shape = (left.size, 2 * self.trials * POINTS)
-        return csr_array((values.T.ravel(), places.T.ravel(), ends), shape=shape)
+        place = self.trial * POINTS + left
+        ends = np.arange(0, 2 * place.size + 1, 2)
+
+        def weights(*at_ends: Array) -> csr_array:
+            # On a grid of unit steps; a step is of this many seconds.
+            values = (self.step_s**2 * np.stack(at_ends)).T
+            columns = np.stack([place, place + 1], axis=1)
+            shape = (place.size, self.trials * POINTS)
+            return csr_array((values.ravel(), columns.ravel(), ends), shape=shape)
+
+        speeds = weights(share * (1 - share) ** 2, -(share**2) * (1 - share))
+        return speeds, weights(1 - rise, rise)
 
 
 @cache
-def _integrals() -> Array:
-    """Return what turns values on a grid of unit steps into both integrals, (2 P, P)."""
+def _integrals() -> tuple[Array, Array]:
+    """Return what turns values on a grid of unit steps into their first and second integral."""
     first = cumulative_simpson(np.eye(POINTS), axis=1, initial=0)
-    second = cumulative_simpson(first, axis=1, initial=0)
-    return np.concatenate([first, second], axis=1).T.copy()
+    return first, np.asarray(cumulative_simpson(first, axis=1, initial=0))

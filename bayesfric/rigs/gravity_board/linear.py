@@ -139,8 +139,6 @@ class GravityPart:
             parts = [values[..., :start], those if alone else those @ weights, values[..., end:]]
             return np.concatenate(parts, axis=-1)
 
-        across, right = mixed(sums.across[:, :width]), sums.right[:, :width]
-
         def of_size(size: int) -> OneSize:
             mine = np.flatnonzero(used & (self.size == size))
             beyond = sums.beyond[width]
@@ -151,8 +149,8 @@ class GravityPart:
                 mixed(beyond.slope[mine].sum(axis=0)),
                 float(beyond.square[mine].sum()),
                 sums.triangle[np.ix_(mine, np.arange(width), chosen)],
-                across[mine],
-                right[mine],
+                mixed(sums.across[mine, :width]),
+                sums.right[mine, :width],
                 float(sums.constant[mine].sum()),
                 float(sums.freedom[mine].sum()),
             )
@@ -194,8 +192,9 @@ class GravityPart:
         total = self.layout.total(columns)
         precision, slope = np.zeros((total, total)), np.zeros(total)
         for size, one in enumerate(each):
-            self.layout.add(precision, one.precision, size)
-            self.layout.add(slope, one.slope, size)
+            place = self.layout.spread(columns, size)
+            precision[np.ix_(place, place)] += one.precision
+            slope[place] += one.slope
         information = Information(precision, slope, sum(one.constant for one in each))
 
         def gradient(mean: Sequence[Array], covariance: Sequence[Array]) -> dict[str, float]:

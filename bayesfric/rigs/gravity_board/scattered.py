@@ -3,7 +3,6 @@
 An assembly has one size, so that sizes share numbers alone and are taken one after another.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +14,6 @@ from bayesfric.rigs.gravity_board.linear_scatter import INTERCEPT, TRIAL
 __all__ = ["OneSize", "Scattered"]
 
 SHARED = slice(TRIAL, INTERCEPT + 1)  # of all friction and of its intercept alone
-BLOCK = 32  # trials, whose columns are some 700 kB
 
 
 @dataclass(frozen=True)
@@ -82,21 +80,15 @@ class Scattered:
         inner = np.eye(width) + scaled @ scaled.swapaxes(1, 2) / kappa
         factor = np.asarray(np.linalg.cholesky(inner), dtype=np.float64)
         root = _inverses(factor)
-        triangle = root @ sums.triangle
+        triangle, self._across = root @ sums.triangle, root @ sums.across
         right = (root @ sums.right[:, :, None])[:, :, 0]
         self._known = (triangle**2).sum(axis=1) / kappa
-        back = triangle.swapaxes(1, 2) / kappa
+        self._back = back = triangle.swapaxes(1, 2) / kappa
         self._pulled = (back @ right[:, :, None])[:, :, 0]
         self._along = back @ triangle[:, :, SHARED]
-        self._across, self._back = sums.across, back @ root
-        precision, slope = sums.precision.copy(), sums.slope.copy()
-        for some in self._blocks():
-            flat = (root[some] @ sums.across[some]).reshape(-1, k)
-            precision += flat.T @ flat
-            slope += right[some].ravel() @ flat
         # What an assembly's trials share.
         member = np.equal.outer(np.arange(setups), sums.setup).astype(np.float64)
-        summed = member @ (self._back[:, SHARED] @ sums.across).reshape(count, 2 * k)
+        summed = member @ (back[:, SHARED] @ self._across).reshape(count, 2 * k)
         self._summed = summed.reshape(setups, 2, k)
         self._stiff = (member @ self._along[:, SHARED].reshape(count, 4)).reshape(-1, 2, 2)
         self._sum_pulled = member @ self._pulled[:, SHARED]
@@ -110,13 +102,10 @@ class Scattered:
         constant = sums.constant - 0.5 * sums.freedom * np.log(kappa) - 0.5 * square
         constant -= np.log(np.diagonal(factor, axis1=1, axis2=2)).sum()
         self.constant = float(constant - 0.5 * np.linalg.slogdet(shared)[1].sum())
-        of_setups = self._summed.reshape(-1, k)
-        self.precision = precision / kappa - self._share.reshape(-1, k).T @ of_setups
-        self.slope = slope / kappa - self._pull.ravel() @ of_setups
-
-    def _blocks(self) -> Iterator[slice]:
-        """Yield trials, as many at a time as the cache of a processor holds."""
-        return (slice(one, one + BLOCK) for one in range(0, len(self._setup), BLOCK))
+        flat, of_setups = self._across.reshape(-1, k), self._summed.reshape(-1, k)
+        self.precision = (sums.precision + flat.T @ flat) / kappa
+        self.precision -= self._share.reshape(-1, k).T @ of_setups
+        self.slope = (sums.slope + right.ravel() @ flat) / kappa - self._pull.ravel() @ of_setups
 
     def moments(self, mean: Array, covariance: Array) -> tuple[Array, Array, float]:
         """Return second moments given all data, less what they are on average.
@@ -137,13 +126,11 @@ class Scattered:
             The same of all variances together, by their logarithm.
         """
         j, along, stiff = self._setup, self._along, self._stiff
+        a = self._back @ self._across
+        a -= along @ self._share[j]
         b = self._pulled - (along @ self._pull[j][:, :, None])[:, :, 0]
         c = self._known - ((along @ self._taken[j]) * along).sum(axis=2)
-        trial = -c.sum(axis=0)
-        for some in self._blocks():
-            a = self._back[some] @ self._across[some]
-            a -= along[some] @ self._share[j[some]]
-            trial += _second(a, b[some], mean, covariance)
+        trial = _second(a, b, mean, covariance) - c.sum(axis=0)
         a = self._summed - stiff @ self._share
         b = self._sum_pulled - (stiff @ self._pull[:, :, None])[:, :, 0]
         c = np.diagonal(stiff - stiff @ self._taken @ stiff, axis1=1, axis2=2)

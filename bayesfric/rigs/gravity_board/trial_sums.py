@@ -46,6 +46,12 @@ class Beyond:
             self.precision[block] += square[:-1, :-1]
             self.slope[trial], self.square[trial] = square[:-1, -1], square[-1, -1]
 
+    def with_(self, other: "Beyond") -> "Beyond":
+        """Return the sums of both."""
+        return Beyond(
+            self.precision + other.precision, self.slope + other.slope, self.square + other.square
+        )
+
 
 @dataclass(frozen=True)
 class TrialSums:
@@ -104,7 +110,9 @@ def trial_sums(board: GravityRows, columns: Array, random: Array, block: Whole) 
     blocks = int(block.max()) + 1
     triangle, across = np.zeros((count, r, r)), np.zeros((count, r, q))
     right, freedom, constant = np.zeros((count, r)), np.zeros(count), np.zeros(count)
-    beyond = Beyond(np.zeros((blocks, q, q)), np.zeros((count, q)), np.zeros(count))
+    beyond, further = (
+        Beyond(np.zeros((blocks, q, q)), np.zeros((count, q)), np.zeros(count)) for _ in range(2)
+    )
     for trial, rows in enumerate(board.rows_of_trials()):
         white, project = whitening(board, rows)
         stack = np.column_stack([columns[rows], board.residual[rows], random[rows]])
@@ -114,18 +122,11 @@ def trial_sums(board: GravityRows, columns: Array, random: Array, block: Whole) 
         triangle[trial, :told] = own
         across[trial, :told], right[trial, :told] = along[:, :q], along[:, q]
         beyond.add(trial, block[trial], apart)
+        further.add(trial, block[trial], along[ALWAYS:])
         nuisances = (board.events.regressors[:3, rows] != 0).any(axis=1).sum()
         freedom[trial] = white.size - nuisances
         constant[trial] = np.log(white).sum() - 0.5 * freedom[trial] * LOG_2PI
-    parted = {r: beyond}
-    if r > ALWAYS:
-        more, left = across[:, ALWAYS:], right[:, ALWAYS:]
-        further = [more[block == one].reshape(-1, q) for one in range(blocks)]
-        parted[ALWAYS] = Beyond(
-            beyond.precision + np.stack([one.T @ one for one in further]),
-            beyond.slope + np.einsum("nw,nwq->nq", left, more),
-            beyond.square + (left**2).sum(axis=1),
-        )
+    parted = {r: beyond, ALWAYS: beyond.with_(further)}
     return TrialSums(block, triangle, across, right, parted, freedom, constant)
 
 
