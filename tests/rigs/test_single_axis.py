@@ -1,6 +1,7 @@
 """Densities of an axis against dense normals, and diagnoses of machines simulated elsewhere."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,10 +18,13 @@ from bayesfric.effects.candidates import candidates_of
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.data import Data
+from bayesfric.rigs.single_axis import limit as limit_module
 from bayesfric.rigs.single_axis.covariance import Pieces
 from bayesfric.rigs.single_axis.deviations import COSINES, map_spectrum
-from bayesfric.rigs.single_axis.limit import LIMITS
+from bayesfric.rigs.single_axis.even_log import EvenLog
+from bayesfric.rigs.single_axis.limit import LIMITS, Limit
 from bayesfric.rigs.single_axis.linear import NAMES
+from bayesfric.rigs.single_axis.readings import readings_of
 
 
 def recorded(folder, seed=0, runs=6, seconds=4.0, log_hz=None, rig=None, **machine):
@@ -150,6 +154,28 @@ def test_a_drive_that_clips_has_its_limit_where_the_motion_no_longer_answers(tmp
     (law,) = lawbook(candidates_of(effect))["torque-saturation"]
     assert law.log_weight == pytest.approx(-np.log(LIMITS))
     assert effect.shape.prior.median == limit.force
+
+
+def test_a_limit_that_rows_were_read_within_is_offered(tmp_path, monkeypatch):
+    """Rows that were read within it hold part of it: asked again, they may say there is none."""
+    monkeypatch.setattr(limit_module, "drive_limit", lambda rows: Limit(3.0, 0.51))
+    trials = all_rigs()["single-axis"].trials(recorded(tmp_path, seed=2, seconds=2.0, limit=3.0))
+    assert trials.measures.limit == Limit(3.0, 0.51)
+    assert "limit" in trials.offers
+
+
+@pytest.mark.parametrize(("half_s", "samples"), [(0.032, 3), (0.2, 9)])
+def test_a_drive_is_not_smoothed_over_its_peaks(half_s, samples):
+    """A pulse of 10 N on 2 N, in a steady motion, is as high in the rows as in the log."""
+    time = 0.004 * np.arange(2000)
+    force = np.full(time.size, 2.0)
+    for first in range(300, 1700, 37):
+        force[first : first + samples] = 12.0
+    log = EvenLog(time, 0.1 * time, force, np.ones(time.size, dtype=bool), 0.004, {})
+    like = SimpleNamespace(position_sd=1e-6, half_s=half_s, hop=1.0)
+    drive = readings_of([log], [np.zeros(1, dtype=int)], None, like=like).drive
+    assert drive.max() == pytest.approx(12.0, rel=1e-3)
+    assert drive.min() == pytest.approx(2.0, rel=1e-3)
 
 
 def test_friction_after_a_reversal_may_be_missing_twice(tmp_path):

@@ -63,17 +63,18 @@ def entering(
         for part in range(parts):
             name = run["run"] if parts == 1 else f"{run['run']}/{part + 1}"
             rows.append({**run.to_dict(), "trial": str(name)})
-    readings = within_limit(logs, starts, constants.encoder_resolution) if logs else None
-    if readings is None:
+    found = within_limit(logs, starts, constants.encoder_resolution) if logs else None
+    if found is None:
         return None
+    readings, limit = found
     table = pd.DataFrame(rows).assign(**NO_CABLE)
-    measures, beside = measures_of(readings, logs, constants), None
+    measures, beside = measures_of(readings, logs, constants, limit), None
     if simulator is not None:
 
         def again(told: Sequence[EvenLog]) -> Readings:
-            found = readings_of(told, starts, constants.encoder_resolution)
-            assert found is not None
-            return found
+            anew = readings_of(told, starts, constants.encoder_resolution)
+            assert anew is not None
+            return anew
 
         beside, readings = linearised(
             simulator, logs, runs, again, measures, readings.half_s, fitting(table)

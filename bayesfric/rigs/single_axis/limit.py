@@ -27,7 +27,7 @@ FINER = 9  # tried between two of them
 
 
 class Limit(NamedTuple):
-    """A kink.
+    """A kink, looked for in rows that know of none.
 
     Parameters
     ----------
@@ -56,12 +56,20 @@ class Limit(NamedTuple):
 
 def within_limit(
     logs: Sequence[EvenLog], starts: Sequence[Whole], resolution: float | None
-) -> Readings | None:
-    """Reduce runs to rows as :func:`readings_of` does, beyond no limit that their drive has."""
+) -> tuple[Readings, Limit] | None:
+    """Reduce runs to rows as :func:`readings_of` does, beyond no limit that their drive has.
+
+    The limit comes with them: rows that were read within one hold part of what it explains, and
+    tell it less.
+    """
     rows = readings_of(logs, starts, resolution)
-    if rows is None or not (limit := drive_limit(rows)).there:
-        return rows
-    return readings_of(logs, starts, resolution, limit=limit.force)
+    if rows is None:
+        return None
+    limit = drive_limit(rows)
+    if not limit.there:
+        return rows, limit
+    within = readings_of(logs, starts, resolution, limit=limit.force)
+    return None if within is None else (within, limit)
 
 
 def drive_limit(readings: Readings) -> Limit:

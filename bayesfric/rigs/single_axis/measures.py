@@ -18,7 +18,7 @@ from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.rotary import rotary_unit
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.following import DAMPINGS, LENGTHS, TRIED
-from bayesfric.rigs.single_axis.limit import LIMITS, Limit, drive_limit
+from bayesfric.rigs.single_axis.limit import LIMITS, Limit
 from bayesfric.rigs.single_axis.period import SEARCHED, Wave, strongest_wave
 from bayesfric.rigs.single_axis.readings import Readings, rough_law
 
@@ -149,7 +149,9 @@ class Measures:
         )
 
 
-def measures_of(readings: Readings, logs: Sequence[EvenLog], constants: RigConstants) -> Measures:
+def measures_of(
+    readings: Readings, logs: Sequence[EvenLog], constants: RigConstants, limit: Limit
+) -> Measures:
     """Return the measures of a recording.
 
     Parameters
@@ -160,8 +162,10 @@ def measures_of(readings: Readings, logs: Sequence[EvenLog], constants: RigConst
         The runs.
     constants : RigConstants
         What somebody wrote down of the machine.
+    limit : Limit
+        Of the drive.
     """
-    speed, limit = readings.speed @ readings.weights, drive_limit(readings)
+    speed = readings.speed @ readings.weights
     inside = limit.within(readings)
     law = (readings.force, readings.acceleration, speed)
     mass, coulomb, _ = rough_law(*(values[inside] for values in law))
