@@ -19,9 +19,7 @@ def blind(
     output: Folder = Path("bayesfric-run"),
     engine: Annotated[
         str,
-        typer.Option(
-            "--engine", metavar="TEXT", help="Who makes the recordings: reference, or mujoco."
-        ),
+        typer.Option("--engine", metavar="<reference|mujoco>", help="Who makes the recordings."),
     ] = "reference",
     number: Cases = 30,
     workers: Workers = 1,

@@ -53,7 +53,7 @@ def diagnose(
         str | None,
         typer.Option(
             "--simulator",
-            metavar="TEXT",
+            metavar="MODULE:OBJECT",
             help="A simulator of your own in the place of the law: module:object, with "
             "parameters and predict(run, theta, extra_force=None).",
         ),

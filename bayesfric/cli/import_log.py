@@ -21,7 +21,7 @@ def import_log(
             "-o", "--output", metavar="PATH", help="New folder; refused if it is not empty."
         ),
     ],
-    joint: Annotated[str, typer.Option("--joint", metavar="TEXT", help="Which one.")],
+    joint: Annotated[str, typer.Option("--joint", metavar="NAME", help="As the log names it.")],
     mapping: Annotated[
         Path | None,
         typer.Option(

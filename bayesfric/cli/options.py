@@ -80,7 +80,7 @@ Scheduler = Annotated[
     str | None,
     typer.Option(
         "--scheduler",
-        metavar="TEXT",
+        metavar="ADDRESS",
         help="Of a Dask cluster that runs the cases: tcp://host:8786.",
     ),
 ]

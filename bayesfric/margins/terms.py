@@ -10,7 +10,7 @@ from bayesfric.schemas import Interval, LoopMargins, Metric, Tuning
 __all__ = ["certificate_told", "chance_told", "in_degrees_or_decibels", "tuning_told"]
 
 HALF_A_DRAW = float(np.sqrt(0.5))
-"""Monte Carlo error, times the number of draws, of what none or all of them have."""
+"""The Monte Carlo error of what none or all of n draws have is this over n."""
 NORMAL_WIDTH = 3.29
 """Standard deviations from 5 to 95 %."""
 TURNED: Mapping[str, tuple[str, Callable[[float], float]]] = {

@@ -54,7 +54,7 @@ def test_the_walk_finds_the_project():
     ("pattern", "text"),
     [
         (MACHINE_PATH, "see /{}/someone/x".format("home")),
-        (REGISTRY, "https://{}.org/simple".format("py" + "pi")),
+        (REGISTRY, "https://{}.org".format("py" + "pi")),
         (UNFINISHED, "# {}: later".format("TO" + "DO")),
     ],
     ids=["machine path", "registry", "unfinished"],

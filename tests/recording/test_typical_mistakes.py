@@ -322,16 +322,6 @@ def test_a_file_instead_of_its_folder_is_named(tmp_path: Path, name: str) -> Non
     assert len(caught.value.faults) == 1
 
 
-def test_rows_of_nothing_at_the_end_are_passed_over(tmp_path: Path) -> None:
-    files = Mini().contents()
-    plain = read_recording(write_files(tmp_path / "plain", files))
-    files[RUNS] += b",,,,,,,,,\n" * 3 + b"\n\n"
-    found = read_recording(write_files(tmp_path / "more", files))
-    assert found.motor is not None
-    assert plain.motor is not None
-    assert found.motor.runs.equals(plain.motor.runs)
-
-
 @pytest.mark.parametrize(("spacing", "refused"), [(1.0, False), (2.0, True)])
 def test_weights_that_gain_energy_are_a_fault(
     small_recording: Recording, tmp_path: Path, spacing: float, refused: bool
@@ -350,44 +340,6 @@ def test_weights_that_gain_energy_are_a_fault(
     with pytest.raises(InputError, match="without any friction") as caught:
         read_recording(tmp_path / "board")
     assert len(caught.value.faults) == 1
-
-
-def test_one_outlier_of_a_current_or_a_friction_is_data(tmp_path: Path) -> None:
-    mini = Mini().keep(STEADY)
-    header, row, other = mini.rows[STEADY]
-    mini.rows[STEADY] = [header, *([f"r{k}", *row[1:]] for k in range(4)), other]
-    mini.drop(STEADY, "order").set(STEADY, 6, "friction_n", "31")
-    read_recording(mini.write(tmp_path))
-
-
-def test_many_pulleys_at_their_angle_are_not_swapped(tmp_path: Path) -> None:
-    mini = Mini().keep(STEADY)
-    for line in (2, 3):
-        mini.set(STEADY, line, "n_pulleys", "50").set(STEADY, line, "wrap_angle_deg", "20")
-    read_recording(mini.write(tmp_path))
-
-
-def test_a_missed_event_is_no_fault_of_motion(tmp_path: Path) -> None:
-    """One interval twice as long is data, whatever it does to an acceleration."""
-    mini = Mini()
-    for line, time in ((4, "0.23"), (5, "0.265"), (6, "0.295")):
-        mini.set(EVENTS, line, "time_s", time)
-    read_recording(mini.write(tmp_path))
-
-
-def test_angles_of_zero_alone_are_no_radians(tmp_path: Path) -> None:
-    mini = Mini().keep(STEADY)
-    for line in (2, 3):
-        mini.set(STEADY, line, "wrap_angle_deg", "0")
-    read_recording(mini.write(tmp_path))
-
-
-def test_a_stronger_cable_may_bear_more(tmp_path: Path) -> None:
-    mini = Mini().keep(STEADY).set(STEADY, 2, "tension_n", "400")
-    with pytest.raises(InputError, match="311 N"):
-        read_recording(mini.write(tmp_path))
-    mini.package["rig"]["limits"]["tension_n"] = [0, 500]
-    read_recording(mini.write(tmp_path))
 
 
 def test_what_is_wrong_throughout_is_told_in_few_lines(tmp_path: Path) -> None:

@@ -90,7 +90,13 @@ def test_a_parameter_in_a_remark_is_called_by_what_it_is(stored):
     line = "Driven by the prior, not by these data: wander_length, tau"
     (box,) = page_one.worries(changed(stored, attention=(line,)).fit)
     assert box.text == (
-        "Driven by the prior, not by these data: the correlation length of the wander, tau."
+        "Driven by the prior, not by these data: the correlation length of the wander, "
+        "the relative scatter of friction from trial to trial."
+    )
+    line, axis = "Parameter omega has not converged; friction wanders", {"rigs": ("single-axis",)}
+    (box,) = page_one.worries(changed(stored, attention=(line,), **axis).fit)
+    assert box.text == (
+        "The relative scatter of friction from setup to setup has not converged; friction wanders."
     )
 
 

@@ -18,7 +18,7 @@ from bayesfric.report.chapters.comparison import comparison_line
 from bayesfric.report.chapters.diagnosis import law_alone, verdict_line
 from bayesfric.report.chapters.gain import gain_lines
 from bayesfric.report.chapters.plain_law import force_unit, in_a_sentence
-from bayesfric.report.chapters.summary import MEANINGS
+from bayesfric.report.chapters.summary import meaning
 from bayesfric.report.content import (
     Block,
     BulletList,
@@ -39,6 +39,7 @@ __all__ = ["coefficients_figure", "convergence", "page_one", "recorded", "worrie
 
 CONDITION = ("pulley_size", "n_pulleys", "wrap_angle_deg")
 FEW = 3  # remarks that stand as boxes; more of them are a list
+WORDS = ("wander", "latency")  # parameters whose names a sentence may have as words
 
 
 def page_one(stored: StoredResults) -> Iterator[Block]:
@@ -196,17 +197,19 @@ def _uninformed(fit: FitFile) -> tuple[str, ...]:
     )
 
 
-def _remark(line: str) -> str:
-    """Return a remark as a sentence, parameters by what they are."""
-    for name in sorted(MEANINGS, key=len, reverse=True):
-        if "_" in name:  # others are words that a sentence may have
-            line = re.sub(rf"\b{name}\b", f"the {MEANINGS[name]}", line)
+def _remark(line: str, fit: FitFile) -> str:
+    """Return a remark as a sentence, parameters of scatter and noise by what they are."""
+    for name in sorted({**fit.scatter, **fit.noise}, key=len, reverse=True):
+        if name not in WORDS:
+            said = meaning(name, fit.rigs)
+            line = re.sub(rf"\b{re.escape(name)}\b", f"the {said}", line)
+            line = line.replace(f"Parameter the {said}", f"The {said}")
     return line if line.endswith((".", ":")) else f"{line}."
 
 
 def worries(fit: FitFile) -> Iterator[Block]:
     """Yield what must be kept in mind when the numbers are used."""
-    lines: Sequence[str] = [_remark(line) for line in fit.attention]
+    lines: Sequence[str] = [_remark(line, fit) for line in fit.attention]
     if len(lines) > FEW:
         yield Notice("attention", f"{len(lines)} remarks must be read before the numbers:")
         yield BulletList(lines)

@@ -1,6 +1,6 @@
 """The coefficients, the scatter and the noise of the sensors."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from bayesfric.paper import table1
 from bayesfric.plots.labels import parts
@@ -14,7 +14,7 @@ from bayesfric.report.content import (
     Table,
 )
 from bayesfric.report.quantities import MISSING, format_number, interval_cells
-from bayesfric.report.rig_words import rig_words
+from bayesfric.report.rig_words import group_words, rig_words
 from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import FitFile, ParameterSummary
 
@@ -35,7 +35,7 @@ def summary(stored: StoredFit) -> Iterator[Block]:
     rows = [
         [
             symbol(name),
-            meaning(name),
+            meaning(name, fit.rigs),
             unit_head(name, entry.unit),
             *_cells(entry, exponent(name)),
         ]
@@ -110,8 +110,8 @@ def _not_estimated(fit: FitFile) -> Iterator[Paragraph]:
 
 MEANINGS = {
     "tau": "relative scatter of friction from trial to trial",
-    "omega": "relative scatter of friction from setup to setup",
-    "omega_intercept": "relative scatter of c2 alone from setup to setup",
+    "omega": "relative scatter of friction from {group} to {group}",
+    "omega_intercept": "relative scatter of c2 alone from {group} to {group}",
     "wander": "relative rms of friction that wanders along the travel of a trial",
     "wander_length": "correlation length of the wander",
     "sigma_x": "position error of a Hall event",
@@ -125,11 +125,20 @@ MEANINGS = {
 }
 
 
-def meaning(name: str) -> str:
-    """Return what a parameter of scatter or noise is; its name, where a rig brought its own."""
+def meaning(name: str, rigs: Sequence[str]) -> str:
+    """Return what a parameter of scatter or noise is; its name, where a rig brought its own.
+
+    Parameters
+    ----------
+    name : str
+        Of the parameter, as stored.
+    rigs : sequence of str
+        Of the fit.
+    """
     stem, whose = parts(name)
     rig = whose.partition(" ")[0] if "_" in name else ""
-    return MEANINGS.get(stem, stem) + (f", {rig_words(rig).rig}" if rig else "")
+    said = MEANINGS.get(stem, stem).format(group=group_words(rigs)[0])
+    return said + (f", {rig_words(rig).rig}" if rig else "")
 
 
 def _cells(entry: ParameterSummary, exponent: int) -> tuple[str, str, str, str]:

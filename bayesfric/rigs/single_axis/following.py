@@ -27,7 +27,7 @@ LENGTHS = {"play": np.geomspace(4e-4, 0.1, 31), "spring": np.geomspace(6e-5, 0.0
 """Of the stroke: a fifth more from one to the next."""
 DAMPINGS = (0.02, 0.035, 0.06, 0.1, 0.18)
 """Of a spring, over what is critical: steel, gears and belts."""
-TRIED = {"play": 31, "spring": 33 * len(DAMPINGS)}
+TRIED = {"play": LENGTHS["play"].size, "spring": LENGTHS["spring"].size * len(DAMPINGS)}
 """Of how a load is held, forms that were tried."""
 HEAVY = (0.5, 1.0, np.inf)  # of a load: share of the mass over share of the friction
 
