@@ -19,7 +19,7 @@ from bayesfric.rigs.opening import open_rigs
 from bayesfric.rigs.truth import Truth
 from bayesfric.simulate import simulate_recording
 
-__all__ = ["RANKED_DRAWS", "TENSION_N", "Given", "run_case"]
+__all__ = ["RANKED_DRAWS", "TENSION_N", "Given", "run_case", "true_value"]
 
 RANKED_DRAWS = 99  # L, of some thousand draws: as good as independent
 TENSION_N = 10.0  # where c1 and c2 of Table I matter about as much
@@ -70,7 +70,7 @@ def run_case(given: Given) -> dict[str, Any]:
         theta = model.natural(draws.z)
         flat = theta.reshape(-1, theta.shape[-1])
         some = flat[np.linspace(0, len(flat) - 1, RANKED_DRAWS).astype(int)]
-        true = np.array([[_of(truth, name) for name in model.names]])
+        true = np.array([[true_value(truth, name) for name in model.names]])
         drawn, real = (quantities(model, points) for points in (some, true))
         ranks = {name: rank_of(float(real[name][0]), drawn[name]) for name in drawn}
     stalled = len(recording.metadata["simulation"]["stalled"])
@@ -107,6 +107,7 @@ def quantities(model: Model, theta: Array) -> dict[str, Array]:
     return named | slope | {"log_likelihood": model.log_likelihood(theta)}
 
 
-def _of(truth: Truth, name: str) -> float:
+def true_value(truth: Truth, name: str) -> float:
+    """Return what a parameter was when a recording was made."""
     stem, _, size = name.removesuffix("]").partition("[")
     return float(getattr(truth.coefficients[size] if size else truth, stem))

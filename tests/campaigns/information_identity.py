@@ -9,6 +9,7 @@ is neither a sampler's nor a prior's. Truths are those of simulation-based calib
 import numpy as np
 
 from bayesfric.analysis import Analysis
+from bayesfric.calibration.case import true_value
 from bayesfric.calibration.generating import draw_truth, generating_analysis
 from bayesfric.inference.model import Model
 from bayesfric.physics.laws import BASELINES
@@ -41,7 +42,7 @@ def case(number):
     recording = simulate_recording("quick", seed=int(rng.integers(2**32)), truth=truth, rigs=(rig,))
     opened = open_rigs(recording, (rig,))
     model = Model([one.likelihood(generating, BASELINES["paper"]) for one in opened])
-    true = np.array([value_of(truth, name) for name in model.names])
+    true = np.array([true_value(truth, name) for name in model.names])
     steps = STEP * np.eye(true.size)
     around = np.concatenate([np.zeros((1, true.size)), steps, -steps])
     middle, *sides = np.split(model.log_likelihood(true * np.exp(around)), [1, 1 + true.size])
@@ -51,12 +52,6 @@ def case(number):
         "score": dict(zip(model.names, score.tolist(), strict=True)),
         "information": dict(zip(model.names, information.tolist(), strict=True)),
     }
-
-
-def value_of(truth, name):
-    """Return a parameter of a truth."""
-    stem, _, size = name.removesuffix("]").partition("[")
-    return float(getattr(truth.coefficients[size] if size else truth, stem))
 
 
 def figures(cases):
