@@ -142,10 +142,13 @@ def _misspelt(key: str, known: Collection[str]) -> str:
 def _wrong(file: str, key: str, page: str, detail: Any) -> Fault:
     """Return what is wrong with a value."""
     value = detail["input"]
-    if detail["type"] == "union_tag_invalid":
+    if detail["type"].startswith("union_tag"):
+        asked = f"{key}.{detail['ctx']['discriminator'].strip(chr(39))}"
+        if detail["type"] == "union_tag_not_found":
+            return Fault(file, f"this key (see {page})", column=asked)
         names = detail["ctx"]["expected_tags"].replace("'", "").split(", ")
-        tag, asked = str(detail["ctx"]["tag"]), detail["ctx"]["discriminator"].strip("'")
-        return Fault(file, one_of(names, tag), column=f"{key}.{asked}", value=tag)
+        tag = str(detail["ctx"]["tag"])
+        return Fault(file, one_of(names, tag), column=asked, value=tag)
     if detail["type"] in ("model_attributes_type", "model_type", "dict_type"):
         return Fault(file, f"a table of keys (see {page})", column=key, value=str(value))
     message = detail["msg"].removeprefix("Value error, ").removeprefix("Input should be ")

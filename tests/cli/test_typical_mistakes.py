@@ -32,6 +32,8 @@ MISTAKES = {
     "no draws": ("margins raven-elbow", "found '1 loops, no --draws'"),
     "a misspelt format": ("export empty --to mjfc", "is 'mjcf' meant?"),
     "a misspelt engine": ("blind -o new --engine mujco", "is 'mujoco' meant?"),
+    "a misspelt family": ("fit board --config empty/b.toml", "is 'half-normal' meant?"),
+    "no family": ("fit board --config empty/c.toml", "priors.c1.family: expected this key"),
     "a misspelt key": ("fit board --config empty/a.toml", "is 'sampler.steps' meant?"),
     "nothing to run again": ("rerun empty -o new", "fit.json, claims.json or diagnosis.json"),
 }
@@ -43,6 +45,8 @@ def place(small_recording, tmp_path_factory):
     write_recording(small_recording, folder / "board")
     (folder / "empty").mkdir()
     (folder / "empty/a.toml").write_text("[sampler]\nstep = 800\n")
+    (folder / "empty/b.toml").write_text('priors.c1 = {family = "halfnormal", scale = 1}\n')
+    (folder / "empty/c.toml").write_text("priors.c1 = {scale = 1}\n")
     return folder
 
 
@@ -55,6 +59,7 @@ def test_a_mistake_is_named_in_one_line_and_leaves_nothing(place, mistake, monke
     assert done.exit_code == 2, done.output
     (line,) = [one for one in done.stderr.splitlines() if one.lower().startswith("error")]
     assert said in line
+    assert "simulating" not in done.stderr or "effect" in mistake  # which needs what is simulated
     assert sorted(place.rglob("*")) == before
 
 

@@ -123,15 +123,22 @@ def test_the_next_condition_is_one_that_this_size_can_have(plan):
         assert 0.3 < row["factor"] < 1.0
 
 
-def test_a_bench_knows_its_law_as_least_squares_does(tmp_path):
-    """Of 40 points with stated errors: friction scatters by 1 %, hardly by its assembly."""
+@pytest.mark.parametrize(("setups", "shared"), [(None, 0.001), (8, 0.015)])
+def test_a_bench_knows_its_law_as_least_squares_does(tmp_path, setups, shared):
+    """Of 40 points with stated errors: friction scatters by 1 %, and by the assembly if told."""
+    setup = np.arange(40) % (setups or 40)
     points = slide() | {"friction_sd_n": np.full(40, 0.1)}
+    if setups:
+        points["setup"] = [f"a{one}" for one in setup]
     found = power(recorded(tmp_path / "slide", points)).coefficients
     load = np.asarray(points["tension_n"])
     design = np.stack([load, np.ones(40)], axis=1)
     friction = design @ found["value"].loc[["c1", "c2"]]
-    variance = (0.01**2 + 2 * 0.001**2) * friction**2 + 0.1**2
-    sd = np.sqrt(np.diag(np.linalg.inv(design.T @ (design / variance[:, None]))))
+    alike = np.equal.outer(setup, setup)
+    loaded = alike & np.equal.outer(load, load)
+    covariance = np.diag((0.01 * friction) ** 2 + 0.1**2)
+    covariance += np.outer(friction, friction) * (shared**2 * alike + 0.001**2 * loaded)
+    sd = np.sqrt(np.diag(np.linalg.inv(design.T @ np.linalg.solve(covariance, design))))
     np.testing.assert_allclose(found["sd"].loc[["c1", "c2"]], sd, rtol=0.02)
 
 
