@@ -125,7 +125,7 @@ class Claim:
     def untestable(self, entered: Entered) -> str:
         """Return what the data lack to compare the claim with its rivals, or nothing."""
         if not entered.has_pulleys:
-            return "It is about cables over pulleys, and these data have none."
+            return "The claim is about cables over pulleys, and these data have none."
         for regime in (self.regime, self.beside):
             if regime is not None and entered.first(regime) is None:
                 return entered.lack(regime)

@@ -76,7 +76,9 @@ def _untestable(found: ClaimsFile) -> bool:
 
 
 def _none_testable(found: ClaimsFile) -> str:
-    return f"None of the {len(found.claims)} claims is testable here. {found.claims[0].reason}"
+    reason = found.claims[0].reason
+    why = f"{reason[0].lower()}{reason[1:]}"
+    return f"None of the {len(found.claims)} claims is testable here, all for one reason: {why}"
 
 
 def _verdicts(found: ClaimsFile) -> Table:

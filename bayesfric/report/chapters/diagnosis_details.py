@@ -27,7 +27,8 @@ from bayesfric.report.quantities import (
     format_unit,
     interval_cells,
 )
-from bayesfric.report.rig_words import law_words, rig_words
+from bayesfric.report.rig_words import group_words, law_words, rig_words
+from bayesfric.rigs.base import Words
 from bayesfric.schemas import Cause, DiagnosisFile, Gap, GapRow, Interval
 
 __all__ = [
@@ -280,9 +281,9 @@ def gap_words(found: DiagnosisFile) -> Paragraph:
 
 def gap_table(found: DiagnosisFile) -> Table:
     """Return every figure of the gap on data that the fit has not seen."""
-    gap = found.gap
+    gap, groups = found.gap, group_words(found.rigs)[1]
     rows: list[tuple[str, int, Gap | GapRow]] = [
-        *((row.name, 0, row) for row in gap.held_out),
+        *((row.name.replace(Words.groups, groups), 0, row) for row in gap.held_out),
         ("not held out: the data of the fit", 0, gap.in_sample),
     ]
     if gap.trajectory is not None:

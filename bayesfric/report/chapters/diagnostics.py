@@ -51,7 +51,7 @@ def diagnostics(stored: StoredFit) -> Iterator[Block]:
         [
             [
                 symbol(name),
-                re.sub(r"\w+=", "", entry.prior),
+                _in_short(entry.prior),
                 f"{entry.r_hat:.4f}",
                 f"{entry.r_hat_walkers:.4f}",
                 format_count(round(entry.ess_bulk)),
@@ -110,6 +110,12 @@ def _sensitivity(entries: Mapping[str, ParameterSummary]) -> Table:
         "likelihood, are raised to a power, for a doubling of it: power-scaling. Below 0.05 the "
         "component hardly matters.",
     )
+
+
+def _in_short(prior: str) -> str:
+    """Return a prior without the names of its numbers, and with three digits of each."""
+    bare = re.sub(r"\w+=", "", prior)
+    return re.sub(r"\d+\.\d+(e-?\d+)?", lambda found: f"{float(found[0]):.3g}", bare)
 
 
 def _kept(thin: int) -> str:
