@@ -13,14 +13,16 @@ from scipy.stats import truncnorm
 
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.acting import Acting, At
-from bayesfric.diagnosis.discrepancy import Wide
+from bayesfric.diagnosis.discrepancy import Wide, relative_rms
 from bayesfric.diagnosis.hypotheses import NONE, UNKNOWN, Search
 from bayesfric.diagnosis.left_open import drawn_numbers
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.refitted import RefittedLaw
 from bayesfric.diagnosis.residuals import Residuals, spread_numbers
+from bayesfric.diagnosis.shapes import Quadratic
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.effects.candidates import is_positive
+from bayesfric.inference.priors import from_normal
 from bayesfric.schemas import Interval
 
 __all__ = ["SMALLEST", "Posterior", "best_of", "interval", "left_of", "posterior_of", "shrink_of"]
@@ -224,8 +226,6 @@ def _strength(residuals: Residuals, column: Array) -> tuple[float, float]:
 
 def _phase_share(model: LinearModel, place: int) -> float:
     """Return the share of friction that phases of unit amplitude make, rms."""
-    from bayesfric.diagnosis.discrepancy import relative_rms
-
     return relative_rms([rig.rows for rig in model.rigs], model.candidates[place])
 
 
@@ -250,9 +250,6 @@ def _shape_draws(
     model: LinearModel, one: Weighed, column: int, count: int, rng: np.random.Generator
 ) -> Array:
     """Draw the shape of an effect around the best, others held; nothing where there is none."""
-    from bayesfric.diagnosis.shapes import Quadratic
-    from bayesfric.inference.priors import from_normal
-
     law = one.acting.laws[column]
     effect = model.candidates[law.places[0]].effect
     if effect.shape is None:
