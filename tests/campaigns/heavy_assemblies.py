@@ -50,11 +50,11 @@ def case(given):
             draws = named[f"{name}[{size}]"]
             ranks[f"{name}[{size}]"] = float((draws < value).mean())
             widths[f"{name}[{size}]"] = float(draws.std() / abs(value))
-    converged = all(one.converged for one in diagnose_all(theta))
+    r_hat = max(one.r_hat for one in diagnose_all(theta))
     return {
         "seed": seed,
         "level": level,
-        "converged": converged,
+        "r_hat": r_hat,
         "ranks": ranks,
         "relative_sd": widths,
     }

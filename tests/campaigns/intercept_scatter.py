@@ -3,7 +3,7 @@
 `quick` recordings of Table I, of which only scatter and noise are drawn anew; the posteriors
 are those of a fit with the default analysis, of fewer draws. The levels take turns, so that
 a campaign that is stopped has as many of each. Runs so short do not pass the rule by which a
-fit counts as converged; those of the calibration, as short, have an R-hat below 1.03.
+fit counts as converged; the largest R-hat is among the figures.
 """
 
 import numpy as np
@@ -50,8 +50,8 @@ def case(given):
         for size, law in table1_coefficients().items()
         for name, value in law._asdict().items()
     }
-    converged = all(one.converged for one in diagnose_all(theta))
-    return {"seed": seed, "level": level, "converged": converged, "ranks": ranks}
+    r_hat = max(one.r_hat for one in diagnose_all(theta))
+    return {"seed": seed, "level": level, "r_hat": r_hat, "ranks": ranks}
 
 
 def figures(done):
@@ -66,7 +66,7 @@ def figures(done):
 
 def coverage(here):
     """Return the coverage of c1, c2, c3 over some recordings, with 95 % bounds."""
-    entry = {"recordings": len(here), "converged": sum(one["converged"] for one in here)}
+    entry = {"recordings": len(here), "largest_r_hat": max(one["r_hat"] for one in here)}
     for name in ("c1", "c2", "c3"):
         ranks = np.array(
             [[r for key, r in one["ranks"].items() if key.startswith(name)] for one in here]

@@ -14,7 +14,7 @@ def test_coverage_by_hand():
     done = [
         {
             "level": level,
-            "converged": True,
+            "r_hat": rank,
             "ranks": {"c1[a]": rank, "c2[a]": 0.5, "c3[a]": 0.01},
             "relative_sd": {"c1[a]": rank, "c2[a]": 0.1, "c3[a]": 0.1},
         }

@@ -15,7 +15,7 @@ def test_coverage_by_hand():
     done = [
         {
             "level": level,
-            "converged": True,
+            "r_hat": rank,
             "ranks": {"c1[a]": rank, "c2[a]": 0.5, "c3[a]": 0.01},
         }
         for level in intercept_scatter.LEVELS
@@ -23,6 +23,7 @@ def test_coverage_by_hand():
     ]
     found = intercept_scatter.figures(done)["0.07"]
     assert found["recordings"] == 4
+    assert found["largest_r_hat"] == 0.99
     assert found["c1"]["coverage"] == 0.75
     assert found["c1"]["low"] == pytest.approx(0.1941, abs=1e-4)  # of Clopper and Pearson
     assert found["c1"]["high"] == pytest.approx(0.9937, abs=1e-4)
