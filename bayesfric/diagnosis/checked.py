@@ -11,6 +11,7 @@ from scipy.special import logsumexp
 
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.climbing import at_bounds, curvature_at
+from bayesfric.diagnosis.forms import FormShare
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.squeezing import squeezed
@@ -62,7 +63,7 @@ def noise_checked(
     rng : Generator
         Source of randomness.
     """
-    forms: dict[str, float] = {}
+    forms: dict[str, FormShare] = {}
     curvature: Array | None = None
     volume = search.volume
     if isinstance(one, Unknown):

@@ -8,6 +8,7 @@ import numpy as np
 from bayesfric.arrays import Array, Flags
 from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.discrepancy import Wide
+from bayesfric.diagnosis.forms import FormShare
 from bayesfric.diagnosis.model import LinearModel
 
 __all__ = ["at_bounds", "climb", "curvature_at"]
@@ -24,7 +25,7 @@ def climb(
     psi: Array,
     acting: Acting,
     wide: Wide | None = None,
-    form: Mapping[str, float] | None = None,
+    form: Mapping[str, FormShare] | None = None,
     inverse: Array | None = None,
 ) -> At:
     """Return a hypothesis at the mode of its noise, from a start.
@@ -79,7 +80,7 @@ def at_bounds(model: LinearModel, psi: Array) -> Flags:
 
 
 def curvature_at(
-    model: LinearModel, at: At, acting: Acting, form: Mapping[str, float] | None = None
+    model: LinearModel, at: At, acting: Acting, form: Mapping[str, FormShare] | None = None
 ) -> Array:
     """Return the negative Hessian of the log density by the noise, no direction flat."""
 

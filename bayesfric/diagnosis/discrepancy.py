@@ -33,14 +33,19 @@ class Wide:
         Rms of the forces that are wide, as a share of rms friction.
     axis : str or None
         Along which; None is along all but those that are wide alone.
+    alike : bool
+        Whether it is the same share of friction at all sizes, loads and rigs.
     """
 
     share: float
     axis: str | None
+    alike: bool = False
 
     def has(self, smooth: Smooth) -> bool:
         """Return whether a smooth force is one of those that are wide."""
-        return not smooth.alone if self.axis is None else smooth.axis == self.axis
+        if self.axis is None:
+            return not smooth.alone
+        return smooth.axis == self.axis and (smooth.alike or not self.alike)
 
 
 @dataclass(frozen=True)
@@ -113,6 +118,10 @@ def _smooth_forces(rows: Sequence[LinearRows]) -> tuple[list[Smooth], list[Smoot
     shared = [
         smooth_along({axis: span[axis]}, relative=True, length=NARROW) for axis in SHARED_AXES
     ]
+    # Films and asperities answer to decades of speed: most of what a law of friction does along
+    # it may lie below a tenth of the highest speed, where functions of speed itself are one bump.
+    slow = {"velocity": replace(span["velocity"], logarithmic=True)}
+    shared.append(smooth_along(slow, relative=True, length=NARROW))
     both = {axis: span[axis] for axis in ("velocity", "tension")}
     shared.append(smooth_along(both, relative=True, length=NARROW))
     for one, here in zip(rows, where, strict=True):

@@ -3,9 +3,9 @@
 A law of an effect is one form of several: friction may grow with a power of speed rather than
 in proportion to it, a drift saturate, slip grow with travel. The difference is a share of what
 the effect does, which changes along what it acts over: along each axis a sum of Legendre
-polynomials over the part of the range where the effect does something, the rougher the less,
-each without its mean, which is the amplitude's. How large a share it is, the same for all axes,
-is averaged over.
+polynomials over quantiles of the effect's square, so that they lie where it does something, the
+rougher the less, each without its mean, which is the amplitude's. How large a share it is, the
+same for all axes, or along speed alone, is averaged over.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -22,7 +22,7 @@ from bayesfric.effects.candidates import Candidate, goes_to_and_fro, unit_values
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.linear import LinearRows
 
-__all__ = ["Form", "other_forms"]
+__all__ = ["AS_IT_IS", "SHARES", "Form", "FormShare", "other_forms"]
 
 FORCE_AXES = (
     "speed_m_s",
@@ -41,7 +41,18 @@ AXES: Mapping[ActsOn, tuple[str, ...]] = {
 }
 HIGHEST = 3  # degree
 UNLIKE = 0.05  # of a polynomial's rms where the effect acts, that lower degrees do not have
-TAIL = 1e-3  # of the effect's square, beyond either end of the range
+SHARES = (0.0, 0.03, 0.1, 0.3)
+"""By which shares of what they do laws may be wrong, each as likely before the data."""
+
+
+class FormShare(NamedTuple):
+    """By which share of what it does a law may be wrong, along one axis or (None) along each."""
+
+    size: float = 0.0
+    axis: str | None = None
+
+
+AS_IT_IS = FormShare()
 
 
 class Form(NamedTuple):
@@ -115,18 +126,17 @@ def _has(where: Any, axis: str) -> bool:
 
 def _shapes(at: Array, weight: Array) -> list[Callable[[Array], Array]]:
     """Return polynomials over the places of an effect, each unlike those of lower degrees."""
-    order = np.argsort(at, kind="stable")
-    share = np.cumsum(weight[order])
-    if at.size == 0 or share[-1] == 0:
+    levels, which = np.unique(at, return_inverse=True)
+    square = np.bincount(which, weights=weight)
+    if levels.size < 2 or square.sum() == 0:
         return []
-    low, high = at[order][np.searchsorted(share / share[-1], [TAIL, 1 - TAIL])]
-    if high <= low:
-        return []
-    inside, root = np.clip(at, low, high), np.sqrt(weight)
+    # Where the effect dies out, so do its other forms; equal parts of the effect count alike.
+    quantiles = (np.cumsum(square) - square / 2) / square.sum()
+    inside, root = quantiles[which], np.sqrt(weight)
     known = [root]
     found: list[Callable[[Array], Array]] = []
     for degree in range(1, HIGHEST + 1):
-        basis = legendre.Legendre.basis(degree, domain=(low, high))
+        basis = legendre.Legendre.basis(degree, domain=(0.0, 1.0))
         values = root * basis(inside)
         lower = np.stack(known, axis=1)
         new = values - lower @ np.linalg.lstsq(lower, values, rcond=None)[0]
@@ -137,7 +147,7 @@ def _shapes(at: Array, weight: Array) -> list[Callable[[Array], Array]]:
         mean = np.average(basis(inside), weights=weight)
 
         def shape(place: Array, basis: Any = basis, mean: float = mean) -> Array:
-            return np.asarray(basis(np.clip(place, low, high)) - mean)
+            return np.asarray(basis(np.interp(place, levels, quantiles)) - mean)
 
         found.append(shape)
     return found

@@ -10,8 +10,9 @@ import numpy as np
 from scipy.linalg import block_diag, solve_triangular
 
 from bayesfric.arrays import Array
+from bayesfric.diagnosis.forms import SHARES, FormShare
 from bayesfric.diagnosis.model import LinearModel
-from bayesfric.diagnosis.weighing import FORM_SHARES, Weighed
+from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.inference.group_sizes import Group, drawn_in_groups
 from bayesfric.rigs.layout import COEFFICIENTS
 
@@ -42,7 +43,7 @@ def drawn_numbers(model: LinearModel, one: Weighed, count: int, rng: np.random.G
     """
     information = model.evaluate(one.at.psi, one.acting).information
     priors = [model.amplitude_prior(law) for law in one.acting.laws]
-    mean, sd = model.prior(priors, None, dict.fromkeys(one.names, 1.0))
+    mean, sd = model.prior(priors, None, dict.fromkeys(one.names, FormShare(1.0)))
     layout, sizes = model.layout, len(model.layout.sizes)
     own = [np.arange(COEFFICIENTS, layout.own) + layout.own * size for size in range(sizes)]
     start = layout.own * sizes + len(one.acting.laws)
@@ -95,7 +96,7 @@ def _groups(model: LinearModel) -> tuple[Array, list[Group]]:
     places: dict[tuple[str, str], list[int]] = {}
     for place, thing in enumerate(what):
         places.setdefault(thing, []).append(place)
-    shares, first = np.array(FORM_SHARES), len(what) - forms
+    shares, first = np.array(SHARES), len(what) - forms
     found = []
     for own_places in places.values():
         is_form = own_places[0] >= first

@@ -14,7 +14,7 @@ from bayesfric.analysis import Analysis, Prior
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.diagnosis.acting import Acting, At, Law, lawbook, merged, phase_name
 from bayesfric.diagnosis.discrepancy import Discrepancy, Wide, discrepancy_share
-from bayesfric.diagnosis.forms import Form
+from bayesfric.diagnosis.forms import AS_IT_IS, Form, FormShare
 from bayesfric.diagnosis.noise import Noise
 from bayesfric.diagnosis.said import Said
 from bayesfric.diagnosis.scales import coefficient_moments, rms_friction, scales_of_numbers
@@ -183,7 +183,7 @@ class LinearModel:
         self,
         priors: Sequence[Prior],
         wide: Wide | None = None,
-        form: Mapping[str, float] | None = None,
+        form: Mapping[str, FormShare] | None = None,
         *,
         discrepancy: float = 1.0,
     ) -> tuple[Array, Array]:
@@ -195,7 +195,7 @@ class LinearModel:
             Of the amplitudes of the effects that act.
         wide : Wide or None
             Smooth forces that are wider than the discrepancy.
-        form : mapping of str to float, or None
+        form : mapping of str to FormShare, or None
             By which share of what they do the laws of effects may be wrong; none else.
         discrepancy : float
             By what the rms of the discrepancy is multiplied.
@@ -210,7 +210,11 @@ class LinearModel:
         mean = np.hstack([mean, np.zeros((sizes, layout.smooths))])
         sd = np.hstack([sd, np.tile(discrepancy * own, (sizes, 1))])
         at = [prior_moments(one)[0] / prior_moments(one)[1] for one in priors]
-        forms = [(form or {}).get(one.candidate.effect.name, 0.0) for one in self.forms]
+        shares = [(form or {}).get(one.candidate.effect.name, AS_IT_IS) for one in self.forms]
+        forms = [
+            share.size if share.axis in (None, one.axis) else 0.0
+            for share, one in zip(shares, self.forms, strict=True)
+        ]
         nuisances = np.ones(sum(layout.nuisances))
         rest = np.concatenate([np.ones(len(at)), discrepancy * shared, forms, nuisances])
         return (
@@ -231,7 +235,7 @@ class LinearModel:
         psi: Array,
         acting: Acting,
         wide: Wide | None = None,
-        form: Mapping[str, float] | None = None,
+        form: Mapping[str, FormShare] | None = None,
         *,
         gradient: bool = False,
         used: Mapping[str, Flags] | None = None,
@@ -272,7 +276,7 @@ class LinearModel:
         acting: Acting,
         information: Information,
         wide: Wide | None = None,
-        form: Mapping[str, float] | None = None,
+        form: Mapping[str, FormShare] | None = None,
     ) -> At:
         """Return a hypothesis at one noise where the information on its numbers is known."""
         mean, sd = self.prior([self.amplitude_prior(law) for law in acting.laws], wide, form)
@@ -316,7 +320,7 @@ class LinearModel:
         return self.said.of(psi, places, len(self.candidates), first, computed)
 
     def reduced_of(
-        self, information: Information, form: Mapping[str, float] | None, places: Sequence[int]
+        self, information: Information, form: Mapping[str, FormShare] | None, places: Sequence[int]
     ) -> Reduced:
         """Return the quadratic form in candidates' numbers, all else taken up."""
         priors = [self.candidates[place].effect.amplitude.prior for place in places]
@@ -335,7 +339,7 @@ class LinearModel:
         self,
         psi: Array,
         acting: Acting,
-        form: Mapping[str, float] | None = None,
+        form: Mapping[str, FormShare] | None = None,
         places: Sequence[int] | None = None,
     ) -> Reduced:
         """Return the quadratic form in candidates' numbers, all that is not an effect taken up.

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from bayesfric.arrays import Array
+from bayesfric.diagnosis.forms import AS_IT_IS
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.systematic import interval
@@ -61,7 +62,7 @@ def remainder_of(
     if left is not None and left_matters(left, gap_share, practical):
         # The causes' laws are wrong by so much that something else must act: along which axis
         # a smooth force would do instead of their other forms.
-        plain = replace(found, form=0.0)
+        plain = replace(found, form=AS_IT_IS)
         instead = unknown_force(model, plain, found.acting, search.inverse, search.volume)
         assert instead is not None
         found_by.append((interval(left), instead.best.axis or _widest(instead)))

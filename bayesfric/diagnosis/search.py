@@ -17,6 +17,7 @@ from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.classes import Classes
 from bayesfric.diagnosis.climbing import curvature_at
 from bayesfric.diagnosis.discrepancy import relative_rms
+from bayesfric.diagnosis.forms import AS_IT_IS, FormShare
 from bayesfric.diagnosis.hypotheses import NONE, Search
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.shapes import Quadratic
@@ -127,7 +128,7 @@ def search(
 
 
 def _weigh_parts(
-    model: LinearModel, found: Search, steps: Steps, forms: Sequence[float] = (0.0,)
+    model: LinearModel, found: Search, steps: Steps, forms: Sequence[FormShare] = (AS_IT_IS,)
 ) -> None:
     """Weigh the leader without each of its effects, and so on with a part that leads then.
 
@@ -271,7 +272,7 @@ def _extended(
     effects: Sequence[str],
     psi: Array,
     shapes: dict[str, float],
-    forms: Mapping[str, float] | None = None,
+    forms: Mapping[str, FormShare] | None = None,
 ) -> dict[str, float]:
     """Return a first look at hypotheses with an effect more, at the noise of the base.
 

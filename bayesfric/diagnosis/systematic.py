@@ -14,6 +14,7 @@ from scipy.stats import truncnorm
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.discrepancy import Wide, relative_rms
+from bayesfric.diagnosis.forms import FormShare
 from bayesfric.diagnosis.hypotheses import NONE, UNKNOWN, Search
 from bayesfric.diagnosis.left_open import drawn_numbers
 from bayesfric.diagnosis.model import LinearModel
@@ -235,7 +236,7 @@ def _log_spread(
     acting: Acting,
     place: int,
     wide: Wide | None,
-    form: Mapping[str, float],
+    form: Mapping[str, FormShare],
 ) -> float:
     """Return the standard deviation of the logarithm of an amplitude with phases."""
     step = np.zeros_like(psi)

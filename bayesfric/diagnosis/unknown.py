@@ -11,6 +11,7 @@ from bayesfric.arrays import Array, Whole
 from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.climbing import climb, curvature_at
 from bayesfric.diagnosis.discrepancy import Wide
+from bayesfric.diagnosis.forms import AS_IT_IS, FormShare
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.weighing import Weighed, log_volume, over_amplitudes
@@ -29,7 +30,7 @@ class Unknown:
     Parameters
     ----------
     nodes : tuple of Wide
-        How large it may be, and along which axis.
+        How large it may be, along which axis, and whether alike at all sizes, loads and rigs.
     log_weights : ndarray
         Of each node, normalised.
     log_evidence : float
@@ -38,7 +39,7 @@ class Unknown:
         With the most probable node.
     acting : Acting
         Effects beside it, which make less of the gap than it does.
-    form : float
+    form : FormShare
         The share by which their laws are wrong.
     """
 
@@ -47,7 +48,7 @@ class Unknown:
     log_evidence: float
     at: At
     acting: Acting
-    form: float = 0.0
+    form: FormShare = AS_IT_IS
 
     @property
     def best(self) -> Wide:
@@ -55,7 +56,7 @@ class Unknown:
         return self.nodes[int(np.argmax(self.log_weights))]
 
     @property
-    def forms(self) -> dict[str, float]:
+    def forms(self) -> dict[str, FormShare]:
         """The share of each effect beside it."""
         return dict.fromkeys(self.acting.names, self.form)
 
@@ -92,7 +93,11 @@ def unknown_force(
         return None
     scale = model.analysis.diagnosis.unknown_scale
     shares = [scale * float(halfnorm.ppf(one)) for one in QUANTILES]
-    nodes = tuple(Wide(share, axis) for axis in (None, *axes) for share in shares)
+    # Where in speed a law is off events tell at hundreds of places, and forces that differ with
+    # size, load and rig as well are too many to be likely; along other axes few values are met.
+    where: list[tuple[str | None, bool]] = [(None, False), *((axis, False) for axis in axes)]
+    where += [(axis, True) for axis in axes if axis == "velocity"]
+    nodes = tuple(Wide(share, *one) for one in where for share in shares)
     form = without.forms
     # Along these, what is smaller than matters is scatter.
     practical = model.analysis.diagnosis.practical_share

@@ -11,6 +11,7 @@ from scipy.special import logsumexp
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.acting import Acting, At, Law
 from bayesfric.diagnosis.climbing import climb, curvature_at
+from bayesfric.diagnosis.forms import AS_IT_IS, SHARES, FormShare
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.shapes import Choice, Quadratic, choose
 
@@ -19,8 +20,11 @@ __all__ = ["FORM_SHARES", "Weighed", "label", "log_volume", "over_amplitudes", "
 NONE = "none"
 ROUNDS = 3  # of choosing laws and shapes, and noise, in turn
 SETTLED = 0.05  # of a shape, in normal quantiles
-FORM_SHARES = (0.0, 0.03, 0.1, 0.3)
-"""By which shares of what they do laws may be wrong, each as likely before the data."""
+# Along speed alone too, as an unknown force may be: that has no price of other axes.
+FORM_SHARES = (
+    *map(FormShare, SHARES),
+    *(FormShare(size, "speed_m_s") for size in SHARES[1:]),
+)
 AMPLITUDES = np.linspace(-4.0, 4.0, 17)  # of phases around the mode, in standard deviations
 START_PHASE = 0.1  # of an amplitude with phases, in units of its prior
 
@@ -44,7 +48,7 @@ class Weighed:
         At the mode of the noise.
     choices : tuple of Choice
         Of laws, the best first, at that noise.
-    form : float
+    form : FormShare
         The most probable share by which laws are wrong.
     bound : bool
         Whether the noise was not climbed to its mode, so that the evidence is a lower bound.
@@ -56,7 +60,7 @@ class Weighed:
     acting: Acting
     at: At
     choices: tuple[Choice, ...] = ()
-    form: float = 0.0
+    form: FormShare = AS_IT_IS
     bound: bool = False
 
     @property
@@ -73,7 +77,7 @@ class Weighed:
         return log_volume(self.curvature[:noise, :noise])
 
     @property
-    def forms(self) -> dict[str, float]:
+    def forms(self) -> dict[str, FormShare]:
         """The most probable share of each effect."""
         return dict.fromkeys(self.names, self.form)
 
@@ -100,7 +104,7 @@ def weigh(
     volume: float,
     *,
     shapes: Mapping[str, float] | None = None,
-    forms: Sequence[float] = (0.0,),
+    forms: Sequence[FormShare] = (AS_IT_IS,),
     own_volume: bool = False,
 ) -> Weighed:
     """Weigh effects that act together.
@@ -120,7 +124,7 @@ def weigh(
         Log Laplace volume of the noise, of that hypothesis.
     shapes : mapping of str to float, or None
         A shape of each law to begin with.
-    forms : sequence of float
+    forms : sequence of FormShare
         By which shares of what they do laws may be wrong, averaged over.
     own_volume : bool
         Whether the volume of this hypothesis' own noise is computed.
@@ -131,10 +135,10 @@ def weigh(
     first = np.array([np.log(START_PHASE * model.amplitude_scale(law)) for law in phases])
     known = dict(shapes or {})
     each = [np.concatenate([start[: len(model.noise)], first]) for start in starts]
-    tried = [_chosen(model, free, phases, one, known, (0.0,))[0] for one in each]
+    tried = [_chosen(model, free, phases, one, known, (AS_IT_IS,))[0] for one in each]
     best = int(np.argmax([one.at().value for one in tried]))
     psi, acting = each[best], tried[best].acting
-    form, weights = 0.0, np.zeros(len(forms))
+    form, weights = AS_IT_IS, np.zeros(len(forms))
     for _ in range(ROUNDS):
         at = climb(model, psi, acting, None, dict.fromkeys(names, form), inverse)
         before = acting, form
@@ -176,7 +180,7 @@ def _chosen(
     phases: tuple[Law, ...],
     psi: Array,
     known: Mapping[str, float],
-    shares: Sequence[float],
+    shares: Sequence[FormShare],
 ) -> list[_Chosen]:
     """Return for each share of forms the best laws and shapes, and all their log evidence."""
     places = [place for name in free for law in model.lawbook[name] for place in law.places]
@@ -208,7 +212,9 @@ def log_volume(curvature: Array) -> float:
     return float(0.5 * (values.size * np.log(2 * np.pi) - np.log(values).sum()))
 
 
-def over_amplitudes(model: LinearModel, at: At, acting: Acting, form: Mapping[str, float]) -> float:
+def over_amplitudes(
+    model: LinearModel, at: At, acting: Acting, form: Mapping[str, FormShare]
+) -> float:
     """Return the log integral over amplitudes with phases, one at a time, over its mode.
 
     Parameters

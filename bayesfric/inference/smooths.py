@@ -22,6 +22,7 @@ NODES = 25
 BROAD, NARROW, SHARP = 1 / 3, 1 / 6, 1 / 12  # length scales, as shares of the range
 KEPT, WHOLE = 0.99, 0.999  # of a process' variance, and where much is told of it
 FEW = 9  # values of a covariate that are taken one by one
+FINE = 50.0  # by which a logarithmic axis is finer at its low end than at its high end
 
 
 @dataclass(frozen=True)
@@ -34,11 +35,14 @@ class Span:
         Lowest and highest value.
     values : tuple of float
         Its values where they are few, else none.
+    logarithmic : bool
+        Whether what changes along it does so by ratios, ever finer towards its low end.
     """
 
     low: float
     high: float
     values: tuple[float, ...] = ()
+    logarithmic: bool = False
 
     @classmethod
     def of(cls, *found: Array) -> "Span":
@@ -51,6 +55,11 @@ class Span:
         distinct = np.unique(whole.round(9))
         few = tuple(distinct.tolist()) if distinct.size <= FEW else ()
         return cls(low, high, few)
+
+    def place(self, at: Array) -> Array:
+        """Return where values lie, from 0 at the lowest to 1 at the highest."""
+        share = np.clip((at - self.low) / (self.high - self.low), 0.0, 1.0)
+        return np.log1p(FINE * share) / np.log1p(FINE) if self.logarithmic else share
 
 
 @dataclass(frozen=True)
@@ -87,6 +96,11 @@ class Smooth:
     def axis(self) -> str:
         """What the force depends on: the first covariate, or the rig."""
         return self.axes[0] if self.axes else "rig"
+
+    @property
+    def alike(self) -> bool:
+        """Whether it is the same share of friction whatever else varies."""
+        return self.relative and self.rig is None and len(self.axes) == 1
 
     @property
     def count(self) -> int:
@@ -155,7 +169,7 @@ def smooth_along(
 
 def _functions(span: Span, length: float, at: Array) -> Array:
     """Return all functions of one covariate at some places, shape (…, K)."""
-    place = np.clip((at - span.low) / (span.high - span.low), 0.0, 1.0)
+    place = span.place(at)
     if not span.values:
         return np.asarray(_splines(length)(place))
     levels, _, vectors = _few(span, length)
@@ -179,7 +193,7 @@ def _decomposed(grid: Array, length: float) -> tuple[Array, Array]:
 
 @cache
 def _few(span: Span, length: float) -> tuple[Array, Array, Array]:
-    levels = (np.array(span.values) - span.low) / (span.high - span.low)
+    levels = span.place(np.array(span.values))
     return levels, *_decomposed(levels, length)
 
 

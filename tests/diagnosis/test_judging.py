@@ -11,6 +11,7 @@ from bayesfric.diagnosis import judging
 from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.classes import Classes
 from bayesfric.diagnosis.discrepancy import Wide
+from bayesfric.diagnosis.forms import FormShare
 from bayesfric.diagnosis.hypotheses import Search
 from bayesfric.diagnosis.judging import _leaves_too_much, judge
 from bayesfric.diagnosis.remainder import all_left
@@ -153,7 +154,7 @@ def test_a_force_that_causes_leave_is_beside_them_where_they_are_asked_for(with_
     """Alone it would be drawn at a scatter that takes up what no smooth force is like."""
     alone = Unknown((Wide(0.1, None),), np.zeros(1), 0.0, AT, Acting())
     acting = Acting(shapes=(0.5,))
-    best = Weighed(("viscous",), 9.0, None, acting, AT, form=0.1)
+    best = Weighed(("viscous",), 9.0, None, acting, AT, form=FormShare(0.1))
     asked = []
 
     def evaluate(*inputs):
@@ -162,11 +163,11 @@ def test_a_force_that_causes_leave_is_beside_them_where_they_are_asked_for(with_
 
     model = SimpleNamespace(full=SimpleNamespace(evaluate=evaluate))
     found = judging._with_causes(model, alone, best)
-    assert asked == [(AT.psi, acting, Wide(0.1, None), {"viscous": 0.1})]
+    assert asked == [(AT.psi, acting, Wide(0.1, None), {"viscous": FormShare(0.1)})]
     if kept:
         assert found is alone
     else:
-        assert (found.at.value, found.acting, found.form) == (with_causes, acting, 0.1)
+        assert (found.at.value, found.acting, found.form) == (with_causes, acting, best.form)
         assert found.log_evidence == alone.log_evidence
 
 

@@ -8,7 +8,7 @@ from bayesfric.analysis import Analysis
 from bayesfric.diagnosis import left_open
 from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.climbing import climb, curvature_at
-from bayesfric.diagnosis.forms import other_forms
+from bayesfric.diagnosis.forms import FormShare, other_forms
 from bayesfric.diagnosis.left_open import drawn_numbers
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.squeezing import squeezed
@@ -50,11 +50,11 @@ def test_with_sizes_that_are_known_draws_are_normal_by_the_closed_form(
     model, one = weighed
     model = model.full if whole else model
     monkeypatch.setattr(left_open, "SIZES", np.array([size]))
-    monkeypatch.setattr(left_open, "FORM_SHARES", (share,))
+    monkeypatch.setattr(left_open, "SHARES", (share,))
     drawn = drawn_numbers(model, one, DRAWS, np.random.default_rng(1))
     information = model.evaluate(one.at.psi, one.acting).information
     priors = [model.amplitude_prior(law) for law in one.acting.laws]
-    prior = model.prior(priors, None, {"viscous": share}, discrepancy=size)
+    prior = model.prior(priors, None, {"viscous": FormShare(share)}, discrepancy=size)
     _, mean, covariance = information.integrated(*prior)
     sd = np.sqrt(np.diag(covariance))
     free = sd > 0

@@ -79,6 +79,27 @@ def test_a_worn_spot_is_had_without_forces_that_cancel():
     assert fitted(smooth_along(along, relative=True, length=NARROW))[1] > 0.4
 
 
+def test_a_law_of_decades_of_speed_is_had_along_a_logarithmic_axis():
+    """Functions of speed itself leave three times as much of what changes, rms."""
+    speed = np.linspace(0.01, 1.0, 300)
+    law = np.log1p(speed / 0.02)
+    law -= law.mean()
+
+    def left(logarithmic):
+        along = {"velocity": Span(0.0, 1.0, logarithmic=logarithmic)}
+        columns = smooth_along(along, relative=True, length=NARROW).columns({"velocity": speed})
+        numbers = np.linalg.lstsq(columns.T, law, rcond=None)[0]
+        return np.std(law - numbers @ columns)
+
+    assert left(logarithmic=True) < left(logarithmic=False) / 3
+
+
+def test_places_along_a_logarithmic_axis():
+    span = Span(1.0, 3.0, logarithmic=True)
+    found = span.place(np.array([0.0, 1.0, 1.04, 3.0, 9.0]))
+    np.testing.assert_allclose(found, [0.0, 0.0, np.log(2) / np.log(51), 1.0, 1.0])
+
+
 def test_what_differs_between_two_ends_is_an_effect_where_that_is_examined():
     """The same force twice, the likelier of which would be the one without a name."""
     assert "drive_end" in model_of(("viscous",)).acting_axes

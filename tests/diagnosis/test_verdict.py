@@ -10,6 +10,7 @@ from bayesfric.analysis import Analysis
 from bayesfric.diagnosis import remainder
 from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.discrepancy import Wide
+from bayesfric.diagnosis.forms import FormShare
 from bayesfric.diagnosis.remainder import left_matters, remainder_of
 from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.verdict import Known, decide, sentence_of, sets_of_one, sort_effects
@@ -170,12 +171,12 @@ def test_a_remainder_is_all_that_causes_leave(monkeypatch, left, beside, share, 
         return Unknown((Wide(share, axis),), np.zeros(1), 30.0, AT, Acting())
 
     def unknown_force(model, found, *rest):
-        instead = found.form == 0.0
+        instead = found.form.size == 0
         return smooth(gap, "velocity") if instead else smooth(np.sqrt(beside) * gap, "travel")
 
     monkeypatch.setattr(remainder, "unknown_force", unknown_force)
     model = SimpleNamespace(analysis=Analysis(), evaluate=lambda *_: SimpleNamespace(value=0.0))
-    found = Weighed(("viscous",), 0.0, None, Acting(), AT, form=0.1)
+    found = Weighed(("viscous",), 0.0, None, Acting(), AT, form=FormShare(0.1))
     draws = None if left is None else left + np.linspace(-0.01, 0.01, 201)
     told = remainder_of(model, SimpleNamespace(inverse=None, volume=0.0), found, gap, draws)
     assert told.significant

@@ -75,7 +75,7 @@ def test_an_effect_of_phases_that_is_not_there_gains_nothing_beside_one_of_anoth
         weigh(model, names, [known.at.psi], inverse, 0.0, forms=FORM_SHARES)
         for names in (("viscous",), ("viscous", "runout"))
     )
-    assert alone.form > 0
+    assert alone.form.size > 0
     assert alone.log_evidence > known.log_evidence
     assert both.log_evidence < alone.log_evidence + 0.1
     # Steps along its log amplitude are measured from here.
@@ -102,6 +102,53 @@ def test_a_drift_of_another_form_is_no_unknown_force_along_order(law):
     unknown = unknown_force(model, none, Acting(), inverse, 0.0, [known.at.psi])
     assert unknown.best.axis == "order"
     assert known.log_evidence > unknown.log_evidence + 3
+
+
+def test_a_law_of_speed_that_nobody_named_is_not_put_together_from_two_effects():
+    """Friction that grows with the logarithm of speed, alike on all boards."""
+    effect = all_effects()["viscous"]
+    law = {"decades": lambda p, state: p["k"] * state.friction_n * np.log1p(state.speed_m_s / 0.02)}
+    truth = Truth(effects=[AppliedEffect(replace(effect, laws=law), "decades", {"k": 0.05})])
+    recording = simulate_recording(SMALL, seed=5, rigs=("gravity",), truth=truth)
+    names = ("stribeck", "viscous")
+    candidates = [one for name in names for one in candidates_of(all_effects()[name])]
+    model = LinearModel(data_of(recording), table1_coefficients(), candidates, Analysis())
+    at = climb(model, model.noise.start, Acting())
+    inverse = np.linalg.inv(curvature_at(model, at, Acting()))
+    none = weigh(model, (), [at.psi], inverse, 0.0)
+    both = weigh(model, names, [at.psi, model.noise.quiet(at.psi)], inverse, 0.0)
+    unknown = unknown_force(model, none, Acting(), inverse, 0.0, [both.at.psi])
+    assert (unknown.best.axis, unknown.best.alike) == ("velocity", True)
+    assert unknown.log_evidence > both.log_evidence + 3
+
+
+def test_a_stribeck_curve_of_another_form_is_no_unknown_force_along_speed():
+    """By a hyperbolic secant, alike on all boards; its law is wrong along speed alone."""
+    effect = all_effects()["stribeck"]
+    law = {
+        "secant": lambda p, state: p["rise"] * state.friction_n / np.cosh(state.speed_m_s / 0.15)
+    }
+    truth = Truth(effects=[AppliedEffect(replace(effect, laws=law), "secant", {"rise": 0.2})])
+    recording = simulate_recording(SMALL, seed=5, rigs=("gravity",), truth=truth)
+    candidates = candidates_of(effect)
+    first = LinearModel(data_of(recording), table1_coefficients(), candidates, Analysis())
+    at = climb(first, first.noise.start, Acting())
+    inverse = np.linalg.inv(curvature_at(first, at, Acting()))
+    starts = [at.psi, first.noise.quiet(at.psi)]
+    known = weigh(first, ("stribeck",), starts, inverse, 0.0)
+    acting = first.amplitudes(known.at, known.acting)
+    forms = other_forms([rig.rows for rig in first.rigs], acting)
+    model = first.around(first.fitted_laws(known.at), candidates, scattering=acting, forms=forms)
+    every, both = (
+        weigh(model, ("stribeck",), [known.at.psi], inverse, 0.0, forms=shares)
+        for shares in ([one for one in FORM_SHARES if one.axis is None], FORM_SHARES)
+    )
+    assert both.form.axis == "speed_m_s"
+    assert both.log_evidence > every.log_evidence + 2
+    none = weigh(model, (), starts, inverse, 0.0)
+    unknown = unknown_force(model, none, Acting(), inverse, 0.0, [known.at.psi])
+    assert (unknown.best.axis, unknown.best.alike) == ("velocity", True)
+    assert both.log_evidence > unknown.log_evidence + 5
 
 
 @dataclass
