@@ -162,7 +162,8 @@ def _repeat(
 
 def _repeat_margins(folder: Path, again: Path, loops: list[Path], quiet: bool) -> None:
     """Compute margins over the new draws, with what the stored ones were asked for."""
-    from bayesfric.margins.loop_file import loop_sha256, read_loop
+    from bayesfric.margins import read_loop
+    from bayesfric.margins.loop_file import loop_sha256
     from bayesfric.resources import bundled_loops
     from bayesfric.results import read_json
     from bayesfric.schemas import MarginsFile

@@ -14,8 +14,9 @@ from bayesfric.margins.echo import plant_of
 from bayesfric.margins.ensemble import Ensemble
 from bayesfric.margins.following import needs_motion
 from bayesfric.margins.inputs import refused
-from bayesfric.margins.loop_file import Loop, read_loop
+from bayesfric.margins.loop_file import Loop
 from bayesfric.margins.loop_margins import loop_margins
+from bayesfric.margins.loop_reading import read_loop
 from bayesfric.margins.metrics import linear_of
 from bayesfric.margins.population import read_draws
 from bayesfric.margins.posterior import Posterior, RigDiscrepancy

@@ -5,13 +5,10 @@ motor's shaft, before the gearbox. Unknown keys are refused.
 """
 
 import hashlib
-from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
-from bayesfric.errors import Fault, InputError, one_of
-from bayesfric.files import key_faults, read_toml
 from bayesfric.margins.loop_cables import (
     Cable,
     CableRun,
@@ -20,8 +17,7 @@ from bayesfric.margins.loop_cables import (
     SecondStage,
     Section,
 )
-from bayesfric.margins.quantities import FAMILIES, NonNegative, Positive, Quantity
-from bayesfric.resources import bundled_loops
+from bayesfric.margins.quantities import NonNegative, Positive, Quantity
 
 __all__ = [
     "Cable",
@@ -38,9 +34,7 @@ __all__ = [
     "SecondStage",
     "Spec",
     "Tool",
-    "loop_path",
     "loop_sha256",
-    "read_loop",
 ]
 
 Share = Annotated[float, Field(gt=0, lt=1)]
@@ -337,47 +331,6 @@ class Loop(Section):
         )
 
 
-def loop_path(given: Path) -> Path:
-    """Return a loop file that a user names: one that is there, or a bundled one by its name.
-
-    Raises
-    ------
-    InputError
-        It is neither.
-    """
-    if given.exists():
-        return given
-    bundled = bundled_loops()
-    if str(given) not in bundled:
-        expected = f"a loop file that is there, or {one_of(bundled, str(given))}"
-        raise InputError([Fault(str(given), expected)])
-    return bundled[str(given)]
-
-
-def read_loop(path: Path) -> Loop:
-    """Read and validate a loop file.
-
-    Parameters
-    ----------
-    path : Path
-        The TOML file, or the name of a bundled loop.
-
-    Raises
-    ------
-    InputError
-        With every fault of the file: where, what was found, what was expected.
-    """
-    path = loop_path(path)
-    values = read_toml(path)
-    try:
-        return Loop.model_validate(values)
-    except ValidationError as error:
-        raise InputError(key_faults(path.name, error, "docs/loop.md", Loop, TAGS)) from error
-
-
 def loop_sha256(loop: Loop) -> str:
     """Return the SHA-256 of a loop in full, defaults filled in."""
     return hashlib.sha256(loop.model_dump_json().encode()).hexdigest()
-
-
-TAGS = FAMILIES | {"revolute", "prismatic"}

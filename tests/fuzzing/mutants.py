@@ -18,7 +18,7 @@ from recording.mini import Mini, write_files
 
 from bayesfric.analysis import read_analysis
 from bayesfric.errors import InputError
-from bayesfric.margins.loop_file import read_loop
+from bayesfric.margins.loop_reading import read_loop
 from bayesfric.recording import read_recording
 from bayesfric.resources import data_folder, reference_folder
 from bayesfric.results import read_json, read_tree, write_netcdf

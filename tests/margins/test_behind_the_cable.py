@@ -14,7 +14,8 @@ from bayesfric.margins.describing import effective_damping, formula_conditions, 
 from bayesfric.margins.diagnosed import with_effects
 from bayesfric.margins.echo import plant_of
 from bayesfric.margins.linear import is_stable
-from bayesfric.margins.loop_file import Loop, read_loop
+from bayesfric.margins.loop_file import Loop
+from bayesfric.margins.loop_reading import read_loop
 from bayesfric.margins.metrics import closed_forms, linear_of
 from bayesfric.margins.open_loop import OpenLoop
 from bayesfric.margins.simulating import simulate

@@ -9,7 +9,8 @@ from pydantic import BaseModel
 
 from bayesfric.errors import InputError
 from bayesfric.margins import loop_file
-from bayesfric.margins.loop_file import loop_sha256, read_loop
+from bayesfric.margins.loop_file import loop_sha256
+from bayesfric.margins.loop_reading import read_loop
 from bayesfric.resources import data_folder
 
 LOOPS = data_folder() / "loops"
@@ -75,6 +76,31 @@ def test_a_bad_loop_is_one_clear_fault(tmp_path, changes, column, expected):
     assert fault.file == "bad.toml"
     assert fault.column == column
     assert expected in str(fault)
+
+
+@pytest.mark.parametrize(
+    ("changes", "column", "mistake"),
+    [
+        ({"drive.gearbox_ratio": 1 / 12}, "joint.transmission_rad_per_rad", "inverted"),
+        ({"joint.transmission_rad_per_rad": 0.01}, "joint.transmission_rad_per_rad", "inverted"),
+        ({"drive.capstan_radius_m": 10}, "joint.transmission_rad_per_rad", "millimetres"),
+        ({"joint": {"kind": "prismatic", "mass_kg": 0.5, "transmission_rad_per_m": 1e-3},
+          "tool": {}}, "joint.transmission_rad_per_m", "capstan_radius_m, 1000 (is it"),
+        ({"controller.sample_time_s": 1}, "controller.sample_time_s", "milliseconds"),
+        ({"drive.torque_constant_n_m_per_a": 50}, "drive.torque_constant_n_m_per_a", "mN·m/A"),
+        ({"drive.current_limit_a": 2000}, "drive.torque_constant_n_m_per_a", "in mA"),
+        ({"runs.0.wrap_angle_deg": 1.48}, "runs.0.wrap_angle_deg", "radians"),
+        ({"cable.length_m": 1200}, "cable.length_m", "millimetres"),
+        ({"tool.lever_m": 500}, "tool.lever_m", "millimetres"),
+        ({"spec": {"phase_margin_min_rad": 30}}, "spec.phase_margin_min_rad", "in degrees"),
+    ],
+)  # fmt: skip
+def test_a_ratio_or_unit_that_no_joint_has_is_one_line_that_names_it(
+    tmp_path, changes, column, mistake
+):
+    (fault,) = refused(tmp_path, changes)
+    assert fault.column == column
+    assert mistake in str(fault)
 
 
 def test_all_faults_are_told_at_once(tmp_path):
