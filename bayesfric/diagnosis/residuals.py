@@ -12,6 +12,7 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.layout import COEFFICIENTS
 from bayesfric.rigs.linear import LinearRig
+from bayesfric.rigs.rotary import rotary_unit
 
 __all__ = ["AXES", "CATEGORIES", "Refit", "Residuals", "recalibrated", "refit_of", "residuals_of"]
 
@@ -66,6 +67,8 @@ class Residuals:
         Of trials whose role is to show the gap alone.
     axes : tuple of str
         Of the covariates, those that some rig has.
+    turns : bool
+        Whether the machine turns: radians and N·m for m and N.
     """
 
     residual_n: Array
@@ -84,6 +87,12 @@ class Residuals:
     rig_names: tuple[str, ...]
     shown: Flags
     axes: tuple[str, ...] = tuple(AXES)
+    turns: bool = False
+
+    def unit(self, axis: str) -> str:
+        """Of a covariate; nothing of a rig's own, whose name has it."""
+        unit = AXES.get(axis, "")
+        return rotary_unit(unit) if self.turns else unit
 
     @cached_property
     def variance(self) -> Array:
@@ -212,6 +221,7 @@ def residuals_of(model: LinearModel, psi: Array) -> Residuals:
         tuple(rig.rows.name for rig in model.rigs),
         joined("shown").astype(np.bool_),
         tuple(axis for axis in axes if any(axis in part["axes"] for part in parts)),
+        model.data.unit == rotary_unit("N"),
     )
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.diagnosis.chance import redrawn
-from bayesfric.diagnosis.residuals import AXES, CATEGORIES, Residuals
+from bayesfric.diagnosis.residuals import CATEGORIES, Residuals
 from bayesfric.inference.smooths import Span, smooth_along
 from bayesfric.rigs.layout import COEFFICIENTS
 from bayesfric.schemas import Axis, Shape
@@ -81,7 +81,7 @@ def where_it_lies(
         axes.append(
             Axis(
                 axis=name,
-                unit=AXES.get(name, ""),
+                unit=residuals.unit(name),
                 blind=False,
                 share=share.get(name),
                 share_why=None if name in share else NO_GAP,
@@ -98,14 +98,14 @@ def where_it_lies(
             )
         )
     axes.sort(key=lambda axis: (-(axis.share or 0.0), axis.p_value, axis.axis))
-    return (*axes, *(_blind(name) for name in blind))
+    return (*axes, *(_blind(name, residuals.unit(name)) for name in blind))
 
 
-def _blind(name: str) -> Axis:
+def _blind(name: str, unit: str) -> Axis:
     why = "it did not vary in these data"
     return Axis(
         axis=name,
-        unit=AXES.get(name, ""),
+        unit=unit,
         blind=True,
         share=None,
         share_why=why,

@@ -127,6 +127,7 @@ def test_readings_whose_errors_are_known_leave_no_noise_to_draw(tmp_path):
     assert [cause.effect for cause in found.causes] == ["viscous"]
     assert found.gap.unit == "N·m"
     assert " N·m rms" in found.sentence
+    assert {one.axis: one.unit for one in found.where}["velocity"] == "rad/s"
 
 
 def test_a_joint_that_rubs_more_one_way_is_named_so_whatever_makes_it(tmp_path):
