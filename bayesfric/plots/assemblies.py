@@ -53,13 +53,13 @@ def assemblies_left_out(predictive: xr.DataTree) -> Figure:
                 table["z"],
                 table["expected"],
                 title,
-                "an assembly",
+                f"one {plain(one.group)}",
             )
             if one.checks is not None and own:
                 of_trials = one.checks["score"], one.checks["score_expected"]
                 axes = fig.add_subplot(grid[2 * place, 4:])
                 _ranked(axes, *of_trials, title, f"a {plain(one.trial)}")
-            _by_condition(fig.add_subplot(grid[2 * place + 1, :]), table, title)
+            _by_condition(fig.add_subplot(grid[2 * place + 1, :]), table, title, plain(one.group))
         keys: list[Line2D | Patch] = [
             Line2D([], [], color=COLORS["blue"], marker="o", markersize=3, label="this recording"),
             Patch(color=NEUTRAL, alpha=0.3, linewidth=0, label="95 % or 90 % by chance"),
@@ -92,7 +92,7 @@ def _ranked(axes: Axes, score: xr.DataArray, expected: xr.DataArray, title: str,
     axes.set_ylabel(f"score of {what}")
 
 
-def _by_condition(axes: Axes, table: xr.Dataset, title: str) -> None:
+def _by_condition(axes: Axes, table: xr.Dataset, title: str, what: str) -> None:
     z, names = table["z"].to_numpy(), table["assembly"].to_numpy()
     sizes = [str(one) for one in table["pulley_size"].to_numpy()] if "pulley_size" in table else []
     own = [tuple(float(table[c].to_numpy()[k]) for c in CELL if c in table) for k in range(z.size)]
@@ -126,4 +126,4 @@ def _by_condition(axes: Axes, table: xr.Dataset, title: str) -> None:
         axes.set_xticks([])
     by = ": by pulley size, number and wrap angle" if len(cells) > 1 else ""
     axes.set_title(f"{title}{by}")
-    axes.set_ylabel("score of an assembly")
+    axes.set_ylabel(f"score of one {what}")

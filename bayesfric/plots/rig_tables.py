@@ -1,7 +1,7 @@
 """The trials of each rig that was fitted, as ``predictive.nc`` holds them.
 
 A rig's group is called what several of its trials are called and says so itself: ``rig``,
-``title``, ``trial``, ``trials`` and ``id`` are attributes of it.
+``title``, ``trial``, ``trials``, ``group`` and ``id`` are attributes of it.
 """
 
 from dataclasses import dataclass
@@ -21,6 +21,8 @@ class RigTable:
         Its name in files, and in sentences.
     trial, trials : str
         What one of its measurements is called, and several.
+    group : str
+        What its measurements of one ``setup`` are called together.
     id : str
         The dimension of ``table``, whose coordinate is the trials' ids.
     table : Dataset
@@ -35,6 +37,7 @@ class RigTable:
     title: str
     trial: str
     trials: str
+    group: str
     id: str
     table: xr.Dataset
     checks: xr.Dataset | None
@@ -67,6 +70,7 @@ def rig_tables(predictive: xr.DataTree) -> tuple[RigTable, ...]:
         if "rig" not in table.attrs:
             continue
         words = {key: str(table.attrs[key]) for key in ("rig", "title", "trial", "trials", "id")}
+        words["group"] = str(table.attrs.get("group", "assembly"))  # earlier files do not say
         checks, assemblies = (
             predictive[group].to_dataset() if group in predictive.children else None
             for group in (f"{words['trial']}_checks", f"{words['trial']}_assemblies")

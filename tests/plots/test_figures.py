@@ -212,3 +212,7 @@ def test_assemblies_stand_at_their_scores_over_their_rank_and_condition():
     _, _, of_trials, _ = assemblies_left_out(tree).axes
     assert of_trials.lines[-1].get_xydata().tolist() == [[-0.6, -1.1], [0.6, 0.7]]
     assert of_trials.get_ylabel() == "score of a trial"
+    assert by_condition.get_ylabel() == "score of one assembly"
+    tree["trials"].attrs["group"] = "setup"  # as a rig without assemblies calls it
+    labels = [axes.get_ylabel() for axes in assemblies_left_out(tree).axes]
+    assert [labels[1], labels[3]] == ["score of one setup"] * 2

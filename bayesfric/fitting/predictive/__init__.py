@@ -91,6 +91,7 @@ def predict(
             title=words.rig,
             trial=words.trial,
             trials=words.trials,
+            group=words.group,
             id=words.trial,
         )
         groups[words.trials], groups[f"{words.trial}_checks"] = _checked(
