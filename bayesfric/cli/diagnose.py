@@ -121,6 +121,7 @@ def diagnose_into(
     from bayesfric.diagnosis import diagnose as diagnose_recording
     from bayesfric.diagnosis.target import target_lines
     from bayesfric.effects import effect_of_file
+    from bayesfric.probabilities import stated
     from bayesfric.recording import read_recording
     from bayesfric.testing import checked
 
@@ -148,7 +149,7 @@ def diagnose_into(
     summary = diagnosed.summary
     say(f"{summary.verdict}: {summary.sentence}")
     for name, chance in list(summary.probabilities.items())[:5]:
-        say(f"  {name:<28} {chance:.3f}")
+        say(f"  {name:<28} {stated(chance)}")
     for line in summary.attention:
         say(f"attention: {line}", err=True)
     if summary.target is not None:

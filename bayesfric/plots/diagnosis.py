@@ -11,6 +11,7 @@ from matplotlib.ticker import MaxNLocator
 
 from bayesfric.plots.labels import axis_words, plain
 from bayesfric.plots.style import COLORS, NEUTRAL, figure, halves, key
+from bayesfric.probabilities import stated
 from bayesfric.schemas.diagnosis import Axis, Inclusion
 
 __all__ = ["RARE", "what_acts", "where_it_lies"]
@@ -160,7 +161,7 @@ def what_acts(effects: Sequence[Inclusion], practical_share: float) -> Figure:
         left, right = fig.subplots(1, 2, sharey=True, width_ratios=(1, 1))
         for row, one in enumerate(shown):
             left.barh(row, one.probability, height=0.66, color=COLORS["blue"])
-            label = left.text(one.probability + 0.02, row, f"{one.probability:.2f}")
+            label = left.text(one.probability + 0.02, row, stated(one.probability))
             label.set(va="center", fontsize=7, zorder=3)
             label.set_bbox({"facecolor": "white", "edgecolor": "none", "pad": 0.5})
             if one.strength is None:
@@ -176,7 +177,7 @@ def what_acts(effects: Sequence[Inclusion], practical_share: float) -> Figure:
         right.axvline(100 * practical_share, color=COLORS["black"], linewidth=0.9, linestyle="--")
         left.set_yticks(range(len(shown)), [plain(one.effect) for one in shown])
         left.set_ylim(len(shown) - 0.4, -0.6)
-        left.set_xlim(0.0, 1.15)
+        left.set_xlim(0.0, 1.25)
         left.set_xticks([0.0, 0.5, 1.0])
         left.set_xlabel("probability that it acts")
         right.set_xlim(left=0.0)

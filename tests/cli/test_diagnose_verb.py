@@ -37,6 +37,9 @@ def test_it_writes_prints_and_fails_on_a_gap(board):
     summary = read_json(DiagnosisFile, board / "out" / "diagnosis.json")
     assert [cause.effect for cause in summary.causes] == ["stribeck"]
     assert done.stdout.startswith(f"named: {summary.sentence}")
+    listed = [line.split()[-1] for line in done.stdout.splitlines()[1:]]
+    assert listed
+    assert not {"0.000", "1.000"} & {*listed}  # a bound instead, as everywhere
     report = bayesfric("report", "out", cwd=board)
     assert report.returncode == 0, report.stderr
     said = summary.sentence.split("; adding")[0].replace("%", "\u202f%")  # as a report sets it

@@ -95,6 +95,8 @@ def test_effects_are_the_most_probable_and_eight_at_most():
     likely = [acts(f"effect-{k}", 0.5 - 0.02 * k) for k in range(12)]
     left, _ = what_acts(likely, 0.02).axes
     assert tick_texts(left) == [f"effect-{k}" for k in range(8)]
+    sure = what_acts((acts("viscous", 1.0, interval(0.03)), acts("slip", 0.0, None)), 0.02)
+    assert [text.get_text() for text in sure.axes[0].texts] == ["> 0.999", "< 0.001"]
     rare = [acts(f"effect-{k}", 0.03 - 0.005 * k) for k in range(6)]
     left, _ = what_acts(rare, 0.02).axes  # four at least, though two are above 0.02 only
     assert widths(left) == pytest.approx([0.03, 0.025, 0.02, 0.015])
