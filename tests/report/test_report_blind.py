@@ -109,6 +109,21 @@ def test_tuning_is_not_passed_off_as_scoring(seed, said):
     text = [words(b.text) for b in blind_chapter(card_of([scored()], seed=seed))
             if isinstance(b, Paragraph | Notice)]  # fmt: skip
     assert said in " ".join(text)
+    line = scorecard_line(card_of([scored()] * 60, seed=seed))
+    assert ("no proof" in words(line.text), line.kind == "good") == (seed == 5, seed != 5)
+
+
+def test_an_effect_that_never_made_a_gap_is_not_told_as_missed():
+    faint = scored("effect", withheld=("slip",), counts_as_none=True, causes=(), outcome="none")
+    card = card_of([faint, scored("effect", withheld=("runout",), causes=(), outcome="none")])
+    tried = next(iter(card_of([scored("effect")]).smallest_detected.values()))
+    missed = tried.model_copy(
+        update={"tried": {"1": Rate(rate=0.0, low=0.0, high=0.97, hits=0, cases=1)}}
+    )
+    both = {"slip": missed, "runout": missed}
+    chapter = blind_chapter(card.model_copy(update={"smallest_detected": both}))
+    said = " ".join(words(one.text) for one in chapter if isinstance(one, Paragraph))
+    assert "Never named: runout. Too faint in every case to make a gap that counts: slip." in said
 
 
 def test_rates_are_drawn_where_they_are(card):

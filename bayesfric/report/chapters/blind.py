@@ -46,9 +46,11 @@ def scorecard_line(card: ScorecardFile) -> Notice:
     said = f"{_of(card.accuracy)} verdicts are correct; of {judged} promises that these cases can "
     said += f"judge, {kept} {'is' if kept == 1 else 'are'} kept"
     which = f"; missed: {'; '.join(missed)}" if missed else ""
+    tuning = card.hypotheses != "user" and not card.scoring
+    proof = " These are seeds of tuning, and no proof." if tuning else ""
     return Notice(
-        "attention" if missed else "good",
-        [f"{said}{which}. See ", Reference("blind"), "."],
+        "attention" if missed else "info" if tuning else "good",
+        [f"{said}{which}.{proof} See ", Reference("blind"), "."],
         title="Data whose effect is withheld",
     )
 
@@ -184,7 +186,7 @@ def _tables(card: ScorecardFile) -> Iterator[Block]:
             Column("cases", align="right"),
             Column("said", align="right"),
             Column("came true", align="right"),
-            Column("95 % of what was said", align="right"),
+            Column("if it were so", align="right"),
         ],
         [
             [
@@ -197,8 +199,8 @@ def _tables(card: ScorecardFile) -> Iterator[Block]:
             for verdict, one in card.reliability_by_verdict.items()
         ],
         label="verdicts",
-        note="Said: the mean probability. Outside the last column, probabilities are too sure "
-        "or not sure enough.",
+        note="Said: the mean probability. If it were so: which share then comes true, 95 in 100 "
+        "times; outside of that, probabilities are too sure or not sure enough.",
     )
     yield Paragraph(
         [
@@ -220,11 +222,17 @@ def _smallest(card: ScorecardFile) -> Iterator[Block]:
     most = max(rate.cases for one in found.values() for rate in one.tried.values())
     if most < ENOUGH:
         hit = [n for n, one in found.items() if any(rate.hits for rate in one.tried.values())]
-        rest = [name for name in found if name not in hit]
+        faint = _always_faint(card)
+        rest = [name for name in found if name not in hit and name not in faint]
         yield Paragraph(
             f"No effect was tried more than {_times(most)} at one strength: too few cases to say "
             f"from which strength on it is named. Named at all: {', '.join(hit) or 'none'}. "
             f"Never named: {', '.join(rest) or 'none'}."
+            + (
+                f" Too faint in every case to make a gap that counts: {', '.join(faint)}."
+                if faint
+                else ""
+            )
         )
         return
     told = [
@@ -248,6 +256,15 @@ def _smallest(card: ScorecardFile) -> Iterator[Block]:
         "often the effect was named.",
         label="smallest",
     )
+
+
+def _always_faint(card: ScorecardFile) -> list[str]:
+    """Return effects, not named, of which no case has a gap that counts."""
+    alone = [case for case in card.cases if case.kind == "effect"]
+    every = {name for case in alone for name in case.withheld}
+    counts = {name for case in alone if not case.counts_as_none for name in case.withheld}
+    named = {name for case in alone for name in case.causes}
+    return sorted(every - counts - named)
 
 
 def _times(count: int) -> str:
