@@ -9,6 +9,7 @@ from markupsafe import escape
 from pypdf import PdfReader
 from report.diagnosis_sample import (
     acts,
+    axis,
     cause,
     curves,
     diagnosis,
@@ -87,6 +88,15 @@ def test_a_named_board_says_what_and_how_much_at_a_glance():
     assert told["Which effect causes it?"] == "viscous (probability 0.987)"
     assert told["How far does it shrink with that?"] == "by 98.1 [97.4, 98.8]\u202f%"
     assert told["Where does it lie?"].startswith("along velocity")
+    assert "mass drive 1.85\u202fkg" in told["What to measure next?"]
+
+
+def test_an_axis_that_may_explain_by_chance_is_not_where_the_gap_lies():
+    order = axis("order", "1", 1.2).model_copy(update={"p_value": 0.17})
+    stored = stored_diagnosis(where=(order,))
+    assert glance(stored)["Where does it lie?"] == "along no axis for sure; if along one, order"
+    document = build_document(StoredResults(diagnosis=stored))
+    assert "(adjusted p 0.17, perhaps by chance)" in told(document)
 
 
 def test_where_there_is_no_gap_no_axis_is_said_to_explain_it():
@@ -107,6 +117,7 @@ def test_an_undecided_board_says_what_may_act():
         possible=(cause("viscous", inclusion_probability=0.62),),
         present=(cause("slip", inclusion_probability=0.97, makes_a_gap=False),),
     )
+    assert "What may act: viscous (0.62). See" in words(verdict_line(stored.found).text)
     told = glance(stored)
     assert told["Which effect causes it?"] == "open: none is certain enough to be named"
     assert told["What may act?"] == "viscous (0.62)"

@@ -15,7 +15,7 @@ from bayesfric.report.quantities import (
 from bayesfric.report.rig_words import rig_words
 from bayesfric.schemas import DiagnosisFile, FrictionAsked
 
-__all__ = ["asked", "next_experiment"]
+__all__ = ["asked", "condition_words", "next_experiment"]
 
 
 def asked(found: FrictionAsked | None) -> Iterator[Block]:
@@ -35,7 +35,7 @@ def asked(found: FrictionAsked | None) -> Iterator[Block]:
         ],
         [
             [
-                _words(row.condition),
+                condition_words(row.condition),
                 f"{row.written(row.friction.q50)} ({row.written(row.friction.q05)} to "
                 f"{row.written(row.friction.q95)})",
                 row.written(row.gap_without_causes.q50).replace("-", "−"),
@@ -66,7 +66,7 @@ def next_experiment(found: DiagnosisFile) -> Iterator[Block]:
         ["condition", "separates", Column("expected log₁₀ BF", align="decimal")],
         [
             [
-                _words(one.condition),
+                condition_words(one.condition),
                 codes(one.separates),
                 format_fixed(one.log10_bayes_factor, 1),
             ]
@@ -80,7 +80,7 @@ UNIT = re.compile("_(deg|kg|n|m_s|m|s|rad|hz)$")
 PRINTED = {"n": "N", "m_s": "m/s", "hz": "Hz"}
 
 
-def _words(condition: Mapping[str, float | str]) -> str:
+def condition_words(condition: Mapping[str, float | str]) -> str:
     """Write a condition as people say it: 5 large pulleys, wrap angle 50°, mass load 2.552 kg."""
     left = dict(condition)
     said = []

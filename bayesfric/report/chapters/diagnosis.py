@@ -4,13 +4,13 @@ The chapter begins with the verdict and a table that is read in ten seconds; the
 that these rest on follow, each under its question. The long tables are in the appendix.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from bayesfric.plots.diagnosis import RARE, what_acts, where_it_lies
 from bayesfric.plots.gap import how_far
 from bayesfric.plots.labels import axis_words
 from bayesfric.plots.style import svg_of
-from bayesfric.report.chapters.conditions import asked, next_experiment
+from bayesfric.report.chapters.conditions import asked, condition_words, next_experiment
 from bayesfric.report.chapters.diagnosis_details import (
     causes,
     gap_table,
@@ -45,16 +45,20 @@ from bayesfric.schemas import Axis, DiagnosisFile, Gap, Interval
 
 __all__ = ["diagnosis", "law_alone", "verdict_line"]
 
+CHANCE = 0.05  # adjusted p above which an axis may explain by chance
 FURTHER = 2  # axes after the first that the caption names
 
 
 def verdict_line(found: DiagnosisFile) -> Notice:
     """Return the verdict for the report's first page."""
+    open_still = found.verdict == "undecided" and found.possible
     return Notice(
         box(found),
         [
             Strong(f"{VERDICTS[found.verdict]}."),
-            f" {found.sentence} See ",
+            f" {found.sentence} ",
+            f"What may act: {listed(found.possible)}. " if open_still else "",
+            "See ",
             Reference("diagnosis"),
             ".",
         ],
@@ -133,15 +137,29 @@ def _at_a_glance(found: DiagnosisFile) -> Table:
     if gap.shrink is not None and found.causes:
         rows.append(["How far does it shrink with that?", f"by {_percent(gap.shrink)}"])
     if has_gap(found):
-        first = [axis_words(axis.axis) for axis in found.where if (axis.share or 0.0) > 0]
-        rows.append(["Where does it lie?", f"along {', '.join(first[:3])}" if first else "nowhere"])
+        rows.append(["Where does it lie?", _lies_along(found.where)])
     rows.append(
         [
             "What of it is unexplained?",
             "a further force is asked for" if found.remainder.significant else "nothing that shows",
         ]
     )
+    if found.next_experiment:
+        first = found.next_experiment[0].condition
+        rows.append(["What to measure next?", condition_words(first)])
     return Table("The diagnosis at a glance.", ["question", "answer"], rows, label="glance")
+
+
+def _lies_along(axes: Sequence[Axis]) -> str:
+    """Return along which axes it lies, and of what may be chance that it may be."""
+    explaining = [axis for axis in axes if (axis.share or 0.0) > 0]
+    sure = [axis_words(axis.axis) for axis in explaining if (axis.p_value or 0.0) <= CHANCE]
+    open_still = [axis_words(axis.axis) for axis in explaining if (axis.p_value or 0.0) > CHANCE]
+    if sure:
+        return f"along {', '.join(sure[:3])}"
+    if open_still:
+        return f"along no axis for sure; if along one, {' or '.join(open_still[:3])}"
+    return "nowhere"
 
 
 def _caused(found: DiagnosisFile) -> list[Inline]:
@@ -224,9 +242,10 @@ def _largest(known: list[Axis], blind: bool) -> list[Inline]:
         return ["No axis varied. " if blind else "No axis alone explains a part of it. "]
     first, *others = explaining
     rest = ", ".join(f"{axis_words(axis.axis)} ({_part(axis.share)})" for axis in others[:FURTHER])
+    chance = "" if (first.p_value or 0.0) <= CHANCE else ", perhaps by chance"
     return [
         f"{axis_words(first.axis).capitalize()} explains {_part(first.share)} of gap² "
-        f"(adjusted p {format_probability(first.p_value)})"
+        f"(adjusted p {format_probability(first.p_value)}{chance})"
         + (f"; then {rest}. " if rest else ". "),
     ]
 
