@@ -272,3 +272,18 @@ def test_two_processes_write_the_same_bytes() -> None:
         for _ in range(2)
     )
     assert first == second
+
+
+def test_figures_that_float_stay_in_their_chapter() -> None:
+    tall = b'<svg xmlns="http://www.w3.org/2000/svg" width="160mm" height="150mm"/>'
+    blocks = [
+        Heading(1, "First"),
+        *(Figure(lambda: tall, f"Picture {k}", "A.", floats=True) for k in range(4)),
+        Paragraph("Words."),
+        Heading(1, "Second"),
+        Paragraph("More words."),
+    ]
+    pages = PdfReader(io.BytesIO(render_pdf(Document("Title", "", blocks)))).pages
+    at = {name: next(k for k, page in enumerate(pages) if name in page.extract_text())
+          for name in ("Picture 3", "2 Second")}  # fmt: skip
+    assert at["2 Second"] >= at["Picture 3"]

@@ -77,6 +77,7 @@ def _trajectories(stored: StoredFit) -> Iterator[Block]:
         "the lower ones measured minus predicted, in millimetres, starts at zero and drifts "
         "slowly, within a band that widens with time.",
         label="trajectories",
+        floats=True,
     )
 
 
@@ -100,6 +101,7 @@ def _tension(stored: StoredFit) -> Figure:
         "steeper for more pulleys, with the measured points on them. Below, the points as a "
         "percentage of the law scatter about a line at zero.",
         label="tension",
+        floats=True,
     )
 
 
@@ -150,6 +152,7 @@ def _slopes(stored: StoredFit) -> Iterator[Figure]:
             "Two panels for each pulley size, slope above and intercept below. Measured points lie "
             "on straight lines that rise from the origin with the number of pulleys.",
             label="pulleys",
+            floats=True,
         )
     if not _holds(stored, "wrap_lines", "slope_n_per_deg"):
         return
@@ -165,6 +168,7 @@ def _slopes(stored: StoredFit) -> Iterator[Figure]:
         "each, three nearly level lines, one for each tension, rise slightly with the wrap angle, "
         "with the measured points on them.",
         label="wrap",
+        floats=True,
     )
     yield Figure(
         svg_of(wrap_slopes, stored.predictive),
@@ -177,6 +181,7 @@ def _slopes(stored: StoredFit) -> Iterator[Figure]:
         "Two panels for each pulley size. The slope in the wrap angle rises from the origin in "
         "proportion to the number of pulleys above, and to tension below.",
         label="wrap-slopes",
+        floats=True,
     )
 
 
