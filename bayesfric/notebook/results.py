@@ -146,9 +146,11 @@ class DiagnosisResult(Diagnosed):
     def plot_where(self) -> "Figure":
         """Draw what the law misses along each axis."""
         from bayesfric.plots.diagnosis import where_it_lies
+        from bayesfric.plots.labels import sizes_of
 
         residuals = self.curves["residuals"].to_dataset()
-        return where_it_lies(self.summary.where, residuals)
+        summary = self.summary
+        return where_it_lies(summary.where, residuals, summary.gap.unit, sizes_of(summary.law))
 
     def __repr__(self) -> str:
         lines = [

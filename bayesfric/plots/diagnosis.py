@@ -29,7 +29,12 @@ CATEGORIES = ("pulley_size", "rig", "drive_end", "setup", "sensor")  # not numbe
 UNITS = {"": "", "1": "", "-": "", "deg": "°", "1/deg": "deg⁻¹", "1/m": "m⁻¹", "m/s^2": "m/s²"}
 
 
-def where_it_lies(axes: Sequence[Axis], residuals: xr.Dataset | None, unit: str = "N") -> Figure:
+def where_it_lies(
+    axes: Sequence[Axis],
+    residuals: xr.Dataset | None,
+    unit: str = "N",
+    sizes: Sequence[str] = (),
+) -> Figure:
     """Draw the share of each axis that varied, and the residual force along those that matter most.
 
     Parameters
@@ -41,6 +46,8 @@ def where_it_lies(axes: Sequence[Axis], residuals: xr.Dataset | None, unit: str 
         axes that it holds.
     unit : str
         Of the force.
+    sizes : sequence of str
+        Pulley sizes by their numbers along an axis; without them the numbers stand there.
 
     Returns
     -------
@@ -70,7 +77,7 @@ def where_it_lies(axes: Sequence[Axis], residuals: xr.Dataset | None, unit: str 
             rows = -(-len(shapes) // columns)
             panels = np.reshape(right.subplots(rows, columns), -1)
             for panel, axis in zip(panels, shapes, strict=False):
-                _shape(panel, axis, residuals)
+                _shape(panel, axis, residuals, sizes if axis.axis == "pulley_size" else ())
             for panel in panels[len(shapes) :]:
                 panel.set_visible(False)
             right.supylabel(f"residual force [{unit}]", fontsize=8)
@@ -102,7 +109,7 @@ def _shares(panel: Axes, axes: Sequence[Axis]) -> None:
     panel.set_xlabel("part of gap² explained [%]")
 
 
-def _shape(panel: Axes, axis: Axis, residuals: xr.Dataset | None) -> None:
+def _shape(panel: Axes, axis: Axis, residuals: xr.Dataset | None, kinds: Sequence[str]) -> None:
     shape = axis.shape
     if shape is None:
         raise ValueError(f"{axis.axis}: expected a shape, got none")
@@ -134,9 +141,10 @@ def _shape(panel: Axes, axis: Axis, residuals: xr.Dataset | None) -> None:
     if axis.axis in CATEGORIES:
         panel.set_xlim(first - 0.5, last + 0.5)
         step = -(-len(shape.grid) // KINDS)  # the names of more would overprint
-        panel.set_xticks(
-            shape.grid[::step], [str(place + 1) for place in range(0, len(shape.grid), step)]
-        )
+        names = [str(place + 1) for place in range(len(shape.grid))]
+        if kinds:
+            names = [plain(kinds[round(number)]) for number in shape.grid]
+        panel.set_xticks(shape.grid[::step], names[::step])
     else:
         panel.set_xlim(first - 0.03 * (last - first), last + 0.03 * (last - first))
         panel.xaxis.set_major_locator(MaxNLocator(4))

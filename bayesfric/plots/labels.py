@@ -1,6 +1,7 @@
 """How figures write parameters and pulley sizes, and in which order sizes stand."""
 
 import math
+import re
 from collections.abc import Iterable
 from functools import cache
 
@@ -20,6 +21,7 @@ __all__ = [
     "power_of_ten",
     "powers",
     "rounded",
+    "sizes_of",
 ]
 
 SYMBOLS = {
@@ -42,8 +44,20 @@ SYMBOLS = {
 
 AXES = {"n_pulleys": "number of pulleys", "trial_in_setup": "trial of its setup"}
 RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+OF_A_SIZE = re.compile(r"c1\[(.+)\]")
 FITTING = (5, 4, 6)  # panels beside each other, the most legible number first
 LONGEST = 24  # characters of a name that a panel has room for
+
+
+def sizes_of(law: Iterable[str]) -> tuple[str, ...]:
+    """Return the pulley sizes that the coefficients of a law name, in its order.
+
+    Parameters
+    ----------
+    law : iterable of str
+        Names of coefficients, as ``c1[small]``.
+    """
+    return tuple(found[1] for name in law if (found := OF_A_SIZE.fullmatch(name)))
 
 
 def parameter_label(name: str) -> str:

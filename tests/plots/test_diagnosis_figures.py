@@ -16,6 +16,7 @@ from report.diagnosis_sample import (
 
 from bayesfric.plots.diagnosis import what_acts, where_it_lies
 from bayesfric.plots.gap import how_far
+from bayesfric.plots.labels import sizes_of
 from bayesfric.plots.style import to_svg
 
 
@@ -178,6 +179,12 @@ def test_kinds_are_points_with_bars_and_no_line_between_them():
     )
     axes = panel(where_it_lies((kinds.model_copy(update={"shape": shape}),), None), "pulley size")
     assert [text.get_text() for text in axes.get_xticklabels()] == ["1", "2", "3"]
+    named = where_it_lies(
+        (kinds.model_copy(update={"shape": shape}),), None, "N",
+        sizes_of(["c1[small]", "c2[small]", "c1[my own]", "c1[large]"]),
+    )  # fmt: skip
+    ticks = panel(named, "pulley size").get_xticklabels()
+    assert [text.get_text() for text in ticks] == ["small", "my own", "large"]
     points = axes.lines[0]
     assert (points.get_linestyle(), points.get_marker()) == ("None", "o")
     assert list(points.get_ydata()) == [0.0, 0.1, -0.1]

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 
 from bayesfric.plots.diagnosis import RARE, what_acts, where_it_lies
 from bayesfric.plots.gap import how_far
-from bayesfric.plots.labels import axis_words
+from bayesfric.plots.labels import axis_words, sizes_of
 from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.conditions import asked, condition_words, next_experiment
 from bayesfric.report.chapters.diagnosis_details import (
@@ -204,7 +204,7 @@ def _where(stored: StoredDiagnosis) -> Figure:
     shapes = any(axis.shape is not None for axis in axes)
     bars = any((axis.share or 0.0) > 0 for axis in known) or not shapes
     return Figure(
-        svg_of(where_it_lies, axes, residuals, stored.found.gap.unit),
+        svg_of(where_it_lies, axes, residuals, stored.found.gap.unit, sizes_of(stored.found.law)),
         [
             Strong("Where."),
             " Left: the part of gap² that each axis explains, with what is lost without it."
