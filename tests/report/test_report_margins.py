@@ -61,7 +61,12 @@ def test_page_one_says_what_is_missed_and_which_gain_to_set(computed):
     assert (
         line.title == "bench: misses its spec in lost motion of the cable, limit cycle probability"
     )
-    assert line.text[0] == "No gain γ is safe: all draws hunt."
+    assert line.text[0] == "No gain γ is safe: all draws hunt."  # and no spec of a number
+    lost = next(one for one in loop.metrics if one.name == "lost_motion")
+    tight = bad.model_copy(update={"metrics": (lost.model_copy(update={"spec": 1e-5}),)})
+    (line,) = gain_lines(computed.summary.model_copy(update={"loops": (tight,)}), alone=False)
+    assert line.text[0].startswith(f"Lost motion of the cable: {1e3 * lost.interval.q50:.3g} [")
+    assert line.text[0].endswith("]\u202fmm, at most 0.01\u202fmm is asked for. ")
 
 
 def test_margins_at_a_prompt_are_drawn(computed):

@@ -12,11 +12,18 @@ from bayesfric.plots.margins import (
 )
 from bayesfric.plots.style import svg_of
 from bayesfric.report.content import Block, Code, Figure, Notice, Reference
-from bayesfric.report.quantities import format_number, format_share
+from bayesfric.report.quantities import format_interval, format_number, format_share
 from bayesfric.schemas import LoopMargins, MarginsFile
 
-__all__ = ["WORDS", "gain_figures", "gain_lines"]
+__all__ = ["SHOWN_UNITS", "WORDS", "gain_figures", "gain_lines"]
 
+SHOWN_UNITS = {
+    "m": ("mm", 1e3),
+    "s": ("ms", 1e3),
+    "1": ("", 1.0),
+    "rad": ("rad", 1.0),
+    "deg": ("°", 1.0),
+}
 WORDS = {
     "friction_nominal": "friction, eq. (15)",
     "friction_recursive": "friction, pulley by pulley",
@@ -57,7 +64,13 @@ def gain_lines(found: MarginsFile, *, alone: bool) -> Iterator[Block]:
     for loop in found.loops:
         yield Notice(
             _kind(loop),
-            [_gain(loop), " What decides, and what was not examined: ", Reference("margins"), "."],
+            [
+                *_missed(loop),
+                _gain(loop),
+                " What decides, and what was not examined: ",
+                Reference("margins"),
+                ".",
+            ],
             title=f"{loop.name}: {_verdict(loop)}",
         )
     if alone:
@@ -70,6 +83,22 @@ def _verdict(loop: LoopMargins) -> str:
         return "meets its spec"
     names = [name.partition(" ")[0] for name in loop.missed_specs]
     return f"misses its spec in {', '.join(WORDS.get(one, one.replace('_', ' ')) for one in names)}"
+
+
+def _missed(loop: LoopMargins) -> Iterator[str]:
+    """Yield by how much: each number that is missed, with its 90 % interval, beside its spec."""
+    for metric in loop.metrics:
+        name = " ".join(filter(None, (metric.name, metric.direction)))
+        if name not in (loop.missed_specs or ()) or metric.interval is None or metric.spec is None:
+            continue
+        unit, scale = SHOWN_UNITS.get(metric.unit, (metric.unit, 1.0))
+        words = WORDS.get(metric.name, metric.name)
+        if metric.direction is not None:
+            words += f", {metric.direction}"
+        one = metric.interval
+        found = format_interval(scale * one.q50, scale * one.q05, scale * one.q95, unit)
+        asked = f"{metric.sense} {scale * metric.spec:g}\N{NARROW NO-BREAK SPACE}{unit}".rstrip()
+        yield f"{words[:1].upper()}{words[1:]}: {found}, {asked} is asked for. "
 
 
 def _gain(loop: LoopMargins) -> str:

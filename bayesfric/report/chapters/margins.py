@@ -12,7 +12,7 @@ from bayesfric.margins.terms import (
 from bayesfric.plots.following import errors_over_time
 from bayesfric.plots.margins import hunting_over_speed, nyquist_fan
 from bayesfric.plots.style import svg_of
-from bayesfric.report.chapters.gain import WORDS, gain_figures
+from bayesfric.report.chapters.gain import SHOWN_UNITS, WORDS, gain_figures
 from bayesfric.report.content import (
     Block,
     BulletList,
@@ -38,13 +38,6 @@ from bayesfric.schemas import Held, Interval, LoopMargins, MarginsFile, Metric
 
 __all__ = ["margins"]
 
-SHOWN_UNITS = {
-    "m": ("mm", 1e3),
-    "s": ("ms", 1e3),
-    "1": ("", 1.0),
-    "rad": ("rad", 1.0),
-    "deg": ("°", 1.0),
-}
 UNIT = re.compile(r"(_(n|m|mm|s|a|hz|kg|rad|deg|per|m2|s2))+$")
 SENTENCE = re.compile(r"(?<=[.]) (?=[A-Z0-9])")
 LAW = "c1, c2, c3"  # always shown: how little it may be is the point
