@@ -6,6 +6,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
 from bayesfric.inference.diagnostics import LIMITS, Convergence, diagnose_all, power_scaling
 from bayesfric.inference.informed import informed_by_data
@@ -28,6 +29,7 @@ from bayesfric.schemas import (
 )
 
 __all__ = [
+    "contradicted",
     "interval_of",
     "parameter_summary",
     "summarise",
@@ -38,6 +40,7 @@ __all__ = [
 COEFFICIENTS = ("c1", "c2", "c3")
 NO_SD = "the prior has no standard deviation"
 Summary = TypeVar("Summary", bound=Interval)
+CONTRADICTED = 4.0  # sd of a prior: one number in 16,000 lies as far from its middle
 NOT_UNIFORM = 0.01  # p below which a reader must know; one sound recording in a hundred has it
 
 
@@ -85,6 +88,7 @@ def summarise(
         converged=converged,
         attention=(
             *_attention(convergence, entries, quality),
+            *contradicted(model.parameters, entries),
             *_not_uniform(attributes["uniformity"]),
             *_outlying(attributes["assemblies"]),
         ),
@@ -265,6 +269,23 @@ def unsettled(
     open_names = [name for name, entry in entries.items() if converged and not entry.informed]
     if open_names:
         yield f"Driven by the prior, not by these data: {', '.join(open_names)}"
+
+
+def contradicted(
+    parameters: Sequence[Parameter], entries: Mapping[str, ParameterSummary]
+) -> Iterator[str]:
+    """Yield where the data are far from what somebody knew beforehand, as a wrong unit is."""
+    for one in parameters:
+        entry, prior = entries[one.name], one.prior
+        if not isinstance(prior, Normal):
+            continue
+        far = abs(entry.mean - prior.mean) / prior.sd
+        if far > CONTRADICTED:
+            yield (
+                f"Parameter {one.name} is {entry.mean:.3g}, and {prior.mean:g} ± {prior.sd:.2g} "
+                f"by its prior: {far:.1f} standard deviations away. One of them is wrong (is a "
+                "unit, in the recording or of the prior?)"
+            )
 
 
 def _outlying(found: Sequence[AssemblyCheck]) -> Iterator[str]:

@@ -1,0 +1,18 @@
+"""Data that are far from what was known beforehand are told, as a wrong unit makes them."""
+
+from types import SimpleNamespace
+
+from bayesfric.analysis import HalfNormal, Normal
+from bayesfric.fitting.summary import contradicted
+from bayesfric.inference.priors import Parameter
+
+
+def test_a_mass_in_another_unit_than_the_log_is_told_and_one_that_fits_is_not():
+    mass = Parameter("mass", "kg·m²", Normal(mean=2.0, sd=0.4))
+    coulomb = Parameter("coulomb", "N·m", HalfNormal(scale=0.1))  # says nothing but a size
+    found = {"mass": SimpleNamespace(mean=0.035), "coulomb": SimpleNamespace(mean=1.5)}
+    (line,) = contradicted([mass, coulomb], found)
+    assert line.startswith("Parameter mass is 0.035, and 2 ± 0.4 by its prior: 4.9 standard")
+    assert "(is a unit, in the recording or of the prior?)" in line
+    found["mass"] = SimpleNamespace(mean=0.5)  # 3.75
+    assert not list(contradicted([mass, coulomb], found))
