@@ -120,7 +120,11 @@ def test_an_effect_that_never_made_a_gap_is_not_told_as_missed():
     missed = tried.model_copy(
         update={"tried": {"1": Rate(rate=0.0, low=0.0, high=0.97, hits=0, cases=1)}}
     )
-    both = {"slip": missed, "runout": missed}
+    # One of a class of alikes is named by another's name: it was found, however faint.
+    alike = scored("effect", withheld=("length-scale",), counts_as_none=True,
+                   causes=("clock-scale",), outcome="length-scale")  # fmt: skip
+    card = card.model_copy(update={"cases": (*card.cases, alike)})
+    both = {"slip": missed, "runout": missed, "length-scale": tried}
     chapter = blind_chapter(card.model_copy(update={"smallest_detected": both}))
     said = " ".join(words(one.text) for one in chapter if isinstance(one, Paragraph))
     assert "Never named: runout. Too faint in every case to make a gap that counts: slip." in said

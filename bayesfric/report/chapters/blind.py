@@ -222,7 +222,7 @@ def _smallest(card: ScorecardFile) -> Iterator[Block]:
     most = max(rate.cases for one in found.values() for rate in one.tried.values())
     if most < ENOUGH:
         hit = [n for n, one in found.items() if any(rate.hits for rate in one.tried.values())]
-        faint = _always_faint(card)
+        faint = [name for name in _always_faint(card) if name not in hit]
         rest = [name for name in found if name not in hit and name not in faint]
         yield Paragraph(
             f"No effect was tried more than {_times(most)} at one strength: too few cases to say "
@@ -259,12 +259,11 @@ def _smallest(card: ScorecardFile) -> Iterator[Block]:
 
 
 def _always_faint(card: ScorecardFile) -> list[str]:
-    """Return effects, not named, of which no case has a gap that counts."""
+    """Return effects of which no case has a gap that counts."""
     alone = [case for case in card.cases if case.kind == "effect"]
     every = {name for case in alone for name in case.withheld}
     counts = {name for case in alone if not case.counts_as_none for name in case.withheld}
-    named = {name for case in alone for name in case.causes}
-    return sorted(every - counts - named)
+    return sorted(every - counts)
 
 
 def _times(count: int) -> str:
