@@ -100,7 +100,12 @@ def _loop() -> str:
         'inertia_kg_m2 = { family = "log-normal", median = 0.1, sd_log = 0.25 }',
         "```",
         "",
-        "“At the motor” means at its shaft, before the gearbox.",
+        "“At the motor” means at its shaft, before the gearbox. What no joint has is refused with "
+        "the likely mistake: gearbox, capstan and transmission by which the joint's drum has a "
+        "radius outside of 1 mm to 1 m, or a slide moves 10 times further than its cable or less "
+        "far by as much (an inverted ratio?), a sample time or delay above 0.1 s, a drive that "
+        "stretches its cable by more than 20 % at its current limit (mN·m/A or mA?), wrap angles "
+        "below 3.2 (radians?), a cable or lever over 100 m, a phase margin above π (degrees?).",
         "",
         "## Top level",
         "",
