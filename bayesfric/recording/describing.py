@@ -1,5 +1,6 @@
 """What a recording holds, in a few labelled lines of text."""
 
+import numpy as np
 import pandas as pd
 
 from bayesfric.recording.frames import did_not_move
@@ -33,17 +34,37 @@ def describe_recording(recording: Recording) -> tuple[tuple[str, str], ...]:
     if recording.steady is not None:
         force = "N·m" if recording.rig.rotary else "N"
         friction = _range(recording.steady["friction_n"], force)
-        lines.append(("steady friction", f"{_count(len(recording.steady), 'point')}, {friction}"))
+        text = f"{_count(len(recording.steady), 'point')}, {friction}"
+        for column, label, unit in (
+            ("tension_n", "tension", force),
+            ("velocity_m_s", "v", "rad/s" if recording.rig.rotary else "m/s"),
+        ):
+            if column in recording.steady:
+                text += f", {label} {_range(recording.steady[column], unit)}"
+        lines.append(("steady friction", text))
     if recording.axis is not None:
         runs, samples = recording.axis.runs, recording.axis.samples
         text = f"{_count(len(runs), 'run')}, {_count(len(samples), 'sample')}"
         covariates = [str(name) for name in runs if name not in ("run", "order", "setup", "role")]
         if covariates:
             text += f", with {', '.join(covariates)}"
-        lines.append(("single axis", text))
+        lines += [("single axis", text), ("  log", _log(samples, recording.rig.rotary))]
     if recording.sha256:  # none before it is written
         lines.append(("sha256", recording.sha256))
     return tuple(lines)
+
+
+def _log(samples: pd.DataFrame, rotary: bool) -> str:
+    """Return how long, how far and with which force: what shows a wrong unit at a glance."""
+    runs = samples.groupby("run", sort=False)
+    longest = (runs["time_s"].last() - runs["time_s"].first()).max()
+    travel = (runs["position_m"].max() - runs["position_m"].min()).max()
+    way = f"{travel:.3g} rad ({np.rad2deg(travel):,.1f}°)" if rotary else f"{travel:.3g} m"
+    return (
+        f"up to {longest:.3g} s and {way} a run, a sample every "
+        f"{runs['time_s'].diff().median():.3g} s, force "
+        f"{_range(samples['force_n'], 'N·m' if rotary else 'N')}"
+    )
 
 
 def _gravity(gravity: Gravity, g: float) -> list[tuple[str, str]]:

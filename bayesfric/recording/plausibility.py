@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.errors import Fault
+from bayesfric.recording.axis_units import axis_in_other_units
 from bayesfric.recording.energy import (
     drops_the_weight,
     gains_energy,
@@ -71,6 +72,9 @@ def implausible(
         if on_pulleys:
             faults += tears_a_cable(points)
         faults += _too_fast(points)
+    samples = tables.get("axis_samples.csv")
+    if samples and samples.text.file not in at_fault:
+        faults += axis_in_other_units(samples, rig)
     return faults
 
 

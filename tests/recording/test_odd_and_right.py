@@ -6,9 +6,10 @@ import pytest
 from recording.mini import Mini, write_files
 
 from bayesfric.errors import InputError
-from bayesfric.recording import read_recording
+from bayesfric.recording import describe_recording, read_recording
 
 EVENTS, RUNS, STEADY = "gravity_events.csv", "motor_runs.csv", "steady_friction.csv"
+SAMPLES = "axis_samples.csv"
 
 
 def test_rows_of_nothing_at_the_end_are_passed_over(tmp_path: Path) -> None:
@@ -57,3 +58,14 @@ def test_a_stronger_cable_may_bear_more(tmp_path: Path) -> None:
         read_recording(mini.write(tmp_path))
     mini.package["rig"]["limits"]["tension_n"] = [0, 500]
     read_recording(mini.write(tmp_path))
+
+
+def test_an_axis_that_turns_or_says_how_far_it_goes_may_go_far(tmp_path: Path) -> None:
+    mini = Mini().keep("axis_runs.csv", SAMPLES).set(SAMPLES, 4, "position_m", "300")
+    with pytest.raises(InputError, match=r"rig\.limits\.travel_m"):
+        read_recording(mini.write(tmp_path))
+    mini.package["rig"]["limits"]["travel_m"] = [0, 400]
+    read_recording(mini.write(tmp_path))
+    mini.package["rig"] |= {"rotary": True, "limits": {}}
+    turns = describe_recording(read_recording(mini.write(tmp_path)))
+    assert "0.02 s and 300 rad (17,188.7°) a run" in dict(turns)["  log"]

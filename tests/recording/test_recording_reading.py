@@ -250,8 +250,9 @@ def test_description(tmp_path: Path) -> None:
             "  medium",
             "2 runs on 1 setup, n = 9, wrap 85 deg, tension 14.7 N, v -0.5 to 0.5 m/s",
         ),
-        ("steady friction", "2 points, -0.94 to 0.74 N"),
+        ("steady friction", "2 points, -0.94 to 0.74 N, tension 15.5 to 20.5 N, v -0.3 to 0.3 m/s"),
         ("single axis", "2 runs, 5 samples, with payload_kg"),
+        ("  log", "up to 0.02 s and 0.003 m a run, a sample every 0.01 s, force 1.1 to 2.2 N"),
         ("sha256", recording.sha256),
     )
 

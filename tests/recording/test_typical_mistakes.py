@@ -13,7 +13,7 @@ from bayesfric.errors import InputError
 from bayesfric.recording import Recording, read_recording, write_recording
 
 TRIALS, EVENTS, RUNS = "gravity_trials.csv", "gravity_events.csv", "motor_runs.csv"
-STEADY = "steady_friction.csv"
+STEADY, SAMPLES = "steady_friction.csv", "axis_samples.csv"
 
 Files = dict[str, bytes]
 
@@ -128,6 +128,15 @@ MISTAKES = {
         "the sign of the torque that raises",
     ),
     "friction in mN": (scaled(STEADY, "friction_n", by=1000), STEADY, "millinewtons"),
+    "an axis in milliseconds": (scaled(SAMPLES, "time_s", by=1000), SAMPLES, "milliseconds"),
+    "an axis in millimetres": (
+        lambda mini: scaled(SAMPLES, "position_m", by=1000)(
+            mini.set(SAMPLES, 4, "position_m", "0.3")
+        ),
+        SAMPLES,
+        "and not 300 m (is it in millimetres, or in degrees",
+    ),
+    "points in grams": (scaled(STEADY, "friction_n", "tension_n", by=102), STEADY, "grams"),
     "speeds in mm/s": (scaled(RUNS, "velocity_m_s", by=1000), RUNS, "mm/s"),
     "semicolons": (as_text(TRIALS, lambda text: text.replace(",", ";")), TRIALS, "semicolons"),
     "semicolons, decimal commas and a byte order mark": (
