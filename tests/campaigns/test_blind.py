@@ -63,23 +63,23 @@ def test_every_fixed_case(tmp_path):
 
 @pytest.mark.long
 def test_the_scorecard():
-    number = blind.number_of(blind.whole())
-    card = run_blind(
-        evidence.work("blind", blind), number=number, first_seed=blind.SCORING_SEED, workers=WORKERS
-    )
-    blind.keep(card, "blind", f"BAYESFRIC_BLIND_CASES={number} make test-long")
+    number, first = blind.number_of(blind.whole()), blind.scoring_seed()
+    folder = evidence.work(f"blind-{first}", blind)
+    card = run_blind(folder, number=number, first_seed=first, workers=WORKERS)
+    blind.keep(card, folder, "blind", f"BAYESFRIC_BLIND_CASES={number} make test-long")
     assert [target.name for target in card.targets if target.met is False] == []
 
 
 @pytest.mark.long
 def test_probabilities_come_true_as_often_as_they_say():
     number = blind.number_of(blind.PRIOR_CASES)
+    folder = evidence.work("blind_prior", blind)
     card = run_blind(
-        evidence.work("blind_prior", blind),
+        folder,
         number=number,
         first_seed=blind.PRIOR_SEED,
         from_prior=True,
         workers=WORKERS,
     )
-    blind.keep(card, "blind_prior", f"BAYESFRIC_BLIND_CASES={number} make test-long")
+    blind.keep(card, folder, "blind_prior", f"BAYESFRIC_BLIND_CASES={number} make test-long")
     assert [one.lower for one in card.reliability if not one.inside] == []
