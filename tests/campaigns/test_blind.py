@@ -36,6 +36,11 @@ def agrees(now, then):
             assert now["shrink"][key] == pytest.approx(value, rel=1e-3, abs=1e-3)
 
 
+def test_scoring_begins_after_the_seeds_that_were_looked_at(monkeypatch):
+    monkeypatch.setattr(evidence, "read", lambda name: {"blind": {"seeds": [10, 49]}}[name])
+    assert blind.scoring_seed() == 50
+
+
 @pytest.fixture(scope="module")
 def repeated(tmp_path_factory):
     return run_fixed(tmp_path_factory.mktemp("blind"))

@@ -186,7 +186,7 @@ def _tables(card: ScorecardFile) -> Iterator[Block]:
             Column("cases", align="right"),
             Column("said", align="right"),
             Column("came true", align="right"),
-            Column("if it were so", align="right"),
+            Column("expected", align="right"),
         ],
         [
             [
@@ -199,8 +199,8 @@ def _tables(card: ScorecardFile) -> Iterator[Block]:
             for verdict, one in card.reliability_by_verdict.items()
         ],
         label="verdicts",
-        note="Said: the mean probability. If it were so: which share then comes true, 95 in 100 "
-        "times; outside of that, probabilities are too sure or not sure enough.",
+        note="Said: the mean probability. Expected: the 95 % interval of the share that comes true "
+        "where the probabilities are right; outside of it they are too sure or not sure enough.",
     )
     yield Paragraph(
         [
