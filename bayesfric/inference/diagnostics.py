@@ -2,7 +2,9 @@
 
 Walkers of one ensemble depend on one another, so R-hat pools them into the chain of
 their ensemble, and the effective sample size is the smaller of ArviZ's and that of
-batch means of the ensemble average.
+batch means of the ensemble average. A walker has few effective draws, so that R-hat with each
+walker as a chain exceeds 1 by chance; what is asked of walkers is that none stays in a
+place of its own.
 
 References
 ----------
@@ -17,6 +19,8 @@ from arviz_stats.base.array import array_stats
 from numpy.linalg import LinAlgError
 from numpy.typing import NDArray
 from scipy.linalg import eigh
+from scipy.special import ndtri
+from scipy.stats import rankdata
 
 from bayesfric.arrays import Array
 
@@ -31,6 +35,7 @@ __all__ = [
     "power_scaling",
     "rank_counts",
     "smooth_weights",
+    "walkers_r_hat",
 ]
 
 
@@ -49,7 +54,8 @@ class Convergence:
     Parameters
     ----------
     r_hat, r_hat_walkers : float
-        Rank-normalised split R-hat, walkers pooled by ensemble, and walker-wise.
+        Rank-normalised R-hat: split, with walkers pooled by ensemble, and of walkers, see
+        :func:`walkers_r_hat`.
     ess_bulk, ess_tail : float
         Effective draws for the mean and for the 5 and 95 % quantiles.
     mcse_mean : float
@@ -99,7 +105,7 @@ def diagnose_draws(draws: Array) -> Convergence:
     tail = float(array_stats.ess(by_walker, method="tail", prob=(0.05, 0.95)))
     return Convergence(
         r_hat=float(array_stats.rhat(pooled)),
-        r_hat_walkers=float(array_stats.rhat(by_walker)),
+        r_hat_walkers=walkers_r_hat(draws),
         ess_bulk=bulk,
         ess_tail=tail,
         mcse_mean=float(draws.std() / np.sqrt(bulk)),
@@ -115,6 +121,37 @@ def diagnose_all(theta: Array) -> list[Convergence]:
         In the order in which they were drawn.
     """
     return [diagnose_draws(theta[..., place]) for place in range(theta.shape[-1])]
+
+
+def walkers_r_hat(draws: Array) -> float:
+    """Return R-hat with each walker as a chain, without what chance adds to it.
+
+    The variance of walkers' means is that of their places and the Monte Carlo error of a mean.
+    Halves of a walker share the place alone, so that the covariance of their means estimates
+    its variance, however few effective draws a walker has. R-hat squared is the variance of all
+    draws over that within a place. As ever, it is the larger of those of rank-normalised draws
+    and of their distances from the median.
+
+    Parameters
+    ----------
+    draws : ndarray, shape (ensembles, draws, walkers)
+        In the order in which they were drawn.
+
+    Returns
+    -------
+    float
+        1 or above; inf where no walker leaves its place.
+    """
+    half = draws.shape[1] // 2
+    found = []
+    for values in (draws, np.abs(draws - np.median(draws))):
+        rank = rankdata(values.ravel()).reshape(draws.shape)
+        normal = ndtri((rank - 3 / 8) / (draws.size + 1 / 4))
+        first, second = (part.mean(axis=1).ravel() for part in (normal[:, :half], normal[:, half:]))
+        places = max(float(np.cov(first, second)[0, 1]), 0.0)
+        whole = float(normal.var())
+        found.append(np.sqrt(whole / (whole - places)) if places < whole else np.inf)
+    return float(max(found))
 
 
 def batch_means_ess(draws: Array) -> float:

@@ -20,7 +20,9 @@ class ParameterSummary(Interval):
     ess_bulk: Number = Field(description="Effective draws for the mean.")
     ess_tail: Number = Field(description="Effective draws for the 5 and 95 % quantiles.")
     r_hat: Number = Field(description="Rank-normalised split R-hat, walkers pooled by ensemble.")
-    r_hat_walkers: Number = Field(description="The same with each walker as a chain.")
+    r_hat_walkers: Number = Field(
+        description="The same of walkers, each a chain, without what chance adds for few draws."
+    )
     contraction: Number | None = Field(description="1 - posterior sd / prior sd.")
     contraction_why: Why = None
     informed: bool = Field(description="Whether the data say more than the prior.")

@@ -13,6 +13,7 @@ from bayesfric.inference.diagnostics import (
     multivariate_r_hat,
     power_scaling,
     smooth_weights,
+    walkers_r_hat,
 )
 
 
@@ -69,6 +70,31 @@ def test_a_stuck_walker_shows_walker_wise():
     figures = diagnose_draws(draws)
     assert figures.r_hat_walkers > LIMITS["r_hat_walkers"]
     assert not figures.converged
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.8])
+def test_walkers_r_hat_is_of_their_places_alone(rho):
+    """A place of variance v has R-hat √(1 + v), though a half has 40 draws or 4 effective ones."""
+    found, apart = [], []
+    for seed in range(10):
+        draws = autoregressive(rho, (4, 80, 40), 20 + seed)
+        place = np.random.default_rng(seed).standard_normal((4, 1, 40))
+        found.append(walkers_r_hat(draws))
+        apart.append(walkers_r_hat(draws + np.sqrt(0.3) * place))
+    # Halves meet: their means share ρ/(1 − ρ)² / 40² of a variance, 0.0125 at ρ = 0.8.
+    assert np.mean(found) == pytest.approx(1 + 0.5 * rho / (1 - rho) ** 2 / 1600, abs=0.004)
+    assert np.mean(apart) == pytest.approx(np.sqrt(1.3), abs=0.03)
+
+
+def test_walkers_of_different_widths_show():
+    draws = autoregressive(0.0, (4, 200, 20), 30)
+    draws[:, :, ::2] *= 2
+    assert walkers_r_hat(draws) > LIMITS["r_hat_walkers"]
+
+
+def test_walkers_that_do_not_leave_their_places():
+    places = np.random.default_rng(31).standard_normal((4, 1, 20))
+    assert walkers_r_hat(np.repeat(places, 60, axis=1)) == float("inf")
 
 
 def test_a_drift_in_time_shows_in_the_pooled_split():
