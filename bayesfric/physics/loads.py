@@ -38,7 +38,7 @@ def taken_along(
 def behind(
     held: str,
     path: Array,
-    interval_s: float,
+    interval_s: ArrayLike,
     slows: float,
     heavy: Array,
     length: Array,
@@ -69,17 +69,19 @@ def behind(
     return on_spring(path, interval_s, each, pull, damping)
 
 
-def through_play(path: Array, interval_s: float, slows: Array, gap: Array) -> tuple[Array, Array]:
+def through_play(
+    path: Array, interval_s: ArrayLike, slows: Array, gap: Array
+) -> tuple[Array, Array]:
     """Return how loads move that a drive pushes from either side, with play between.
 
     A load that is not pushed coasts, slowed by its friction; one that is hit does not bounce.
 
     Parameters
     ----------
-    path : ndarray, shape (N,)
-        Of the drive [m].
-    interval_s : float
-        Between its samples.
+    path : ndarray, shape (N, …)
+        Of the drive, or of several [m].
+    interval_s : array_like, shape (…)
+        Between the samples of each.
     slows : ndarray, shape (K,)
         Friction of each load over its mass [m/s²].
     gap : ndarray, shape (K,)
@@ -87,28 +89,28 @@ def through_play(path: Array, interval_s: float, slows: Array, gap: Array) -> tu
 
     Returns
     -------
-    ahead : ndarray, shape (N, K)
+    ahead : ndarray, shape (N, …, K)
         Each load's place less the drive's [m].
-    rubs : ndarray, shape (N, K)
+    rubs : ndarray, shape (N, …, K)
         Friction that acts on it, as a share of what it is in motion, against the path's sense.
     """
-    ahead, rubs = (np.zeros((path.size, gap.size)) for _ in range(2))
-    loss = np.maximum(slows * interval_s, np.finfo(float).tiny)
-    speed = np.zeros(gap.size)
-    moves = np.diff(path, prepend=path[:1])
-    for k in range(1, path.size):
+    ahead, rubs = (np.zeros((*path.shape, gap.size)) for _ in range(2))
+    step, moves = np.asarray(interval_s)[..., None], _moves(path)
+    loss = np.maximum(slows * step, np.finfo(float).tiny)
+    speed = np.zeros(ahead.shape[1:])
+    for k in range(1, len(path)):
         coasting = np.sign(speed) * np.maximum(np.abs(speed) - loss, 0.0)
-        freely = ahead[k - 1] + coasting * interval_s - moves[k]
+        freely = ahead[k - 1] + coasting * step - moves[k]
         ahead[k] = np.clip(freely, -0.5 * gap, 0.5 * gap)
         pushed = ahead[k] != freely
         before = speed
-        speed = np.where(pushed, (ahead[k] - ahead[k - 1] + moves[k]) / interval_s, coasting)
+        speed = np.where(pushed, (ahead[k] - ahead[k - 1] + moves[k]) / step, coasting)
         rubs[k] = np.where(pushed, np.sign(speed), (before - coasting) / loss)
     return ahead, rubs
 
 
 def on_spring(
-    path: Array, interval_s: float, slows: Array, pull: Array, damping: float
+    path: Array, interval_s: ArrayLike, slows: Array, pull: Array, damping: float
 ) -> tuple[Array, Array]:
     """Return how loads move that hang on a drive by a spring, as :func:`through_play` does.
 
@@ -121,19 +123,24 @@ def on_spring(
     damping : float
         Over what is critical.
     """
-    ahead, rubs = (np.zeros((path.size, pull.size)) for _ in range(2))
-    damped = damping * np.sqrt(pull) * interval_s
-    halved = 0.25 * pull * interval_s**2
-    loss = np.maximum(slows * interval_s / (1 + damped + halved), np.finfo(float).tiny)
-    speed = np.zeros(pull.size)
-    moves = np.diff(path, prepend=path[:1])
+    ahead, rubs = (np.zeros((*path.shape, pull.size)) for _ in range(2))
+    step, moves = np.asarray(interval_s)[..., None], _moves(path)
+    damped = damping * np.sqrt(pull) * step
+    halved = 0.25 * pull * step**2
+    loss = np.maximum(slows * step / (1 + damped + halved), np.finfo(float).tiny)
+    speed = np.zeros(ahead.shape[1:])
     # Means over a step of what pulls and damps: no energy is lost by the steps themselves.
-    by_place, by_speed = interval_s * pull, 2 * damped / interval_s
-    for k in range(1, path.size):
+    by_place, by_speed = step * pull, 2 * damped / step
+    for k in range(1, len(path)):
         pulled = by_place * (0.5 * moves[k] - ahead[k - 1]) + by_speed * moves[k]
         freely = (speed * (1 - damped - halved) + pulled) / (1 + damped + halved)
         after = np.sign(freely) * np.maximum(np.abs(freely) - loss, 0.0)
         rubs[k] = (freely - after) / loss
-        ahead[k] = ahead[k - 1] + 0.5 * interval_s * (speed + after) - moves[k]
+        ahead[k] = ahead[k - 1] + 0.5 * step * (speed + after) - moves[k]
         speed = after
     return ahead, rubs
+
+
+def _moves(path: Array) -> Array:
+    """Return how far each drive goes in each step, (N, …, 1)."""
+    return np.diff(path, axis=0, prepend=path[:1])[..., None]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bayesfric.physics.loads import on_spring, through_play
+from bayesfric.physics.loads import behind, on_spring, through_play
 
 INTERVAL, DAMPING = 1e-3, 0.05
 TIME = INTERVAL * np.arange(4001)
@@ -46,3 +46,16 @@ def test_a_load_on_a_spring_rings_at_its_frequency_and_rubs():
     dragged, rubs = on_spring(slow, INTERVAL, slows[1:], np.array([4e5]), DAMPING)
     assert dragged[-1, 0] == pytest.approx(-0.4 / 4e5, rel=0.01)
     assert rubs[-1, 0] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("held", ["play", "spring"])
+def test_drives_side_by_side_are_each_as_alone(held):
+    each = np.array([0.5, np.inf]), np.array([0.004, 0.02])
+    paths = [0.01 * np.sin(20 * TIME), 0.02 * np.sin(9 * TIME)]
+    intervals = np.array([INTERVAL, 3 * INTERVAL])
+    together = behind(held, np.stack(paths, axis=1), intervals, 2.0, *each, DAMPING)
+    for place, path in enumerate(paths):
+        alone = behind(held, path, intervals[place], 2.0, *each, DAMPING)
+        for one, other in zip(together, alone, strict=True):
+            assert np.ptp(other) > 0
+            assert np.array_equal(one[:, place], other)

@@ -9,7 +9,7 @@ lengths. With d its place ahead of the drive and s the sense in which it rubs, a
 more than if the load were fixed to the drive: no derivative is taken here either.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,6 +29,7 @@ DAMPINGS = (0.02, 0.035, 0.06, 0.1, 0.18)
 """Of a spring, over what is critical: steel, gears and belts."""
 TRIED = {"play": LENGTHS["play"].size, "spring": LENGTHS["spring"].size * len(DAMPINGS)}
 """Of how a load is held, forms that were tried."""
+AT_ONCE = 4_000_000  # numbers of all loads along the paths that are followed together
 HEAVY = (0.5, 1.0, np.inf)  # of a load: share of the mass over share of the friction
 
 
@@ -110,10 +111,32 @@ class Followed:
         key = (held, slows, lengths.tobytes(), damping if held == "spring" else 0.0)
         if key not in self._kept:
             each = np.repeat(HEAVY, lengths.size), np.tile(lengths, len(HEAVY))
-            found = [
-                one.rows(*behind(held, one.position, one.interval_s, slows, *each, damping))
-                for one in self._paths
-            ]
+            found = []
+            for together in _batches(self._paths, each[0].size):
+                places, intervals = _side_by_side(together)
+                moved = behind(held, places, intervals, slows, *each, damping)
+                for place, one in enumerate(together):
+                    found.append(one.rows(*(part[: one.position.size, place] for part in moved)))
             parts = np.split(np.concatenate(found, axis=1), len(HEAVY), axis=2)
             self._kept[key] = dict(zip(HEAVY, parts, strict=True))
         return self._kept[key]
+
+
+def _batches(paths: Sequence[DrivePath], loads: int) -> Iterator[list[DrivePath]]:
+    """Yield paths that are followed together, in their order: a step of many costs as one's."""
+    batch: list[DrivePath] = []
+    longest = 0
+    for one in paths:
+        longest = max(longest, one.position.size)
+        if batch and longest * (len(batch) + 1) * loads > AT_ONCE:
+            yield batch
+            batch, longest = [], one.position.size
+        batch.append(one)
+    yield batch
+
+
+def _side_by_side(paths: Sequence[DrivePath]) -> tuple[Array, Array]:
+    """Return positions (N, R), of which shorter ones rest at their ends, and intervals (R,)."""
+    longest = max(one.position.size for one in paths)
+    padded = [np.pad(one.position, (0, longest - one.position.size), mode="edge") for one in paths]
+    return np.stack(padded, axis=1), np.array([one.interval_s for one in paths])

@@ -22,6 +22,7 @@ fifth power of the width.
 """
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -112,6 +113,7 @@ def test_function(half: int, interval_s: float) -> TestFunction:
     return TestFunction(half, *found)
 
 
+@cache
 def node_weights() -> tuple[Array, Array]:
     """Return places in a window, from −1 to 1, and weights of a mean under φ."""
     places, weights = roots_jacobi(NODES, 3, 3)
