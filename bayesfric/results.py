@@ -181,7 +181,7 @@ def write_netcdf(tree: xr.DataTree, path: Path, run_id: str = "") -> None:
     encoding = {
         f"/{node.path.strip('/')}": {
             # Where the checksum of the file is lost, those of its arrays are left.
-            str(name): {"zlib": True, "complevel": 4, "shuffle": True, "fletcher32": True}
+            str(name): {"zlib": True, "complevel": 2, "shuffle": True, "fletcher32": True}
             for name, variable in node.data_vars.items()
             if variable.dtype.kind == "f" and variable.size > 1
         }

@@ -9,7 +9,6 @@ what power-scaling (``psense``) makes of it.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,7 @@ from numpy.typing import NDArray
 
 from bayesfric.arrays import Array
 from bayesfric.fitting.predictive.coverage import CELL
-from bayesfric.fitting.predictive.left_out import LeftOut, by_blocks
+from bayesfric.fitting.predictive.left_out import LeftOut
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import LOG_2PI, log_density
 from bayesfric.results import draws_tree
@@ -92,7 +91,7 @@ def draws_of_fit(
     rigs: Mapping[str, Array],
     stored: Stored,
     left_out: Mapping[str, LeftOut],
-    seed: int,
+    rng: np.random.Generator,
     attributes: Mapping[str, Any],
 ) -> xr.DataTree:
     """Return what ``draws.nc`` holds.
@@ -107,9 +106,9 @@ def draws_of_fit(
     stored : Stored
         The draws.
     left_out : mapping of str to LeftOut
-        Of these draws, by rig.
-    seed : int
-        Of predictions and of the draws of the prior.
+        Of these draws, by rig, with trials made again.
+    rng : Generator
+        Of the draws of the prior and of what it predicts.
     attributes : mapping
         Provenance.
 
@@ -124,13 +123,9 @@ def draws_of_fit(
         ``sample_stats``: ``lp``, the log posterior density up to a constant.
         ``constant_data``: the condition of each trial.
     """
-    rng = np.random.default_rng(np.random.SeedSequence([seed, 5]))
     shape = stored.log_density.shape
     observed = np.concatenate(list(rigs.values()))
-    again = [
-        by_blocks(model, partial(likelihood.draw_again, rng=rng), stored.flat)
-        for likelihood in model.likelihoods
-    ]
+    again = observed + np.concatenate([left.more for left in left_out.values()], axis=-1)
     before = model.draw_prior(PRIOR_DRAWS, rng)
     named = model.by_name(before)
     anew = [
@@ -160,9 +155,7 @@ def draws_of_fit(
         {
             "posterior": posterior,
             "prior": _variables(model, before[None]),
-            "posterior_predictive": {
-                "friction": _single(observed + np.concatenate(again, axis=-1), shape)
-            },
+            "posterior_predictive": {"friction": _single(again, shape)},
             "prior_predictive": {
                 "friction": _single(np.concatenate(anew, axis=-1), (1, PRIOR_DRAWS))
             },

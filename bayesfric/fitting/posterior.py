@@ -181,9 +181,10 @@ def fit(
         with _timed(seconds, "leave_out"):
             trials = sum(len(rig.trials) for rig in model.likelihoods)
             stored = Stored.of(draws.z, theta, draws.log_density, trials)
+            rng = np.random.default_rng(np.random.SeedSequence([analysis.seed, 5]))
             start = draws.z.reshape(-1, draws.z.shape[-1])[np.argmax(draws.log_density)]
             left_out = {
-                name: leave_out(model, rig, stored.flat, start, analysis.seed)
+                name: leave_out(model, rig, stored.flat, start, analysis.seed, rng)
                 for name, rig in zip(chosen, model.likelihoods, strict=True)
             }
             assemblies = {
@@ -214,7 +215,7 @@ def fit(
             }
             origin = attributes.model_dump(mode="json", exclude={"analysis", "run_id"})
             origin |= tested_conditions(data, summary.pulleys)
-            tree = draws_of_fit(model, observed, stored, left_out, analysis.seed, origin)
+            tree = draws_of_fit(model, observed, stored, left_out, rng, origin)
     return Fit(identified(summary), tree, predictive, seconds)
 
 

@@ -13,6 +13,7 @@ over groups: what one group adds can be taken off again to leave the group out.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -146,7 +147,7 @@ class GroupedNormal(Grouped):
         for Bayesian non-factorized normal and Student-t models", Computational
         Statistics 36 (2021).
         """
-        score, precision = self._given_the_rest()
+        score, precision = self._given_the_rest
         return np.asarray(0.5 * (np.log(precision) - LOG_2PI - score**2 / precision))
 
     def single_cdf(self, sign: Array | float = 1.0) -> Array:
@@ -157,7 +158,7 @@ class GroupedNormal(Grouped):
         sign : ndarray, shape (M,), or float
             −1 where more counts as less.
         """
-        score, precision = self._given_the_rest()
+        score, precision = self._given_the_rest
         return np.asarray(ndtr(sign * (score / np.sqrt(precision))))
 
     def group_cdf(self) -> Array:
@@ -195,7 +196,7 @@ class GroupedNormal(Grouped):
         rng : Generator
             Source of randomness.
         """
-        score, precision = self._given_the_rest()
+        score, precision = self._given_the_rest
         return np.asarray(rng.standard_normal(score.shape) / np.sqrt(precision) - score / precision)
 
     def numbers(self) -> tuple[Array, Array]:
@@ -248,6 +249,7 @@ class GroupedNormal(Grouped):
     def _curve(self) -> list[Array]:
         return [] if self.columns is None else list(self.columns.T)
 
+    @cached_property
     def _given_the_rest(self) -> tuple[Array, Array]:
         """Return Σ⁻¹r and the diagonal of Σ⁻¹, both of shape (W, M)."""
         own, of_each = list(self.moved), self.groups.of_each

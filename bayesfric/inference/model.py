@@ -37,12 +37,16 @@ class GivenRest(NamedTuple):
     setup_cdf : ndarray, shape (W, J)
         Probability of less friction than each assembly's; NaN of one that has none, or
         where its scatter is not normal.
+    more : ndarray, shape (W, N)
+        By how much more friction each trial would show if it alone were made again [N], in the
+        unit of :meth:`RigLikelihood.draw_observed`; shape (W, 0) where none was asked for.
     """
 
     trial: Array
     setup: Array
     trial_cdf: Array
     setup_cdf: Array
+    more: Array
 
 
 class RigLikelihood(Protocol):
@@ -83,11 +87,13 @@ class RigLikelihood(Protocol):
     def setup_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
         """Return log densities of each group given the rest, shape (W, J)."""
 
-    def given_rest(self, theta: Mapping[str, Array]) -> GivenRest:
-        """Return densities and probabilities of each trial and group given the rest."""
+    def given_rest(
+        self, theta: Mapping[str, Array], rng: np.random.Generator | None = None
+    ) -> GivenRest:
+        """Return densities and probabilities of each trial and group given the rest.
 
-    def draw_again(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
-        """Return by how much more each trial would show, made again given the rest, (W, N)."""
+        With a generator each trial is also made again.
+        """
 
     def draw_trial_cdf(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
         """Return the probability of less friction than each trial's, of recordings made again.

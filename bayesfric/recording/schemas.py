@@ -185,8 +185,8 @@ def _checked(
         values, cells = frame[name], text.cells[name]
         wrong = values.isna() | ~_obeys(values, column)
         excused = (cells == "") & (column.may_be_empty or cells.index.isin(list(text.ragged)))
-        expected = _expected(column, cells, values)
-        faults += text.faults_at(np.flatnonzero(wrong & ~excused), name, expected)
+        if (positions := np.flatnonzero(wrong & ~excused)).size:
+            faults += text.faults_at(positions, name, _expected(column, cells, values))
         if column.unique:
             repeated = values.duplicated() & ~wrong
             positions = np.flatnonzero(repeated)

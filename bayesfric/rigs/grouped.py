@@ -27,24 +27,23 @@ class GroupedLikelihood(ABC):
         """Return each assembly's log density given the others, shape (W, J)."""
         return self.normal(theta).group_log_density()
 
-    def given_rest(self, theta: Mapping[str, Array]) -> GivenRest:
+    def given_rest(
+        self, theta: Mapping[str, Array], rng: np.random.Generator | None = None
+    ) -> GivenRest:
         """Return densities and probabilities of each trial and assembly given the others."""
-        return given_rest(self.normal(theta))
-
-    def draw_again(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
-        """Return how much more each trial would read, made again given the others, (W, N)."""
-        return self.normal(theta).draw_again(rng)
+        return given_rest(self.normal(theta), rng)
 
     def draw_trial_cdf(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
         """Return the probability of less friction than each trial's, made again, (W, N)."""
         return self.normal(theta).drawn(rng).single_cdf()
 
 
-def given_rest(normal: GroupedNormal) -> GivenRest:
+def given_rest(normal: GroupedNormal, rng: np.random.Generator | None = None) -> GivenRest:
     """Return what a normal of trials says of each trial and assembly given the others."""
     return GivenRest(
         normal.single_log_density(),
         normal.group_log_density(),
         normal.single_cdf(),
         normal.group_cdf(),
+        normal.residual[:, :0] if rng is None else normal.draw_again(rng),
     )

@@ -85,7 +85,7 @@ def test_an_assembly_at_3_3_sd_is_named(far):
 
 def _left(pit):
     empty = np.empty((0, 0))
-    return LeftOut(empty, empty, None, None, np.empty(0), empty, pit)
+    return LeftOut(empty, empty, None, None, np.empty(0), empty, pit, empty)
 
 
 def test_fewer_than_five_have_no_distribution():

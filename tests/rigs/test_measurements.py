@@ -161,3 +161,22 @@ def test_trials_made_again_share_their_assembly_and_have_their_error():
     assert shown.std(axis=0) == pytest.approx(mass * [0.003, 0.01, 0.002, 0.02], rel=0.03)
     law = board_friction(table1_coefficients()["medium"], likelihood.condition)
     assert shown.mean(axis=0) == pytest.approx(law, abs=2e-3)
+
+
+def test_a_trial_made_again_follows_the_other_of_its_assembly():
+    """A normal of two, conditioned by hand."""
+    sd = np.array([0.003, 0.01, 0.002, 0.02])
+    gravity = accelerations(list(sd))
+    likelihood = GravityLikelihood(gravity, RigConstants(), Analysis())
+    many = {name: np.repeat(value, 20_000) for name, value in THETA.items()}
+    more = likelihood.given_rest(many, np.random.default_rng(2)).more
+    condition = likelihood.condition
+    law, mass = board_friction(table1_coefficients()["medium"], condition), condition.total_mass_kg
+    shown = condition.drive_force_n - mass * gravity.trials["acceleration_m_s2"].to_numpy()
+    own = (0.02 * law) ** 2 + (mass * sd) ** 2 + (0.03 * law) ** 2
+    other = [1, 0, 3, 2]
+    gain = 0.03**2 * law * law[other] / own[other]
+    expected = law + gain * (shown - law)[other] - shown
+    scatter = np.sqrt(own - gain * 0.03**2 * law * law[other])
+    assert more.mean(axis=0) == pytest.approx(expected, abs=4 * scatter.max() / np.sqrt(20_000))
+    assert more.std(axis=0) == pytest.approx(scatter, rel=0.03)

@@ -88,7 +88,7 @@ def test_a_run_made_again_shows_the_friction_of_its_conditional_current():
     found = dict(
         zip(
             likelihood.trials["trial"],
-            likelihood.draw_again(many, np.random.default_rng(3)).T,
+            likelihood.given_rest(many, np.random.default_rng(3)).more.T,
             strict=True,
         )
     )

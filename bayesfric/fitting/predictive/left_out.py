@@ -67,6 +67,9 @@ class LeftOut:
     setup_pit : ndarray, shape (J,)
         Probability of less friction of each assembly, had all its trials been left out; NaN of
         one that has none, empty where there is no `setups`.
+    more : ndarray, shape (S, N)
+        By how much more friction each trial would show, made again among all others, draw by
+        draw [N]; shape (S, 0) where none was asked for.
     """
 
     trial_log_likelihood: Array
@@ -76,6 +79,7 @@ class LeftOut:
     pit: Array
     again: Array
     setup_pit: Array
+    more: Array
 
 
 @dataclass(frozen=True)
@@ -113,6 +117,7 @@ def leave_out(
     z: Array,
     start: Array,
     seed: int,
+    rng: np.random.Generator | None = None,
 ) -> LeftOut:
     """Leave each trial and each assembly of a board out.
 
@@ -128,13 +133,15 @@ def leave_out(
         A point of high density, from which refits climb.
     seed : int
         Of refits and of recordings made again.
+    rng : Generator or None
+        Makes each trial again among all others; None makes none.
 
     Returns
     -------
     LeftOut
         With exact refits wherever a Pareto k is above its limit.
     """
-    given = _given_rest(model, likelihood, z)
+    given = _given_rest(model, likelihood, z, rng)
     trial, setup = given.trial, given.setup
     pit, again = np.empty(0), np.empty((0, trial.shape[1]))
     setup_pit = np.empty(0)
@@ -155,7 +162,7 @@ def leave_out(
         some = z[np.linspace(0, len(z) - 1, min(AGAIN, len(z))).astype(int)]
         rng = np.random.default_rng(np.random.SeedSequence([seed, 3]))
         again = by_blocks(model, partial(likelihood.draw_trial_cdf, rng=rng), some)
-    return LeftOut(trial, setup, trials, setups, pit, again, setup_pit)
+    return LeftOut(trial, setup, trials, setups, pit, again, setup_pit, given.more)
 
 
 def setup_log_densities(model: Model, z: Array) -> list[Array]:
@@ -307,9 +314,11 @@ def _leave_out(
     return elpd(log_likelihood, refit, without), refits
 
 
-def _given_rest(model: Model, likelihood: RigLikelihood, z: Array) -> GivenRest:
+def _given_rest(
+    model: Model, likelihood: RigLikelihood, z: Array, rng: np.random.Generator | None = None
+) -> GivenRest:
     """Return what each trial and assembly is given the rest, of many points."""
-    parts = [likelihood.given_rest(model.by_name(model.natural(one))) for one in _blocks(z)]
+    parts = [likelihood.given_rest(model.by_name(model.natural(one)), rng) for one in _blocks(z)]
     return GivenRest(*(np.concatenate(one) for one in zip(*parts, strict=True)))
 
 

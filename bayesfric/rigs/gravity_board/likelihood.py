@@ -181,11 +181,14 @@ class GravityLikelihood:
         """Return the log density of each assembly's data, shape (W, J)."""
         return self._of_setups(theta, *self._scattered(theta))
 
-    def given_rest(self, theta: Mapping[str, Array]) -> GivenRest:
+    def given_rest(
+        self, theta: Mapping[str, Array], rng: np.random.Generator | None = None
+    ) -> GivenRest:
         """Return densities and probabilities of each trial and assembly given the rest.
 
         An assembly on which no trial moved has no probability of less friction, nor has any
-        where scatter is Student-t.
+        where scatter is Student-t. A trial is made again given those of its assembly that
+        moved; what trials at rest add to that is left out.
         """
         scattered, constant = self._scattered(theta)
         setup_cdf = np.full((len(scattered.residual), len(self.setups)), np.nan)
@@ -197,7 +200,9 @@ class GravityLikelihood:
             normal = _normal(scattered)
             density = density + self._at_rest.trial_log_density(theta, normal)
             cdf = self._at_rest.trial_cdf(theta, normal, cdf)
-        return GivenRest(density, self._of_setups(theta, scattered, constant), cdf, setup_cdf)
+        setup = self._of_setups(theta, scattered, constant)
+        more = setup[:, :0] if rng is None else scattered.draw_again(rng)
+        return GivenRest(density, setup, cdf, setup_cdf, more)
 
     def _of_setups(
         self, theta: Mapping[str, Array], scattered: Scattered, constant: Array
@@ -208,14 +213,6 @@ class GravityLikelihood:
         found = self._at_rest.setup_log_probability(theta, _normal(scattered))
         found[:, : moved.shape[1]] += moved
         return found
-
-    def draw_again(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
-        """Return how much more friction each trial would show, made again, (W, N) [N].
-
-        Given those of its assembly that moved, with new scatter of its own and new noise;
-        what trials at rest add to that is left out.
-        """
-        return self._scattered(theta)[0].draw_again(rng)
 
     def draw_trial_cdf(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
         """Return the probability of less friction than each trial's, of recordings made again.

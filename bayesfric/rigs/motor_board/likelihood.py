@@ -251,24 +251,25 @@ class MotorLikelihood:
         """Return each assembly's log density given all other currents, shape (W, J)."""
         return self._currents(theta).group_log_density()[:, :-1]
 
-    def given_rest(self, theta: Mapping[str, Array]) -> GivenRest:
-        """Return densities and probabilities of each run and assembly given all else."""
+    def given_rest(
+        self, theta: Mapping[str, Array], rng: np.random.Generator | None = None
+    ) -> GivenRest:
+        """Return densities and probabilities of each run and assembly given all else.
+
+        A run made again shows signed friction, as :meth:`draw_observed`.
+        """
         currents = self._currents(theta)
+        more = currents.residual[:, :0]
+        if rng is not None:
+            newtons = np.median(self._torque(theta)) / self._radius
+            more = newtons * currents.draw_again(rng)[:, : self._runs]
         return GivenRest(
             currents.single_log_density()[:, : self._runs],
             currents.group_log_density()[:, :-1],
             self._friction_cdf(currents),
             currents.group_cdf()[:, :-1],
+            more,
         )
-
-    def draw_again(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
-        """Return how much more friction each run would show, made again, (W, N) [N].
-
-        Signed, given all other currents, with new scatter of its own and new noise; read
-        with the median torque constant, as :meth:`draw_observed`.
-        """
-        more = self._currents(theta).draw_again(rng)[:, : self._runs]
-        return np.asarray(np.median(self._torque(theta)) / self._radius * more)
 
     def draw_trial_cdf(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
         """Return the probability of less friction than each run's, of recordings made again.

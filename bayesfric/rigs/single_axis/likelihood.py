@@ -184,10 +184,12 @@ class AxisLikelihood(GroupedLikelihood):
         normal, density = self._normal(theta)
         return np.asarray(normal.group_log_density() + self._groups.total(density))
 
-    def given_rest(self, theta: Mapping[str, Array]) -> GivenRest:
+    def given_rest(
+        self, theta: Mapping[str, Array], rng: np.random.Generator | None = None
+    ) -> GivenRest:
         """Return densities and probabilities of each trial and assembly given the others."""
         normal, density = self._normal(theta)
-        found = given_rest(normal)
+        found = given_rest(normal, rng)
         return found._replace(
             trial=found.trial + density, setup=found.setup + self._groups.total(density)
         )

@@ -62,7 +62,8 @@ def constant_friction(events: pd.DataFrame, condition: Condition) -> tuple[float
         1 − residual over total sum of squares of displacement, each sensor around
         its own mean.
     """
-    time = events["time_s"].to_numpy() - events["time_s"].min()
+    time = events["time_s"].to_numpy()
+    time = time - time.min()
     travel = events["displacement_m"].to_numpy()
     sensors, of_sensor = np.unique(events["sensor"].to_numpy(dtype=str), return_inverse=True)
     offsets = np.eye(sensors.size)[of_sensor]
