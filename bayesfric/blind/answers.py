@@ -35,7 +35,9 @@ class WithheldEffect(Record):
     form: str = Field("", description="Functional form, in words.")
     own: bool = Field(False, description="Whether the form is that of bayesfric's effect.")
     parameters: dict[str, Number] = Field(
-        {}, description="Of bayesfric's effect, with an own form: their intervals are checked."
+        {},
+        description="Of bayesfric's effect, with an own form: their intervals are checked where "
+        "`form` is the law that the diagnosis tells.",
     )
     axes: tuple[str, ...] = Field(
         (), description="Where an effect shows that bayesfric does not have; required of one."

@@ -6,7 +6,7 @@ from typing import Any
 
 from bayesfric.schemas import DiagnosisFile, ScoredCase
 
-__all__ = ["FLAG_SHARE", "NO_CLAIM", "OTHERS", "score"]
+__all__ = ["FLAG_SHARE", "LAWS_OF_FORMS", "NO_CLAIM", "OTHERS", "score"]
 
 NO_CLAIM = ("no-gap", "undecided")
 """Verdicts that claim no gap."""
@@ -17,6 +17,24 @@ NO_ORACLE = "nothing is withheld, or nobody made this recording without noise"
 NOT_COVERED = "not rightly named, or the shrink or its true value does not exist"
 OTHERS = "other-combination"
 """Column of joint verdicts that are not the pair withheld."""
+LAWS_OF_FORMS = {
+    ("air-drag", "drag"): "quadratic",
+    ("cable-weight", "off-centre"): "passing",
+    ("end-asymmetry", "constant"): "constant-part",
+    ("fixed-drag", "applied_n"): "constant",
+    ("magnet-spacing", "any-places"): "waves",
+    ("pulley-count-curvature", "applied_n"): "power",
+    ("pulley-inertia", "armature_kg"): "same",
+    ("tension-curvature", "applied_n"): "quadratic",
+    ("viscous", "damping"): "constant",
+    ("viscous", "with-tension"): "tension",
+    ("viscous", "with-wrap"): "wrap",
+    ("wear-drift", "applied_n"): "exponential",  # of which a straight line is a limit
+    ("wear-drift", "linear"): "exponential",
+    ("wear-drift", "saturating"): "exponential",
+    ("wrap-curvature", "applied_n"): "quadratic",
+}
+"""Law of the diagnosis by effect and form, where an engine calls its form otherwise."""
 
 
 def score(
@@ -198,12 +216,19 @@ def _truth_probability(
 
 
 def _covered(withheld: Sequence[Mapping[str, Any]], found: DiagnosisFile) -> dict[str, bool]:
-    """Return whether 90 % intervals of parameters hold the truth, for forms of our own."""
+    """Return whether 90 % intervals of parameters hold the truth, for forms of our own.
+
+    Two laws of an effect may make one curve with other numbers, such as the exponent of a power
+    and the curvature of a parabola: only those of the law that is withheld are compared.
+    """
     causes = {cause.effect: cause for cause in found.causes}
     covered = {}
     for one in withheld:
-        cause = causes.get(str(one["name"]))
+        effect, form = str(one["name"]), str(one.get("form", ""))
+        cause = causes.get(effect)
         if cause is None or not one.get("own", False):
+            continue
+        if cause.law != LAWS_OF_FORMS.get((effect, form), form):
             continue
         for name, value in sorted(one.get("parameters", {}).items()):
             interval = cause.parameters.get(name)

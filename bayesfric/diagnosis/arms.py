@@ -8,15 +8,8 @@ import numpy as np
 from bayesfric.arrays import Array, Flags
 from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.model import LinearModel
-from bayesfric.diagnosis.residuals import (
-    Refit,
-    Residuals,
-    numbers_of_laws,
-    recalibrated,
-    refit_of,
-    spread_numbers,
-    used_of,
-)
+from bayesfric.diagnosis.recalibrating import Refit, recalibrated, refit_of
+from bayesfric.diagnosis.residuals import Residuals, numbers_of_laws, spread_numbers, used_of
 from bayesfric.physics.friction import Coefficients
 from bayesfric.rigs.layout import COEFFICIENTS
 

@@ -145,7 +145,7 @@ class ScoredCase(Record):
     )
     shrink_covered_why: Why = None
     parameters_covered: dict[str, bool] = Field(
-        description="Likewise each parameter of an own form."
+        description="Likewise each parameter of an own form, where the law told is that form."
     )
 
 

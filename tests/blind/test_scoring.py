@@ -3,7 +3,9 @@
 import pytest
 from blind.verdicts import PRACTICAL, diagnosed, interval
 
-from bayesfric.blind.scoring import score
+from bayesfric.blind.engines.catalogue import EFFECTS
+from bayesfric.blind.engines.mujoco_board import MECHANISMS
+from bayesfric.blind.scoring import LAWS_OF_FORMS, score
 from bayesfric.effects import all_effects
 from bayesfric.schemas import Remainder, Unseparated
 
@@ -21,7 +23,7 @@ RIVALS = (Unseparated(effects=("viscous", "air-drag"), reason="these-data"),)
 
 
 def effect(name, **more):
-    return {"name": name, "form": "plain", "own": True, "strength": 1.0} | more
+    return {"name": name, "form": "constant", "own": True, "strength": 1.0} | more
 
 
 def judged(withheld, *, gap=0.05, true_shrink=None, **changes):
@@ -192,6 +194,36 @@ def test_intervals_cover_where_they_hold_the_truth():
     assert (foreign.parameters_covered, foreign.shrink_covered) == ({}, None)
     wrong = judged([effect("stribeck", parameters={"slope": 0.12})], true_shrink=0.98)
     assert (wrong.parameters_covered, wrong.shrink_covered) == ({}, None)
+
+
+@pytest.mark.parametrize(
+    ("name", "form", "law", "covered"),
+    [
+        ("tension-curvature", "quadratic", "quadratic", {"tension-curvature.slope": True}),
+        ("tension-curvature", "quadratic", "power", {}),  # other numbers for one curve
+        ("viscous", "with-tension", "tension", {"viscous.slope": True}),
+        ("viscous", "with-tension", "constant", {}),
+        ("viscous", "in words of a user", "constant", {}),
+    ],
+)
+def test_parameters_are_compared_with_those_of_the_same_law_alone(name, form, law, covered):
+    found = diagnosed(causes=[name])
+    told = (found.causes[0].model_copy(update={"law": law}),)
+    truth = effect(name, form=form, parameters={"slope": 0.12})
+    numbers = {"gap": 0.05, "true_shrink": 0.981, "oracle_power": None}
+    found = found.model_copy(update={"causes": told})
+    case = score(PUBLIC, {"withheld": [truth]}, found, **numbers, known=all_effects())
+    assert case.parameters_covered == covered
+    assert case.shrink_covered is True
+
+
+def test_each_own_form_that_an_engine_withholds_is_a_law_of_the_diagnosis():
+    laws = {name: set(one.laws) for name, one in all_effects().items()}
+    forms = {(kind.name, form.name) for kind in EFFECTS.values() for form in kind.forms if form.own}
+    forms |= {(one.name, one.part) for one in MECHANISMS}
+    assert set(LAWS_OF_FORMS) <= forms
+    for name, form in forms:
+        assert LAWS_OF_FORMS.get((name, form), form) in laws[name], (name, form)
 
 
 def test_the_probability_of_the_truth_is_that_of_its_hypothesis():

@@ -8,7 +8,8 @@ from diagnosis.boards import model_of
 
 from bayesfric.diagnosis.chance import redrawn
 from bayesfric.diagnosis.held_out import Squares, extrapolated, folds_of, gap_row
-from bayesfric.diagnosis.residuals import recalibrated, refit_of, residuals_of
+from bayesfric.diagnosis.recalibrating import recalibrated, refit_of
+from bayesfric.diagnosis.residuals import residuals_of
 from bayesfric.diagnosis.stored import floor_disagrees
 from bayesfric.rigs.protocols import Protocol
 
