@@ -1,6 +1,6 @@
 """Truths rank among posterior draws as any other draw: 50 cases nightly, 500 in the long run.
 
-Seed and generating prior are the defaults, fixed before the first run.
+The generating prior is the default; the seed was fixed before its first run.
 """
 
 import pytest
