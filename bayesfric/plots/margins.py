@@ -75,6 +75,8 @@ def limit_cycle_against_gain(loops: Sequence[LoopMargins]) -> Figure:
 def hunting_over_speed(chart: HuntingMap) -> Figure:
     """Draw P(limit cycle) and the error at the tip over reference speed and gain.
 
+    Where no draw hunts anywhere, the error alone.
+
     Parameters
     ----------
     chart : HuntingMap
@@ -82,14 +84,14 @@ def hunting_over_speed(chart: HuntingMap) -> Figure:
     """
     speeds = [f"{1e3 * one:.2g}" for one in chart.speed_tip_m_s]
     gammas = [f"{one:g}" for one in chart.gamma]
-    panels = (
-        (np.array(chart.probability), "P(limit cycle)", 0.0, 1.0),
-        (1e3 * np.array(chart.rms_error_m), "rms error at the tip [mm]", 0.0, None),
-    )
+    hunts, errors = np.array(chart.probability), 1e3 * np.array(chart.rms_error_m)
+    panels = [(errors, "rms error at the tip [mm]", float(errors.max()))]
+    if hunts.any():
+        panels.insert(0, (hunts, "P(limit cycle)", 1.0))
     with figure(height=80.0) as fig:
-        for axes, (values, title, low, high) in zip(fig.subplots(1, 2), panels, strict=True):
-            top = float(values.max()) if high is None else high
-            axes.imshow(values, origin="lower", aspect="auto", cmap="Greys", vmin=low, vmax=top)
+        places = fig.subplots(1, len(panels), squeeze=False)[0]
+        for axes, (values, title, top) in zip(places, panels, strict=True):
+            axes.imshow(values, origin="lower", aspect="auto", cmap="Greys", vmin=0.0, vmax=top)
             for (row, column), value in np.ndenumerate(values):
                 axes.text(column, row, f"{value:.2g}", fontsize=5.0, ha="center", va="center",
                           color="white" if value > 0.55 * top else "black")  # fmt: skip

@@ -133,13 +133,25 @@ def test_the_figures_draw_what_is_stored(computed):
     curve = axes.lines[0].get_xydata()
     assert curve.tolist() == [[p.gamma, p.p] for p in one.limit_cycle_probability]
     chart = computed.summary.loops[1].hunting_map
+    hunting = [[0.5] * len(row) for row in chart.probability]
+    chart = chart.model_copy(update={"probability": hunting})
     drawn, errors = (panel.images[0].get_array() for panel in hunting_over_speed(chart).axes)
-    assert drawn.tolist() == [list(row) for row in chart.probability]
+    assert drawn.tolist() == hunting
     assert errors[1, 0] == pytest.approx(1e3 * chart.rms_error_m[1][0])
     left, right = nyquist_fan(one.nyquist).axes
     loops = [fan for fan in one.nyquist if fan.what == "loop"]
     assert left.lines[0].get_xdata().tolist() == list(loops[0].real[0])
     assert len(right.lines) >= len(loops[0].real)
+
+
+def test_a_map_on_which_nothing_hunts_is_a_sentence_and_the_error(computed):
+    chart = computed.summary.loops[1].hunting_map
+    assert not np.any(chart.probability)
+    (panel,) = hunting_over_speed(chart).axes
+    assert panel.images[0].get_array().tolist() == (1e3 * np.array(chart.rms_error_m)).tolist()
+    said = told(build_document(StoredResults(margins=computed.summary)))
+    # 1 − 0.05^(1/30)
+    assert f"any of {chart.draws} draws hunt (P < 0.095 in each" in said
 
 
 def test_references_that_move_are_drawn_and_tabled(computed):

@@ -12,6 +12,7 @@ from bayesfric.margins.terms import (
 from bayesfric.plots.following import errors_over_time
 from bayesfric.plots.margins import hunting_over_speed, nyquist_fan
 from bayesfric.plots.style import svg_of
+from bayesfric.probabilities import stated_of_draws
 from bayesfric.report.chapters.gain import SHOWN_UNITS, WORDS, gain_figures
 from bayesfric.report.content import (
     Block,
@@ -143,16 +144,25 @@ def _over_speed(loop: LoopMargins) -> Iterator[Block]:
     if loop.hunting_map is None:
         yield Paragraph(f"Hunting over reference speeds: {loop.hunting_map_why}.")
         return
+    draws = loop.hunting_map.draws
+    hunts = any(map(any, loop.hunting_map.probability))
+    shown = "how probably the loop hunts after its kick, and the median error at the tip"
+    tables = "Two tables" if hunts else "A table"
+    if not hunts:
+        yield Paragraph(
+            f"At none of the speeds and gains of the map does any of {format_count(draws)} draws hunt "
+            f"(P {stated_of_draws(0.0, draws)} in each, at 95 %); what they change is the error."
+        )
+        shown = "the median error at the tip after the kick"
     yield Figure(
         svg_of(hunting_over_speed, loop.hunting_map),
         [
-            f"Over {format_count(loop.hunting_map.draws)} draws, how probably the loop hunts after "
-            "its kick, and the median error at the tip, by reference speed (the first column is "
+            f"Over {format_count(draws)} draws, {shown}, by reference speed (the first column is "
             "rest) and compensation gain. Steps are those that were simulated, not a scale. From ",
             Code("margins.json"),
             ".",
         ],
-        "Two tables of grey cells, reference speed to the right and compensation gain upwards.",
+        f"{tables} of grey cells, reference speed to the right and compensation gain upwards.",
         label=f"hunting-map-{loop.name}",
     )
 
