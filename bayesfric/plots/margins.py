@@ -8,9 +8,10 @@ from matplotlib.figure import Figure
 
 from bayesfric.plots.labels import numbers, plain
 from bayesfric.plots.style import COLORS, LINES, MARKERS, NEUTRAL, figure, key
-from bayesfric.schemas import HuntingMap, LoopMargins, Metric, NyquistFan
+from bayesfric.schemas import Bode, HuntingMap, LoopMargins, Metric, NyquistFan
 
 __all__ = [
+    "bode_bands",
     "error_and_headroom",
     "has_error_or_headroom",
     "hunting_over_speed",
@@ -142,6 +143,35 @@ def nyquist_fan(fans: Sequence[NyquistFan]) -> Figure:
         left.set_ylabel("imaginary")
         # The hat over F reaches out of the line that a legend reserves.
         key(fig, right.get_legend_handles_labels()[0], ncols=4, borderaxespad=1.0)
+    return fig
+
+
+def bode_bands(bands: Sequence[Bode]) -> Figure:
+    """Draw gain [dB] and phase [°] of L(jω) over frequency: the median, and 5 to 95 % of draws.
+
+    Parameters
+    ----------
+    bands : sequence of Bode
+        Of one loop; a direction each has its own colour.
+    """
+    with figure(height=84.0) as fig:
+        above, below = fig.subplots(2, 1, sharex=True)
+        for place, band in enumerate(bands):
+            style = {"color": SHADES[place], "linestyle": LINES[place], "label": band.direction}
+            for axes, rows in ((above, band.gain_db), (below, band.phase_deg)):
+                low, middle, high = rows
+                axes.fill_between(band.frequency_hz, low, high, color=SHADES[place], alpha=0.25,
+                                  linewidth=0)  # fmt: skip
+                axes.plot(band.frequency_hz, middle, **style)
+        above.axhline(0, color=NEUTRAL, linewidth=0.7, linestyle=":")
+        below.axhline(-180, color=NEUTRAL, linewidth=0.7, linestyle=":")
+        above.set_xscale("log")
+        above.set_ylabel("|L| [dB]")
+        below.set_ylabel("phase of L [°]")
+        below.set_xlabel("frequency [Hz]")
+        below.xaxis.set_major_formatter(numbers())
+        if bands[0].direction is not None:
+            key(fig, above.get_legend_handles_labels()[0], ncols=2)
     return fig
 
 

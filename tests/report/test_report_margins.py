@@ -12,7 +12,12 @@ from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins
 from bayesfric.notebook.results import MarginsResult
 from bayesfric.plots.following import errors_over_time
-from bayesfric.plots.margins import hunting_over_speed, limit_cycle_against_gain, nyquist_fan
+from bayesfric.plots.margins import (
+    bode_bands,
+    hunting_over_speed,
+    limit_cycle_against_gain,
+    nyquist_fan,
+)
 from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters.gain import gain_lines
 from bayesfric.report.chapters.margins import margins
@@ -142,6 +147,21 @@ def test_the_figures_draw_what_is_stored(computed):
     loops = [fan for fan in one.nyquist if fan.what == "loop"]
     assert left.lines[0].get_xdata().tolist() == list(loops[0].real[0])
     assert len(right.lines) >= len(loops[0].real)
+
+
+def test_the_bode_figure_has_the_margins_of_the_table(computed):
+    one = computed.summary.loops[0]
+    above, below = bode_bands(one.bode).axes
+    frequency, gain = above.lines[0].get_data()
+    phase = below.lines[0].get_ydata()
+    # |L| falls through 0 dB once; there the phase is above −180° by the phase margin
+    crossing = np.interp(0.0, -gain, np.log(frequency))
+    margin = 180.0 + np.interp(crossing, np.log(frequency), phase)
+    (stored,) = (each for each in one.metrics if each.name == "phase_margin")
+    assert margin == pytest.approx(np.degrees(stored.interval.q50), abs=0.5)
+    # rigid at low frequencies: kp/((J s + b) s), from −90° on
+    assert -180.0 < phase[0] < -90.0
+    assert frequency[-1] <= 500.0
 
 
 def test_a_map_on_which_nothing_hunts_is_a_sentence_and_the_error(computed):
