@@ -15,6 +15,7 @@ from bayesfric.margins.answer import (
     which_gain,
 )
 from bayesfric.margins.assembly import Assembly, draw_assembly
+from bayesfric.margins.bode import bode_bands
 from bayesfric.margins.cable_run import Direction
 from bayesfric.margins.certificate import certify
 from bayesfric.margins.diagnosed import Diagnosed, with_effects
@@ -181,6 +182,7 @@ def loop_margins(
         following=follow_all(shaft, simulated) if moves and shaft.wrist is None else None,
         following_why=_why_not_followed(shaft, moves),
         nyquist=nyquist_fans(shaft),
+        bode=bode_bands(shaft),
         warnings=loop_warnings(shaft, given, judged.linear, discrepancy, posterior),
     )
     return shaft, told

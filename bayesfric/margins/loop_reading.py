@@ -24,9 +24,10 @@ def loop_path(given: Path) -> Path:
     InputError
         It is neither.
     """
-    if given.exists():
-        return given
     bundled = bundled_loops()
+    # a folder of results may well have the name of its loop
+    if given.is_file() or (given.exists() and str(given) not in bundled):
+        return given
     if str(given) not in bundled:
         expected = f"a loop file that is there, or {one_of(bundled, str(given))}"
         raise InputError([Fault(str(given), expected)])

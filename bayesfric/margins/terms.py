@@ -72,13 +72,8 @@ def tuning_told(found: Tuning) -> str:
     chance = f"{found.probability:.2g} (± {found.probability_se:.1g})"
     if found.kp_scale is None or found.kd_scale is None:
         return f"No setting: {found.why}; all are met at once with probability {chance}."
-    gain = (
-        f"γ = {found.compensation_gain:.2f}"
-        if found.compensation_gain is not None
-        else f"no γ, since {found.compensation_gain_why}"
-    )
     edge = ", the largest that was looked at" if found.stiffest_looked_at else ""
     return (
         f"Stiffest setting that meets all specs at once: kp × {found.kp_scale:.3g}{edge}, kd × "
-        f"{found.kd_scale:.3g}, {gain}: with probability {chance}."
+        f"{found.kd_scale:.3g}, γ = {found.compensation_gain:.2f}: with probability {chance}."
     )

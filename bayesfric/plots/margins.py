@@ -8,9 +8,10 @@ from matplotlib.figure import Figure
 
 from bayesfric.plots.labels import numbers, plain
 from bayesfric.plots.style import COLORS, LINES, MARKERS, NEUTRAL, figure, key
-from bayesfric.schemas import HuntingMap, LoopMargins, Metric, NyquistFan
+from bayesfric.schemas import Bode, HuntingMap, LoopMargins, Metric, NyquistFan
 
 __all__ = [
+    "bode_bands",
     "error_and_headroom",
     "has_error_or_headroom",
     "hunting_over_speed",
@@ -75,6 +76,8 @@ def limit_cycle_against_gain(loops: Sequence[LoopMargins]) -> Figure:
 def hunting_over_speed(chart: HuntingMap) -> Figure:
     """Draw P(limit cycle) and the error at the tip over reference speed and gain.
 
+    Where no draw hunts anywhere, the error alone.
+
     Parameters
     ----------
     chart : HuntingMap
@@ -82,14 +85,14 @@ def hunting_over_speed(chart: HuntingMap) -> Figure:
     """
     speeds = [f"{1e3 * one:.2g}" for one in chart.speed_tip_m_s]
     gammas = [f"{one:g}" for one in chart.gamma]
-    panels = (
-        (np.array(chart.probability), "P(limit cycle)", 0.0, 1.0),
-        (1e3 * np.array(chart.rms_error_m), "rms error at the tip [mm]", 0.0, None),
-    )
+    hunts, errors = np.array(chart.probability), 1e3 * np.array(chart.rms_error_m)
+    panels = [(errors, "rms error at the tip [mm]", float(errors.max()))]
+    if hunts.any():
+        panels.insert(0, (hunts, "P(limit cycle)", 1.0))
     with figure(height=80.0) as fig:
-        for axes, (values, title, low, high) in zip(fig.subplots(1, 2), panels, strict=True):
-            top = float(values.max()) if high is None else high
-            axes.imshow(values, origin="lower", aspect="auto", cmap="Greys", vmin=low, vmax=top)
+        places = fig.subplots(1, len(panels), squeeze=False)[0]
+        for axes, (values, title, top) in zip(places, panels, strict=True):
+            axes.imshow(values, origin="lower", aspect="auto", cmap="Greys", vmin=0.0, vmax=top)
             for (row, column), value in np.ndenumerate(values):
                 axes.text(column, row, f"{value:.2g}", fontsize=5.0, ha="center", va="center",
                           color="white" if value > 0.55 * top else "black")  # fmt: skip
@@ -140,6 +143,35 @@ def nyquist_fan(fans: Sequence[NyquistFan]) -> Figure:
         left.set_ylabel("imaginary")
         # The hat over F reaches out of the line that a legend reserves.
         key(fig, right.get_legend_handles_labels()[0], ncols=4, borderaxespad=1.0)
+    return fig
+
+
+def bode_bands(bands: Sequence[Bode]) -> Figure:
+    """Draw gain [dB] and phase [°] of L(jω) over frequency: the median, and 5 to 95 % of draws.
+
+    Parameters
+    ----------
+    bands : sequence of Bode
+        Of one loop; a direction each has its own colour.
+    """
+    with figure(height=84.0) as fig:
+        above, below = fig.subplots(2, 1, sharex=True)
+        for place, band in enumerate(bands):
+            style = {"color": SHADES[place], "linestyle": LINES[place], "label": band.direction}
+            for axes, rows in ((above, band.gain_db), (below, band.phase_deg)):
+                low, middle, high = rows
+                axes.fill_between(band.frequency_hz, low, high, color=SHADES[place], alpha=0.25,
+                                  linewidth=0)  # fmt: skip
+                axes.plot(band.frequency_hz, middle, **style)
+        above.axhline(0, color=NEUTRAL, linewidth=0.7, linestyle=":")
+        below.axhline(-180, color=NEUTRAL, linewidth=0.7, linestyle=":")
+        above.set_xscale("log")
+        above.set_ylabel("|L| [dB]")
+        below.set_ylabel("phase of L [°]")
+        below.set_xlabel("frequency [Hz]")
+        below.xaxis.set_major_formatter(numbers())
+        if bands[0].direction is not None:
+            key(fig, above.get_legend_handles_labels()[0], ncols=2)
     return fig
 
 

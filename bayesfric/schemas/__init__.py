@@ -54,6 +54,7 @@ from bayesfric.schemas.fit import (
     WithoutExclusions,
 )
 from bayesfric.schemas.margins import (
+    Bode,
     Certificate,
     Compensator,
     FollowedWith,
@@ -93,6 +94,7 @@ __all__ = [
     "AssemblyCheck",
     "Axis",
     "BoardCoefficient",
+    "Bode",
     "CalibratedQuantity",
     "CalibrationCase",
     "CalibrationFile",

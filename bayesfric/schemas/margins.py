@@ -7,6 +7,7 @@ from pydantic import ConfigDict, Field
 from bayesfric.schemas.base import Because, Interval, Number, Provenance, Record, Why
 
 __all__ = [
+    "Bode",
     "Certificate",
     "FollowedWith",
     "Following",
@@ -140,6 +141,16 @@ class NyquistFan(Record):
     direction_why: Annotated[Why, NO_WAY] = None
     real: tuple[tuple[Number, ...], ...] = Field(description="A row for each draw.")
     imag: tuple[tuple[Number, ...], ...] = Field(description="Likewise.")
+
+
+class Bode(Record):
+    """The open loop over frequency: 5, 50 and 95 % over the draws, a row each."""
+
+    direction: Literal["driving", "overhauling"] | None = Field(None, description="As above.")
+    direction_why: Annotated[Why, NO_WAY] = None
+    frequency_hz: tuple[Number, ...] = Field(description="The frequencies.")
+    gain_db: tuple[tuple[Number, ...], ...] = Field(description="|L|.")
+    phase_deg: tuple[tuple[Number, ...], ...] = Field(description="arg L, not wrapped.")
 
 
 class Plant(Record):
@@ -330,6 +341,7 @@ class LoopMargins(Record):
     )
     following_why: Why = None
     nyquist: tuple[NyquistFan, ...] = Field(description="What the figures draw.")
+    bode: tuple[Bode, ...] = Field((), description="Likewise.")
     warnings: tuple[str, ...] = Field(description="Assumptions and doubts; read them first.")
 
 

@@ -116,6 +116,12 @@ def test_what_is_written_is_read(tmp_path):
     assert loop_sha256(read_loop(path)) != loop_sha256(loop())
 
 
+def test_a_folder_of_results_does_not_hide_the_bundled_loop_of_its_name(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("raven-elbow").mkdir()
+    assert read_loop(Path("raven-elbow")).name == "raven-elbow"
+
+
 def test_examples_are_valid_and_carry_their_assumptions():
     found = {path.stem: read_loop(path) for path in sorted(LOOPS.glob("*.toml"))}
     assert len(found) >= 4

@@ -12,7 +12,12 @@ from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins
 from bayesfric.notebook.results import MarginsResult
 from bayesfric.plots.following import errors_over_time
-from bayesfric.plots.margins import hunting_over_speed, limit_cycle_against_gain, nyquist_fan
+from bayesfric.plots.margins import (
+    bode_bands,
+    hunting_over_speed,
+    limit_cycle_against_gain,
+    nyquist_fan,
+)
 from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters.gain import gain_lines
 from bayesfric.report.chapters.margins import margins
@@ -133,13 +138,40 @@ def test_the_figures_draw_what_is_stored(computed):
     curve = axes.lines[0].get_xydata()
     assert curve.tolist() == [[p.gamma, p.p] for p in one.limit_cycle_probability]
     chart = computed.summary.loops[1].hunting_map
+    hunting = [[0.5] * len(row) for row in chart.probability]
+    chart = chart.model_copy(update={"probability": hunting})
     drawn, errors = (panel.images[0].get_array() for panel in hunting_over_speed(chart).axes)
-    assert drawn.tolist() == [list(row) for row in chart.probability]
+    assert drawn.tolist() == hunting
     assert errors[1, 0] == pytest.approx(1e3 * chart.rms_error_m[1][0])
     left, right = nyquist_fan(one.nyquist).axes
     loops = [fan for fan in one.nyquist if fan.what == "loop"]
     assert left.lines[0].get_xdata().tolist() == list(loops[0].real[0])
     assert len(right.lines) >= len(loops[0].real)
+
+
+def test_the_bode_figure_has_the_margins_of_the_table(computed):
+    one = computed.summary.loops[0]
+    above, below = bode_bands(one.bode).axes
+    frequency, gain = above.lines[0].get_data()
+    phase = below.lines[0].get_ydata()
+    # |L| falls through 0 dB once; there the phase is above −180° by the phase margin
+    crossing = np.interp(0.0, -gain, np.log(frequency))
+    margin = 180.0 + np.interp(crossing, np.log(frequency), phase)
+    (stored,) = (each for each in one.metrics if each.name == "phase_margin")
+    assert margin == pytest.approx(np.degrees(stored.interval.q50), abs=0.5)
+    # rigid at low frequencies: kp/((J s + b) s), from −90° on
+    assert -180.0 < phase[0] < -90.0
+    assert frequency[-1] <= 500.0
+
+
+def test_a_map_on_which_nothing_hunts_is_a_sentence_and_the_error(computed):
+    chart = computed.summary.loops[1].hunting_map
+    assert not np.any(chart.probability)
+    (panel,) = hunting_over_speed(chart).axes
+    assert panel.images[0].get_array().tolist() == (1e3 * np.array(chart.rms_error_m)).tolist()
+    said = told(build_document(StoredResults(margins=computed.summary)))
+    # 1 − 0.05^(1/30)
+    assert f"any of {chart.draws} draws hunt (P < 0.095 in each" in said
 
 
 def test_references_that_move_are_drawn_and_tabled(computed):

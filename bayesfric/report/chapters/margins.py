@@ -10,9 +10,9 @@ from bayesfric.margins.terms import (
     tuning_told,
 )
 from bayesfric.plots.following import errors_over_time
-from bayesfric.plots.margins import hunting_over_speed, nyquist_fan
 from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.gain import SHOWN_UNITS, WORDS, gain_figures
+from bayesfric.report.chapters.margins_figures import over_frequency, over_speed
 from bayesfric.report.content import (
     Block,
     BulletList,
@@ -111,24 +111,12 @@ def _loop(loop: LoopMargins) -> Iterator[Block]:
         yield Paragraph([certificate, covers or ""])
     if loop.tuning is not None:
         yield Paragraph(tuning_told(loop.tuning))
-    yield from _over_speed(loop)
+    yield from over_speed(loop)
     yield from _following(loop)
     yield from _shares(loop)
     yield from _verification(loop)
     yield from _before_and_after(loop)
-    yield Figure(
-        svg_of(nyquist_fan, loop.nyquist),
-        [
-            "Left, the open loop of some draws with −1 and the unit circle: without friction. "
-            "Right, what friction sees, motor speed per friction torque, with −1/N(A): a curve "
-            "that crosses the solid half can swing with friction alone at the edge of what it "
-            "holds, one that crosses the dashed half can hunt once γF̂ outweighs F. From ",
-            Code("margins.json"),
-            ".",
-        ],
-        "Two panels of thin curves in the complex plane, a curve for each draw.",
-        label=f"nyquist-{loop.name}",
-    )
+    yield from over_frequency(loop)
 
 
 def _sentence(text: str) -> str:
@@ -136,25 +124,6 @@ def _sentence(text: str) -> str:
     first = text.partition(" ")[0]
     begun = text[:1].upper() + text[1:] if first.isalpha() else text
     return begun if begun.endswith(".") else f"{begun}."
-
-
-def _over_speed(loop: LoopMargins) -> Iterator[Block]:
-    """Yield the map of hunting over reference speed and gain."""
-    if loop.hunting_map is None:
-        yield Paragraph(f"Hunting over reference speeds: {loop.hunting_map_why}.")
-        return
-    yield Figure(
-        svg_of(hunting_over_speed, loop.hunting_map),
-        [
-            f"Over {format_count(loop.hunting_map.draws)} draws, how probably the loop hunts after "
-            "its kick, and the median error at the tip, by reference speed (the first column is "
-            "rest) and compensation gain. Steps are those that were simulated, not a scale. From ",
-            Code("margins.json"),
-            ".",
-        ],
-        "Two tables of grey cells, reference speed to the right and compensation gain upwards.",
-        label=f"hunting-map-{loop.name}",
-    )
 
 
 def _following(loop: LoopMargins) -> Iterator[Block]:

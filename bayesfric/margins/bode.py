@@ -1,0 +1,51 @@
+"""Gain and phase of the open loop over frequency, as bands over the draws."""
+
+import numpy as np
+
+from bayesfric.arrays import Array
+from bayesfric.margins.describing import natural_frequency
+from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.open_loop import OpenLoop
+from bayesfric.schemas import Bode
+
+__all__ = ["bode_bands"]
+
+DRAWS = 100
+LOWEST, HIGHEST = 0.05, 50.0
+"""Over the natural frequency; no higher than half the sample rate, where L(jω) ends."""
+DENSE, SHOWN_EVERY = 1501, 10
+"""Frequencies at which phase is followed, and those of the figure."""
+LEVELS = (0.05, 0.5, 0.95)
+
+
+def bode_bands(shaft: LoopAtShaft) -> tuple[Bode, ...]:
+    """Return 5, 50 and 95 % of |L| and arg L over the draws, in each direction.
+
+    Phase is followed from the lowest frequency on, where it lies between −315° and 45°.
+    """
+    rows = np.unique(np.linspace(0, shaft.friction.size - 1, DRAWS).astype(np.intp))
+    own = float(np.median(natural_frequency(shaft)))
+    top = min(HIGHEST * own, np.pi / float(np.median(shaft.sample_time)))
+    omega = np.geomspace(LOWEST * own, top, DENSE)
+    bands = []
+    for direction in shaft.directions:
+        response = OpenLoop(shaft, direction)(np.tile(omega, (rows.size, 1)), rows[:, None])
+        phase = np.degrees(np.unwrap(np.angle(response), axis=1))
+        phase -= 360.0 * (phase[:, :1] > 45.0)
+        bands.append(
+            Bode(
+                direction=direction,
+                frequency_hz=_short(omega / (2 * np.pi)),
+                gain_db=_levels(20 * np.log10(np.abs(response))),
+                phase_deg=_levels(phase),
+            )
+        )
+    return tuple(bands)
+
+
+def _levels(values: Array) -> tuple[tuple[float, ...], ...]:
+    return tuple(_short(one) for one in np.quantile(values, LEVELS, axis=0))
+
+
+def _short(values: Array) -> tuple[float, ...]:
+    return tuple(float(f"{one:.5g}") for one in values[::SHOWN_EVERY])
