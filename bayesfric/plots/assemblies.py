@@ -99,7 +99,10 @@ def _by_condition(axes: Axes, table: xr.Dataset, title: str, what: str) -> None:
     known = ordered_sizes(sizes) or [title]
     sizes = sizes or [title] * z.size
     cells = sorted(set(zip(sizes, own, strict=True)), key=lambda c: (known.index(c[0]), c[1]))
+    several = len(cells) > 1
     place = np.array([cells.index(one) for one in zip(sizes, own, strict=True)])
+    if not several:  # one condition of all says nothing: side by side, in their order
+        place = np.arange(z.size)
     axes.axhspan(-NORMAL_90, NORMAL_90, color=NEUTRAL, alpha=0.15, linewidth=0)
     far = float(table["far"])
     for sign in (-1, 1):
@@ -119,11 +122,10 @@ def _by_condition(axes: Axes, table: xr.Dataset, title: str, what: str) -> None:
     for k in beyond if beyond.size <= NAMED else ():
         axes.annotate(plain(str(names[k])), (place[k], z[k]), (5, -3), textcoords="offset points")
     written = [f"{plain(size)} " + ", ".join(f"{v:g}" for v in values) for size, values in cells]
-    upright = 90 if len(cells) > CROWDED else 0
-    if len(cells) > 1:
-        axes.set_xticks(range(len(cells)), written, rotation=upright, fontsize=6.5)
-    else:  # all are of one condition, which says nothing here
-        axes.set_xticks([])
-    by = ": by pulley size, number and wrap angle" if len(cells) > 1 else ""
-    axes.set_title(f"{title}{by}")
+    if not several:
+        written = [plain(str(name)) for name in names] if z.size <= CROWDED else []
+    upright = 90 if len(written) > CROWDED else 0
+    axes.set_xticks(range(len(written)), written, rotation=upright, fontsize=6.5)
+    by = "by pulley size, number and wrap angle" if several else "in their order"
+    axes.set_title(f"{title}: {by}")
     axes.set_ylabel(f"score of one {what}")

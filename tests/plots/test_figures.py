@@ -216,3 +216,10 @@ def test_assemblies_stand_at_their_scores_over_their_rank_and_condition():
     tree["trials"].attrs["group"] = "setup"  # as a rig without assemblies calls it
     labels = [axes.get_ylabel() for axes in assemblies_left_out(tree).axes]
     assert [labels[1], labels[3]] == ["score of one setup"] * 2
+    # Of one condition they would all lie in one place: they stand in their order.
+    alone = table.drop_vars(["pulley_size", "n_pulleys", "wrap_angle_deg"])
+    tree["trial_assemblies"] = xr.DataTree(alone)
+    axes = assemblies_left_out(tree).axes[-1]
+    assert axes.lines[-1].get_xydata().tolist() == [[0, -0.5], [1, 0.2], [2, 3.4]]
+    assert [text.get_text() for text in axes.get_xticklabels()] == ["s1", "s2", "s3"]
+    assert axes.get_title() == "gravity board: in their order"

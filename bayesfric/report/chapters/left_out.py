@@ -104,8 +104,9 @@ def _assemblies(stored: StoredFit, found: tuple[AssemblyCheck, ...]) -> Iterator
             "the probabilities less the uniform one, with a band that 95 % of sets of independent "
             "ones stay inside everywhere. Beside it: normal scores of these over those expected of "
             "their rank, with 90 % of each; and those of single trials given the others of their "
-            f"{group}, with 90 % of recordings made again. Below: the scores by condition; a "
-            f"condition whose {groups} all lie on one side is one that the law misses. From ",
+            f"{group}, with 90 % of recordings made again. Below: the scores by condition, or "
+            f"in their order where there is one; a condition whose {groups} all lie on one side is "
+            "one that the law misses. From ",
             Code("predictive.nc"),
             ".",
         ],

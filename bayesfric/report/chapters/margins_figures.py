@@ -38,6 +38,7 @@ def over_speed(loop: LoopMargins) -> Iterator[Block]:
         ],
         f"{tables} of grey cells, reference speed to the right and compensation gain upwards.",
         label=f"hunting-map-{loop.name}",
+        floats=True,
     )
 
 
@@ -54,6 +55,7 @@ def over_frequency(loop: LoopMargins) -> Iterator[Block]:
             ],
             "Two panels of a curve in a band, gain above phase, over frequency.",
             label=f"bode-{loop.name}",
+            floats=True,
         )
     yield Figure(
         svg_of(nyquist_fan, loop.nyquist),
@@ -67,4 +69,5 @@ def over_frequency(loop: LoopMargins) -> Iterator[Block]:
         ],
         "Two panels of thin curves in the complex plane, a curve for each draw.",
         label=f"nyquist-{loop.name}",
+        floats=True,
     )
