@@ -188,6 +188,11 @@ def _claims() -> str:
             "",
             f"- Rivals: {', '.join(f'`{one.label}`' for one in claim.rivals) or 'none'}.",
         ]
+        if claim.instead is not None:
+            lines.append(
+                "- Where no board with weights was recorded, it is judged on friction at constant "
+                "speed: a motor board's, or that of friction points."
+            )
         if not claim.about_these_data:
             lines.append(
                 "- Rests on the paper's numbers or on priors, and says nothing of a recording."

@@ -81,6 +81,8 @@ class Claim:
     regime : {"accelerated", "steady"} or None
         How the trials that it is about move; it takes the first rig whose trials do.
         None where it needs no data.
+    instead : {"accelerated", "steady"} or None
+        How trials move that it is judged on where none move as `regime` says.
     beside : {"accelerated", "steady"} or None
         How the trials of a second rig move, with which the first is studied together.
     effects : tuple of Effect
@@ -104,6 +106,7 @@ class Claim:
     paper: str
     judge: Callable[["Claim", "Case"], Finding]
     regime: Regime | None = None
+    instead: Regime | None = None
     beside: Regime | None = None
     effects: tuple[Effect, ...] = ()
     rivals: tuple[Hypothesis, ...] = ()
@@ -113,8 +116,15 @@ class Claim:
 
     def subject(self, entered: Entered) -> str:
         """Return the name of the data that the claim is judged on, where it is testable."""
-        needed = (regime for regime in (self.regime, self.beside) if regime is not None)
-        return "+".join(str(entered.first(regime)) for regime in needed)
+        needed = (self.moving(entered), self.beside)
+        return "+".join(str(entered.first(regime)) for regime in needed if regime is not None)
+
+    def moving(self, entered: Entered) -> Regime | None:
+        """Return how the trials move that the claim is judged on, of the data that there are."""
+        for regime in (self.regime, self.instead):
+            if regime is not None and entered.first(regime) is not None:
+                return regime
+        return self.regime
 
     def against(self, entered: Entered) -> tuple[Hypothesis, ...]:
         """Return the rivals; those that add to the law add to the one that is claimed."""
@@ -126,7 +136,7 @@ class Claim:
         """Return what the data lack to compare the claim with its rivals, or nothing."""
         if not entered.has_pulleys:
             return "The claim is about cables over pulleys, and these data have none."
-        for regime in (self.regime, self.beside):
+        for regime in (self.moving(entered), self.beside):
             if regime is not None and entered.first(regime) is None:
                 return entered.lack(regime)
         if self.regime is None:

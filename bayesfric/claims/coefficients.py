@@ -157,5 +157,6 @@ CLAIM = Claim(
     paper="Table I, as printed.",
     judge=_judge,
     regime="accelerated",
+    instead="steady",
     by_size=False,
 )

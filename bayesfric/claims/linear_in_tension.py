@@ -11,6 +11,7 @@ CLAIM = Claim(
     paper="fc is linear in T at 85°, with R² above 0.99 for each size and n (Fig. 12).",
     judge=compare,
     regime="accelerated",
+    instead="steady",
     rivals=tuple(
         Hypothesis(effects=(("tension-curvature", law),)) for law in ("quadratic", "power")
     ),

@@ -13,6 +13,7 @@ CLAIM = Claim(
     "(eq. (9)); c2 does not depend on θ.",
     judge=compare,
     regime="accelerated",
+    instead="steady",
     rivals=(
         Hypothesis(effects=(("wrap-curvature", "quadratic"),)),
         Hypothesis(effects=(("wrap-intercept", "linear"),)),

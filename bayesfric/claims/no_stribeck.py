@@ -29,5 +29,6 @@ CLAIM = Claim(
     paper="With rolling bearings neither stiction nor a Stribeck term is needed (Sec. II).",
     judge=_judge,
     regime="accelerated",
+    instead="steady",
     rivals=tuple(Hypothesis(effects=(("stribeck", law),)) for law in ("exponential", "gaussian")),
 )

@@ -11,6 +11,7 @@ CLAIM = Claim(
     paper="Slope and intercept of fc in T are proportional to n (eqs (6), (7)).",
     judge=compare,
     regime="accelerated",
+    instead="steady",
     rivals=(
         Hypothesis(effects=(("fixed-drag", "constant"),)),
         Hypothesis(effects=(("pulley-count-curvature", "power"),)),

@@ -56,6 +56,7 @@ CLAIM = Claim(
     paper="Eqs (10) and (11): the slope in θ is c3 T n, without an offset.",
     judge=compare,
     regime="accelerated",
+    instead="steady",
     effects=(DEPARTURE,),
     rivals=tuple(Hypothesis(effects=(("wrap-slope", law),)) for law in DEPARTURE.laws),
     levels={"wrap_angle_deg": 2, "n_pulleys": 2},

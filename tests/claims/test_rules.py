@@ -200,6 +200,15 @@ def test_what_did_not_vary_is_not_testable(design, claim):
 
 def test_without_a_board_its_claims_are_not_testable():
     recording = simulate_recording("quick", seed=2, rigs=("motor",))
-    wanted = ["no-viscous-gravity", "stiffness-negligible", "coefficients", "rigs-agree"]
+    wanted = ["no-viscous-gravity", "stiffness-negligible", "average-wrap", "rigs-agree"]
     found = check_claims(recording, Analysis(), only=wanted).summary.claims
     assert {one.verdict for one in found} == {"not-testable"}
+
+
+@pytest.mark.parametrize(
+    ("effects", "verdict"), [({}, "supported"), ({"tension-curvature": 1.0}, "refuted")]
+)
+def test_without_a_board_friction_at_constant_speed_is_judged(effects, verdict):
+    recording = simulate_recording("points", seed=5, effects=effects)
+    (found,) = check_claims(recording, only=["linear-in-tension"]).summary.claims
+    assert found.verdict == verdict
