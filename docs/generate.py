@@ -190,8 +190,8 @@ def _claims() -> str:
         ]
         if claim.instead is not None:
             lines.append(
-                "- Where no board with weights was recorded, it is judged on friction at constant "
-                "speed: a motor board's, or that of friction points."
+                "- Where no board with weights was recorded or asked for, it is judged on friction "
+                "at constant speed: a motor board's, or that of points with all their columns."
             )
         if not claim.about_these_data:
             lines.append(

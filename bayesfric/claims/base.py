@@ -22,7 +22,11 @@ WORDS = {
     "tension": "tension",
     "n_pulleys": "number of pulleys",
     "wrap_angle_deg": "wrap angle",
+    "tension_n": "tension",
+    "velocity_m_s": "speed",
 }
+COLUMNS = ("n_pulleys", "wrap_angle_deg", "tension_n", "velocity_m_s")
+"""Of friction at constant speed, which a table of points may lack; a board has them all."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +86,8 @@ class Claim:
         How the trials that it is about move; it takes the first rig whose trials do.
         None where it needs no data.
     instead : {"accelerated", "steady"} or None
-        How trials move that it is judged on where none move as `regime` says.
+        How trials move that it is judged on where none move as `regime` says; all of
+        :data:`COLUMNS` must have been recorded of them.
     beside : {"accelerated", "steady"} or None
         How the trials of a second rig move, with which the first is studied together.
     effects : tuple of Effect
@@ -92,7 +97,9 @@ class Claim:
         What it is compared with; of the paper's law where it is named, else as it is.
     levels : mapping of str to int
         How many different values a column of the trials must have for the rivals to
-        differ from the claim; ``tension`` counts sums of the two masses.
+        differ from the claim; ``tension`` counts how the cable is loaded.
+    speeds : int
+        How many speeds, whichever way, trials at constant speed must have.
     by_size : bool
         Whether each pulley size is also compared alone.
     about_these_data : bool
@@ -111,6 +118,7 @@ class Claim:
     effects: tuple[Effect, ...] = ()
     rivals: tuple[Hypothesis, ...] = ()
     levels: Mapping[str, int] = field(default_factory=dict)
+    speeds: int = 1
     by_size: bool = True
     about_these_data: bool = True
 
@@ -145,6 +153,11 @@ class Claim:
             shared = self.subject(entered) in entered.data
             return "" if shared else "The two boards have no pulley size in common."
         trials = entered.trials(self.subject(entered))
+        if self.moving(entered) != self.regime:
+            if absent := [WORDS[name] for name in COLUMNS if name not in trials.asked]:
+                return f"Nobody wrote down the {' and the '.join(absent)}."
+            if (found := trials.recorded["velocity_m_s"].abs().nunique()) < self.speeds:
+                return f"The speed takes {found} of at least {self.speeds} values."
         for name, least in self.levels.items():
             if (found := trials.levels(name)) < least:
                 return f"The {WORDS[name]} takes {found} of at least {least} values."
@@ -153,6 +166,13 @@ class Claim:
             if (missing := trials.supports(known[effect])) is not None:
                 return missing.reason
         return ""
+
+    def elsewhere(self, entered: Entered) -> str:
+        """Return where it is judged, a sentence, if not on the rig that it is about; or nothing."""
+        if self.moving(entered) == self.regime or self.untestable(entered):
+            return ""
+        words = entered.trials(self.subject(entered)).rig.words
+        return f" Judged on {words.trials} of the {words.rig}, at constant speed."
 
     def tasks(self, entered: Entered) -> list[Task]:
         """Return what must be studied, of the data that there are."""

@@ -193,7 +193,7 @@ def check_claims(
         rigs=entered.rigs,
         baseline=baseline,
         rules=analysis.claims.model_dump(),
-        claims=tuple(_result(claim, found) for claim, found in findings),
+        claims=tuple(_result(claim, found, entered) for claim, found in findings),
         self_contradictions=tuple(
             SelfContradiction.model_validate(one._asdict()) for one in contradictions()
         ),
@@ -240,7 +240,7 @@ def _compared(
     return found
 
 
-def _result(claim: Claim, found: Finding) -> ClaimResult:
+def _result(claim: Claim, found: Finding, entered: Entered) -> ClaimResult:
     elpd_se, elpd_se_why = found.elpd_difference_se, _why(found, found.elpd_difference_se)
     if elpd_se is not None and not np.isfinite(elpd_se):
         elpd_se, elpd_se_why = None, "there is only one assembly"
@@ -250,7 +250,7 @@ def _result(claim: Claim, found: Finding) -> ClaimResult:
         paper=claim.paper,
         about_these_data=claim.about_these_data,
         verdict=found.verdict,
-        reason=found.reason,
+        reason=f"{found.reason}{claim.elsewhere(entered)}",
         log10_bayes_factor=found.log10_bayes_factor,
         log10_bayes_factor_why=_why(found, found.log10_bayes_factor),
         log10_bayes_factor_se=found.log10_bayes_factor_se,

@@ -30,5 +30,6 @@ CLAIM = Claim(
     judge=_judge,
     regime="accelerated",
     instead="steady",
+    speeds=2,
     rivals=tuple(Hypothesis(effects=(("stribeck", law),)) for law in ("exponential", "gaussian")),
 )

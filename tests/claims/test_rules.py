@@ -1,5 +1,7 @@
 """Verdicts by the stated rules, arithmetic of the paper, and what cannot be tested."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from physics.compliant import compliant_motion
@@ -10,6 +12,7 @@ from bayesfric.claims import check_claims, registered
 from bayesfric.claims.coefficients import tail_probability
 from bayesfric.claims.comparison import bayes_factor, decide, odds, share
 from bayesfric.claims.contradictions import contradictions
+from bayesfric.claims.entered import Entered
 from bayesfric.claims.studies import Studied
 from bayesfric.inference.evidence import Evidence
 from bayesfric.physics.cable import Cable
@@ -212,3 +215,34 @@ def test_without_a_board_friction_at_constant_speed_is_judged(effects, verdict):
     recording = simulate_recording("points", seed=5, effects=effects)
     (found,) = check_claims(recording, only=["linear-in-tension"]).summary.claims
     assert found.verdict == verdict
+    assert found.reason.endswith(" Judged on points of the bench, at constant speed.")
+
+
+@pytest.mark.parametrize(
+    ("column", "word"),
+    [("n_pulleys", "number of pulleys"), ("tension_n", "tension"), ("velocity_m_s", "speed")],
+)
+def test_what_nobody_wrote_down_of_points_is_not_made_up(column, word):
+    """Without the number of pulleys c1 would be that of all of them together."""
+    recording = simulate_recording("points", seed=5)
+    recording = replace(recording, steady=recording.steady.drop(columns=column))
+    wanted = ["coefficients", "linear-in-tension", "no-stribeck", "wrap-slope-proportional"]
+    for found in check_claims(recording, only=wanted).summary.claims:
+        assert (found.verdict, found.reason) == ("not-testable", f"Nobody wrote down the {word}.")
+
+
+def test_one_speed_both_ways_tells_nothing_of_stribeck():
+    recording = simulate_recording("points", seed=5)
+    steady = recording.steady.copy()
+    steady["velocity_m_s"] = 0.6 * np.where(np.arange(len(steady)) % 2, 1.0, -1.0)
+    (found,) = check_claims(replace(recording, steady=steady), only=["no-stribeck"]).summary.claims
+    assert found.reason == "The speed takes 1 of at least 2 values."
+
+
+def test_a_motor_board_that_is_asked_alone_stands_in_for_the_other():
+    recording = simulate_recording("quick", seed=2)
+    (claim,) = (one for one in registered() if one.name == "proportional-to-pulleys")
+    both, motor = Entered.of(recording), Entered.of(recording, ["motor"])
+    assert [claim.subject(one) for one in (both, motor)] == ["gravity", "motor"]
+    assert claim.elsewhere(both) == ""
+    assert claim.elsewhere(motor) == " Judged on runs of the motor board, at constant speed."
