@@ -48,3 +48,10 @@ def test_what_is_missing_without_a_reason_is_found() -> None:
     assert unexplained(bad) == ["/a/0/x", "/a/1/x"]
     assert unexplained({"x": None, "y": [None], "z": [], "z_why": None}) == ["/x", "/y/0", "/z"]
     assert unexplained({"x": None, "x_why": "it rests", "why": None}) == []
+
+
+def test_walkers_that_never_leave_their_places_can_be_written() -> None:
+    """Their R-hat is infinite, which JSON has no number for."""
+    found = schemas.FitFile.model_validate_json((RESULTS[0].parent / "fit.json").read_text())
+    entry = found.scatter["tau"].model_dump() | {"r_hat_walkers": float("inf")}
+    assert schemas.ParameterSummary.model_validate(entry).r_hat_walkers == 1000.0

@@ -73,7 +73,12 @@ def tuning_told(found: Tuning) -> str:
     if found.kp_scale is None or found.kd_scale is None:
         return f"No setting: {found.why}; all are met at once with probability {chance}."
     edge = ", the largest that was looked at" if found.stiffest_looked_at else ""
+    gain = (
+        f"no γ, since {found.compensation_gain_why}"  # in files of earlier versions
+        if found.compensation_gain is None
+        else f"γ = {found.compensation_gain:.2f}"
+    )
     return (
         f"Stiffest setting that meets all specs at once: kp × {found.kp_scale:.3g}{edge}, kd × "
-        f"{found.kd_scale:.3g}, γ = {found.compensation_gain:.2f}: with probability {chance}."
+        f"{found.kd_scale:.3g}, {gain}: with probability {chance}."
     )

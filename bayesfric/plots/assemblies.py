@@ -122,9 +122,9 @@ def _by_condition(axes: Axes, table: xr.Dataset, title: str, what: str) -> None:
     for k in beyond if beyond.size <= NAMED else ():
         axes.annotate(plain(str(names[k])), (place[k], z[k]), (5, -3), textcoords="offset points")
     written = [f"{plain(size)} " + ", ".join(f"{v:g}" for v in values) for size, values in cells]
+    upright = 90 if len(cells) > CROWDED else 0
     if not several:
         written = [plain(str(name)) for name in names] if z.size <= CROWDED else []
-    upright = 90 if len(written) > CROWDED else 0
     axes.set_xticks(range(len(written)), written, rotation=upright, fontsize=6.5)
     by = "by pulley size, number and wrap angle" if several else "in their order"
     axes.set_title(f"{title}: {by}")

@@ -2,13 +2,18 @@
 
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from bayesfric.schemas.base import Because, Interval, Number, Why
 
 __all__ = ["ParameterSummary"]
 
 NO_COEFFICIENT = Because("it is asked of coefficients alone")
+LARGEST = 1000.0  # JSON has no infinity
+
+
+def _finite(r_hat: float) -> float:
+    return min(r_hat, LARGEST)
 
 
 class ParameterSummary(Interval):
@@ -20,8 +25,9 @@ class ParameterSummary(Interval):
     ess_bulk: Number = Field(description="Effective draws for the mean.")
     ess_tail: Number = Field(description="Effective draws for the 5 and 95 % quantiles.")
     r_hat: Number = Field(description="Rank-normalised split R-hat, walkers pooled by ensemble.")
-    r_hat_walkers: Number = Field(
-        description="The same of walkers, each a chain, without what chance adds for few draws."
+    r_hat_walkers: Annotated[Number, BeforeValidator(_finite)] = Field(
+        description="The same of walkers, each a chain, with little of what chance adds for few "
+        f"draws; {LARGEST:g} where they do not leave their places."
     )
     contraction: Number | None = Field(description="1 - posterior sd / prior sd.")
     contraction_why: Why = None

@@ -186,7 +186,9 @@ class ScorecardFile(Record):
     )
     pair_rate: Rate = Field(description="Both of a pair named.")
     shrink_coverage: Rate = Field(description="90 % intervals that hold the true shrink.")
-    parameter_coverage: Rate = Field(description="90 % intervals of parameters, own forms.")
+    parameter_coverage: Rate = Field(
+        description="90 % intervals of parameters of own forms, where the law told is that form."
+    )
     reliability: tuple[ReliabilityBin, ...] = Field(
         description="By the verdict's probability: how often what it is of is so."
     )

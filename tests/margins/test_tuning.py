@@ -13,8 +13,10 @@ from bayesfric.margins.metrics import closed_forms, linear_of, missed_draws
 from bayesfric.margins.posterior import RigDiscrepancy
 from bayesfric.margins.reflecting import at_shaft
 from bayesfric.margins.scanning import REST, run
+from bayesfric.margins.terms import tuning_told
 from bayesfric.margins.thresholds import Hunting, find_hunting
 from bayesfric.margins.tuning import meets_all_now, scaled, tune
+from bayesfric.schemas import Tuning
 
 UNCERTAIN = {
     "drive.friction_n_m": {"family": "log-normal", "median": 0.002, "sd_log": 0.2},
@@ -98,6 +100,19 @@ def test_a_loop_that_hunts_without_compensation_has_no_setting(monkeypatch):
     assert found.kp_scale is None
     assert "hunt with probability 1 without any compensation" in found.why
     assert found.probability == 0.0
+    # where only the stiffest hunts, the next is told
+    quiet = replace(hunting, threshold=np.full(20, 2.0), hunts=np.zeros((1, 20), dtype=bool))
+    each = iter([always, quiet])
+    monkeypatch.setattr(tuning, "find_hunting", lambda *given: next(each))
+    found = tune(shaft, 0.05)
+    assert found.why is None
+    assert found.kp_scale < tuning.WIDEST
+    # nothing is chosen where one of twenty hunts without any, and so no error excuses it
+    one = replace(hunting, threshold=np.where(np.arange(20) < 2, 0.0, 2.0))
+    monkeypatch.setattr(tuning, "find_hunting", lambda *given: one)
+    found = tune(shaft, 0.05)
+    assert found.why is not None
+    assert found.probability == pytest.approx(0.9)
 
 
 def test_a_gain_is_as_safe_in_a_tuning_as_in_the_answer(monkeypatch):
@@ -124,3 +139,15 @@ def test_a_gain_is_as_safe_in_a_tuning_as_in_the_answer(monkeypatch):
     # a draw that misses another spec has taken its place
     monkeypatch.setattr(tuning, "_missed", lambda shaft: np.arange(shaft.gamma.size) == 3)
     assert tune(free, 0.1).compensation_gain == pytest.approx(0.95 * 1.05)
+
+
+def test_a_setting_without_a_gain_is_told_as_earlier_versions_stored_it():
+    stored = Tuning(
+        kp_scale=2.0,
+        kd_scale=1.0,
+        compensation_gain=None,
+        compensation_gain_why="the loop hunts at every γ",
+        probability=0.96,
+        probability_se=0.01,
+    )
+    assert "kd × 1, no γ, since the loop hunts at every γ: with" in tuning_told(stored)

@@ -105,8 +105,8 @@ def _assemblies(stored: StoredFit, found: tuple[AssemblyCheck, ...]) -> Iterator
             "ones stay inside everywhere. Beside it: normal scores of these over those expected of "
             "their rank, with 90 % of each; and those of single trials given the others of their "
             f"{group}, with 90 % of recordings made again. Below: the scores by condition, or "
-            f"in their order where there is one; a condition whose {groups} all lie on one side is "
-            "one that the law misses. From ",
+            f"in their order where there is one condition; a condition whose {groups} all lie "
+            "on one side is one that the law misses. From ",
             Code("predictive.nc"),
             ".",
         ],
