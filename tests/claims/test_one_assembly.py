@@ -10,10 +10,11 @@ from reasons import explained
 from bayesfric.claims import registered
 from bayesfric.claims.base import Finding
 from bayesfric.claims.checking import _result
+from bayesfric.claims.entered import Entered
 
 
 def test_the_error_of_one_assembly_is_missing_with_its_reason():
     found = Finding("undecided", "Odds of 1 to 1.", {}, 0.1, 0.1, 0.5, math.inf)
-    one = explained(_result(registered()[0], found))
+    one = explained(_result(registered()[0], found, Entered({})))
     assert (one.elpd_difference, one.elpd_difference_se) == (0.5, None)
     assert one.elpd_difference_se_why == "there is only one assembly"
