@@ -56,17 +56,16 @@ def processes(workers: int) -> Iterator[Executor]:
     """Lend an executor over `workers` processes of this machine.
 
     Each starts a fresh interpreter: a copy of a process that has threads can wait for
-    ever on a lock that one of them held. Interrupts are for the parent alone, which then
-    ends the workers instead of waiting for what they do.
+    ever on a lock that one of them held. Interrupts are for the parent alone, which then, and
+    after any error, ends the workers instead of waiting for what they do.
     """
     executor = _Processes(workers, mp_context=get_context("spawn"), initializer=_end_with_parent)
     try:
         yield executor
-    except BaseException as error:
+    except BaseException:
         executor.shutdown(wait=False, cancel_futures=True)
-        if not isinstance(error, Exception):
-            for process in active_children():
-                process.terminate()
+        for process in active_children():
+            process.terminate()
         raise
     executor.shutdown()
 

@@ -68,6 +68,10 @@ class InputError(ValueError):
         self.faults = tuple(faults)
         super().__init__("\n".join(str(fault) for fault in self.faults))
 
+    def __reduce__(self) -> tuple[type["InputError"], tuple[tuple[Fault, ...]]]:
+        """Travel between processes with the faults, not with their text."""
+        return InputError, (self.faults,)
+
 
 def near(name: str, among: Iterable[str]) -> str:
     """Return the question whether one of these names, which is nearly `name`, is meant."""

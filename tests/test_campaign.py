@@ -8,13 +8,20 @@ import sys
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
+from multiprocessing import active_children
 from pathlib import Path
 
 import pytest
 from local_cluster import local_cluster
 
-from bayesfric.campaign import WorkerDiedError, cluster, run_campaign, run_on_processes
-from bayesfric.errors import InputError
+from bayesfric.campaign import (
+    WorkerDiedError,
+    cluster,
+    processes,
+    run_campaign,
+    run_on_processes,
+)
+from bayesfric.errors import Fault, InputError
 
 
 def square(case):
@@ -169,3 +176,22 @@ def test_a_scheduler_that_is_not_there_is_an_error(address):
     expected = f"--scheduler: found '{address}', expected the address of a Dask scheduler"
     with pytest.raises(InputError, match=expected), cluster(address):
         pass
+
+
+def test_an_error_ends_the_workers_instead_of_waiting_for_them():
+    with pytest.raises(ValueError, match="mine"), processes(1) as executor:  # noqa: PT012
+        executor.submit(time.sleep, 3600)
+        (worker,) = active_children()
+        raise ValueError("mine")
+    worker.join(60)
+    assert worker.exitcode == -signal.SIGTERM
+
+
+def refuse(case):
+    raise InputError([Fault("board.csv", "a number", row=case, value="x")])
+
+
+def test_faults_of_input_come_back_from_a_worker_as_they_were():
+    with processes(1) as executor, pytest.raises(InputError) as found:
+        executor.submit(refuse, 3).result()
+    assert found.value.faults == (Fault("board.csv", "a number", row=3, value="x"),)

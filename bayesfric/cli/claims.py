@@ -25,6 +25,8 @@ from bayesfric.cli.printing import say
 from bayesfric.progress import stage
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     from bayesfric.analysis import Analysis
 
 __all__ = ["claims", "claims_into"]
@@ -53,6 +55,7 @@ def claims(
     Example: bayesfric claims my-board -o my-results --junit claims.xml
     """
     from bayesfric.analysis import read_analysis
+    from bayesfric.campaign import processes
     from bayesfric.errors import Fault, InputError
 
     if listing:
@@ -63,15 +66,15 @@ def claims(
     check_fail_on(fail_on_list, "claims")
     no_folder(junit, "--junit")
     analysis, chosen = read_analysis(config, seed=seed), named_rigs(rigs)
-    with hold(output, "claims"):
+    with hold(output, "claims"), processes(workers) as executor:
         happened = claims_into(
             recording,
             output,
             analysis,
+            executor,
             junit=junit,
             rigs=chosen,
             baseline=baseline,
-            workers=workers,
             quiet=quiet,
         )
     fail_on(fail_on_list, happened)
@@ -88,15 +91,14 @@ def claims_into(
     recording: Path,
     output: Path,
     analysis: "Analysis",
+    executor: "Executor",
     *,
     junit: Path | None = None,
     rigs: list[str] | None,
     baseline: str,
-    workers: int,
     quiet: bool,
 ) -> set[str]:
     """Judge, write and print; return what happened that ``--fail-on`` can name."""
-    from bayesfric.campaign import processes
     from bayesfric.claims import check_claims
     from bayesfric.claims.stored_fit import current_posterior
     from bayesfric.recording import read_recording
@@ -104,7 +106,7 @@ def claims_into(
     found = read_recording(recording)
     title = "comparing the claims with their rivals"
     checkpoint = output / ".checkpoint-claims"
-    with stage(title, quiet=quiet, longest_first=True) as progress, processes(workers) as executor:
+    with stage(title, quiet=quiet, longest_first=True) as progress:
         checked = check_claims(
             found,
             analysis,

@@ -4,7 +4,7 @@ import shutil
 from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -15,13 +15,14 @@ from bayesfric.cli.printing import say
 from bayesfric.progress import stage
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    import pandas as pd
+    from collections.abc import Callable
 
     from bayesfric.analysis import Analysis
+    from bayesfric.diagnosis.diagnosing import Diagnosed
 
-__all__ = ["diagnose"]
+__all__ = ["diagnose", "diagnose_into", "diagnosed"]
+
+CHECKPOINT = ".checkpoint-diagnosis"
 
 
 @exit_status
@@ -78,75 +79,62 @@ def diagnose(
     Example: bayesfric diagnose my-board -o my-results --fail-on gap
     """
     from bayesfric.analysis import read_analysis
+    from bayesfric.campaign import processes
+    from bayesfric.effects import effect_of_file
     from bayesfric.recording import read_conditions
     from bayesfric.results import fitted_numbers
+    from bayesfric.testing import checked
 
     check_fail_on(fail_on_list, "diagnose")
     analysis = read_analysis(config, seed=seed)
     numbers = None if shipped is None else fitted_numbers(shipped)
     conditions = None if target is None else read_conditions(target)
-    with hold(output, "diagnose"):
+    effects = [checked(effect_of_file(path), path) for path in effect_module or []]
+    pool = processes(workers) if simulator is not None else nullcontext()
+    with hold(output, "diagnose"), pool as executor:
         happened = diagnose_into(
-            recording,
             output,
-            analysis,
-            baseline=baseline,
-            shipped=numbers,
-            fixed=fixed,
-            effect_modules=effect_module,
-            simulator=simulator,
-            target=conditions,
-            workers=workers,
+            partial(
+                diagnosed,
+                recording,
+                output,
+                analysis,
+                baseline=baseline,
+                shipped=numbers,
+                fixed=[name.strip() for name in fixed.split(",") if name.strip()],
+                effects=effects,
+                simulator=simulator,
+                target=conditions,
+                executor=executor,
+                announce=None if quiet else partial(say, err=True),
+            ),
             quiet=quiet,
         )
     fail_on(fail_on_list, happened)
 
 
-def diagnose_into(
-    recording: Path,
-    output: Path,
-    analysis: "Analysis",
-    *,
-    baseline: str = "paper",
-    shipped: "Mapping[str, float] | None" = None,
-    fixed: str = "",
-    effect_modules: list[Path] | None = None,
-    simulator: str | None = None,
-    target: "pd.DataFrame | None" = None,
-    workers: int = 1,
-    quiet: bool,
-) -> set[str]:
-    """Diagnose, write and print; return what happened that ``--fail-on`` can name."""
-    from bayesfric.campaign import processes
+def diagnosed(
+    recording: Path, output: Path, analysis: "Analysis", *, baseline: str, **asked: Any
+) -> "Diagnosed":
+    """Diagnose a recording; what is done on the way is kept in the folder of the results."""
     from bayesfric.diagnosis import diagnose as diagnose_recording
-    from bayesfric.diagnosis.target import target_lines
-    from bayesfric.effects import effect_of_file
-    from bayesfric.probabilities import stated
     from bayesfric.recording import read_recording
-    from bayesfric.testing import checked
 
-    effects = [checked(effect_of_file(path), path) for path in effect_modules or []]
+    checkpoint = output / CHECKPOINT
     found = read_recording(recording)
-    title = "weighing the effects that the baseline leaves out"
-    checkpoint = output / ".checkpoint-diagnosis"
-    pool = processes(workers) if simulator is not None else nullcontext()
-    with stage(title, quiet=quiet), pool as executor:
-        diagnosed = diagnose_recording(
-            found,
-            analysis,
-            fixed=[name.strip() for name in fixed.split(",") if name.strip()],
-            effects=effects,
-            shipped=shipped,
-            baseline=baseline,
-            simulator=simulator,
-            target=target,
-            executor=executor,
-            announce=None if quiet else partial(say, err=True),
-            checkpoint=checkpoint,
-        )
-        diagnosed.write(output)
-    shutil.rmtree(checkpoint, ignore_errors=True)  # of a simulator nothing is kept
-    summary = diagnosed.summary
+    return diagnose_recording(found, analysis, baseline=baseline, checkpoint=checkpoint, **asked)
+
+
+def diagnose_into(output: Path, compute: "Callable[[], Diagnosed]", *, quiet: bool) -> set[str]:
+    """Diagnose, write and print; return what happened that ``--fail-on`` can name."""
+    from bayesfric.diagnosis.target import target_lines
+    from bayesfric.probabilities import stated
+
+    with stage("weighing the effects that the baseline leaves out", quiet=quiet):
+        found = compute()
+        found.write(output)
+    shutil.rmtree(output / CHECKPOINT, ignore_errors=True)  # of a simulator nothing is kept
+    summary = found.summary
     say(f"{summary.verdict}: {summary.sentence}")
     for name, chance in list(summary.probabilities.items())[:5]:
         say(f"  {name:<28} {stated(chance)}")

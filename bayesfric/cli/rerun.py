@@ -1,6 +1,7 @@
 """``bayesfric rerun``: a stored run once more, and what differs."""
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Annotated, TypeVar
@@ -8,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, TypeVar
 import typer
 
 from bayesfric.cli.claims import claims_into
-from bayesfric.cli.diagnose import diagnose_into
+from bayesfric.cli.diagnose import diagnose_into, diagnosed
 from bayesfric.cli.exits import check_fail_on, exit_status, fail_on
 from bayesfric.cli.fit import fit_into
 from bayesfric.cli.locks import hold
@@ -17,6 +18,8 @@ from bayesfric.cli.options import Quiet, Workers, fails
 from bayesfric.cli.printing import say
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     from pydantic import BaseModel
 
     from bayesfric.analysis import Analysis
@@ -55,6 +58,7 @@ def rerun(
 
     Example: bayesfric rerun my-results --fail-on changed
     """
+    from bayesfric.campaign import processes
     from bayesfric.comparing import compare, comparison_text
     from bayesfric.errors import Fault, InputError
 
@@ -65,8 +69,8 @@ def rerun(
     stored = _stored(folder)
     with TemporaryDirectory(prefix="bayesfric-") as scratch:
         again = Path(scratch) if output is None else output
-        with hold(again, "rerun"):
-            _repeat(folder, stored, again, recording, workers, quiet)
+        with hold(again, "rerun"), processes(workers) as executor:
+            _repeat(folder, stored, again, recording, executor, quiet)
         found = compare(folder, again)
         for line in comparison_text(found):
             say(line)
@@ -114,7 +118,12 @@ def _stored(folder: Path) -> _Stored:
 
 
 def _repeat(
-    folder: Path, stored: _Stored, again: Path, recording: Path | None, workers: int, quiet: bool
+    folder: Path,
+    stored: _Stored,
+    again: Path,
+    recording: Path | None,
+    executor: "Executor",
+    quiet: bool,
 ) -> None:
     """Run the verbs whose results are in a folder, into another one."""
     from bayesfric.diagnosis.target import conditions_of
@@ -137,25 +146,27 @@ def _repeat(
             source,
             again,
             _settings(claims, "claims.json"),
+            executor,
             rigs=list(claims.rigs) or None,
             baseline=claims.baseline,
-            workers=workers,
             quiet=quiet,
         )
     if diagnosis is not None:
         own = diagnosis.simulator  # one of the recording's own needs no naming
-        diagnose_into(
+        compute = partial(
+            diagnosed,
             source,
             again,
             _settings(diagnosis, "diagnosis.json"),
             baseline=diagnosis.baseline if own is None else "paper",
             simulator=own.name if own is not None and own.calls else None,
-            workers=workers,
-            fixed=",".join(diagnosis.fixed),
+            fixed=diagnosis.fixed,
             shipped=diagnosis.shipped,
             target=None if diagnosis.target is None else conditions_of(diagnosis.target),
-            quiet=quiet,
+            executor=executor,
+            announce=None if quiet else partial(say, err=True),
         )
+        diagnose_into(again, compute, quiet=quiet)
     if _has(folder, "margins") and fitted is not None:
         _repeat_margins(folder, again, [folder / path for path in inputs.get("loops", ())], quiet)
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from bayesfric.cli.claims import claims_into
-from bayesfric.cli.diagnose import diagnose_into
+from bayesfric.cli.diagnose import diagnose_into, diagnosed
 from bayesfric.cli.exits import check_fail_on, exit_status, fail_on
 from bayesfric.cli.fit import fit_into
 from bayesfric.cli.locks import hold
@@ -29,7 +29,10 @@ from bayesfric.cli.printing import say
 from bayesfric.progress import stage
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor, Future
+
     from bayesfric.analysis import Analysis
+    from bayesfric.diagnosis.diagnosing import Diagnosed
 
 __all__ = ["run"]
 
@@ -62,6 +65,7 @@ def run(
     Example: bayesfric run my-board -o my-results --loop elbow.toml
     """
     from bayesfric.analysis import read_analysis
+    from bayesfric.campaign import processes
     from bayesfric.margins import loop_path, read_loop
     from bayesfric.resources import bundled_recording
 
@@ -71,16 +75,17 @@ def run(
     loops = [loop_path(path) for path in loop or []]
     for path in loops:  # a fault in one, likewise
         read_loop(path)
-    with hold(output, "run"):
+    with hold(output, "run"), processes(workers) as executor:
         happened = run_into(
             recording if recording is not None else bundled_recording(),
             output,
             analysis,
+            executor,
             loops=loops,
             junit=junit,
             rigs=chosen,
             baseline=baseline,
-            workers=workers,
+            beside=workers > 1,
             quiet=quiet,
         )
     if not quiet:
@@ -92,15 +97,19 @@ def run_into(
     recording: Path,
     output: Path,
     analysis: "Analysis",
+    executor: "Executor",
     *,
     loops: list[Path],
     junit: Path | None = None,
     rigs: list[str] | None,
     baseline: str,
-    workers: int,
+    beside: bool,
     quiet: bool,
 ) -> set[str]:
-    """Run all verbs and the report; return what happened that ``--fail-on`` can name."""
+    """Run all verbs and the report; return what happened that ``--fail-on`` can name.
+
+    The diagnosis needs nothing of the fit: with `beside` it is made while that is.
+    """
     from bayesfric.campaign import processes
     from bayesfric.cli.stages import Stages
     from bayesfric.report.writing import write_report
@@ -110,18 +119,32 @@ def run_into(
     common: dict[str, Any] = {"baseline": baseline, "quiet": quiet}
     key = _key(recording, analysis, loops, junit, rigs, baseline)
     stages = Stages(output, key, quiet=quiet)
+
+    def begin() -> "Future[Diagnosed]":
+        return executor.submit(diagnosed, recording, output, analysis, baseline=baseline)
+
+    begun = begin() if beside and not stages.stands("diagnosis") else None
     happened = stages.after(
         "fit", lambda: fit_into([recording], output, analysis, rigs=rigs, loops=loops, **common)
     )
     happened |= stages.after(
         "claims",
         lambda: claims_into(
-            recording, output, analysis, junit=junit, rigs=rigs, workers=workers, **common
+            recording, output, analysis, executor, junit=junit, rigs=rigs, **common
         ),
         *([] if junit is None else [junit]),
     )
+    elsewhere: dict[str, float] = {}
+
+    def diagnosis() -> "Diagnosed":
+        found = (begun or begin()).result()
+        elsewhere["diagnosis"] = found.seconds
+        return found
+
     happened |= stages.after(
-        "diagnosis", lambda: diagnose_into(recording, output, analysis, **common)
+        "diagnosis",
+        lambda: diagnose_into(output, diagnosis, quiet=quiet),
+        elsewhere=elsewhere,
     )
     if loops:
         happened |= stages.after(

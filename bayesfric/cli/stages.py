@@ -3,8 +3,9 @@
 import hashlib
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 from pydantic import BaseModel, ValidationError
 
@@ -61,7 +62,20 @@ class Stages:
         """Of each stage that is done, by its name."""
         return {name: stage.seconds for name, stage in self._listed.stages.items()}
 
-    def after(self, name: str, work: Callable[[], set[str]], *also: Path) -> set[str]:
+    def stands(self, name: str) -> bool:
+        """Return whether a stage is done and its files are as it wrote them."""
+        known = self._listed.stages.get(name)
+        return known is not None and all(
+            digest(Path(path)) == kept for path, kept in known.files.items()
+        )
+
+    def after(
+        self,
+        name: str,
+        work: Callable[[], set[str]],
+        *also: Path,
+        elsewhere: Mapping[str, float] = MappingProxyType({}),
+    ) -> set[str]:
         """Return what happened in a stage: it is run, unless it is done and its files stand.
 
         Parameters
@@ -72,18 +86,18 @@ class Stages:
             Writes files of the folder, and returns what happened.
         *also : Path
             Further files that it writes, outside the folder.
+        elsewhere : mapping of str to float
+            Seconds that a stage took in another process, whatever `work` waited; read when the
+            work is done.
         """
-        known = self._listed.stages.get(name)
-        if known is not None and all(
-            digest(Path(path)) == kept for path, kept in known.files.items()
-        ):
+        if self.stands(name):
             if not self._quiet:
                 say(f"{name}: done before this run was interrupted, and kept", err=True)
-            return set(known.happened)
+            return set(self._listed.stages[name].happened)
         before = self._written()
         began = time.perf_counter()
         happened = work()
-        seconds = time.perf_counter() - began
+        seconds = elsewhere.get(name, time.perf_counter() - began)
         new = [path for path, state in self._written().items() if before.get(path) != state]
         self._listed.stages[name] = Stage(
             happened=sorted(happened),

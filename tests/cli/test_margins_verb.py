@@ -123,6 +123,7 @@ def test_fail_on_spec_of_a_run(folder, tmp_path, monkeypatch, metres, status):
     monkeypatch.setattr("bayesfric.report.writing.write_report", lambda *_, **__: None)
     loop = with_bound(folder, "judged.toml", metres)
     arguments = ["run", "-o", tmp_path / "out", "--loop", loop, "--fail-on", "spec", "--quiet"]
+    arguments += ["--workers", "1"]  # no diagnosis begins beside the fit
     assert CliRunner().invoke(app, list(map(str, arguments))).exit_code == status
 
 

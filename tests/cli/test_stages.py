@@ -2,6 +2,9 @@
 
 import importlib
 from collections import Counter
+from concurrent.futures import Executor, Future
+from contextlib import nullcontext
+from types import SimpleNamespace
 
 import pytest
 from altered import by_acceleration
@@ -54,6 +57,8 @@ def run(folder, *more):
         folder / "out",
         "--config",
         folder / "analysis.toml",
+        "--workers",  # one, so that no diagnosis begins beside the fit
+        "1",
     ]
     return CliRunner().invoke(app, [*map(str, arguments), *more])
 
@@ -117,3 +122,29 @@ def test_stages_of_other_code_are_done_again(stages, tmp_path, monkeypatch):
     monkeypatch.setattr("bayesfric.checkpoint.code_sha256", lambda: "other")
     assert run(tmp_path).exit_code == 0
     assert called["fit"] == 2
+
+
+def test_the_diagnosis_begins_before_the_fit_and_not_where_it_is_done(
+    stages, tmp_path, monkeypatch
+):
+    called, interrupted = stages
+    begun = []
+
+    class Elsewhere(Executor):
+        def submit(self, work, *arguments, **options):
+            begun.append(dict(called))
+            future = Future()
+            future.set_result(SimpleNamespace(seconds=7.0))
+            return future
+
+    def diagnose_into(output, diagnosis, *, quiet):
+        (output / "diagnosis.json").write_text(str(diagnosis()))
+        return set()
+
+    monkeypatch.setattr("bayesfric.campaign.processes", lambda workers: nullcontext(Elsewhere()))
+    monkeypatch.setattr(RUN, "diagnose_into", diagnose_into)
+    interrupted["report"] = 1
+    assert [run(tmp_path, "--workers", "2").exit_code for _ in range(2)] == [3, 0]
+    assert begun == [{}]  # once, and before any stage
+    text = (tmp_path / "out/timings.json").read_bytes()
+    assert TimingsFile.model_validate_json(text).seconds["diagnosis"] == 7.0
