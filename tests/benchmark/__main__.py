@@ -1,4 +1,6 @@
-"""``python -m benchmark PEERS_PYTHON [PROBLEM …]``: samplers side by side, in processor time.
+"""``python -m benchmark PEERS_PYTHON [PROBLEM …]``: all that the project promises of speed.
+
+Samplers side by side, in processor time; what size costs, the evidence, commands, campaigns.
 
 Writes ``reports/evidence/benchmark.json`` and ``docs/benchmark.md``. ``tests`` is on the path.
 """
@@ -11,11 +13,12 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from benchmark import compare, page, problems
+from benchmark import compare, marginal, page, problems, sizes, verbs, workers
 from campaigns import evidence
 
 HERE = Path(__file__).resolve().parent
 PEERS = ("NumPyro NUTS", "BlackJAX NUTS")
+EVIDENCE = "trial-medium"
 REPEATS = int(os.environ.get("REPEATS", "3"))
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
@@ -59,19 +62,32 @@ def side_by_side(name, peers_python, folder):
 
 def main(peers_python, names):
     """Run the posteriors and write what was found."""
-    rows, cases = [], {}
+    rows, cases, figures = [], {}, {}
+
+    def tell(found):
+        rows.extend(found)
+        for row in found:
+            sys.stdout.write(page.line(row) + "\n")
+        sys.stdout.flush()
+
     with tempfile.TemporaryDirectory() as folder:
         for name in names:
             targets, cases[name] = side_by_side(name, peers_python, Path(folder))
-            rows += targets
-            for row in targets:
-                sys.stdout.write(page.line(row) + "\n")
+            tell(targets)
+    for name, own in {
+        "sizes": sizes.targets,
+        "evidence": lambda: marginal.targets(problems.model_of(problems.PROBLEMS[EVIDENCE])[0]),
+        "commands": lambda: verbs.targets(REPEATS),
+        "campaigns": workers.targets,
+    }.items():
+        targets, figures[name] = own()
+        tell(targets)
     evidence.write(
         "benchmark",
         sys.modules[__name__],
         seeds=[1, 1],
         figures=rows,
-        cases=cases,
+        cases={"samplers": cases, **figures},
         command="make bench",
     )
     page.write(evidence.read("benchmark"))

@@ -130,11 +130,28 @@ def targets(problem, found, z):
 
 
 def _row(name, ours, peer, ratio, goal):
+    return at_least(name, ours, peer, ratio, GOALS[goal])
+
+
+def at_least(name, ours, peer, ratio, goal):
+    """Return the row of a ratio that is not to be less than its goal."""
     return {
         "name": name,
         "ours": ours,
         "peer": peer,
         "ratio": ratio,
-        "goal": GOALS[goal],
-        "met": ratio >= GOALS[goal],
+        "goal": goal,
+        "met": ratio >= goal,
+    }
+
+
+def within(name, ours, limit):
+    """Return the row of a figure that is not to exceed a limit: its share of it is the ratio."""
+    return {
+        "name": name,
+        "ours": ours,
+        "peer": limit,
+        "ratio": ours / limit,
+        "goal": 1.0,
+        "met": ours <= limit,
     }

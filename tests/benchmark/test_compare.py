@@ -60,5 +60,13 @@ def test_targets_are_against_the_fastest_of_each():
 
 def test_the_page_says_what_was_missed():
     rows = compare.targets("p", {"ours": figures(4.0, 1.0), "limit": figures(10.0, 1.0)}, {})
-    record = {"figures": rows, "cases": {"p": {"ours": figures(4.0, 1.0)}}}
+    record = {"figures": rows, "cases": {"samplers": {"p": {"ours": figures(4.0, 1.0)}}}}
     assert "| p: share of the limit | 4 | 10 | 0.4 | 0.5 | missed |" in page.text(record)
+
+
+@pytest.mark.parametrize(("seconds", "met"), [(19.0, True), (21.0, False)])
+def test_a_limit_is_met_from_below(seconds, met):
+    row = compare.within("claims, seconds", seconds, 20.0)
+    assert row["met"] is met
+    assert page.line(row).endswith("met)" if met else "missed)")
+    assert row["ratio"] == pytest.approx(seconds / 20.0)

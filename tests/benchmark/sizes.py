@@ -1,0 +1,93 @@
+"""What a recording of many trials costs: reading, reduction, and a likelihood.
+
+The trials of the bundled recording again and again, under new names and in the same assemblies.
+"""
+
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from benchmark.compare import within
+from benchmark.problems import RECORDING
+
+from bayesfric.analysis import Analysis
+from bayesfric.inference.model import Model
+from bayesfric.recording import read_recording, write_recording
+from bayesfric.recording.tables import Gravity
+from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
+from bayesfric.rigs.gravity_board.screening import screen_trials
+
+TRIALS = (200, 2_000, 20_000, 50_000)
+POINTS = 40  # at which the likelihood is evaluated
+SLOPE, FLAT = 1.1, 1.3
+READ_S, READ_MIB = 10.0, 2048
+SEED = 1
+
+
+def repeated(recording, trials):
+    """Return a recording of so many trials, which are those of another again and again."""
+    gravity = screen_trials(recording.gravity, recording.rig).gravity
+    rounds = -(-trials // len(gravity.trials))
+    tables, events = [], []
+    for number in range(rounds):
+        table = gravity.trials.copy()
+        table["trial"] += f"-{number}"
+        event = gravity.events.copy()
+        event["trial"] = event["trial"].astype(str) + f"-{number}"
+        tables.append(table)
+        events.append(event)
+    table = pd.concat(tables, ignore_index=True)[:trials]
+    table["order"] = np.arange(1, trials + 1)
+    event = pd.concat(events, ignore_index=True)
+    event = event[event["trial"].isin(table["trial"])].reset_index(drop=True)
+    return replace(recording, gravity=Gravity(table, event), motor=None)
+
+
+def targets():
+    """Return a row a target, and the figures behind them."""
+    recording = read_recording(RECORDING)
+    seconds = {}
+    for trials in TRIALS:
+        board = repeated(recording, trials)
+        began = time.process_time()
+        model = Model([GravityLikelihood(board.gravity, board.rig, Analysis())])
+        theta = model.draw_prior(POINTS, np.random.default_rng(SEED))
+        model.log_likelihood(theta)  # which tabulates what all likelihoods share
+        reduced = time.process_time()
+        model.log_likelihood(theta)
+        seconds[trials] = {"reduce": reduced - began, "likelihood": time.process_time() - reduced}
+    with tempfile.TemporaryDirectory() as folder:
+        for trials in TRIALS:
+            write_recording(repeated(recording, trials), Path(folder) / str(trials))
+            read = subprocess.run(
+                [sys.executable, "-m", "benchmark.sizes", str(Path(folder) / str(trials))],
+                check=True,
+                capture_output=True,
+                text=True,
+            )
+            seconds[trials]["read"], seconds[trials]["read_mib"] = map(float, read.stdout.split())
+    first, last = seconds[TRIALS[1]], seconds[TRIALS[-1]]
+    ratio = TRIALS[-1] / TRIALS[1]  # from 2,000 on, so that no constant part flatters
+    whole = [one["read"] + one["reduce"] for one in (first, last)]
+    slope = float(np.log(whole[1] / whole[0]) / np.log(ratio))
+    flat = last["likelihood"] / seconds[TRIALS[0]]["likelihood"]
+    rows = [
+        within("reading and reduction, slope in log-log", slope, SLOPE),
+        within("a likelihood at 50,000 trials, over one at 200", flat, FLAT),
+        within("reading 6 million events, seconds", last["read"], READ_S),
+        within("reading 6 million events, MiB", last["read_mib"], READ_MIB),
+    ]
+    return rows, {str(trials): one for trials, one in seconds.items()}
+
+
+if __name__ == "__main__":
+    start = time.process_time()
+    read_recording(Path(sys.argv[1]))
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    sys.stdout.write(f"{time.process_time() - start} {peak}\n")

@@ -1,0 +1,62 @@
+"""How long the commands take, and the most memory that a process of theirs holds.
+
+Wall time, cold, on as many cores as there are: what a user waits for.
+"""
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from benchmark.compare import within
+from benchmark.problems import RECORDING
+
+from bayesfric.recording import write_recording
+from bayesfric.simulate import simulate_recording
+
+COMMAND = [sys.executable, "-m", "bayesfric"]
+BUNDLED = str(RECORDING)
+WANTED_S = {
+    "import bayesfric": 0.3,
+    "--help": 0.5,
+    "claims": 20.0,
+    "diagnose": 20.0,
+    "diagnose, quick": 5.0,
+    "run": 45.0,
+}
+WANTED_MIB = 1024  # of any process of a run
+SEED = 1
+
+
+def measured(command):
+    """Run a command; return wall seconds and the peak of its largest process [MiB]."""
+    began = time.perf_counter()
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)  # with its children that ended
+    if status:
+        raise RuntimeError(f"{command}: status {status}")
+    return time.perf_counter() - began, usage.ru_maxrss / 1024
+
+
+def targets(repeats):
+    """Return a row a target, of the median of the repeats, and all figures."""
+    with tempfile.TemporaryDirectory() as folder:
+        quick, out = Path(folder) / "quick", str(Path(folder) / "out")
+        write_recording(simulate_recording("quick", seed=SEED), quick)
+        commands = {
+            "import bayesfric": [sys.executable, "-c", "import bayesfric"],
+            "--help": [*COMMAND, "--help"],
+            "claims": [*COMMAND, "claims", BUNDLED, "-o", out],
+            "diagnose": [*COMMAND, "diagnose", BUNDLED, "-o", out],
+            "diagnose, quick": [*COMMAND, "diagnose", str(quick), "-o", out],
+            "run": [*COMMAND, "run", BUNDLED, "-o", f"{out}-run"],
+        }
+        found = {
+            name: [measured(command) for _ in range(repeats)] for name, command in commands.items()
+        }
+    middle = {name: sorted(one)[len(one) // 2] for name, one in found.items()}
+    rows = [within(f"{name}, seconds", middle[name][0], limit) for name, limit in WANTED_S.items()]
+    rows.append(within("run, MiB of its largest process", middle["run"][1], WANTED_MIB))
+    return rows, found

@@ -1,0 +1,63 @@
+"""What a campaign on processes costs beside its cases, and whether its memory grows."""
+
+import json
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+from benchmark.compare import at_least, within
+
+from bayesfric.analysis import Analysis
+from bayesfric.campaign import run_on_processes
+from bayesfric.diagnosis import diagnose
+from bayesfric.simulate import simulate_recording
+
+CASES = 12
+MANY = 1000  # diagnoses of one process
+SPEEDUP, OVERHEAD, GROWTH_MIB = 1.8, 0.05, 50.0
+
+
+def case(seed):
+    """Diagnose one board; return its processor time and its wall time."""
+    began, clock = time.process_time(), time.perf_counter()
+    diagnose(simulate_recording("quick", seed=seed), Analysis(seed=seed))
+    return {"cpu_s": time.process_time() - began, "wall_s": time.perf_counter() - clock}
+
+
+def ran(workers, cases):
+    """Return the wall time of a campaign and the results of its cases."""
+    with tempfile.TemporaryDirectory() as folder:
+        began = time.perf_counter()
+        found = run_on_processes(case, cases, Path(folder), workers)
+        return time.perf_counter() - began, list(found.values())
+
+
+def targets():
+    """Return a row a target, and the figures behind them."""
+    cases = {str(seed): seed for seed in range(CASES)}
+    one, alone = ran(1, cases)
+    two, _ = ran(2, cases)
+    inside = sum(found["wall_s"] for found in alone)
+    with tempfile.TemporaryDirectory() as folder:
+        kept = Path(folder) / "memory.json"
+        subprocess.run([sys.executable, "-m", "benchmark.workers", str(kept)], check=True)
+        peaks = np.array(json.loads(kept.read_text()))
+    grown = float(peaks[-1] - peaks[len(peaks) // 10])  # after a tenth nothing is loaded any more
+    rows = [
+        at_least("two workers over one, times as fast", two, one, one / two, SPEEDUP),
+        within("executor, share of a campaign's time", 1 - inside / one, OVERHEAD),
+        within(f"{len(peaks)} quick diagnoses, growth in MiB", grown, GROWTH_MIB),
+    ]
+    return rows, {"one_s": one, "two_s": two, "inside_s": inside, "peaks_mib": peaks[::50].tolist()}
+
+
+if __name__ == "__main__":
+    peaks_mib = []
+    for number in range(MANY):
+        case(number)
+        peaks_mib.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+    Path(sys.argv[1]).write_text(json.dumps(peaks_mib))
