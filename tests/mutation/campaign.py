@@ -145,7 +145,7 @@ def share(outcomes: list[str], left_out: int = 0) -> dict:
     killed, of = sum(one != "survived" for one in outcomes), len(outcomes) - left_out
     interval = binomtest(killed, of).proportion_ci(0.95, method="wilson")
     found = {"killed": killed, "of": of, "share": round(killed / of, 4)}
-    return found | {"interval_95": [round(interval.low, 4), round(interval.high, 4)]}
+    return found | {"interval_95": [round(float(end), 4) for end in interval]}
 
 
 if __name__ == "__main__":

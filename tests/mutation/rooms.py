@@ -10,17 +10,20 @@ ROOT = Path(__file__).resolve().parents[2]
 BOARD = "rigs/test_gravity_model rigs/test_measurements rigs/test_hall_events rigs/test_at_rest"
 ROOMS: dict[ModuleType, dict[str, str]] = {
     physics: {
-        "axis cable friction gravity": (
+        "axis friction gravity": (
             "physics/test_gravity_board physics/test_recursive rigs/test_measurements"
         ),
-        "laws": "rigs/test_gravity_model rigs/test_measurements rigs/test_steady_points",
+        "cable": "physics/test_compliant_board",
+        "laws": "physics/test_laws rigs/test_gravity_model rigs/test_measurements",
         "loads": "physics/test_loads effects/test_transmissions",
         "motor": "physics/test_motor_board rigs/test_motor",
         "stepped": "effects/test_readings effects/test_forces_on_trials",
     },
     inference: {
         "diagnostics": "inference/test_diagnostics",
-        "evidence/bridge": "inference/test_conjugate inference/test_bridge",
+        "evidence/bridge": (
+            "inference/test_conjugate inference/test_bridge inference/test_leave_out"
+        ),
         "evidence/importance": "inference/test_importance",
         "evidence/leave_out": "inference/test_leave_out",
         "evidence/refit": "inference/test_leave_out fitting/test_left_out",
@@ -32,7 +35,10 @@ ROOMS: dict[ModuleType, dict[str, str]] = {
         "laplace": (
             "inference/test_laplace inference/test_separated_modes inference/test_importance"
         ),
-        "model": "rigs/test_gravity_model inference/test_coordinates fitting/test_pooling",
+        "model": (
+            "inference/test_model rigs/test_gravity_model inference/test_coordinates"
+            " fitting/test_pooling"
+        ),
         "power": "inference/test_power",
         "priors": "inference/test_priors inference/test_coordinates",
         "proposals": "inference/test_sampling",
