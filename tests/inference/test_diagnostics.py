@@ -216,7 +216,7 @@ def test_ranks_are_counted_in_bins():
 
 
 def test_the_sign_of_a_parameter_does_not_matter_to_walkers():
-    draws = autoregressive(0.5, (2, 60, 5), 32) + np.linspace(0, 0.5, 5)
+    draws = autoregressive(0.5, (2, 60, 5), 32) + np.linspace(0, 2, 5)
     assert walkers_r_hat(-draws) == pytest.approx(walkers_r_hat(draws), rel=1e-12)
 
 
