@@ -3,7 +3,7 @@
 VENV ?= .venv
 python = "$(VENV)/bin/python"
 
-.PHONY: help setup report docs test quality coverage test-nightly test-long fuzz bench clean
+.PHONY: help setup report docs test quality coverage test-nightly test-long fuzz mutation bench clean
 
 help:
 	@echo 'make report        the bundled recording to posteriors and a PDF, in reports/latest/'
@@ -14,6 +14,7 @@ help:
 	@echo 'make test-nightly  cases of the campaigns again, compared with reports/evidence/; an hour'
 	@echo 'make test-long     the campaigns, hours; results in reports/evidence/'
 	@echo 'make fuzz          altered files for ten minutes, from where it stopped'
+	@echo 'make mutation      altered formulas that the tests have to notice, from where it stopped; half an hour'
 	@echo 'make bench         speed, held against what the project promises and beside other samplers'
 	@echo 'make clean         remove caches, builds and reports/latest/ (and keep $(VENV)/)'
 	@echo
@@ -53,6 +54,14 @@ test-long: setup
 
 fuzz: setup
 	PYTHONPATH=tests $(python) -m fuzzing.campaign
+
+# As peers do, the tool that alters formulas lives in an environment of its own.
+MUTATING ?= build/mutating
+
+mutation: setup
+	@test -x "$(MUTATING)/bin/python" || $(python) -m venv "$(MUTATING)"
+	"$(MUTATING)/bin/python" -m pip install -q -r tests/mutation/tools.txt
+	PYTHONPATH=tests $(python) -m mutation.campaign "$(MUTATING)/bin/python"
 
 # Peers live in an environment of their own, and never in the project's.
 PEERS ?= build/peers

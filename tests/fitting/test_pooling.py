@@ -180,3 +180,21 @@ def test_second_stage_leaves_the_density_of_the_weights():
     kept = np.take_along_axis(x, at, axis=1)
     assert kept.mean() == pytest.approx(1.0, abs=0.03)
     assert kept.std() == pytest.approx(1.0, abs=0.03)
+
+
+def test_the_prior_of_a_board_is_divided_out():
+    """Draws with the moments of the posterior; what is left is the density of the data."""
+    mean, covariance = np.array([2.0, 1.0, -1.5]), 0.01 * CORRELATED
+    prior = Normal(mean=0.5, sd=0.3)
+    model = normal_board(mean, covariance, prior)
+    precision = np.linalg.inv(covariance)
+    posterior = np.linalg.inv(precision + np.eye(3) / 0.3**2)
+    centre = posterior @ (precision @ mean + 0.5 / 0.3**2)
+    draws = np.random.default_rng(5).standard_normal((100, 3))
+    draws -= draws.mean(axis=0)
+    draws = draws @ np.linalg.inv(np.linalg.cholesky(np.cov(draws, rowvar=False))).T
+    board = NormalBoard.of(model, centre + draws @ np.linalg.cholesky(posterior).T, NAMES)
+    population, sd = mean + np.array([[0.1], [-0.2], [0.4]]), np.full((3, 3), 0.2)
+    expected = stats.multivariate_normal(mean, covariance + 0.04 * np.eye(3)).logpdf(population)
+    found = board.log_marginal(population, sd)
+    assert found - found[0] == pytest.approx(expected - expected[0], abs=1e-8)

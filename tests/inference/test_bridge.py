@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from inference import densities
 
-from bayesfric.inference.evidence import bridge_evidence
+from bayesfric.inference.evidence import SeparatedModes, bridge_evidence
 
 
 @pytest.mark.parametrize(
@@ -134,3 +134,29 @@ def test_density_that_is_not_a_number_is_refused():
     draws = np.random.default_rng(6).standard_normal((4, 60, 30, 2))
     with pytest.raises(ValueError, match="NaN"):
         bridge_evidence(lambda z: np.full(len(z), np.nan), draws, 1)
+
+
+def test_points_are_spread_over_all_draws():
+    """Of 240 steps and walkers none is evaluated twice."""
+    draws, seen = np.random.default_rng(7).standard_normal((2, 40, 3, 1)), []
+
+    def normal(z):
+        seen.append(z)
+        return -0.5 * (z**2).sum(axis=1)
+
+    bridge_evidence(normal, draws, 1)
+    own = np.isin(np.concatenate(seen), draws)
+    assert own.sum() == len(np.unique(np.concatenate(seen)[own])) == 240
+
+
+def test_two_modes_that_every_walker_visits_are_no_single_place():
+    """R-hat is content; a Student-t fitted to both lies between them."""
+    rng = np.random.default_rng(8)
+    side = rng.choice([-1.0, 1.0], (4, 60, 30, 4))
+    draws = side + 1e-3 * rng.standard_normal(side.shape)
+
+    def log_density(z):
+        return -0.5 * ((np.abs(z) - 1) ** 2).sum(axis=1) / 1e-6
+
+    with pytest.raises(SeparatedModes, match="overlap by"):
+        bridge_evidence(log_density, draws, 1)

@@ -12,6 +12,7 @@ from bayesfric.inference.diagnostics import (
     mean_ess,
     multivariate_r_hat,
     power_scaling,
+    rank_counts,
     smooth_weights,
     walkers_r_hat,
 )
@@ -207,3 +208,29 @@ def test_power_scaling_is_arvizs():
 def test_power_scaling_of_nothing_is_refused(component, match):
     with pytest.raises(ValueError, match=match):
         power_scaling(np.zeros((4, 50, 1)), np.full((4, 50), component))
+
+
+def test_ranks_are_counted_in_bins():
+    draws = np.array([[[5.0, 1.0], [2.0, 3.0]], [[4.0, 6.0], [8.0, 7.0]]])  # ranks in fours
+    assert rank_counts(draws, 4).tolist() == [[2, 1, 1, 0], [0, 1, 1, 2]]
+
+
+def test_the_sign_of_a_parameter_does_not_matter_to_walkers():
+    draws = autoregressive(0.5, (2, 60, 5), 32) + np.linspace(0, 2, 5)
+    assert walkers_r_hat(-draws) == pytest.approx(walkers_r_hat(draws), rel=1e-12)
+
+
+def test_of_one_coordinate_the_multivariate_r_hat_is_in_closed_form():
+    """(n − 1) / n + (1 + 1/m) B / W, with m halves of n draws each."""
+    chains = np.random.default_rng(33).standard_normal((3, 10, 1))
+    chains += np.array([0.0, 1.0, 3.0])[:, None, None]
+    halves = chains.reshape(6, 5)
+    ratio = halves.mean(axis=1).var(ddof=1) / halves.var(axis=1, ddof=1).mean()
+    expected = np.sqrt(4 / 5 + (1 + 1 / 6) * ratio)
+    assert multivariate_r_hat(chains) == pytest.approx(expected, rel=1e-12)
+
+
+def test_largest_weights_that_are_equal_have_no_tail():
+    smoothed, k = smooth_weights(np.concatenate([np.linspace(-5, -1, 395), np.zeros(5)]))
+    assert k == 0
+    assert (smoothed[-5:] == 0).all()

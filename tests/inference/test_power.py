@@ -60,3 +60,24 @@ def test_an_amplitude_that_rests_on_its_prior_has_no_error():
     rng = np.random.default_rng(3)
     prior = Normal(mean=0.0, sd=WIDTH)
     assert amplitude_error(rng.normal(0.0, 0.99 * WIDTH, 5000), prior) is None
+
+
+def test_an_effect_that_half_an_error_shows():
+    """The threshold is what half an error gives: it is found there with probability one half."""
+    prior = Normal(mean=0.0, sd=WIDTH)
+    threshold = closed_form(0.5 * ERROR, WIDTH, ERROR)
+    assert smallest_found(ERROR, prior, threshold, 0.5) == pytest.approx(0.5 * ERROR, rel=1e-4)
+
+
+def test_a_prior_of_one_sign_is_taken_off():
+    """Of a posterior far from zero: 1/σ² is the draws' precision less one over E A²."""
+    rng = np.random.default_rng(4)
+    cut = stats.truncnorm(-5.0, np.inf, 0.5, 0.1).rvs(40_000, random_state=rng)
+    expected = (1 / cut.var() - 1 / 0.15**2) ** -0.5
+    assert amplitude_error(cut, HalfNormal(scale=0.15)) == pytest.approx(expected, rel=0.01)
+
+
+def test_draws_with_a_heavier_tail_than_any_normal_cut_at_zero():
+    """The second moment over the square of the mean, 2 for the heaviest, is 10 here."""
+    draws = np.concatenate([np.full(900, 1e-6), np.full(100, 1e-3)])
+    assert amplitude_error(draws, HalfNormal(scale=WIDTH)) > draws.mean()

@@ -13,6 +13,7 @@ from bayesfric.inference.proposals import (
     Proposal,
     StudentT,
     importance_points,
+    resampled,
 )
 from bayesfric.inference.sampling import SamplingError, sample
 
@@ -243,3 +244,29 @@ def test_sampler_that_cannot_start_says_what_it_saw():
             SETTINGS,
             seed=0,
         )
+
+
+def test_a_student_twice_as_wide():
+    location, scale = np.array([1.0, -2.0]), np.array([[2.0, 0.5], [0.5, 1.0]])
+    points = np.random.default_rng(5).standard_normal((6, 2))
+    expected = stats.multivariate_t(location, 4 * scale, df=6).logpdf(points)
+    found = StudentT(location, scale, 24.0).wider(2.0).log_density(points)
+    assert found == pytest.approx(expected, rel=1e-10)
+
+
+def test_a_linear_chart_carries_the_covariance_over():
+    matrix, shift = np.array([[2.0, 0.0], [1.0, 3.0]]), np.array([0.5, -1.0])
+    chart = Chart(lambda z: z @ matrix.T, lambda x: x @ np.linalg.inv(matrix).T, None)
+    covariance = np.array([[0.04, 0.01], [0.01, 0.09]])
+    student = Proposal.at_mode(Laplace(shift, covariance, 0.0), chart).student
+    points = np.random.default_rng(6).standard_normal((6, 2))
+    scale = matrix @ covariance @ matrix.T
+    expected = stats.multivariate_t(matrix @ shift, scale, df=6).logpdf(points)
+    assert student.log_density(points) == pytest.approx(expected, rel=1e-8)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_points_are_drawn_as_often_as_their_weights_say(seed):
+    rng = np.random.default_rng(seed)
+    assert resampled(np.ones(7), 7, rng).tolist() == list(range(7))
+    assert resampled(np.array([1.0, 0.0, 3.0]), 4, rng).tolist() == [0, 2, 2, 2]

@@ -12,6 +12,7 @@ from bayesfric.physics.gravity import (
     board_friction,
     coulomb_acceleration,
     nominal_tension,
+    tension_feedback,
     trajectory,
 )
 
@@ -121,3 +122,11 @@ def test_board_friction_is_the_law_at_its_own_tension():
 def test_law_by_hand():
     # n ((c1 + c3 (θ − 85)) T + c2) = 9 ((0.0128 + 2.79e-5 · 50) · 15 + 0.0261)
     assert float(coulomb_friction(SMALL, 9, 135.0, 15.0)) == pytest.approx(2.151225, rel=1e-12)
+
+
+def test_a_further_drag_is_fed_back_by_the_tension():
+    """A drag taken from the driving force changes friction by so much of itself, less one."""
+    condition = Condition(15, 50.0, 2.0, 1.6, G)
+    slope = 15 * (0.0128 - 35 * 2.79e-5)
+    expected = 3.6 / (3.6 - slope * 0.2)
+    assert float(tension_feedback(SMALL, condition)) == pytest.approx(expected, rel=1e-12)

@@ -11,6 +11,7 @@ from bayesfric.physics.motor import (
     motor_friction,
     nominal_tension,
     recursive_motor_friction,
+    tension_feedback,
 )
 from bayesfric.simulate import table1_coefficients
 
@@ -59,3 +60,19 @@ def test_an_error_of_the_torque_constant_is_magnified():
         current = float(load_current(condition, friction, 0.0259, 0.0065))
         inferred = 1.01 * current * 0.0259 / 0.0065 - 1.5 * G
         assert inferred / friction - 1 == pytest.approx(share, rel=0.1)
+
+
+@pytest.mark.parametrize("velocity", [0.3, -0.3])
+def test_a_further_drag_is_fed_back_by_the_tension(velocity):
+    """F = sign(v) n (k (m g + (F + D) / 2) + c2) + D, by differences in D."""
+    law = Coefficients(0.0128, 0.0261, 2.79e-5)
+    condition, sign = MotorCondition(15, 135.0, 1.5, velocity, G), np.sign(velocity)
+    forces = []
+    for drag in (0.0, 1.0):
+        force = 0.0
+        for _ in range(200):
+            friction = float(coulomb_friction(law, 15, 135.0, 1.5 * G + force / 2))
+            force = sign * friction + drag
+        forces.append(force)
+    found = float(tension_feedback(law, condition))
+    assert found == pytest.approx(forces[1] - forces[0], rel=1e-10)

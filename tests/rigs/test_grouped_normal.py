@@ -259,3 +259,32 @@ def test_a_student_with_many_degrees_of_freedom_is_normal(rank):
     assert many.group_log_density() == pytest.approx(one.group_log_density(), abs=1e-4)
     assert many.single_log_density() == pytest.approx(one.single_log_density(), abs=1e-4)
     assert many.single_cdf() == pytest.approx(one.single_cdf(), abs=1e-4)
+
+
+@pytest.mark.parametrize("rank", [1, 2])
+def test_the_numbers_of_a_group_without_each_measurement(rank):
+    """By Bayes' theorem from the other measurements, by hand."""
+    mean, spread = normal(rank, False).numbers_without_each()
+    for one in range(6):
+        rest = np.flatnonzero((GROUPS.of_each == GROUPS.of_each[one]) & (np.arange(6) != one))
+        moved = MOVED[:rank, rest]
+        expected = np.linalg.inv(np.eye(rank) + moved / VARIANCE[rest] @ moved.T)
+        assert spread[0, one] == pytest.approx(expected, rel=1e-10)
+        told = expected @ (moved / VARIANCE[rest] @ RESIDUAL[rest])
+        assert mean[0, one] == pytest.approx(told, rel=1e-10)
+
+
+def test_a_student_measurement_that_tells_most():
+    """Without it the group's number is as wide as its prior, and so has to be the grid."""
+    variance = np.array([1.0, 1.0, (0.25 * MOVED[0, 2]) ** 2, *VARIANCE[3:]])
+    one = GroupedStudent(GROUPS, RESIDUAL[None], variance[None], MOVED[:1, None], 4.0)
+    whole = GroupedStudent(
+        Groups(np.array([0]), 1),
+        RESIDUAL[None, 2:3],
+        variance[None, 2:3],
+        MOVED[:1, None, 2:3],
+        4.0,
+    )
+    # The others say next to nothing: it is as if it were alone.
+    expected = whole.group_log_density()[0, 0]
+    assert one.single_log_density()[0, 2] == pytest.approx(expected, abs=2e-3)

@@ -161,6 +161,12 @@ def test_trials_made_again_share_their_assembly_and_have_their_error():
     assert shown.std(axis=0) == pytest.approx(mass * [0.003, 0.01, 0.002, 0.02], rel=0.03)
     law = board_friction(table1_coefficients()["medium"], likelihood.condition)
     assert shown.mean(axis=0) == pytest.approx(law, abs=2e-3)
+    further = likelihood.draw_observed(many, np.full((20_000, 4), 0.5), rng)
+    assert further.mean(axis=0) == pytest.approx(1.5 * law, abs=2e-3)
+    # Made again with the same parameters, a trial lies anywhere among what they make likely.
+    below = likelihood.draw_trial_cdf(many, rng)
+    for trial in range(4):
+        assert stats.kstest(below[:, trial], "uniform").pvalue > 1e-3
 
 
 def test_a_trial_made_again_follows_the_other_of_its_assembly():
