@@ -17,7 +17,7 @@ from benchmark import compare, marginal, page, problems, sizes, verbs, workers
 from campaigns import evidence
 
 HERE = Path(__file__).resolve().parent
-PEERS = ("NumPyro NUTS", "BlackJAX NUTS")
+PEERS = ("NumPyro NUTS", "BlackJAX NUTS", "nutpie NUTS")
 EVIDENCE = "trial-medium"
 REPEATS = int(os.environ.get("REPEATS", "3"))
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
@@ -75,10 +75,11 @@ def main(peers_python, names):
             targets, cases[name] = side_by_side(name, peers_python, Path(folder))
             tell(targets)
     for name, own in {
-        "sizes": sizes.targets,
-        "evidence": lambda: marginal.targets(problems.model_of(problems.PROBLEMS[EVIDENCE])[0]),
+        # First, since the peak of a command counts from that of this process.
         "commands": lambda: verbs.targets(REPEATS),
         "campaigns": workers.targets,
+        "evidence": lambda: marginal.targets(problems.model_of(problems.PROBLEMS[EVIDENCE])[0]),
+        "sizes": sizes.targets,
     }.items():
         targets, figures[name] = own()
         tell(targets)

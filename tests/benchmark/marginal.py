@@ -30,7 +30,12 @@ def targets(model):
 
     began = time.process_time()
     nested = dynesty.NestedSampler(
-        likelihood, norm.ppf, laplace.mode.size, nlive=LIVE, rstate=np.random.default_rng(SEED)
+        likelihood,
+        norm.ppf,
+        laplace.mode.size,
+        nlive=LIVE,
+        sample="rwalk",
+        rstate=np.random.default_rng(SEED),
     )
     nested.run_nested(print_progress=False)
     theirs = time.process_time() - began

@@ -3,7 +3,6 @@
 The trials of the bundled recording again and again, under new names and in the same assemblies.
 """
 
-import resource
 import subprocess
 import sys
 import tempfile
@@ -14,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from benchmark.compare import within
+from benchmark.memory import peak_mib
 from benchmark.problems import RECORDING
 
 from bayesfric.analysis import Analysis
@@ -89,5 +89,4 @@ def targets():
 if __name__ == "__main__":
     start = time.process_time()
     read_recording(Path(sys.argv[1]))
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    sys.stdout.write(f"{time.process_time() - start} {peak}\n")
+    sys.stdout.write(f"{time.process_time() - start} {peak_mib()}\n")
