@@ -205,6 +205,20 @@ def test_a_heading_stays_with_what_follows_and_a_figure_with_its_caption() -> No
         assert heads[-1:] == captions
 
 
+@pytest.mark.parametrize(("lines", "sections"), [(5, True), (32, False)])
+def test_contents_stand_on_page_one_if_need_be_without_sections(lines, sections) -> None:
+    chapters = [
+        Heading(level, f"{name}{k}")
+        for k in range(12)
+        for level, name in ((1, "Chapter"), (2, "Section"), (2, "Other"))
+    ]
+    document = Document("t", "", [Paragraph("word " * 15 * lines), *chapters])
+    first = PdfReader(io.BytesIO(render_pdf(document))).pages[0].extract_text()
+    assert "Contents" in first
+    assert "Chapter11" in first
+    assert ("Section11" in first) == sections
+
+
 def test_a_figure_stands_between_its_heading_and_the_text_after_it() -> None:
     # Two of them do not fit on a page, and neither fits under the title.
     square = SVG.replace(b'height="50" viewBox="0 0 100 50"', b'height="80" viewBox="0 0 100 80"')
