@@ -73,8 +73,8 @@ def _reliability(panel: Axes, bins: tuple[ReliabilityBin, ...]) -> None:
         panel.plot([x, x], list(one.band), color="#c9c9c9", linewidth=6, solid_capstyle="butt")
         size = SMALLEST_DOT + (LARGEST_DOT - SMALLEST_DOT) * np.sqrt(one.cases / most)
         panel.plot(x, one.correct.rate, "o" if one.inside else "X", color=color, markersize=size)
-    panel.set_xlim(0.0, 1.02)
-    panel.set_ylim(-0.02, 1.02)
+    panel.set_xlim(0.0, 1.05)  # so that the frame cuts no dot
+    panel.set_ylim(-0.05, 1.05)
     panel.set_xlabel("probability of the verdict")
     panel.set_ylabel("share that came true")
     panel.set_title("grey: 95 % band if they are true", fontsize=7)

@@ -17,6 +17,8 @@ __all__ = [
     "format_fixed",
     "format_interval",
     "format_number",
+    "format_plus_minus",
+    "format_prior",
     "format_probability",
     "format_share",
     "format_unit",
@@ -156,6 +158,13 @@ def interval_cells(
     return one, two, three
 
 
+def format_plus_minus(value: float, half: float) -> str:
+    """Write a number and half of an interval around it with the same decimals: 9.14 ± 0.19."""
+    shown = interval_cells(value, value - half, value + half)[0]
+    decimals = len(shown.partition(".")[2])
+    return f"{shown} ± {max(half, 10.0**-decimals):.{decimals}f}"
+
+
 def format_count(count: int) -> str:
     """Write a whole number, from five digits on in groups of three: 12 000."""
     digits = f"{abs(count):,}".replace(",", THIN) if abs(count) >= 10_000 else str(abs(count))
@@ -178,6 +187,12 @@ def format_share(share: float | None, digits: int = 2) -> str:
         return MISSING
     _check_finite(share)
     return format_number(100 * share, digits=digits, exponent=0) + f"{THIN}%"
+
+
+def format_prior(prior: str) -> str:
+    """Write a prior without the names of its numbers, and with three digits of each."""
+    bare = re.sub(r"\w+=", "", prior)
+    return re.sub(r"\d+\.\d+(e-?\d+)?", lambda found: f"{float(found[0]):.3g}", bare)
 
 
 def _check_finite(value: float) -> None:

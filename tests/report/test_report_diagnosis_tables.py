@@ -48,13 +48,13 @@ def test_a_cause_has_its_numbers():
         "slope [s/m]",
         "0.123 [0.113, 0.133]",
         "0.0062",
-        "half-normal(scale=0.15)",
+        "half-normal(0.15)",
         "0 to 0.3",
     ]
     text = paragraphs(stored)
     for part in (
         "have probability 0.987",
-        "12.3 ± 0.056",
+        "12.34 ± 0.06",
         "7.9\u202f% of that of friction (rms). Plausible.",
         "Harris and Kotzalas (2006)",
     ):

@@ -7,6 +7,8 @@ from bayesfric.report.quantities import (
     format_count,
     format_interval,
     format_number,
+    format_plus_minus,
+    format_prior,
     format_probability,
     format_share,
     format_unit,
@@ -97,3 +99,14 @@ def test_what_is_no_number_is_refused(call) -> None:
 )
 def test_a_law_is_the_papers_on_its_own_boards_alone(law, rigs, words):
     assert law_words(law, rigs) == words
+
+
+def test_a_prior_has_three_digits_of_each_number_and_no_names() -> None:
+    assert format_prior("log-normal(median=0.0438168, sd_log=0.7)") == "log-normal(0.0438, 0.7)"
+    assert format_prior("half-normal(scale=1.23456e-05)") == "half-normal(1.23e-05)"
+
+
+def test_a_value_and_half_of_its_interval_have_the_same_decimals() -> None:
+    assert format_plus_minus(9.1372, 0.19) == "9.14 ± 0.19"
+    assert format_plus_minus(12.3, 0.056) == "12.30 ± 0.06"
+    assert format_plus_minus(-120.4, 4.0) == "−120.4 ± 4.0"

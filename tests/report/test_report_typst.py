@@ -205,7 +205,7 @@ def test_a_heading_stays_with_what_follows_and_a_figure_with_its_caption() -> No
         assert heads[-1:] == captions
 
 
-@pytest.mark.parametrize(("lines", "sections"), [(5, True), (32, False)])
+@pytest.mark.parametrize(("lines", "sections"), [(5, True), (44, False)])
 def test_contents_stand_on_page_one_if_need_be_without_sections(lines, sections) -> None:
     chapters = [
         Heading(level, f"{name}{k}")

@@ -22,6 +22,8 @@ from bayesfric.report.quantities import (
     format_fixed,
     format_interval,
     format_number,
+    format_plus_minus,
+    format_prior,
     format_probability,
     format_share,
     format_unit,
@@ -137,14 +139,8 @@ def causes(found: Sequence[Cause]) -> Iterator[Block]:
                 Code(cause.effect),
                 f": {cause.sentence}. Law: {cause.law}. Hypotheses that include it "
                 f"have probability {format_probability(cause.inclusion_probability)}. "
-                "Log₁₀ Bayes factor against the same without it: "
-                f"{format_fixed(cause.log10_bayes_factor, 1)}"
-                + (
-                    f" ({cause.log10_bayes_factor_se_why})"
-                    if cause.log10_bayes_factor_se is None
-                    else f" ± {format_fixed(cause.log10_bayes_factor_se, 3)}"
-                )
-                + ". Its force is "
+                f"Log₁₀ Bayes factor against the same without it: {_bayes_factor(cause)}"
+                ". Its force is "
                 f"{format_share(cause.strength)} of that of friction (rms)"
                 + (", which is below the floor. " if cause.below_floor else ". "),
                 Strong("Plausible." if cause.plausible else "Not plausible."),
@@ -167,7 +163,7 @@ def causes(found: Sequence[Cause]) -> Iterator[Block]:
                 _with_unit(name, number.unit),
                 format_interval(number.q50, number.q05, number.q95),
                 format_number(number.sd, digits=2),
-                number.prior,
+                format_prior(number.prior),
                 # The range is the amplitude's, which is the first parameter.
                 "{:g} to {:g}".format(*cause.plausible_range).replace("-", "−")
                 if place == 0
@@ -178,6 +174,12 @@ def causes(found: Sequence[Cause]) -> Iterator[Block]:
         ],
         label="causes",
     )
+
+
+def _bayes_factor(cause: Cause) -> str:
+    if cause.log10_bayes_factor_se is None:
+        return f"{format_fixed(cause.log10_bayes_factor, 1)} ({cause.log10_bayes_factor_se_why})"
+    return format_plus_minus(cause.log10_bayes_factor, cause.log10_bayes_factor_se)
 
 
 def not_told_apart(found: DiagnosisFile) -> Iterator[Block]:

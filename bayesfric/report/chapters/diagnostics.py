@@ -1,6 +1,5 @@
 """Whether the draws can be trusted."""
 
-import re
 from collections.abc import Iterator, Mapping
 
 from bayesfric.inference.diagnostics import LIMITS
@@ -8,7 +7,7 @@ from bayesfric.plots.ranks import rank_histograms
 from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.symbols import symbol
 from bayesfric.report.content import Block, Code, Column, Figure, Heading, Paragraph, Table
-from bayesfric.report.quantities import format_count, format_number, format_share
+from bayesfric.report.quantities import format_count, format_number, format_prior, format_share
 from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import ParameterSummary
 
@@ -51,7 +50,7 @@ def diagnostics(stored: StoredFit) -> Iterator[Block]:
         [
             [
                 symbol(name),
-                _in_short(entry.prior),
+                format_prior(entry.prior),
                 f"{entry.r_hat:.4f}",
                 f"{entry.r_hat_walkers:.4f}",
                 format_count(round(entry.ess_bulk)),
@@ -111,12 +110,6 @@ def _sensitivity(entries: Mapping[str, ParameterSummary]) -> Table:
         "likelihood, are raised to a power, for a doubling of it: power-scaling. Below 0.05 the "
         "component hardly matters.",
     )
-
-
-def _in_short(prior: str) -> str:
-    """Return a prior without the names of its numbers, and with three digits of each."""
-    bare = re.sub(r"\w+=", "", prior)
-    return re.sub(r"\d+\.\d+(e-?\d+)?", lambda found: f"{float(found[0]):.3g}", bare)
 
 
 def _kept(thin: int) -> str:

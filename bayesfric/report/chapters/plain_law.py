@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 
 from bayesfric.report.content import Block, Column, Inline, Paragraph, Strong, Table
-from bayesfric.report.quantities import format_number, interval_cells
+from bayesfric.report.quantities import format_number, format_plus_minus, interval_cells
 from bayesfric.report.rig_words import rig_words
 from bayesfric.schemas import FitFile, ParameterSummary
 
@@ -36,10 +36,9 @@ def in_a_sentence(fit: FitFile) -> Iterator[Block]:
     parts: list[Inline] = []
     for name, entry in plain_coefficients(fit).items():
         mean, low, high = interval_cells(entry.mean, entry.q05, entry.q95)
-        decimals = len(mean.partition(".")[2])
-        half = max((entry.q95 - entry.q05) / 2, 10.0**-decimals)
         known = "" if entry.informed else " (by its prior alone)"
-        said = f"{mean} ± {half:.{decimals}f}\u202f{entry.unit}{known}"
+        halves = format_plus_minus(entry.mean, (entry.q95 - entry.q05) / 2)
+        said = f"{halves}\u202f{entry.unit}{known}"
         if "e" in mean or "×" in mean:
             said = f"{mean} ({low} to {high}) {entry.unit}{known}"
         called = _called(name)
