@@ -17,7 +17,7 @@ from bayesfric.diagnosis import diagnose
 from bayesfric.simulate import simulate_recording
 
 CASES = 12
-MANY = 250  # diagnoses of one process, from whose growth that of 1,000 is told
+MANY = 150  # diagnoses of one process, from whose growth that of 1,000 is told
 SPEEDUP, OVERHEAD, GROWTH_MIB = 1.8, 0.05, 50.0
 
 
