@@ -13,6 +13,7 @@ from bayesfric.probabilities import stated
 
 __all__ = [
     "MISSING",
+    "error_cells",
     "format_count",
     "format_fixed",
     "format_interval",
@@ -21,11 +22,13 @@ __all__ = [
     "format_share",
     "format_unit",
     "interval_cells",
+    "three_digits",
 ]
 
 MISSING = "—"
 THIN = "\u202f"
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_DECIMAL = re.compile(r"\d+\.\d+(e-?\d+)?")
 _UNITS = {"": "", "-": "", "–": "", "1": "", "deg": "°", "1/deg": "deg⁻¹", "1/s": "s⁻¹"}
 
 
@@ -156,6 +159,35 @@ def interval_cells(
     return one, two, three
 
 
+def error_cells(value: float | None, error: float | None) -> tuple[str, str]:
+    """Write a value and its error as two cells, both to two significant digits of the error.
+
+    Parameters
+    ----------
+    value, error : float or None
+        The error is zero or above.
+
+    Returns
+    -------
+    tuple of str
+        With equal decimals; dashes for what is None.
+
+    Raises
+    ------
+    ValueError
+        If a number is not finite.
+    """
+    if value is None or error is None:
+        return format_number(value, exponent=0), format_number(error, 2, exponent=0)
+    _check_finite(error)
+    # Round first: 0.0996 is 0.10 to two digits.
+    error = float(f"{error:.1e}")
+    place = _order(error) - 1 if error else _order(value) - 3
+    # A double has no more than some twelve digits worth printing.
+    place = max(place, _order(value) - 11)
+    return _fixed(value, 0, -place), _fixed(error, 0, -place)
+
+
 def format_count(count: int) -> str:
     """Write a whole number, from five digits on in groups of three: 12 000."""
     digits = f"{abs(count):,}".replace(",", THIN) if abs(count) >= 10_000 else str(abs(count))
@@ -178,6 +210,11 @@ def format_share(share: float | None, digits: int = 2) -> str:
         return MISSING
     _check_finite(share)
     return format_number(100 * share, digits=digits, exponent=0) + f"{THIN}%"
+
+
+def three_digits(words: str) -> str:
+    """Return words with three significant digits of each number that has a decimal point."""
+    return _DECIMAL.sub(lambda found: f"{float(found[0]):.3g}", words)
 
 
 def _check_finite(value: float) -> None:

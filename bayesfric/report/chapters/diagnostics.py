@@ -8,7 +8,7 @@ from bayesfric.plots.ranks import rank_histograms
 from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.symbols import symbol
 from bayesfric.report.content import Block, Code, Column, Figure, Heading, Paragraph, Table
-from bayesfric.report.quantities import format_count, format_number, format_share
+from bayesfric.report.quantities import format_count, format_number, format_share, three_digits
 from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import ParameterSummary
 
@@ -115,8 +115,7 @@ def _sensitivity(entries: Mapping[str, ParameterSummary]) -> Table:
 
 def _in_short(prior: str) -> str:
     """Return a prior without the names of its numbers, and with three digits of each."""
-    bare = re.sub(r"\w+=", "", prior)
-    return re.sub(r"\d+\.\d+(e-?\d+)?", lambda found: f"{float(found[0]):.3g}", bare)
+    return three_digits(re.sub(r"\w+=", "", prior))
 
 
 def _kept(thin: int) -> str:

@@ -30,7 +30,7 @@ from bayesfric.report.content import (
     Strong,
     Table,
 )
-from bayesfric.report.quantities import format_count, format_unit, interval_cells
+from bayesfric.report.quantities import error_cells, format_count, format_unit, interval_cells
 from bayesfric.report.stored import StoredFit, StoredResults
 from bayesfric.rigs.coefficients import NO_PULLEY
 from bayesfric.schemas import FitFile, RecordingId
@@ -163,9 +163,7 @@ def _condition(n: int, size: str, angle: float, tension: float, unit: str) -> st
 
 def _plus_minus(quantiles: xr.DataArray) -> str:
     low, middle, high = sorted(abs(float(value)) for value in quantiles)
-    decimals = len(interval_cells(middle, low, high)[0].partition(".")[2])
-    half = max((high - low) / 2, 10.0**-decimals)
-    return f"{middle:.{decimals}f} ± {half:.{decimals}f}"
+    return " ± ".join(error_cells(middle, (high - low) / 2))
 
 
 def _range(quantiles: xr.DataArray) -> str:
