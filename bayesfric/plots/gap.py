@@ -72,7 +72,9 @@ def _bars(panel: Axes, row: Gap | GapRow, scale: float, named: bool) -> None:
         low, middle, high = scale * number.q05, scale * number.q50, scale * number.q95
         panel.barh(place, middle, height=0.66, color=color, edgecolor=COLORS["black"])
         panel.plot([low, high], [place, place], color=COLORS["black"], linewidth=1.2)
-        panel.text(high, place, f"  {rounded(middle, low, high)}", va="center", fontsize=7)
+        label = panel.text(high, place, f"  {rounded(middle, low, high)}", va="center", fontsize=7)
+        label.set_bbox({"facecolor": "white", "edgecolor": "none", "pad": 0.3})
+        label.set_zorder(3)
         ends.append(high)
     panel.set_yticks(range(len(names)), names)
     panel.set_ylim(len(names) - 0.45, -0.55)

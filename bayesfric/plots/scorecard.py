@@ -53,7 +53,7 @@ def _promises(panel: Axes, targets: tuple[Target, ...]) -> None:
         assert rate.rate is not None
         color, mark = MET[target.met], "X" if target.met is False else "o"
         panel.plot([100 * rate.low, 100 * rate.high], [place, place], color=color, linewidth=1.6)
-        panel.plot(100 * rate.rate, place, mark, color=color, markersize=5)
+        panel.plot(100 * rate.rate, place, mark, color=color, markersize=5, clip_on=False)
         panel.text(
             108, place, f"{rate.hits}/{rate.cases}", va="center", fontsize=6.5, clip_on=False
         )
@@ -72,9 +72,10 @@ def _reliability(panel: Axes, bins: tuple[ReliabilityBin, ...]) -> None:
         x, color = one.probability, COLORS["blue"] if one.inside else COLORS["vermilion"]
         panel.plot([x, x], list(one.band), color="#c9c9c9", linewidth=6, solid_capstyle="butt")
         size = SMALLEST_DOT + (LARGEST_DOT - SMALLEST_DOT) * np.sqrt(one.cases / most)
-        panel.plot(x, one.correct.rate, "o" if one.inside else "X", color=color, markersize=size)
-    panel.set_xlim(0.0, 1.05)  # so that the frame cuts no dot
-    panel.set_ylim(-0.05, 1.05)
+        panel.plot(x, one.correct.rate, "o" if one.inside else "X", color=color, markersize=size,
+                   clip_on=False)  # fmt: skip
+    panel.set_xlim(0.0, 1.02)
+    panel.set_ylim(-0.02, 1.02)
     panel.set_xlabel("probability of the verdict")
     panel.set_ylabel("share that came true")
     panel.set_title("grey: 95 % band if they are true", fontsize=7)

@@ -13,21 +13,22 @@ from bayesfric.probabilities import stated
 
 __all__ = [
     "MISSING",
+    "error_cells",
     "format_count",
     "format_fixed",
     "format_interval",
     "format_number",
-    "format_plus_minus",
-    "format_prior",
     "format_probability",
     "format_share",
     "format_unit",
     "interval_cells",
+    "three_digits",
 ]
 
 MISSING = "—"
 THIN = "\u202f"
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_DECIMAL = re.compile(r"\d+\.\d+(e-?\d+)?")
 _UNITS = {"": "", "-": "", "–": "", "1": "", "deg": "°", "1/deg": "deg⁻¹", "1/s": "s⁻¹"}
 
 
@@ -158,11 +159,33 @@ def interval_cells(
     return one, two, three
 
 
-def format_plus_minus(value: float, half: float) -> str:
-    """Write a number and half of an interval around it with the same decimals: 9.14 ± 0.19."""
-    shown = interval_cells(value, value - half, value + half)[0]
-    decimals = len(shown.partition(".")[2])
-    return f"{shown} ± {max(half, 10.0**-decimals):.{decimals}f}"
+def error_cells(value: float | None, error: float | None) -> tuple[str, str]:
+    """Write a value and its error as two cells, both to two significant digits of the error.
+
+    Parameters
+    ----------
+    value, error : float or None
+        The error is zero or above.
+
+    Returns
+    -------
+    tuple of str
+        With equal decimals; dashes for what is None.
+
+    Raises
+    ------
+    ValueError
+        If a number is not finite.
+    """
+    if value is None or error is None:
+        return format_number(value, exponent=0), format_number(error, 2, exponent=0)
+    _check_finite(error)
+    # Round first: 0.0996 is 0.10 to two digits.
+    error = float(f"{error:.1e}")
+    place = _order(error) - 1 if error else _order(value) - 3
+    # A double has no more than some twelve digits worth printing.
+    place = max(place, _order(value) - 11)
+    return _fixed(value, 0, -place), _fixed(error, 0, -place)
 
 
 def format_count(count: int) -> str:
@@ -189,10 +212,9 @@ def format_share(share: float | None, digits: int = 2) -> str:
     return format_number(100 * share, digits=digits, exponent=0) + f"{THIN}%"
 
 
-def format_prior(prior: str) -> str:
-    """Write a prior without the names of its numbers, and with three digits of each."""
-    bare = re.sub(r"\w+=", "", prior)
-    return re.sub(r"\d+\.\d+(e-?\d+)?", lambda found: f"{float(found[0]):.3g}", bare)
+def three_digits(words: str) -> str:
+    """Return words with three significant digits of each number that has a decimal point."""
+    return _DECIMAL.sub(lambda found: f"{float(found[0]):.3g}", words)
 
 
 def _check_finite(value: float) -> None:

@@ -137,6 +137,9 @@ def test_rates_are_drawn_where_they_are(card):
     assert names == [target.name for target in card.targets if target.rate.rate is not None]
     dots = {round(line.get_ydata()[0]): line for line in left.lines if len(line.get_xdata()) == 1}
     assert dots[0].get_xdata()[0] == pytest.approx(95.0)
+    marks = [line for axes in (left, right) for line in axes.lines if line.get_marker() in "oX"]
+    assert len(marks) > len(names)
+    assert not any(mark.get_clip_on() for mark in marks)  # those at 0 and 1 are drawn whole
     assert (dots[0].get_marker(), dots[names.index("no effect, falsely named")].get_marker()) == (
         "o",
         "X",

@@ -79,6 +79,13 @@ def test_page_one_says_which_claims_fell(stored):
     assert "Undecided: rigs-agree." in text
 
 
+def test_claims_that_no_data_can_test_are_told_on_page_one_alone(stored):
+    one = result("rigs-agree", "not-testable", None)
+    untestable = stored.found.model_copy(update={"claims": (one,)})
+    assert fallen(untestable).text.startswith("None of the 1 claims is testable here")
+    assert list(claims(StoredClaims(untestable, stored.curves))) == []
+
+
 def test_page_one_is_green_only_where_every_claim_holds(stored):
     def kind(*verdicts):
         claims = tuple(result(f"claim-{k}", v, 1.0) for k, v in enumerate(verdicts))
@@ -92,7 +99,7 @@ def test_page_one_is_green_only_where_every_claim_holds(stored):
 def test_the_table_has_the_stored_verdicts(stored):
     (table,) = [b for b in claims(stored) if isinstance(b, Table)]
     rows = [[str(getattr(cell, "text", cell)) for cell in row] for row in table.rows]
-    assert rows[0] == ["linear-in-tension", "− refuted", "−2.3", "0.031", "−3.1", "(1.3)"]
+    assert rows[0] == ["linear-in-tension", "− refuted", "−2.345", "0.031", "−3.1", "(1.3)"]
     assert rows[1] == ["rigs-agree", "? undecided", *["—"] * 4]
 
 

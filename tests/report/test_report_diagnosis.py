@@ -99,6 +99,23 @@ def test_an_axis_that_may_explain_by_chance_is_not_where_the_gap_lies():
     assert "(adjusted p 0.17, perhaps by chance)" in told(document)
 
 
+@pytest.mark.parametrize(
+    ("share", "lies", "said"),
+    [
+        (0.8, "along order", "explains / what is lost without it, in per cent. Right"),
+        (1.2, "along order", "all of it (> 100). Right"),
+        (-0.1, "open: no axis alone explains a part of it", "Residual force"),
+    ],
+)
+def test_what_stands_beside_the_bars_of_where_is_told(share, lies, said):
+    order = axis("order", "1", share).model_copy(update={"p_value": 0.01})
+    stored = stored_diagnosis(where=(order,))
+    assert glance(stored)["Where does it lie?"] == lies
+    caption = words(figures(stored)["where"].caption)
+    assert said in caption
+    assert ("what is lost" in caption) == (share > 0)
+
+
 def test_where_there_is_no_gap_no_axis_is_said_to_explain_it():
     stored = without_gap()
     assert glance(stored)["Which effect causes it?"] == "none is needed"

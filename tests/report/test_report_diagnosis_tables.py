@@ -42,19 +42,30 @@ def test_long_lists_of_hypotheses_are_cut_and_say_so():
     assert "20 least probable are in diagnosis.json" in words(table.note)
 
 
+def test_hypotheses_of_which_only_a_bound_is_told_are_counted_alone():
+    probabilities = {"viscous": 0.999, "stribeck": 0.0009, "none": 0.0001}
+    stored = stored_diagnosis(
+        probabilities=probabilities, prior_sensitivity={"0.1": {}, "0.9": probabilities}
+    )
+    few = stored_diagnosis(probabilities=probabilities, prior_sensitivity={"0.9": probabilities})
+    assert list(rows(few, "hypotheses")) == ["viscous"]
+    assert "The 2 least probable are in diagnosis.json" in words(tables(few)["hypotheses"].note)
+    assert len(rows(stored, "hypotheses")) == 3  # a dash is not a bound
+
+
 def test_a_cause_has_its_numbers():
     stored = stored_diagnosis()
     assert rows(stored, "causes")["viscous"] == [
         "slope [s/m]",
         "0.123 [0.113, 0.133]",
         "0.0062",
-        "half-normal(0.15)",
+        "half-normal(scale=0.15)",
         "0 to 0.3",
     ]
     text = paragraphs(stored)
     for part in (
         "have probability 0.987",
-        "12.34 ± 0.06",
+        "12.340 ± 0.056",
         "7.9\u202f% of that of friction (rms). Plausible.",
         "Harris and Kotzalas (2006)",
     ):

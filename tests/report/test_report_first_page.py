@@ -12,6 +12,7 @@ from pypdf import PdfReader
 from bayesfric.errors import InputError
 from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters import methods, page_one, provenance
+from bayesfric.report.chapters.plain_law import in_a_sentence, plain_table
 from bayesfric.report.content import (
     BulletList,
     Document,
@@ -162,3 +163,15 @@ def test_predictions_of_another_version_are_one_clear_error(small_fit, tmp_path)
     old.write(tmp_path)
     with pytest.raises(InputError, match=r"predictive\.nc.*bayesfric fit"):
         read_stored(tmp_path)
+
+
+@pytest.mark.parametrize("informed", [True, False])
+def test_a_law_without_pulleys_explains_the_priors_that_are_in_its_table(small_fit, informed):
+    one = next(iter(small_fit.summary.pulleys.values()))["c1"]
+    one = one.model_copy(update={"informed": informed, "mean": 2.0061, "q05": 2.0, "q95": 2.0104})
+    fit = small_fit.summary.model_copy(update={"pulleys": {}, "parameters": {"mass": one}})
+    table = plain_table(fit)
+    assert table.rows[0][-1] == ("yes" if informed else "prior")
+    assert (not table.note) == informed
+    (sentence,) = in_a_sentence(fit)
+    assert "2.0061 ± 0.0052" in words(sentence.text)

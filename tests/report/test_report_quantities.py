@@ -4,15 +4,15 @@ import pytest
 
 from bayesfric.probabilities import stated_of_draws
 from bayesfric.report.quantities import (
+    error_cells,
     format_count,
     format_interval,
     format_number,
-    format_plus_minus,
-    format_prior,
     format_probability,
     format_share,
     format_unit,
     interval_cells,
+    three_digits,
 )
 from bayesfric.report.rig_words import law_words
 
@@ -40,6 +40,28 @@ def test_cells_share_their_decimals_under_the_power_that_the_head_states() -> No
     assert interval_cells(7.37e-6, 7.0e-6, 7.74e-6, exponent=-5) == ("0.737", "0.700", "0.774")
     assert interval_cells(None, 1.0, 2.0) == ("—", "1.00", "2.00")
     assert format_unit("1/deg", exponent=-5) == f"10⁻⁵{THIN}deg⁻¹"
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "cells"),
+    [
+        (9.0976, 0.18965, ("9.10", "0.19")),
+        (275.338, 0.0577, ("275.338", "0.058")),
+        (-2.7218, 0.0996, ("−2.72", "0.10")),
+        (1234.6, 87.3, ("1235", "87")),
+        (1.5, 0.0, ("1.500", "0.000")),
+        (0.0, 0.02, ("0.000", "0.020")),
+        (1.5, None, ("1.50", "—")),
+        (None, None, ("—", "—")),
+    ],
+)
+def test_a_value_and_its_error_end_at_the_second_digit_of_the_error(value, error, cells) -> None:
+    assert error_cells(value, error) == cells
+
+
+def test_priors_are_told_to_three_digits() -> None:
+    told = three_digits("log-normal(median=0.0438168, sd_log=0.7), normal(0, 2.5e-05), 15000")
+    assert told == "log-normal(median=0.0438, sd_log=0.7), normal(0, 2.5e-05), 15000"
 
 
 @pytest.mark.parametrize(
@@ -99,14 +121,3 @@ def test_what_is_no_number_is_refused(call) -> None:
 )
 def test_a_law_is_the_papers_on_its_own_boards_alone(law, rigs, words):
     assert law_words(law, rigs) == words
-
-
-def test_a_prior_has_three_digits_of_each_number_and_no_names() -> None:
-    assert format_prior("log-normal(median=0.0438168, sd_log=0.7)") == "log-normal(0.0438, 0.7)"
-    assert format_prior("half-normal(scale=1.23456e-05)") == "half-normal(1.23e-05)"
-
-
-def test_a_value_and_half_of_its_interval_have_the_same_decimals() -> None:
-    assert format_plus_minus(9.1372, 0.19) == "9.14 ± 0.19"
-    assert format_plus_minus(12.3, 0.056) == "12.30 ± 0.06"
-    assert format_plus_minus(-120.4, 4.0) == "−120.4 ± 4.0"

@@ -1,6 +1,7 @@
 import hashlib
 import io
 import json
+import math
 import re
 import subprocess
 import sys
@@ -14,11 +15,13 @@ from pypdf import PdfReader
 from report.sample import SVG, document
 
 from bayesfric.report.content import (
+    Block,
     Code,
     Document,
     Emphasis,
     Figure,
     Heading,
+    PageBreak,
     Paragraph,
     Strong,
     Table,
@@ -205,18 +208,39 @@ def test_a_heading_stays_with_what_follows_and_a_figure_with_its_caption() -> No
         assert heads[-1:] == captions
 
 
-@pytest.mark.parametrize(("lines", "sections"), [(5, True), (44, False)])
-def test_contents_stand_on_page_one_if_need_be_without_sections(lines, sections) -> None:
-    chapters = [
-        Heading(level, f"{name}{k}")
-        for k in range(12)
-        for level, name in ((1, "Chapter"), (2, "Section"), (2, "Other"))
+def test_contents_stand_on_page_one_if_need_be_without_sections() -> None:
+    chapters: list[Block] = [Heading(1, f"Chapter{k}") for k in range(14)]
+    sections = [head for k in range(14) for head in (chapters[k], Heading(2, f"Section{k}"))]
+
+    def heights(lines: int, heads: list[Block]) -> list[dict[str, float]]:
+        """Return where words stand, from the foot, page by page; of each the first."""
+        blocks = [*(Paragraph(f"line {k}") for k in range(lines)), *heads, PageBreak()]
+        pages = []
+        for page in PdfReader(io.BytesIO(render_pdf(Document("t", "", blocks)))).pages:
+            at: dict[str, float] = {}
+            page.extract_text(
+                visitor_text=lambda t, cm, tm, fd, size, at=at: at.setdefault(t.strip(), cm[5])
+            )
+            pages.append(at)
+        return pages
+
+    full = heights(60, [])[0]
+    line = full["line 0"] - full["line 1"]
+    foot = min(height for name, height in full.items() if name.startswith("line"))
+    rooms = [
+        (heights(0, heads)[0][last] - foot) / line
+        for heads, last in ((sections, "Section13"), (chapters, "Chapter13"))
     ]
-    document = Document("t", "", [Paragraph("word " * 15 * lines), *chapters])
-    first = PdfReader(io.BytesIO(render_pdf(document))).pages[0].extract_text()
+    (first, *_) = heights(math.floor(rooms[0]), sections)
     assert "Contents" in first
-    assert "Chapter11" in first
-    assert ("Section11" in first) == sections
+    assert "Section13" in first
+    (first, *_) = heights(round(sum(rooms) / 2), sections)
+    assert "Contents" in first
+    assert "Chapter13" in first
+    assert "Section13" not in first
+    (first, second, *_) = heights(math.ceil(rooms[1]) + 1, sections)
+    assert "Contents" not in first
+    assert "Section13" in second
 
 
 def test_a_figure_stands_between_its_heading_and_the_text_after_it() -> None:

@@ -23,7 +23,7 @@ from bayesfric.report.content import (
     Strong,
     Table,
 )
-from bayesfric.report.quantities import format_fixed
+from bayesfric.report.quantities import error_cells, format_fixed
 from bayesfric.report.stored import StoredClaims
 from bayesfric.schemas import ClaimResult, ClaimsFile
 
@@ -96,8 +96,7 @@ def _verdicts(found: ClaimsFile) -> Table:
             [
                 Code(one.id),
                 Strong(f"{SIGNS[one.verdict]} {_worded(one.verdict)}"),
-                format_fixed(one.log10_bayes_factor, 1),
-                format_fixed(one.log10_bayes_factor_se, 3),
+                *error_cells(one.log10_bayes_factor, one.log10_bayes_factor_se),
                 format_fixed(one.elpd_difference, 1),
                 _elpd_error(one),
             ]
@@ -115,11 +114,10 @@ def _verdicts(found: ClaimsFile) -> Table:
 def claims(stored: StoredClaims) -> Iterator[Block]:
     """Yield each claim with what its verdict rests on."""
     found = stored.found
+    if _untestable(found):  # page one has said all that there is to say
+        return
     by_name = {one.id: one for one in found.claims}
     yield Heading(1, "The paper's claims", label="claims")
-    if _untestable(found):
-        yield Paragraph(_none_testable(found))
-        return
     yield Paragraph(_rules(found))
     yield _verdicts(found)
     for family, names in FAMILIES.items():

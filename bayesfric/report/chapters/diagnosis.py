@@ -159,7 +159,7 @@ def _lies_along(axes: Sequence[Axis]) -> str:
         return f"along {', '.join(sure[:3])}"
     if open_still:
         return f"along no axis for sure; if along one, {' or '.join(open_still[:3])}"
-    return "nowhere"
+    return "open: no axis alone explains a part of it"
 
 
 def _caused(found: DiagnosisFile) -> list[Inline]:
@@ -207,9 +207,7 @@ def _where(stored: StoredDiagnosis) -> Figure:
         svg_of(where_it_lies, axes, residuals, stored.found.gap.unit, sizes_of(stored.found.law)),
         [
             Strong("Where."),
-            " Left: the part of gap² that each axis explains, with what is lost without it."
-            if bars
-            else "",
+            f" Left: the part of gap² that each axis explains{_beside(known)}." if bars else "",
             f" {'Right: residual' if bars else 'Residual'} force, its systematic part with a "
             "simultaneous 95 % band; dots are windows of trials, far ones are cut."
             if shapes
@@ -219,7 +217,16 @@ def _where(stored: StoredDiagnosis) -> Figure:
         + ("the residual force along the largest axes with a band" if shapes else "")
         + (f"; {', '.join(blind)} did not vary." if blind else "."),
         label="where",
-        floats=True,
+    )
+
+
+def _beside(known: Sequence[Axis]) -> str:
+    """Return what the numbers beside the bars are, of which the second may be missing."""
+    if all(axis.unique_share is None for axis in known):
+        return ", in per cent"
+    over = any(max(a.share or 0.0, a.unique_share or 0.0) > 1 for a in known)
+    return " / what is lost without it, in per cent" + (
+        "; held out, either may come out above all of it (> 100)" if over else ""
     )
 
 

@@ -19,15 +19,15 @@ from bayesfric.report.content import (
 from bayesfric.report.diagnosed import has_gap
 from bayesfric.report.quantities import (
     MISSING,
+    error_cells,
     format_fixed,
     format_interval,
     format_number,
-    format_plus_minus,
-    format_prior,
     format_probability,
     format_share,
     format_unit,
     interval_cells,
+    three_digits,
 )
 from bayesfric.report.rig_words import group_words, law_words, rig_words
 from bayesfric.rigs.base import Words
@@ -90,7 +90,16 @@ def _probabilities(found: DiagnosisFile) -> Iterator[Block]:
             " is a force that no effect of the list makes.",
         ]
     )
-    more = len(ranked) - ROWS
+    every = [
+        [
+            name,
+            format_probability(probability),
+            *(format_probability(other.get(name)) for other in sensitivity.values()),
+        ]
+        for name, probability in ranked[:ROWS]
+    ]
+    listed = [row for row in every if set(row[1:]) != {format_probability(0.0)}]
+    more = len(ranked) - len(listed)
     yield Table(
         "Probabilities of the hypotheses.",
         [
@@ -98,20 +107,14 @@ def _probabilities(found: DiagnosisFile) -> Iterator[Block]:
             Column("probability", align="right"),
             *(Column(["none at ", key], align="right") for key in sensitivity),
         ],
-        [
-            [
-                Code(name),
-                format_probability(probability),
-                *(format_probability(other.get(name)) for other in sensitivity.values()),
-            ]
-            for name, probability in ranked[:ROWS]
-        ],
+        [[Code(name), *numbers] for name, *numbers in listed],
         label="hypotheses",
         note="Prior: "
         + ", ".join(f"{name} {value:g}" for name, value in found.hypothesis_prior.items())
         + ", shared equally within a number of effects. Hypotheses that were screened only have "
         f"{format_probability(found.unvisited_probability)} at most, together."
-        + (f" The {more} least probable are in diagnosis.json." if more > 0 else ""),
+        + (f" The {more} least probable are in diagnosis.json." if more > 1 else "")
+        + (" The least probable is in diagnosis.json." if more == 1 else ""),
     )
 
 
@@ -139,8 +142,7 @@ def causes(found: Sequence[Cause]) -> Iterator[Block]:
                 Code(cause.effect),
                 f": {cause.sentence}. Law: {cause.law}. Hypotheses that include it "
                 f"have probability {format_probability(cause.inclusion_probability)}. "
-                f"Log₁₀ Bayes factor against the same without it: {_bayes_factor(cause)}"
-                ". Its force is "
+                f"Log₁₀ Bayes factor against the same without it: {_factor(cause)}. Its force is "
                 f"{format_share(cause.strength)} of that of friction (rms)"
                 + (", which is below the floor. " if cause.below_floor else ". "),
                 Strong("Plausible." if cause.plausible else "Not plausible."),
@@ -163,7 +165,7 @@ def causes(found: Sequence[Cause]) -> Iterator[Block]:
                 _with_unit(name, number.unit),
                 format_interval(number.q50, number.q05, number.q95),
                 format_number(number.sd, digits=2),
-                format_prior(number.prior),
+                three_digits(number.prior),
                 # The range is the amplitude's, which is the first parameter.
                 "{:g} to {:g}".format(*cause.plausible_range).replace("-", "−")
                 if place == 0
@@ -176,10 +178,11 @@ def causes(found: Sequence[Cause]) -> Iterator[Block]:
     )
 
 
-def _bayes_factor(cause: Cause) -> str:
-    if cause.log10_bayes_factor_se is None:
-        return f"{format_fixed(cause.log10_bayes_factor, 1)} ({cause.log10_bayes_factor_se_why})"
-    return format_plus_minus(cause.log10_bayes_factor, cause.log10_bayes_factor_se)
+def _factor(cause: Cause) -> str:
+    factor, error = cause.log10_bayes_factor, cause.log10_bayes_factor_se
+    if error is None:
+        return f"{format_fixed(factor, 1)} ({cause.log10_bayes_factor_se_why})"
+    return " ± ".join(error_cells(factor, error))
 
 
 def not_told_apart(found: DiagnosisFile) -> Iterator[Block]:

@@ -1,5 +1,6 @@
 """Whether the draws can be trusted."""
 
+import re
 from collections.abc import Iterator, Mapping
 
 from bayesfric.inference.diagnostics import LIMITS
@@ -7,7 +8,7 @@ from bayesfric.plots.ranks import rank_histograms
 from bayesfric.plots.style import svg_of
 from bayesfric.report.chapters.symbols import symbol
 from bayesfric.report.content import Block, Code, Column, Figure, Heading, Paragraph, Table
-from bayesfric.report.quantities import format_count, format_number, format_prior, format_share
+from bayesfric.report.quantities import format_count, format_number, format_share, three_digits
 from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import ParameterSummary
 
@@ -50,7 +51,7 @@ def diagnostics(stored: StoredFit) -> Iterator[Block]:
         [
             [
                 symbol(name),
-                format_prior(entry.prior),
+                _in_short(entry.prior),
                 f"{entry.r_hat:.4f}",
                 f"{entry.r_hat_walkers:.4f}",
                 format_count(round(entry.ess_bulk)),
@@ -110,6 +111,11 @@ def _sensitivity(entries: Mapping[str, ParameterSummary]) -> Table:
         "likelihood, are raised to a power, for a doubling of it: power-scaling. Below 0.05 the "
         "component hardly matters.",
     )
+
+
+def _in_short(prior: str) -> str:
+    """Return a prior without the names of its numbers, and with three digits of each."""
+    return three_digits(re.sub(r"\w+=", "", prior))
 
 
 def _kept(thin: int) -> str:

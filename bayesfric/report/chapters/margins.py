@@ -98,13 +98,13 @@ def _loop(loop: LoopMargins) -> Iterator[Block]:
             _row(one)
             for metric in loop.metrics
             for one in (metric, in_degrees_or_decibels(metric))
-            if one is not None
+            if one is not None and (one.interval is not None or one.spec is not None)
         ]
         + _certified(loop),
         label=f"margins-{loop.name}",
-        note="A dash stands where a figure does not exist, for the reason given below, or where "
-        "no spec is set.",
-    )
+        note="A dash stands where no spec is set. Figures that do not exist have no number; the "
+        "reason is given below.",
+    ).filled()
     yield BulletList(list(_remarks(loop)))
     if (certificate := certificate_told(loop)) is not None:
         covers = loop.certificate and f" It holds {loop.certificate.covers}."

@@ -55,7 +55,6 @@ def over_frequency(loop: LoopMargins) -> Iterator[Block]:
             ],
             "Two panels of a curve in a band, gain above phase, over frequency.",
             label=f"bode-{loop.name}",
-            floats=True,
         )
     yield Figure(
         svg_of(nyquist_fan, loop.nyquist),
@@ -69,5 +68,4 @@ def over_frequency(loop: LoopMargins) -> Iterator[Block]:
         ],
         "Two panels of thin curves in the complex plane, a curve for each draw.",
         label=f"nyquist-{loop.name}",
-        floats=True,
     )

@@ -30,12 +30,7 @@ from bayesfric.report.content import (
     Strong,
     Table,
 )
-from bayesfric.report.quantities import (
-    format_count,
-    format_plus_minus,
-    format_unit,
-    interval_cells,
-)
+from bayesfric.report.quantities import error_cells, format_count, format_unit, interval_cells
 from bayesfric.report.stored import StoredFit, StoredResults
 from bayesfric.rigs.coefficients import NO_PULLEY
 from bayesfric.schemas import FitFile, RecordingId
@@ -168,7 +163,7 @@ def _condition(n: int, size: str, angle: float, tension: float, unit: str) -> st
 
 def _plus_minus(quantiles: xr.DataArray) -> str:
     low, middle, high = sorted(abs(float(value)) for value in quantiles)
-    return format_plus_minus(middle, (high - low) / 2)
+    return " ± ".join(error_cells(middle, (high - low) / 2))
 
 
 def _range(quantiles: xr.DataArray) -> str:

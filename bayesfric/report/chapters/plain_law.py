@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 
 from bayesfric.report.content import Block, Column, Inline, Paragraph, Strong, Table
-from bayesfric.report.quantities import format_number, format_plus_minus, interval_cells
+from bayesfric.report.quantities import error_cells, format_number, interval_cells
 from bayesfric.report.rig_words import rig_words
 from bayesfric.schemas import FitFile, ParameterSummary
 
@@ -35,12 +35,9 @@ def in_a_sentence(fit: FitFile) -> Iterator[Block]:
     """Yield each coefficient with half of its 90 % interval, as page one has it."""
     parts: list[Inline] = []
     for name, entry in plain_coefficients(fit).items():
-        mean, low, high = interval_cells(entry.mean, entry.q05, entry.q95)
         known = "" if entry.informed else " (by its prior alone)"
-        halves = format_plus_minus(entry.mean, (entry.q95 - entry.q05) / 2)
-        said = f"{halves}\u202f{entry.unit}{known}"
-        if "e" in mean or "×" in mean:
-            said = f"{mean} ({low} to {high}) {entry.unit}{known}"
+        number = " ± ".join(error_cells(entry.mean, (entry.q95 - entry.q05) / 2))
+        said = f"{number}\u202f{entry.unit}{known}"
         called = _called(name)
         begun = ", " if parts else ""
         parts += [begun, f"{called if parts else called[:1].upper() + called[1:]} ", Strong(said)]
@@ -73,7 +70,9 @@ def plain_table(fit: FitFile) -> Table:
         ],
         rows,
         label="coefficients",
-        note="Prior: the recording does not inform the number, so that its prior drives it.",
+        note=""
+        if all(entry.informed for entry in plain_coefficients(fit).values())
+        else "Prior: the recording does not inform the number, so that its prior drives it.",
     )
 
 
