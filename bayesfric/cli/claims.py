@@ -77,6 +77,8 @@ def claims(
             baseline=baseline,
             quiet=quiet,
         )
+    if not quiet:
+        say(f"{output / 'claims.json'}", err=True)
     fail_on(fail_on_list, happened)
 
 

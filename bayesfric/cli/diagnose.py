@@ -110,6 +110,8 @@ def diagnose(
             ),
             quiet=quiet,
         )
+    if not quiet:
+        say(f"{output / 'diagnosis.json'}", err=True)
     fail_on(fail_on_list, happened)
 
 

@@ -14,7 +14,7 @@ from bayesfric.progress import stage
 
 if TYPE_CHECKING:
     from bayesfric.analysis import Analysis
-    from bayesfric.schemas import Metric
+    from bayesfric.schemas import Metric, Verification
 
 __all__ = ["margins", "margins_into"]
 
@@ -168,6 +168,8 @@ def margins_into(
             say(f"  {tuning_told(loop.tuning)}")
         if loop.following is not None:
             say(f"  {loop.following.answer}")
+        if loop.verification is not None:
+            _say_verified(loop.verification)
         believed = loop.with_effects or loop
         if believed.missed_specs:
             happened.add("spec")
@@ -191,6 +193,16 @@ def _say(metric: "Metric") -> None:
         f"{metric.interval.q95:.3g}] {metric.unit if metric.unit != '1' else ''}"
         f"  P(violates {metric.spec:.3g}): {chance}"
     )
+
+
+def _say_verified(found: "Verification") -> None:
+    """Print in how many draws each figure holds against the simulated elastic cable."""
+    say(f"  on an elastic cable, within {found.tolerance:.0%}:")
+    for one in found.held:
+        if one.share is None:
+            say(f"    {one.what}: not held against it, {one.share_why}")
+        else:
+            say(f"    {one.what}: holds in {one.share * one.draws:.0f} of {one.draws} draws")
 
 
 def _to_begin_with(template: Path | None, list_loops: bool, loops: list[Path] | None) -> None:

@@ -88,6 +88,19 @@ def test_run_refuses_a_bad_loop_before_the_work(tmp_path):
     assert not output.exists()
 
 
+def test_what_was_verified_is_told(folder, tmp_path):
+    arguments = ["margins", folder / "joint.toml", "--draws", folder / "draws.nc", "--verify", "2"]
+    done = CliRunner().invoke(app, [*map(str, arguments), "-o", str(tmp_path)])
+    assert done.exit_code == 0, done.stderr
+    (loop,) = read_json(MarginsFile, tmp_path / "margins.json").loops
+    assert loop.verification is not None
+    held = [one for one in loop.verification.held if one.share is not None]
+    assert held
+    for one in held:
+        holds = sum(1 for k in range(one.draws + 1) if k / one.draws <= one.share) - 1
+        assert f"    {one.what}: holds in {holds} of {one.draws} draws" in done.stdout
+
+
 def with_bound(folder, name, metres):
     """A loop whose only spec is its steady error, of a fraction of a millimetre."""
     text = (folder / "joint.toml").read_text(encoding="utf-8").partition("[spec]")[0]
