@@ -151,6 +151,15 @@ def test_a_long_run_breaks_and_stays_whole_when_copied() -> None:
     assert checksum in "".join(words(reader).split())
 
 
+def test_a_sign_stays_with_its_number() -> None:
+    # Of many lengths, so that line ends come to lie everywhere.
+    blocks = [Paragraph("i" * k + " words" * 14 + " p > 0.999 or p ≤ 0.05") for k in range(60)]
+    reader = PdfReader(io.BytesIO(render_pdf(Document("t", "", blocks))))
+    lines = "\n".join(page.extract_text() for page in reader.pages).splitlines()
+    assert [line for line in lines if line.rstrip().endswith((">", "≤"))] == []
+    assert words(reader).count("> 0.999 or p ≤ 0.05") == 60
+
+
 def test_decimal_points_stand_in_line(pdf: PdfReader) -> None:
     places = {}
 

@@ -102,8 +102,7 @@ def _loop(loop: LoopMargins) -> Iterator[Block]:
         ]
         + _certified(loop),
         label=f"margins-{loop.name}",
-        note="A dash stands where no spec is set. Figures that do not exist have no number; the "
-        "reason is given below.",
+        note="Figures that do not exist have no number; the reason is given below.",
     ).filled()
     yield BulletList(list(_remarks(loop)))
     if (certificate := certificate_told(loop)) is not None:
@@ -184,19 +183,15 @@ def _row(metric: Metric) -> list[str]:
     name = WORDS.get(metric.name, metric.name)
     if metric.direction is not None:
         name += f", {metric.direction}"
-    spec = MISSING if metric.spec is None else format_number(scale * metric.spec, 3)
+    judged = ["", "", ""]
     if metric.spec is not None:
-        spec = f"{'≥' if metric.sense == 'at least' else '≤'} {spec}"
-    chance = metric.probability_of_violation
-    return [
-        name,
-        unit,
-        metric.place,
-        *_cells(metric.interval, scale),
-        spec,
-        chance_told(metric) or MISSING,
-        MISSING if chance is None else format_number(metric.monte_carlo_se, 1),
-    ]
+        chance = metric.probability_of_violation
+        judged = [
+            f"{'≥' if metric.sense == 'at least' else '≤'} {format_number(scale * metric.spec, 3)}",
+            chance_told(metric) or MISSING,
+            MISSING if chance is None else format_number(metric.monte_carlo_se, 1),
+        ]
+    return [name, unit, metric.place, *_cells(metric.interval, scale), *judged]
 
 
 def _certified(loop: LoopMargins) -> list[list[str]]:
@@ -210,9 +205,7 @@ def _certified(loop: LoopMargins) -> list[list[str]]:
             "",
             "loop",
             *_cells(found.gamma, 1.0),
-            MISSING,  # a draw that is not certified violates nothing
-            MISSING,
-            MISSING,
+            *["", "", ""],  # a draw that is not certified violates nothing
         ]
     ]
 
