@@ -139,9 +139,9 @@ def at_least(name, ours, peer, ratio, goal):
         "name": name,
         "ours": ours,
         "peer": peer,
-        "ratio": ratio,
+        "ratio": float(ratio),
         "goal": goal,
-        "met": ratio >= goal,
+        "met": bool(ratio >= goal),
     }
 
 
@@ -149,9 +149,9 @@ def within(name, ours, limit):
     """Return the row of a figure that is not to exceed a limit: its share of it is the ratio."""
     return {
         "name": name,
-        "ours": ours,
+        "ours": float(ours),
         "peer": limit,
-        "ratio": ours / limit,
+        "ratio": float(ours / limit),
         "goal": 1.0,
-        "met": ours <= limit,
+        "met": bool(ours <= limit),
     }
