@@ -47,13 +47,16 @@ class DoubleIntegral:
         ndarray, shape (E, C)
             By cubic Hermite interpolation on the grid [m].
         """
-        flat = acceleration.reshape(-1, POINTS)
-        speeds, travels = (
-            np.ascontiguousarray((flat @ one).reshape(len(acceleration), -1).T)
-            for one in _integrals()
-        )
         of_speeds, of_travels = self._at_rows
-        return np.asarray(of_speeds @ speeds + of_travels @ travels)
+        first, second = _integrals()
+        # One after another: small arrays stay in the processor's cache.
+        return np.stack(
+            [
+                of_speeds @ (one @ first).ravel() + of_travels @ (one @ second).ravel()
+                for one in acceleration
+            ],
+            axis=1,
+        )
 
     @cached_property
     def _at_rows(self) -> tuple[csr_array, csr_array]:

@@ -10,7 +10,6 @@ identity.
 
 from collections.abc import Mapping, Sequence
 from copy import copy
-from functools import cached_property
 
 import numpy as np
 import pandas as pd
@@ -70,7 +69,9 @@ class GravityPart:
         codes, setups = pd.factorize(rows.table["setup"])
         self.setup, self.setups = codes, tuple(str(setup) for setup in setups)
         self._travel = float(rows.covariates()["displacement"].max())
-        self._assemble(model, place, np.array([model.friction_scale[size] for size in sizes]))
+        self._model, self._place = model, place
+        self._squeeze: Array | None = None
+        self.random, self.blocks = self._scattering()
         for candidate, amplitude in model.scattering:
             self.random[:, UNEVEN] += amplitude * rows.uneven_column(candidate)
         for candidate, amplitude in on_friction(model.scattering):
@@ -82,11 +83,42 @@ class GravityPart:
                 self.random[:, ELSEWHERE] += amplitude * further
         self.noise = noise_of(model.priors, float(np.median(rows.variance)), unstated=rows.unstated)
         block = np.arange(len(codes)) if model.by_trial else self.size
-        self._sums = trial_sums(rows, self._columns, self.random, block)
+        self._sums = trial_sums(rows, self.columns, self.random, block)
         self._views: dict[bytes, _Sizes] = {}
 
-    def _assemble(self, model: ModelColumns, place: int, force: Array) -> None:
-        rows, layout = self.rows, self.layout
+    def _scattering(self) -> tuple[Array, dict[int, slice]]:
+        """Return the columns of what scatters, and where candidates' phases are among them."""
+        rows = self.rows
+        random = [
+            rows.scatter_columns(),
+            rows.wander_columns(WAVES),
+            np.zeros((len(rows.residual), 2)),
+        ]
+        width, known = ALWAYS, {}
+        blocks: dict[int, slice] = {}
+        for index, candidate in enumerate(self._model.candidates):
+            if not candidate.effect.components:
+                continue
+            found = rows.candidate_columns(candidate)
+            if isinstance(found, Unsupported):
+                continue
+            key = (candidate.effect.name, candidate.law)
+            if key not in known:
+                random.append(found)
+                known[key] = slice(width, width + found.shape[1])
+                width = known[key].stop
+            blocks[index] = known[key]
+        return np.hstack(random), blocks
+
+    @property
+    def columns(self) -> Array:
+        """Columns of the local numbers, (E, q) [m]; made anew, as most rigs need their sums alone.
+
+        Kept, they would be most of the memory that a diagnosis takes.
+        """
+        rows, model = self.rows, self._model
+        layout, nuisance = model.layout, model.layout.nuisance(self._place)
+        force = np.array([model.friction_scale[size] for size in rows.table["pulley_size"]])
 
         def candidate_column(candidate: Candidate) -> Array | Unsupported:
             found = rows.candidate_columns(candidate)
@@ -98,29 +130,11 @@ class GravityPart:
             lambda smooth: rows.smooth_columns(smooth, force),
             candidate_column,
         )
-        random = [rows.scatter_columns(), rows.wander_columns(WAVES), np.zeros((len(columns), 2))]
-        width, known = ALWAYS, {}
-        self.blocks: dict[int, slice] = {}
-        for index, candidate in enumerate(model.candidates):
-            if not candidate.effect.components:
-                continue
-            found = rows.candidate_columns(candidate)
-            if isinstance(found, Unsupported):
-                continue
-            columns[:, layout.own + index] = 0.0  # its phases scatter
-            key = (candidate.effect.name, candidate.law)
-            if key not in known:
-                random.append(found)
-                known[key] = slice(width, width + found.shape[1])
-                width = known[key].stop
-            self.blocks[index] = known[key]
-        nuisance = layout.nuisance(place)
+        columns[:, [layout.own + index for index in self.blocks]] = 0.0  # their phases scatter
         if nuisance.stop > nuisance.start:
             columns[:, nuisance] = rows.late_column()[:, None]
         columns *= model.scales
-        self._columns = columns
-        self._squeeze: Array | None = None
-        self.random = np.hstack(random)
+        return columns if self._squeeze is None else columns @ self._squeeze
 
     def _view(self, mixing: Array, chosen: Whole, width: int, trials: Flags | None) -> _Sizes:
         """Return the sums of a hypothesis' columns, by size."""
@@ -220,15 +234,9 @@ class GravityPart:
         found = copy(self)
         found.layout = layout
         found._squeeze = squeeze if self._squeeze is None else self._squeeze @ squeeze
-        found.__dict__.pop("columns", None)
         found._sums = self._sums.squeezed(squeeze)
         found._views = {}
         return found
-
-    @cached_property
-    def columns(self) -> Array:
-        """Columns of the local numbers, (E, q) [m]; most squeezed rigs need their sums alone."""
-        return self._columns if self._squeeze is None else self._columns @ self._squeeze
 
     def told(self, noise: Mapping[str, float]) -> Array:
         """Return what each trial alone says of the local numbers, (N, q, q).
@@ -242,9 +250,10 @@ class GravityPart:
             wander_weights(noise["wander_length"], self._travel)[0]
         )
         found = np.empty((len(self.size), self.layout.local, self.layout.local))
+        columns = self.columns
         for trial, rows in enumerate(self.rows.rows_of_trials()):
             white, project = whitening(self.rows, rows)
-            x = project(white[:, None] * self.columns[rows]) / np.sqrt(noise["kappa"])
+            x = project(white[:, None] * columns[rows]) / np.sqrt(noise["kappa"])
             z = project(white[:, None] * self.random[rows, :ALWAYS]) / np.sqrt(noise["kappa"])
             sd[TRIAL] = np.sqrt(scatter[trial])
             triangle, along, apart = orthogonal(z, x)
@@ -281,5 +290,5 @@ class GravityPart:
         numbers : ndarray, shape (A, N, q)
             Local numbers of each arm, trial by trial.
         """
-        columns = self.columns, self.random
-        return runs_of(self.rows, *columns, self._travel, self.scatter(noise), noise, numbers)
+        scatter = self.scatter(noise)
+        return runs_of(self.rows, self.columns, self.random, self._travel, scatter, noise, numbers)

@@ -39,18 +39,11 @@ class Beyond:
     slope: Array
     square: Array
 
-    def add(self, trial: int, block: int, rows: Array) -> None:
-        """Add rows of a trial, the residual their last column."""
-        if rows.size:
-            square = rows.T @ rows
-            self.precision[block] += square[:-1, :-1]
-            self.slope[trial], self.square[trial] = square[:-1, -1], square[-1, -1]
-
-    def with_(self, other: "Beyond") -> "Beyond":
-        """Return the sums of both."""
-        return Beyond(
-            self.precision + other.precision, self.slope + other.slope, self.square + other.square
-        )
+    def add(self, trial: int, block: int, square: Array) -> None:
+        """Add the products of the columns of a trial's rows, the residual their last."""
+        self.precision[block] += square[:-1, :-1]
+        self.slope[trial] += square[:-1, -1]
+        self.square[trial] += square[-1, -1]
 
 
 @dataclass(frozen=True)
@@ -110,9 +103,10 @@ def trial_sums(board: GravityRows, columns: Array, random: Array, block: Whole) 
     blocks = int(block.max()) + 1
     triangle, across = np.zeros((count, r, r)), np.zeros((count, r, q))
     right, freedom, constant = np.zeros((count, r)), np.zeros(count), np.zeros(count)
-    beyond, further = (
-        Beyond(np.zeros((blocks, q, q)), np.zeros((count, q)), np.zeros(count)) for _ in range(2)
-    )
+    beyond = {
+        width: Beyond(np.zeros((blocks, q, q)), np.zeros((count, q)), np.zeros(count))
+        for width in {ALWAYS, r}
+    }
     for trial, rows in enumerate(board.rows_of_trials()):
         white, project = whitening(board, rows)
         stack = np.column_stack([columns[rows], board.residual[rows], random[rows]])
@@ -121,13 +115,15 @@ def trial_sums(board: GravityRows, columns: Array, random: Array, block: Whole) 
         told = len(own)
         triangle[trial, :told] = own
         across[trial, :told], right[trial, :told] = along[:, :q], along[:, q]
-        beyond.add(trial, block[trial], apart)
-        further.add(trial, block[trial], along[ALWAYS:])
+        square, further = apart.T @ apart, along[ALWAYS:]
+        for one in beyond.values():
+            one.add(trial, block[trial], square)
+        if further.size:
+            beyond[ALWAYS].add(trial, block[trial], further.T @ further)
         nuisances = (board.events.regressors[:3, rows] != 0).any(axis=1).sum()
         freedom[trial] = white.size - nuisances
         constant[trial] = np.log(white).sum() - 0.5 * freedom[trial] * LOG_2PI
-    parted = {r: beyond, ALWAYS: beyond.with_(further)}
-    return TrialSums(block, triangle, across, right, parted, freedom, constant)
+    return TrialSums(block, triangle, across, right, beyond, freedom, constant)
 
 
 def orthogonal(columns: Array, values: Array) -> tuple[Array, Array, Array]:
