@@ -39,7 +39,7 @@ __all__ = ["WIDTHS", "Kept", "Studied", "Task", "prior_ratios", "slowest_speed",
 
 SHORT_RUN = Sampler(burn=20, steps=60, thin=3, extensions=5)  # run on where it is not enough
 WALKERS = 60  # at least: many walkers and few steps are quicker than the other way round
-POINTS = 4000  # of an importance sample; half as many where the evidence alone is asked for
+POINTS = 2000  # of an importance sample; half as many where the evidence alone is asked for
 POINTWISE_DRAWS = 1000
 MIDDLE = {"n_pulleys": 9.0, "wrap_angle_deg": 85.0, "tension_n": 15.0, "speed_m_s": 0.65}
 AMPLITUDES = (-4.0, -3.0, -2.0, -1.0, -0.3, 0.0, 0.3, 1.0, 2.0)

@@ -38,7 +38,7 @@ Random = np.random.RandomState | np.random.Generator  # emcee has the former
 
 FREEDOMS = (6.0, 12.0, 24.0, 48.0)  # all of heavier tails than a normal density
 INFLATION = 1.1  # of a covariance: a posterior that is not normal is covered too
-POINTS = 2000  # of an importance sample
+POINTS = 1000  # of an importance sample
 PASSES = 5  # each from a proposal that is fitted to the one before
 LIMIT_K = 0.7  # of the Pareto shape, above which weights are not to be relied on
 LEAST_EFFECTIVE = 0.25  # of the points
@@ -205,7 +205,7 @@ def importance_points(
 
     Returns
     -------
-    ndarray, shape (2000, D), or None
+    ndarray, shape (1000, D), or None
         Points of the sampling space, some more than once; None where the weights of no sample
         are to be relied on.
     """

@@ -54,8 +54,8 @@ def fitted(recording, analysis=None, without=()):
 
 @pytest.fixture(scope="module")
 def lever():
-    """Four assemblies of one size, of which a single one tells c3."""
-    cells = {(9, 85.0): 3, (9, 135.0): 1}
+    """Seven assemblies of one size, of which a single one tells c3."""
+    cells = {(9, 85.0): 6, (9, 135.0): 1}
     recording = simulate_recording(
         Protocol(cells, (6.0, 16.0, 28.0), (6.0, 16.0, 28.0), 2), seed=8, rigs=("gravity",)
     )

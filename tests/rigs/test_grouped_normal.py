@@ -1,6 +1,7 @@
 """Groups of measurements against SciPy's multivariate normal and against quadrature."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -272,6 +273,26 @@ def test_the_numbers_of_a_group_without_each_measurement(rank):
         assert spread[0, one] == pytest.approx(expected, rel=1e-10)
         told = expected @ (moved / VARIANCE[rest] @ RESIDUAL[rest])
         assert mean[0, one] == pytest.approx(told, rel=1e-10)
+
+
+@pytest.mark.parametrize("rank", [1, 2])
+@pytest.mark.parametrize("scale", [1.0, 1 / 20, 1 / 200])
+@pytest.mark.parametrize("far", [0.0, 2.0])
+def test_a_student_measurement_alone_against_quadrature(rank, scale, far):
+    """Its group's numbers together move it by a normal deviate: an integral along one line."""
+    moved = np.array([[0.6, 0.8], [0.8, 0.6]])[2 - rank :, :1, None] / (1.0 if rank == 2 else 0.8)
+    one = GroupedStudent(
+        Groups(np.array([0]), 1), np.array([[far * scale]]), np.array([[scale**2]]), moved, 4.0
+    )
+
+    def density(number):
+        return stats.norm.pdf(number) * stats.t.pdf(far * scale - number, 4.0, scale=scale)
+
+    peak = [far * scale + step * scale for step in (-50, -5, 0, 5, 50)]
+    edges = [-12.0, *sorted(place for place in peak if abs(place) < 12.0), 12.0]
+    exact = sum(quad(density, *ends)[0] for ends in pairwise(edges))
+    # The ends of the grid cut tails off that hold less than a half of a percent.
+    assert one.single_log_density()[0, 0] == pytest.approx(np.log(exact), abs=0.005)
 
 
 def test_a_student_measurement_that_tells_most():
