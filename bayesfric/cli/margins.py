@@ -152,12 +152,12 @@ def margins_into(
         write_mat(mat, found.ensembles)
     happened = set[str]()
     for loop in found.summary.loops:
-        say(f"{loop.name}: {loop.answer}")
+        _say_sentences(f"{loop.name}: {loop.answer}")
         if loop.plant is not None:
-            say(f"  {loop.plant.sentence}")
+            _say_sentences(f"  {loop.plant.sentence}")
         if loop.with_effects is not None:
             effects = ", ".join(loop.with_effects.effects) or "the law refitted"
-            say(f"{loop.name} with {effects}: {loop.with_effects.answer}")
+            _say_sentences(f"{loop.name} with {effects}: {loop.with_effects.answer}")
         for metric in loop.metrics:
             for one in (metric, in_degrees_or_decibels(metric)):
                 if one is not None:
@@ -165,9 +165,9 @@ def margins_into(
         if (certificate := certificate_told(loop)) is not None:
             say(f"  {certificate}")
         if loop.tuning is not None:
-            say(f"  {tuning_told(loop.tuning)}")
+            _say_sentences(f"  {tuning_told(loop.tuning)}")
         if loop.following is not None:
-            say(f"  {loop.following.answer}")
+            _say_sentences(f"  {loop.following.answer}")
         if loop.verification is not None:
             _say_verified(loop.verification)
         believed = loop.with_effects or loop
@@ -178,6 +178,16 @@ def margins_into(
             for warning in loop.warnings:
                 say(f"warning: {loop.name}: {warning}", err=True)
     return happened
+
+
+def _say_sentences(text: str) -> None:
+    """Print a text, from its second sentence on each on an indented line of its own."""
+    from bayesfric.report.words import sentences
+
+    first, *rest = sentences(text)
+    say(first)
+    for sentence in rest:
+        say(f"  {sentence}")
 
 
 def _say(metric: "Metric") -> None:

@@ -2,10 +2,12 @@
 
 from collections.abc import Sequence
 
+from bayesfric.plots.rig_tables import RigTable
+from bayesfric.report.quantities import format_count
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.base import Words
 
-__all__ = ["group_words", "law_words", "rig_words"]
+__all__ = ["counted", "group_words", "law_words", "rig_words"]
 
 DEFAULT = "paper"  # the law where none is asked for
 
@@ -21,6 +23,12 @@ def rig_words(name: str) -> Words:
     """
     rig = all_rigs().get(name)
     return rig.words if rig is not None else Words(f"rig {name}", "trial", "trials")
+
+
+def counted(table: RigTable) -> str:
+    """Return how many trials of a rig enter: 1 trial of the motor board."""
+    trials = table.trial if table.count == 1 else table.trials
+    return f"{format_count(table.count)} {trials} of the {table.title}"
 
 
 def group_words(rigs: Sequence[str]) -> tuple[str, str]:

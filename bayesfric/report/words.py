@@ -20,7 +20,10 @@ __all__ = [
     "require",
     "require_formula",
     "require_text",
+    "sentences",
 ]
+
+SENTENCE_END = re.compile(r"(?<=[.]) (?=[A-Z0-9])")
 
 
 @dataclass(frozen=True)
@@ -121,6 +124,11 @@ def _typeset(words: str) -> str:
         words,
     )
     return words.replace("ω_n", "ωₙ")
+
+
+def sentences(text: str) -> list[str]:
+    """Return the sentences of what a result says, each of which ends in a full stop."""
+    return SENTENCE_END.split(text)
 
 
 def require(condition: bool, message: str) -> None:

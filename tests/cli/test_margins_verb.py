@@ -43,7 +43,9 @@ def test_it_writes_prints_and_repeats_to_the_byte(folder):
     assert first.returncode == 0, first.stderr
     assert [path.name for path in (folder / "one").iterdir()] == ["margins.json"]
     found = read_json(MarginsFile, folder / "one" / "margins.json")
-    assert first.stdout.startswith(f"my-joint: {found.loops[0].answer}\n")
+    answer = found.loops[0].answer
+    assert first.stdout.startswith("my-joint: " + answer.replace(". ", ".\n  ") + "\n")
+    assert answer.count(". ") >= 1  # a sentence a line
     assert "warning: my-joint: Assumed" in first.stderr
     assert found.seed == 4
     again = bayesfric(*arguments, "two", "--quiet", "--mat", "two/loops.mat", cwd=folder)

@@ -1,7 +1,9 @@
 import math
 
 import pytest
+import xarray as xr
 
+from bayesfric.plots.rig_tables import RigTable
 from bayesfric.probabilities import stated_of_draws
 from bayesfric.report.quantities import (
     error_cells,
@@ -14,7 +16,7 @@ from bayesfric.report.quantities import (
     interval_cells,
     three_digits,
 )
-from bayesfric.report.rig_words import law_words
+from bayesfric.report.rig_words import counted, law_words
 
 THIN = "\u202f"
 
@@ -121,3 +123,13 @@ def test_what_is_no_number_is_refused(call) -> None:
 )
 def test_a_law_is_the_papers_on_its_own_boards_alone(law, rigs, words):
     assert law_words(law, rigs) == words
+
+
+@pytest.mark.parametrize(
+    ("count", "words"),
+    [(1, "1 trial"), (2, "2 trials"), (12_000, f"12{THIN}000 trials")],
+)
+def test_one_trial_is_no_trials(count, words):
+    rows = xr.Dataset(coords={"trial": range(count)})
+    table = RigTable("motor_board", "motor board", "trial", "trials", "setup", "trial", rows, None)
+    assert counted(table) == f"{words} of the motor board"

@@ -15,6 +15,7 @@ from bayesfric.report.content import (
     Table,
 )
 from bayesfric.report.quantities import MISSING, format_count, format_number, format_share
+from bayesfric.report.rig_words import counted
 from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import DataQuality, FitFile, WithoutExclusions
 
@@ -27,10 +28,7 @@ def data_quality(stored: StoredFit) -> Iterator[Block]:
     """Yield trials left out, repaired events, agreement of the sensors, and stalls."""
     quality = stored.fit.data_quality
     yield Heading(1, "Data quality")
-    entered = "; ".join(
-        f"{format_count(one.count)} {one.trials} of the {one.title}"
-        for one in rig_tables(stored.predictive)
-    )
+    entered = "; ".join(counted(one) for one in rig_tables(stored.predictive))
     yield Paragraph(f"What enters: {entered}.")
     if quality.trials:
         yield Paragraph(" ".join(_clean(quality)))

@@ -34,12 +34,12 @@ from bayesfric.report.quantities import (
     format_share,
     interval_cells,
 )
+from bayesfric.report.words import sentences
 from bayesfric.schemas import Held, Interval, LoopMargins, MarginsFile, Metric
 
 __all__ = ["margins"]
 
 UNIT = re.compile(r"(_(n|m|mm|s|a|hz|kg|rad|deg|per|m2|s2))+$")
-SENTENCE = re.compile(r"(?<=[.]) (?=[A-Z0-9])")
 LAW = "c1, c2, c3"  # always shown: how little it may be is the point
 SMALL_SHARE = 0.02  # of a variance, not worth a column
 
@@ -56,7 +56,7 @@ def margins(found: MarginsFile, *, alone: bool) -> Iterator[Block]:
     """
     yield Heading(1, "Controller margins", label="margins")
     for loop in found.loops:
-        verdict, *rest = SENTENCE.split(loop.answer)
+        verdict, *rest = sentences(loop.answer)
         yield Paragraph([Code(loop.name), ": ", Strong(verdict)])
         yield BulletList(rest)
     yield Paragraph(

@@ -31,6 +31,7 @@ from bayesfric.report.content import (
     Table,
 )
 from bayesfric.report.quantities import error_cells, format_count, format_unit, interval_cells
+from bayesfric.report.rig_words import counted
 from bayesfric.report.stored import StoredFit, StoredResults
 from bayesfric.rigs.coefficients import NO_PULLEY
 from bayesfric.schemas import FitFile, RecordingId
@@ -90,10 +91,7 @@ def recorded(recording: RecordingId, fitted: StoredFit | None) -> Paragraph:
 
 
 def _entered(stored: StoredFit) -> str:
-    said = [
-        f"{format_count(one.count)} {one.trials} of the {one.title}"
-        for one in rig_tables(stored.predictive)
-    ]
+    said = [counted(one) for one in rig_tables(stored.predictive)]
     events = stored.fit.data_quality.events
     if events:
         said.append(f"{format_count(events)} Hall events")
