@@ -188,9 +188,12 @@ def age(record):
     since = made and _git("rev-list", "--count", f"{made}..HEAD")
     when = f"{record['commit'] or 'no commit'}" + (f", {day}, {since} commits ago" if since else "")
     stale = changed(record)
-    return f"{when}; " + (f"STALE: {', '.join(stale)} changed" if stale else "of this code")
+    return f"{when}; " + (f"older than {', '.join(stale)}" if stale else "of this code")
 
 
 if __name__ == "__main__":
+    sys.stdout.write(
+        "How old the evidence of the campaigns is (told here, judged by the nightly job):\n"
+    )
     for name in names():
         sys.stdout.write(f"{name:18} {age(read(name))}\n")

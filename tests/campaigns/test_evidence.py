@@ -114,7 +114,7 @@ def test_a_campaign_writes_what_is_read_back_as_fresh(tmp_path, monkeypatch):
     assert evidence.changed(record) == []
     assert evidence.age(record).endswith("of this code")
     record["code"]["bayesfric/physics"] = "0" * evidence.DIGITS
-    assert evidence.age(record).endswith("STALE: bayesfric/physics changed")
+    assert evidence.age(record).endswith("older than bayesfric/physics")
 
 
 def test_cases_of_other_code_are_no_cases_of_a_campaign(tmp_path, monkeypatch):
