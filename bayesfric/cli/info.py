@@ -1,5 +1,7 @@
 """``bayesfric info``: versions, linear algebra and threads."""
 
+from pathlib import Path
+
 from bayesfric.cli.exits import exit_status
 from bayesfric.cli.printing import say
 
@@ -24,6 +26,7 @@ def info() -> None:
     for pool in threadpool_info():
         version = pool.get("version") or "unknown version"
         say(
-            f"{pool['user_api']:<14} {pool['internal_api']} {version}, "
+            f"{pool['user_api']:<14} {pool['internal_api']} {version} "
+            f"in {Path(pool['filepath']).parent.name}, "
             f"{pool['num_threads']} threads (one while fitting)"
         )

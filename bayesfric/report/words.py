@@ -106,12 +106,13 @@ def inlines(text: Text) -> tuple[Inline, ...]:
 
 
 _PERCENT = re.compile(r"(?<=\d)[ \u00a0]?%")
+_BOUND = re.compile(r"([<>≤≥]) (?=[\d−-])")  # its number stays on its line
 _POWER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-])0*(\d+)(?![\w.]*\w)")
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def _set(one: Inline) -> Inline:
-    """Set per cent and powers of ten; never in code."""
+    """Set per cent, bounds and powers of ten; never in code."""
     if isinstance(one, Emphasis | Strong):
         return replace(one, text=_typeset(one.text))
     return _typeset(one) if isinstance(one, str) else one
@@ -119,6 +120,7 @@ def _set(one: Inline) -> Inline:
 
 def _typeset(words: str) -> str:
     words = _PERCENT.sub("\u202f%", words)
+    words = _BOUND.sub("\\1\u00a0", words)
     words = _POWER.sub(
         lambda found: f"{found[1]} × 10{(found[2].strip('+') + found[3]).translate(_RAISED)}",
         words,

@@ -107,5 +107,6 @@ def test_stored_sentences_are_set_like_all_others():
         Strong("2.0\u202f%"),
         code,
     )
+    assert inlines("P > 0.985, a ≤ −2, a < b") == ("P >\u00a00.985, a ≤\u00a0−2, a < b",)
     for name in ("-2", "run-1e5", "g0001", "%d", "abc-1e-05x"):  # a user's own
         assert inlines(name) == (name,)
