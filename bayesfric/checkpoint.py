@@ -181,7 +181,7 @@ def _taken_apart(value: Any) -> Arrays:
 
 def _put_together(kind: Any, told: Any, arrays: Arrays) -> Any:
     """Return a record of a type, or a part of one."""
-    outer, parts = get_origin(kind), get_args(kind)
+    outer, parts = _origin(kind), get_args(kind)
     if outer is UnionType:
         (kind,) = (part for part in parts if part is not NoneType)
         return None if told is None else _put_together(kind, told, arrays)
@@ -197,6 +197,12 @@ def _put_together(kind: Any, told: Any, arrays: Arrays) -> Any:
         hints = get_type_hints(kind)
         return kind(**{name: _put_together(hints[name], one, arrays) for name, one in told.items()})
     return told
+
+
+def _origin(kind: Any) -> Any:
+    """Return what a generic type is made of; from NumPy 2.5 on, `NDArray` is an alias."""
+    outer = get_origin(kind)
+    return get_origin(outer.__value__) if hasattr(outer, "__value__") else outer
 
 
 def _read(path: Path) -> Arrays | None:

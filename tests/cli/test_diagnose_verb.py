@@ -43,7 +43,7 @@ def test_it_writes_prints_and_fails_on_a_gap(board):
     report = bayesfric("report", "out", cwd=board)
     assert report.returncode == 0, report.stderr
     said = summary.sentence.split("; adding")[0].replace("%", "\u202f%")  # as a report sets it
-    said = said.replace(">", "\\>")  # as Markdown has it
+    said = said.replace("> ", "\\>\u00a0")  # as Markdown has it
     assert said in (board / "out" / "summary.md").read_text()
 
 

@@ -10,13 +10,14 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 import pytest
 from altered import by_acceleration
 from numpy.typing import NDArray
 from typer.testing import CliRunner
+from typing_extensions import TypeAliasType
 
 from bayesfric import checkpoint
 from bayesfric.checkpoint import Checkpoint
@@ -125,9 +126,17 @@ def test_a_piece_that_was_cut_short_is_not_trusted(tmp_path):
     assert checkpoint.piece("a", lambda: {"x": np.array(3.0)})["x"] == 3.0
 
 
+Number = TypeVar("Number", bound=np.generic)
+# As NumPy writes NDArray itself from 2.5 on.
+Aliased = TypeAliasType(
+    "Aliased", np.ndarray[tuple[Any, ...], np.dtype[Number]], type_params=(Number,)
+)
+
+
 class Named(NamedTuple):
     values: Mapping[str, NDArray[np.float64]]
     place: float
+    named: Aliased[np.float64]
 
 
 @dataclass(frozen=True)
@@ -142,9 +151,9 @@ class Part:
 
 def test_a_record_comes_back_as_it_was(tmp_path):
     """Numbers to the last bit, what is not finite among them; arrays with their order."""
-    columns = np.arange(6.0).reshape(2, 3).T
-    named = Named({"a": columns, "b": np.array([np.nan, 0.1])}, np.float64(0.1) + 0.2)
-    part = Part("π", (named, named), None, Named({}, np.inf), np.bool_(True), {"k": "v"})
+    columns, alias = np.arange(6.0).reshape(2, 3).T, np.array([1.5])
+    named = Named({"a": columns, "b": np.array([np.nan, 0.1])}, np.float64(0.1) + 0.2, alias)
+    part = Part("π", (named, named), None, Named({}, np.inf, alias), np.bool_(True), {"k": "v"})
     keeping = Checkpoint(tmp_path / "c", "key")
     keeping.record("a", Part | None, lambda: part)
     found = keeping.record("a", Part | None, lambda: pytest.fail("it is kept"))
@@ -152,6 +161,7 @@ def test_a_record_comes_back_as_it_was(tmp_path):
     np.testing.assert_array_equal(found.several[1].values["a"], columns)
     np.testing.assert_array_equal(found.several[0].values["b"], [np.nan, 0.1])
     assert found.several[0].place == 0.30000000000000004
+    assert found.one.named == found.several[0].named == alias
     assert replace(found, several=()) == replace(part, several=())
     assert keeping.record("n", Part | None, lambda: None) is None
     assert keeping.record("n", Part | None, lambda: pytest.fail("it is kept")) is None

@@ -40,7 +40,7 @@ def with_value(dotted: str, value: Any) -> str:
         ('{\n"name": x}', 2, None, "x}", "JSON"),
         ("[1]", None, None, "[1]", "a JSON object"),
         ("3", None, None, "3", "a JSON object"),
-        ('{"a": ' * 5000 + "1" + "}" * 5000, None, None, None, "not nested so deeply"),
+        ('{"a": ' * 200_000 + "1" + "}" * 200_000, None, None, None, "not nested so deeply"),
         ('{"a": ' + "9" * 5000 + "}", None, None, None, "reasonable length"),
         (b'{"name": "\xe9"}', 1, None, "byte 0xe9", "UTF-8"),
         (b'{"name": "\x00"}', 1, None, "byte 0x00", "NUL"),

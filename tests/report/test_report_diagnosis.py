@@ -103,7 +103,7 @@ def test_an_axis_that_may_explain_by_chance_is_not_where_the_gap_lies():
     ("share", "lies", "said"),
     [
         (0.8, "along order", "explains / what is lost without it, in per cent. Right"),
-        (1.2, "along order", "all of it (> 100). Right"),
+        (1.2, "along order", "all of it (>\u00a0100). Right"),
         (-0.1, "open: no axis alone explains a part of it", "Residual force"),
     ],
 )

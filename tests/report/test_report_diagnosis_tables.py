@@ -29,7 +29,7 @@ def test_probabilities_are_the_stored_ones_most_probable_first():
     found = [[words(cell) for cell in row] for row in table.rows]
     assert found[0] == ["viscous", "0.971", "0.975", "0.961"]
     assert found[1][:2] == ["air-drag", "0.012"]
-    assert found[-1] == ["none", "< 0.001", "< 0.001", "0.001"]
+    assert found[-1] == ["none", "<\u00a00.001", "<\u00a00.001", "0.001"]
     assert [words(column.title) for column in table.head][2:] == ["none at 0.1", "none at 0.9"]
     assert "none 0.5, one 0.3, two 0.08" in words(table.note)
     assert "0.002 at most" in words(table.note)
@@ -81,9 +81,9 @@ def test_an_implausible_cause_below_the_floor_says_both():
 def test_axes_have_their_shares_and_blind_ones_say_so():
     stored = stored_diagnosis()
     found = rows(stored, "axes")
-    assert found["velocity [m/s]"] == ["62.0", "31.0", "< 0.001", ""]
+    assert found["velocity [m/s]"] == ["62.0", "31.0", "<\u00a00.001", ""]
     assert found["displacement [m]"][-1] == "tension"
-    assert found["setup"][0] == "< 0"  # −1.0 %: how far below none says nothing
+    assert found["setup"][0] == "<\u00a00"  # −1.0 %: how far below none says nothing
     assert found["wrap angle [°]"] == ["—", "—", "—", "the covariate did not vary"]
     figure = figures(stored)["where"]
     for text in (paragraphs(stored).lower(), figure.alt):
@@ -105,7 +105,7 @@ def test_all_blind_axes_are_no_failure():
 
 def test_a_share_beyond_all_of_the_gap_is_no_number():
     much = axis("setup", "1", 0.1).model_copy(update={"unique_share": 2.494})
-    assert rows(stored_diagnosis(where=(much,)), "axes")["setup"][:2] == ["10.0", "> 100"]
+    assert rows(stored_diagnosis(where=(much,)), "axes")["setup"][:2] == ["10.0", ">\u00a0100"]
 
 
 def test_gap_table_is_in_newtons_row_by_row():

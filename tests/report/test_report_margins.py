@@ -172,7 +172,7 @@ def test_a_map_on_which_nothing_hunts_is_a_sentence_and_the_error(computed):
     assert panel.images[0].get_array().tolist() == (1e3 * np.array(chart.rms_error_m)).tolist()
     said = told(build_document(StoredResults(margins=computed.summary)))
     # 1 − 0.05^(1/30)
-    assert f"any of {chart.draws} draws hunt (P < 0.095 in each" in said
+    assert f"any of {chart.draws} draws hunt (P <\u00a00.095 in each" in said
 
 
 def test_references_that_move_are_drawn_and_tabled(computed):
