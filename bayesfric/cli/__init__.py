@@ -3,6 +3,7 @@
 Until a verb begins there is nothing to clean up: an interrupt ends the process at once.
 """
 
+import atexit
 import os
 import signal
 from types import FrameType
@@ -21,6 +22,9 @@ def main() -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
         if signal.getsignal(number) is not signal.SIG_IGN:  # as for a job in the background
             signal.signal(number, _end)
+            # Registered first, called last: all is written by then, and an interpreter that
+            # shuts down would die of the signal as if nothing had been.
+            atexit.register(signal.signal, number, signal.SIG_IGN)
     from bayesfric.cli.exits import unprinted
     from bayesfric.cli.verbs import app
 

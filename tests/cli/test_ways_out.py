@@ -78,6 +78,25 @@ def test_a_signal_ends_a_fit_with_3_and_no_traceback(board, tmp_path, number):
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_while_the_interpreter_shuts_down_changes_nothing(number):
+    """Where Python has put the signals' own handlers back, all is done."""
+    late = f"""
+import os, signal, sys
+class Late:
+    def __del__(self, kill=os.kill, process=os.getpid(), write=os.write):
+        kill(process, {int(number)})
+        write(1, b"late\\n")
+late = Late()
+sys.argv = ["bayesfric", "info"]
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from bayesfric.cli import main
+main()
+"""
+    done = subprocess.run([sys.executable, "-c", late], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout.splitlines()[-1]) == (0, "late"), done.stderr
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_before_any_verb_begins_ends_with_3(number):
     """At the first import that the command makes, which no exit guards yet."""
     code = (
