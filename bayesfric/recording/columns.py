@@ -64,6 +64,11 @@ class Column:
         return self.kind in ("id", "text")
 
     @property
+    def repeats(self) -> bool:
+        """Whether the cells are few words again and again."""
+        return self.kind == "choice" or (self.kind == "id" and not self.unique)
+
+    @property
     def expected(self) -> str:
         """The rule of one cell, as a sentence fragment."""
         if self.kind == "choice":

@@ -40,4 +40,4 @@ def read_conditions(path: Path) -> pd.DataFrame:
         faults.append(Fault(str(path), "a column of conditions, such as tension_n"))
     if faults:
         raise InputError(faults)
-    return typed(table)
+    return typed(table.frame, FORMAT)

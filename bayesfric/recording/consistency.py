@@ -53,8 +53,8 @@ def check_across(
     if points := tables.get("steady_friction.csv"):
         faults += _conventions(points)
     runs, samples = tables.get("axis_runs.csv"), tables.get("axis_samples.csv")
-    if samples:
-        faults += _not_increasing(samples, ["run"], "time_s")
+    if samples and samples.has("run"):
+        faults += _not_increasing(samples, samples.frame["run"], ["run"])
     if runs and samples:
         faults += _unknown(samples, runs, "run") + _runs_without_samples(runs, samples)
     return faults
@@ -156,17 +156,16 @@ def _events(events: Table, rig: RigConstants) -> list[Fault]:
     if not events.has(*keys):
         return []
     faults: list[Fault] = []
-    groups = events.frame.groupby(keys, sort=False)
-    count = groups["trial"].transform("size")
-    few = ~events.frame.duplicated(keys) & (count < MINIMUM_EVENTS)
+    train = events.frame.groupby(keys, sort=False).ngroup()
+    few = ~train.duplicated() & (train.groupby(train).transform("size") < MINIMUM_EVENTS)
     positions = np.flatnonzero(few)
     for position in positions[:LISTED].tolist():
         trial, sensor = events.frame.loc[position, keys]
         expected = f"at least {MINIMUM_EVENTS} events of trial {trial!r} and sensor {sensor!r}"
-        expected += f", there are {count[position]:.0f}"
+        expected += f", there are {(train == train[position]).sum()}"
         faults += events.text.faults_at([position], "trial", expected)
     faults = with_rest(faults, len(positions) - len(faults))
-    return faults + _not_increasing(events, keys, "time_s") + _displacements(events, rig)
+    return faults + _not_increasing(events, train, keys) + _displacements(events, train, rig)
 
 
 def _conventions(points: Table) -> list[Fault]:
@@ -185,26 +184,27 @@ def _conventions(points: Table) -> list[Fault]:
     return points.faults_where(mask, "friction_n", expected)
 
 
-def _not_increasing(table: Table, keys: list[str], column: str) -> list[Fault]:
-    if not table.has(*keys, column):
+def _not_increasing(table: Table, group: pd.Series, keys: list[str]) -> list[Fault]:
+    column = "time_s"
+    if not table.has(column):
         return []
     values = table.frame[column]
-    previous = table.frame.groupby(keys, sort=False)[column].shift()
+    previous = values.groupby(group, sort=False).shift()
     expected = f"more than the {column} before it, within a {' and '.join(keys)}"
     return table.faults_where(values <= previous, column, expected)
 
 
-def _displacements(events: Table, rig: RigConstants) -> list[Fault]:
-    keys, column = ["trial", "sensor"], "displacement_m"
+def _displacements(events: Table, train: pd.Series, rig: RigConstants) -> list[Fault]:
+    column = "displacement_m"
     if not events.has(column) or rig.hall_spacing_m is None:
         return []
     spacing, values = rig.hall_spacing_m, events.frame[column]
     counts = pd.Series(spacing_counts(values.to_numpy(), spacing), index=values.index)
     tolerance = printed_tolerance(events.text.cells[column], spacing)
-    first = events.frame[keys].notna().all(axis=1) & ~events.frame.duplicated(keys)
+    first = train.notna() & ~train.duplicated()
     not_zero = first & (values.abs() > tolerance)
     off = ~not_zero & ((counts * spacing - values).abs() > tolerance)
-    previous = counts.groupby([events.frame[key] for key in keys], sort=False).shift()
+    previous = counts.groupby(train, sort=False).shift()
     back = ~off & (counts <= previous)
     return (
         events.faults_where(not_zero, column, "0 at the first event of a trial and sensor")

@@ -25,5 +25,7 @@ def tables_sha256(tables: Mapping[str, bytes]) -> str:
     """
     digest = hashlib.sha256()
     for name in sorted(tables):
-        digest.update(name.encode() + b"\0" + tables[name] + b"\0")
+        digest.update(name.encode() + b"\0")
+        digest.update(tables[name])  # by itself, since it may be large
+        digest.update(b"\0")
     return digest.hexdigest()

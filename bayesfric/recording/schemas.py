@@ -5,6 +5,7 @@ that every fault keeps its line and its value as written.
 """
 
 import re
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,8 @@ from bayesfric.recording.csv_text import TextTable
 __all__ = ["Table", "check_cells"]
 
 DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+
+OF_DECIMALS = b"0123456789.eE+-"
 
 NO_NUMBERS = {
     r"[+-]?\d+,\d+": ", with a point as the decimal mark",
@@ -47,7 +50,7 @@ class Table:
     frame : DataFrame
         The same rows as `text`, known columns only, in canonical order. A cell at
         fault, or empty, is NaN, so that no further rule stumbles over it; integers are
-        still floats.
+        still floats, and words that repeat are categories.
     faults : tuple of Fault
         Everything wrong with single cells, columns and ids.
     notes : tuple of str
@@ -153,7 +156,10 @@ def _check_units(text: TextTable, table: TableFormat) -> None:
 
 def _typed(cells: pd.Series, column: Column) -> pd.Series:
     if not column.is_numeric:
-        return cells.where(cells != "", np.nan).astype("str")
+        if not column.repeats:
+            return cells.where(cells != "", np.nan).astype("str")
+        words = cells.astype("category")
+        return words.cat.remove_categories([word for word in words.cat.categories if not word])
     numbers = _numbers(cells)
     if column.kind == "integer":
         numbers = numbers.where(numbers == np.floor(numbers))
@@ -162,8 +168,15 @@ def _typed(cells: pd.Series, column: Column) -> pd.Series:
 
 def _numbers(cells: pd.Series) -> pd.Series:
     """Finite decimal numbers; NaN for all else, "nan" and "inf" included."""
-    decimal = [cell if DECIMAL.fullmatch(cell) else "nan" for cell in cells]
-    numbers = np.array(decimal, dtype=object).astype(np.float64)
+    # Where no other characters are, what Python reads as numbers are decimal ones.
+    if not "".join(cells.tolist()).encode().translate(None, OF_DECIMALS):
+        with suppress(ValueError):
+            return _finite(cells)
+    return _finite(cells.map(lambda cell: cell if DECIMAL.fullmatch(cell) else "nan"))
+
+
+def _finite(cells: pd.Series) -> pd.Series:
+    numbers = cells.to_numpy(dtype=object).astype(np.float64)
     numbers[~np.isfinite(numbers)] = np.nan
     return pd.Series(numbers, index=cells.index)
 
@@ -184,9 +197,10 @@ def _checked(
             continue
         values, cells = frame[name], text.cells[name]
         wrong = values.isna() | ~_obeys(values, column)
-        excused = (cells == "") & (column.may_be_empty or cells.index.isin(list(text.ragged)))
-        if (positions := np.flatnonzero(wrong & ~excused)).size:
-            faults += text.faults_at(positions, name, _expected(column, cells, values))
+        if wrong.any():
+            excused = (cells == "") & (column.may_be_empty or cells.index.isin(list(text.ragged)))
+            if (positions := np.flatnonzero(wrong & ~excused)).size:
+                faults += text.faults_at(positions, name, _expected(column, cells, values))
         if column.unique:
             repeated = values.duplicated() & ~wrong
             positions = np.flatnonzero(repeated)

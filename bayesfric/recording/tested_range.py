@@ -82,8 +82,12 @@ def _top_speeds(gravity: Gravity) -> "pd.Series[float]":
     events = gravity.events
     travel = events["displacement_m"].to_numpy(float)
     time = events["time_s"].to_numpy(float)
-    train = events.groupby(["trial", "sensor"], sort=False).ngroup().to_numpy()
+    trial, sensor = (events[key].to_numpy(object) for key in ("trial", "sensor"))
+    # Events are sorted, so that a train ends where the next row is of another.
+    ends = (trial[1:] != trial[:-1]) | (sensor[1:] != sensor[:-1])
+    train = np.concatenate([[0], np.cumsum(ends)])[: len(trial)]
     within = train[WINDOW:] == train[:-WINDOW]
     speed = (travel[WINDOW:] - travel[:-WINDOW]) / (time[WINDOW:] - time[:-WINDOW])
-    trial = events["trial"].to_numpy()[WINDOW:]
-    return pd.Series(speed[within], index=trial[within], dtype=np.float64).groupby(level=0).max()
+    most = pd.Series(speed[within], dtype=np.float64).groupby(train[WINDOW:][within]).max()
+    of_train = trial[np.searchsorted(train, most.index)]
+    return most.groupby(of_train).max()
