@@ -71,6 +71,7 @@ bench: setup
 	$(python) -m pytest -m bench
 	@test -x "$(PEERS)/bin/python" || $(python) -m venv "$(PEERS)"
 	"$(PEERS)/bin/python" -m pip install -q -r tests/benchmark/peers.txt
+	@$(python) -m compileall -q bayesfric
 	PYTHONPATH=tests REPEATS="$(REPEATS)" $(python) -m benchmark "$(PEERS)/bin/python"
 
 clean:

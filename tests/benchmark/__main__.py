@@ -23,14 +23,14 @@ REPEATS = int(os.environ.get("REPEATS", "3"))
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
 
-def run(python, sampler, posterior, result):
+def run(python, sampler, posterior, result, seed):
     """Run a sampler in a process of its own, cold, and return what it stored."""
     ours = posterior.suffix == ".pickle"
     script = ["-m", "benchmark.ours"] if ours else [str(HERE / "peers.py")]
     environment = os.environ | ONE_THREAD
     if not ours:
         environment.pop("PYTHONPATH", None)
-    command = [python, *script, sampler, str(posterior), str(result)]
+    command = [python, *script, sampler, str(posterior), str(result), str(seed)]
     subprocess.run(command, check=True, env=environment)
     with np.load(result) as stored:
         return dict(stored)
@@ -46,17 +46,18 @@ def side_by_side(name, peers_python, folder):
     coefficients = sum(one.kind == "coefficient" for one in model.parameters)
     runs = {"ours": (sys.executable, pickled), "limit": (sys.executable, pickled)}
     runs |= dict.fromkeys(PEERS, (peers_python, posterior))
-    repeats, draws = {sampler: [] for sampler in runs}, {}
-    for _ in range(REPEATS):
+    repeats, kept = ({sampler: [] for sampler in runs} for _ in range(2))
+    for seed in range(1, REPEATS + 1):
         for sampler, (python, stored) in runs.items():
-            found = run(python, sampler, stored, folder / "result.npz")
+            found = run(python, sampler, stored, folder / "result.npz", seed)
             repeats[sampler].append(compare.figures_of(found, coefficients))
-            draws[sampler] = found["theta"]
+            kept[sampler].append(found)
     figures = {
         sampler: {key: compare.spread([one[key] for one in rows]) for key in rows[0]}
         for sampler, rows in repeats.items()
     }
-    z = {peer: compare.largest_z(draws["ours"], draws[peer]) for peer in PEERS}
+    draws = {sampler: compare.pooled(found) for sampler, found in kept.items()}
+    z = {other: compare.largest_z(draws["ours"], draws[other]) for other in ("limit", *PEERS)}
     return compare.targets(name, figures, z), figures
 
 
@@ -86,7 +87,7 @@ def main(peers_python, names):
     evidence.write(
         "benchmark",
         sys.modules[__name__],
-        seeds=[1, 1],
+        seeds=[1, REPEATS],
         figures=rows,
         cases={"samplers": cases, **figures},
         command="make bench",

@@ -52,8 +52,11 @@ def _r_hat(draws):
     return float(array_stats.rhat(draws.reshape(len(draws), -1)))
 
 
-def moments(theta):
+def moments(run):
     """Return means and standard deviations with their Monte Carlo errors, (2, D) each."""
+    theta = run["theta"]
+    if "weights" in run:
+        return _weighted_moments(theta, run["weights"])
     values, errors = [], []
     for place in range(theta.shape[-1]):
         draws = theta[..., place]
@@ -65,14 +68,32 @@ def moments(theta):
     return np.transpose(values), np.transpose(errors)
 
 
+def _weighted_moments(theta, weights):
+    """Return the same of independent draws with weights that sum to one (Geweke 1989)."""
+    mean = weights @ theta
+    square = (theta - mean) ** 2
+    sd = np.sqrt(weights @ square)
+    error = np.sqrt(weights**2 @ square)
+    sd_error = np.sqrt(weights**2 @ (square - sd**2) ** 2) / (2 * sd)
+    return np.array([mean, sd]), np.array([error, sd_error])
+
+
 def _sd_error(chains):
     return float(array_stats.mcse(chains, method="sd"))
 
 
-def largest_z(ours, peer):
+def largest_z(ours, other):
     """Return the largest difference of a mean or a standard deviation in Monte Carlo errors."""
-    (first, error), (second, other) = moments(ours), moments(peer)
-    return float(np.abs((first - second) / np.hypot(error, other)).max())
+    (first, error), (second, theirs) = moments(ours), moments(other)
+    return float(np.abs((first - second) / np.hypot(error, theirs)).max())
+
+
+def pooled(runs):
+    """Return the draws of repeats, each of a seed of its own, as those of one run."""
+    found = {"theta": np.concatenate([run["theta"] for run in runs])}
+    if "weights" in runs[0]:
+        found["weights"] = np.concatenate([run["weights"] for run in runs]) / len(runs)
+    return found
 
 
 def spread(values):
@@ -94,7 +115,7 @@ def targets(problem, found, z):
     found : dict of str to dict of str to dict
         Sampler and figure to median and range; ``ours``, ``limit`` and peers.
     z : dict of str to float
-        Peer to the largest difference from ours.
+        Limit or peer to the largest difference from ours.
     """
     ours = found["ours"]
     peers = {
@@ -124,7 +145,7 @@ def targets(problem, found, z):
             "met": value < GOALS["z"],
         }
         for peer, value in z.items()
-        if peer in peers
+        if peer in peers or peer == "limit"
     ]
     return rows
 

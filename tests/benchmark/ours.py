@@ -1,6 +1,6 @@
 """The package's own sampler on a posterior of the benchmark, in a process of its own.
 
-``python -m benchmark.ours SAMPLER MODEL.pickle RESULT.npz``, with ``tests`` on the path. The
+``python -m benchmark.ours SAMPLER MODEL.pickle RESULT.npz SEED``, with ``tests`` on the path. The
 result is like that of :mod:`benchmark.peers`, of shape (ensembles, draws, walkers, D).
 """
 
@@ -24,12 +24,14 @@ SETTINGS = Sampler(walkers=512, burn=10, steps=80, thin=1)
 unthinned, since effective draws are counted and not stored."""
 
 
-def ours(model):
+def ours(model, seed):
     """Draw as `fit` does, convergence checked as ever, in larger ensembles than by default."""
     settings = SETTINGS
     clock = []
     draws = draw_posterior(
-        model, Analysis(sampler=settings), lambda done, total: clock.append(time.process_time())
+        model,
+        Analysis(sampler=settings, seed=seed),
+        lambda done, total: clock.append(time.process_time()),
     )
     spent = time.process_time()
     of_ensembles = settings.ensembles * (settings.burn + settings.steps)
@@ -39,12 +41,12 @@ def ours(model):
     return {"theta": theta, "seconds": kept, "before": spent - kept}
 
 
-def limit(model):
+def limit(model, seed):
     """Draw independently from the Laplace fit, and weigh: no chain does better."""
     laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
     before = time.process_time()
     proposal = StudentT(laplace.mode, laplace.covariance, FREEDOM)
-    z = proposal.draw(INDEPENDENT, np.random.RandomState(1))
+    z = proposal.draw(INDEPENDENT, np.random.RandomState(seed))
     weights, k = smooth_weights(model.log_posterior(z) - proposal.log_density(z))
     seconds = time.process_time() - before
     weights = np.exp(weights - weights.max())
@@ -60,11 +62,11 @@ def limit(model):
 SAMPLERS = {"ours": ours, "limit": limit}
 
 
-def main(sampler, model, result):
+def main(sampler, model, result, seed):
     """Sample a posterior and write what was found."""
     with Path(model).open("rb") as stored:
         posterior = pickle.load(stored)
-    np.savez(result, **SAMPLERS[sampler](posterior))
+    np.savez(result, **SAMPLERS[sampler](posterior, int(seed)))
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Other people's samplers on a posterior of the benchmark, in an environment of their own.
 
-``python peers.py SAMPLER PROBLEM.npz RESULT.npz``; it imports nothing of the package. The
+``python peers.py SAMPLER PROBLEM.npz RESULT.npz SEED``; it imports nothing of the package. The
 result holds draws in the parameters' units, shape (chains, draws, D), and processor seconds.
 """
 
@@ -15,16 +15,14 @@ os.environ["XLA_FLAGS"] = (
 import numpy as np
 
 CHAINS, WARM_UP, DRAWS = 4, 500, 1000
-LIVE_POINTS = 500
-SEED = 1
 JITTER = 0.1  # of starts, in unconstrained numbers
 
 
-def main(sampler, problem, result):
+def main(sampler, problem, result, seed):
     """Sample a problem and write what was found."""
     with np.load(problem) as stored:
         data = dict(stored)
-    np.savez(result, **SAMPLERS[sampler](data))
+    np.savez(result, **SAMPLERS[sampler](data, int(seed)))
 
 
 def _timed(draw, total):
@@ -35,13 +33,13 @@ def _timed(draw, total):
     return {"theta": draws, "seconds": seconds, "before": total}
 
 
-def _starts(posterior):
+def _starts(posterior, seed):
     """Start near the priors' scales.
 
     From starts as far as a prior is wide, a chain in four ends in a mode of no weight at
     ``omega`` = 0.4, and the peer could not be compared with.
     """
-    return np.random.default_rng(SEED).uniform(-JITTER, JITTER, (CHAINS, len(posterior.names)))
+    return np.random.default_rng(seed).uniform(-JITTER, JITTER, (CHAINS, len(posterior.names)))
 
 
 def _constrained(posterior):
@@ -55,7 +53,7 @@ def _constrained(posterior):
     return jax.jit(jax.vmap(jax.vmap(natural)))
 
 
-def numpyro_nuts(data):
+def numpyro_nuts(data, seed):
     """NumPyro's NUTS; its mass matrix is dense, since coefficients of one size trade off."""
     import jax
     from jax_density import Posterior
@@ -71,12 +69,12 @@ def numpyro_nuts(data):
         chain_method="vectorized",
         progress_bar=False,
     )
-    mcmc.run(jax.random.PRNGKey(SEED), init_params=_starts(posterior))
+    mcmc.run(jax.random.PRNGKey(seed), init_params=_starts(posterior, seed))
     cold = time.process_time()
     mcmc.post_warmup_state = mcmc.last_state
 
     def draw():
-        mcmc.run(jax.random.PRNGKey(SEED + 1))
+        mcmc.run(jax.random.PRNGKey(seed + 1000))
         return mcmc.get_samples(group_by_chain=True).block_until_ready()
 
     found = _timed(draw, cold)
@@ -86,7 +84,7 @@ def numpyro_nuts(data):
     return found | {"theta": np.asarray(_constrained(posterior)(draws))}
 
 
-def blackjax_nuts(data):
+def blackjax_nuts(data, seed):
     """BlackJAX's NUTS with its window adaptation, dense likewise."""
     import blackjax
     import jax
@@ -111,14 +109,14 @@ def blackjax_nuts(data):
 
         return jax.lax.scan(one, state, jax.random.split(key, DRAWS))[1]
 
-    keys = jax.random.split(jax.random.PRNGKey(SEED), CHAINS)
-    adapted = jax.block_until_ready(jax.jit(jax.vmap(run))(keys, _starts(posterior)))
+    keys = jax.random.split(jax.random.PRNGKey(seed), CHAINS)
+    adapted = jax.block_until_ready(jax.jit(jax.vmap(run))(keys, _starts(posterior, seed)))
     compiled = jax.jit(jax.vmap(sample)).lower(*adapted).compile()
     found = _timed(lambda: compiled(*adapted).block_until_ready(), time.process_time())
     return found | {"theta": np.asarray(_constrained(posterior)(found["theta"]))}
 
 
-def nutpie_nuts(data):
+def nutpie_nuts(data, seed):
     """nutpie's NUTS with a diagonal mass matrix, its default; one chain at a time."""
     import jax
     import nutpie
@@ -146,9 +144,7 @@ def nutpie_nuts(data):
         [np.dtype(np.float64)],
         [(size,)],
         ["u"],
-        make_initial_point_fn=lambda seed: np.random.default_rng(seed).uniform(
-            -JITTER, JITTER, size
-        ),
+        make_initial_point_fn=lambda its: np.random.default_rng(its).uniform(-JITTER, JITTER, size),
     )
 
     def draw(count):
@@ -158,7 +154,7 @@ def nutpie_nuts(data):
             tune=WARM_UP,
             chains=CHAINS,
             cores=1,
-            seed=SEED,
+            seed=seed,
             progress_bar=False,
         )
         return drawn.posterior["u"].to_numpy()

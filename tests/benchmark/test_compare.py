@@ -26,9 +26,41 @@ def test_effective_draws_of_weights_are_one_over_the_sum_of_squares():
 @pytest.mark.parametrize(("mean", "sd"), [(0.15, 1.0), (0.0, 1.15)])
 def test_a_mean_or_an_sd_that_differs_is_seen(mean, sd):
     """0.15 over √(2 / 4000) is 6.7 errors of a mean, and 0.15 over √(1 / 4000) more of an sd."""
-    same = compare.largest_z(independent(0.0, 1.0, 1), independent(0.0, 1.0, 2))
-    other = compare.largest_z(independent(0.0, 1.0, 1), independent(mean, sd, 2))
-    assert same < 3 < 4.5 < other
+    one, same, other = (
+        {"theta": independent(*of)} for of in ((0.0, 1.0, 1), (0.0, 1.0, 2), (mean, sd, 2))
+    )
+    assert compare.largest_z(one, same) < 3 < 4.5 < compare.largest_z(one, other)
+
+
+def test_weights_enter_the_moments_and_their_errors():
+    """Draws of N(0, 2²) are weighted to N(0, 1); the errors are known by quadrature."""
+    size = 200_000
+    theta = np.random.default_rng(1).normal(0.0, 2.0, (size, 1))
+    ratio = 2 * np.exp(-0.5 * theta[:, 0] ** 2 * (1 - 0.25))
+    (mean, sd), (error, sd_error) = compare.moments(
+        {"theta": theta, "weights": ratio / ratio.sum()}
+    )
+    # The square of the ratio of the densities, times the proposal's.
+    x = np.linspace(-10, 10, 20_001)
+    weighed = 2 * np.exp(-(x**2) * (1 - 0.125)) / np.sqrt(2 * np.pi) * (x[1] - x[0])
+    assert error[0] == pytest.approx(np.sqrt((weighed * x**2).sum() / size), rel=0.02)
+    expected = np.sqrt((weighed * (x**2 - 1) ** 2).sum() / size) / 2
+    assert sd_error[0] == pytest.approx(expected, rel=0.02)
+    assert abs(mean[0]) < 4 * error[0]
+    assert abs(sd[0] - 1) < 4 * sd_error[0]
+
+
+def test_repeats_are_pooled_as_so_many_draws_more():
+    runs = [
+        {"theta": independent(0.0, 1.0, seed, (100,)), "weights": np.full(100, 0.01)}
+        for seed in (1, 2)
+    ]
+    found = compare.pooled(runs)
+    assert found["theta"].shape == (200, 2)
+    assert found["weights"].sum() == pytest.approx(1.0)
+    np.testing.assert_allclose(
+        compare.moments(found)[0][0], np.mean([run["theta"].mean(axis=0) for run in runs], axis=0)
+    )
 
 
 def figures(rate, cold, r_hat=1.0):
@@ -51,9 +83,10 @@ def test_targets_are_against_the_fastest_of_each():
         "b": figures(150.0, 30.0),
         "unconverged": figures(9e9, 1e-9, r_hat=1.2),
     }
-    rows = compare.targets("p", found, {"a": 2.9, "b": 3.1, "unconverged": 9.0})
-    assert [row["ratio"] for row in rows] == [4.0, 20.0, 0.6, 2.9, 3.1]
-    assert [row["met"] for row in rows] == [False, True, True, True, False]
+    z = {"limit": 1.0, "a": 2.9, "b": 3.1, "unconverged": 9.0}
+    rows = compare.targets("p", found, z)
+    assert [row["ratio"] for row in rows] == [4.0, 20.0, 0.6, 1.0, 2.9, 3.1]
+    assert [row["met"] for row in rows] == [False, True, True, True, True, False]
     assert "b" in rows[0]["name"]
     assert "a" in rows[1]["name"]
 
