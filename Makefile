@@ -68,7 +68,6 @@ PEERS ?= build/peers
 REPEATS ?= 3
 
 bench: setup
-	$(python) -m pytest -m bench
 	@test -x "$(PEERS)/bin/python" || $(python) -m venv "$(PEERS)"
 	"$(PEERS)/bin/python" -m pip install -q -r tests/benchmark/peers.txt
 	@$(python) -m compileall -q bayesfric

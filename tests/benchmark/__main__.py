@@ -13,7 +13,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from benchmark import compare, marginal, page, problems, sizes, verbs, workers
+from benchmark import compare, kernels, marginal, page, problems, sizes, verbs, workers
 from campaigns import evidence
 
 HERE = Path(__file__).resolve().parent
@@ -78,6 +78,7 @@ def main(peers_python, names):
     for name, own in {
         # First, since the peak of a command counts from that of this process.
         "commands": lambda: verbs.targets(REPEATS),
+        "kernels": kernels.targets,
         "campaigns": workers.targets,
         "evidence": lambda: marginal.targets(problems.model_of(problems.PROBLEMS[EVIDENCE])[0]),
         "sizes": sizes.targets,

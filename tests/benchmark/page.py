@@ -20,7 +20,7 @@ was measured with it, and not what the peer can do. Of what has a limit, the lim
 "peer" and the ratio is the share of it: 1 at most. Each repeat has a seed of its own. Means and
 standard deviations of all parameters, of the draws of all repeats together, are compared with each
 peer's and with the limit's; the largest difference stands for all. Commands are timed cold, by
-the wall.
+the wall. Kernels are timed by pytest-benchmark: the median.
 """
 
 

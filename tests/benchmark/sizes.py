@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from benchmark.memory import peak_mib
 from benchmark.problems import RECORDING
 
 from bayesfric.analysis import Analysis
+from bayesfric.errors import InputError
 from bayesfric.inference.model import Model
 from bayesfric.recording import read_recording, write_recording
 from bayesfric.recording.tables import Gravity
@@ -27,6 +29,8 @@ TRIALS = (200, 2_000, 20_000, 50_000)
 POINTS = 40  # at which the likelihood is evaluated
 SLOPE, FLAT = 1.1, 1.3
 READ_S, READ_MIB = 10.0, 2048
+REFUSED = 8_500  # trials, of a million events
+REFUSE_S, REFUSE_MIB = 20.0, 1024
 SEED = 1
 
 
@@ -65,13 +69,12 @@ def targets():
     with tempfile.TemporaryDirectory() as folder:
         for trials in TRIALS:
             write_recording(repeated(recording, trials), Path(folder) / str(trials))
-            read = subprocess.run(
-                [sys.executable, "-m", "benchmark.sizes", str(Path(folder) / str(trials))],
-                check=True,
-                capture_output=True,
-                text=True,
-            )
-            seconds[trials]["read"], seconds[trials]["read_mib"] = map(float, read.stdout.split())
+            seconds[trials] |= _read(Path(folder) / str(trials))
+        wrong = Path(folder) / "wrong"
+        write_recording(repeated(recording, REFUSED), wrong)
+        events = wrong / "gravity_events.csv"
+        events.write_bytes(events.read_bytes().replace(b",drive,", b",drove,"))
+        refused = _read(wrong)
     first, last = seconds[TRIALS[1]], seconds[TRIALS[-1]]
     ratio = TRIALS[-1] / TRIALS[1]  # from 2,000 on, so that no constant part flatters
     whole = [one["read"] + one["reduce"] for one in (first, last)]
@@ -82,11 +85,22 @@ def targets():
         within("a likelihood at 50,000 trials, over one at 200", flat, FLAT),
         within("reading 6 million events, seconds", last["read"], READ_S),
         within("reading 6 million events, MiB", last["read_mib"], READ_MIB),
+        within("refusing a million events, seconds", refused["read"], REFUSE_S),
+        within("refusing a million events, MiB", refused["read_mib"], REFUSE_MIB),
     ]
-    return rows, {str(trials): one for trials, one in seconds.items()}
+    return rows, {str(trials): one for trials, one in seconds.items()} | {"refused": refused}
+
+
+def _read(folder):
+    """Read a recording in a process of its own."""
+    command = [sys.executable, "-m", "benchmark.sizes", str(folder)]
+    said = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    read, mib = map(float, said.split())
+    return {"read": read, "read_mib": mib}
 
 
 if __name__ == "__main__":
     start = time.process_time()
-    read_recording(Path(sys.argv[1]))
+    with suppress(InputError):
+        read_recording(Path(sys.argv[1]))
     sys.stdout.write(f"{time.process_time() - start} {peak_mib()}\n")

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from benchmark import compare, page
+from benchmark import compare, kernels, page
 
 
 def independent(mean, sd, seed, shape=(4, 1000)):
@@ -103,3 +103,11 @@ def test_a_limit_is_met_from_below(seconds, met):
     assert row["met"] is met
     assert page.line(row).endswith("met)" if met else "missed)")
     assert row["ratio"] == pytest.approx(seconds / 20.0)
+
+
+def test_a_kernel_has_a_limit_or_a_peer():
+    alone = kernels.row({"name": "k", "within_s": 0.5}, 0.25)
+    beside = kernels.row({"name": "k", "within_s": None, "peer_s": 30.0, "goal": 100}, 0.25)
+    assert (alone["ratio"], alone["met"]) == (0.5, True)
+    assert (beside["ratio"], beside["met"]) == (120.0, True)
+    assert not kernels.row({"name": "k", "within_s": 0.5}, 0.75)["met"]
