@@ -17,10 +17,10 @@ an R-hat above 1.05 is shown, and not compared with. Ours takes `walkers = 512`,
 `steps = 80` and `thin = 1`, where `fit` by default has 40 walkers that go on for longer. The
 peers' density is written in JAX by this project and is not optimised: a ratio above 1 says what
 was measured with it, and not what the peer can do. Of what has a limit, the limit stands under
-"peer" and the ratio is the share of it: 1 at most. Each repeat has a seed of its own. Means and
-standard deviations of all parameters, of the draws of all repeats together, are compared with each
-peer's and with the limit's; the largest difference stands for all. Commands are timed cold, by
-the wall. Kernels are timed by pytest-benchmark: the median.
+"peer" and the ratio is the share of it: 1 at most. Each repeat has a seed of its own; event level
+is run once. Means and standard deviations of all parameters, of the draws of all repeats together,
+are compared with each peer's and with the limit's; the largest difference stands for all. Commands
+are timed cold, by the wall. Kernels are timed by pytest-benchmark: the median.
 """
 
 
