@@ -19,7 +19,7 @@ from bayesfric.inference.proposals import StudentT
 
 INDEPENDENT = 40_000
 FREEDOM = 5.0
-SETTINGS = Sampler(walkers=512, burn=10, steps=80, thin=1)
+SETTINGS = Sampler(walkers=1024, burn=10, steps=50, thin=1)
 """Large ensembles, since a call of the likelihood costs least a point with some hundred points;
 unthinned, since effective draws are counted and not stored."""
 
@@ -34,11 +34,21 @@ def ours(model, seed):
         lambda done, total: clock.append(time.process_time()),
     )
     spent = time.process_time()
-    of_ensembles = settings.ensembles * (settings.burn + settings.steps)
-    steps = np.diff(clock[-of_ensembles - 1 :], prepend=np.nan)[-of_ensembles:]
-    kept = np.nansum(steps.reshape(settings.ensembles, -1)[:, settings.burn :])
+    kept = seconds_of_kept(clock, draws, settings)
     theta = model.natural(draws.z)
     return {"theta": theta, "seconds": kept, "before": spent - kept}
+
+
+def seconds_of_kept(clock, draws, settings):
+    """Return how long the steps took whose draws are kept, thinned ones included.
+
+    Each entry of the clock is the end of a step. Ensembles run one after another; where they had
+    to be run on, draws are of the last run alone, which is as long as all before it.
+    """
+    burn = settings.burn if draws.extensions == 0 else 0
+    last_run = settings.ensembles * (burn + draws.steps)
+    steps = np.diff(clock[-last_run - 1 :], prepend=np.nan)[-last_run:]
+    return np.nansum(steps.reshape(settings.ensembles, -1)[:, burn:])
 
 
 def limit(model, seed):

@@ -13,8 +13,8 @@ from machine to machine. Draws are effective draws of the worst coefficient of t
 cold" is the time to 4,000 of these, imports, compilation and tuning included. The limit is
 independent draws from the Laplace fit, weighted. Peers get the same sufficient statistics, and
 their settings are those that they come with, not tuned by their authors; a peer whose chains have
-an R-hat above 1.05 is shown, and not compared with. Ours takes `walkers = 512`, `burn = 10`,
-`steps = 80` and `thin = 1`, where `fit` by default has 40 walkers that go on for longer. The
+an R-hat above 1.05 is shown, and not compared with. Ours takes `walkers = 1024`, `burn = 10`,
+`steps = 50` and `thin = 1`, where `fit` by default has 40 walkers that go on for longer. The
 peers' density is written in JAX by this project and is not optimised: a ratio above 1 says what
 was measured with it, and not what the peer can do. Of what has a limit, the limit stands under
 "peer" and the ratio is the share of it: 1 at most. Each repeat has a seed of its own; event level

@@ -1,8 +1,10 @@
 """The figures of the benchmark, of runs whose figures are known."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
-from benchmark import compare, kernels, page
+from benchmark import compare, kernels, ours, page
 
 
 def independent(mean, sd, seed, shape=(4, 1000)):
@@ -111,3 +113,13 @@ def test_a_kernel_has_a_limit_or_a_peer():
     assert (alone["ratio"], alone["met"]) == (0.5, True)
     assert (beside["ratio"], beside["met"]) == (120.0, True)
     assert not kernels.row({"name": "k", "within_s": 0.5}, 0.75)["met"]
+
+
+@pytest.mark.parametrize(("extensions", "steps", "seconds"), [(0, 2, 4.0), (1, 2, 28.0)])
+def test_seconds_are_those_of_the_steps_whose_draws_are_kept(extensions, steps, seconds):
+    """Two ensembles: a step of burn-in takes 5 s and one after it 1 s; one of a later run 7 s."""
+    settings = SimpleNamespace(ensembles=2, burn=1)
+    draws = SimpleNamespace(extensions=extensions, steps=steps)
+    taken = [5.0, 1.0, 1.0] * 2 + [7.0] * (2 * steps * extensions)
+    clock = (100.0 + np.cumsum(taken)).tolist()
+    assert ours.seconds_of_kept(clock, draws, settings) == pytest.approx(seconds)
