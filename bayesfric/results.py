@@ -27,8 +27,8 @@ from bayesfric.checksum import add_checksum, checksum_differs, has_checksum
 from bayesfric.errors import Fault, InputError
 from bayesfric.files import file_bytes
 from bayesfric.interrupts import uninterrupted
+from bayesfric.observation.coefficients import NO_PULLEY, coefficient_name, law_of
 from bayesfric.physics.friction import Coefficients
-from bayesfric.rigs.coefficients import NO_PULLEY, coefficient_name, law_of
 from bayesfric.schemas import FitFile, Provenance, RecordingId
 
 __all__ = [

@@ -13,11 +13,11 @@ from bayesfric.claims.comparison import share
 from bayesfric.effects import all_effects
 from bayesfric.fitting.hypothesis import model_of
 from bayesfric.inference.informed import informed_by_data
+from bayesfric.observation.coefficients import coefficient_parameters
 from bayesfric.paper import paper, table1
 from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.laws import BASELINES
 from bayesfric.probabilities import stated
-from bayesfric.rigs.coefficients import coefficient_parameters
 
 LEAST_TENSION_N = 5.0  # Table II names no lower bound; the paper's lightest weights give more
 

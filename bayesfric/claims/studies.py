@@ -31,8 +31,8 @@ from bayesfric.inference.laplace import Laplace, laplace_approximation
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import log_density
 from bayesfric.inference.sampling import sample
+from bayesfric.observation.coefficients import law_of
 from bayesfric.physics.laws import RIVAL_LAWS
-from bayesfric.rigs.coefficients import law_of
 from bayesfric.rigs.data import Data
 
 __all__ = ["WIDTHS", "Kept", "Studied", "Task", "prior_ratios", "slowest_speed", "study_all"]

@@ -8,11 +8,11 @@ from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.climbing import climb
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.errors import Fault, InputError
+from bayesfric.observation.coefficients import coefficient_name, law_of
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import FrictionLaw
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs import all_rigs
-from bayesfric.rigs.coefficients import coefficient_name, law_of
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.opening import beside_simulator, diagnosed_law
 from bayesfric.simulators import SimulatorCalls

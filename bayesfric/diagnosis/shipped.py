@@ -5,9 +5,9 @@ from collections.abc import Collection, Mapping
 import numpy as np
 
 from bayesfric.errors import Fault, InputError
+from bayesfric.observation.coefficients import coefficient_name
 from bayesfric.paper import table1
 from bayesfric.physics.friction import Coefficients
-from bayesfric.rigs.coefficients import coefficient_name
 from bayesfric.rigs.data import Data
 
 __all__ = ["Shipped", "held_of", "shipped_numbers", "shipped_of"]

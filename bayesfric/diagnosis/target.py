@@ -17,10 +17,10 @@ from bayesfric.diagnosis.model import LinearModel
 from bayesfric.diagnosis.systematic import Posterior, interval
 from bayesfric.effects.base import Effect
 from bayesfric.errors import Fault, InputError
+from bayesfric.observation.coefficients import coefficient_name
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import FrictionLaw
 from bayesfric.rigs.base import RigTrials, Unsupported
-from bayesfric.rigs.coefficients import coefficient_name
 from bayesfric.schemas import ConditionAsked, FrictionAsked, LawNumber
 
 __all__ = ["check_target", "conditions_of", "friction_at", "target_lines"]

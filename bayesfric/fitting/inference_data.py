@@ -23,8 +23,8 @@ from bayesfric.fitting.predictive.coverage import CELL
 from bayesfric.fitting.predictive.left_out import LeftOut
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import LOG_2PI, log_density
+from bayesfric.observation.coefficients import sizes_of
 from bayesfric.results import draws_tree
-from bayesfric.rigs.coefficients import sizes_of
 
 __all__ = ["Stored", "draws_of_fit", "flat_attributes", "write_csv"]
 

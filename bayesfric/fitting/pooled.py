@@ -20,6 +20,7 @@ from bayesfric.fitting.summary import interval_of, parameter_summary, unsettled
 from bayesfric.inference.diagnostics import diagnose_all
 from bayesfric.inference.informed import informed_by_data
 from bayesfric.inference.sampling import Progress
+from bayesfric.observation.coefficients import coefficient_name, sizes_of
 from bayesfric.recording.tables import Recording
 from bayesfric.results import (
     draws_tree,
@@ -29,7 +30,6 @@ from bayesfric.results import (
     replace_outputs,
     write_netcdf,
 )
-from bayesfric.rigs.coefficients import coefficient_name, sizes_of
 from bayesfric.rigs.opening import chosen_rigs
 from bayesfric.schemas import (
     BoardCoefficient,

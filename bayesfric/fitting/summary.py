@@ -13,9 +13,9 @@ from bayesfric.inference.informed import informed_by_data
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import LOG_2PI, Kind, Parameter, describe, prior_sd
 from bayesfric.inference.sampling import Draws
+from bayesfric.observation.coefficients import sizes_of
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs import all_rigs
-from bayesfric.rigs.coefficients import sizes_of
 from bayesfric.rigs.data import Data
 from bayesfric.schemas import (
     AssemblyCheck,

@@ -9,10 +9,10 @@ import pandas as pd
 
 from bayesfric.analysis import PriorOverrides
 from bayesfric.effects import PULLEYS, Effect, State
+from bayesfric.observation.coefficients import coefficient_name, coefficient_units
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import VISCOUS, FrictionLaw
 from bayesfric.rigs.base import RigTrials, Unsupported
-from bayesfric.rigs.coefficients import coefficient_name, coefficient_units
 from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.simulators import SimulatorCalls
 

@@ -9,11 +9,11 @@ from bayesfric.analysis import Analysis
 from bayesfric.fitting.predictive.coverage import coverage
 from bayesfric.fitting.predictive.prior import PRIOR_QUANTILES, friction_of_prior
 from bayesfric.inference.priors import draw
+from bayesfric.observation.coefficients import coefficient_parameters
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import Condition, coulomb_acceleration, nominal_tension
 from bayesfric.physics.laws import BASELINES
 from bayesfric.rigs.base import Resting
-from bayesfric.rigs.coefficients import coefficient_parameters
 from bayesfric.rigs.remaking import Remade
 
 LOADS = ("mass_drive_kg",)

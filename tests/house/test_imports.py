@@ -24,6 +24,7 @@ ROWS = (
     ("campaign", "checkpoint", "interrupts", "progress"),
     ("inference",),
     ("effects", "simulators"),
+    ("observation",),
     ("rigs",),
     ("simulate",),
     ("results",),

@@ -4,9 +4,10 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
+from bayesfric.observation.exact import ExactLikelihood
 from bayesfric.physics.motor import motor_friction
 from bayesfric.recording.tables import Motor, RigConstants
-from bayesfric.rigs.motor_board.likelihood import run_condition
+from bayesfric.rigs.motor_board.likelihood import MotorModel, run_condition
 from bayesfric.simulate import table1_coefficients
 
 RIG = RigConstants(motor_torque_constant_n_m_per_a=0.0259, capstan_radius_m=0.0065)
@@ -24,6 +25,10 @@ VALUES = {
     "load_noise": 0.004,
 }
 SCATTER = ("tau_motor", "omega_motor", "omega_intercept_motor")
+
+
+def motor_likelihood(motor, *arguments, **options):
+    return ExactLikelihood(MotorModel(motor, *arguments, **options))
 
 
 def theta(**changes):

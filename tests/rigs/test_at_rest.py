@@ -11,10 +11,10 @@ from bayesfric.effects.terms import ActiveEffect
 from bayesfric.errors import InputError
 from bayesfric.inference.cosines import MODES, cosine_variances, cosines
 from bayesfric.inference.thresholds import Thresholds, log_probability_above
+from bayesfric.observation.coefficients import SizeIndex
 from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.gravity import Condition, board_friction
 from bayesfric.recording.tables import Gravity, RigConstants
-from bayesfric.rigs.coefficients import SizeIndex
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
 from bayesfric.rigs.gravity_board.places import TrialPlaces
 from bayesfric.rigs.gravity_board.screening import screen_trials

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from bayesfric.observation.coefficients import intercept_of
 from bayesfric.physics.friction import Coefficients
-from bayesfric.rigs.coefficients import intercept_of
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from rigs.motor_currents import (
     constant_friction,
     dense,
     log_density,
+    motor_likelihood,
     one_way,
     theta,
 )
@@ -23,7 +24,6 @@ from bayesfric.physics.motor import motor_friction
 from bayesfric.recording.tables import Motor
 from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
 from bayesfric.rigs.gravity_board.screening import screen_trials
-from bayesfric.rigs.motor_board.likelihood import MotorLikelihood
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 
 GRAVITY = ("tau", "omega", "omega_intercept", "wander", "wander_length", "sigma_x", "sigma_t")
@@ -36,14 +36,14 @@ def test_all_currents_are_one_normal(board, idle_sd):
     current, mean, covariance = dense(board, VALUES, idle_sd)
     expected = log_density(current, mean, covariance, np.arange(current.size))
     analysis = Analysis(priors=Priors(idle_current_sd=idle_sd))
-    likelihood = MotorLikelihood(board, RIG, analysis)
+    likelihood = motor_likelihood(board, RIG, analysis)
     assert likelihood.log_likelihood(theta())[0] == pytest.approx(expected, abs=1e-7)
 
 
 def test_leaving_out_runs_and_assemblies_is_a_ratio_of_densities():
     """The idle curve is shared, so what is left out hangs together with all the rest."""
     motor = board()
-    likelihood = MotorLikelihood(motor, RIG, Analysis())
+    likelihood = motor_likelihood(motor, RIG, Analysis())
     pieces = dense(motor, VALUES)
     whole = log_density(*pieces, np.arange(12))
     by_run = dict(
@@ -65,7 +65,7 @@ def test_probability_of_less_friction_of_a_run_given_all_other_currents():
     """Of one that lowers, friction is less where the current is more."""
     motor = board()
     current, mean, covariance = dense(motor, VALUES)
-    likelihood = MotorLikelihood(motor, RIG, Analysis())
+    likelihood = motor_likelihood(motor, RIG, Analysis())
     found = dict(
         zip(likelihood.trials["trial"], likelihood.given_rest(theta()).trial_cdf[0], strict=True)
     )
@@ -82,7 +82,7 @@ def test_a_run_made_again_shows_the_friction_of_its_conditional_current():
     """In newtons, against what was read: k_t ΔI / r, around what all other currents say."""
     motor = board()
     current, mean, covariance = dense(motor, VALUES)
-    likelihood = MotorLikelihood(motor, RIG, Analysis())
+    likelihood = motor_likelihood(motor, RIG, Analysis())
     many = {name: np.full(4000, value) for name, value in VALUES.items()}
     found = dict(
         zip(
@@ -104,7 +104,7 @@ def test_a_run_made_again_shows_the_friction_of_its_conditional_current():
 def test_probabilities_of_recordings_made_again_are_uniform_and_dependent():
     """Scores of a normal given the rest have the covariance D^-1/2 Σ^-1 D^-1/2."""
     motor = board()
-    likelihood = MotorLikelihood(motor, RIG, Analysis())
+    likelihood = motor_likelihood(motor, RIG, Analysis())
     many = {name: np.full(4000, value) for name, value in VALUES.items()}
     found = likelihood.draw_trial_cdf(many, np.random.default_rng(3))
     for run in found.T:
@@ -119,7 +119,7 @@ def test_probabilities_of_recordings_made_again_are_uniform_and_dependent():
 
 
 def test_walkers_are_independent_rows():
-    likelihood = MotorLikelihood(board(), RIG, Analysis())
+    likelihood = motor_likelihood(board(), RIG, Analysis())
     other = {"torque_constant_factor": 0.97, "omega_motor": 0.01, "c1[medium]": 0.005}
     both = {
         name: np.concatenate([one, two])
@@ -139,8 +139,8 @@ def test_observed_friction_is_datas_formula():
     motor = board()
     speed = motor.idle["velocity_m_s"]
     motor.idle["current_a"] = np.sign(speed) * (0.05 + 0.01 * np.abs(speed))
-    found = MotorLikelihood(motor, RIG, Analysis())
-    by_run = dict(zip(found.trials["trial"], found.observed(theta())[0], strict=True))
+    found = motor_likelihood(motor, RIG, Analysis())
+    by_run = dict(zip(found.trials["trial"], found.model.observed(theta())[0], strict=True))
     expected = 1.02 * 0.0259 * (2.33 + 0.05 + 0.004) / 0.0065 - 1.0 * 9.80665
     assert by_run["c"] == pytest.approx(expected, rel=1e-9)
 
@@ -150,7 +150,7 @@ def test_runs_without_a_replicate_and_one_of_them():
     motor = board()
     single = Motor(motor.runs.iloc[:1], motor.idle)
     expected = log_density(*dense(single, VALUES), np.arange(6))
-    likelihood = MotorLikelihood(single, RIG, Analysis())
+    likelihood = motor_likelihood(single, RIG, Analysis())
     assert likelihood.log_likelihood(theta())[0] == pytest.approx(expected, abs=1e-7)
     rest = log_density(*dense(single, VALUES), np.arange(1, 6))
     given = likelihood.given_rest(theta())
@@ -162,8 +162,8 @@ def test_a_scatter_of_each_size():
     """With equal values it is the common scatter; each size's own is what counts."""
     motor = board()
     motor.runs["pulley_size"] = ["small", "large", "small", "small", "large", "small", "small"]
-    common = MotorLikelihood(motor, RIG, Analysis())
-    apart = MotorLikelihood(motor, RIG, Analysis(scatter=Scatter(by_size=True)))
+    common = motor_likelihood(motor, RIG, Analysis())
+    apart = motor_likelihood(motor, RIG, Analysis(scatter=Scatter(by_size=True)))
     names = {parameter.name for parameter in apart.parameters}
     assert {"tau_motor[small]", "tau_motor[large]", "omega_motor[small]"} < names
     assert not {"tau_motor", "omega_motor"} & names
@@ -175,12 +175,12 @@ def test_a_scatter_of_each_size():
 
 
 def test_start_has_a_finite_density():
-    model = Model([MotorLikelihood(board(), RIG, Analysis())])
+    model = Model([motor_likelihood(board(), RIG, Analysis())])
     assert np.isfinite(model.log_posterior(model.start()[None]))[0]
 
 
 def test_absurd_parameters_have_no_density_and_do_no_harm():
-    model = Model([MotorLikelihood(board(), RIG, Analysis())])
+    model = Model([motor_likelihood(board(), RIG, Analysis())])
     far = 30 * np.random.default_rng(0).standard_normal((3000, len(model.names)))
     density = model.log_posterior(far)
     assert not np.isnan(density).any()
@@ -190,7 +190,7 @@ def test_absurd_parameters_have_no_density_and_do_no_harm():
 def test_one_run_and_one_idle_current():
     """The prior holds the rest of the idle curve, until its 1 is lost in rounding."""
     motor = Motor(board().runs.iloc[:1], board().idle.iloc[:1])
-    likelihood = MotorLikelihood(motor, RIG, Analysis())
+    likelihood = motor_likelihood(motor, RIG, Analysis())
     noise = np.array([VALUES["sigma_current"], 1e-5, 1e-12])
     found = likelihood.log_likelihood(
         {name: np.repeat(value, 3) for name, value in theta().items()} | {"sigma_current": noise}
@@ -203,12 +203,12 @@ def test_one_run_and_one_idle_current():
 
 
 def share_of_intercept(likelihood):
-    condition = likelihood.condition
+    condition = likelihood.model.condition
     return constant_friction(condition) / motor_friction(table1_coefficients()["medium"], condition)
 
 
 def test_new_runs_scatter_as_much_as_the_parameters_say():
-    likelihood = MotorLikelihood(board(), RIG, Analysis())
+    likelihood = motor_likelihood(board(), RIG, Analysis())
     many = {name: np.repeat(value, 20_000) for name, value in theta().items()}
     deviation = likelihood.draw_scatter(many, np.random.default_rng(1))
     expected = VALUES["tau_motor"] ** 2 + VALUES["omega_motor"] ** 2
@@ -218,7 +218,7 @@ def test_new_runs_scatter_as_much_as_the_parameters_say():
 
 
 def test_runs_of_an_assembly_made_again_move_together():
-    likelihood = MotorLikelihood(board(), RIG, Analysis())
+    likelihood = motor_likelihood(board(), RIG, Analysis())
     many = {name: np.repeat(value, 20_000) for name, value in theta().items()}
     deviation = likelihood.draw_scatter(many, np.random.default_rng(1), together=True)
     setup = likelihood.trials["setup"].to_numpy()
@@ -231,14 +231,14 @@ def test_runs_of_an_assembly_made_again_move_together():
 
 
 def test_what_the_currents_show_has_their_noise_and_another_torque_constant():
-    likelihood = MotorLikelihood(board(), RIG, Analysis())
+    likelihood = motor_likelihood(board(), RIG, Analysis())
     many = {name: np.repeat(value, 20_001) for name, value in theta().items()}
     many["torque_constant_factor"][:7_000] *= 1.01  # the median stays
     deviation = np.full((20_001, 7), 0.1)
     shown = likelihood.draw_observed(many, deviation, np.random.default_rng(1))
     per_newton = 0.0065 / (0.0259 * VALUES["torque_constant_factor"])
-    weight = likelihood.condition.weight_n
-    law = motor_friction(table1_coefficients()["medium"], likelihood.condition)
+    weight = likelihood.model.condition.weight_n
+    law = motor_friction(table1_coefficients()["medium"], likelihood.model.condition)
     noise = np.hypot(VALUES["sigma_current"], VALUES["load_noise"] * per_newton * (weight + law))
     sd = noise / per_newton
     assert shown[7_000:].std(axis=0) == pytest.approx(sd, rel=0.03)
@@ -255,7 +255,7 @@ def simulated(seed, truth, rigs=("motor",)):
     if "gravity" in rigs:
         screened = screen_trials(recording.gravity, recording.rig)
         found.append(GravityLikelihood(screened.gravity, recording.rig, Analysis()))
-    found.append(MotorLikelihood(recording.motor, recording.rig, Analysis()))
+    found.append(motor_likelihood(recording.motor, recording.rig, Analysis()))
     return found
 
 

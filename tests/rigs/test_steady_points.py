@@ -11,7 +11,6 @@ from bayesfric.analysis import Analysis, HalfNormal, Normal, checked_analysis
 from bayesfric.effects import Effect, EffectParameter
 from bayesfric.effects.candidates import Candidate
 from bayesfric.errors import InputError
-from bayesfric.inference.grouped_normal import GroupedNormal
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES
 from bayesfric.recording.steady_signs import against_motion
@@ -70,7 +69,6 @@ def test_its_density_is_a_dense_normal(tmp_path):
         off @ np.linalg.solve(covariance, off) + np.linalg.slogdet(2 * np.pi * covariance)[1]
     )
     found = likelihood.log_likelihood({name: np.array([value]) for name, value in theta.items()})
-    assert isinstance(likelihood.normal({n: np.ones(1) for n in theta}), GroupedNormal)
     assert found[0] == pytest.approx(expected, abs=1e-8)
 
 

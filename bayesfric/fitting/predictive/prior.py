@@ -7,10 +7,10 @@ import pandas as pd
 import xarray as xr
 
 from bayesfric.arrays import Array
+from bayesfric.observation.coefficients import law_of
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import FrictionLaw
 from bayesfric.rigs.base import Resting
-from bayesfric.rigs.coefficients import law_of
 
 __all__ = ["PRIOR_DRAWS", "PRIOR_QUANTILES", "friction_of_prior"]
 

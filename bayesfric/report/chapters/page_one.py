@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import xarray as xr
 
+from bayesfric.observation.coefficients import NO_PULLEY
 from bayesfric.plots.labels import ordered_sizes
 from bayesfric.plots.posterior import coefficients_relative_to_paper
 from bayesfric.plots.rig_tables import RigTable, rig_tables
@@ -33,7 +34,6 @@ from bayesfric.report.content import (
 from bayesfric.report.quantities import error_cells, format_count, format_unit, interval_cells
 from bayesfric.report.rig_words import counted
 from bayesfric.report.stored import StoredFit, StoredResults
-from bayesfric.rigs.coefficients import NO_PULLEY
 from bayesfric.schemas import FitFile, RecordingId
 
 __all__ = ["coefficients_figure", "convergence", "page_one", "recorded", "worries"]

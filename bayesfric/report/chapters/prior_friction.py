@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from bayesfric.observation.coefficients import NO_PULLEY
 from bayesfric.plots.labels import ordered_sizes
 from bayesfric.plots.prior_friction import friction_of_priors
 from bayesfric.plots.style import svg_of
@@ -20,7 +21,6 @@ from bayesfric.report.content import (
 )
 from bayesfric.report.quantities import format_number, format_share
 from bayesfric.report.stored import StoredFit
-from bayesfric.rigs.coefficients import NO_PULLEY
 
 __all__ = ["prior_friction"]
 

@@ -17,12 +17,12 @@ from bayesfric.effects import State
 from bayesfric.effects.terms import ActiveEffect
 from bayesfric.inference.grouped_normal import GroupedNormal
 from bayesfric.inference.thresholds import Thresholds, log_probability_above
+from bayesfric.observation.coefficients import SizeIndex
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import nominal_tension
 from bayesfric.physics.laws import FrictionLaw
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.acting import surroundings
-from bayesfric.rigs.coefficients import SizeIndex
 from bayesfric.rigs.gravity_board.forces import SteadyForces
 from bayesfric.rigs.gravity_board.places import trial_condition
 from bayesfric.rigs.gravity_board.scatter import scatter_values

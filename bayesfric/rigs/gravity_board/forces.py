@@ -8,10 +8,10 @@ import numpy as np
 from bayesfric.arrays import Array
 from bayesfric.effects import State
 from bayesfric.effects.terms import ActiveEffect, total
+from bayesfric.observation.coefficients import SizeIndex
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import Condition, tension_feedback
 from bayesfric.physics.laws import FrictionLaw
-from bayesfric.rigs.coefficients import SizeIndex
 
 __all__ = ["Forces", "SteadyForces"]
 

@@ -29,9 +29,9 @@ from bayesfric.inference.grouped_normal import LOG_2PI, GroupedNormal, Groups
 from bayesfric.inference.heavy_groups import HeavyGroups
 from bayesfric.inference.model import GivenRest
 from bayesfric.inference.student import GroupedStudent
+from bayesfric.observation.coefficients import coefficient_parameters
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Gravity, RigConstants
-from bayesfric.rigs.coefficients import coefficient_parameters
 from bayesfric.rigs.gravity_board.along import EffectsAlong
 from bayesfric.rigs.gravity_board.at_rest import TrialsAtRest
 from bayesfric.rigs.gravity_board.forces import Forces, SteadyForces

@@ -18,12 +18,12 @@ from bayesfric.arrays import Array, Flags
 from bayesfric.effects import Effect, Reading, State
 from bayesfric.effects.terms import ActiveEffect, small_values
 from bayesfric.inference.cosines import MODES, cosines
+from bayesfric.observation.coefficients import SizeIndex
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import Condition, nominal_tension
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.acting import surroundings
 from bayesfric.rigs.base import Unsupported, why_inert
-from bayesfric.rigs.coefficients import SizeIndex
 from bayesfric.rigs.gravity_board.hall_events import EventTable
 from bayesfric.rigs.gravity_board.measurements import Columns, event_table, pilot_accelerations
 from bayesfric.rigs.gravity_board.paths import Paths, motion_untold, trial_paths

@@ -11,12 +11,12 @@ import numpy as np
 from bayesfric.arrays import Array
 from bayesfric.effects import State
 from bayesfric.effects.candidates import Candidate, unit_values
+from bayesfric.observation.coefficients import intercept_of
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import nominal_tension, tension_feedback
 from bayesfric.physics.laws import FrictionLaw
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.acting import drive_end, trial_in_setup
-from bayesfric.rigs.coefficients import intercept_of
 from bayesfric.rigs.gravity_board.likelihood import trial_condition
 from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion, travel_to_speed
 from bayesfric.rigs.linear import pulley_radii, rank

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
 from bayesfric.inference.priors import Parameter
-from bayesfric.rigs.coefficients import SizeIndex
+from bayesfric.observation.coefficients import SizeIndex
 
 __all__ = ["scatter_parameters", "scatter_values"]
 

@@ -15,7 +15,7 @@ from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
 from bayesfric.inference.cosines import MODES, cosine_variances
 from bayesfric.inference.priors import Parameter
-from bayesfric.rigs.coefficients import SizeIndex
+from bayesfric.observation.coefficients import SizeIndex
 from bayesfric.rigs.gravity_board.measurements import Columns
 from bayesfric.rigs.gravity_board.places import TrialPlaces
 

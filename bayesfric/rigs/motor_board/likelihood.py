@@ -22,18 +22,19 @@ from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
 from bayesfric.effects import State
 from bayesfric.effects.terms import ActiveEffect, parameters_of, rough_values, total
-from bayesfric.inference.grouped_normal import GroupedNormal, Groups
-from bayesfric.inference.model import GivenRest
 from bayesfric.inference.priors import Parameter
+from bayesfric.observation.coefficients import SizeIndex, coefficient_parameters
+from bayesfric.observation.exact import Shown
+from bayesfric.observation.scatter import ScatterLevels
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.physics.motor import load_current, nominal_tension, tension_feedback
 from bayesfric.recording.tables import Motor, RigConstants
-from bayesfric.rigs.coefficients import SizeIndex, coefficient_parameters
 from bayesfric.rigs.motor_board.places import RunPlaces, run_condition
 
-__all__ = ["MotorLikelihood", "idle_basis", "run_condition"]
+__all__ = ["MotorModel", "idle_basis", "run_condition"]
 
 TENSION_ITERATIONS = 2  # each takes the error of an effect's tension down by some 20
+SCATTER = ("tau_motor", "omega_motor", "omega_intercept_motor")
 LEAST_CURRENT_A = 1e-5  # of the noise, as a start, where the idle curve fits perfectly
 
 
@@ -64,13 +65,11 @@ def idle_basis(velocity_m_s: Array, *, both_ways: bool) -> Array:
     return np.stack(columns, axis=1)
 
 
-class MotorLikelihood:
-    """Currents of the motor board, given coefficients, torque constant and noise.
+class MotorModel:
+    """Currents of the motor board; see :class:`bayesfric.observation.exact.ExactModel`.
 
     The scatter of a run is normal: the Student-t option of the analysis is for
-    gravity-board trials. Methods are those of
-    :class:`bayesfric.inference.model.RigLikelihood`: of W sets of parameters by name, and, where
-    they draw, of a generator.
+    gravity-board trials.
 
     Parameters
     ----------
@@ -87,18 +86,14 @@ class MotorLikelihood:
 
     Attributes
     ----------
-    parameters : tuple of Parameter
-        What the likelihood depends on.
     condition : MotorCondition
         Of each run, arrays of shape (N,).
     trials : DataFrame
         The N runs in the order of every result, those of an assembly adjacent;
         their id is ``trial``.
-    setups : tuple of str
-        The J assemblies in the order of every result.
-    sizes : tuple of str
-        Pulley sizes.
     """
+
+    at_rest = None
 
     def __init__(
         self,
@@ -110,11 +105,10 @@ class MotorLikelihood:
     ) -> None:
         self._friction = baseline.motor
         assert rig.motor_torque_constant_n_m_per_a and rig.capstan_radius_m
-        codes, setups = pd.factorize(motor.runs["setup"])
+        codes, _ = pd.factorize(motor.runs["setup"])
         order = codes.argsort(kind="stable")
         runs = motor.runs.iloc[order].reset_index(drop=True).rename(columns={"run": "trial"})
         self.trials = runs
-        self.setups = tuple(str(setup) for setup in setups)
         self._places = RunPlaces(runs, rig)
         self._effects = [one for one in effects if self._places.supports(one.effect) is None]
         self.condition = self._places.condition
@@ -122,41 +116,22 @@ class MotorLikelihood:
         self._torque_constant = rig.motor_torque_constant_n_m_per_a
         self._radius = rig.capstan_radius_m
         self._size = SizeIndex.of(runs["pulley_size"])
-        self.sizes = self._size.sizes
         idle_speed = motor.idle["velocity_m_s"].to_numpy(dtype=np.float64)
         speed = np.concatenate([runs["velocity_m_s"].to_numpy(dtype=np.float64), idle_speed])
         self._current = np.concatenate(
             [runs["current_a"].to_numpy(), motor.idle["current_a"].to_numpy()], dtype=np.float64
         )
-        # The idle measurements are a last group of their own, which no η moves.
-        starts = np.flatnonzero(np.diff(codes[order], prepend=-1))
-        self._groups = Groups(np.append(starts, self._runs), speed.size)
         priors = analysis.priors
         both_ways = bool((idle_speed > 0).any() and (idle_speed < 0).any())
         self._columns = idle_basis(speed, both_ways=both_ways) * priors.idle_current_sd
-        self._by_size = analysis.scatter.by_size
-        groups = [f"[{size}]" for size in self.sizes] if self._by_size else [""]
-        self.parameters = (
-            *coefficient_parameters(self.sizes, analysis, baseline.without),
-            # τ and λ share the spread of runs: an arc in their own units, a hook in quantiles.
-            *(
-                Parameter(f"tau_motor{group}", "1", priors.tau_motor, "scatter", power=0.5)
-                for group in groups
-            ),
-            *(
-                Parameter(f"omega_motor{group}", "1", priors.omega_motor, "scatter", power=0.5)
-                for group in groups
-            ),
-            *(
-                Parameter(
-                    f"omega_intercept_motor{group}",
-                    "1",
-                    priors.omega_intercept_motor,
-                    "scatter",
-                    power=0.5,
-                )
-                for group in groups
-            ),
+        self.coefficients = coefficient_parameters(self._size.sizes, analysis, baseline.without)
+        self.scatter = ScatterLevels(
+            SCATTER,
+            (priors.tau_motor, priors.omega_motor, priors.omega_intercept_motor),
+            self._size,
+            analysis.scatter.model_copy(update={"trial": "normal", "assembly": "normal"}),
+        )
+        self.further = (
             Parameter("torque_constant_factor", "1", priors.torque_constant_factor),
             Parameter("sigma_current", "A", priors.sigma_current, "noise"),
             Parameter("load_noise", "1", priors.load_noise, "noise", power=0.5),
@@ -205,32 +180,10 @@ class MotorLikelihood:
         pull = self._torque(theta) * beyond / self._radius
         return np.asarray(pull - self.condition.weight_n)
 
-    def draw_scatter(
-        self, theta: Mapping[str, Array], rng: np.random.Generator, *, together: bool = False
-    ) -> Array:
-        """Draw η + κ n c2 / fc + ε of a new run on a new assembly, (W, N).
-
-        Without the noise of the current. `together` puts runs of one assembly on one new assembly
-        too.
-        """
-        tau, omega, of_intercept = self._scatter(theta)
-        of_intercept = of_intercept * self._intercept(theta) / self.law(theta)
-        shape = (len(tau), self._runs)
-        if together:
-            drawn = rng.standard_normal((2, len(tau), len(self.setups)))
-            slope, intercept = drawn[..., self._groups.of_each[: self._runs]]
-        else:
-            slope, intercept = rng.standard_normal((2, *shape))
-        own = tau * rng.standard_normal(shape)
-        return np.asarray(omega * slope + of_intercept * intercept + own)
-
-    def draw_observed(
-        self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator
-    ) -> Array:
+    def read(self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator) -> Array:
         """Draw the signed friction that the currents would show, (…, W, N) [N].
 
-        `deviation` is how far friction is from the law, as :meth:`draw_scatter` draws it. As
-        :meth:`observed` reads it from the currents with the median torque constant, whatever
+        As :meth:`observed` reads it from the currents with the median torque constant, whatever
         that of the draw; the idle curve's error, which all runs share, is left out.
         """
         friction, held = self._forces(theta)
@@ -242,47 +195,6 @@ class MotorLikelihood:
         current += sd * rng.standard_normal(current.shape)
         reading = np.median(torque) / self._radius
         return np.asarray(reading * current - self.condition.weight_n)
-
-    def log_likelihood(self, theta: Mapping[str, Array]) -> Array:
-        """Return the log density of all currents, shape (W,)."""
-        return self._currents(theta).log_density()
-
-    def setup_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
-        """Return each assembly's log density given all other currents, shape (W, J)."""
-        return self._currents(theta).group_log_density()[:, :-1]
-
-    def given_rest(
-        self, theta: Mapping[str, Array], rng: np.random.Generator | None = None
-    ) -> GivenRest:
-        """Return densities and probabilities of each run and assembly given all else.
-
-        A run made again shows signed friction, as :meth:`draw_observed`.
-        """
-        currents = self._currents(theta)
-        more = currents.residual[:, :0]
-        if rng is not None:
-            newtons = np.median(self._torque(theta)) / self._radius
-            more = newtons * currents.draw_again(rng)[:, : self._runs]
-        return GivenRest(
-            currents.single_log_density()[:, : self._runs],
-            currents.group_log_density()[:, :-1],
-            self._friction_cdf(currents),
-            currents.group_cdf()[:, :-1],
-            more,
-        )
-
-    def draw_trial_cdf(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
-        """Return the probability of less friction than each run's, of recordings made again.
-
-        A recording a row, the idle curve drawn from its prior.
-        """
-        return self._friction_cdf(self._currents(theta).drawn(rng))
-
-    def _friction_cdf(self, currents: GroupedNormal) -> Array:
-        # Friction takes current from a motor that lifts, and gives it back as it lowers.
-        sign = np.ones(self._groups.count)
-        sign[: self._runs] = np.sign(self.condition.velocity_m_s)
-        return currents.single_cdf(sign)[:, : self._runs]
 
     def start(self) -> dict[str, float]:
         """Return rough estimates by least squares, a place to climb from."""
@@ -297,9 +209,6 @@ class MotorLikelihood:
         start["torque_constant_factor"] = 1.0
         start["sigma_current"] = max(float(left.std()), LEAST_CURRENT_A)
         start["load_noise"] = 0.005
-        for parameter in self.parameters:
-            if parameter.name.startswith(("tau", "omega")):
-                start[parameter.name] = 0.02
         return start | rough_values(self._effects)
 
     def _beyond_idle(self) -> Array:
@@ -312,32 +221,30 @@ class MotorLikelihood:
         """Return the torque constant k_t [N·m/A], shape (W, 1)."""
         return self._torque_constant * theta["torque_constant_factor"][:, None]
 
-    def _scatter(self, theta: Mapping[str, Array]) -> list[Array]:
-        """Return τ, ω and that of the intercept, broadcastable to (W, N)."""
-        names = ("tau_motor", "omega_motor", "omega_intercept_motor")
-        if self._by_size:
-            return [self._size.spread(theta, name) for name in names]
-        return [theta[name][:, None] for name in names]
-
     def _intercept(self, theta: Mapping[str, Array]) -> Array:
         """Return the part of friction that does not grow with tension, signed, (W, N) [N]."""
         signed = np.sign(self.condition.velocity_m_s) * np.asarray(self.condition.n_pulleys)
         return np.asarray(self._size.coefficients(theta).c2 * signed)
 
-    def _currents(self, theta: Mapping[str, Array]) -> GroupedNormal:
+    def shown(self, theta: Mapping[str, Array]) -> Shown:
+        """Return the currents of runs and, after them, of the idle motor."""
         (friction, held), torque = self._forces(theta), self._torque(theta)
         load = load_current(self.condition, friction + held, torque, self._radius)
         law = self._size.coefficients(theta)
         state = self._places.state(law, friction + held, load)
-        beyond = load + self._added("current", theta, state)
-        tau, omega, of_intercept = self._scatter(theta)
-        per_scatter = friction * self._radius / torque  # current of a relative deviation of 1
+        per_newton = self._radius / torque
         runs = slice(None, self._runs)
-        variance = np.repeat(theta["sigma_current"][:, None] ** 2, self._groups.count, axis=1)
-        variance[:, runs] += (theta["load_noise"][:, None] * load) ** 2 + (tau * per_scatter) ** 2
-        moved = np.zeros((2, *variance.shape))
-        moved[0, :, runs] = omega * per_scatter
-        moved[1, :, runs] = of_intercept * self._intercept(theta) * self._radius / torque
         residual = np.tile(self._current, (len(load), 1))
-        residual[:, runs] -= beyond
-        return GroupedNormal(self._groups, residual, variance, moved, self._columns)
+        residual[:, runs] -= load + self._added("current", theta, state)
+        variance = np.repeat(theta["sigma_current"][:, None] ** 2, self._current.size, axis=1)
+        variance[:, runs] += (theta["load_noise"][:, None] * load) ** 2
+        return Shown(
+            residual,
+            variance,
+            friction * per_newton,
+            self._intercept(theta) * per_newton,
+            curve=self._columns,
+            # Friction takes current from a motor that lifts, and gives it back as it lowers.
+            sign=np.sign(self.condition.velocity_m_s),
+            newtons=float(np.median(torque)) / self._radius,
+        )

@@ -6,6 +6,7 @@ import numpy as np
 
 from bayesfric.analysis import Priors
 from bayesfric.effects import State
+from bayesfric.observation.coefficients import intercept_of
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.physics.motor import (
@@ -14,7 +15,6 @@ from bayesfric.physics.motor import (
     tension_feedback,
 )
 from bayesfric.recording.tables import Motor, RigConstants
-from bayesfric.rigs.coefficients import intercept_of
 from bayesfric.rigs.linear import NoiseParameter, noise_parameter, pulley_radii, rank
 from bayesfric.rigs.motor_board.likelihood import idle_basis, run_condition
 from bayesfric.rigs.point_rows import PointRows

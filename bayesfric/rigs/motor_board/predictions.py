@@ -6,31 +6,31 @@ import xarray as xr
 
 from bayesfric.physics.motor import nominal_tension
 from bayesfric.rigs.base import Predictive
-from bayesfric.rigs.motor_board.likelihood import MotorLikelihood
+from bayesfric.rigs.motor_board.likelihood import MotorModel
 from bayesfric.rigs.residuals import beside_predicted
 
 __all__ = ["runs"]
 
 
-def runs(likelihood: MotorLikelihood, recorded: pd.DataFrame, view: Predictive) -> xr.Dataset:
+def runs(model: MotorModel, recorded: pd.DataFrame, view: Predictive) -> xr.Dataset:
     """Return friction observed, and predicted for a new run on a new assembly.
 
     Parameters
     ----------
-    likelihood : MotorLikelihood
+    model : MotorModel
         Of the fit.
     recorded : DataFrame
         All runs as recorded, for their order.
     view : Predictive
         The fit.
     """
-    table, named = likelihood.trials, view.named
+    table, named = model.trials, view.named
     middle = {name: np.median(values, keepdims=True) for name, values in named.items()}
-    friction = likelihood.observed(middle)[0]
+    friction = model.observed(middle)[0]
     condition = ("pulley_size", "setup", "n_pulleys", "wrap_angle_deg")
     observed = {
         name: table[name].to_numpy() for name in (*condition, "hanging_mass_kg", "velocity_m_s")
     }
-    observed["tension_n"] = nominal_tension(likelihood.condition, friction)
+    observed["tension_n"] = nominal_tension(model.condition, friction)
     observed["friction_n"] = friction
-    return beside_predicted("run", table, observed, likelihood.law(named), recorded, view)
+    return beside_predicted("run", table, observed, model.law(named), recorded, view)

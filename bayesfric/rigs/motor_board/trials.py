@@ -12,12 +12,13 @@ from bayesfric.analysis import Analysis
 from bayesfric.effects import Effect
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
+from bayesfric.observation.exact import ExactLikelihood
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Motor, Recording, RigConstants
 from bayesfric.rigs.base import Predictive, Regime, Simulated, Unsupported, Words
 from bayesfric.rigs.changes import Change
-from bayesfric.rigs.motor_board.likelihood import MotorLikelihood
+from bayesfric.rigs.motor_board.likelihood import MotorModel
 from bayesfric.rigs.motor_board.linear import motor_rows
 from bayesfric.rigs.motor_board.places import RunPlaces
 from bayesfric.rigs.motor_board.predictions import runs as runs_dataset
@@ -132,9 +133,9 @@ class MotorRuns(PlainTrials):
         analysis: Analysis,
         law: FrictionLaw = BASELINES["paper"],
         effects: Sequence[ActiveEffect] = (),
-    ) -> MotorLikelihood:
+    ) -> ExactLikelihood:
         """Return the density of the currents."""
-        return MotorLikelihood(self.motor, self.constants, analysis, law, effects)
+        return ExactLikelihood(MotorModel(self.motor, self.constants, analysis, law, effects))
 
     def quality(self) -> Mapping[str, Any]:
         """Return how many runs enter."""
@@ -142,8 +143,9 @@ class MotorRuns(PlainTrials):
 
     def predicted(self, view: Predictive) -> xr.Dataset:
         """Return friction observed, and predicted for a new run on a new assembly."""
-        assert isinstance(view.likelihood, MotorLikelihood)
-        return runs_dataset(view.likelihood, self.recorded, view)
+        assert isinstance(view.likelihood, ExactLikelihood)
+        assert isinstance(view.likelihood.model, MotorModel)
+        return runs_dataset(view.likelihood.model, self.recorded, view)
 
 
 def _by_trial(runs: pd.DataFrame) -> pd.DataFrame:

@@ -22,24 +22,26 @@ from scipy.optimize import minimize
 
 from bayesfric.analysis import HalfNormal, LogNormal, Normal, Prior
 from bayesfric.arrays import Array
-from bayesfric.inference.grouped_normal import LOG_2PI, GroupedNormal, Groups
-from bayesfric.inference.model import GivenRest
+from bayesfric.inference.grouped_normal import LOG_2PI
 from bayesfric.inference.priors import Parameter
-from bayesfric.rigs.grouped import GroupedLikelihood, given_rest
+from bayesfric.observation.coefficients import SizeIndex
+from bayesfric.observation.exact import Shown
+from bayesfric.observation.scatter import ScatterLevels
 from bayesfric.rigs.single_axis.covariance import Pieces
 from bayesfric.rigs.single_axis.deviations import integrated, map_columns, map_spectrum
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.rows import AxisRows
 
-__all__ = ["AxisLikelihood"]
+__all__ = ["AxisModel"]
 
 RATIOS = np.linspace(np.log(3e-3), np.log(3e2), 41)  # logarithms of wander over error
 DECAY = 2.0  # of the spectrum of a map of friction
+SCATTER = HalfNormal(scale=0.05)
 FORCE, MASS, COULOMB, VISCOUS, LATENCY = range(5)
 
 
-class AxisLikelihood(GroupedLikelihood):
-    """Rows of an axis, given mass, friction and noise.
+class AxisModel:
+    """Rows of an axis given the law; see :class:`bayesfric.observation.exact.ExactModel`.
 
     Parameters
     ----------
@@ -54,21 +56,16 @@ class AxisLikelihood(GroupedLikelihood):
 
     Attributes
     ----------
-    parameters : tuple of Parameter
-        What the likelihood depends on.
     trials : DataFrame
         The N trials in the order of every result.
-    setups, sizes : tuple of str
-        Assemblies; none of the pulleys that an axis has not.
     """
+
+    at_rest = None
 
     def __init__(
         self, table: pd.DataFrame, rows: AxisRows, measures: Measures, *, viscous: bool
     ) -> None:
-        self.trials, self.sizes = table, (str(table["pulley_size"].iloc[0]),)
-        codes, setups = pd.factorize(table["setup"])
-        self.setups = tuple(str(setup) for setup in setups)
-        self._groups = Groups(np.flatnonzero(np.diff(codes, prepend=-1)), codes.size)
+        self.trials, size = table, SizeIndex.of(table["pulley_size"])
         self._rough, self._viscous = rows.law, viscous
         self._theta = None if rows.simulated is None else rows.theta
         self._speed = np.bincount(
@@ -83,13 +80,14 @@ class AxisLikelihood(GroupedLikelihood):
         def coefficient(name: str, of: str, prior: Prior) -> Parameter:
             return Parameter(name, unit(of), prior, "coefficient", power=1.0)
 
-        self.parameters = (
+        self.coefficients = (
             coefficient("mass", "kg", priors.c1),
             coefficient("coulomb", "N", priors.c2),
             *([coefficient("viscous", "N s/m", priors.c3)] if viscous else []),
-            Parameter("tau", "1", HalfNormal(scale=0.05), "scatter", power=0.5),
-            Parameter("omega", "1", HalfNormal(scale=0.05), "scatter", power=0.5),
-            Parameter("wander", "1", HalfNormal(scale=0.05), "scatter", power=0.5),
+        )
+        self.scatter = ScatterLevels(("tau", "omega"), (SCATTER, SCATTER), size)
+        self.further = (
+            Parameter("wander", "1", SCATTER, "scatter", power=0.5),
             Parameter("row_error", "1", LogNormal(median=1.0, sd_log=0.3), "noise"),
             Parameter("latency", "s", Normal(mean=0.0, sd=rows.latency_s), "noise", power=1.0),
         )
@@ -163,54 +161,16 @@ class AxisLikelihood(GroupedLikelihood):
         density = -0.5 * (whole + (self._count - 1) * LOG_2PI - np.log(variance))
         return beyond, variance, density
 
-    def normal(self, theta: Mapping[str, Array]) -> GroupedNormal:
-        """Return the normal of friction of all trials for W sets of parameters."""
-        return self._normal(theta)[0]
-
-    def _normal(self, theta: Mapping[str, Array]) -> tuple[GroupedNormal, Array]:
+    def shown(self, theta: Mapping[str, Array]) -> Shown:
+        """Return friction beyond the law that each run's rows show."""
         beyond, variance, density = self._reduced(theta)
-        law = self.law(theta)
-        variance = variance + (theta["tau"][:, None] * law) ** 2
-        moved = (theta["omega"][:, None] * law)[None]
-        return GroupedNormal(self._groups, beyond, variance, moved), density
-
-    def log_likelihood(self, theta: Mapping[str, Array]) -> Array:
-        """Return the log density of all rows, shape (W,)."""
-        normal, density = self._normal(theta)
-        return np.asarray(normal.log_density() + density.sum(axis=1))
-
-    def setup_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
-        """Return each assembly's log density given the others, shape (W, J)."""
-        normal, density = self._normal(theta)
-        return np.asarray(normal.group_log_density() + self._groups.total(density))
-
-    def given_rest(
-        self, theta: Mapping[str, Array], rng: np.random.Generator | None = None
-    ) -> GivenRest:
-        """Return densities and probabilities of each trial and assembly given the others."""
-        normal, density = self._normal(theta)
-        found = given_rest(normal, rng)
-        return found._replace(
-            trial=found.trial + density, setup=found.setup + self._groups.total(density)
-        )
+        return Shown(beyond, variance, self.law(theta), constant=density)
 
     def observed(self, theta: Mapping[str, Array]) -> Array:
         """Return friction of each trial as its rows show it, (W, N) [N]."""
         return np.asarray(self.law(theta) + self._reduced(theta)[0])
 
-    def draw_scatter(
-        self, theta: Mapping[str, Array], rng: np.random.Generator, *, together: bool = False
-    ) -> Array:
-        """Draw η + ε of a new run on a new assembly, relative, (W, N)."""
-        count = len(self.setups) if together else len(self.trials)
-        eta = rng.standard_normal((len(theta["tau"]), count))
-        eta = eta[:, self._groups.of_each] if together else eta
-        own = rng.standard_normal((len(eta), len(self.trials)))
-        return np.asarray(theta["omega"][:, None] * eta + theta["tau"][:, None] * own)
-
-    def draw_observed(
-        self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator
-    ) -> Array:
+    def read(self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator) -> Array:
         """Draw what rows would show of friction that deviates so from the law, (…, W, N)."""
         error = np.sqrt(self._reduced(theta)[1])
         noise = error * rng.standard_normal(deviation.shape)
@@ -218,13 +178,11 @@ class AxisLikelihood(GroupedLikelihood):
 
     def start(self) -> dict[str, float]:
         """Return rough estimates; also by the names that a diagnosis has for any law."""
-        rough, size = self._rough, self.sizes[0]
+        rough, size = self._rough, self.scatter.size.sizes[0]
         found = {
             "mass": rough.mass,
             "coulomb": rough.coulomb,
             "viscous": max(rough.viscous, 1e-3 * rough.coulomb),
-            "tau": 0.02,
-            "omega": 0.02,
             "wander": min(max(self.noise[2], 0.002), 0.2),
             "row_error": 1.0,
             "latency": 0.0,

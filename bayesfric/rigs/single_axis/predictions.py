@@ -6,26 +6,26 @@ import xarray as xr
 
 from bayesfric.rigs.base import Predictive
 from bayesfric.rigs.residuals import beside_predicted
-from bayesfric.rigs.single_axis.likelihood import AxisLikelihood
+from bayesfric.rigs.single_axis.likelihood import AxisModel
 
 __all__ = ["runs"]
 
 
-def runs(likelihood: AxisLikelihood, recorded: pd.DataFrame, view: Predictive) -> xr.Dataset:
+def runs(model: AxisModel, recorded: pd.DataFrame, view: Predictive) -> xr.Dataset:
     """Return friction observed, and predicted for a new run on a new assembly.
 
     Parameters
     ----------
-    likelihood : AxisLikelihood
+    model : AxisModel
         Of the fit.
     recorded : DataFrame
         All runs as recorded, for their order.
     view : Predictive
         The fit.
     """
-    law = likelihood.law(view.named)
+    law = model.law(view.named)
     middle = {name: np.median(values, keepdims=True) for name, values in view.named.items()}
-    friction = likelihood.observed(middle)[0]
-    table = likelihood.trials
+    friction = model.observed(middle)[0]
+    table = model.trials
     observed = {"setup": table["setup"].to_numpy(), "friction_n": friction}
     return beside_predicted("run", table, observed, law, recorded, view)

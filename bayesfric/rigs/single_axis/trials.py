@@ -13,6 +13,7 @@ from bayesfric.arrays import Array, Flags
 from bayesfric.effects import Effect, Law, State
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect, small_values
+from bayesfric.observation.exact import ExactLikelihood
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, VISCOUS, FrictionLaw
@@ -22,7 +23,7 @@ from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.single_axis.entering import NO_CABLE, SIZE, entering
-from bayesfric.rigs.single_axis.likelihood import AxisLikelihood
+from bayesfric.rigs.single_axis.likelihood import AxisModel
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.next_runs import SETTINGS, lay_out
 from bayesfric.rigs.single_axis.predictions import runs as runs_dataset
@@ -279,7 +280,7 @@ class AxisRuns(PlainTrials):
         analysis: Analysis,
         law: FrictionLaw = BASELINES["paper"],
         effects: Sequence[ActiveEffect] = (),
-    ) -> AxisLikelihood:
+    ) -> ExactLikelihood:
         """Return the density of the rows."""
         del analysis, effects  # priors are the machine's; what acts beside the law is diagnosed
         own = self.under(law)
@@ -287,12 +288,14 @@ class AxisRuns(PlainTrials):
         rows = own._rows(own._rough)
         if beside is not None:
             rows = own._around(Coefficients(*(*beside.centre, 0.0, 0.0, 0.0)[:3]))
-        return AxisLikelihood(own.table, rows, own.measures, viscous=law.name == VISCOUS)
+        viscous = law.name == VISCOUS
+        return ExactLikelihood(AxisModel(own.table, rows, own.measures, viscous=viscous))
 
     def predicted(self, view: Predictive) -> xr.Dataset:
         """Return friction of each run, and predicted for a new run."""
-        assert isinstance(view.likelihood, AxisLikelihood)
-        return runs_dataset(view.likelihood, self.table, view)
+        assert isinstance(view.likelihood, ExactLikelihood)
+        assert isinstance(view.likelihood.model, AxisModel)
+        return runs_dataset(view.likelihood.model, self.table, view)
 
     @property
     def _tested(self) -> Flags:

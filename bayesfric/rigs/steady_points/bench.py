@@ -7,10 +7,10 @@ import pandas as pd
 
 from bayesfric.analysis import HalfNormal, Normal, PriorOverrides
 from bayesfric.arrays import Array
+from bayesfric.observation.coefficients import NO_PULLEY
 from bayesfric.paper import table1
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
 from bayesfric.recording.steady_signs import against_motion
-from bayesfric.rigs.coefficients import NO_PULLEY
 from bayesfric.rigs.rotary import rotary_unit
 from bayesfric.rigs.steady_points.scale import Scale
 

@@ -12,6 +12,7 @@ from bayesfric.analysis import Analysis, PriorOverrides
 from bayesfric.effects import PULLEYS, Effect, State
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
+from bayesfric.observation.exact import ExactLikelihood
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, VISCOUS, FrictionLaw
 from bayesfric.recording.tables import Recording
@@ -21,7 +22,7 @@ from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.point_rows import PointRows
 from bayesfric.rigs.steady_points.bench import Bench, bench_of
 from bayesfric.rigs.steady_points.errors import NAME
-from bayesfric.rigs.steady_points.likelihood import PointsLikelihood
+from bayesfric.rigs.steady_points.likelihood import PointsModel
 from bayesfric.rigs.steady_points.linear import points_rows
 from bayesfric.rigs.steady_points.next_points import lay_out
 from bayesfric.rigs.steady_points.places import (
@@ -188,10 +189,10 @@ class SteadyTrials(PlainTrials):
         analysis: Analysis,
         law: FrictionLaw = BASELINES["paper"],
         effects: Sequence[ActiveEffect] = (),
-    ) -> PointsLikelihood:
+    ) -> ExactLikelihood:
         """Return the density of the readings."""
         here = [one for one in effects if self.supports(one.effect) is None]
-        return PointsLikelihood(self.bench, analysis, law, here)
+        return ExactLikelihood(PointsModel(self.bench, analysis, law, here))
 
     def quality(self) -> Mapping[str, Any]:
         """Return how many points enter."""

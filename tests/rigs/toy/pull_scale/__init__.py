@@ -13,14 +13,13 @@ import pandas as pd
 from bayesfric.analysis import HalfNormal
 from bayesfric.effects import State
 from bayesfric.effects.terms import parameters_of, rough_values, total
-from bayesfric.inference.grouped_normal import GroupedNormal, Groups
-from bayesfric.inference.priors import Parameter
+from bayesfric.observation.coefficients import SizeIndex, coefficient_parameters
+from bayesfric.observation.exact import ExactLikelihood, Shown
+from bayesfric.observation.scatter import ScatterLevels
 from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.laws import BASELINES
 from bayesfric.recording.columns import COUNT, RUN, SETUP, SIZE, TABLES, WRAP, Column, TableFormat
 from bayesfric.rigs.base import Simulated, Unsupported, Words
-from bayesfric.rigs.coefficients import SizeIndex, coefficient_parameters
-from bayesfric.rigs.grouped import GroupedLikelihood
 from bayesfric.rigs.linear import noise_parameter, rank
 from bayesfric.rigs.plain import PlainTrials
 from bayesfric.rigs.point_rows import PointRows
@@ -97,7 +96,7 @@ class Readings(PlainTrials):
         return Unsupported("A reading of a spring scale has no speed, no path and no motor.")
 
     def likelihood(self, analysis, law=BASELINES["paper"], effects=()):
-        return ReadingsLikelihood(self.table, analysis, law, effects)
+        return ExactLikelihood(ReadingsModel(self.table, analysis, law, effects))
 
     def predicted(self, view):
         table, law = self.table, view.likelihood.law(view.named)
@@ -127,20 +126,15 @@ class Readings(PlainTrials):
         )
 
 
-class ReadingsLikelihood(GroupedLikelihood):
+class ReadingsModel:
+    at_rest = None
+
     def __init__(self, table, analysis, law, effects) -> None:
         self.trials, self._law, self._effects = table, law, tuple(effects)
-        codes, setups = pd.factorize(table["setup"])
-        self.setups = tuple(setups)
-        self._groups = Groups(np.flatnonzero(np.diff(codes, prepend=-1)), codes.size)
-        self._size = SizeIndex.of(table["pulley_size"])
-        self.sizes, priors = self._size.sizes, analysis.priors
-        self.parameters = (
-            *coefficient_parameters(self.sizes, analysis),
-            Parameter("tau", "1", priors.tau, "scatter"),
-            Parameter("omega", "1", priors.omega, "scatter"),
-            *(one for active in self._effects for one in parameters_of(active)),
-        )
+        self._size, priors = SizeIndex.of(table["pulley_size"]), analysis.priors
+        self.coefficients = coefficient_parameters(self._size.sizes, analysis)
+        self.scatter = ScatterLevels(("tau", "omega"), (priors.tau, priors.omega), self._size)
+        self.further = tuple(one for active in self._effects for one in parameters_of(active))
 
     def law(self, theta):
         law = self._size.coefficients(theta)
@@ -148,25 +142,13 @@ class ReadingsLikelihood(GroupedLikelihood):
         friction = self._law.at_tension(law, state.n_pulleys, state.wrap_angle_deg, state.tension_n)
         return friction + (total(self._effects, theta, state) if self._effects else 0.0)
 
-    def normal(self, theta):
-        law, tau, omega = self.law(theta), theta["tau"][:, None], theta["omega"][:, None]
-        residual = self.trials["friction_n"].to_numpy() - law
-        return GroupedNormal(
-            self._groups, residual, (tau * law) ** 2 + SD_N**2, (omega * law)[None]
-        )
+    def shown(self, theta):
+        law = self.law(theta)
+        return Shown(self.trials["friction_n"].to_numpy() - law, np.full_like(law, SD_N**2), law)
 
-    def draw_scatter(self, theta, rng, *, together=False):
-        eta = rng.standard_normal(
-            (len(theta["tau"]), len(self.setups if together else self.trials))
-        )
-        eta = eta[:, self._groups.of_each] if together else eta
-        own = theta["tau"][:, None] * rng.standard_normal((len(eta), len(self.trials)))
-        return theta["omega"][:, None] * eta + own
-
-    def draw_observed(self, theta, deviation, rng):
+    def read(self, theta, deviation, rng):
         return self.law(theta) * (1 + deviation) + SD_N * rng.standard_normal(deviation.shape)
 
     def start(self):
         columns = (self.trials[name].to_numpy(float) for name in (*CONDITION, "friction_n"))
-        rough = self._size.rough_coefficients(*columns)
-        return rough | {"tau": 0.02, "omega": 0.02} | rough_values(self._effects)
+        return self._size.rough_coefficients(*columns) | rough_values(self._effects)
