@@ -3,11 +3,11 @@
 Once a rig has reduced the rows of each trial to what they show of its friction
 (:class:`Shown`), trial i of group j reads
 
-    r_ij = f_ij (ε_ij + η_j) + g_ij κ_j + e_ij,
+    r_ij = f_ij (ε_ij + η_j + g_ij κ_j) + e_ij,
 
 with r what the trial shows less the law, f what a relative deviation of friction of 1 adds to
-it, g the same of the part of friction that does not grow with tension, ε, η and κ the levels
-of :class:`~bayesfric.observation.scatter.ScatterLevels`, and e its error. The trials are one
+it, g the share of friction that does not grow with tension, ε, η and κ the levels of
+:class:`~bayesfric.observation.scatter.ScatterLevels`, and e its error. The trials are one
 grouped normal, or a grouped Student-t, of :mod:`bayesfric.inference`.
 """
 
@@ -40,9 +40,8 @@ class Shown(NamedTuple):
     ----------
     residual, variance : ndarray, shape (W, M)
         What is shown less its mean, and the variance of its error, in the unit of a row.
-    friction, intercept : ndarray, shape (W, N)
-        What relative deviations of 1 add: of all friction, and of the part of it that does not
-        grow with tension (a number where the rig has no such level).
+    friction : ndarray, shape (W, N)
+        What a relative deviation of friction of 1 adds.
     constant : ndarray, shape (W, N), or float
         The log density of a trial's raw data less that of what it shows.
     curve : ndarray, shape (M, K), or None
@@ -56,7 +55,6 @@ class Shown(NamedTuple):
     residual: Array
     variance: Array
     friction: Array
-    intercept: Array | float = 0.0
     constant: Array | float = 0.0
     curve: Array | None = None
     sign: Array | float = 1.0
@@ -105,6 +103,12 @@ class ExactModel(Protocol):
 
     def law(self, theta: Mapping[str, Array]) -> Array:
         """Return friction by the law and the effects, shape (W, N) [N]."""
+
+    def intercept_share(self, theta: Mapping[str, Array]) -> Array | float:
+        """Return the share of friction that does not grow with tension, (W, N).
+
+        A number where the rig's scatter has no level of its own for it.
+        """
 
     def shown(self, theta: Mapping[str, Array]) -> Shown:
         """Return what the rows show of each trial's friction."""
@@ -212,9 +216,7 @@ class ExactLikelihood:
         `together` puts trials of one group on one new group too, as when the whole recording is
         made again; else each is on one of its own.
         """
-        shown = self.model.shown(theta)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            share = np.asarray(shown.intercept / shown.friction)
+        share = self.model.intercept_share(theta)
         return self.model.scatter.draw(theta, share, self._groups if together else None, rng)
 
     def draw_observed(
@@ -235,10 +237,9 @@ class ExactLikelihood:
         variance = shown.variance.copy()
         variance[:, :trials] += (own * shown.friction) ** 2
         moved = np.zeros((max(len(shared), 1), *variance.shape))
-        for place, (sd, part) in enumerate(
-            zip(shared, (shown.friction, shown.intercept), strict=False)
-        ):
-            moved[place, :, :trials] = sd * part
+        shares = (1.0, self.model.intercept_share(theta))
+        for place, (sd, share) in enumerate(zip(shared, shares, strict=False)):
+            moved[place, :, :trials] = sd * share * shown.friction
         starts = self._groups.starts if count == trials else np.append(self._groups.starts, trials)
         rows = Groups(starts, count), shown.residual, variance, moved
         if scatter.trial_freedom is not None:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from rigs.hall import gravity_likelihood
 from scipy.interpolate import make_interp_spline
 
 from bayesfric.analysis import Analysis
@@ -20,7 +21,6 @@ from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG
 from bayesfric.recording import read_recording
 from bayesfric.recording.tables import Gravity, Recording
 from bayesfric.rigs.gravity_board.hall_events import LOG_RHO_SPAN
-from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
 from bayesfric.rigs.gravity_board.measurements import TrialMeasurements, event_table
 from bayesfric.rigs.gravity_board.places import TrialPlaces
 from bayesfric.rigs.gravity_board.screening import screen_trials
@@ -83,7 +83,7 @@ def model_of(problem: Problem) -> tuple[Model, dict[str, np.ndarray]]:
     """Return a posterior, and its arrays for other samplers."""
     recording = read_recording(RECORDING)
     gravity = gravity_of(problem, recording)
-    model = Model([GravityLikelihood(gravity, recording.rig, Analysis())])
+    model = Model([gravity_likelihood(gravity, recording.rig, Analysis())])
     return model, arrays_of(model, gravity, recording)
 
 

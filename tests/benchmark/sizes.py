@@ -16,13 +16,13 @@ import pandas as pd
 from benchmark.compare import within
 from benchmark.memory import peak_mib
 from benchmark.problems import RECORDING
+from rigs.hall import gravity_likelihood
 
 from bayesfric.analysis import Analysis
 from bayesfric.errors import InputError
 from bayesfric.inference.model import Model
 from bayesfric.recording import read_recording, write_recording
 from bayesfric.recording.tables import Gravity
-from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
 from bayesfric.rigs.gravity_board.screening import screen_trials
 
 TRIALS = (200, 2_000, 20_000, 50_000)
@@ -60,7 +60,7 @@ def targets():
     for trials in TRIALS:
         board = repeated(recording, trials)
         began = time.process_time()
-        model = Model([GravityLikelihood(board.gravity, board.rig, Analysis())])
+        model = Model([gravity_likelihood(board.gravity, board.rig, Analysis())])
         theta = model.draw_prior(POINTS, np.random.default_rng(SEED))
         model.log_likelihood(theta)  # which tabulates what all likelihoods share
         reduced = time.process_time()

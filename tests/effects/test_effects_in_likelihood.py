@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from altered import one_size
 from physics.damped import damped_trajectory
+from rigs.hall import gravity_likelihood
 from scipy import stats
 
 from bayesfric.analysis import Analysis
@@ -19,7 +20,6 @@ from bayesfric.physics.friction import coulomb_friction
 from bayesfric.physics.gravity import Condition
 from bayesfric.recording.tables import Gravity
 from bayesfric.rigs import all_rigs
-from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
 from bayesfric.rigs.protocols import PROTOCOLS, Protocol
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 from bayesfric.simulate.strength import at_strength
@@ -152,7 +152,7 @@ def test_viscous_trial_against_a_dense_normal():
     truth = Truth()
     drag = slope * 9 * float(coulomb_friction(law, 1, 85.0, 15.0))
     means, rows, speeds = [], [], []
-    likelihood = GravityLikelihood(
+    likelihood = gravity_likelihood(
         Gravity(trials, events),
         recording.rig,
         Analysis(),

@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pandas as pd
 import pytest
+from rigs.hall import gravity_likelihood
 from scipy import stats
 
 from bayesfric.analysis import Analysis, Sampler
@@ -17,7 +18,6 @@ from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import Model
 from bayesfric.physics.friction import Coefficients
 from bayesfric.recording.tables import Gravity
-from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
 from bayesfric.rigs.gravity_board.screening import screen_trials
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
@@ -50,7 +50,7 @@ def drawn(recording, without=()):
     whole = screen_trials(recording.gravity, recording.rig).gravity
     trials = whole.trials[~whole.trials["setup"].isin(without)].reset_index(drop=True)
     events = whole.events[whole.events["trial"].isin(trials["trial"])].reset_index(drop=True)
-    likelihood = GravityLikelihood(Gravity(trials, events), recording.rig, Analysis())
+    likelihood = gravity_likelihood(Gravity(trials, events), recording.rig, Analysis())
     model = Model([likelihood])
     laplace = laplace_approximation(model.log_posterior, model.start(), model.scale())
     _, z = importance_draws(model.log_posterior, laplace, 1, chart_of(model))

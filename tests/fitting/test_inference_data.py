@@ -74,11 +74,12 @@ def test_many_draws_are_thinned_alike():
 
 def test_the_likelihood_adds_up_to_that_of_the_whole(draws, small_recording):
     """What power-scaling adds up, beside the likelihood worked out again."""
-    from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
+    from rigs.hall import gravity_likelihood
+
     from bayesfric.rigs.gravity_board.screening import screen_trials
 
     screened = screen_trials(small_recording.gravity, small_recording.rig)
-    likelihood = GravityLikelihood(screened.gravity, small_recording.rig, Analysis())
+    likelihood = gravity_likelihood(screened.gravity, small_recording.rig, Analysis())
     point = draws["posterior"].to_dataset().isel(chain=3, draw=[7])
     theta = {}
     for parameter in likelihood.parameters:

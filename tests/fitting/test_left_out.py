@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from rigs.hall import gravity_likelihood
 from scipy import stats
 
 from bayesfric.analysis import Analysis, HalfNormal, LogNormal, Priors, Sampler
@@ -19,7 +20,6 @@ from bayesfric.inference.evidence import elpd, importance_draws
 from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import Model
 from bayesfric.recording.tables import Gravity
-from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
 from bayesfric.rigs.gravity_board.screening import screen_trials
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import Truth, simulate_recording
@@ -43,7 +43,7 @@ def gravity_of(recording, without=()):
 
 def fitted(recording, analysis=None, without=()):
     """A model, its one likelihood, and draws and evidence by importance around the mode."""
-    likelihood = GravityLikelihood(
+    likelihood = gravity_likelihood(
         gravity_of(recording, without), recording.rig, analysis or Analysis()
     )
     model = Model([likelihood])

@@ -94,11 +94,12 @@ def test_no_cell_of_the_csv_starts_a_formula(small_fit, tmp_path):
 
 def test_pointwise_likelihood_is_that_of_the_draws(small_fit, small_recording):
     """The assemblies' densities add up to the density of the whole."""
-    from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
+    from rigs.hall import gravity_likelihood
+
     from bayesfric.rigs.gravity_board.screening import screen_trials
 
     screened = screen_trials(small_recording.gravity, small_recording.rig)
-    likelihood = GravityLikelihood(screened.gravity, small_recording.rig, Analysis())
+    likelihood = gravity_likelihood(screened.gravity, small_recording.rig, Analysis())
     pointwise = small_fit.draws["log_likelihood"]["assembly"]
     draw = int(pointwise["draw"][-1])
     point = small_fit.draws["posterior"].sel(draw=draw).isel(chain=3)
@@ -114,15 +115,15 @@ def test_pointwise_likelihood_is_that_of_the_draws(small_fit, small_recording):
 
 def test_sensitivity_is_that_of_priors_and_likelihood(small_recording, small_fit):
     """Both densities of the stored draws, worked out again: priors by SciPy."""
+    from rigs.hall import gravity_likelihood
     from scipy import stats
 
     from bayesfric.inference.diagnostics import power_scaling
-    from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
     from bayesfric.rigs.gravity_board.screening import screen_trials
 
     posterior = small_fit.draws["posterior"].to_dataset()
     screened = screen_trials(small_recording.gravity, small_recording.rig)
-    likelihood = GravityLikelihood(screened.gravity, small_recording.rig, Analysis())
+    likelihood = gravity_likelihood(screened.gravity, small_recording.rig, Analysis())
     widths = {"c1": 0.05, "c2": 0.2, "tau": 0.05, "omega": 0.05, "sigma_x": 1e-4, "sigma_t": 1e-4}
     widths |= {"omega_intercept": 0.05, "wander": 0.02}
     ensembles, walkers = (getattr(small_fit.summary.sampler, n) for n in ("ensembles", "walkers"))

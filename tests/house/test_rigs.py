@@ -63,7 +63,7 @@ def test_no_module_names_a_rig():
     [
         "recording.gravity",
         "likelihoods['motor']",
-        "from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood",
+        "from bayesfric.rigs.gravity_board.likelihood import GravityModel",
         "import bayesfric.rigs.motor_board",
         "f(gravity=1)",
         "def f(motor): pass",

@@ -5,8 +5,9 @@ import dataclasses
 import numpy as np
 
 from bayesfric.analysis import Analysis
+from bayesfric.observation.exact import ExactLikelihood
 from bayesfric.recording.tables import Gravity
-from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
+from bayesfric.rigs.gravity_board.likelihood import GravityModel
 from bayesfric.rigs.gravity_board.screening import screen_trials
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import Truth, simulate_recording
@@ -41,6 +42,10 @@ def few_trials(trials, events_each, seed=3, sensors=("drive", "load")):
     return dataclasses.replace(recording, gravity=gravity)
 
 
+def gravity_likelihood(gravity, rig, *arguments, **options):
+    return ExactLikelihood(GravityModel(gravity, rig, *arguments, **options))
+
+
 def likelihood_of(recording, analysis=None):
     screened = screen_trials(recording.gravity, recording.rig)
-    return GravityLikelihood(screened.gravity, recording.rig, analysis or Analysis())
+    return gravity_likelihood(screened.gravity, recording.rig, analysis or Analysis())

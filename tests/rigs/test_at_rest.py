@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+from rigs.hall import gravity_likelihood
 from scipy import integrate, stats
 
 from bayesfric.analysis import Analysis, Scatter
@@ -15,7 +16,6 @@ from bayesfric.observation.coefficients import SizeIndex
 from bayesfric.physics.friction import Coefficients, coulomb_friction
 from bayesfric.physics.gravity import Condition, board_friction
 from bayesfric.recording.tables import Gravity, RigConstants
-from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
 from bayesfric.rigs.gravity_board.places import TrialPlaces
 from bayesfric.rigs.gravity_board.screening import screen_trials
 from bayesfric.rigs.gravity_board.wander import Wander
@@ -69,7 +69,7 @@ def board():
 def likelihood_of(trials, moved, **options):
     moving = trials[moved].reset_index(drop=True)
     rest = trials[~moved].drop(columns=["acceleration_m_s2", "acceleration_sd_m_s2"])
-    return GravityLikelihood(
+    return gravity_likelihood(
         Gravity(moving, NO_EVENTS),
         RigConstants(),
         options.pop("analysis", Analysis()),

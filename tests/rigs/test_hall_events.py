@@ -176,8 +176,8 @@ def test_the_wander_has_its_rms_and_its_correlation():
 def dense_assembly(recording, values):
     """Return the log density of all events of trials of one assembly, as one normal."""
     likelihood = likelihood_of(recording)
-    columns_of_wander = likelihood._wander.columns.travel
-    extent = likelihood._places.travel_m.max()
+    columns_of_wander = likelihood.model._wander.columns.travel
+    extent = likelihood.model._places.travel_m.max()
     order = np.arange(1, len(columns_of_wander) + 1)
     share = (1 + (order * np.pi * values["wander_length"] / extent) ** 2 / 3) ** -2.0
     share = share / share.sum()

@@ -5,13 +5,14 @@ import dataclasses
 import numpy as np
 import pandas as pd
 import pytest
+from rigs.hall import gravity_likelihood
 from scipy import stats
 
 from bayesfric.analysis import Analysis
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import board_friction
 from bayesfric.recording.tables import Gravity, RigConstants
-from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood, trial_condition
+from bayesfric.rigs.gravity_board.likelihood import trial_condition
 from bayesfric.simulate import table1_coefficients
 
 G = 9.80665
@@ -56,7 +57,7 @@ def accelerations(sd):
 )
 def test_accelerations_are_a_dense_normal(sd):
     gravity = accelerations(sd)
-    likelihood = GravityLikelihood(gravity, RigConstants(), Analysis())
+    likelihood = gravity_likelihood(gravity, RigConstants(), Analysis())
     trials, rig = gravity.trials, RigConstants()
     condition = trial_condition(trials, rig)
     law = board_friction(table1_coefficients()["medium"], condition)
@@ -76,27 +77,27 @@ def test_accelerations_are_a_dense_normal(sd):
 def test_an_absent_column_is_an_unknown_error():
     gravity = accelerations([np.nan] * 4)
     bare = Gravity(gravity.trials.drop(columns="acceleration_sd_m_s2"), gravity.events)
-    with_nan = GravityLikelihood(gravity, RigConstants(), Analysis()).log_likelihood(THETA)
-    assert GravityLikelihood(bare, RigConstants(), Analysis()).log_likelihood(THETA) == with_nan
+    with_nan = gravity_likelihood(gravity, RigConstants(), Analysis()).log_likelihood(THETA)
+    assert gravity_likelihood(bare, RigConstants(), Analysis()).log_likelihood(THETA) == with_nan
 
 
 def test_mixed_trials_put_each_in_its_place(small_recording):
     """Replacing events by an acceleration of the same precision hardly moves a density."""
     gravity = small_recording.gravity
     by_setup = gravity.trials.sort_values("setup", kind="stable").reset_index(drop=True)
-    whole = GravityLikelihood(Gravity(by_setup, gravity.events), small_recording.rig, Analysis())
-    friction, variance, _ = (values[0] for values in whole.observed(THETA))
-    mass = whole.condition.total_mass_kg
+    whole = gravity_likelihood(Gravity(by_setup, gravity.events), small_recording.rig, Analysis())
+    friction, variance, _ = (values[0] for values in whole.model.observed(THETA))
+    mass = whole.model.condition.total_mass_kg
     replaced = np.arange(len(by_setup)) % 3 == 0
     trials = by_setup.assign(
         acceleration_m_s2=np.where(
-            replaced, (whole.condition.drive_force_n - friction) / mass, np.nan
+            replaced, (whole.model.condition.drive_force_n - friction) / mass, np.nan
         ),
         acceleration_sd_m_s2=np.where(replaced, np.sqrt(variance) / mass, np.nan),
     )
     kept = gravity.events[~gravity.events["trial"].isin(trials["trial"][replaced])]
-    mixed = GravityLikelihood(Gravity(trials, kept), small_recording.rig, Analysis())
-    found = mixed.observed(THETA)
+    mixed = gravity_likelihood(Gravity(trials, kept), small_recording.rig, Analysis())
+    found = mixed.model.observed(THETA)
     # The clock's typical speed, which splits scale from ratio, differs: not the results.
     assert found[0][0] == pytest.approx(friction, rel=1e-9)
     assert found[1][0] == pytest.approx(variance, rel=1e-7)
@@ -105,9 +106,9 @@ def test_mixed_trials_put_each_in_its_place(small_recording):
 def test_events_win_where_both_are_there(small_recording):
     gravity = small_recording.gravity
     trials = gravity.trials.sort_values("setup", kind="stable").reset_index(drop=True)
-    plain = GravityLikelihood(Gravity(trials, gravity.events), small_recording.rig, Analysis())
+    plain = gravity_likelihood(Gravity(trials, gravity.events), small_recording.rig, Analysis())
     wrong = trials.assign(acceleration_m_s2=9.0, acceleration_sd_m_s2=1e-6)
-    both = GravityLikelihood(Gravity(wrong, gravity.events), small_recording.rig, Analysis())
+    both = gravity_likelihood(Gravity(wrong, gravity.events), small_recording.rig, Analysis())
     assert both.log_likelihood(THETA) == plain.log_likelihood(THETA)
 
 
@@ -145,7 +146,7 @@ def test_a_fit_of_accelerations_alone_recovers_the_law(small_recording):
 
 
 def test_trials_made_again_share_their_assembly_and_have_their_error():
-    likelihood = GravityLikelihood(
+    likelihood = gravity_likelihood(
         accelerations([0.003, 0.01, 0.002, 0.02]), RigConstants(), Analysis()
     )
     many = {name: np.repeat(value, 20_000) for name, value in THETA.items()}
@@ -157,9 +158,9 @@ def test_trials_made_again_share_their_assembly_and_have_their_error():
     apart = likelihood.draw_scatter(many, rng)
     assert np.cov(apart.T) == pytest.approx((0.03**2 + 0.02**2) * np.eye(4), abs=0.04 * 0.03**2)
     shown = likelihood.draw_observed(many, np.zeros((20_000, 4)), rng)
-    mass = likelihood.condition.total_mass_kg
+    mass = likelihood.model.condition.total_mass_kg
     assert shown.std(axis=0) == pytest.approx(mass * [0.003, 0.01, 0.002, 0.02], rel=0.03)
-    law = board_friction(table1_coefficients()["medium"], likelihood.condition)
+    law = board_friction(table1_coefficients()["medium"], likelihood.model.condition)
     assert shown.mean(axis=0) == pytest.approx(law, abs=2e-3)
     further = likelihood.draw_observed(many, np.full((20_000, 4), 0.5), rng)
     assert further.mean(axis=0) == pytest.approx(1.5 * law, abs=2e-3)
@@ -173,10 +174,10 @@ def test_a_trial_made_again_follows_the_other_of_its_assembly():
     """A normal of two, conditioned by hand."""
     sd = np.array([0.003, 0.01, 0.002, 0.02])
     gravity = accelerations(list(sd))
-    likelihood = GravityLikelihood(gravity, RigConstants(), Analysis())
+    likelihood = gravity_likelihood(gravity, RigConstants(), Analysis())
     many = {name: np.repeat(value, 20_000) for name, value in THETA.items()}
     more = likelihood.given_rest(many, np.random.default_rng(2)).more
-    condition = likelihood.condition
+    condition = likelihood.model.condition
     law, mass = board_friction(table1_coefficients()["medium"], condition), condition.total_mass_kg
     shown = condition.drive_force_n - mass * gravity.trials["acceleration_m_s2"].to_numpy()
     own = (0.02 * law) ** 2 + (mass * sd) ** 2 + (0.03 * law) ** 2

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from benchmark.kernels import timed
+from rigs.hall import gravity_likelihood
 from rigs.motor_currents import (
     RIG,
     SCATTER,
@@ -22,7 +23,6 @@ from bayesfric.inference.laplace import laplace_approximation
 from bayesfric.inference.model import Model
 from bayesfric.physics.motor import motor_friction
 from bayesfric.recording.tables import Motor
-from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
 from bayesfric.rigs.gravity_board.screening import screen_trials
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 
@@ -254,7 +254,7 @@ def simulated(seed, truth, rigs=("motor",)):
     found = []
     if "gravity" in rigs:
         screened = screen_trials(recording.gravity, recording.rig)
-        found.append(GravityLikelihood(screened.gravity, recording.rig, Analysis()))
+        found.append(gravity_likelihood(screened.gravity, recording.rig, Analysis()))
     found.append(motor_likelihood(recording.motor, recording.rig, Analysis()))
     return found
 
@@ -338,7 +338,9 @@ def test_the_gravity_board_does_not_know_the_torque_constant():
     assert one.gravity.trials.equals(two.gravity.trials)
     assert one.gravity.events.equals(two.gravity.events)
     assert not one.motor.runs.equals(two.motor.runs)
-    likelihood = GravityLikelihood(screen_trials(one.gravity, one.rig).gravity, one.rig, Analysis())
+    likelihood = gravity_likelihood(
+        screen_trials(one.gravity, one.rig).gravity, one.rig, Analysis()
+    )
     assert not {"torque_constant_factor", *SCATTER} & {p.name for p in likelihood.parameters}
 
 

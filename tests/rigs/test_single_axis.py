@@ -125,7 +125,9 @@ def test_the_likelihood_is_that_of_a_dense_normal(trials):
     readings = rows.readings
     position, force, _, length, along = likelihood.model.noise
     noise = (1.2 * position, 1.2 * force, 0.015, length, 0.02, 0.03, 0.0)
-    uneven = 1.2 * along * likelihood.model._rough.coulomb / 1.45  # errors and maps are scaled alike
+    uneven = (
+        1.2 * along * likelihood.model._rough.coulomb / 1.45
+    )  # errors and maps are scaled alike
     noise = dict(zip(NAMES, (*noise, uneven, length, 2.0), strict=True))
     moved, setup = np.full(readings.count, 1.45), np.arange(len(trials.table))
     covariance = dense(rows, noise, moved, readings.trial, setup[readings.trial])

@@ -8,6 +8,7 @@ it inform (:mod:`bayesfric.inference.thresholds`). They are taken as released wi
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -18,6 +19,7 @@ from bayesfric.effects.terms import ActiveEffect
 from bayesfric.inference.grouped_normal import GroupedNormal
 from bayesfric.inference.thresholds import Thresholds, log_probability_above
 from bayesfric.observation.coefficients import SizeIndex
+from bayesfric.observation.scatter import ScatterLevels
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import nominal_tension
 from bayesfric.physics.laws import FrictionLaw
@@ -25,7 +27,6 @@ from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.acting import surroundings
 from bayesfric.rigs.gravity_board.forces import SteadyForces
 from bayesfric.rigs.gravity_board.places import trial_condition
-from bayesfric.rigs.gravity_board.scatter import scatter_values
 from bayesfric.rigs.gravity_board.wander import Wander
 
 __all__ = ["TrialsAtRest"]
@@ -50,6 +51,8 @@ class TrialsAtRest:
         What acts beside it; what acts on readings is of no concern here.
     wander : Wander
         Of friction along the travel.
+    scatter : ScatterLevels
+        Of trials and assemblies.
 
     Attributes
     ----------
@@ -66,6 +69,7 @@ class TrialsAtRest:
         baseline: FrictionLaw,
         effects: Sequence[ActiveEffect],
         wander: Wander,
+        scatter: ScatterLevels,
     ) -> None:
         known = list(dict.fromkeys(moving["setup"]))
         self.setups = tuple(dict.fromkeys(s for s in trials["setup"] if s not in known))
@@ -77,6 +81,7 @@ class TrialsAtRest:
             tuple(sizes), pd.Index(sizes).get_indexer(pd.Index(trials["pulley_size"]))
         )
         self._wander = wander
+        self._scatter = replace(scatter, size=self._size)
         both = surroundings(pd.concat([moving, trials], ignore_index=True), rig)
         self._around = {
             name: value if np.ndim(value) == 0 else value[len(moving) :]
@@ -90,7 +95,7 @@ class TrialsAtRest:
     def thresholds(self, theta: Mapping[str, Array]) -> Thresholds:
         """Return how far each trial's drive is above its mean friction, in its own scatter."""
         friction, drive, _ = self._forces.at(theta)
-        tau, omega, of_intercept = scatter_values(theta, self._size)
+        tau, omega, of_intercept = self._scatter.values(theta)
         law = self._size.coefficients(theta)
         own = (tau * friction) ** 2 + self._wander.at_release(theta, self._size, friction)
         for one in self._phased:

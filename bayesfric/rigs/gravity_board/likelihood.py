@@ -16,7 +16,6 @@ Without effects along the trial that is the density of its friction,
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
-from typing import TypeAlias
 
 import numpy as np
 import pandas as pd
@@ -25,11 +24,9 @@ from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
 from bayesfric.effects.terms import ActiveEffect, parameters_of, rough_values
 from bayesfric.errors import Fault, InputError
-from bayesfric.inference.grouped_normal import LOG_2PI, GroupedNormal, Groups
-from bayesfric.inference.heavy_groups import HeavyGroups
-from bayesfric.inference.model import GivenRest
-from bayesfric.inference.student import GroupedStudent
+from bayesfric.inference.grouped_normal import LOG_2PI
 from bayesfric.observation.coefficients import coefficient_parameters
+from bayesfric.observation.exact import Shown
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.gravity_board.along import EffectsAlong
@@ -44,22 +41,18 @@ from bayesfric.rigs.gravity_board.measurements import (
     rough_noise,
 )
 from bayesfric.rigs.gravity_board.places import TrialPlaces, trial_condition
-from bayesfric.rigs.gravity_board.scatter import scatter_parameters, scatter_values
+from bayesfric.rigs.gravity_board.scatter import gravity_scatter
 from bayesfric.rigs.gravity_board.wander import Wander
 
-__all__ = ["GravityLikelihood", "trial_condition"]
+__all__ = ["GravityModel", "trial_condition"]
 
-Scattered: TypeAlias = GroupedNormal | GroupedStudent | HeavyGroups
 WALKERS_AT_ONCE = 50
-START_SCATTER = 0.02  # of friction, a place to climb from
+START_WANDER = 0.02  # of friction, a place to climb from
 ONLY_NORMAL = "normal, since for Student-t scatter trials that did not move have no likelihood"
 
 
-class GravityLikelihood:
-    """Event times of the gravity board, given coefficients, scatter and noise.
-
-    Methods are those of :class:`bayesfric.inference.model.RigLikelihood`: of W sets of
-    parameters by name, and, where they draw, of a generator.
+class GravityModel:
+    """Event times of the gravity board; see :class:`bayesfric.observation.exact.ExactModel`.
 
     Parameters
     ----------
@@ -82,12 +75,10 @@ class GravityLikelihood:
 
     Attributes
     ----------
-    parameters : tuple of Parameter
-        What the likelihood depends on.
+    condition : Condition
+        Of each trial, arrays of shape (N,).
     trials : DataFrame
         The N trials in the order of every result, all of which moved.
-    setups : tuple of str
-        The J assemblies in the order of every result, those on which no trial moved last.
 
     Raises
     ------
@@ -111,8 +102,6 @@ class GravityLikelihood:
         along = [one for one in here if one.effect.along_path or one.effect.components]
         steady = [one for one in here if one not in along]
         self.trials, self.condition = gravity.trials, self._places.condition
-        codes, setups = pd.factorize(gravity.trials["setup"])
-        self._groups = Groups(np.flatnonzero(np.diff(codes, prepend=-1)), codes.size)
         self._size = self._places.size
         self.sizes = self._size.sizes
         self._forces = SteadyForces(
@@ -123,29 +112,23 @@ class GravityLikelihood:
         noise = noise_parameters(gravity, analysis)
         self._rough_noise = rough_noise(noise, self._places.residual_m)
         self._gravity, self._rig, self._analysis = gravity, rig, analysis
-        self.parameters = (
-            *coefficient_parameters(self.sizes, analysis, baseline.without),
-            *scatter_parameters(self.sizes, analysis),
+        self.coefficients = coefficient_parameters(self.sizes, analysis, baseline.without)
+        self.scatter = gravity_scatter(self._size, analysis)
+        self.further = (
             *self._wander.parameters,
             *noise,
             *(parameter for active in here for parameter in parameters_of(active)),
         )
-        scatter = analysis.scatter
-        freedom = scatter.degrees_of_freedom
-        self._freedom = freedom if scatter.trial == "student-t" else None
-        self._assembly_freedom = freedom if scatter.assembly == "student-t" else None
-        self._at_rest: TrialsAtRest | None = None
-        self.setups = tuple(str(setup) for setup in setups)
+        self.at_rest: TrialsAtRest | None = None
         if at_rest is not None and len(at_rest):
             for level in ("trial", "assembly"):
-                if getattr(scatter, level) == "student-t":
+                if getattr(analysis.scatter, level) == "student-t":
                     column = f"scatter.{level}"
                     fault = Fault("analysis.toml", ONLY_NORMAL, column=column, value="student-t")
                     raise InputError([fault])
-            self._at_rest = TrialsAtRest(
-                at_rest, gravity.trials, rig, self.sizes, baseline, here, self._wander
+            self.at_rest = TrialsAtRest(
+                at_rest, gravity.trials, rig, self.sizes, baseline, here, self._wander, self.scatter
             )
-            self.setups += self._at_rest.setups
 
     def law(self, theta: Mapping[str, Array]) -> Array:
         """Return the friction of each trial by the law and the steady effects, (W, N) [N].
@@ -161,11 +144,11 @@ class GravityLikelihood:
         That is friction [N], its error variance [N²], and the log density of the raw data less that
         of the friction, each of shape (W, N).
         """
-        parts = [self._shown(some, self._forces.at(some)) for some in _blocks(theta)]
+        parts = [self._steady(some, self._forces.at(some)) for some in _blocks(theta)]
         friction, variance, log_constant = zip(*parts, strict=True)
         return np.concatenate(friction), np.concatenate(variance), np.concatenate(log_constant)
 
-    def _shown(self, theta: Mapping[str, Array], forces: Forces) -> tuple[Array, Array, Array]:
+    def _steady(self, theta: Mapping[str, Array], forces: Forces) -> tuple[Array, Array, Array]:
         acceleration = self._form(theta, forces.friction).acceleration()
         return (
             forces.drive - forces.mass * acceleration.mean,
@@ -173,75 +156,10 @@ class GravityLikelihood:
             acceleration.log_constant + np.log(forces.mass),
         )
 
-    def log_likelihood(self, theta: Mapping[str, Array]) -> Array:
-        """Return the log density of all the data, shape (W,)."""
-        return np.asarray(self.setup_log_likelihood(theta).sum(axis=-1))
-
-    def setup_log_likelihood(self, theta: Mapping[str, Array]) -> Array:
-        """Return the log density of each assembly's data, shape (W, J)."""
-        return self._of_setups(theta, *self._scattered(theta))
-
-    def given_rest(
-        self, theta: Mapping[str, Array], rng: np.random.Generator | None = None
-    ) -> GivenRest:
-        """Return densities and probabilities of each trial and assembly given the rest.
-
-        An assembly on which no trial moved has no probability of less friction, nor has any
-        where scatter is Student-t. A trial is made again given those of its assembly that
-        moved; what trials at rest add to that is left out.
-        """
-        scattered, constant = self._scattered(theta)
-        setup_cdf = np.full((len(scattered.residual), len(self.setups)), np.nan)
-        if isinstance(scattered, GroupedNormal):
-            moved = scattered.group_cdf()
-            setup_cdf[:, : moved.shape[1]] = moved
-        density, cdf = scattered.single_log_density() + constant, scattered.single_cdf()
-        if self._at_rest is not None:
-            normal = _normal(scattered)
-            density = density + self._at_rest.trial_log_density(theta, normal)
-            cdf = self._at_rest.trial_cdf(theta, normal, cdf)
-        setup = self._of_setups(theta, scattered, constant)
-        more = setup[:, :0] if rng is None else scattered.draw_again(rng)
-        return GivenRest(density, setup, cdf, setup_cdf, more)
-
-    def _of_setups(
-        self, theta: Mapping[str, Array], scattered: Scattered, constant: Array
-    ) -> Array:
-        moved = scattered.group_log_density() + self._groups.total(constant)
-        if self._at_rest is None:
-            return moved
-        found = self._at_rest.setup_log_probability(theta, _normal(scattered))
-        found[:, : moved.shape[1]] += moved
-        return found
-
-    def draw_trial_cdf(self, theta: Mapping[str, Array], rng: np.random.Generator) -> Array:
-        """Return the probability of less friction than each trial's, of recordings made again.
-
-        A recording a row, with new scatter on new assemblies.
-        """
-        _, variance, law, _ = self._frictions(theta)
-        deviation = self.draw_scatter(theta, rng, together=True)
-        again = law * (1 + deviation) + np.sqrt(variance) * rng.standard_normal(law.shape)
-        return self._around(theta, again, variance, law).single_cdf()
-
-    def _scattered(self, theta: Mapping[str, Array]) -> tuple[Scattered, Array]:
-        """Return the density of the frictions, and each trial's rest of the log density, (W, N)."""
-        observed, variance, law, constant = self._frictions(theta)
-        return self._around(theta, observed, variance, law), constant
-
-    def _around(
-        self, theta: Mapping[str, Array], observed: Array, variance: Array, law: Array
-    ) -> Scattered:
-        """Return the density of frictions, all of shape (W, N), that scatter around the law."""
-        tau, omega, of_intercept = scatter_values(theta, self._size)
-        own = (law * tau) ** 2 + variance
-        residual = observed - law
-        moved = np.stack([law * omega, self._intercept(theta) * of_intercept])
-        if self._freedom is not None:
-            return GroupedStudent(self._groups, residual, own, moved, self._freedom)
-        if self._assembly_freedom is not None:
-            return HeavyGroups(self._groups, residual, own, moved, self._assembly_freedom)
-        return GroupedNormal(self._groups, residual, own, moved)
+    def shown(self, theta: Mapping[str, Array]) -> Shown:
+        """Return the friction that the events of each trial show."""
+        friction, variance, law, constant = self._frictions(theta)
+        return Shown(friction - law, variance, law, constant)
 
     def _frictions(self, theta: Mapping[str, Array]) -> tuple[Array, Array, Array, Array]:
         """Return friction observed, its variance, the law's, and the rest of the log density.
@@ -251,7 +169,7 @@ class GravityLikelihood:
         """
         law, drive, mass = forces = self._forces.at(theta)
         if self._along.columns is None:
-            friction, variance, constant = self._shown(theta, forces)
+            friction, variance, constant = self._steady(theta, forces)
             return friction, variance, law, constant
         added, scattered = self._along.amplitudes(theta, self._size.coefficients(theta))
         # Around the pilot, with A the amplitudes: m1 = (f, −A), of A only what scatters with
@@ -272,40 +190,16 @@ class GravityLikelihood:
         variances += self._along.variances(theta, self._size.coefficients(theta))
         return self._measurements.at(theta, variances, motions)
 
-    def _intercept(self, theta: Mapping[str, Array]) -> Array:
-        """Return the part of each trial's friction that does not grow with tension, (W, N) [N]."""
+    def intercept_share(self, theta: Mapping[str, Array]) -> Array:
+        """Return the share of friction that does not grow with tension, (W, N)."""
         pulleys = np.asarray(self.condition.n_pulleys, dtype=np.float64)
-        return np.asarray(self._size.coefficients(theta).c2) * pulleys
+        c2 = np.asarray(self._size.coefficients(theta).c2)
+        return c2 * pulleys / self.law(theta)
 
-    def draw_scatter(
-        self, theta: Mapping[str, Array], rng: np.random.Generator, *, together: bool = False
-    ) -> Array:
-        """Draw η + κ n c2 / fc + ε of a new trial on a new assembly, (W, N).
-
-        `together` puts trials of one assembly on one new assembly too, as when the whole recording
-        is made again; else each is on one of its own.
-        """
-        tau, omega, of_intercept = scatter_values(theta, self._size)
-        of_intercept = of_intercept * self._intercept(theta) / self.law(theta)
-        shape = (len(tau), len(self.trials))
-        if self._freedom is None:
-            trial = rng.standard_normal(shape)
-        else:
-            trial = rng.standard_t(self._freedom, shape)
-        assemblies = (len(tau), len(self.setups)) if together else shape
-        drawn = rng.standard_normal((2, *assemblies))
-        if self._assembly_freedom is not None:  # both numbers of an assembly are far out together
-            freedom = self._assembly_freedom
-            drawn = drawn * np.sqrt(freedom / rng.chisquare(freedom, assemblies))
-        slope, intercept = drawn[..., self._groups.of_each] if together else drawn
-        return np.asarray(omega * slope + of_intercept * intercept + tau * trial)
-
-    def draw_observed(
-        self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator
-    ) -> Array:
+    def read(self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator) -> Array:
         """Draw the friction that the events would show, with their error, (…, W, N) [N].
 
-        `deviation` is how far friction is from the law, as :meth:`draw_scatter` draws it.
+        `deviation` is how far friction is from the law, relative to it.
         """
         sd = np.sqrt(self.observed(theta)[1])
         return self.law(theta) * (1 + deviation) + sd * rng.standard_normal(deviation.shape)
@@ -323,14 +217,9 @@ class GravityLikelihood:
 
     def start(self) -> dict[str, float]:
         """Return rough estimates by least squares, a place to climb from."""
-        scatter = {
-            parameter.name: START_SCATTER
-            for parameter in self.parameters
-            if parameter.name.startswith(("tau", "omega", "wander"))
-        }
-        scatter |= self._wander.start()
         effects = rough_values(self._effects)
-        return self._rough_noise | scatter | effects | self._places.rough
+        wander = dict.fromkeys((one.name for one in self._wander.parameters), START_WANDER)
+        return self._rough_noise | wander | self._wander.start() | effects | self._places.rough
 
 
 def _blocks(theta: Mapping[str, Array]) -> Iterator[dict[str, Array]]:
@@ -340,8 +229,3 @@ def _blocks(theta: Mapping[str, Array]) -> Iterator[dict[str, Array]]:
     for start in range(0, walkers, WALKERS_AT_ONCE):
         stop = start + WALKERS_AT_ONCE
         yield {name: values[start:stop] for name, values in whole.items()}
-
-
-def _normal(scattered: Scattered) -> GroupedNormal:
-    assert isinstance(scattered, GroupedNormal)  # else trials at rest are refused
-    return scattered

@@ -11,7 +11,7 @@ from bayesfric.physics.gravity import nominal_tension
 from bayesfric.physics.laws import FrictionLaw
 from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.base import Predictive
-from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
+from bayesfric.rigs.gravity_board.likelihood import GravityModel
 from bayesfric.rigs.residuals import beside_predicted
 
 __all__ = ["CURVE_POINTS", "curves", "trials"]
@@ -19,22 +19,22 @@ __all__ = ["CURVE_POINTS", "curves", "trials"]
 CURVE_POINTS = 41
 
 
-def trials(likelihood: GravityLikelihood, recorded: pd.DataFrame, view: Predictive) -> xr.Dataset:
+def trials(model: GravityModel, recorded: pd.DataFrame, view: Predictive) -> xr.Dataset:
     """Return friction observed, and predicted for a new trial on a new assembly.
 
     Parameters
     ----------
-    likelihood : GravityLikelihood
+    model : GravityModel
         Of the fit.
     recorded : DataFrame
         All trials as recorded, for their order.
     view : Predictive
         The fit.
     """
-    table, named = likelihood.trials, view.named
+    table, named = model.trials, view.named
     middle = {name: np.median(values, keepdims=True) for name, values in named.items()}
-    friction, variance, _ = (values[0] for values in likelihood.observed(middle))
-    condition = likelihood.condition
+    friction, variance, _ = (values[0] for values in model.observed(middle))
+    condition = model.condition
     acceleration = (condition.drive_force_n - friction) / condition.total_mass_kg
     observed = {
         name: table[name].to_numpy()
@@ -44,19 +44,17 @@ def trials(likelihood: GravityLikelihood, recorded: pd.DataFrame, view: Predicti
     observed["acceleration_m_s2"] = acceleration
     observed["friction_n"] = friction
     observed["friction_sd_n"] = np.sqrt(variance)
-    return beside_predicted("trial", table, observed, likelihood.law(named), recorded, view)
+    return beside_predicted("trial", table, observed, model.law(named), recorded, view)
 
 
-def curves(
-    likelihood: GravityLikelihood, named: dict[str, Array], baseline: FrictionLaw
-) -> xr.Dataset:
+def curves(model: GravityModel, named: dict[str, Array], baseline: FrictionLaw) -> xr.Dataset:
     """Return friction against tension at each (size, n, θ) cell, of the law and of Table I."""
-    trials = likelihood.trials
+    trials = model.trials
     cells = trials[["pulley_size", "n_pulleys", "wrap_angle_deg"]].drop_duplicates()
-    by_size = cells["pulley_size"].map(likelihood.sizes.index)
+    by_size = cells["pulley_size"].map(model.sizes.index)
     cells = cells.assign(place=by_size).sort_values(["place", "wrap_angle_deg", "n_pulleys"])
     cells = cells.drop(columns="place")
-    top = float(np.max(nominal_tension(likelihood.condition, 0.0)))
+    top = float(np.max(nominal_tension(model.condition, 0.0)))
     tension = np.linspace(0.0, top, CURVE_POINTS)
     paper = np.full((len(cells), CURVE_POINTS), np.nan)
     law = np.empty((len(cells), CURVE_POINTS, len(QUANTILES)))

@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 
 from bayesfric.arrays import Array
+from bayesfric.observation.exact import ExactLikelihood
 from bayesfric.paper import table1
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.physics.gravity import nominal_tension
@@ -23,7 +24,7 @@ from bayesfric.rigs.gravity_board.estimator import (
     SizeEstimate,
     is_upright,
 )
-from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
+from bayesfric.rigs.gravity_board.likelihood import GravityModel
 
 __all__ = ["paper_slopes"]
 
@@ -53,7 +54,8 @@ class _Cell:
 
 
 def paper_slopes(
-    likelihood: GravityLikelihood,
+    likelihood: ExactLikelihood,
+    model: GravityModel,
     estimate: PaperEstimate,
     named: dict[str, Array],
     baseline: FrictionLaw,
@@ -63,7 +65,9 @@ def paper_slopes(
 
     Parameters
     ----------
-    likelihood : GravityLikelihood
+    likelihood : ExactLikelihood
+        Of the fit.
+    model : GravityModel
         Of the fit.
     estimate : PaperEstimate
         Of the trials that entered.
@@ -87,13 +91,13 @@ def paper_slopes(
     measured = np.array([trial.tension_n for trial in estimate.trials], dtype=np.float64)
     deviation = likelihood.draw_scatter(named, rng, together=True)
     friction = likelihood.draw_observed(named, deviation, rng)
-    condition = likelihood.condition
+    condition = model.condition
     tension = nominal_tension(
         condition, (condition.drive_force_n - friction) / condition.total_mass_kg
     )
-    in_order = sorted(estimate.sizes, key=lambda size: likelihood.sizes.index(size.pulley_size))
+    in_order = sorted(estimate.sizes, key=lambda size: model.sizes.index(size.pulley_size))
     cells = [
-        _again(size, line, likelihood, measured, tension, friction)
+        _again(size, line, model, measured, tension, friction)
         for size in in_order
         for line in size.cells
         if line.slope.value is not None
@@ -111,12 +115,12 @@ def paper_slopes(
 def _again(
     size: SizeEstimate,
     line: CellLine,
-    likelihood: GravityLikelihood,
+    model: GravityModel,
     measured: Array,
     tension: Array,
     friction: Array,
 ) -> _Cell:
-    table = likelihood.trials
+    table = model.trials
     chosen = np.flatnonzero(
         np.isfinite(measured)
         & (table["pulley_size"] == size.pulley_size)

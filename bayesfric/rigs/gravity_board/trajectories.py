@@ -10,7 +10,7 @@ from bayesfric.physics.gravity import Condition, Trajectory
 from bayesfric.physics.laws import FrictionLaw
 from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.bands import QUANTILES, bands
-from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood
+from bayesfric.rigs.gravity_board.likelihood import GravityModel
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 
 __all__ = ["trajectories"]
@@ -19,7 +19,7 @@ SHOWN_TRIALS = 6
 
 
 def trajectories(
-    likelihood: GravityLikelihood,
+    model: GravityModel,
     gravity: Gravity,
     rig: RigConstants,
     named: dict[str, Array],
@@ -27,7 +27,7 @@ def trajectories(
     baseline: FrictionLaw,
 ) -> xr.Dataset:
     """Predict a few trials, free-running from the first event's speed."""
-    trials = likelihood.trials
+    trials = model.trials
     with_events = np.flatnonzero(trials["trial"].isin(gravity.events["trial"]))
     if not with_events.size:
         return xr.Dataset()

@@ -14,6 +14,7 @@ from bayesfric.arrays import Array
 from bayesfric.effects import Effect
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
+from bayesfric.observation.exact import ExactLikelihood
 from bayesfric.physics.cable import Cable
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import nominal_tension
@@ -22,7 +23,7 @@ from bayesfric.recording.tables import Gravity, Recording, RigConstants
 from bayesfric.rigs.base import Predictive, Regime, Resting, Simulated, Unsupported, Words
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.gravity_board.estimator import PaperEstimate, estimate_as_the_paper
-from bayesfric.rigs.gravity_board.likelihood import GravityLikelihood, trial_condition
+from bayesfric.rigs.gravity_board.likelihood import GravityModel, trial_condition
 from bayesfric.rigs.gravity_board.linear_scatter import EVENT_SD_M
 from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion, measured_motion
 from bayesfric.rigs.gravity_board.next_trials import lay_out, on_time
@@ -232,10 +233,12 @@ class GravityTrials(PulleyTrials):
         analysis: Analysis,
         law: FrictionLaw = BASELINES["paper"],
         effects: Sequence[ActiveEffect] = (),
-    ) -> GravityLikelihood:
+    ) -> ExactLikelihood:
         """Return the density of the event times."""
-        return GravityLikelihood(
-            self.gravity, self.constants, analysis, law, effects, self.at_rest, self.places
+        return ExactLikelihood(
+            GravityModel(
+                self.gravity, self.constants, analysis, law, effects, self.at_rest, self.places
+            )
         )
 
     def stretch_ratios(self, cable: Cable, theta: Mapping[str, Array]) -> Array | Unsupported:
@@ -310,16 +313,18 @@ class GravityTrials(PulleyTrials):
 
     def figures(self, view: Predictive) -> Mapping[str, xr.Dataset]:
         """Return friction against tension, the paper's slopes, and a few trajectories."""
-        likelihood, board = self._mine(view), (self.gravity, self.constants)
-        found = {"curves": curves(likelihood, view.named, view.law)}
-        found |= paper_slopes(likelihood, self.estimate, view.named, view.law, view.rng)
-        found["trajectories"] = trajectories(likelihood, *board, view.named, view.factor, view.law)
+        model, board = self._mine(view), (self.gravity, self.constants)
+        assert isinstance(view.likelihood, ExactLikelihood)
+        found = {"curves": curves(model, view.named, view.law)}
+        found |= paper_slopes(view.likelihood, model, self.estimate, view.named, view.law, view.rng)
+        found["trajectories"] = trajectories(model, *board, view.named, view.factor, view.law)
         return found
 
     @staticmethod
-    def _mine(view: Predictive) -> GravityLikelihood:
-        assert isinstance(view.likelihood, GravityLikelihood)
-        return view.likelihood
+    def _mine(view: Predictive) -> GravityModel:
+        assert isinstance(view.likelihood, ExactLikelihood)
+        assert isinstance(view.likelihood.model, GravityModel)
+        return view.likelihood.model
 
 
 def _agreement(agreement: SensorAgreement) -> Agreement:

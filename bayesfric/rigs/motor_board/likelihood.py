@@ -221,10 +221,10 @@ class MotorModel:
         """Return the torque constant k_t [N·m/A], shape (W, 1)."""
         return self._torque_constant * theta["torque_constant_factor"][:, None]
 
-    def _intercept(self, theta: Mapping[str, Array]) -> Array:
-        """Return the part of friction that does not grow with tension, signed, (W, N) [N]."""
+    def intercept_share(self, theta: Mapping[str, Array]) -> Array:
+        """Return the share of friction that does not grow with tension, (W, N)."""
         signed = np.sign(self.condition.velocity_m_s) * np.asarray(self.condition.n_pulleys)
-        return np.asarray(self._size.coefficients(theta).c2 * signed)
+        return np.asarray(self._size.coefficients(theta).c2 * signed / self.law(theta))
 
     def shown(self, theta: Mapping[str, Array]) -> Shown:
         """Return the currents of runs and, after them, of the idle motor."""
@@ -242,7 +242,6 @@ class MotorModel:
             residual,
             variance,
             friction * per_newton,
-            self._intercept(theta) * per_newton,
             curve=self._columns,
             # Friction takes current from a motor that lifts, and gives it back as it lowers.
             sign=np.sign(self.condition.velocity_m_s),
