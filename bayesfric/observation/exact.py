@@ -3,10 +3,10 @@
 Once a rig has reduced the rows of each trial to what they show of its friction
 (:class:`Shown`), trial i of group j reads
 
-    r_ij = f_ij (ε_ij + η_j + g_ij κ_j) + e_ij,
+    r_ij = p_ij (f_ij (ε_ij + η_j) + g_ij κ_j) + e_ij,
 
-with r what the trial shows less the law, f what a relative deviation of friction of 1 adds to
-it, g the share of friction that does not grow with tension, ε, η and κ the levels of
+with r what the trial shows less the law, f the law's friction, g the part of it that does not
+grow with tension, p what a newton of friction adds, ε, η and κ the levels of
 :class:`~bayesfric.observation.scatter.ScatterLevels`, and e its error. The trials are one
 grouped normal, or a grouped Student-t, of :mod:`bayesfric.inference`.
 """
@@ -41,15 +41,17 @@ class Shown(NamedTuple):
     residual, variance : ndarray, shape (W, M)
         What is shown less its mean, and the variance of its error, in the unit of a row.
     friction : ndarray, shape (W, N)
-        What a relative deviation of friction of 1 adds.
+        By the law and the effects: what scatters [N].
     constant : ndarray, shape (W, N), or float
         The log density of a trial's raw data less that of what it shows.
     curve : ndarray, shape (M, K), or None
         What numbers that all rows share, each N(0, 1), add.
     sign : ndarray, shape (N,), or float
         −1 where a larger row shows less friction.
+    per_newton : ndarray, shape (W, 1), or float
+        What a newton of friction adds to a row.
     newtons : float
-        What a unit of a row is in newtons.
+        What a unit of a row is read as [N].
     """
 
     residual: Array
@@ -58,6 +60,7 @@ class Shown(NamedTuple):
     constant: Array | float = 0.0
     curve: Array | None = None
     sign: Array | float = 1.0
+    per_newton: Array | float = 1.0
     newtons: float = 1.0
 
 
@@ -104,8 +107,8 @@ class ExactModel(Protocol):
     def law(self, theta: Mapping[str, Array]) -> Array:
         """Return friction by the law and the effects, shape (W, N) [N]."""
 
-    def intercept_share(self, theta: Mapping[str, Array]) -> Array | float:
-        """Return the share of friction that does not grow with tension, (W, N).
+    def intercept(self, theta: Mapping[str, Array]) -> Array | float:
+        """Return the part of friction that does not grow with tension, (W, N) [N].
 
         A number where the rig's scatter has no level of its own for it.
         """
@@ -202,7 +205,7 @@ class ExactLikelihood:
         shown = self.model.shown(theta)
         residual = np.sqrt(shown.variance) * rng.standard_normal(shown.residual.shape)
         deviation = self.draw_scatter(theta, rng, together=True)
-        residual[:, : len(self.trials)] += shown.friction * deviation
+        residual[:, : len(self.trials)] += shown.per_newton * shown.friction * deviation
         if shown.curve is not None:
             residual += rng.standard_normal((len(residual), shown.curve.shape[1])) @ shown.curve.T
         again = shown._replace(residual=residual)
@@ -216,7 +219,7 @@ class ExactLikelihood:
         `together` puts trials of one group on one new group too, as when the whole recording is
         made again; else each is on one of its own.
         """
-        share = self.model.intercept_share(theta)
+        share = self.model.intercept(theta) / self.model.law(theta)
         return self.model.scatter.draw(theta, share, self._groups if together else None, rng)
 
     def draw_observed(
@@ -234,14 +237,16 @@ class ExactLikelihood:
         scatter = self.model.scatter
         own, *shared = scatter.values(theta)
         count, trials = shown.residual.shape[1], len(self.trials)
-        variance = shown.variance.copy()
-        variance[:, :trials] += (own * shown.friction) ** 2
-        moved = np.zeros((max(len(shared), 1), *variance.shape))
-        shares = (1.0, self.model.intercept_share(theta))
-        for place, (sd, share) in enumerate(zip(shared, shares, strict=False)):
-            moved[place, :, :trials] = sd * share * shown.friction
+        parts = (shown.friction, self.model.intercept(theta))
+        own_variance = (own * shown.per_newton * shown.friction) ** 2
+        moved = [sd * shown.per_newton * part for sd, part in zip(shared, parts, strict=False)]
+        moved = moved or [np.zeros_like(shown.friction)]
+        if count > trials:  # rows at rest scatter with nothing
+            beyond = ((0, 0), (0, count - trials))
+            own_variance, *moved = (np.pad(rows, beyond) for rows in (own_variance, *moved))
         starts = self._groups.starts if count == trials else np.append(self._groups.starts, trials)
-        rows = Groups(starts, count), shown.residual, variance, moved
+        variance = shown.variance + own_variance
+        rows = Groups(starts, count), shown.residual, variance, np.stack(moved)
         if scatter.trial_freedom is not None:
             return GroupedStudent(*rows, scatter.trial_freedom)
         if scatter.group_freedom is not None:

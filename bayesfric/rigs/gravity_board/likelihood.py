@@ -190,11 +190,10 @@ class GravityModel:
         variances += self._along.variances(theta, self._size.coefficients(theta))
         return self._measurements.at(theta, variances, motions)
 
-    def intercept_share(self, theta: Mapping[str, Array]) -> Array:
-        """Return the share of friction that does not grow with tension, (W, N)."""
+    def intercept(self, theta: Mapping[str, Array]) -> Array:
+        """Return the part of friction that does not grow with tension, (W, N) [N]."""
         pulleys = np.asarray(self.condition.n_pulleys, dtype=np.float64)
-        c2 = np.asarray(self._size.coefficients(theta).c2)
-        return c2 * pulleys / self.law(theta)
+        return np.asarray(self._size.coefficients(theta).c2) * pulleys
 
     def read(self, theta: Mapping[str, Array], deviation: Array, rng: np.random.Generator) -> Array:
         """Draw the friction that the events would show, with their error, (…, W, N) [N].

@@ -221,10 +221,10 @@ class MotorModel:
         """Return the torque constant k_t [N·m/A], shape (W, 1)."""
         return self._torque_constant * theta["torque_constant_factor"][:, None]
 
-    def intercept_share(self, theta: Mapping[str, Array]) -> Array:
-        """Return the share of friction that does not grow with tension, (W, N)."""
+    def intercept(self, theta: Mapping[str, Array]) -> Array:
+        """Return the part of friction that does not grow with tension, signed, (W, N) [N]."""
         signed = np.sign(self.condition.velocity_m_s) * np.asarray(self.condition.n_pulleys)
-        return np.asarray(self._size.coefficients(theta).c2 * signed / self.law(theta))
+        return np.asarray(self._size.coefficients(theta).c2 * signed)
 
     def shown(self, theta: Mapping[str, Array]) -> Shown:
         """Return the currents of runs and, after them, of the idle motor."""
@@ -232,7 +232,6 @@ class MotorModel:
         load = load_current(self.condition, friction + held, torque, self._radius)
         law = self._size.coefficients(theta)
         state = self._places.state(law, friction + held, load)
-        per_newton = self._radius / torque
         runs = slice(None, self._runs)
         residual = np.tile(self._current, (len(load), 1))
         residual[:, runs] -= load + self._added("current", theta, state)
@@ -241,9 +240,10 @@ class MotorModel:
         return Shown(
             residual,
             variance,
-            friction * per_newton,
+            friction,
             curve=self._columns,
             # Friction takes current from a motor that lifts, and gives it back as it lowers.
             sign=np.sign(self.condition.velocity_m_s),
+            per_newton=self._radius / torque,
             newtons=float(np.median(torque)) / self._radius,
         )

@@ -161,7 +161,7 @@ class AxisModel:
         density = -0.5 * (whole + (self._count - 1) * LOG_2PI - np.log(variance))
         return beyond, variance, density
 
-    def intercept_share(self, theta: Mapping[str, Array]) -> float:
+    def intercept(self, theta: Mapping[str, Array]) -> float:
         """Return 0: the intercept has no scatter of its own."""
         del theta
         return 0.0

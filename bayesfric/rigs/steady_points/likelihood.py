@@ -84,7 +84,7 @@ class PointsModel:
             friction = friction + total(self._effects, theta, state_of(self._bench, law))
         return np.asarray(friction, dtype=np.float64)
 
-    def intercept_share(self, theta: Mapping[str, Array]) -> float:
+    def intercept(self, theta: Mapping[str, Array]) -> float:
         """Return 0: the intercept has no scatter of its own."""
         del theta
         return 0.0

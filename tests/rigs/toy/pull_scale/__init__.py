@@ -142,7 +142,7 @@ class ReadingsModel:
         friction = self._law.at_tension(law, state.n_pulleys, state.wrap_angle_deg, state.tension_n)
         return friction + (total(self._effects, theta, state) if self._effects else 0.0)
 
-    def intercept_share(self, theta):
+    def intercept(self, theta):
         return 0.0
 
     def shown(self, theta):
