@@ -127,3 +127,42 @@ CHANGES: dict[str, dict[str, dict[str, float]]] = {
 def points_of(rig: str) -> dict[str, dict[str, float]]:
     """Return the fixed points of a rig by name; each has all parameters that the rig may have."""
     return {name: BASE[rig] | change for name, change in CHANGES[rig].items()}
+
+NOISE = {
+    "gravity": {
+        "tau": 0.012,
+        "omega": 0.016,
+        "omega_intercept": 0.03,
+        "wander": 0.005,
+        "wander_length": 0.11,
+        "kappa": 1.1,
+    },
+    "motor": {
+        "tau_motor": 0.011,
+        "omega_hung": 0.007,
+        "omega_motor": 0.015,
+        "omega_intercept_hung": 0.012,
+        "omega_intercept_motor": 0.02,
+        "sigma_current": 0.0025,
+        "load_noise": 0.006,
+    },
+    "points": {
+        "tau_steady-points": 0.012,
+        "load_steady-points": 0.004,
+        "omega_steady-points": 0.02,
+        "sigma_friction": 0.006,
+    },
+    "axis": {
+        "sigma_position": 3e-6,
+        "sigma_force": 0.02,
+        "wander_axis": 0.02,
+        "wander_length_axis": 0.025,
+        "tau_axis": 0.012,
+        "omega_axis": 0.015,
+        "map_axis": 0.01,
+        "run_map_axis": 0.006,
+        "map_length_axis": 0.03,
+        "map_decay_axis": 1.8,
+    },
+}
+"""Noise of a diagnosis."""
