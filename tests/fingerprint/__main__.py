@@ -93,7 +93,7 @@ def _shown(number: Number | None) -> str:
 
 def write(computed: dict[str, dict[str, Number]], why: str | None, *, anew: bool) -> int:
     """Write what moved of some parts, and why."""
-    kept = {part: stored.numbers_of(part) for part in stored.parts()}
+    kept = {} if anew else {part: stored.numbers_of(part) for part in stored.parts()}
     before = {part: stored.digest(part) for part in kept}
     for part, numbers in computed.items():
         old = kept.get(part, {})

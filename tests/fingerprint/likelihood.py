@@ -38,7 +38,8 @@ def numbers(rig: str) -> dict[str, Number]:
     for law in LAWS[rig]:
         found[f"law {law}"] = bound(of(rig, law=law))
     for name, law in access.possible_effects(rig):
-        found[f"effect {name}, {law}"] = bound(of(rig, effects=[(name, law)]))
+        # Along a path an effect is reduced to the responses that count, which is no closed form.
+        found[f"effect {name}, {law}"] = integrated(of(rig, effects=[(name, law)]))
     for name, scatter in SCATTER[rig].items():
         found[name] = bound(of(rig, settings={"scatter": scatter}, recorded=access.moving(rig)))
     for name, recorded in access.altered(rig).items():

@@ -10,7 +10,7 @@ import numpy as np
 Bound = Literal["closed", "integrated", "draws"]
 RELATIVE = {"closed": 1e-8, "integrated": 1e-5}
 ERRORS = 4.0  # Monte Carlo standard errors
-SMALLEST = 1e-3
+SMALLEST = 1e-2
 """Of the largest of a list of numbers: one that is smaller may be off by as much as one of this
 size, since it is a difference of larger ones."""
 DIGITS = 12  # that are kept
@@ -65,6 +65,8 @@ def text(value: str) -> Number:
 def farthest(kept: Number, new: Number) -> float:
     """Return how far a number has moved, in units of its bound; above 1 it has moved.
 
+    An error that is twice or half of what it was counts as a move too.
+
     Parameters
     ----------
     kept : Number
@@ -77,7 +79,9 @@ def farthest(kept: Number, new: Number) -> float:
     before, after = np.atleast_1d(kept.value), np.atleast_1d(new.value)
     if before.shape != after.shape or kept.bound != new.bound:
         return math.inf
-    if kept.error is not None:
+    if kept.error is not None and new.error is not None:
+        if not 0.5 < new.error / kept.error < 2.0:
+            return math.inf
         return float(np.abs(after - before).max() / (ERRORS * kept.error))
     size = np.maximum(np.abs(before), SMALLEST * np.abs(before).max(initial=0.0))
     off = np.abs(after - before)

@@ -36,7 +36,7 @@ def _of_diagnosis(told: Any) -> Iterator[tuple[str, Number]]:
     for name, value in told.scatter.items():
         yield f"scatter {name}", drawn(value, 0.002 * value)
     for name, number in told.law.items():
-        yield f"law alone: {name}", drawn(number.before.mean, 0.01 * number.before.sd)
+        yield f"law alone: {name}", drawn(number.before.mean, 0.05 * number.before.sd)
         yield f"law: {name}", drawn(number.after.mean, _error(number.after))
     gap = told.gap
     yield "gap: friction", integrated(gap.friction_rms)
