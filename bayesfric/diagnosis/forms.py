@@ -128,7 +128,9 @@ def _shapes(at: Array, weight: Array) -> list[Callable[[Array], Array]]:
     """Return polynomials over the places of an effect, each unlike those of lower degrees."""
     levels, which = np.unique(at, return_inverse=True)
     square = np.bincount(which, weights=weight)
-    if levels.size < 2 or square.sum() == 0:
+    # An effect that is zero at all levels but one, as a curvature is about the middle one, has
+    # nothing to vary along the axis.
+    if np.count_nonzero(square) < 2:
         return []
     # Where the effect dies out, so do its other forms; equal parts of the effect count alike.
     quantiles = (np.cumsum(square) - square / 2) / square.sum()

@@ -30,3 +30,10 @@ def test_forms_reach_another_law_of_the_effect_and_not_one_that_goes_on_where_it
     effect = np.exp(-SPEED / 0.15)
     assert left_by(effect, 1 / np.cosh(SPEED / 0.15)) < 0.02
     assert left_by(effect, -np.log1p(SPEED / 0.02)) > 0.2
+
+
+def test_an_effect_that_is_zero_at_all_levels_but_one_has_no_other_form_there():
+    """As a curvature about nine pulleys where 9 and 15 were measured: nothing of it varies."""
+    pulleys = np.array([9.0, 9.0, 15.0, 15.0])
+    assert _shapes(pulleys, np.array([0.0, 0.0, 2e-10, 1e-10])) == []
+    assert _shapes(pulleys, np.array([1e-11, 1e-11, 2e-10, 1e-10])) != []
