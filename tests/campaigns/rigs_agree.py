@@ -37,6 +37,11 @@ PROMISED = {
     ("bare", "coefficients", "supported"): {"most": 0.0},
 }
 """Shares of the recordings of a kind, by kind, claim and verdict."""
+WORDS = {
+    "true": "boards that agree",
+    "apart": "boards 12 % apart",
+    "bare": "boards of one condition",
+}
 
 
 def cases(kinds=KINDS):
@@ -113,5 +118,5 @@ def promises(figures):
         verdicts = figures[f"{kind}: {claim}"]
         count = verdicts.get(verdict, {"count": 0})["count"]
         number = sum(one["count"] for one in verdicts.values())
-        outcomes.append(rate(f"boards '{kind}': {claim} is {verdict}", count, number, **bound))
+        outcomes.append(rate(f"{WORDS[kind]}: {claim} is {verdict}", count, number, **bound))
     return outcomes
