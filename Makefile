@@ -3,20 +3,22 @@
 VENV ?= .venv
 python = "$(VENV)/bin/python"
 
-.PHONY: help setup report docs test quality coverage test-nightly test-long fuzz mutation bench clean
+.PHONY: help setup report docs test quality coverage test-nightly evidence-check release-evidence fuzz mutation \
+	bench clean
 
 help:
-	@echo 'make report        the bundled recording to posteriors and a PDF, in reports/latest/'
-	@echo 'make docs          the documentation as HTML, in docs/_build/'
-	@echo 'make test          what CI runs: quality, then the tests; minutes'
-	@echo 'make quality       lint, formatting, types, and how old the evidence is'
-	@echo 'make coverage      the tests again, with the branches that they take; 90 % or it fails'
-	@echo 'make test-nightly  cases of the campaigns again, compared with reports/evidence/; an hour'
-	@echo 'make test-long     the campaigns, hours; results in reports/evidence/'
-	@echo 'make fuzz          altered files for ten minutes, from where it stopped'
-	@echo 'make mutation      altered formulas that the tests have to notice, from where it stopped; half an hour'
-	@echo 'make bench         speed, held against what the project promises and beside other samplers'
-	@echo 'make clean         remove caches, builds and reports/latest/ (and keep $(VENV)/)'
+	@echo 'make report            the bundled recording to posteriors and a PDF, in reports/latest/'
+	@echo 'make docs              the documentation as HTML, in docs/_build/'
+	@echo 'make test              what CI runs: quality, then the tests; minutes'
+	@echo 'make quality           lint, formatting and types'
+	@echo 'make coverage          the tests again, with the branches that they take; 90 % or it fails'
+	@echo 'make test-nightly      cases of the campaigns again, compared with reports/evidence/; an hour'
+	@echo 'make evidence-check    those of the campaigns alone whose numbers have moved; PARTS=… of others'
+	@echo 'make release-evidence  the campaigns, hours, from where they stopped; CAMPAIGNS=--list for what is left'
+	@echo 'make fuzz              altered files for ten minutes, from where it stopped'
+	@echo 'make mutation          altered formulas that the tests have to notice, from where it stopped; half an hour'
+	@echo 'make bench             speed, held against what the project promises and beside other samplers'
+	@echo 'make clean             remove caches, builds and reports/latest/ (and keep $(VENV)/)'
 	@echo
 	@echo 'All of them set up $(VENV)/ first (VENV=… for another), with the first of python3.13,'
 	@echo 'python3.12, python3.11, python3 that is 3.11 or newer (PYTHON=… for another).'
@@ -49,11 +51,22 @@ test-nightly: setup
 	$(python) -m pytest -m nightly --timeout=3600
 	BAYESFRIC_HYPOTHESIS_EXAMPLES=2000 $(python) -m pytest -n 2 tests/recording/test_recording_fuzz.py
 
-test-long: setup
-	$(python) -m pytest -m long --timeout=0
+# Names of campaigns, or --list.
+CAMPAIGNS ?=
+
+release-evidence: setup
+	@PYTHONPATH=tests $(python) -m campaigns.release $(CAMPAIGNS)
+
+# Names of parts of the fingerprint; those that have moved, where none is named.
+PARTS ?=
+
+evidence-check: setup
+	@PYTHONPATH=tests $(python) -m campaigns.check $(PARTS)
+
+MINUTES ?= 10
 
 fuzz: setup
-	PYTHONPATH=tests $(python) -m fuzzing.campaign
+	PYTHONPATH=tests $(python) -m fuzzing.campaign --minutes $(MINUTES)
 
 # As peers do, the tool that alters formulas lives in an environment of its own.
 MUTATING ?= build/mutating

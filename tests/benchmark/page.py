@@ -35,7 +35,7 @@ def text(record):
     """Return the page of a record."""
     parts = [INTRODUCTION, "## Targets", "", "| target | ours | peer | ratio | goal | |"]
     parts.append("|---|---|---|---|---|---|")
-    for row in record["figures"]:
+    for row in record["figures"]["targets"]:
         ours, peer = (_number(row[key]) for key in ("ours", "peer"))
         met = "met" if row["met"] else "missed"
         parts.append(
@@ -45,7 +45,7 @@ def text(record):
     parts += ["", "## Samplers", "", "Median of the repeats, with their range.", ""]
     parts += ["| posterior | sampler | draws a second | seconds from cold | R-hat |"]
     parts += ["|---|---|---|---|---|"]
-    for problem, samplers in record["cases"]["samplers"].items():
+    for problem, samplers in record["figures"]["samplers"].items():
         for sampler, figures in samplers.items():
             rate, cold = _range(figures["per_second"]), _range(figures["cold_s"])
             r_hat = f"{figures['r_hat']['highest']:.3f}"

@@ -95,7 +95,7 @@ def test_targets_are_against_the_fastest_of_each():
 
 def test_the_page_says_what_was_missed():
     rows = compare.targets("p", {"ours": figures(4.0, 1.0), "limit": figures(10.0, 1.0)}, {})
-    record = {"figures": rows, "cases": {"samplers": {"p": {"ours": figures(4.0, 1.0)}}}}
+    record = {"figures": {"targets": rows, "samplers": {"p": {"ours": figures(4.0, 1.0)}}}}
     assert "| p: share of the limit | 4 | 10 | 0.4 | 0.5 | missed |" in page.text(record)
 
 

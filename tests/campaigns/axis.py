@@ -7,13 +7,16 @@ the effects were fixed before the first run: about a tenth of friction, rms.
 import tempfile
 from pathlib import Path
 
+from campaigns.evidence import Gathered
+from campaigns.promises import rate
 from rigs.driven_mass import Machine, simulate, write
 from scipy.stats import binomtest
 
+from bayesfric.campaign import run_on_processes
 from bayesfric.diagnosis import diagnose
 from bayesfric.recording import read_recording
 
-RIGS = ("single_axis",)
+FINGERPRINT = ("effects", "likelihood.axis", "diagnosis.axis", "whole.axis")
 TEST_RUNS = (3, 4, 5)
 EFFECTS = {
     "viscous": {"viscous": 0.8},
@@ -38,6 +41,21 @@ EFFECTS = {
 SEEDS = {name: range(100, 105) for name in EFFECTS} | {"empty": range(100, 115)}
 """A hundred recordings."""
 LATENCY = {"delay", "actuator-lag"}
+LEAST_NAMED = 0.9
+FIXED = (
+    "viscous-100",
+    "stribeck-100",
+    "presliding-100",
+    "payload-100",
+    "axis-bias-100",
+    "delay-100",
+    "spring-100",
+    "wear-drift-100",
+    "gravity-torque-100",
+    "cogging-100",
+    "empty-100",
+)
+"""Cases that the nightly job repeats."""
 
 
 def cases():
@@ -96,6 +114,38 @@ def figures(found):
         "latency_called_viscous": sum(
             one["falsely_viscous"] for one in acted if one["effect"] in LATENCY
         ),
+        "of_latency": sum(one["effect"] in LATENCY for one in acted),
         "mass_within_2_percent": sum(abs(one["mass_off"]) < 0.02 for one in found),
         "friction_within_5_percent": sum(abs(one["friction_off"]) < 0.05 for one in found),
     }
+
+
+def gather(folder):
+    """Run the campaign."""
+    done = run_on_processes(case, cases(), folder, workers=2)
+    seeds = [one["seed"] for one in done.values()]
+    return Gathered(
+        seeds=[min(seeds), max(seeds)],
+        figures=figures(list(done.values())),
+        cases=list(done.values()),
+        fixed={name: done[name] for name in FIXED},
+    )
+
+
+def promises(figures):
+    """Return what was promised beside what was found."""
+    return [
+        rate("a withheld effect is named", figures["named"], figures["of"], least=LEAST_NAMED),
+        rate(
+            "an axis without an effect has one named",
+            figures["falsely_named"],
+            figures["of_empty"],
+            most=0,
+        ),
+        rate(
+            "latency is called viscous friction",
+            figures["latency_called_viscous"],
+            figures["of_latency"],
+            most=0,
+        ),
+    ]

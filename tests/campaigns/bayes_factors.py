@@ -8,9 +8,12 @@ data's error of it, so that most recordings leave both hypotheses possible.
 from dataclasses import replace
 
 import numpy as np
+from campaigns.evidence import Gathered
+from campaigns.promises import Outcome, rate
 
 from bayesfric.analysis import Analysis, HalfNormal, Normal
 from bayesfric.calibration.generating import draw_truth, generating_analysis
+from bayesfric.campaign import run_on_processes
 from bayesfric.claims.entered import Entered
 from bayesfric.claims.studies import Task, study_all
 from bayesfric.effects import all_effects
@@ -18,8 +21,10 @@ from bayesfric.fitting.hypothesis import Hypothesis
 from bayesfric.inference.priors import draw
 from bayesfric.simulate import AppliedEffect, simulate_recording
 
-RIGS = ("gravity_board",)
+FINGERPRINT = ("simulators", "effects", "likelihood.gravity", "evidence", "claims")
 SEEDS = range(400)  # of each effect
+FIXED_SEEDS = range(20)  # that the nightly job repeats
+LEAST_OPEN = 0.4
 AMPLITUDES = {
     ("viscous", "constant"): HalfNormal(scale=1.2e-4),
     ("tension-curvature", "quadratic"): Normal(mean=0.0, sd=0.008),
@@ -165,3 +170,72 @@ def spiegelhalter(p, acts):
     """Return the z of the Brier score: N(0, 1) where probabilities are calibrated."""
     variance = ((1 - 2 * p) ** 2 * p * (1 - p)).sum()
     return float(((acts - p) * (1 - 2 * p)).sum() / np.sqrt(variance))
+
+
+def faults(figures):
+    """Return which promises of one effect its figures break."""
+    return [one.promise for one in of_one_effect("it", figures) if not one.met]
+
+
+def of_one_effect(name, figures):
+    """Return what is promised of an effect's figures, beside them."""
+    number = figures["recordings"]
+    outside = sum(
+        not one["band"][0] <= one["frequency"] <= one["band"][1] for one in figures["reliability"]
+    )
+    whole = figures["whole_width_without_effect"]
+
+    def from_one(mean):
+        return (mean["mean"] - 1) / mean["standard_error"]
+
+    return [
+        rate(
+            f"{name}: probability is between {OPEN[0]} and {OPEN[1]}",
+            round(figures["share_open"] * number),
+            number,
+            least=LEAST_OPEN,
+        ),
+        Outcome(f"{name}: bins of probability outside their band", outside, most=0),
+        Outcome(f"{name}: Spiegelhalter's z", figures["spiegelhalter_z"], -2.0, 2.0),
+        *(
+            Outcome(
+                f"{name}: Good's identity {which} the effect, in standard errors",
+                from_one(figures[f"good_{which}_effect"]),
+                -3.0,
+                3.0,
+            )
+            for which in ("without", "with")
+        ),
+        Outcome(f"{name}: mean Bayes factor at the whole width", whole["mean"], *whole["band_99"]),
+    ]
+
+
+def cases(seeds=SEEDS):
+    """Return effect, law and seed of every case, by name."""
+    return {f"{name}-{seed:04d}": (name, law, seed) for name, law in AMPLITUDES for seed in seeds}
+
+
+def of_effect(done, name):
+    """Return log Bayes factors, those of the narrower prior, and where the effect acts."""
+    own = [one for one in done if one["effect"] == name]
+    columns = "log_bayes_factor", "narrow_log_bayes_factor", "acts"
+    return tuple(np.array([one[column] for one in own]) for column in columns)
+
+
+def gather(folder):
+    """Run the campaign."""
+    done = list(run_on_processes(case, cases(), folder, workers=2).values())
+    by_effect = {name: figures(*of_effect(done, name)) for name, _ in AMPLITUDES}
+    return Gathered(
+        seeds=[SEEDS.start, SEEDS.stop - 1],
+        figures=by_effect | {"stalled_trials": sum(one["stalled"] for one in done)},
+        cases=done,
+        fixed=[one for one in done if one["seed"] in FIXED_SEEDS],
+    )
+
+
+def promises(figures):
+    """Return what was promised beside what was found."""
+    stalled = Outcome("trials that did not move", figures["stalled_trials"], most=0)
+    by_effect = (of_one_effect(name, figures[name]) for name, _ in AMPLITUDES)
+    return [stalled, *(one for outcomes in by_effect for one in outcomes)]

@@ -1,37 +1,23 @@
-"""Blind cases: the fixed ones that are repeated, and the campaigns that are scored.
+"""Blind cases that are scored, as they are laid out: effects, pairs, outsiders, empty boards.
 
-Fixed cases have seeds of tuning. Those of scoring are fixed before a run: what is laid out has
-the seeds after those of the last evidence, which have been looked at since, and what is drawn
-from the prior those from 60,000 on. ``docs/blind.md`` lists all that were scored.
+Seeds are fixed before a run: those after the last evidence, which have been looked at since.
+``BAYESFRIC_BLIND_CASES=200`` runs or scores the first 200 cases, which are a balanced sample.
+``docs/blind.md`` lists all that were scored.
 """
 
 import os
-import sys
 
 from campaigns import evidence
+from campaigns.promises import Outcome
 
-from bayesfric.analysis import Analysis
-from bayesfric.blind.case import catalogue_of, run_case
-from bayesfric.blind.design import cases_of
+from bayesfric.blind.case import catalogue_of
+from bayesfric.blind.running import run_blind
 from bayesfric.plots.scorecard import promises_and_reliability
 from bayesfric.plots.style import to_svg
 
-RIGS = ("gravity_board", "motor_board")
-FIXED_SEEDS = range(1, 16)
-PRIOR_SEED = 60_000
-PRIOR_CASES = 200
+FINGERPRINT = ("effects", "diagnosis.gravity", "diagnosis.motor", "whole.gravity", "whole.motor")
+WORKERS = 2
 SHORT = ("withheld", "form", "strength", "noise_free_gap", "verdict", "causes", "correct")
-
-
-def fixed():
-    """Return the fixed cases by name."""
-    return cases_of(catalogue_of("reference"), len(FIXED_SEEDS), FIXED_SEEDS.start)
-
-
-def run_fixed(case, folder):
-    """Run a fixed case; return what is compared."""
-    found = run_case(case, folder, Analysis())
-    return {key: found[key] for key in (*SHORT, "probability", "shrink")}
 
 
 def whole():
@@ -50,18 +36,38 @@ def scoring_seed():
     return evidence.read("blind")["seeds"][1] + 1
 
 
-def keep(card, work, name, command):
-    """Write the evidence: scorecard and picture, and the figures with commit and command."""
-    folder = evidence.EVIDENCE / name
-    folder.mkdir(exist_ok=True)
-    (folder / "scorecard.json").write_bytes((work / "scorecard.json").read_bytes())
+def gather(folder):
+    """Run the campaign."""
+    number, first = number_of(whole()), scoring_seed()
+    folder = folder.with_name(f"{folder.name}-{first}")
+    card = run_blind(folder, number=number, first_seed=first, workers=WORKERS)
+    return gathered(card, folder, f"BAYESFRIC_BLIND_CASES={number} {evidence.COMMAND}")
+
+
+def gathered(card, folder, command):
+    """Return what a scorecard says; it stands with its picture beside the raw cases."""
     (folder / "scorecard.svg").write_bytes(to_svg(promises_and_reliability(card)))
     figures = card.model_dump(mode="json", exclude={"cases", "versions", "confusion"})
-    evidence.write(
-        name,
-        sys.modules[__name__],
-        command=command,
+    return evidence.Gathered(
         seeds=[card.cases[0].seed, card.cases[-1].seed],
         figures={key: figures[key] for key in sorted(figures)},
         cases={c.name: c.model_dump(mode="json", include=set(SHORT)) for c in card.cases},
+        command=command,
     )
+
+
+def promises(figures):
+    """Return what was promised beside what was found, where cases were there to judge it by."""
+    return [
+        Outcome(
+            target["name"],
+            target["rate"]["rate"],
+            target["at_least"],
+            target["at_most"],
+            target["rate"]["low"],
+            target["rate"]["high"],
+            n=target["rate"]["cases"],
+        )
+        for target in figures["targets"]
+        if target["rate"]["cases"]
+    ]

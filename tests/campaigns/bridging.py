@@ -1,11 +1,16 @@
 """Actual errors of bridge sampling beside those that it reports."""
 
 import numpy as np
+from campaigns.evidence import Gathered
+from campaigns.promises import Outcome
 from inference import densities
 
+from bayesfric.campaign import run_on_processes
 from bayesfric.inference.evidence import bridge_evidence
 
+FINGERPRINT = ("evidence",)
 SEEDS = range(100)
+FIXED_SEEDS = range(10)  # that the nightly job repeats
 DENSITIES = {
     "normal": densities.conjugate(10),
     "skewed": densities.log_gammas(6),
@@ -38,3 +43,23 @@ def calibration(cases):
         for errors in [np.array([c["densities"][name]["error"] for c in cases])]
         for ratio in [np.array([c["densities"][name]["difference"] for c in cases]) / errors]
     }
+
+
+def gather(folder):
+    """Run the campaign."""
+    cases = {f"{seed:04d}": seed for seed in SEEDS}
+    done = list(run_on_processes(case, cases, folder, workers=2).values())
+    return Gathered(
+        seeds=[SEEDS.start, SEEDS.stop - 1],
+        figures=calibration(done),
+        cases=done,
+        fixed=[one for one in done if one["seed"] in FIXED_SEEDS],
+    )
+
+
+def promises(figures):
+    """Return what was promised beside what was found."""
+    return [
+        Outcome(f"{name}: actual over reported error, rms", found["rms_ratio"], *BOUNDS)
+        for name, found in figures.items()
+    ]

@@ -1,12 +1,16 @@
 """Simulation-based calibration of a fit: the product's own, ``bayesfric calibrate``."""
 
+from campaigns.evidence import Gathered
+from campaigns.promises import Outcome
+
 from bayesfric.analysis import Analysis
 from bayesfric.calibration.running import calibrate
 
-RIGS = ("gravity_board", "motor_board")
+FINGERPRINT = ("simulators", "likelihood.gravity", "fit.gravity")
 SEED = 2016  # truths of the default, 2015, were looked at in three campaigns
 CASES = 500
 NIGHTLY_CASES = 50
+FIXED_CASES = 4  # that the nightly job compares
 QUANTITIES = 20
 
 
@@ -26,3 +30,22 @@ def figures(found):
         "r_hat": found.r_hat,
         "attention": list(found.attention),
     }
+
+
+def gather(folder):
+    """Run the campaign."""
+    found = run(CASES, folder)
+    cases = [one.model_dump() for one in found.cases]
+    return Gathered([0, CASES - 1], figures(found), cases, fixed=cases[:FIXED_CASES])
+
+
+def promises(figures):
+    """Return what was promised beside what was found."""
+    return [
+        Outcome(
+            f"of {QUANTITIES} quantities so many are outside of their bands",
+            len(figures["outside"]),
+            most=0,
+        ),
+        Outcome("remarks that ask for attention", len(figures["attention"]), most=0),
+    ]

@@ -7,11 +7,16 @@ effects that it puts beside them. Seeds were fixed before the first run.
 import tempfile
 from pathlib import Path
 
+from campaigns.evidence import Gathered
+from campaigns.promises import rate
+
 from bayesfric.analysis import Analysis
 from bayesfric.blind.case import diagnose_sealed, engine_of
+from bayesfric.campaign import run_on_processes
 
-RIGS = ("gravity_board", "motor_board")
+FINGERPRINT = ("effects", "diagnosis.gravity", "diagnosis.motor", "whole.gravity", "whole.motor")
 SEEDS = range(90_000, 90_008)
+FIXED = 1  # of the first boards, that the nightly job repeats
 MOST = 0.05  # of all panels: a simultaneous 95 % band leaves zero by chance no oftener
 
 
@@ -55,3 +60,26 @@ def figures(done):
         "without_zero": left,
         "share": left / panels,
     }
+
+
+def gather(folder):
+    """Run the campaign."""
+    done = list(run_on_processes(case, cases(), folder, workers=2).values())
+    return Gathered([SEEDS.start, SEEDS.stop - 1], figures(done), done, fixed=done[:FIXED])
+
+
+def promises(figures):
+    """Return what was promised beside what was found."""
+    boards = figures["boards"]
+    return [
+        rate("an empty board has an effect named", figures["named"], boards, most=0),
+        rate(
+            "the verdict is no-gap or undecided", sum(figures["verdicts"].values()), boards, least=1
+        ),
+        rate(
+            "a band of where the gap lies leaves zero",
+            figures["without_zero"],
+            figures["panels"],
+            most=MOST,
+        ),
+    ]

@@ -1,30 +1,71 @@
-"""The results of long campaigns, kept under ``reports/evidence/NAME.json``.
+"""The results of the campaigns of a release, kept under ``reports/evidence/NAME.json``.
 
-Each file says the commit of which it was made, and under ``code`` the rooms that its numbers
-come from, with a hash of each: evidence that is older than its code is told.
-``python -m campaigns.evidence``, with ``tests`` on the path, prints how old each file is.
+A file has the figures, the seeds, the command and a few fixed cases that the nightly job
+repeats; of all raw cases, which stay in ``reports/evidence/cases/``, it has a SHA-256. It names
+the version that it was made for and the parts of the fingerprint (``tests/fingerprint/``) that
+its numbers rest on: it is valid as long as these are the stored ones, and stale when one moved.
+
+``python -m campaigns.evidence``, with ``tests`` on the path, prints one line where some is stale.
 """
 
-import ast
+import argparse
 import hashlib
+import importlib
 import json
 import subprocess
 import sys
-from functools import cache
+import tomllib
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
-from house.imports import imports_of
+from fingerprint import stored
 
 ROOT = Path(__file__).resolve().parents[2]
 EVIDENCE = ROOT / "reports" / "evidence"
-WORK = EVIDENCE / "cases"  # cases of a campaign under way; not tracked
-PACKAGE = ROOT / "bayesfric"
-COMMAND = "make test-long"
-STORES_AND_SHOWS = {"campaign", "checkpoint", "errors", "plots", "resources", "results", "schemas"}
-"""Rooms that pass numbers on, and make none."""
-BESIDE = {"paper": "data/paper"}
-"""Data that a room reads."""
+CASES = EVIDENCE / "cases"  # raw cases, of campaigns that are done or under way; not tracked
+COMMAND = "make release-evidence"
+ELSEWHERE = {
+    "benchmark": ("benchmark.__main__", "make bench"),
+    "fuzz": ("fuzzing.campaign", "make fuzz MINUTES=600"),
+    "mutation": ("mutation.campaign", "make mutation"),
+}
+"""Campaigns that are no module of this folder, and what runs each."""
 DIGITS = 16  # of a SHA-256, in hexadecimal
+
+
+@dataclass(frozen=True)
+class Gathered:
+    """What a campaign found, in plain JSON types.
+
+    Parameters
+    ----------
+    seeds : list of int
+        First and last.
+    figures : dict
+        What is reported.
+    cases : dict or list
+        All raw cases, of which a digest is kept.
+    fixed : dict or list
+        The cases that the nightly job repeats and compares.
+    command : str
+        That repeats the campaign.
+    complete : bool
+        Whether all cases were run that were asked for.
+    """
+
+    seeds: list[int]
+    figures: dict[str, Any]
+    cases: Any
+    fixed: Any = field(default_factory=list)
+    command: str = COMMAND
+    complete: bool = True
+
+
+def version():
+    """Return the version that campaigns are run for."""
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    return settings["project"]["version"]
 
 
 def commit():
@@ -35,97 +76,34 @@ def commit():
 
 
 def _git(*arguments):
-    found = subprocess.run(
-        ["git", *arguments], cwd=ROOT, capture_output=True, text=True, check=False
-    )
-    return found.stdout.strip()
+    command = ["git", *arguments]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    return done.stdout.strip()
 
 
-def code_of(campaign, root=ROOT):
-    """Return the paths whose contents decide the numbers of a campaign.
-
-    Parameters
-    ----------
-    campaign : Path
-        The file that has its cases.
-    root : Path
-        Of the source tree.
-
-    Returns
-    -------
-    list of str
-        Relative to the root: the file itself, the helpers of tests that it imports, and
-        every room of the package that it imports, directly or by another room, save those
-        that make no number. A room counts whole, since rigs, effects and claims are found
-        by being there; of the rigs those alone that the campaign names under ``RIGS``,
-        where its recordings hold no other.
-    """
-    files = {campaign} | _helpers_imported(campaign, root)
-    rooms, waiting = set(), set()
-    for file in files:
-        waiting |= _rooms_imported(file.parent, file, root)
-    while waiting:
-        room = waiting.pop()
-        if room in rooms or room in STORES_AND_SHOWS:
-            continue
-        rooms.add(room)
-        place = root / "bayesfric" / room
-        for file in place.rglob("*.py") if place.is_dir() else [place.with_suffix(".py")]:
-            waiting |= _rooms_imported(root / "bayesfric", file, root)
-    folder = {room: (root / "bayesfric" / room).is_dir() for room in rooms}
-    paths = {f"bayesfric/{room}" if folder[room] else f"bayesfric/{room}.py" for room in rooms}
-    named = _rigs_of(campaign)
-    if named and "bayesfric/rigs" in paths:
-        paths.remove("bayesfric/rigs")
-        shared = (root / "bayesfric" / "rigs").glob("*.py")
-        paths |= {f"bayesfric/rigs/{rig}" for rig in named}
-        paths |= {file.relative_to(root).as_posix() for file in shared}
-    paths |= {BESIDE[room] for room in rooms & set(BESIDE)}
-    return sorted(paths | {file.relative_to(root).as_posix() for file in files})
+def campaign_of(name):
+    """Return the module of a campaign."""
+    module, _ = ELSEWHERE.get(name, (f"campaigns.{name}", COMMAND))
+    return importlib.import_module(module)
 
 
-def _rigs_of(campaign):
-    """Return what a campaign assigns to ``RIGS``, without importing it."""
-    for line in ast.parse(campaign.read_text(encoding="utf-8")).body:
-        if isinstance(line, ast.Assign) and getattr(line.targets[0], "id", "") == "RIGS":
-            return ast.literal_eval(line.value)
-    return ()
-
-
-def _helpers_imported(file, root):
-    modules = (found.module.split(".")[:2] for found in imports_of(file.parent, file))
-    files = {(root / "tests").joinpath(*parts).with_suffix(".py") for parts in modules}
-    return {one for one in files if one.is_file() and one.name != Path(__file__).name}
-
-
-def _rooms_imported(base, file, root):
-    modules = (found.module.split(".") for found in imports_of(base, file))
-    rooms = {rest[0] for library, *rest in modules if library == "bayesfric" and rest}
-    package = root / "bayesfric"
-    return {one for one in rooms if (package / one).is_dir() or (package / f"{one}.py").is_file()}
-
-
-@cache
-def digest(path, root=ROOT):
-    """Return a hash of a file, or of the names and contents of all files of a folder."""
-    place = root / path
-    files = sorted(place.rglob("*")) if place.is_dir() else [place]
-    whole = hashlib.sha256()
-    for file in files:
-        if file.is_file() and "__pycache__" not in file.parts:
-            contents = hashlib.sha256(file.read_bytes()).hexdigest()
-            whole.update(f"{file.relative_to(root).as_posix()} {contents}\n".encode())
-    return whole.hexdigest()[:DIGITS]
+def fingerprint_of(campaign):
+    """Return the digest of each part of the fingerprint that a campaign's numbers rest on."""
+    return {part: stored.digest(part) for part in campaign.FINGERPRINT}
 
 
 def work(name, campaign):
-    """Return the folder of the cases of a campaign: those of other code are no cases of it."""
-    code = "".join(digest(path) for path in code_of(Path(campaign.__file__)))
-    return WORK / f"{name}-{hashlib.sha256(code.encode()).hexdigest()[:DIGITS]}"
+    """Return the folder of the raw cases of a campaign under way.
+
+    Cases of another version, or of numbers that have moved since, are no cases of it. Whoever
+    changes what a campaign does to a case removes the folder.
+    """
+    key = json.dumps([version(), fingerprint_of(campaign)], sort_keys=True)
+    return CASES / f"{name}-{hashlib.sha256(key.encode()).hexdigest()[:DIGITS]}"
 
 
-def write(name, campaign, *, seeds, figures, cases, command=COMMAND):
-    """Write the evidence of a campaign.
+def write(name, campaign, gathered):
+    """Write the evidence of a campaign, and its raw cases beside it.
 
     Parameters
     ----------
@@ -133,24 +111,29 @@ def write(name, campaign, *, seeds, figures, cases, command=COMMAND):
         Of its file.
     campaign : module
         The module that has its cases.
-    seeds : list of int
-        First and last.
-    figures, cases : dict or list
-        What was found, and in which cases; of plain JSON types.
-    command : str
-        That repeats it.
+    gathered : Gathered
+        What was found.
     """
+    raw = _json(gathered.cases)
     record = {
         "name": name,
+        "version": version(),
         "commit": commit(),
-        "code": {path: digest(path) for path in code_of(Path(campaign.__file__))},
-        "command": command,
-        "seeds": seeds,
-        "figures": figures,
-        "cases": cases,
+        "fingerprint": fingerprint_of(campaign),
+        "command": gathered.command,
+        "complete": gathered.complete,
+        "seeds": gathered.seeds,
+        "figures": gathered.figures,
+        "fixed": gathered.fixed,
+        "cases_sha256": hashlib.sha256(raw.encode()).hexdigest(),
     }
-    text = json.dumps(record, indent=1, allow_nan=False) + "\n"
-    (EVIDENCE / f"{name}.json").write_text(text, encoding="utf-8")
+    CASES.mkdir(parents=True, exist_ok=True)
+    (CASES / f"{name}.json").write_text(raw, encoding="utf-8")
+    (EVIDENCE / f"{name}.json").write_text(_json(record), encoding="utf-8")
+
+
+def _json(contents):
+    return json.dumps(contents, indent=1, allow_nan=False) + "\n"
 
 
 def read(name):
@@ -165,35 +148,49 @@ def names():
     return sorted(path.stem for path in EVIDENCE.glob("*.json"))
 
 
-def changed(record, root=ROOT):
-    """Return the paths of a record's code whose contents are no longer those it was made of.
-
-    A path that is gone has changed. A record that names no code was made before records
-    did, and counts as changed in all of the package.
-    """
-    code = record.get("code")
-    if not code:
-        return ["bayesfric"]
+def moved(record):
+    """Return the parts of the fingerprint that are no longer those that a record was made with."""
+    there = stored.parts()
     return [
-        path
-        for path, then in code.items()
-        if not (root / path).exists() or digest(path, root) != then
+        part
+        for part, digest in record["fingerprint"].items()
+        if part not in there or stored.digest(part) != digest
     ]
 
 
-def age(record):
-    """Return in one line how old a record is, and whether its code has changed since."""
-    made = (record["commit"] or "").removesuffix("-dirty")
-    day = made and _git("log", "-1", "--format=%cs", made)
-    since = made and _git("rev-list", "--count", f"{made}..HEAD")
-    when = f"{record['commit'] or 'no commit'}" + (f", {day}, {since} commits ago" if since else "")
-    stale = changed(record)
-    return f"{when}; " + (f"older than {', '.join(stale)}" if stale else "of this code")
+def stale_line():
+    """Return one line that names the evidence to be made again, or nothing."""
+    by_name = {name: moved(read(name)) for name in names()}
+    stale = [name for name, parts in by_name.items() if parts]
+    if not stale:
+        return ""
+    parts = sorted({part for moved_parts in by_name.values() for part in moved_parts})
+    return (
+        f"Evidence to be made again at the next release: {', '.join(stale)}"
+        f" (fingerprint moved: {', '.join(parts)})\n"
+    )
+
+
+def adopt():
+    """Write the fingerprint of now into all evidence.
+
+    For the day on which the fingerprint is introduced, or gains a number without any number of
+    the package having moved: the evidence was made by code that has this fingerprint.
+    """
+    for name in names():
+        record = read(name)
+        record["fingerprint"] = fingerprint_of(campaign_of(name))
+        (EVIDENCE / f"{name}.json").write_text(_json(record), encoding="utf-8")
+
+
+def main():
+    """Print what is stale; with ``--adopt``, write the fingerprint of now into the evidence."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--adopt", action="store_true", help=adopt.__doc__.splitlines()[0])
+    if parser.parse_args().adopt:
+        adopt()
+    sys.stdout.write(stale_line())
 
 
 if __name__ == "__main__":
-    sys.stdout.write(
-        "How old the evidence of the campaigns is (told here, judged by the nightly job):\n"
-    )
-    for name in names():
-        sys.stdout.write(f"{name:18} {age(read(name))}\n")
+    main()

@@ -1,5 +1,8 @@
 """Evidence of friction models by bridge sampling, against very large importance samples."""
 
+import numpy as np
+from campaigns.evidence import Gathered
+from campaigns.promises import Outcome
 from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis, Sampler
@@ -12,9 +15,12 @@ from bayesfric.rigs import all_rigs
 from bayesfric.rigs.data import Data
 from bayesfric.simulate import simulate_recording
 
-RIGS = ("gravity_board",)
+FINGERPRINT = ("simulators", "likelihood.gravity", "evidence")
 SEED = 3
 DRAWS = 300_000
+LARGEST_DIFFERENCE = 3.0  # errors
+LARGEST_K = 0.7
+FIXED = "paper"  # what the nightly job repeats
 HYPOTHESES = {
     "paper": Hypothesis(),
     "viscous": Hypothesis(effects=(("viscous", "constant"),)),
@@ -42,3 +48,41 @@ def case(name):
         "importance_error": large.error,
         "pareto_k": large.pareto_k,
     }
+
+
+def figures(done):
+    """Return by hypothesis how far the two evidences differ, with the error of it."""
+    return {
+        one["hypothesis"]: {
+            "difference_nat": one["bridge"] - one["importance"],
+            "error_nat": float(np.hypot(one["bridge_error"], one["importance_error"])),
+            "pareto_k": one["pareto_k"],
+        }
+        for one in done
+    }
+
+
+def gather(folder):
+    """Run the campaign."""
+    done = [case(name) for name in HYPOTHESES]
+    fixed = [one for one in done if one["hypothesis"] == FIXED]
+    return Gathered([SEED], figures(done), done, fixed)
+
+
+def promises(figures):
+    """Return what was promised beside what was found."""
+    return [
+        outcome
+        for name, found in figures.items()
+        for outcome in (
+            Outcome(
+                f"{name}: bridge less importance sample, in errors",
+                found["difference_nat"] / found["error_nat"],
+                -LARGEST_DIFFERENCE,
+                LARGEST_DIFFERENCE,
+            ),
+            Outcome(
+                f"{name}: Pareto k of the importance sample", found["pareto_k"], most=LARGEST_K
+            ),
+        )
+    ]

@@ -6,17 +6,19 @@ those of a fit, as in :mod:`campaigns.intercept_scatter`; cases take turns likew
 """
 
 import numpy as np
-from campaigns.intercept_scatter import coverage
+from campaigns.evidence import Gathered
+from campaigns.intercept_scatter import coverage, coverage_as_promised
 from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis, CalibrationRules, Scatter
+from bayesfric.campaign import run_on_processes
 from bayesfric.fitting.drawing import draw_posterior
 from bayesfric.inference.diagnostics import diagnose_all
 from bayesfric.inference.model import Model
 from bayesfric.rigs.opening import open_rigs
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 
-RIGS = ("gravity_board",)
+FINGERPRINT = ("simulators", "likelihood.gravity", "fit.gravity")
 FREEDOM = 3.0
 LEVELS = ("student-t", "normal")  # of the fit's assemblies
 SEEDS = range(41_000, 41_060)
@@ -70,3 +72,15 @@ def figures(done):
             widths = [w for one in here for k, w in one["relative_sd"].items() if k[:2] == name]
             found[level][name]["median_relative_sd"] = float(np.median(widths))
     return found
+
+
+def gather(folder):
+    """Run the campaign."""
+    done = list(run_on_processes(case, cases(), folder, workers=2).values())
+    fixed = [one for one in done if one["seed"] == SEEDS.start]
+    return Gathered([SEEDS.start, SEEDS.stop - 1], figures(done), done, fixed)
+
+
+def promises(figures):
+    """Return what was promised beside what was found: of fits whose assemblies are Student-t."""
+    return coverage_as_promised("Student-t assemblies", figures["student-t"])

@@ -7,18 +7,23 @@ is neither a sampler's nor a prior's. Truths are those of simulation-based calib
 """
 
 import numpy as np
+from campaigns.evidence import Gathered
+from campaigns.promises import Outcome
 
 from bayesfric.analysis import Analysis
 from bayesfric.calibration.case import true_value
 from bayesfric.calibration.generating import draw_truth, generating_analysis
+from bayesfric.campaign import run_on_processes
 from bayesfric.inference.model import Model
 from bayesfric.physics.laws import BASELINES
 from bayesfric.rigs import paper_rigs
 from bayesfric.rigs.opening import open_rigs
 from bayesfric.simulate import simulate_recording
 
-RIGS = ("gravity_board",)
+FINGERPRINT = ("simulators", "likelihood.gravity")
 CASES = 1000
+LARGEST_MEAN = 4.0  # standard errors, of 16 parameters: once in a thousand
+LARGEST_SQUARES = 3.0
 STEP = 2e-3  # of a logarithm, in a difference
 
 
@@ -80,3 +85,32 @@ def figures(cases):
         "standard_error": float(squares.std(ddof=1) / np.sqrt(len(cases))),
         "parameters": len(names),
     }
+
+
+def run(number, folder):
+    """Return the first cases."""
+    cases = {f"{one:04d}": one for one in range(number)}
+    return list(run_on_processes(case, cases, folder, workers=2).values())
+
+
+def gather(folder):
+    """Run the campaign."""
+    done = run(CASES, folder)
+    return Gathered([0, CASES - 1], figures(done) | {"recordings": len(done)}, done)
+
+
+def promises(figures):
+    """Return what was promised beside what was found."""
+    largest = max(abs(value) for value in figures["mean_in_errors"].values())
+    off = (figures["squares"] - figures["parameters"]) / figures["standard_error"]
+    return [
+        Outcome(
+            "largest mean score of a parameter, in standard errors", largest, most=LARGEST_MEAN
+        ),
+        Outcome(
+            "squared scores over information less parameters, in standard errors",
+            off,
+            -LARGEST_SQUARES,
+            LARGEST_SQUARES,
+        ),
+    ]

@@ -7,17 +7,20 @@ fit counts as converged; the largest R-hat is among the figures.
 """
 
 import numpy as np
+from campaigns.evidence import Gathered
+from campaigns.promises import Outcome
 from scipy.stats import beta
 from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis, CalibrationRules
+from bayesfric.campaign import run_on_processes
 from bayesfric.fitting.drawing import draw_posterior
 from bayesfric.inference.diagnostics import diagnose_all
 from bayesfric.inference.model import Model
 from bayesfric.rigs.opening import open_rigs
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 
-RIGS = ("gravity_board",)
+FINGERPRINT = ("simulators", "likelihood.gravity", "fit.gravity")
 LEVELS = (0.0, 0.07, 0.15)
 SEEDS = range(40_000, 40_200)
 COVERED = (0.05, 0.95)  # ranks inside the interval of 90 %
@@ -79,3 +82,35 @@ def coverage(here):
             "high": float(beta.ppf(0.975, hits + 1, count - hits)) if hits < count else 1.0,
         }
     return entry
+
+
+def coverage_as_promised(words, found):
+    """Return the promised coverage of each coefficient beside the one that was found."""
+    return [
+        Outcome(
+            f"{words}: 90 % intervals of {name} hold it",
+            found[name]["coverage"],
+            *BOUNDS,
+            found[name]["low"],
+            found[name]["high"],
+            n=found["recordings"],
+        )
+        for name in ("c1", "c2", "c3")
+    ]
+
+
+def gather(folder):
+    """Run the campaign."""
+    done = list(run_on_processes(case, cases(), folder, workers=2).values())
+    return Gathered(
+        seeds=[SEEDS.start, SEEDS.stop - 1],
+        figures=figures(done),
+        cases=done,
+        fixed=[one for one in done if one["seed"] == SEEDS.start],
+    )
+
+
+def promises(figures):
+    """Return what was promised beside what was found."""
+    levels = (coverage_as_promised(f"c2 scatters by {level}", figures[level]) for level in figures)
+    return [one for outcomes in levels for one in outcomes]

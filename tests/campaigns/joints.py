@@ -7,9 +7,12 @@ package: motor and joint on an elastic cable that rubs at both ends, in small st
 from itertools import pairwise
 
 import numpy as np
+from campaigns.evidence import Gathered
+from campaigns.promises import rate
 from margins import two_masses
 from margins.loops import loop, posterior
 
+from bayesfric.campaign import run_on_processes
 from bayesfric.margins.answer import largest_safe_gain
 from bayesfric.margins.assembly import nominal_assembly
 from bayesfric.margins.describing import effective_damping, natural_frequency, steady_error
@@ -18,7 +21,9 @@ from bayesfric.margins.reflecting import at_shaft
 from bayesfric.margins.scanning import run
 from bayesfric.margins.thresholds import GAMMA_MAX, find_hunting
 
+FINGERPRINT = ("margins",)
 SEEDS = range(50)
+FIXED_SEEDS = range(3)  # that the nightly job repeats
 WITHIN = 0.10
 SHARES = (0.6, 0.7, 0.8, 0.9, 1.1, 1.2, 1.3, 1.5)
 CREEP = 0.02
@@ -237,3 +242,36 @@ def figures(cases):
         "at_rest": of([one for one in looked if one["speed_rad_s"] == 0]),
         "in_motion": of([one for one in looked if one["speed_rad_s"] > 0]),
     }
+
+
+def gather(folder):
+    """Run the campaign."""
+    cases = {f"{seed:04d}": seed for seed in SEEDS}
+    done = list(run_on_processes(case, cases, folder, workers=2).values())
+    return Gathered(
+        seeds=[SEEDS.start, SEEDS.stop - 1],
+        figures=figures(done),
+        cases=done,
+        fixed=[one for one in done if one["seed"] in FIXED_SEEDS],
+    )
+
+
+def promises(figures):
+    """Return what was promised beside what was found: of every joint, within 10 %."""
+    return [
+        *(
+            rate(
+                f"{name.replace('_', ' ')} is within 10 % of the simulation from outside",
+                figures[name]["within"],
+                figures[name]["of"],
+                least=1,
+            )
+            for name in ("gamma", "amplitude", "frequency", "steady_error")
+        ),
+        rate(
+            "the loop hunts at the gain that is called safe",
+            figures["safe_gain"]["hunts"],
+            figures["safe_gain"]["of"],
+            most=0,
+        ),
+    ]

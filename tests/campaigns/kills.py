@@ -12,10 +12,13 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 
 import numpy as np
+from campaigns.evidence import Gathered
+from campaigns.promises import Outcome, rate
 
 from bayesfric.cli import app
 from bayesfric.errors import InputError
@@ -29,6 +32,7 @@ SETS = (
     ("diagnosis.json", "diagnosis.nc"),
     ("scorecard.json",),
 )
+FINGERPRINT = ("whole.points",)
 SEEDS = {"run": range(10), "blind": range(10, 20), "interrupted": range(20, 30)}
 PROMPT_S = 2.0  # within which an interrupted run ends
 PROGRAM = str(app.info.name)  # of which the evidence speaks, and so of all that it imports
@@ -159,3 +163,47 @@ def lines(said, what):
     """Return the stages that a log says have been started, or are done."""
     end = f": {what}"
     return {line.removesuffix(end) for line in said.splitlines() if line.endswith(end)}
+
+
+def figures(done, seconds):
+    """Return how often each thing went wrong, and how long undisturbed runs took."""
+    ended = [one["ended_after_s"] for one in done if one.get("status") == 3]
+    return {
+        "kills": sum("state" in one for one in done),
+        "mixed": sum(one.get("state") == "mixed" for one in done),
+        "interrupts": sum("status" in one for one in done),
+        "of_them_running": len(ended),
+        "other_statuses": sum(one.get("status", 0) not in (0, 3) for one in done),
+        "slowest_end_s": max(ended, default=0.0),
+        "tracebacks": sum(one.get("traceback", False) for one in done),
+        "stages_done_twice": sum(len(one.get("twice", ())) for one in done),
+        "other_bytes": sum(not one["same_bytes"] for one in done),
+        "undisturbed_s": seconds,
+    }
+
+
+def gather(folder):
+    """Run the campaign."""
+    with tempfile.TemporaryDirectory() as place:
+        bench = Bench(Path(place))
+        done = [killed(bench, verb, seed) for verb in ("run", "blind") for seed in SEEDS[verb]]
+        done += [interrupted(bench, seed) for seed in SEEDS["interrupted"]]
+    return Gathered([0, 29], figures(done, bench.seconds), done)
+
+
+def promises(figures):
+    """Return what was promised beside what was found."""
+    kills, interrupts = figures["kills"], figures["interrupts"]
+    return [
+        rate("a kill leaves results of two runs", figures["mixed"], kills, most=0),
+        rate(
+            "called again it ends with other bytes",
+            figures["other_bytes"],
+            kills + interrupts,
+            most=0,
+        ),
+        rate("an interrupt ends with a traceback", figures["tracebacks"], interrupts, most=0),
+        rate("its exit status is not 0 or 3", figures["other_statuses"], interrupts, most=0),
+        Outcome("stages that are done twice", figures["stages_done_twice"], most=0),
+        Outcome("slowest end after an interrupt, s", figures["slowest_end_s"], most=PROMPT_S),
+    ]

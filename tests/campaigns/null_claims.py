@@ -1,15 +1,20 @@
 """The claims on simulated `quick` recordings of the paper's law, and of one effect."""
 
+from collections import Counter
+
+from campaigns.evidence import Gathered
+from campaigns.promises import rate
 from screening import screen_claims
 
 from bayesfric.analysis import ClaimRules
+from bayesfric.campaign import run_on_processes
 from bayesfric.claims import check_claims, registered
 from bayesfric.simulate import simulate_recording
 
-RIGS = ("gravity_board", "motor_board")
+FINGERPRINT = ("simulators", "likelihood.gravity", "likelihood.motor", "evidence", "claims")
 SEEDS = range(100)
-
-
+FIXED_SEEDS = range(20)  # that the nightly job repeats
+MOST_REFUTED = 0.05  # of recordings, any claim
 CLEARLY = 4  # errors above the threshold that refutes
 
 
@@ -34,3 +39,45 @@ def judged(recording):
         "judged": {one.id: one.verdict for one in found},
         "screened": {name: list(found) for name, found in screened.items()},
     }
+
+
+def run(seeds, folder):
+    """Judge some recordings."""
+    cases = {f"{seed:04d}": seed for seed in seeds}
+    return list(run_on_processes(case, cases, folder, workers=2).values())
+
+
+def refuted(done):
+    """Return by seed which claims are refuted, where some are."""
+    return {str(one["seed"]): one["refuted"] for one in done if one["refuted"]}
+
+
+def gather(folder):
+    """Run the campaign."""
+    done = run(SEEDS, folder)
+    judged_further = Counter(pair for one in done for pair in one["judged"].items())
+    verdicts = {
+        f"{name}: {verdict}": count for (name, verdict), count in sorted(judged_further.items())
+    }
+    return Gathered(
+        seeds=[SEEDS.start, SEEDS.stop - 1],
+        figures={
+            "recordings": len(done),
+            "refuted": refuted(done),
+            "judged_further": verdicts,
+        },
+        cases=done,
+        fixed=[one for one in done if one["seed"] in FIXED_SEEDS],
+    )
+
+
+def promises(figures):
+    """Return what was promised beside what was found."""
+    return [
+        rate(
+            "a recording of the law has a claim refuted",
+            len(figures["refuted"]),
+            figures["recordings"],
+            most=MOST_REFUTED,
+        )
+    ]

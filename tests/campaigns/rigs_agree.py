@@ -9,14 +9,16 @@ from collections import Counter
 from dataclasses import replace
 
 import numpy as np
-from scipy.stats import beta
+from campaigns.evidence import Gathered
+from campaigns.promises import bounds, rate
 
 from bayesfric.analysis import Analysis
+from bayesfric.campaign import run_on_processes
 from bayesfric.claims import check_claims
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 
-RIGS = ("gravity_board", "motor_board")
+FINGERPRINT = ("simulators", "likelihood.gravity", "likelihood.motor", "evidence", "claims")
 CLAIMS = ("rigs-agree", "coefficients")
 APART = 0.12
 TORQUE_CONSTANT_SD = 0.02
@@ -25,6 +27,20 @@ KINDS = {
     "true": range(42_000, 42_100),
     "apart": range(42_100, 42_150),
     "bare": range(42_150, 42_170),
+}
+FIXED = {"true": range(42_000, 42_002), "apart": range(42_100, 42_102)}
+"""That the nightly job repeats."""
+PROMISED = {
+    ("true", "rigs-agree", "supported"): {"least": 0.6},
+    ("true", "rigs-agree", "refuted"): {"most": 0.02},
+    ("apart", "rigs-agree", "refuted"): {"least": 0.9},
+    ("bare", "coefficients", "supported"): {"most": 0.0},
+}
+"""Shares of the recordings of a kind, by kind, claim and verdict."""
+WORDS = {
+    "true": "boards that agree",
+    "apart": "boards 12 % apart",
+    "bare": "boards of one condition",
 }
 
 
@@ -77,9 +93,30 @@ def figures(done):
     return found
 
 
-def bounds(hits, number):
-    """Return the 95 % interval of Clopper and Pearson."""
-    return {
-        "low": float(beta.ppf(0.025, hits, number - hits + 1)) if hits else 0.0,
-        "high": float(beta.ppf(0.975, hits + 1, number - hits)) if hits < number else 1.0,
-    }
+def run(given, folder):
+    """Judge some recordings."""
+    return list(run_on_processes(case, given, folder, workers=2).values())
+
+
+def gather(folder):
+    """Run the campaign."""
+    done = run(cases(), folder)
+    seeds = [one["seed"] for one in done]
+    fixed = set(cases(FIXED).values())
+    return Gathered(
+        seeds=[min(seeds), max(seeds)],
+        figures=figures(done),
+        cases=done,
+        fixed=[one for one in done if (one["seed"], one["kind"]) in fixed],
+    )
+
+
+def promises(figures):
+    """Return what was promised beside what was found."""
+    outcomes = []
+    for (kind, claim, verdict), bound in PROMISED.items():
+        verdicts = figures[f"{kind}: {claim}"]
+        count = verdicts.get(verdict, {"count": 0})["count"]
+        number = sum(one["count"] for one in verdicts.values())
+        outcomes.append(rate(f"{WORDS[kind]}: {claim} is {verdict}", count, number, **bound))
+    return outcomes

@@ -12,15 +12,22 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
+from campaigns.evidence import Gathered
+from campaigns.promises import Outcome, rate
+from scipy.stats import binomtest
+
 from bayesfric.analysis import Analysis
+from bayesfric.campaign import run_on_processes
 from bayesfric.diagnosis import diagnose
 from bayesfric.recording import read_recording
 
-RIGS = ("gravity_board", "motor_board")
+FINGERPRINT = ("effects", "diagnosis.gravity", "diagnosis.motor", "whole.gravity", "whole.motor")
 WORLD = "BAYESFRIC_SECOND_WORLD"
 FIRST = int(os.environ.get("BAYESFRIC_SECOND_FIRST", "1"))
 SEEDS = range(FIRST, FIRST + int(os.environ.get("BAYESFRIC_SECOND_SEEDS", "20")))
 STRENGTHS = (1.0, 0.3)
+LEAST_RIGHT = {"full": 0.95, "weak": 0.85, "outsiders": 0.9, "empty": 1.0}
+WORKERS = 1
 PRACTICAL = 0.005
 FLOOR, SHRINK, LEAST = (0.005, 0.04), (-0.05, 1.2), 0.003  # what is not absurd
 
@@ -102,3 +109,74 @@ def absurd(found):
     if any(strength < LEAST for strength in found["causes"].values()):
         wrong.append("cause")
     return wrong
+
+
+def needs():
+    """Return what is missing to run the campaign, or nothing."""
+    return "" if WORLD in os.environ else f"{WORLD}=PATH names the world"
+
+
+def share(done):
+    """Return how many cases are right, of how many, with Wilson's interval."""
+    count = sum(one["right"] for one in done)
+    interval = binomtest(count, len(done)).proportion_ci(0.95, method="wilson")
+    return {"right": count, "of": len(done), "95": [interval.low, interval.high]}
+
+
+def group_of(done):
+    """Return the group in which a case is counted."""
+    if done["kind"] == "none":
+        return "empty"
+    if done["kind"] in world().unlisted():
+        return "outsiders"
+    return "full" if done["strength"] == 1.0 else "weak"
+
+
+def figures(done):
+    """Return how many are right in each group, and what is wrong or cannot be."""
+    groups = {name: [one for one in done.values() if group_of(one) == name] for name in LEAST_RIGHT}
+    wrong = {
+        name: [one["verdict"], sorted(one["causes"])]
+        for name, one in done.items()
+        if not one["right"]
+    }
+    return {name: share(own) for name, own in groups.items()} | {
+        "wrong": wrong,
+        "absurd": {name: one["absurd"] for name, one in done.items() if one["absurd"]},
+        "world_sha256": digest(),
+    }
+
+
+def gather(folder):
+    """Run the campaign.
+
+    ``BAYESFRIC_SECOND_SEEDS=6`` runs six seeds, from ``BAYESFRIC_SECOND_FIRST`` on. With
+    ``BAYESFRIC_SECOND_SO_FAR`` what is done is scored, and no more is run.
+    """
+    asked = cases()
+    if "BAYESFRIC_SECOND_SO_FAR" in os.environ:
+        asked = {name: one for name, one in asked.items() if (folder / f"{name}.json").exists()}
+    done = run_on_processes(case, asked, folder, WORKERS)
+    seeds = sorted({one["seed"] for one in done.values()})
+    return Gathered(
+        seeds=[seeds[0], seeds[-1]],
+        figures=figures(done),
+        cases=done,
+        command=f"{WORLD}=PATH make release-evidence CAMPAIGNS=second_world",
+    )
+
+
+def promises(figures):
+    """Return what was promised beside what was found."""
+    return [
+        *(
+            rate(
+                f"{name}: the verdict is right",
+                figures[name]["right"],
+                figures[name]["of"],
+                least=least,
+            )
+            for name, least in LEAST_RIGHT.items()
+        ),
+        Outcome("boards with a figure that cannot be", len(figures["absurd"]), most=0),
+    ]

@@ -7,8 +7,11 @@ importance sampling around the mode, or chains where no sample is to be relied o
 """
 
 import numpy as np
+from campaigns.evidence import Gathered
+from campaigns.promises import Outcome
 
 from bayesfric.analysis import Analysis, Sampler
+from bayesfric.campaign import run_on_processes
 from bayesfric.fitting.hypothesis import Hypothesis, chart_of, model_of
 from bayesfric.inference.evidence import importance_draws
 from bayesfric.inference.laplace import laplace_approximation
@@ -18,8 +21,11 @@ from bayesfric.rigs.data import Data
 from bayesfric.rigs.opening import open_rigs
 from bayesfric.simulate import Truth, simulate_recording, table1_coefficients
 
-RIGS = ("gravity_board",)
+FINGERPRINT = ("simulators", "likelihood.gravity", "evidence")
 SEEDS = range(60)
+FIXED_SEEDS = range(4)  # that the nightly job repeats
+LARGEST_BIAS = 0.2  # of a posterior sd
+AT_REST = 0.15, 0.3  # share of trials, by which the boards are near the threshold
 MORE_FRICTION = 1.5
 LAWS = {
     size: Coefficients(*(MORE_FRICTION * value for value in law))
@@ -99,3 +105,40 @@ def bias(cases, which):
         error = each.std(ddof=1) / np.sqrt(each.size) if each.size > 1 else float("nan")
         found[name] = {"bias_in_sd": float(each.mean()), "standard_error": float(error)}
     return found
+
+
+def run(seeds, folder):
+    """Weigh some recordings."""
+    cases = {f"{seed:04d}": seed for seed in seeds}
+    return list(run_on_processes(case, cases, folder, workers=2).values())
+
+
+def gather(folder):
+    """Run the campaign."""
+    done = run(SEEDS, folder)
+    at_rest = sum(one["at_rest"] for one in done) / len(done)
+    figures = {"recordings": len(done), "share_at_rest": at_rest}
+    return Gathered(
+        seeds=[SEEDS.start, SEEDS.stop - 1],
+        figures=figures | {which: bias(done, which) for which in ("with", "without")},
+        cases=done,
+        fixed=[one for one in done if one["seed"] in FIXED_SEEDS],
+    )
+
+
+def promises(figures):
+    """Return what was promised beside what was found."""
+    return [
+        Outcome("share of trials that stay at rest", figures["share_at_rest"], *AT_REST),
+        *(
+            Outcome(
+                f"bias of {name} over {figures['recordings']} recordings, in posterior sd",
+                found["bias_in_sd"],
+                -LARGEST_BIAS,
+                LARGEST_BIAS,
+                found["bias_in_sd"] - 1.96 * found["standard_error"],
+                found["bias_in_sd"] + 1.96 * found["standard_error"],
+            )
+            for name, found in figures["with"].items()
+        ),
+    ]

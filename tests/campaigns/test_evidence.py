@@ -1,138 +1,133 @@
-"""Evidence that is older than the code that it speaks of is told."""
+"""Evidence is valid as long as the numbers that it rests on are those of now."""
 
-from pathlib import Path
+import hashlib
+import json
 
 import pytest
-from campaigns import evidence
+from campaigns import check, evidence, release
+from fingerprint import stored
 
-MADE = {
-    "bayesfric/__init__.py": "",
-    "bayesfric/physics/__init__.py": "",
-    "bayesfric/physics/law.py": "from bayesfric.paper import g",
-    "bayesfric/paper.py": "g = 9.81",
-    "bayesfric/schemas/fit.py": "from bayesfric.margins import nothing",
-    "bayesfric/rigs/__init__.py": "from bayesfric.schemas import fit",
-    "bayesfric/rigs/board.py": "def f():\n    from bayesfric import physics",
-    "bayesfric/margins/__init__.py": "",
-    "data/paper/paper.toml": "g = 9.81",
-    "tests/campaigns/falls.py": (
-        "import bayesfric as bf\nfrom campaigns import evidence\nfrom physics import balls\n"
-        "from bayesfric.rigs import board"
-    ),
-    "tests/campaigns/evidence.py": "",
-    "tests/physics/balls.py": "",
+NUMBERS = {
+    "margins": {"gain": {"value": 2.0, "bound": 1e-8, "error": 0.0}},
+    "claims": {"factor": {"value": -3.0, "bound": 1e-5, "error": 0.1}},
 }
 
 
+class Campaign:
+    FINGERPRINT = ("margins",)
+
+
 @pytest.fixture
-def tree(tmp_path):
-    for name, text in MADE.items():
-        path = tmp_path / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
-    evidence.digest.cache_clear()
-    return tmp_path
+def numbers(tmp_path, monkeypatch):
+    """A fingerprint of two parts, and an empty folder of evidence; returns what sets a number."""
+    path = tmp_path / "numbers.json"
+    path.write_text(json.dumps(NUMBERS))
+    monkeypatch.setattr(evidence, "EVIDENCE", tmp_path / "evidence")
+    monkeypatch.setattr(evidence, "CASES", tmp_path / "evidence" / "cases")
+    digest, parts = stored.digest, stored.parts
+    monkeypatch.setattr(stored, "digest", lambda part: digest(part, path))
+    monkeypatch.setattr(stored, "parts", lambda: parts(path))
+    monkeypatch.setattr(evidence, "campaign_of", lambda name: Campaign)
+
+    def put(part, name, value):
+        contents = json.loads(path.read_text())
+        contents[part][name]["value"] = value
+        path.write_text(json.dumps(contents))
+
+    put.path = path
+    return put
 
 
-def record_of(root):
-    paths = evidence.code_of(root / "tests" / "campaigns" / "falls.py", root)
-    return {"code": {path: evidence.digest(path, root) for path in paths}}
+def write(cases=(1, 2, 3)):
+    gathered = evidence.Gathered([0, 2], {"n": 3}, list(cases), fixed=[1])
+    evidence.write("loops", Campaign, gathered)
+    return evidence.read("loops")
 
 
-def test_code_is_every_room_that_makes_a_number(tree):
-    """Rooms of rooms too, with their data, and helpers; no room that a schema alone reads."""
-    assert list(record_of(tree)["code"]) == [
-        "bayesfric/paper.py",
-        "bayesfric/physics",
-        "bayesfric/rigs",
-        "data/paper",
-        "tests/campaigns/falls.py",
-        "tests/physics/balls.py",
-    ]
+def test_what_is_written_is_valid_and_has_no_raw_cases(numbers):
+    record = write()
+    assert evidence.moved(record) == []
+    assert evidence.stale_line() == ""
+    assert (record["figures"], record["fixed"]) == ({"n": 3}, [1])
+    assert "cases" not in record
+    raw = (evidence.CASES / "loops.json").read_bytes()
+    assert json.loads(raw) == [1, 2, 3]
+    assert record["cases_sha256"] == hashlib.sha256(raw).hexdigest()
 
 
-@pytest.mark.parametrize(
-    ("name", "text", "expected"),
-    [
-        ("bayesfric/physics/law.py", "from bayesfric.paper import g  # other", "bayesfric/physics"),
-        ("bayesfric/physics/new.py", "", "bayesfric/physics"),
-        ("bayesfric/paper.py", "g = 9.82", "bayesfric/paper.py"),
-        ("data/paper/paper.toml", "g = 9.82", "data/paper"),
-        ("tests/campaigns/falls.py", "", "tests/campaigns/falls.py"),
-        ("bayesfric/margins/__init__.py", "other", None),
-        ("bayesfric/physics/__pycache__/law.pyc", "compiled", None),
-    ],
-)
-def test_a_change_of_its_code_makes_evidence_stale(tree, name, text, expected):
-    record = record_of(tree)
-    assert evidence.changed(record, tree) == []
-    (tree / name).parent.mkdir(exist_ok=True)
-    (tree / name).write_text(text)
-    evidence.digest.cache_clear()
-    assert evidence.changed(record, tree) == ([expected] if expected else [])
+def test_evidence_is_stale_where_a_part_of_it_has_moved_and_no_other(numbers):
+    write()
+    numbers("claims", "factor", -4.0)
+    assert evidence.stale_line() == ""
+    numbers("margins", "gain", 2.1)
+    assert evidence.moved(evidence.read("loops")) == ["margins"]
+    line = "Evidence to be made again at the next release: loops (fingerprint moved: margins)\n"
+    assert evidence.stale_line() == line
+    numbers("margins", "gain", 2.0)
+    assert evidence.stale_line() == ""
 
 
-def test_of_the_rigs_those_that_a_campaign_names_count(tree):
-    """What all rigs share counts too, another rig's folder does not."""
-    campaign = tree / "tests/campaigns/falls.py"
-    campaign.write_text(MADE["tests/campaigns/falls.py"] + '\nRIGS = ("one",)')
-    for rig in ("one", "other"):
-        (tree / "bayesfric/rigs" / rig).mkdir()
-        (tree / "bayesfric/rigs" / rig / "rows.py").write_text("")
-    record = record_of(tree)
-    for changed, expected in [("other/rows.py", []), ("one/rows.py", ["bayesfric/rigs/one"])]:
-        (tree / "bayesfric/rigs" / changed).write_text("n = 1")
-        evidence.digest.cache_clear()
-        assert evidence.changed(record, tree) == expected
-    (tree / "bayesfric/rigs/board.py").write_text("")
-    evidence.digest.cache_clear()
-    assert evidence.changed(record, tree) == ["bayesfric/rigs/board.py", "bayesfric/rigs/one"]
+def test_a_part_that_is_gone_has_moved(numbers):
+    record = write()
+    numbers.path.write_text(json.dumps({"claims": NUMBERS["claims"]}))
+    assert evidence.moved(record) == ["margins"]
 
 
-def test_a_file_of_another_name_or_gone_makes_it_stale(tree):
-    record = record_of(tree)
-    (tree / "bayesfric/physics/law.py").rename(tree / "bayesfric/physics/laws.py")
-    (tree / "bayesfric/paper.py").unlink()
-    evidence.digest.cache_clear()
-    assert evidence.changed(record, tree) == ["bayesfric/paper.py", "bayesfric/physics"]
+def test_adopting_takes_the_fingerprint_of_now_and_nothing_else(numbers):
+    before = write()
+    numbers("margins", "gain", 2.1)
+    evidence.adopt()
+    after = evidence.read("loops")
+    assert evidence.moved(after) == []
+    assert {**after, "fingerprint": 0} == {**before, "fingerprint": 0}
 
 
-def test_evidence_that_names_no_code_is_stale():
-    assert evidence.changed({"name": "old"}) == ["bayesfric"]
+def test_cases_of_other_numbers_or_another_version_are_no_cases_of_a_campaign(numbers, monkeypatch):
+    now = evidence.work("loops", Campaign)
+    assert now.parent == evidence.CASES
+    numbers("claims", "factor", -4.0)
+    assert evidence.work("loops", Campaign) == now
+    numbers("margins", "gain", 2.1)
+    moved = evidence.work("loops", Campaign)
+    assert moved != now
+    monkeypatch.setattr(evidence, "version", lambda: "9.9.9")
+    assert evidence.work("loops", Campaign) not in (now, moved)
 
 
-def test_a_campaign_writes_what_is_read_back_as_fresh(tmp_path, monkeypatch):
-    from campaigns import wander
-
-    monkeypatch.setattr(evidence, "EVIDENCE", tmp_path)
-    evidence.write("wander", wander, seeds=[0, 1], figures={"n": 2}, cases=[])
-    record = evidence.read("wander")
-    assert evidence.names() == ["wander"]
-    rooms = {"analysis.py", "effects", "fitting", "inference", "physics", "simulate"}
-    assert {f"bayesfric/{room}" for room in rooms} <= set(record["code"])
-    assert not {"bayesfric/diagnosis", "bayesfric/schemas"} & set(record["code"])
-    assert evidence.changed(record) == []
-    assert evidence.age(record).endswith("of this code")
-    record["code"]["bayesfric/physics"] = "0" * evidence.DIGITS
-    assert evidence.age(record).endswith("older than bayesfric/physics")
+def test_a_campaign_is_left_until_it_was_run_to_its_end_for_this_version(numbers, monkeypatch):
+    assert release.why_left("loops") == "never run"
+    write()
+    assert release.why_left("loops") == ""
+    numbers("margins", "gain", 2.1)
+    assert release.why_left("loops") == "fingerprint moved: margins"
+    gathered = evidence.Gathered([0], {}, [], complete=False)
+    evidence.write("loops", Campaign, gathered)
+    assert release.why_left("loops") == "stopped on its way"
+    then = evidence.version()
+    monkeypatch.setattr(evidence, "version", lambda: "9.9.9")
+    assert release.why_left("loops") == f"run for {then}"
 
 
-def test_cases_of_other_code_are_no_cases_of_a_campaign(tmp_path, monkeypatch):
-    from campaigns import wander
-
-    monkeypatch.setattr(evidence, "WORK", tmp_path)
-    here = evidence.work("wander", wander)
-    assert here.parent == tmp_path
-    assert here == evidence.work("wander", wander)
-    digests = {path: evidence.digest(path) for path in evidence.code_of(Path(wander.__file__))}
-    digests["bayesfric/physics"] = "0" * evidence.DIGITS
-    monkeypatch.setattr(evidence, "digest", digests.__getitem__)
-    assert evidence.work("wander", wander) != here
+def test_nightly_cases_are_those_of_what_moved_or_of_named_parts():
+    """`joints` rests on the margins alone."""
+    assert check.concerned(["margins"]) == ["tests/campaigns/test_joints.py"]
+    with pytest.raises(SystemExit, match="no gains; it has"):
+        check.concerned(["gains"])
 
 
-@pytest.mark.nightly
-@pytest.mark.parametrize("name", evidence.names())
-def test_no_evidence_is_older_than_its_code(name):
-    """`make test-long` makes it anew; what it no longer speaks of is not evidence."""
-    stale = evidence.changed(evidence.read(name))
-    assert not stale, f"{name}: changed since it was made: {', '.join(stale)}"
+# What is kept
+
+
+@pytest.mark.parametrize("name", release.campaigns())
+def test_each_campaign_rests_on_parts_that_there_are(name):
+    """And evidence was made with the parts that its campaign names."""
+    campaign = evidence.campaign_of(name)
+    assert set(campaign.FINGERPRINT) <= set(stored.parts())
+    if name in evidence.names():
+        assert set(evidence.read(name)["fingerprint"]) == set(campaign.FINGERPRINT)
+
+
+def test_all_evidence_is_of_a_campaign_and_is_small():
+    assert set(evidence.names()) <= set(release.campaigns())
+    tracked = [path for path in evidence.EVIDENCE.iterdir() if path.is_file()]
+    assert sum(path.stat().st_size for path in tracked) < 300_000

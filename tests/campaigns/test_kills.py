@@ -4,7 +4,7 @@ Seeds, and so the moments as shares of an undisturbed run, were fixed before the
 """
 
 import pytest
-from campaigns import evidence, kills
+from campaigns import kills
 
 NIGHTLY = 2
 
@@ -75,36 +75,3 @@ def test_some_kills_lose_nothing(tmp_path):
         assert_whole(kills.killed(bench, "run", seed))
     for seed in kills.SEEDS["interrupted"][:NIGHTLY]:
         assert_whole(kills.interrupted(bench, seed))
-
-
-@pytest.mark.long
-def test_kills_at_random_places(tmp_path):
-    bench = kills.Bench(tmp_path)
-    cases = [
-        *(
-            kills.killed(bench, verb, seed)
-            for verb in ("run", "blind")
-            for seed in kills.SEEDS[verb]
-        ),
-        *(kills.interrupted(bench, seed) for seed in kills.SEEDS["interrupted"]),
-    ]
-    ended = [one["ended_after_s"] for one in cases if one.get("status") == 3]
-    evidence.write(
-        "kills",
-        kills,
-        seeds=[0, 29],
-        figures={
-            "kills": sum("state" in one for one in cases),
-            "mixed": sum(one.get("state") == "mixed" for one in cases),
-            "interrupts": sum("status" in one for one in cases),
-            "of_them_running": len(ended),
-            "slowest_end_s": max(ended, default=0.0),
-            "tracebacks": sum(one.get("traceback", False) for one in cases),
-            "stages_done_twice": sum(len(one.get("twice", ())) for one in cases),
-            "other_bytes": sum(not one["same_bytes"] for one in cases),
-            "undisturbed_s": bench.seconds,
-        },
-        cases=cases,
-    )
-    for case in cases:
-        assert_whole(case)

@@ -1,22 +1,22 @@
-"""Wander along the travel is recovered as often as its intervals say."""
+"""Wander along the travel is recovered as when the evidence was made."""
 
 import pytest
 from campaigns import evidence, wander
 
-from bayesfric.campaign import processes, run_campaign
+
+@pytest.mark.nightly
+def test_the_first_recording_is_that_of_the_evidence():
+    for then in evidence.read("wander")["fixed"]:
+        now = wander.case(then["seed"])
+        assert now["converged"]
+        assert now["ranks"] == pytest.approx(then["ranks"], abs=0.1)
 
 
-@pytest.mark.long
-def test_coverage_of_the_wander_on_a_hundred_recordings():
-    with processes(2) as executor:
-        cases = {f"{seed:04d}": seed for seed in wander.SEEDS}
-        done = list(
-            run_campaign(wander.case, cases, evidence.work("wander", wander), executor).values()
-        )
-    figures = wander.coverage(done)
-    seeds = [wander.SEEDS.start, wander.SEEDS.stop - 1]
-    evidence.write("wander", wander, seeds=seeds, figures=figures, cases=done)
-    low, high = wander.BOUNDS
-    assert all(case["converged"] for case in done)
-    for name in ("wander", "wander_length"):
-        assert low <= figures[name] <= high, figures
+def test_figures_by_hand():
+    """Of two recordings one rank is inside, and one fit converged."""
+    done = [
+        {"converged": rank == 0.5, "ranks": dict.fromkeys(wander.NAMES, rank)}
+        for rank in (0.5, 0.99)
+    ]
+    found = wander.figures(done)
+    assert (found["wander"], found["converged"], found["recordings"]) == (0.5, 1, 2)

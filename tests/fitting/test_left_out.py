@@ -123,7 +123,7 @@ def test_twice_the_scatter_does_not():
     assert ((pit < 0.05) | (pit > 0.95)).mean() > 0.25
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_p_values_of_the_right_model_are_uniform():
     found = [probabilities(seed, 1.0)[1] for seed in range(100, 200)]
     p_values = np.array([one.p_value for one in found])

@@ -2,7 +2,7 @@
 
 What was found stands in ``reports/evidence/fuzz.json``: mutants by kind, and the seed of each
 that was neither read nor refused; beside them the most memory that the process ever held.
-Where the code has changed since, it begins anew.
+It begins anew for each version.
 """
 
 import argparse
@@ -11,9 +11,11 @@ import sys
 import time
 
 from campaigns import evidence
+from campaigns.promises import Outcome, rate
 from fuzzing.mutants import KINDS, outcome
 
 NAME = "fuzz"
+FINGERPRINT = ()  # what is read or refused rests on no number
 WHOLE = {"recording": 100_000, "toml": 20_000, "json": 5_000, "netcdf": 5_000}
 PEAK_MIB = 1024  # of the whole process, so that no mutant takes more
 
@@ -23,9 +25,9 @@ def main() -> int:
     parser.add_argument("--minutes", type=float, default=10.0, help="of processor time")
     minutes = parser.parse_args().minutes
     kept = evidence.read(NAME) if NAME in evidence.names() else {}
-    kept = {} if evidence.changed(kept) else kept
-    found = kept.get("figures") or {kind: {"read": 0, "refused": 0, "faults": {}} for kind in KINDS}
-    before = kept.get("cases", {}).get("peak_mib", 0)
+    kept = kept.get("figures", {}) if kept.get("version") == evidence.version() else {}
+    found = kept.get("mutants") or {kind: {"read": 0, "refused": 0, "faults": {}} for kind in KINDS}
+    before = kept.get("peak_mib", 0)
     ends = time.process_time() + 60 * minutes
     while time.process_time() < ends:
         # The kind that is furthest behind its share.
@@ -58,10 +60,24 @@ def peak_mib() -> int:
 
 
 def save(found: dict, before: int) -> None:
-    last = max(done(one) for one in found.values()) - 1
-    this = sys.modules[__name__]
-    most = {"peak_mib": max(before, peak_mib())}
-    evidence.write(NAME, this, seeds=[0, last], figures=found, cases=most, command="make fuzz")
+    gathered = evidence.Gathered(
+        seeds=[0, max(done(one) for one in found.values()) - 1],
+        figures={"mutants": found, "peak_mib": max(before, peak_mib())},
+        cases={kind: one["faults"] for kind, one in found.items()},
+        command="make fuzz",
+        complete=all(done(one) >= WHOLE[kind] for kind, one in found.items()),
+    )
+    evidence.write(NAME, sys.modules[__name__], gathered)
+
+
+def promises(figures: dict) -> list[Outcome]:
+    """Return what was promised beside what was found."""
+    mutants = figures["mutants"].values()
+    faults, number = sum(len(one["faults"]) for one in mutants), sum(done(one) for one in mutants)
+    return [
+        rate("an altered file is neither read nor refused", faults, number, most=0),
+        Outcome("most memory of the process, MiB", figures["peak_mib"], most=PEAK_MIB),
+    ]
 
 
 if __name__ == "__main__":

@@ -47,7 +47,7 @@ def test_a_refusal_of_many_lines_is_noticed(monkeypatch):
 
 
 def test_the_campaign_found_no_fault():
-    found = evidence.read("fuzz")["figures"]
+    found = evidence.read("fuzz")["figures"]["mutants"]
     assert {kind: one["faults"] for kind, one in found.items()} == {kind: {} for kind in KINDS}
 
 
@@ -59,7 +59,7 @@ def test_a_mutant_that_takes_too_much_memory_is_noticed(monkeypatch):
         raise InputError([Fault("a", "b")])
 
     monkeypatch.setattr(evidence, "names", list)  # nothing is kept: the campaign begins
-    monkeypatch.setattr(evidence, "write", lambda *_, **given: written.append(given))
+    monkeypatch.setattr(evidence, "write", lambda *given: written.append(given[-1]))
     monkeypatch.setattr(campaign, "peak_mib", lambda: held[0])
     monkeypatch.setattr(campaign, "PEAK_MIB", 104)
     monkeypatch.setattr(campaign, "WHOLE", dict.fromkeys(KINDS, 1))
@@ -67,7 +67,7 @@ def test_a_mutant_that_takes_too_much_memory_is_noticed(monkeypatch):
     for kind in KINDS:
         monkeypatch.setitem(KINDS, kind, greedy)
     assert campaign.main() == 1
-    faults = [len(one["faults"]) for one in written[-1]["figures"].values()]
+    faults = [len(one["faults"]) for one in written[-1].figures["mutants"].values()]
     assert faults == [1, 0, 0, 0]
 
 

@@ -5,6 +5,7 @@ import subprocess
 import sys
 import sysconfig
 import tarfile
+import tomllib
 import venv
 import zipfile
 from pathlib import Path
@@ -15,6 +16,7 @@ from altered import with_trials
 from bayesfric.recording import write_recording
 
 ROOT = Path(__file__).parents[2]
+VERSION = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["version"]
 
 
 def run(*command, cwd):
@@ -89,7 +91,7 @@ def test_it_is_the_wheel_that_runs(elsewhere, tmp_path):
 
 @pytest.mark.parametrize("arguments", [["--version"], ["info"]])
 def test_the_command_runs_in_an_empty_folder(elsewhere, tmp_path, arguments):
-    assert "0.1.0" in run(elsewhere / "bin" / "bayesfric", *arguments, cwd=tmp_path)
+    assert VERSION in run(elsewhere / "bin" / "bayesfric", *arguments, cwd=tmp_path)
     assert list(tmp_path.iterdir()) == []
 
 

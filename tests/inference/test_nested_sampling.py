@@ -8,7 +8,7 @@ from inference import densities
 from bayesfric.inference.evidence import bridge_evidence, importance_draws
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     "known",
     [densities.conjugate(5), densities.banana(4), densities.log_gammas(4)],

@@ -270,7 +270,7 @@ def test_warnings_name_assumptions_and_what_was_not_measured(draws):
     assert "Assumed" not in "\n".join(computed(draws).loops[0].warnings)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_formula_and_elastic_cable_agree_over_uncertain_loops(draws):
     changes = {
         "joint.inertia_kg_m2": {"family": "log-normal", "median": 0.1, "sd_log": 0.3},
