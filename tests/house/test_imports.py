@@ -20,7 +20,7 @@ ROWS = (
     ("recording",),
     ("logs",),
     ("paper", "families", "priors", "analysis", "schemas"),
-    ("physics",),
+    ("physics", "robots"),
     ("campaign", "checkpoint", "interrupts", "progress"),
     ("inference",),
     ("effects", "simulators"),
@@ -58,6 +58,7 @@ ONLY = {
     "checkpoint": set(),  # any computation
     "interrupts": set(),  # whatever must be whole
     "progress": set(),  # any stage
+    "robots": set(),  # any chain of rigid links
     "families": set(),  # densities, of whatever
     "inference": {"families", "analysis", "checkpoint"},  # any density; analysis has its settings
     "blind/engines": {"recording"},  # realities of another hand share no physics with us
@@ -80,7 +81,7 @@ OWNERS = {
     "jinja2": {"report"},
     "IPython": {"progress"},
     "matplotlib": {"plots", "notebook"},  # the latter names its Figure in annotations
-    "mujoco": {"blind/engines"},
+    "mujoco": {"blind/engines", "robots"},
     "rosbags": {"logs"},
     "typer": {"cli"},
     "typst": {"report"},

@@ -1,8 +1,8 @@
 """Outside rigs/, recording/ and physics/ no module names a rig.
 
 What is true of one rig is said by the rig, so that a new one is one new folder. Exempt are
-engines of another hand, which record boards as a person would, and margins, whose `motor`
-and `gravity` are a joint's.
+engines of another hand, which record boards as a person would, margins, whose `motor`
+and `gravity` are a joint's, and robots, whose `gravity` is what pulls at links.
 """
 
 import ast
@@ -14,7 +14,7 @@ from bayesfric.rigs import all_rigs
 
 PACKAGE = Path(__file__).parents[2] / "bayesfric"
 KNOW_RIGS = ("rigs", "recording", "physics")
-EXEMPT = ("blind/engines", "margins", "plots/margins.py", "report/chapters/margins.py")
+EXEMPT = ("blind/engines", "robots", "margins", "plots/margins.py", "report/chapters/margins.py")
 
 
 def names_of_rigs():

@@ -1,0 +1,108 @@
+"""What errors of a robot's model may add to the torque of its joints.
+
+A link's mass, centre of mass and inertia are known to some 15 %, 2 cm and 30 %. Many of their
+combinations move no logged joint, and others move all alike: what counts are the base
+parameters. They are found as the leading directions of what the errors add, each scaled so that
+its prior is N(0, 1).
+
+References
+----------
+M. Gautier, W. Khalil, "Direct calculation of minimum set of inertial parameters of serial
+robots", IEEE Trans. Robotics and Automation 6 (1990).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bayesfric.arrays import Array
+from bayesfric.robots.dynamics import PARAMETERS, RigidBodies, six_moments
+
+__all__ = ["ErrorShares", "ModelErrors", "model_error_columns"]
+
+LEAST = 1e-6  # of the largest direction: below it a direction is rounding
+
+
+@dataclass(frozen=True)
+class ErrorShares:
+    """How well a model is known: prior standard deviations of its errors.
+
+    Parameters
+    ----------
+    mass, inertia : float
+        Relative, of each link's mass and of its moments of inertia about its centre of mass.
+    centre_m : float
+        Of each coordinate of its centre of mass [m].
+    """
+
+    mass: float = 0.15
+    centre_m: float = 0.02
+    inertia: float = 0.3
+
+
+@dataclass(frozen=True)
+class ModelErrors:
+    """The base parameters of a model's errors.
+
+    Parameters
+    ----------
+    columns : ndarray, shape (R, K)
+        What each adds to R rows of torque; its prior is N(0, 1).
+    directions : ndarray, shape (K, 10 × links)
+        By how much each moves the links' numbers, in their units.
+    """
+
+    columns: Array
+    directions: Array
+
+
+def model_error_columns(
+    bodies: RigidBodies, rows: Array, shares: ErrorShares | None = None, least: float = LEAST
+) -> ModelErrors:
+    """Return what the errors of a model may add to rows of torque.
+
+    Parameters
+    ----------
+    bodies : RigidBodies
+        The model.
+    rows : ndarray, shape (R, 10 × links)
+        What each number of each link adds to a row.
+    shares : ErrorShares or None
+        How well the model is known; None is the default.
+    least : float
+        Directions that add less than this share of the largest are left out.
+    """
+    root = np.zeros((rows.shape[1], rows.shape[1]))
+    count = len(PARAMETERS)
+    for link, numbers in enumerate(bodies.parameters):
+        block = slice(link * count, (link + 1) * count)
+        root[block, block] = _root_of_link(numbers, shares or ErrorShares())
+    left, size, right = np.linalg.svd(rows @ root, full_matrices=False)
+    kept = size > least * size[:1].max(initial=0.0)
+    return ModelErrors(left[:, kept] * size[kept], right[kept] @ root.T)
+
+
+def _root_of_link(numbers: Array, shares: ErrorShares) -> Array:
+    """Return how ten independent N(0, 1) move a link's numbers, shape (10, 10)."""
+    mass, moments = numbers[0], numbers[1:4]
+    root = np.zeros((10, 10))
+    if mass <= 0:
+        return root
+    centre = moments / mass
+    about_origin = _steiner(centre)
+    central = numbers[4:] - mass * about_origin
+    # A larger mass: all numbers but the inertia about the centre grow with it.
+    root[:, 0] = shares.mass * mass * np.concatenate([[1.0], centre, about_origin])
+    for axis in range(3):  # the centre moves: first moments, and inertia about the origin
+        step = np.zeros(3)
+        step[axis] = 1.0
+        turned = 2 * centre @ step * np.eye(3) - np.outer(centre, step) - np.outer(step, centre)
+        root[1:4, 1 + axis] = shares.centre_m * mass * step
+        root[4:, 1 + axis] = shares.centre_m * mass * six_moments(turned)
+    scale = shares.inertia * np.abs(central[:3]).max()
+    root[4:, 4:] = scale * np.eye(6)
+    return root
+
+
+def _steiner(centre: Array) -> Array:
+    return six_moments(centre @ centre * np.eye(3) - np.outer(centre, centre))

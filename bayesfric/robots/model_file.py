@@ -1,0 +1,269 @@
+"""A URDF or MJCF file, read within bounds: nothing of it is executed, nothing outside its folder.
+
+MuJoCo's own parser compiles the model. Meshes that are only looked at are dropped before; a mesh
+counts only where MJCF takes a link's mass from it.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from bayesfric.errors import Fault, InputError, one_of
+from bayesfric.files import file_bytes
+
+__all__ = ["JointSettings", "Robot", "read_robot"]
+
+LARGEST_FILE = 4_194_304  # bytes of the model, and of each file that it includes
+LARGEST_MESHES = 67_108_864  # bytes of all meshes together
+DEEPEST_INCLUDE = 8
+REFUSED = {
+    "plugin": "no plugin: nothing of a model is executed",
+    "extension": "no extension: nothing of a model is executed",
+    "composite": "links that are written out, not generated",
+    "replicate": "links that are written out, not generated",
+    "flexcomp": "rigid links",
+    "flex": "rigid links",
+}
+UNSEEN = {"texture", "material", "skin", "hfield", "visual", "keyframe", "sensor"}
+"""Elements of MJCF that move nothing."""
+HEAVIEST_KG = 1e4
+"""Of one link: more is a mistake of units."""
+
+
+@dataclass(frozen=True)
+class JointSettings:
+    """What the user's simulator has for a joint: set aside in the rigid-body model.
+
+    Parameters
+    ----------
+    damping, frictionloss, armature, stiffness : float
+        As written in the model; SI units of the joint.
+    """
+
+    damping: float
+    frictionloss: float
+    armature: float
+    stiffness: float
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A compiled model and which of its joints were logged.
+
+    Parameters
+    ----------
+    compiled : mujoco.MjModel
+        Damping, friction, armature and springs of all joints set to zero.
+    joints : tuple of str
+        Names in the log, in order.
+    places : tuple of int
+        Joint of the model that each is.
+    held : tuple of str
+        Joints of the model that are not in the log: they stay at their reference position.
+    settings : tuple of JointSettings
+        Of each logged joint, as the user's simulator has them.
+    """
+
+    compiled: Any
+    joints: tuple[str, ...]
+    places: tuple[int, ...]
+    held: tuple[str, ...]
+    settings: tuple[JointSettings, ...]
+
+
+def read_robot(
+    folder: Path, model: str, joints: Mapping[str, str], gravity_m_s2: float | None = None
+) -> Robot:
+    """Read a robot's model.
+
+    Parameters
+    ----------
+    folder : Path
+        The recording's folder; nothing outside it is opened.
+    model : str
+        File in it, ``.urdf`` or ``.xml``.
+    joints : mapping of str to str
+        Joint in the log to its name in the model.
+    gravity_m_s2 : float or None
+        Local gravity, along −z, of a URDF, which states none; None is 9.81.
+
+    Raises
+    ------
+    InputError
+        The file, an element of it or a joint's name cannot be used.
+    """
+    root = _parsed(folder, model, model)
+    urdf = root.tag == "robot"
+    if not urdf and root.tag != "mujoco":
+        expected = "a URDF model (<robot>) or an MJCF model (<mujoco>)"
+        raise InputError([Fault(model, expected, value=f"<{root.tag}>")])
+    if urdf:
+        _simplify_urdf(root)
+        assets: dict[str, bytes] = {}
+    else:
+        root = _with_includes(folder, model, root)
+        assets = _simplify_mjcf(folder, model, root)
+    compiled = _compiled(model, root, assets)
+    if urdf and gravity_m_s2 is not None:
+        compiled.opt.gravity[:] = 0.0, 0.0, -gravity_m_s2
+    return _with_joints(model, compiled, joints)
+
+
+def _inside(folder: Path, model: str, name: str) -> Path:
+    """Return the path of a file of the folder.
+
+    Raises
+    ------
+    InputError
+        It lies outside.
+    """
+    path = (folder / name).resolve()
+    if not path.is_relative_to(folder.resolve()):
+        raise InputError([Fault(model, "a file inside the folder of the recording", value=name)])
+    return path
+
+
+def _parsed(folder: Path, model: str, name: str) -> ET.Element:
+    data = file_bytes(_inside(folder, model, name), name, LARGEST_FILE)
+    if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
+        raise InputError([Fault(name, "XML without entities (<!DOCTYPE … >)")])
+    try:
+        root = ET.fromstring(data)
+    except (ET.ParseError, ValueError, LookupError) as error:  # LookupError: an unknown encoding
+        raise InputError([Fault(name, f"XML that parses ({error})")]) from error
+    for element in root.iter():
+        if element.tag in REFUSED:
+            raise InputError([Fault(name, REFUSED[element.tag], value=f"<{element.tag}>")])
+    return root
+
+
+def _with_includes(folder: Path, model: str, root: ET.Element, depth: int = 0) -> ET.Element:
+    """Return MJCF with the elements of the files that it includes in place of the includes."""
+    if depth > DEEPEST_INCLUDE:
+        expected = f"files that include each other at most {DEEPEST_INCLUDE} deep"
+        raise InputError([Fault(model, expected)])
+    for parent in list(root.iter()):
+        for place, child in reversed(list(enumerate(parent))):
+            if child.tag != "include":
+                continue
+            included = _parsed(folder, model, child.get("file", ""))
+            whole = _with_includes(folder, model, included, depth + 1)
+            parent[place : place + 1] = list(whole)
+    return root
+
+
+def _simplify_urdf(root: ET.Element) -> None:
+    """Drop what moves nothing: shapes, and settings for other programs."""
+    for link in root.iter("link"):
+        for child in [one for one in link if one.tag in ("visual", "collision")]:
+            link.remove(child)
+    for child in [one for one in root if one.tag in ("gazebo", "transmission", "mujoco")]:
+        root.remove(child)
+
+
+def _simplify_mjcf(folder: Path, model: str, root: ET.Element) -> dict[str, bytes]:
+    """Drop what moves nothing, and return the meshes from which links have their mass."""
+    for parent in list(root.iter()):
+        for child in [one for one in parent if one.tag in UNSEEN]:
+            if not (child.tag == "visual" and parent.tag == "default"):
+                parent.remove(child)
+    for body in root.iter("body"):
+        if body.find("inertial") is not None:
+            for geom in body.findall("geom"):
+                body.remove(geom)
+    for geom in root.iter("geom"):
+        geom.attrib.pop("material", None)
+    for tag in ("actuator", "contact", "tendon", "equality"):
+        for element in root.findall(tag):
+            if tag == "equality" and len(element):
+                raise InputError(
+                    [Fault(model, "joints that move by themselves", value=f"<{element[0].tag}>")]
+                )
+            root.remove(element)
+    used = {geom.get("mesh") for geom in root.iter("geom")} - {None}
+    return dict(_meshes(folder, model, root, {str(name) for name in used}))
+
+
+def _meshes(
+    folder: Path, model: str, root: ET.Element, used: set[str]
+) -> Iterator[tuple[str, bytes]]:
+    compiler = root.find("compiler")
+    below = "" if compiler is None else compiler.get("meshdir", compiler.get("assetdir", ""))
+    left = LARGEST_MESHES
+    for asset in root.iter("asset"):
+        for mesh in list(asset.findall("mesh")):
+            file = mesh.get("file")
+            if mesh.get("name", Path(file or "").stem) not in used:
+                asset.remove(mesh)
+            elif file is not None:
+                name = str(Path(below) / file)
+                data = file_bytes(_inside(folder, model, name), name, left)
+                left -= len(data)
+                yield name, data
+
+
+def _compiled(model: str, root: ET.Element, assets: Mapping[str, bytes]) -> Any:
+    try:
+        import mujoco
+    except ImportError as error:
+        expected = 'the extra that reads robots: pip install "bayesfric[mujoco]"'
+        raise InputError([Fault("rig.robot", expected)]) from error
+    text = ET.tostring(root, encoding="unicode")
+    try:
+        compiled = mujoco.MjModel.from_xml_string(text, dict(assets))
+    except ValueError as error:
+        why = " ".join(str(error).split())
+        raise InputError([Fault(model, f"a model that MuJoCo compiles ({why})")]) from error
+    faults = []
+    for body in range(1, compiled.nbody):
+        name, mass = compiled.body(body).name or f"body {body}", float(compiled.body_mass[body])
+        moves = compiled.body_weldid[body] != 0
+        if moves and mass <= 0:
+            faults.append(Fault(model, "a link that moves to have a mass", column=name, value="0"))
+        if mass > HEAVIEST_KG:
+            expected = f"a mass in kg, at most {HEAVIEST_KG:g} (grams?)"
+            faults.append(Fault(model, expected, column=name, value=f"{mass:g}"))
+    if faults:
+        raise InputError(faults)
+    return compiled
+
+
+def _with_joints(model: str, compiled: Any, joints: Mapping[str, str]) -> Robot:
+    names = [compiled.joint(place).name for place in range(compiled.njnt)]
+    turning_or_sliding = {2, 3}  # mjJNT_SLIDE, mjJNT_HINGE
+    faults = [
+        Fault("datapackage.json", one_of(names, name), column=f"rig.robot.joints.{log}", value=name)
+        for log, name in joints.items()
+        if name not in names
+    ]
+    doubled = [name for name in set(joints.values()) if list(joints.values()).count(name) > 1]
+    faults += [
+        Fault("datapackage.json", "each joint once", column="rig.robot.joints", value=name)
+        for name in sorted(doubled)
+    ]
+    faults += [
+        Fault(model, "hinges and slides on a fixed base", column=names[place], value="free or ball")
+        for place in range(compiled.njnt)
+        if int(compiled.jnt_type[place]) not in turning_or_sliding
+    ]
+    if faults:
+        raise InputError(faults)
+    places = tuple(names.index(name) for name in joints.values())
+    dofs = [int(compiled.jnt_dofadr[place]) for place in places]
+    settings = tuple(
+        JointSettings(
+            float(np.ravel(compiled.dof_damping[dof])[0]),
+            float(compiled.dof_frictionloss[dof]),
+            float(compiled.dof_armature[dof]),
+            float(np.ravel(compiled.jnt_stiffness[place])[0]),
+        )
+        for place, dof in zip(places, dofs, strict=True)
+    )
+    for array in ("dof_damping", "dof_frictionloss", "dof_armature", "jnt_stiffness"):
+        getattr(compiled, array)[:] = 0.0
+    held = tuple(name for place, name in enumerate(names) if place not in places)
+    return Robot(compiled, tuple(joints), places, held, settings)

@@ -1,0 +1,88 @@
+"""A model file is input like any other: one clear fault, and nothing outside its folder."""
+
+import pytest
+from robots.arms import TREE, written
+
+from bayesfric.errors import InputError
+from bayesfric.robots import RigidBodies, read_robot
+
+pytest.importorskip("mujoco")
+
+
+def refused(folder, text, joints=None, name="arm.xml"):
+    with pytest.raises(InputError) as caught:
+        read_robot(written(folder, name, text), name, joints or {"a": "turn"})
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("<mujoco><worldbody>", ["arm.xml", "XML that parses"]),
+        ("<sdf/>", ["<sdf>", "URDF model"]),
+        (TREE.replace("<worldbody>", "<extension/><worldbody>"), ["<extension>", "executed"]),
+        (TREE.replace('mass="0.8"', 'mass="0"'), ["hand", "mass"]),
+        (TREE.replace('mass="1.5"', 'mass="150000"'), ["carriage", "grams?"]),
+        (TREE.replace('<joint name="turn"', "<freejoint/><joint"), ["arm.xml"]),
+        ('<!DOCTYPE x [<!ENTITY a "b">]>' + TREE, ["without entities"]),
+        (
+            TREE.replace(
+                "</worldbody>",
+                '</worldbody><equality><joint joint1="turn" joint2="wrist"/></equality>',
+            ),
+            ["<joint>", "by themselves"],
+        ),
+        (
+            TREE.replace("<worldbody>", '<include file="../other.xml"/><worldbody>'),
+            ["inside the folder", "../other.xml"],
+        ),
+        (
+            TREE.replace("<worldbody>", '<include file="/etc/passwd"/><worldbody>'),
+            ["inside the folder", "/etc/passwd"],
+        ),
+        (
+            TREE.replace("<worldbody>", '<include file="arm.xml"/><worldbody>'),
+            ["include each other"],
+        ),
+    ],
+    ids=[
+        *("unfinished", "another format", "plugin", "no mass", "grams", "free", "entity"),
+        *("coupled", "outside", "absolute", "circle"),
+    ],
+)
+def test_a_fault_names_its_element(tmp_path, text, words):
+    told = refused(tmp_path, text)
+    assert "\n" not in told
+    for word in words:
+        assert word in told
+
+
+def test_a_joint_that_the_model_lacks_is_named_with_one_that_may_be_meant(tmp_path):
+    told = refused(tmp_path, TREE, {"a": "wrst"})
+    assert "'wrst'" in told
+    assert "'wrist' meant?" in told
+
+
+def test_a_joint_is_logged_once(tmp_path):
+    assert "each joint once" in refused(tmp_path, TREE, {"a": "turn", "b": "turn"})
+
+
+def test_meshes_that_are_only_looked_at_are_not_needed(tmp_path):
+    """A link with masses of its own keeps them, whatever its shapes are."""
+    text = """<robot name="arm"><link name="world"/><link name="rod"><inertial>
+    <mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <visual><geometry><mesh filename="package://nowhere/rod.dae"/></geometry></visual></link>
+    <joint name="turn" type="continuous"><parent link="world"/><child link="rod"/>
+    <axis xyz="0 1 0"/></joint></robot>"""
+    robot = read_robot(written(tmp_path, "arm.urdf", text), "arm.urdf", {"a": "turn"})
+    assert RigidBodies(robot).parameters[:, 0] == pytest.approx([1.0])
+
+
+def test_an_include_of_the_folder_is_read(tmp_path):
+    part = '<mujocoinclude><geom type="sphere" size="0.1" mass="3"/></mujocoinclude>'
+    written(tmp_path, "part.xml", part)
+    text = TREE.replace(
+        '<geom type="sphere" size="0.05" pos="0 0.1 0" mass="0.6"/>', '<include file="part.xml"/>'
+    )
+    robot = read_robot(written(tmp_path, "arm.xml", text), "arm.xml", {"a": "turn"})
+    assert RigidBodies(robot).parameters[-1, 0] == pytest.approx(3.0)
