@@ -175,7 +175,7 @@ def _rig(rig: RigConstants) -> dict[str, Any]:
         for size, pulley in rig.pulleys.items()
     }
     keys["limits"] = dict(rig.limits)
-    return {key: value for key, value in keys.items() if value not in (None, {}, False)}
+    return {key: value for key, value in keys.items() if not (value is None or value is False or value == {})}
 
 
 def _resource(table: TableFormat, frame: pd.DataFrame, rotary: bool) -> dict[str, Any]:

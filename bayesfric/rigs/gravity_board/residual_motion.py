@@ -40,7 +40,9 @@ def whitening(
     if apart and (sensors.sum(axis=1) > EVENTS_A_WINDOW).all():
         travel = board.events.displacement[rows] / board.events.displacement[rows].max()
         halves = 0.5 * (sensors[1].astype(np.float64) - sensors[0]) * white
-        nuisance = np.vstack([nuisance, *(halves * travel**k for k in APART)])
+        late = board.clock_column()[None, rows] * white
+        late = late[late.any(axis=1)]
+        nuisance = np.vstack([nuisance, *(halves * travel**k for k in APART), late])
     basis = np.linalg.qr(nuisance.T)[0]
     return white, lambda values: np.asarray(values - basis @ (basis.T @ values))
 

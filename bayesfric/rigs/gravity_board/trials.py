@@ -14,6 +14,7 @@ from bayesfric.arrays import Array
 from bayesfric.effects import Effect
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
+from bayesfric.errors import InputError
 from bayesfric.physics.cable import Cable
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import nominal_tension
@@ -32,6 +33,7 @@ from bayesfric.rigs.gravity_board.predictions import trials as trials_dataset
 from bayesfric.rigs.gravity_board.rows import GravityRows
 from bayesfric.rigs.gravity_board.screening import RULES, SELECTS_ON, Screened, screen_trials
 from bayesfric.rigs.gravity_board.sensor_agreement import MATERIAL_SHARE, SensorAgreement
+from bayesfric.rigs.gravity_board.sensor_clocks import clock_faults
 from bayesfric.rigs.gravity_board.simulator import draw_events, lay_trials
 from bayesfric.rigs.gravity_board.slopes import paper_slopes
 from bayesfric.rigs.gravity_board.strength import change_of_readings, change_of_trials
@@ -63,10 +65,18 @@ class GravityBoard:
     own_design: None = None
 
     def trials(self, recording: Recording, *, exclude: bool = True) -> "GravityTrials | None":
-        """Return the trials that enter by the rules of :mod:`.screening`."""
+        """Return the trials that enter by the rules of :mod:`.screening`.
+
+        Raises
+        ------
+        InputError
+            The clocks of the two sensors differ by more than a cable explains.
+        """
         if recording.gravity is None:
             return None
         screened = screen_trials(recording.gravity, recording.rig, exclude=exclude)
+        if faults := clock_faults(screened.clocks):
+            raise InputError(faults)
         return GravityTrials(
             recording.rig, screened.gravity, screened, recording.gravity, screened.at_rest
         )
