@@ -356,8 +356,7 @@ def reduce_events(
     if late.any():
         shift = clock_shifts(events, trial_ids) / clock_sd_s
         prior = clock_prior(table, residual, -shift)
-        if prior.drawn:
-            residual = residual + late * shift[table.trial]
+        residual = residual - late * prior.moved[table.trial]
     if responses is not None:
         table = replace(table, regressors=np.concatenate([table.regressors, responses]))
     sensors = table.present[:2].sum(axis=0)

@@ -32,6 +32,7 @@ PASSAGES = 2.0  # of a stretch along the cable, out and back: the standard devia
 
 CLOCK = NUISANCES
 """Place of the column among the regressors that are integrated out, after those of no prior."""
+BESIDE = CLOCK + 1
 FAR_BETTER = 25.0  # times the prior's precision, by which events tell the offset of each trial
 RIDGE = 1e-12  # of a unit diagonal: columns that a trial does not have
 LEAST_SD_M = 1e-9  # of an event: below it, as without noise, rounding is all that is left
@@ -48,8 +49,10 @@ class ClockPrior:
         Whether the number stays in the form, to be integrated out at the noise of each walker.
     taken : bool
         Whether it is integrated out once, its prior as wide beside the noise as at `scale2`.
+    moved : ndarray, shape (N,)
+        From where the number is counted: its effect is taken off the residual.
     mean : ndarray, shape (N,)
-        Of the number: times were moved already by the opposite.
+        Of the number so counted.
     scale2 : float
         Variance of an event at which a prior that is taken once is exact [m²].
     told : ndarray, shape (N,)
@@ -60,6 +63,7 @@ class ClockPrior:
 
     drawn: bool
     taken: bool
+    moved: Array
     mean: Array
     scale2: float
     told: Array
@@ -89,7 +93,7 @@ def clock_shifts(events: pd.DataFrame, trial_ids: pd.Series) -> Array:
 def none_late(count: int) -> ClockPrior:
     """Return what there is where no trial can show an offset."""
     none = np.zeros(count)
-    return ClockPrior(False, False, none, 1.0, none, none)
+    return ClockPrior(False, False, none, none, 1.0, none, none)
 
 
 def late_column(events: Events, speed_m_s: Array) -> Array:
@@ -122,26 +126,56 @@ def clock_prior(events: Events, residual: Array, mean: Array) -> ClockPrior:
     residual : ndarray, shape (E,)
         Displacement less that of the pilot [m].
     mean : ndarray, shape (N,)
-        Of the prior.
+        Of the prior: times may have been moved already, by the opposite.
     """
     whole = events.normal_equations(np.ones((1, residual.size)), residual)[0]
+    seen = whole[:, CLOCK, CLOCK] > 0
+    whole[~seen, CLOCK, CLOCK] = 1.0
+    scale2, precision = _noise(events, whole)
+    if (precision[seen] < FAR_BETTER * scale2).any():
+        none = np.zeros_like(mean)
+        return ClockPrior(True, False, mean, none, scale2, none, none)
+    alone = np.where(seen, 1 / np.linalg.inv(whole[:, :BESIDE, :BESIDE])[:, CLOCK, CLOCK], 0.0)
+    told = alone / (scale2 + alone)
+    # Counted from where it is likely, the number adds no square that grows with the noise.
+    whole[:, CLOCK, CLOCK] += scale2
+    whole[:, CLOCK, -1] += scale2 * mean
+    size = np.sqrt(np.diagonal(whole, axis1=1, axis2=2))[:, :-1]
+    size = np.where(size > 0, size, 1.0)
+    gram = whole[:, :-1, :-1] / size[:, :, None] / size[:, None, :] + RIDGE * np.eye(size.shape[1])
+    fit = np.linalg.solve(gram, (whole[:, :-1, -1] / size)[..., None])[..., 0] / size
+    likely = np.where(seen, fit[:, CLOCK], mean)
+    constant = 0.5 * np.log(scale2) * (1 - told) - 0.5 * told * LOG_2PI
+    constant -= 0.5 * (mean - likely) ** 2
+    return ClockPrior(False, True, likely, mean - likely, scale2, told, constant)
+
+
+def _noise(events: Events, whole: Array) -> tuple[float, Array]:
+    """Return the variance of an event by what all columns leave, and the column's precision.
+
+    Parameters
+    ----------
+    events : Events
+        Of N trials.
+    whole : ndarray, shape (N, R + 1, R + 1)
+        Products of the columns and the residual.
+
+    Returns
+    -------
+    variance : float
+        [m²]; infinite where no trial has events to spare.
+    precision : ndarray, shape (N,)
+        Of the number beside all other columns, times the variance [m²].
+    """
     size = np.sqrt(np.diagonal(whole, axis1=1, axis2=2))
     size = np.where(size > 0, size, 1.0)
     unit = whole / size[:, :, None] / size[:, None, :]
-    gram = unit[:, :-1, :-1] + RIDGE * np.eye(unit.shape[-1] - 1)
-    inverse = np.linalg.inv(gram)
+    inverse = np.linalg.inv(unit[:, :-1, :-1] + RIDGE * np.eye(unit.shape[-1] - 1))
     left = 1 - (unit[:, -1:, :-1] @ inverse @ unit[:, :-1, -1:])[:, 0, 0]
-    freedom = np.maximum(events.total(np.ones_like(residual)) - gram.shape[-1], 0.0)
-    square = np.maximum(left, 0.0) * size[:, -1] ** 2
-    scale2 = float(square[freedom > 0].sum() / max(freedom.sum(), 1.0))
-    scale2 = max(scale2, LEAST_SD_M**2)
-    seen = whole[:, CLOCK, CLOCK] > 0
-    precision = size[:, CLOCK] ** 2 / inverse[:, CLOCK, CLOCK]
-    if not freedom.any() or (precision[seen] < FAR_BETTER * scale2).any():
-        return ClockPrior(True, False, mean, scale2, np.zeros_like(mean), np.zeros_like(mean))
-    whole[~seen, CLOCK, CLOCK] = 1.0
-    together = np.linalg.inv(whole[:, : CLOCK + 1, : CLOCK + 1])
-    alone = np.where(seen, 1 / together[:, CLOCK, CLOCK], 0.0)
-    told = alone / (scale2 + alone)
-    constant = 0.5 * np.log(scale2) * (1 - told) - 0.5 * told * LOG_2PI - 0.5 * mean**2
-    return ClockPrior(False, True, mean, scale2, told, constant)
+    freedom = events.total(np.ones_like(events.tau)) - (unit.shape[-1] - 1)
+    spare = freedom > 0
+    if not spare.any():
+        return np.inf, np.zeros(len(whole))
+    square = (np.maximum(left, 0.0) * size[:, -1] ** 2)[spare].sum()
+    variance = max(float(square / freedom[spare].sum()), LEAST_SD_M**2)
+    return variance, size[:, CLOCK] ** 2 / inverse[:, CLOCK, CLOCK]

@@ -54,6 +54,8 @@ class SensorClocks:
         `same_motion`, false where the sensors differ by more than their clocks.
     allowed_sd_s : float
         Standard deviation of the prior of an offset [s].
+    stated : bool
+        Whether the recording says it.
     late_s, sd_s : float or None
         The offset of all trials with the same motion together, which may differ from trial to
         trial, and its standard error [s]; None without such trials.
@@ -61,6 +63,7 @@ class SensorClocks:
 
     trials: pd.DataFrame
     allowed_sd_s: float
+    stated: bool
     late_s: float | None
     sd_s: float | None
 
@@ -68,6 +71,17 @@ class SensorClocks:
     def furthest_s(self) -> float:
         """The largest offset that the prior explains [s]."""
         return FURTHEST * self.allowed_sd_s
+
+    @property
+    def described(self) -> str | None:
+        """The offset with its error in words; None where no trial has two sensors to compare."""
+        if self.trials.empty:
+            return None
+        alike = int(self.trials["same_motion"].sum())
+        if self.late_s is None or self.sd_s is None:
+            return f"not to be compared: in all {len(self.trials)} trials the sensors differ by more"
+        within = f"up to {1e3 * self.furthest_s:.3g} ms is a nuisance of each trial"
+        return f"{_said(self.late_s, self.sd_s)}, {alike} trials; {within}"
 
 
 def sensor_clocks(events: pd.DataFrame, trial_ids: pd.Series, rig: RigConstants) -> SensorClocks:
@@ -88,13 +102,13 @@ def sensor_clocks(events: pd.DataFrame, trial_ids: pd.Series, rig: RigConstants)
         Trials in the order of `trial_ids`; those without two sensors of five events each, or
         whose acceleration is not sharp, have no row.
     """
-    trains = None
+    trains, allowed = None, (clock_sd_s(rig), rig.sensor_clock_sd_s is not None)
     if len(events):
         assert rig.hall_spacing_m and rig.timer_resolution_s
         trains = _of_both(event_trains(events, trial_ids, rig.hall_spacing_m))
     if trains is None or not trains.starts.size:
         none = {"trial": [], "late_s": [], "sd_s": [], "same_motion": []}
-        return SensorClocks(pd.DataFrame(none), clock_sd_s(rig), None, None)
+        return SensorClocks(pd.DataFrame(none), *allowed, None, None)
     trial, late, sd, same = _offsets(trains, rig.timer_resolution_s or 0.0)
     table = pd.DataFrame(
         {
@@ -106,9 +120,9 @@ def sensor_clocks(events: pd.DataFrame, trial_ids: pd.Series, rig: RigConstants)
     )[np.isfinite(sd)].reset_index(drop=True)
     alike = table[table["same_motion"]]
     if alike.empty:
-        return SensorClocks(table, clock_sd_s(rig), None, None)
+        return SensorClocks(table, *allowed, None, None)
     together = _together(alike["late_s"].to_numpy(), alike["sd_s"].to_numpy())
-    return SensorClocks(table, clock_sd_s(rig), *together)
+    return SensorClocks(table, *allowed, *together)
 
 
 def _of_both(trains: EventTrains) -> EventTrains:
@@ -245,17 +259,13 @@ def clock_faults(clocks: SensorClocks) -> list[Fault]:
             f"{row.trial}: {_said(row.late_s, row.sd_s)}" for row in far[:NAMED].itertuples()
         ]
         told = f"{count} ({'; '.join(names)}{'; …' if len(far) > NAMED else ''})"
-    return [
-        Fault(
-            "gravity_events.csv",
-            "clocks of the two sensors that differ by no more than "
-            f"{1e3 * clocks.furthest_s:.3g} ms, which is what "
-            f"rig.sensor_clock_sd_s or else the cable explains: correct time_s of one sensor, or "
-            "state rig.sensor_clock_sd_s",
-            column="time_s",
-            value=told,
-        )
-    ]
+    most = f"{1e3 * clocks.furthest_s:.3g} ms"
+    why, state = f"no cable explains more than {most}", "state rig.sensor_clock_sd_s"
+    if clocks.stated:
+        why = f"{FURTHEST:.0f} times rig.sensor_clock_sd_s is {most}"
+        state = "state a larger rig.sensor_clock_sd_s"
+    expected = f"two sensors on one clock; {why}: correct time_s of one sensor, or {state}"
+    return [Fault("gravity_events.csv", expected, column="time_s", value=told)]
 
 
 def _said(late_s: float, sd_s: float) -> str:

@@ -43,7 +43,7 @@ from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.pulleys import PulleyTrials
 from bayesfric.rigs.truth import Truth
-from bayesfric.schemas import Agreement, Excluded, PointEstimate, Repaired
+from bayesfric.schemas import Agreement, Clocks, Excluded, PointEstimate, Repaired
 
 __all__ = ["RIG", "GravityBoard", "GravityTrials"]
 
@@ -80,6 +80,12 @@ class GravityBoard:
         return GravityTrials(
             recording.rig, screened.gravity, screened, recording.gravity, screened.at_rest
         )
+
+    def remarks(self, recording: Recording) -> tuple[tuple[str, str], ...]:
+        """Return by how much the clocks of the two sensors differ."""
+        found = self.trials(recording)
+        text = None if found is None else found.screened.clocks.described
+        return () if text is None else (("sensor clocks", text),)
 
     def change(
         self, effect: Effect, design: Protocol, constants: RigConstants, truth: Truth
@@ -286,6 +292,12 @@ class GravityTrials(PulleyTrials):
                 Repaired.model_validate(row) for row in screened.repaired.to_dict("records")
             ),
             "agreement": _agreement(screened.agreement),
+            "clocks": Clocks(
+                trials=int(screened.clocks.trials["same_motion"].sum()),
+                late_s=screened.clocks.late_s,
+                sd_s=screened.clocks.sd_s,
+                allowed_sd_s=screened.clocks.allowed_sd_s,
+            ),
             "stalled": screened.stalled,
             "did_not_move": tuple(self.at_rest["trial"]),
         }
