@@ -107,9 +107,7 @@ def test_a_cable_that_slips_is_no_clock_that_is_late(board):
 @pytest.mark.parametrize(
     ("late_s", "scale", "unit"), [(0.05, 1e3, "ms"), (-0.2, 1e3, "ms"), (1000.0, 1.0, "s")]
 )
-def test_clocks_beyond_what_a_cable_explains_are_refused_before_any_fit(
-    board, late_s, scale, unit
-):
+def test_clocks_beyond_what_a_cable_explains_are_refused_before_any_fit(board, late_s, scale, unit):
     wrong = with_late_load(board, late_s)
     which, count = "load" if late_s > 0 else "drive", len(board.gravity.trials)
     for asked in (remarks_of, lambda recording: open_rigs(recording, ["gravity"])):
@@ -134,7 +132,7 @@ def test_some_trials_alone_are_named(board):
 
 
 def test_a_stated_offset_has_a_limit_too(board):
-    with pytest.raises(InputError, match="5 times rig.sensor_clock_sd_s is 5 ms"):
+    with pytest.raises(InputError, match=r"5 times rig\.sensor_clock_sd_s is 5 ms"):
         open_rigs(with_late_load(board, 0.05, sd_s=1e-3), ["gravity"])
 
 

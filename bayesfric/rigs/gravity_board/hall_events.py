@@ -9,7 +9,8 @@ event; u_k is what an effect that changes along the trial adds to the travel
 (:mod:`bayesfric.rigs.gravity_board.paths`), and the baseline has none. The density of the raw
 event *times* is that of the residual times the speed v(t), the Jacobian. The offsets
 o_s (uniform over one spacing: phase on a circle), the first speed v0 (half-normal) and by how
-much the clock of one sensor is late (normal; its column is the pilot's speed) are marginalised in closed form, since the residual is linear in them; what is left of
+much the clock of one sensor is late (normal; its column is the pilot's speed) are
+marginalised in closed form, since the residual is linear in them; what is left of
 a trial is a quadratic form in w = (a − â₀, A_1, …, A_K), â₀ being a pilot's:
 
     log p(times | w, σ) = C − (wᵀ G w − 2 bᵀ w) / 2.
@@ -342,23 +343,15 @@ def reduce_events(
     pilot = pilot_of(table)
     fit = pilot_coefficients(table)
     residual = table.displacement - (table.regressors * fit[table.trial].T).sum(axis=0)
-    none = np.empty((0, table.tau.size))
     speed = pilot.first_speed[table.trial] + pilot.acceleration[table.trial] * table.tau
     late = late_column(table, speed) * clock_sd_s
-    parts = [
-        table.regressors[:NUISANCES],
-        late[None] if late.any() else none,
-        none if scattered is None else scattered,
-        table.regressors[NUISANCES:],
-    ]
-    table = replace(table, regressors=np.concatenate(parts))
+    table = _beside(table, NUISANCES, scattered)
     prior = none_late(pilot.acceleration.size)
     if late.any():
-        shift = clock_shifts(events, trial_ids) / clock_sd_s
-        prior = clock_prior(table, residual, -shift)
+        table = _beside(table, CLOCK, late[None])
+        prior = clock_prior(table, residual, -clock_shifts(events, trial_ids) / clock_sd_s)
         residual = residual - late * prior.moved[table.trial]
-    if responses is not None:
-        table = replace(table, regressors=np.concatenate([table.regressors, responses]))
+    table = _beside(table, len(table.regressors), responses)
     sensors = table.present[:2].sum(axis=0)
     return EventTable(
         events=table,
@@ -372,3 +365,11 @@ def reduce_events(
         first_speed=pilot.first_speed,
         prior=prior,
     )
+
+
+def _beside(table: Events, place: int, columns: Array | None) -> Events:
+    """Return events with further regressors at a place among them."""
+    if columns is None:
+        return table
+    before, after = table.regressors[:place], table.regressors[place:]
+    return replace(table, regressors=np.concatenate([before, columns, after]))

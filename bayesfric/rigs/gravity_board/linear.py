@@ -4,8 +4,8 @@ Offsets and first speed are projected out of each trial. What scatters has colum
 friction's deviation in a trial, its wander along the travel (cosines), in an assembly the
 deviation of its slope and of its intercept, phases of effects that go round, the travel that a
 trial had made before its first event, how unevenly a cable slips from trial to trial, and how
-late the clock of one sensor is. They are integrated out at the noise that is asked for; derivatives by the noise follow from Fisher's
-identity.
+late the clock of one sensor is. They are integrated out at the noise that is asked for;
+derivatives by the noise follow from Fisher's identity.
 """
 
 from collections.abc import Mapping, Sequence

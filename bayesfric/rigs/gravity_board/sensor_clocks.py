@@ -39,7 +39,7 @@ ROUNDS = 3  # the motion of both sensors is known once their clocks are
 DEGREE, EVENTS_A_POWER = 5, 4  # of the motion that both see; fewer events tell a parabola
 LEAST_VARIANCE = 1e-10  # of an event, where there is no noise [spacings²]
 RIDGE = 1e-13  # of the unit diagonal: where a column is absent, or nothing tells two apart
-NAMED = 5  # trials in a message
+NAMED = 2  # trials in a message
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,9 @@ class SensorClocks:
             return None
         alike = int(self.trials["same_motion"].sum())
         if self.late_s is None or self.sd_s is None:
-            return f"not to be compared: in all {len(self.trials)} trials the sensors differ by more"
+            return (
+                f"not to be compared: in all {len(self.trials)} trials the sensors differ by more"
+            )
         within = f"up to {1e3 * self.furthest_s:.3g} ms is a nuisance of each trial"
         return f"{_said(self.late_s, self.sd_s)}, {alike} trials; {within}"
 
@@ -107,8 +109,8 @@ def sensor_clocks(events: pd.DataFrame, trial_ids: pd.Series, rig: RigConstants)
         assert rig.hall_spacing_m and rig.timer_resolution_s
         trains = _of_both(event_trains(events, trial_ids, rig.hall_spacing_m))
     if trains is None or not trains.starts.size:
-        none = {"trial": [], "late_s": [], "sd_s": [], "same_motion": []}
-        return SensorClocks(pd.DataFrame(none), *allowed, None, None)
+        columns = ["trial", "late_s", "sd_s", "same_motion"]
+        return SensorClocks(pd.DataFrame(columns=columns), *allowed, None, None)
     trial, late, sd, same = _offsets(trains, rig.timer_resolution_s or 0.0)
     table = pd.DataFrame(
         {
@@ -255,10 +257,10 @@ def clock_faults(clocks: SensorClocks) -> list[Fault]:
     if pooled:
         told = f"{_said(clocks.late_s, clocks.sd_s)} {count}"
     else:
-        names = [
-            f"{row.trial}: {_said(row.late_s, row.sd_s)}" for row in far[:NAMED].itertuples()
-        ]
-        told = f"{count} ({'; '.join(names)}{'; …' if len(far) > NAMED else ''})"
+        first = far[:NAMED]
+        offsets = zip(first["trial"], first["late_s"], first["sd_s"], strict=True)
+        names = [f"{trial}: {_said(late, sd)}" for trial, late, sd in offsets]
+        told = f"{count}: {'; '.join(names)}{'; …' if len(far) > NAMED else ''}"
     most = f"{1e3 * clocks.furthest_s:.3g} ms"
     why, state = f"no cable explains more than {most}", "state rig.sensor_clock_sd_s"
     if clocks.stated:
@@ -276,9 +278,7 @@ def _said(late_s: float, sd_s: float) -> str:
     return f"{abs(scale * late_s):.{digits}f} ± {scale * sd_s:.{digits}f} {unit} ({which} late)"
 
 
-def on_one_clock(
-    events: pd.DataFrame, clocks: SensorClocks, rig: RigConstants
-) -> pd.DataFrame:
+def on_one_clock(events: pd.DataFrame, clocks: SensorClocks, rig: RigConstants) -> pd.DataFrame:
     """Put both sensors of a trial on one clock, where the recording says how far they may be off.
 
     The times of the load sensor are moved by the most likely offset. What is left of it is a
