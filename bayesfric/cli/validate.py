@@ -26,10 +26,13 @@ def validate(
     """
     from bayesfric.analysis import read_analysis
     from bayesfric.recording import describe_recording, read_recording
+    from bayesfric.rigs.opening import remarks_of
 
     analysis = read_analysis(config)
     found = read_recording(recording)
     for label, text in describe_recording(found):
+        say(f"{label:<16} {text}")
+    for label, text in remarks_of(found):
         say(f"{label:<16} {text}")
     for note in found.notes:
         say(f"note: {note}", err=True)

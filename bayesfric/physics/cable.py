@@ -7,7 +7,9 @@ from numpy.typing import ArrayLike
 
 from bayesfric.arrays import Array
 
-__all__ = ["Cable"]
+__all__ = ["LINEAR_DENSITY_KG_M", "Cable"]
+
+LINEAR_DENSITY_KG_M = 1.4e-3  # steel that fills 0.6 of a circle of 0.61 mm
 
 
 class Cable(NamedTuple):
@@ -32,3 +34,11 @@ class Cable(NamedTuple):
         """The spring constant k = EA / L [N/m]."""
         stiffness = np.asarray(self.axial_stiffness_n, dtype=np.float64)
         return stiffness / np.asarray(self.length_m, dtype=np.float64)
+
+    @property
+    def wave_time_s(self) -> Array:
+        """How long a stretch takes from one mass to the other, L / √(EA / μ) [s]."""
+        stiffness = np.asarray(self.axial_stiffness_n, dtype=np.float64)
+        return np.asarray(self.length_m, dtype=np.float64) / np.sqrt(
+            stiffness / LINEAR_DENSITY_KG_M
+        )

@@ -103,6 +103,7 @@ Positive = Annotated[float, Field(gt=0)]
 Length = Annotated[float, Field(gt=0), _at_most(2.0, "m", "millimetres")]
 Mass = Annotated[float, Field(gt=0), _at_most(10.0, "kg", "grams")]
 Resolution = Annotated[float, Field(gt=0), _at_most(0.5, "s", "milliseconds or microseconds")]
+ClockOffset = Annotated[float, Field(ge=0), _at_most(1.0, "s", "milliseconds or microseconds")]
 Gravity = Annotated[float, Field(gt=0), _at_most(100.0, "m/s²", "mm/s²")]
 Count = Annotated[int, BeforeValidator(_whole), Field(ge=1, le=LARGEST_INTEGER)]
 NotNegative = Annotated[float, Field(ge=0)]
@@ -145,6 +146,7 @@ class _Rig(_Strict):
     hall_spacing_m: Length | None = None
     magnets_per_revolution: Count | None = None
     timer_resolution_s: Resolution | None = None
+    sensor_clock_sd_s: ClockOffset | None = None
     motor_torque_constant_n_m_per_a: Positive | None = None
     capstan_radius_m: Length | None = None
     pulleys: dict[str, _Pulley] | None = None

@@ -46,6 +46,9 @@ class RigConstants:
         Magnets on the sensor pulley.
     timer_resolution_s : float or None
         Resolution of the event clock [s].
+    sensor_clock_sd_s : float or None
+        By how much the clocks of a trial's two sensors may differ: the standard deviation of a
+        normal prior around 0 [s]; None is what a cable explains.
     motor_torque_constant_n_m_per_a : float or None
         Specified torque constant of the motor [N·m/A].
     capstan_radius_m : float or None
@@ -66,6 +69,7 @@ class RigConstants:
     hall_spacing_m: float | None = None
     magnets_per_revolution: int | None = None
     timer_resolution_s: float | None = None
+    sensor_clock_sd_s: float | None = None
     motor_torque_constant_n_m_per_a: float | None = None
     capstan_radius_m: float | None = None
     pulleys: Mapping[str, Pulley] = field(default_factory=dict)

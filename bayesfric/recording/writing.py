@@ -175,7 +175,12 @@ def _rig(rig: RigConstants) -> dict[str, Any]:
         for size, pulley in rig.pulleys.items()
     }
     keys["limits"] = dict(rig.limits)
-    return {key: value for key, value in keys.items() if value not in (None, {}, False)}
+    # A zero is written: `0.0 == False`, so that values are not looked up in a tuple.
+    return {
+        key: value
+        for key, value in keys.items()
+        if value is not None and value is not False and value != {}
+    }
 
 
 def _resource(table: TableFormat, frame: pd.DataFrame, rotary: bool) -> dict[str, Any]:

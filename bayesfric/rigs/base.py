@@ -138,6 +138,15 @@ class Rig(Protocol):
             False keeps every trial that can be computed at all.
         """
 
+    def remarks(self, recording: Recording) -> Sequence[tuple[str, str]]:
+        """Return what the measurements of a recording show before any fit, label and text.
+
+        Raises
+        ------
+        InputError
+            They show that it cannot be used.
+        """
+
     def change(
         self, effect: Effect, design: Design, constants: RigConstants, truth: Truth
     ) -> Change | None:

@@ -18,6 +18,7 @@ __all__ = [
     "chosen_rigs",
     "diagnosed_law",
     "open_rigs",
+    "remarks_of",
     "rigs_with_trials",
     "with_own_priors",
 ]
@@ -102,6 +103,17 @@ def rigs_with_trials(recording: Recording) -> dict[str, RigTrials]:
         if entering is not None:
             found[name] = entering
     return found
+
+
+def remarks_of(recording: Recording) -> list[tuple[str, str]]:
+    """Return what the measurements of a recording show before any fit, label and text.
+
+    Raises
+    ------
+    InputError
+        They show that it cannot be used.
+    """
+    return [remark for rig in all_rigs().values() for remark in rig.remarks(recording)]
 
 
 def beside_simulator(rigs: Sequence[RigTrials], simulator: SimulatorCalls) -> list[RigTrials]:

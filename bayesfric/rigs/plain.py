@@ -9,7 +9,7 @@ import xarray as xr
 from bayesfric.arrays import Array
 from bayesfric.effects import Effect
 from bayesfric.physics.cable import Cable
-from bayesfric.recording.tables import RigConstants
+from bayesfric.recording.tables import Recording, RigConstants
 from bayesfric.rigs.base import Predictive, Resting, Simulated, Unsupported
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.own_design import OwnDesign
@@ -25,6 +25,11 @@ class PlainRig:
     """A rig that no protocol lays out; see :class:`bayesfric.rigs.base.Rig`."""
 
     own_design: OwnDesign | None = None
+
+    def remarks(self, recording: Recording) -> tuple[tuple[str, str], ...]:
+        """Return nothing."""
+        del recording
+        return ()
 
     def change(
         self, effect: Effect, design: Protocol, constants: RigConstants, truth: Truth

@@ -41,6 +41,7 @@ from bayesfric.schemas.diagnosis import (
 from bayesfric.schemas.fit import (
     Agreement,
     AssemblyCheck,
+    Clocks,
     DataQuality,
     Excluded,
     FitFile,
@@ -102,6 +103,7 @@ __all__ = [
     "Certificate",
     "ClaimResult",
     "ClaimsFile",
+    "Clocks",
     "ComparisonFile",
     "Compensator",
     "ConditionAsked",

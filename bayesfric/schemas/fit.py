@@ -11,6 +11,7 @@ from bayesfric.schemas.pooled import Pooled
 __all__ = [
     "Agreement",
     "AssemblyCheck",
+    "Clocks",
     "DataQuality",
     "Excluded",
     "FitFile",
@@ -96,6 +97,23 @@ class Agreement(Record):
     disagreeing: tuple[str, ...] = Field(description="Ids of the trials that disagree.")
 
 
+class Clocks(Record):
+    """By how much the clocks of the two sensors of a trial differ."""
+
+    trials: int = Field(description="Trials whose two sensors tell it.")
+    late_s: Number | None = Field(
+        description="By how much the load sensor's clock is late, of all trials together; "
+        "negative where the drive sensor's is [s]."
+    )
+    late_s_why: Annotated[Why, NOT_COMPARED] = None
+    sd_s: Number | None = Field(description="Its standard error [s].")
+    sd_s_why: Annotated[Why, NOT_COMPARED] = None
+    allowed_sd_s: Number = Field(
+        description="Prior standard deviation of each trial's offset, which the likelihood "
+        "integrates out [s]."
+    )
+
+
 class DataQuality(Record):
     """What the fit used."""
 
@@ -116,6 +134,10 @@ class DataQuality(Record):
         None, description="Of the sensors; null where no gravity trial was recorded."
     )
     agreement_why: Annotated[Why, Because("no gravity trial was recorded")] = None
+    clocks: Clocks | None = Field(
+        None, description="Of the sensors; null where no gravity trial was recorded."
+    )
+    clocks_why: Annotated[Why, Because("no gravity trial was recorded")] = None
     stalled: tuple[str, ...] = Field(
         (), description="Trials that stop on their way, left out or not."
     )

@@ -21,6 +21,7 @@ from bayesfric.inference.cosines import cosines
 from bayesfric.inference.information import Information
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.data import Data
+from bayesfric.rigs.gravity_board.late_clock import clock_sd_s
 from bayesfric.rigs.gravity_board.linear_scatter import (
     ALWAYS,
     INTERCEPT,
@@ -64,6 +65,12 @@ def psi_of(model, *, phases=True):
     return np.append(psi, np.log(0.4)) if phases else psi
 
 
+def apart_by_clocks(rows):
+    """What the two sensors read apart where one clock is late by its prior's standard deviation."""
+    is_load = (rows.events.regressors[1] != 0).astype(float)
+    return clock_sd_s(rows.constants) * rows._speed * (is_load - 0.5)
+
+
 def test_the_board_of_weights_is_a_dense_normal(model):
     """Offsets and first speeds projected out; scatter of three levels as covariance."""
     part, acting = model.rigs[0], acting_of(model)
@@ -92,6 +99,8 @@ def test_the_board_of_weights_is_a_dense_normal(model):
             wander, wave = random[:, WANDER], random[:, part.blocks[place]]
             own += NOISE["wander"] ** 2 * (wander * weights) @ wander.T
             own += amplitude**2 * wave @ wave.T
+            late = off.T @ (apart_by_clocks(part.rows)[rows] / sd)
+            own += np.outer(late, late)
             blocks.append(own)
             all_of_it.append(whole)
             intercepts.append(constant)
@@ -167,6 +176,8 @@ def test_long_trials_whose_scatter_is_all_that_they_show(model):
         wander = off.T @ (part.random[rows, WANDER] / sd[:, None])
         own = noise["kappa"] * np.eye(off.shape[1])
         own += noise["wander"] ** 2 * (wander * weights) @ wander.T
+        late = off.T @ (apart_by_clocks(part.rows)[rows] / sd)
+        own += np.outer(late, late)
         left = off.T @ (part.rows.residual[rows] / sd)
         total += multivariate_normal.logpdf(left, np.zeros(left.size), own)
         place = model.layout.spread(columns.shape[1], part.size[trial])
@@ -272,7 +283,7 @@ def test_wander_has_its_rms():
     assert (weights @ waves**2).mean() == pytest.approx(1.0, rel=1e-3)
     longer, _ = wander_weights(0.1 * np.exp(1e-5), 0.6)
     np.testing.assert_allclose(np.log(longer / weights) / 1e-5, slope, rtol=1e-4, atol=1e-6)
-    assert weights.size == WANDER.stop - WANDER.start == ALWAYS - 4
+    assert weights.size == WANDER.stop - WANDER.start == ALWAYS - 5
 
 
 def test_a_model_does_not_outlive_its_use():

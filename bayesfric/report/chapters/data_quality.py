@@ -14,7 +14,13 @@ from bayesfric.report.content import (
     Paragraph,
     Table,
 )
-from bayesfric.report.quantities import MISSING, format_count, format_number, format_share
+from bayesfric.report.quantities import (
+    MISSING,
+    error_cells,
+    format_count,
+    format_number,
+    format_share,
+)
 from bayesfric.report.rig_words import counted
 from bayesfric.report.stored import StoredFit
 from bayesfric.schemas import DataQuality, FitFile, WithoutExclusions
@@ -185,6 +191,7 @@ def _agreement(quality: DataQuality) -> Iterator[Block]:
             ["largest |z|", _z(agreement.largest_z)],
             ["limit of |z|", _z(agreement.limit_z)],
             ["trials that disagree", format_count(len(agreement.disagreeing))],
+            *_clocks(quality),
         ],
         label="agreement",
         note=[
@@ -194,6 +201,15 @@ def _agreement(quality: DataQuality) -> Iterator[Block]:
             *([f" They are: {', '.join(agreement.disagreeing)}."] if agreement.disagreeing else []),
         ],
     )
+
+
+def _clocks(quality: DataQuality) -> list[list[str]]:
+    """Return the row of the offset between the sensors' clocks, in milliseconds."""
+    clocks = quality.clocks
+    if clocks is None or clocks.late_s is None or clocks.sd_s is None:
+        return []
+    value, error = error_cells(1e3 * clocks.late_s, 1e3 * clocks.sd_s)
+    return [["by how much the load sensor's clock is late, ms", f"{value} ± {error}"]]
 
 
 def _z(value: float | None) -> str:

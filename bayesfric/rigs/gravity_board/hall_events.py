@@ -8,8 +8,9 @@ where x(t) = v0 τ + a τ²/2 + Σ_k A_k u_k(τ) is the travel since the trial's
 event; u_k is what an effect that changes along the trial adds to the travel
 (:mod:`bayesfric.rigs.gravity_board.paths`), and the baseline has none. The density of the raw
 event *times* is that of the residual times the speed v(t), the Jacobian. The offsets
-o_s (uniform over one spacing: phase on a circle) and the first speed v0 (half-normal)
-are marginalised in closed form, since the residual is linear in them; what is left of
+o_s (uniform over one spacing: phase on a circle), the first speed v0 (half-normal) and by how
+much the clock of one sensor is late (normal; its column is the pilot's speed) are
+marginalised in closed form, since the residual is linear in them; what is left of
 a trial is a quadratic form in w = (a − â₀, A_1, …, A_K), â₀ being a pilot's:
 
     log p(times | w, σ) = C − (wᵀ G w − 2 bᵀ w) / 2.
@@ -18,7 +19,10 @@ G, b and C depend on ρ = σ_t/σ_x only, apart from the overall scale
 S² = σ_x² + v*² σ_t². They are interpolated over log ρ by polynomials, an interval of it
 after the other, each tabulated when it is first asked for.
 
-Speeds in the weights and in the Jacobian are those of a pilot fit a trial.
+Speeds in the weights and in the Jacobian are those of a pilot fit a trial. How wide the prior of
+the clocks' offset is beside the noise is taken at a first estimate of the noise where events tell
+the offset far better than the prior; elsewhere the offset is one more number of the form, which
+is integrated out at the noise of each walker.
 """
 
 from collections.abc import Sequence
@@ -32,6 +36,14 @@ from numpy.typing import ArrayLike
 
 from bayesfric.arrays import Array, Whole
 from bayesfric.inference.quadratic import contract, eliminate
+from bayesfric.rigs.gravity_board.late_clock import (
+    CLOCK,
+    ClockPrior,
+    clock_prior,
+    clock_shifts,
+    late_column,
+    none_late,
+)
 from bayesfric.rigs.gravity_board.trial_motion import (
     NUISANCES,
     Events,
@@ -128,6 +140,8 @@ class EventTable:
         Pilot accelerations [m/s²].
     first_speed : ndarray, shape (N,)
         Of the pilot, at the trial's first event [m/s].
+    prior : ClockPrior
+        Of how late the clock of one sensor is.
     intervals : dict of int to ndarray, shape (R, N, 1 + DEGREE)
         Of those of log ρ that were asked for, R statistics a trial as coefficients of
         Chebyshev polynomials.
@@ -142,6 +156,7 @@ class EventTable:
     constant: Array
     origin: Array
     first_speed: Array
+    prior: ClockPrior
     intervals: dict[int, Array] = field(default_factory=dict)
 
     def with_first_speed(self, scale_m_s: float) -> "EventTable":
@@ -174,6 +189,8 @@ class EventTable:
         TrialForm
             Of W noises and N trials.
         """
+        if self.prior.drawn:
+            variances = [np.ones((len(sigma_x), 1)), *variances]
         clock = np.sqrt(sigma_t**2 + self.tick_variance) * self.typical_speed
         scale2 = (sigma_x**2 + clock**2)[:, None]
         log_ratio = np.clip(np.log(clock / sigma_x), -LOG_RHO_SPAN, LOG_RHO_SPAN)
@@ -261,9 +278,15 @@ class EventTable:
         spread = (1 + ratio2 * relative2) / (1 + ratio2)  # event variance over S²
         events = self.events
         whole = events.normal_equations(1 / spread, self.residual)
-        nuisance, mixed = whole[..., :NUISANCES, :NUISANCES], whole[..., :NUISANCES, NUISANCES:]
+        count = NUISANCES
+        if self.prior.taken:
+            whole[..., CLOCK, CLOCK] += self.prior.scale2
+            for place in ((CLOCK, -1), (-1, CLOCK)):
+                whole[..., *place] += self.prior.scale2 * self.prior.mean
+            count += 1
+        nuisance, mixed = whole[..., :count, :count], whole[..., :count, count:]
         # Integrating over the nuisances leaves the Schur complement.
-        form = whole[..., NUISANCES:, NUISANCES:] - mixed.swapaxes(-1, -2) @ np.linalg.solve(
+        form = whole[..., count:, count:] - mixed.swapaxes(-1, -2) @ np.linalg.solve(
             nuisance, mixed
         )
         determinant = events.total(np.log(spread)) + np.linalg.slogdet(nuisance)[1]
@@ -287,6 +310,7 @@ def reduce_events(
     tick_s: float,
     responses: Array | None = None,
     scattered: Array | None = None,
+    clock_sd_s: float = 0.0,
 ) -> EventTable:
     """Tabulate the sufficient statistics of trials over the ratio of the noises.
 
@@ -306,6 +330,8 @@ def reduce_events(
         :func:`prepare_events` [m].
     scattered : ndarray, shape (B, E), or None
         The same of numbers that are drawn anew in each trial; they come first in the form.
+    clock_sd_s : float
+        Standard deviation of how late the clock of one sensor is [s].
 
     Returns
     -------
@@ -317,15 +343,15 @@ def reduce_events(
     pilot = pilot_of(table)
     fit = pilot_coefficients(table)
     residual = table.displacement - (table.regressors * fit[table.trial].T).sum(axis=0)
-    none = np.empty((0, table.tau.size))
-    parts = [
-        table.regressors[:NUISANCES],
-        none if scattered is None else scattered,
-        table.regressors[NUISANCES:],
-        none if responses is None else responses,
-    ]
-    table = replace(table, regressors=np.concatenate(parts))
     speed = pilot.first_speed[table.trial] + pilot.acceleration[table.trial] * table.tau
+    late = late_column(table, speed) * clock_sd_s
+    table = _beside(table, NUISANCES, scattered)
+    prior = none_late(pilot.acceleration.size)
+    if late.any():
+        table = _beside(table, CLOCK, late[None])
+        prior = clock_prior(table, residual, -clock_shifts(events, trial_ids) / clock_sd_s)
+        residual = residual - late * prior.moved[table.trial]
+    table = _beside(table, len(table.regressors), responses)
     sensors = table.present[:2].sum(axis=0)
     return EventTable(
         events=table,
@@ -333,8 +359,17 @@ def reduce_events(
         speed=speed,
         typical_speed=float(np.exp(np.mean(np.log(speed)))),
         tick_variance=tick_s**2 / 12,
-        degrees_of_freedom=table.total(np.ones_like(table.tau)) - sensors - 1.0,
-        constant=table.total(np.log(speed)) - sensors * np.log(spacing_m),
+        degrees_of_freedom=table.total(np.ones_like(table.tau)) - sensors - 1.0 - prior.told,
+        constant=table.total(np.log(speed)) - sensors * np.log(spacing_m) + prior.constant,
         origin=pilot.acceleration,
         first_speed=pilot.first_speed,
+        prior=prior,
     )
+
+
+def _beside(table: Events, place: int, columns: Array | None) -> Events:
+    """Return events with further regressors at a place among them."""
+    if columns is None:
+        return table
+    before, after = table.regressors[:place], table.regressors[place:]
+    return replace(table, regressors=np.concatenate([before, columns, after]))

@@ -3,9 +3,9 @@
 Offsets and first speed are projected out of each trial. What scatters has columns of its own:
 friction's deviation in a trial, its wander along the travel (cosines), in an assembly the
 deviation of its slope and of its intercept, phases of effects that go round, the travel that a
-trial had made before its first event, and how unevenly a cable slips from trial to trial. They
-are integrated out at the noise that is asked for; derivatives by the noise follow from Fisher's
-identity.
+trial had made before its first event, how unevenly a cable slips from trial to trial, and how
+late the clock of one sensor is. They are integrated out at the noise that is asked for;
+derivatives by the noise follow from Fisher's identity.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,6 +20,7 @@ from bayesfric.inference.information import Information
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.gravity_board.linear_scatter import (
     ALWAYS,
+    CLOCK,
     ELSEWHERE,
     TRIAL,
     UNEVEN,
@@ -93,6 +94,7 @@ class GravityPart:
             rows.scatter_columns(),
             rows.wander_columns(WAVES),
             np.zeros((len(rows.residual), 2)),
+            rows.clock_column()[:, None],
         ]
         width, known = ALWAYS, {}
         blocks: dict[int, slice] = {}
@@ -117,7 +119,7 @@ class GravityPart:
         Kept, they would be most of the memory that a diagnosis takes.
         """
         rows, model = self.rows, self._model
-        layout, nuisance = model.layout, model.layout.nuisance(self._place)
+        layout = model.layout
         force = np.array([model.friction_scale[size] for size in rows.table["pulley_size"]])
 
         def candidate_column(candidate: Candidate) -> Array | Unsupported:
@@ -131,8 +133,6 @@ class GravityPart:
             candidate_column,
         )
         columns[:, [layout.own + index for index in self.blocks]] = 0.0  # their phases scatter
-        if nuisance.stop > nuisance.start:
-            columns[:, nuisance] = rows.late_column()[:, None]
         columns *= model.scales
         return columns if self._squeeze is None else columns @ self._squeeze
 
@@ -192,7 +192,7 @@ class GravityPart:
         width, kappa = (self.random.shape[1] if blocks else ALWAYS), noise["kappa"]
         variance, growth = wander_weights(noise["wander_length"], self._travel)
         sd = np.zeros(chosen.size)
-        sd[TRIAL], sd[ELSEWHERE], sd[UNEVEN] = noise["tau"], 1.0, UNEVEN_SHARE
+        sd[TRIAL], sd[ELSEWHERE], sd[UNEVEN], sd[CLOCK] = noise["tau"], 1.0, UNEVEN_SHARE, 1.0
         sd[WANDER] = noise["wander"] * np.sqrt(variance)
         places, start = {}, ALWAYS
         for (block, value), (_, _, name) in zip(blocks, phases, strict=False):
@@ -244,7 +244,7 @@ class GravityPart:
         Its scatter and its assembly's, wander and measurement are taken up.
         """
         sd = np.zeros(ALWAYS)
-        sd[UNEVEN] = UNEVEN_SHARE
+        sd[UNEVEN], sd[CLOCK] = UNEVEN_SHARE, 1.0
         scatter = self.scatter(noise).sum(axis=1)
         sd[WANDER] = noise["wander"] * np.sqrt(
             wander_weights(noise["wander_length"], self._travel)[0]

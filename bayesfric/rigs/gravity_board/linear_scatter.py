@@ -13,6 +13,7 @@ from bayesfric.rigs.linear import NoiseParameter, noise_parameter
 
 __all__ = [
     "ALWAYS",
+    "CLOCK",
     "ELSEWHERE",
     "EVENT_SD_M",
     "INTERCEPT",
@@ -27,8 +28,8 @@ __all__ = [
 
 WAVES = 20  # cosines along the travel; half the wavelength of the last is 3 cm of 0.6 m
 TRIAL, INTERCEPT, WANDER, ELSEWHERE = 0, 1, slice(2, 2 + WAVES), 2 + WAVES
-UNEVEN = 3 + WAVES
-ALWAYS = 4 + WAVES  # columns that scatter in every hypothesis
+UNEVEN, CLOCK = 3 + WAVES, 4 + WAVES
+ALWAYS = 5 + WAVES  # columns that scatter in every hypothesis
 UNEVEN_SHARE = 0.03  # by which two sensors disagree otherwise from trial to trial
 EVENT_SD_M = 30e-6  # of an event on a good board
 KAPPA_SD_LOG = 0.3  # of the events' variance over its first estimate

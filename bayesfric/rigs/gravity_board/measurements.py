@@ -25,6 +25,7 @@ from bayesfric.rigs.gravity_board.hall_events import (
     TrialForm,
     reduce_events,
 )
+from bayesfric.rigs.gravity_board.late_clock import clock_sd_s
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 
 __all__ = [
@@ -106,6 +107,7 @@ def event_table(
         tick_s=rig.timer_resolution_s,
         responses=None if columns is None else columns.travel,
         scattered=None if scattered is None else scattered.travel,
+        clock_sd_s=clock_sd_s(rig),
     )
 
 

@@ -40,7 +40,9 @@ def whitening(
     if apart and (sensors.sum(axis=1) > EVENTS_A_WINDOW).all():
         travel = board.events.displacement[rows] / board.events.displacement[rows].max()
         halves = 0.5 * (sensors[1].astype(np.float64) - sensors[0]) * white
-        nuisance = np.vstack([nuisance, *(halves * travel**k for k in APART)])
+        late = board.clock_column()[None, rows] * white
+        late = late[late.any(axis=1)]
+        nuisance = np.vstack([nuisance, *(halves * travel**k for k in APART), late])
     basis = np.linalg.qr(nuisance.T)[0]
     return white, lambda values: np.asarray(values - basis @ (basis.T @ values))
 
@@ -124,7 +126,8 @@ def runs_of(
         design = nuisance[seen].T
         carry = design[~first] @ np.linalg.pinv(design[first])
         variance = noise["kappa"] * board.variance[rows]
-        left = board.residual[rows] - numbers[:, trial] @ columns[rows].T
+        left = board.clock_residual[rows] - numbers[:, trial] @ columns[rows].T
+        left = _on_one_clock(board, rows, left)
         off = left[:, ~first] - left[:, first] @ carry.T
         free = random[rows]
         moved = free[~first] - carry @ free[first]
@@ -148,6 +151,30 @@ def runs_of(
             (measured - (left - start))[:, shown],
         )
     return found
+
+
+def _on_one_clock(board: GravityRows, rows: slice, left: Array) -> Array:
+    """Take off what the offset between the sensors' clocks does, as all rows of a trial show it.
+
+    Parameters
+    ----------
+    board : GravityRows
+        Events.
+    rows : slice
+        Of one trial, n of them.
+    left : ndarray, shape (A, n)
+        Residuals, in which a parabola beside the nuisances stands for friction [m].
+    """
+    late = board.clock_column()[rows]
+    if not late.any():
+        return left
+    nuisance, tau = board.events.regressors[:3, rows], board.events.tau[rows]
+    nuisance = nuisance[(nuisance != 0).any(axis=1)]
+    white = 1 / np.sqrt(board.variance[rows])
+    basis = np.linalg.qr((np.vstack([nuisance, tau**2]) * white).T)[0]
+    shown = late * white - basis @ (basis.T @ (late * white))
+    size = (left * white) @ shown / (shown @ shown + 1)  # its prior has unit variance
+    return np.asarray(left - size[:, None] * late)
 
 
 def _join(fine: int, coarse: int) -> Array:

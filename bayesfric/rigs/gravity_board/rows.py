@@ -25,6 +25,7 @@ from bayesfric.recording.tables import Gravity, RigConstants
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.gravity_board.double_integral import DoubleIntegral
 from bayesfric.rigs.gravity_board.event_rows import rows_of_trials, variance_of, with_accelerations
+from bayesfric.rigs.gravity_board.late_clock import clock_sd_s, clock_shifts, late_column
 from bayesfric.rigs.gravity_board.measured_motion import MeasuredMotion
 from bayesfric.rigs.gravity_board.measurements import optional_column
 from bayesfric.rigs.gravity_board.paths import POINTS, motion_untold
@@ -36,7 +37,6 @@ from bayesfric.rigs.linear import LinearRig, rms_of
 __all__ = ["NO_CURRENT", "GravityRows"]
 
 LEAST_ACCELERATION = 0.02  # m/s², where the reference law predicts that the cable stands
-LATE_S = 1e-3  # by which one sensor may be late
 PRETENDED = 8  # windows of a trial
 NO_CURRENT = Unsupported("it acts on a motor's current, and no motor drives these trials")
 
@@ -152,10 +152,29 @@ class GravityRows(ReferenceMotion):
         waves = cosines(travel, count)
         return self.forces(self.friction_n[:, None] * waves / self._feedback)
 
-    def late_column(self) -> Array:
-        """Return by how much readings differ if the load sensor is late, (E,) [m/s]."""
-        drive, load = self.events.regressors[:2] != 0
-        return np.asarray(0.5 * (load.astype(np.float64) - drive) * self._speed)
+    @cached_property
+    def _clock(self) -> Array:
+        """What the load sensor's clock adds where it is late by a prior standard deviation."""
+        return late_column(self.events, self._speed) * clock_sd_s(self.constants)
+
+    def clock_column(self) -> Array:
+        """Return what the offset between the sensors' clocks does at unit size, (E,) [m].
+
+        It is late by a standard deviation of its prior, in trials that both sensors recorded.
+        """
+        return self._clock
+
+    @cached_property
+    def clock_residual(self) -> Array:
+        """The residual with the offset counted from its prior mean, shape (E,) [m].
+
+        Times may have been moved by the most likely offset of a trial.
+        """
+        sd = clock_sd_s(self.constants)
+        shifts = clock_shifts(self._gravity.events, self.table["trial"])
+        if not shifts.any():
+            return self.residual
+        return np.asarray(self.residual + self._clock * shifts[self.events.trial] / sd)
 
     def smooth_columns(self, smooth: Smooth, force_n: Array) -> Array:
         """Return what a smooth force of unit size does, shape (E, k) [m].
@@ -287,10 +306,9 @@ class GravityRows(ReferenceMotion):
         return tuple(str(trial) for trial in self.table["trial"][far])
 
     def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
-        """Return the prior standard deviations of the board's own numbers: a sensor is late."""
+        """Return none: all that the board has of its own scatters from trial to trial."""
         del priors
-        both = (self.events.regressors[:2] != 0).any(axis=1).all()
-        return (LATE_S,) if both else ()
+        return ()
 
     def laid_out(self, model: ModelColumns, place: int) -> LinearRig:
         """Return the rig with the columns of a model."""

@@ -22,6 +22,11 @@ from bayesfric.rigs.gravity_board.sensor_agreement import (
     SensorAgreement,
     sensor_agreement,
 )
+from bayesfric.rigs.gravity_board.sensor_clocks import (
+    SensorClocks,
+    on_one_clock,
+    sensor_clocks,
+)
 from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 
 __all__ = ["RULES", "SELECTS_ON", "Screened", "screen_trials"]
@@ -67,6 +72,8 @@ class Screened:
         :class:`bayesfric.rigs.gravity_board.event_repair.RepairedEvents`.
     agreement : SensorAgreement
         Of the trials with two sensors, those excluded by it too.
+    clocks : SensorClocks
+        Of the same: by how much the clocks of their sensors differ.
     stalled : tuple of str
         Trials that stop on their way, whether excluded or not.
     at_rest : DataFrame
@@ -78,6 +85,7 @@ class Screened:
     excluded: dict[str, str]
     repaired: pd.DataFrame
     agreement: SensorAgreement
+    clocks: SensorClocks
     stalled: tuple[str, ...]
     at_rest: pd.DataFrame
 
@@ -111,6 +119,8 @@ def screen_trials(gravity: Gravity, rig: RigConstants, *, exclude: bool = True) 
         repair = repair_events(events, trials["trial"], spacing_m=rig.hall_spacing_m)
         events, repaired = repair.events, repair.repaired
     left = trials["trial"].isin(events["trial"])
+    clocks = sensor_clocks(events, trials["trial"][left], rig)
+    events = on_one_clock(events, clocks, rig)
     excluded = dict.fromkeys(trials["trial"][recorded & ~left], "unrepairable-events")
     stalled, stopped = _stalled(events, trials["trial"][left], rig)
     excluded |= dict.fromkeys(stopped, "stalled")
@@ -131,6 +141,7 @@ def screen_trials(gravity: Gravity, rig: RigConstants, *, exclude: bool = True) 
         in_order,
         repaired,
         agreement,
+        clocks,
         tuple(stalled),
         still[bounding].reset_index(drop=True),
     )

@@ -24,7 +24,14 @@ from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.gravity_board.event_trains import EventTrains, event_trains, quadratic_fits
 from bayesfric.rigs.gravity_board.likelihood import trial_condition
 
-__all__ = ["MATERIAL_SHARE", "TAIL", "SensorAgreement", "sensor_agreement"]
+__all__ = [
+    "MATERIAL_SHARE",
+    "TAIL",
+    "SensorAgreement",
+    "common_time",
+    "noise_variance",
+    "sensor_agreement",
+]
 
 TAIL = 1e-4  # probability of a |z| beyond the limit by noise alone
 MATERIAL_SHARE = 0.01  # of friction; the mean of both is then off by half of it
@@ -76,11 +83,11 @@ def sensor_agreement(
         return SensorAgreement(pd.DataFrame(columns=columns), None)
     assert rig.hall_spacing_m and rig.timer_resolution_s
     spacing = rig.hall_spacing_m
-    trains = _common_time(event_trains(events, trials["trial"], spacing))
+    trains = common_time(event_trains(events, trials["trial"], spacing))
     if not trains.starts.size:
         return SensorAgreement(pd.DataFrame(columns=columns), None)
     pilot = quadratic_fits(trains, np.ones(trains.time.size))
-    variance = _noise_variance(
+    variance = noise_variance(
         pilot.residual, pilot.leverage, pilot.speed**2, rig.timer_resolution_s**2 / 12
     )
     fits = quadratic_fits(trains, 1 / variance)
@@ -105,7 +112,7 @@ def sensor_agreement(
     return SensorAgreement(table, limit)
 
 
-def _common_time(trains: EventTrains) -> EventTrains:
+def common_time(trains: EventTrains) -> EventTrains:
     """Keep the events while both sensors of a trial have some, if five of each remain.
 
     Over one span of time, friction that is not quite constant shows alike in both.
@@ -122,7 +129,7 @@ def _common_time(trains: EventTrains) -> EventTrains:
     return common.keep(both[common.train])
 
 
-def _noise_variance(residual: Array, leverage: Array, speed2: Array, tick2: float) -> Array:
+def noise_variance(residual: Array, leverage: Array, speed2: Array, tick2: float) -> Array:
     """Return each event's variance, σx² + σt² v², from residuals of all trains.
 
     By moments: squared residuals against squared speed, weighted by the fit itself,

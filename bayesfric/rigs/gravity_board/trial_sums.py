@@ -109,7 +109,7 @@ def trial_sums(board: GravityRows, columns: Array, random: Array, block: Whole) 
     }
     for trial, rows in enumerate(board.rows_of_trials()):
         white, project = whitening(board, rows)
-        stack = np.column_stack([columns[rows], board.residual[rows], random[rows]])
+        stack = np.column_stack([columns[rows], board.clock_residual[rows], random[rows]])
         whole = project(white[:, None] * stack)
         own, along, apart = orthogonal(whole[:, q + 1 :], whole[:, : q + 1])
         told = len(own)

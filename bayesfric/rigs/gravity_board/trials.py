@@ -14,6 +14,7 @@ from bayesfric.arrays import Array
 from bayesfric.effects import Effect
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
+from bayesfric.errors import InputError
 from bayesfric.observation.exact import ExactLikelihood
 from bayesfric.physics.cable import Cable
 from bayesfric.physics.friction import Coefficients
@@ -33,6 +34,7 @@ from bayesfric.rigs.gravity_board.predictions import trials as trials_dataset
 from bayesfric.rigs.gravity_board.rows import GravityRows
 from bayesfric.rigs.gravity_board.screening import RULES, SELECTS_ON, Screened, screen_trials
 from bayesfric.rigs.gravity_board.sensor_agreement import MATERIAL_SHARE, SensorAgreement
+from bayesfric.rigs.gravity_board.sensor_clocks import clock_faults
 from bayesfric.rigs.gravity_board.simulator import draw_events, lay_trials
 from bayesfric.rigs.gravity_board.slopes import paper_slopes
 from bayesfric.rigs.gravity_board.strength import change_of_readings, change_of_trials
@@ -42,7 +44,7 @@ from bayesfric.rigs.gravity_board.trial_motion import pilot_fits
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.rigs.pulleys import PulleyTrials
 from bayesfric.rigs.truth import Truth
-from bayesfric.schemas import Agreement, Excluded, PointEstimate, Repaired
+from bayesfric.schemas import Agreement, Clocks, Excluded, PointEstimate, Repaired
 
 __all__ = ["RIG", "GravityBoard", "GravityTrials"]
 
@@ -64,13 +66,27 @@ class GravityBoard:
     own_design: None = None
 
     def trials(self, recording: Recording, *, exclude: bool = True) -> "GravityTrials | None":
-        """Return the trials that enter by the rules of :mod:`.screening`."""
+        """Return the trials that enter by the rules of :mod:`.screening`.
+
+        Raises
+        ------
+        InputError
+            The clocks of the two sensors differ by more than a cable explains.
+        """
         if recording.gravity is None:
             return None
         screened = screen_trials(recording.gravity, recording.rig, exclude=exclude)
+        if faults := clock_faults(screened.clocks):
+            raise InputError(faults)
         return GravityTrials(
             recording.rig, screened.gravity, screened, recording.gravity, screened.at_rest
         )
+
+    def remarks(self, recording: Recording) -> tuple[tuple[str, str], ...]:
+        """Return by how much the clocks of the two sensors differ."""
+        found = self.trials(recording)
+        text = None if found is None else found.screened.clocks.described
+        return () if text is None else (("sensor clocks", text),)
 
     def change(
         self, effect: Effect, design: Protocol, constants: RigConstants, truth: Truth
@@ -279,6 +295,12 @@ class GravityTrials(PulleyTrials):
                 Repaired.model_validate(row) for row in screened.repaired.to_dict("records")
             ),
             "agreement": _agreement(screened.agreement),
+            "clocks": Clocks(
+                trials=int(screened.clocks.trials["same_motion"].sum()),
+                late_s=screened.clocks.late_s,
+                sd_s=screened.clocks.sd_s,
+                allowed_sd_s=screened.clocks.allowed_sd_s,
+            ),
             "stalled": screened.stalled,
             "did_not_move": tuple(self.at_rest["trial"]),
         }

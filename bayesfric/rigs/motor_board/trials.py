@@ -54,6 +54,11 @@ class MotorBoard:
             return None
         return MotorRuns(recording.rig, recording.motor, _by_trial(recording.motor.runs))
 
+    def remarks(self, recording: Recording) -> tuple[tuple[str, str], ...]:
+        """Return nothing."""
+        del recording
+        return ()
+
     def change(
         self, effect: Effect, design: Protocol, constants: RigConstants, truth: Truth
     ) -> Change | None:
