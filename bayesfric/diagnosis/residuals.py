@@ -33,6 +33,7 @@ AXES = {
     "acceleration": "m/s²",
     "order": "1",
     "drive_end": "1",
+    "direction": "1",
     "trial_in_setup": "1",
     "setup": "1",
     "pulley_size": "1",

@@ -218,7 +218,7 @@ class AxisPart:
             columns=mean @ self.columns,
             covariance=tuple(covariance),
             wander=tuple(varying),
-            covariates=where | {"order": order},
+            covariates=where | {"order": order, "direction": mean @ readings.way},
         )
 
     def runs(self, noise: Mapping[str, float], numbers: Array) -> dict[int, Run]:
