@@ -7,6 +7,7 @@ axes, and of two axes of the machine's state times their product.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
@@ -25,6 +26,7 @@ HISTORY = ("order", "time", "trial_in_setup")
 """Axes of when a trial was made: what changes along them is broad, and is no product."""
 SEEN = 1e-3  # of an axis' largest function: less is left of one by a law, or by other axes
 NOTHING = 1e-9  # of friction, rms: a force below it has no shares
+FINE = 400  # windows, of which fewer are told apart by chance along functions that are not broad
 GRID = 25  # places along an axis
 ROUNDING = 1e-9  # of a covariate's size, which is no variation
 
@@ -126,8 +128,9 @@ def shares_of(residuals: Residuals, force: Array, hidden2: Mapping[str, Array]) 
     total2 = (response**2).sum(axis=0) + sum(hidden2.values())
     there = total2 > (NOTHING * residuals.friction_rms) ** 2
     scale2 = np.where(there, total2, 1.0)
+    fine = residuals.size.size >= FINE
     found = [
-        functions_along(residuals, name, BROAD if name in HISTORY else NARROW)
+        functions_along(residuals, name, NARROW if fine and name not in HISTORY else BROAD)
         for name in residuals.axes
     ]
     weighted = _weighted(residuals, [one for one in found if one is not None])
@@ -211,19 +214,22 @@ def _competing(
 
 def _products(residuals: Residuals, names: Sequence[str]) -> list[Block]:
     """Return the product of each two axes of the machine's state."""
-    places = {}
-    for place, name in enumerate(names):
-        if name in HISTORY or name in CATEGORIES:
-            continue
-        values = residuals.covariates[name]
-        known = np.isfinite(values)
-        middle, sd = values[known].mean(), values[known].std()
-        places[place] = np.where(known, (np.where(known, values, middle) - middle) / sd, 0.0)
+    state = {
+        place: _standardised(residuals.covariates[name])
+        for place, name in enumerate(names)
+        if name not in HISTORY and name not in CATEGORIES
+    }
     found = []
-    for second in places:
-        for first in range(second):
-            if first in places:
-                product = PAIRED * (places[first] * places[second])[:, None]
-                known = product[:, 0] != 0
-                found.append(Block((first, second), _ready(residuals, product, known)))
+    for first, second in combinations(state, 2):
+        product = PAIRED * state[first] * state[second]
+        known = np.isfinite(product)
+        if known.any():
+            columns = np.where(known, product, 0.0)[:, None]
+            found.append(Block((first, second), _ready(residuals, columns, known)))
     return found
+
+
+def _standardised(values: Array) -> Array:
+    """Return values less their mean over their standard deviation; nan where there is none."""
+    known = values[np.isfinite(values)]
+    return np.asarray((values - known.mean()) / known.std())

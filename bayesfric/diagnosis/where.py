@@ -41,7 +41,7 @@ def where_it_lies(
     posterior: Posterior,
     effects: Mapping[str, Effect],
     rng: np.random.Generator,
-) -> tuple[tuple[Axis, ...], Interval, str | None]:
+) -> tuple[tuple[Axis, ...], Interval, str]:
     """Return every axis, the largest share first, what none explains, and why it is all of it.
 
     Parameters
@@ -61,9 +61,9 @@ def where_it_lies(
 
     Returns
     -------
-    tuple of Axis, Interval, str or None
+    tuple of Axis, Interval, str
         Axes, the largest median share first and those that did not vary last; the share that no
-        axis explains; and the reason, where that is 1 whatever the force is like.
+        axis explains; and why that is all of it, empty where it is not.
     """
     shares = shares_of(windows, posterior.force, _hidden2(windows, posterior, effects))
     found = (functions_along(residuals, name) for name in residuals.axes)
@@ -93,7 +93,7 @@ def where_it_lies(
     ]
     axes += [_blind(name, residuals.unit(name)) for name in residuals.axes if name not in told]
     unexplained = interval(shares.unexplained)
-    why = None
+    why = ""
     if not order:
         why = NOT_APART
     elif unexplained.mean == 1.0:

@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from bayesfric.plots.labels import axis_words, plain
 from bayesfric.plots.style import COLORS, NEUTRAL, figure, halves, key
 from bayesfric.probabilities import stated
-from bayesfric.schemas.diagnosis import Axis, Inclusion, Interval
+from bayesfric.schemas import Axis, Inclusion, Interval
 
 __all__ = ["RARE", "what_acts", "where_it_lies"]
 

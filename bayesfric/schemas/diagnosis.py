@@ -351,8 +351,8 @@ class DiagnosisFile(Provenance):
     unexplained: Interval = Field(
         description="Share of the systematic force that functions of no axis explain."
     )
-    all_unexplained_because: str | None = Field(
-        None, description="Why no axis can have a share; null where axes could."
+    all_unexplained_because: str = Field(
+        "", description="Why no axis has a share, in words; empty where axes have."
     )
     gap: Gap = Field(description="How far, before and after.")
     effects: tuple[ExaminedEffect, ...] = Field(description="Every effect examined.")

@@ -4,7 +4,7 @@ The chapter begins with the verdict and a table that is read in ten seconds; the
 that these rest on follow, each under its question. The long tables are in the appendix.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from bayesfric.plots.diagnosis import RARE, what_acts, where_it_lies
 from bayesfric.plots.gap import how_far
@@ -17,6 +17,7 @@ from bayesfric.report.chapters.diagnosis_details import (
     gap_words,
     not_told_apart,
     remainder,
+    share_words,
 )
 from bayesfric.report.content import (
     Block,
@@ -153,7 +154,7 @@ def _at_a_glance(found: DiagnosisFile) -> Table:
 def _lies_along(found: DiagnosisFile) -> str:
     """Return along which axis it lies, or which come nearest to leading."""
     shared = [axis for axis in found.where if axis.share is not None]
-    if found.all_unexplained_because is not None or not shared:
+    if found.all_unexplained_because or not shared:
         return f"open: {found.all_unexplained_because}"
     if shared[0].answers:
         return f"along {_with_share(shared[0])}"
@@ -163,15 +164,7 @@ def _lies_along(found: DiagnosisFile) -> str:
 
 def _with_share(axis: Axis) -> str:
     """Write the name of an axis with its share."""
-    return f"{axis_words(axis.axis)} (share {_of_one(axis.share)})"
-
-
-def _of_one(share: Interval | None) -> str:
-    """Write a share with its interval as the verdict's own sentence does."""
-    if share is None:
-        return "none"
-    middle, low, high = (format_fixed(number, 2) for number in (share.q50, share.q05, share.q95))
-    return f"{middle} [{low}, {high}]"
+    return f"{axis_words(axis.axis)} (share {share_words(axis.share)})"
 
 
 def _caused(found: DiagnosisFile) -> list[Inline]:
@@ -210,7 +203,7 @@ def _axes_in_words(found: DiagnosisFile) -> Paragraph:
 def _largest(found: DiagnosisFile) -> str:
     """Return which axes explain most, in a sentence."""
     shared = [axis for axis in found.where if axis.share is not None]
-    if found.all_unexplained_because is not None or not shared:
+    if found.all_unexplained_because or not shared:
         return f"No axis has a share: {found.all_unexplained_because}. "
     first, *others = shared
     rest = ", ".join(_with_share(axis) for axis in others[:FURTHER])
@@ -230,7 +223,7 @@ def _largest(found: DiagnosisFile) -> str:
     return (
         f"{along}{chance}. "
         + (f"Next come {rest}. " if rest else "")
-        + f"What no axis explains is {_of_one(found.unexplained)}. "
+        + f"What no axis explains is {share_words(found.unexplained)}. "
     )
 
 

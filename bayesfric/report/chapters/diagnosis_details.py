@@ -41,6 +41,7 @@ __all__ = [
     "gap_words",
     "not_told_apart",
     "remainder",
+    "share_words",
 ]
 
 NUMBER = re.compile(r"\d+\.\d+")
@@ -235,14 +236,14 @@ def _axes(found: DiagnosisFile) -> Table:
     rows = [
         [
             _with_unit(axis_words(axis.axis), axis.unit),
-            _of_one(axis.share),
-            _of_one(axis.alone),
+            share_words(axis.share),
+            share_words(axis.alone),
             format_probability(axis.p_value),
             ", ".join(map(axis_words, axis.confounded_with)) or axis.share_why or "",
         ]
         for axis in found.where
     ]
-    rows.append(["none of these", _of_one(found.unexplained), "", "", ""])
+    rows.append(["none of these", share_words(found.unexplained), "", "", ""])
     return Table(
         "Axes, largest share first.",
         [
@@ -267,12 +268,12 @@ def _axes(found: DiagnosisFile) -> Table:
     ).filled()
 
 
-def _of_one(share: Interval | None) -> str:
-    """Return a share with its interval."""
+def share_words(share: Interval | None) -> str:
+    """Write a share with its interval, as the verdict's own sentence does."""
     if share is None:
         return MISSING
     middle, low, high = (format_fixed(number, 2) for number in (share.q50, share.q05, share.q95))
-    return f"{middle} [{low}, {high}]"
+    return f"{middle} [{low},\u00a0{high}]"
 
 
 def gap_words(found: DiagnosisFile) -> Paragraph:
