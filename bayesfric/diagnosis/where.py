@@ -65,9 +65,10 @@ def where_it_lies(
         Axes, the largest median share first and those that did not vary last; the share that no
         axis explains; and why that is all of it, empty where it is not.
     """
-    shares = shares_of(windows, posterior.force, _hidden2(windows, posterior, effects))
     found = (functions_along(residuals, name) for name in residuals.axes)
     designs = {axis.name: axis for axis in found if axis is not None}
+    hidden2 = _hidden2(windows, posterior, effects) if designs else {}
+    shares = shares_of(windows, posterior.force, hidden2)
     relative = before / residuals.friction_n
     precision = 1 / (residuals.variance / residuals.friction_n**2 + residuals.spread2)
     p_values, shapes = _tests(residuals, designs, relative, precision, rng)
