@@ -124,6 +124,17 @@ def test_what_a_refitted_law_takes_up_is_no_share_of_an_axis():
     assert means(found)["velocity"] == pytest.approx(1.0, abs=0.02)
 
 
+def test_a_law_that_goes_with_speed_takes_no_share_from_it():
+    """Half of speed's variance is the law's own; the force is what is left of speed, and all its."""
+    rng = np.random.default_rng(8)
+    own, shared = rng.standard_normal((2, ROWS))
+    board = windows({"velocity": own + shared, "tension": rng.standard_normal(ROWS)})
+    board.columns[:, 0], board.columns[:, 1] = shared, 1.0
+    found = shares_of(board, board.without_law(own)[:, None], {})
+    assert found.alone["velocity"] == pytest.approx(1.0, abs=0.03)
+    assert means(found)["velocity"] == pytest.approx(1.0, abs=0.05)
+
+
 def test_an_assembly_counts_for_what_its_condition_does_not_say():
     """Thirty assemblies say all that the number of pulleys does: it leads all the same."""
     setup = np.repeat(np.arange(30), 10)
@@ -154,7 +165,7 @@ def test_units_of_force_change_no_share():
             unit_n * np.exp(velocity)[:, None],
             {},
         )
-        for unit_n in (1.0, 1e-9)
+        for unit_n in (1.0, 1e-15)
     ]
     assert means(found[0]) == pytest.approx(means(found[1]), abs=1e-9)
 
@@ -179,6 +190,17 @@ def test_more_axes_than_compete_add_up_too():
     first, second, *_ = sorted(means(found).items(), key=lambda one: -one[1])
     assert (first[0], second[0]) == ("covariate_3", "covariate_4")
     assert first[1] == pytest.approx(0.8, abs=0.06)
+
+
+def test_fourteen_axes_that_make_a_force_alike_share_it_alike():
+    """Three of them are taken together, and their part is divided."""
+    rng = np.random.default_rng(9)
+    columns = rng.standard_normal((4000, 14))
+    board = windows({f"covariate_{k}": columns[:, k] for k in range(14)})
+    found = shares_of(board, columns.sum(axis=1)[:, None], {})
+    adds_up(found)
+    assert list(means(found).values()) == pytest.approx([1 / 14] * 14, abs=0.02)
+    assert found.unexplained.mean() < 0.02
 
 
 def placed(board, force, strengths=(), draws=50):
