@@ -28,7 +28,7 @@ SEEN = 1e-3  # of an axis' largest function: less is left of one by a law, or by
 NOTHING = 1e-9  # of friction, rms: a force below it has no shares
 FINE = 400  # windows, of which fewer are told apart by chance along functions that are not broad
 GRID = 25  # places along an axis
-ROUNDING = 1e-9  # of a covariate's size, which is no variation
+ROUNDING = 1e-9  # of a covariate's size, or of all of a force: it is no variation, and no share
 
 
 @dataclass(frozen=True)
@@ -68,11 +68,14 @@ class Shares:
         Of a regression on functions of that axis alone.
     unexplained : ndarray
         What functions of no axis explain.
+    there : ndarray of bool
+        Draws that have a force.
     """
 
     share: dict[str, Array]
     alone: dict[str, Array]
     unexplained: Array
+    there: Flags
 
 
 def functions_along(residuals: Residuals, name: str, length: float = BROAD) -> AxisFunctions | None:
@@ -144,7 +147,7 @@ def shares_of(residuals: Residuals, force: Array, hidden2: Mapping[str, Array]) 
         alone[name] = alone.get(name, 0.0) + values
     share, alone = (
         {
-            name: np.where(there, np.maximum(values, 0.0) / scale2, 0.0)
+            name: np.where(there & (values > ROUNDING * scale2), values / scale2, 0.0)
             for name, values in one.items()
         }
         for one in (share, alone)
@@ -155,6 +158,7 @@ def shares_of(residuals: Residuals, force: Array, hidden2: Mapping[str, Array]) 
         {name: values / over for name, values in share.items()},
         {name: np.minimum(values, 1.0) for name, values in alone.items()},
         1.0 - explained / over,
+        there,
     )
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from bayesfric.arrays import Array
 from bayesfric.diagnosis.chance import redrawn
 from bayesfric.diagnosis.residuals import Residuals
-from bayesfric.diagnosis.shares import AxisFunctions, functions_along, shares_of
+from bayesfric.diagnosis.shares import AxisFunctions, Shares, functions_along, shares_of
 from bayesfric.diagnosis.systematic import Posterior, interval
 from bayesfric.effects import Effect
 from bayesfric.rigs.layout import COEFFICIENTS
@@ -31,6 +31,7 @@ VISIBLE = 0.02  # of a function of an axis: less, and it does not vary here
 BLIND = "it did not vary in these data"
 NO_PHASE = "where it was in its round is not recorded"
 NOT_APART = "no axis varied in these data"
+TAKEN_UP = "what lies along the axes that varied is taken up by a refitted law"
 NO_FORCE = "these data ask for no systematic force"
 
 
@@ -62,8 +63,8 @@ def where_it_lies(
     Returns
     -------
     tuple of Axis, Interval, str
-        Axes, the largest median share first and those that did not vary last; the share that no
-        axis explains; and why that is all of it, empty where it is not.
+        Axes, the largest share first and blind ones last; the share that no axis explains; and
+        why that is all of it, empty where it is not.
     """
     found = (functions_along(residuals, name) for name in residuals.axes)
     designs = {axis.name: axis for axis in found if axis is not None}
@@ -74,6 +75,7 @@ def where_it_lies(
     p_values, shapes = _tests(residuals, designs, relative, precision, rng)
     told = {name: interval(values) for name, values in shares.share.items()}
     order = sorted(told, key=lambda name: (-told[name].q50, -told[name].mean, name))
+    first_leads = _leads([told[name] for name in order])
     axes = [
         Axis(
             axis=name,
@@ -81,10 +83,8 @@ def where_it_lies(
             blind=False,
             share=told[name],
             alone=interval(shares.alone[name]),
-            leads=place == 0 and _leads([told[one] for one in order]),
-            confounded_with=_confounded(designs[name], designs, precision)
-            if name in designs
-            else (),
+            leads=first_leads and place == 0,
+            confounded_with=_confounded(name, designs, precision),
             p_value=p_values.get(name),
             p_value_why=None if name in p_values else NO_PHASE,
             shape=shapes.get(name),
@@ -93,18 +93,21 @@ def where_it_lies(
         for place, name in enumerate(order)
     ]
     axes += [_blind(name, residuals.unit(name)) for name in residuals.axes if name not in told]
-    unexplained = interval(shares.unexplained)
-    why = ""
-    if not order:
-        why = NOT_APART
-    elif unexplained.mean == 1.0:
-        why = NO_FORCE
-    return tuple(axes), unexplained, why
+    return tuple(axes), interval(shares.unexplained), _why_all(shares)
+
+
+def _why_all(shares: Shares) -> str:
+    """Return why no axis has a share; nothing where one has."""
+    if not shares.share:
+        return NOT_APART
+    if not shares.there.any():
+        return NO_FORCE
+    return "" if shares.unexplained.min() < 1.0 else TAKEN_UP
 
 
 def _leads(shares: Sequence[Interval]) -> bool:
     """Return whether the first of some shares is surely above the next."""
-    return shares[0].q05 > (shares[1].q50 if len(shares) > 1 else 0.0)
+    return bool(shares) and shares[0].q05 > (shares[1].q50 if len(shares) > 1 else 0.0)
 
 
 def _hidden2(
@@ -211,20 +214,21 @@ def _refitting(residuals: Residuals, precision: Array) -> Callable[[Array], Arra
 
 
 def _confounded(
-    design: AxisFunctions, designs: Mapping[str, AxisFunctions], precision: Array
+    name: str, designs: Mapping[str, AxisFunctions], precision: Array
 ) -> tuple[str, ...]:
     """Return the axes whose functions say almost the same at these windows."""
     alike = []
-    for name, other in designs.items():
-        if name == design.name:
+    for other in designs:
+        if other == name or name not in designs:
             continue
-        here = design.known & other.known
-        if not here.any():
+        pair = [designs[name], designs[other]]
+        both = pair[0].known & pair[1].known
+        if not both.any():
             continue
-        mine, theirs = (_orthonormal(one.columns[here], precision[here]) for one in (design, other))
+        mine, theirs = (_orthonormal(one.columns[both], precision[both]) for one in pair)
         cosines = np.linalg.svd(mine.T @ theirs, compute_uv=False)
         if cosines.size and cosines[0] > ALIKE:
-            alike.append(name)
+            alike.append(other)
     return tuple(alike)
 
 
