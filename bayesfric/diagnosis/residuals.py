@@ -30,6 +30,7 @@ AXES = {
     "wrap_angle": "deg",
     "n_pulleys": "1",
     "displacement": "m",
+    "travel_since_reversal": "m",
     "acceleration": "m/s²",
     "order": "1",
     "drive_end": "1",

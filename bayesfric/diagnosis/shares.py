@@ -6,7 +6,7 @@ axes, and of two axes of the machine's state times their product.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -22,6 +22,8 @@ DRAWS = 300  # of the force: a 5 % quantile of a share is known to a tenth of it
 PLAYERS = 12  # axes that compete; the rest of more are taken together
 RIDGE = 1e-3  # of a smooth's own variance: shrinks what a hundredth of the windows tells
 PAIRED = 0.3  # sd of a product of two axes, where a smooth's is 1
+FINE_AT_FIRST = ("travel_since_reversal",)
+"""Axes along which a force changes by ratios."""
 HISTORY = ("order", "time", "trial_in_setup")
 """Axes of when a trial was made: what changes along them is broad, and is no product."""
 SEEN = 1e-3  # of an axis' largest function: less is left of one by a law, or by other axes
@@ -98,7 +100,7 @@ def functions_along(residuals: Residuals, name: str, length: float = BROAD) -> A
         grid = np.unique(values[known])
         columns = np.equal.outer(values, grid).astype(np.float64)
         return AxisFunctions(name, known, columns, grid, np.eye(grid.size))
-    span = Span.of(values[known])
+    span = replace(Span.of(values[known]), logarithmic=name in FINE_AT_FIRST)
     smooth = smooth_along({name: span}, length=length)
     if smooth is None:  # it varies by less than a span is told to
         return None

@@ -45,5 +45,5 @@ EFFECT = Effect(
     laws={"wave": _wave},
     along_path=True,
     needs=frozenset({"direction", "period"}),
-    axes=frozenset({"displacement"}),
+    axes=frozenset({"direction", "displacement"}),
 )
