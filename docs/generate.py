@@ -157,6 +157,7 @@ def _effects() -> str:
             f"On a rig with it, {effect.sentence}.",
             "",
             f"- Acts on {ACTS_ON[effect.acts_on]}.",
+            f"- Along: {', '.join(axis.replace('_', ' ') for axis in sorted(effect.axes))}.",
             f"- Variants: {', '.join(effect.laws)}.",
             *([f"- Needs of a rig: {', '.join(sorted(effect.needs))}."] if effect.needs else []),
             "",

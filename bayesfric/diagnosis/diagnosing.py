@@ -55,7 +55,6 @@ from bayesfric.simulators import Simulator, SimulatorCalls
 __all__ = ["Diagnosed", "diagnose"]
 
 LN10 = float(np.log(10))
-MOSTLY = 0.5  # probability of an unknown force, and of a gap, from which on they count
 SURELY = 0.9  # probability of none, from which on nothing is compared again
 ROUNDS = 2  # of linearising around the law that was fitted with the leader
 FORMED = 12.0  # nat from the best, of a hypothesis whose effects have other forms
@@ -228,8 +227,9 @@ def _diagnose(
     plain = judged.plain
     held_out = keeping.record("held-out", HeldOut, lambda: measure_gap(arms, plain, fold_rng))
     gap, left = gap_of(held_out, posterior, residuals, arms, practical, gap_rng, data.unit)
-    gap2 = float(np.median(posterior.gap)) ** 2 if above >= MOSTLY else 0.0
-    where = where_it_lies(plain, held_out.before, held_out.fold, gap2, where_rng)
+    where, unexplained, why_all = where_it_lies(
+        plain, held_out.before, residuals, posterior, examined, where_rng
+    )
     floor = gap.floor.q50 / gap.friction_rms
 
     checks: dict[str, Checked] = {}
@@ -290,6 +290,8 @@ def _diagnose(
         ),
         remainder=remainder,
         where=where,
+        unexplained=unexplained,
+        all_unexplained_because=why_all,
         gap=gap,
         effects=examined_effects(first_found, sorted({**examined, **lacking}), lacking),
         next_experiment=proposals,

@@ -21,6 +21,8 @@ NO_GAP = "the cause leaves no gap once the law is recalibrated, so that nothing 
 NO_SHIPPED = "no shipped values were given, and none are published"
 AGREES = 0.01  # probability of as much left by scatter or of as little, down to which they agree
 PLACES = ("velocity", "tension", "wrap_angle", "n_pulleys", "displacement", "order")
+OF_SOME = ("acceleration", "trial_in_setup", "drive_end", "direction", "travel_since_reversal")
+"""Further places, which stand there if some window has one."""
 
 
 def gap_of(
@@ -151,7 +153,9 @@ def curves_of(held_out: HeldOut, amplitudes: Mapping[str, Array], law: RefittedL
                 **{
                     name: ("row", values)
                     for name, values in residuals.covariates.items()
-                    if name in PLACES or name not in AXES
+                    if name in PLACES
+                    or name not in AXES
+                    or (name in OF_SOME and np.isfinite(values).any())
                 },
             }
         )

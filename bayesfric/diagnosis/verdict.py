@@ -161,6 +161,7 @@ def sentence_of(
         part = gap.systematic.q50 / friction
         size = f"{gap.systematic.q50:.3g} {gap.unit} rms, {part:.1%} of friction"
     acting = _acting(causes, unseparated)
+    place = _lies_along(where) if gap.systematic.q50 >= LEAST * friction else ""
     open_sets = [one.effects for one in unseparated if one.reason == "these-data"]
     rivals = ", ".join(open_sets[0]) if open_sets else "several effects"
     if verdict == "no-gap":
@@ -175,9 +176,9 @@ def sentence_of(
     if verdict == "undecided" and not causes and gap.systematic.q05 >= share * friction:
         there = f"A gap of {size} is there (probability {stated(chance)})"
         if not weak:
-            return f"{there}; what causes it stays open."
+            return f"{there}; what causes it stays open.{place}"
         each, else_ = ("each ", "") if len(weak) > 1 else ("", "; what else causes it stays open")
-        return f"{there}; {_acting(weak, unseparated)}, {each}less than {share:.1%}{else_}."
+        return f"{there}; {_acting(weak, unseparated)}, {each}less than {share:.1%}{else_}.{place}"
     if verdict == "undecided":
         left = (
             f"{acting}; whether more than {share:.1%} of friction is left once the law is "
@@ -192,18 +193,16 @@ def sentence_of(
             f"open: {left}"
         )
     if verdict == "unknown":
-        axis = next((one.axis for one in where if not one.blind), None)
-        place = f", most of all along {axis.replace('_', ' ')}" if axis else ""
         matters = gap.systematic.q50 >= share * friction
         small = " " if matters else f", less than the {share:.1%} that counts, "
         return (
-            f"A gap of {size}{small}is there{place}, and none of the effects examined explains "
-            f"it (probability {stated(chance)})."
+            f"A gap of {size}{small}is there, and none of the effects examined explains "
+            f"it (probability {stated(chance)}).{place}"
         )
     if verdict == "unseparated":
         return (
             f"A gap of {size} is there, and one of {rivals} causes it; these data cannot tell "
-            f"which (probability {stated(chance)})."
+            f"which (probability {stated(chance)}).{place}"
         )
     shrunk = beside = ""
     them = "it" if len(causes) == 1 else "them"
@@ -214,7 +213,17 @@ def sentence_of(
             f" The systematic gap is {size}; adding {them} takes {_share(gap.shrink)} of its "
             "square away."
         )
-    return f"{acting} (probability {stated(chance)}).{shrunk}{beside}"
+    return f"{acting} (probability {stated(chance)}).{shrunk}{place}{beside}"
+
+
+def _lies_along(where: Sequence[Axis]) -> str:
+    """Return along which axis the force lies, in a sentence; nothing where none leads."""
+    for axis in where:
+        if axis.answers and axis.share is not None:
+            name = axis.axis.replace("_", " ")
+            low, middle, high = axis.share.q05, axis.share.q50, axis.share.q95
+            return f" It lies along {name} (share {middle:.2f} [{low:.2f}, {high:.2f}])."
+    return ""
 
 
 def _share(shrink: Interval) -> str:

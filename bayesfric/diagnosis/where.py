@@ -1,140 +1,146 @@
-"""Where the gap lies: the systematic residual force along each covariate.
+"""Where the gap lies: which part of the systematic force each axis explains, and its curve.
 
-The relative residual of each window is regressed on smooth functions of a covariate,
-shared by all pulley sizes. A share is what such a smooth predicts of assemblies that
-it was not fitted on; a p-value comes from recordings redrawn under the baseline with
-its scatter of trials and assemblies, refitted, and is adjusted by the largest
-statistic of all axes.
+Shares are of the posterior of the force, averaged over hypotheses. Beside them, as a check that
+knows nothing of hypotheses, residuals of data held out are regressed on smooth functions of a
+covariate, shared by all pulley sizes; a p-value comes from recordings redrawn under the baseline
+with its scatter of trials and assemblies, refitted, and is adjusted by the largest statistic of
+all axes.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from bayesfric.arrays import Array, Flags, Whole
+from bayesfric.arrays import Array
 from bayesfric.diagnosis.chance import redrawn
-from bayesfric.diagnosis.residuals import CATEGORIES, Residuals
-from bayesfric.inference.smooths import Span, smooth_along
+from bayesfric.diagnosis.residuals import Residuals
+from bayesfric.diagnosis.shares import AxisFunctions, Shares, functions_along, shares_of
+from bayesfric.diagnosis.systematic import Posterior, interval
+from bayesfric.effects import Effect
 from bayesfric.rigs.layout import COEFFICIENTS
-from bayesfric.schemas import Axis, Shape
+from bayesfric.schemas import Axis, Interval, Shape
 
 __all__ = ["where_it_lies"]
 
 DRAWS = 400
 SCALE = 0.1  # prior sd of a smooth, as a share of friction
-GRID = 25
 ALIKE = 0.95  # canonical correlation of two axes' functions, from which on they are confounded
 BAND = 0.95
-ROUNDING = 1e-9  # of a covariate's size, which is no variation
-NO_GAP = "a gap of practical size is less likely than not"
+TINY = 1e-300  # a statistic that never moves is not divided by zero
 VISIBLE = 0.02  # of a function of an axis: less, and it does not vary here
-
-
-@dataclass(frozen=True)
-class _Design:
-    """One axis: its functions at the windows, and on a grid."""
-
-    name: str
-    known: Flags  # (R,), where a window has such a place
-    columns: Array  # (R, k)
-    grid: Array  # (G,)
-    on_grid: Array  # (G, k)
+BLIND = "it did not vary in these data"
+NO_PHASE = "where it was in its round is not recorded"
+NOT_APART = "no axis varied in these data"
+TAKEN_UP = "what lies along the axes that varied is taken up by a refitted law"
+NO_FORCE = "these data ask for no systematic force"
 
 
 def where_it_lies(
     residuals: Residuals,
     before: Array,
-    fold: Whole,
-    gap2: float,
+    windows: Residuals,
+    posterior: Posterior,
+    effects: Mapping[str, Effect],
     rng: np.random.Generator,
-) -> tuple[Axis, ...]:
-    """Return every axis, the largest share first.
+) -> tuple[tuple[Axis, ...], Interval, str]:
+    """Return every axis, the largest share first, what none explains, and why it is all of it.
 
     Parameters
     ----------
     residuals : Residuals
-        Of both boards.
+        Of all rigs, by the law alone.
     before : ndarray, shape (R,)
         Held-out residual force of the recalibrated baseline [N].
-    fold : ndarray of int, shape (R,)
-        In which each window was held out.
-    gap2 : float
-        Square of the systematic gap, of which shares are; 0 where there is none [N²].
+    windows : Residuals
+        In which the posterior's forces are known.
+    posterior : Posterior
+        Draws of the systematic force.
+    effects : mapping of str to Effect
+        Those that were weighed, by name.
     rng : Generator
         For the bootstrap.
+
+    Returns
+    -------
+    tuple of Axis, Interval, str
+        Axes, the largest share first and blind ones last; the share that no axis explains; and
+        why that is all of it, empty where it is not.
     """
-    every = residuals.axes
-    designs = {name: design for name in every if (design := _design(name, residuals)) is not None}
-    blind = [name for name in every if name not in designs]
+    found = (functions_along(residuals, name) for name in residuals.axes)
+    designs = {axis.name: axis for axis in found if axis is not None}
+    hidden2 = _hidden2(windows, posterior, effects) if designs else {}
+    shares = shares_of(windows, posterior.force, hidden2)
     relative = before / residuals.friction_n
-    noise = residuals.variance / residuals.friction_n**2
-    spread2 = residuals.spread2
-    precision = 1 / (noise + spread2)
-    weight = residuals.weight * residuals.friction_n**2
-    share, unique = _shares(designs, relative, fold, precision, weight, gap2)
+    precision = 1 / (residuals.variance / residuals.friction_n**2 + residuals.spread2)
     p_values, shapes = _tests(residuals, designs, relative, precision, rng)
-    unit = float(np.sqrt(weight.sum()))
-    axes = []
-    for name, design in designs.items():
-        found, band = shapes[name]
-        axes.append(
-            Axis(
-                axis=name,
-                unit=residuals.unit(name),
-                blind=False,
-                share=share.get(name),
-                share_why=None if name in share else NO_GAP,
-                unique_share=unique.get(name),
-                unique_share_why=None if name in unique else NO_GAP,
-                confounded_with=_confounded(design, designs, precision),
-                p_value=p_values[name],
-                shape=Shape(
-                    grid=tuple(design.grid.tolist()),
-                    gap_n=tuple((unit * found).tolist()),
-                    low_n=tuple((unit * (found - band)).tolist()),
-                    high_n=tuple((unit * (found + band)).tolist()),
-                ),
-            )
+    told = {name: interval(values) for name, values in shares.share.items()}
+    order = sorted(told, key=lambda name: (-told[name].q50, -told[name].mean, name))
+    first_leads = _leads([told[name] for name in order])
+    axes = [
+        Axis(
+            axis=name,
+            unit=residuals.unit(name),
+            blind=False,
+            share=told[name],
+            alone=interval(shares.alone[name]),
+            leads=first_leads and place == 0,
+            confounded_with=_confounded(name, designs, precision),
+            p_value=p_values.get(name),
+            p_value_why=None if name in p_values else NO_PHASE,
+            shape=shapes.get(name),
+            shape_why=None if name in shapes else NO_PHASE,
         )
-    axes.sort(key=lambda axis: (-(axis.share or 0.0), axis.p_value, axis.axis))
-    return (*axes, *(_blind(name, residuals.unit(name)) for name in blind))
+        for place, name in enumerate(order)
+    ]
+    axes += [_blind(name, residuals.unit(name)) for name in residuals.axes if name not in told]
+    return tuple(axes), interval(shares.unexplained), _why_all(shares)
+
+
+def _why_all(shares: Shares) -> str:
+    """Return why no axis has a share; nothing where one has."""
+    if not shares.share:
+        return NOT_APART
+    if not shares.there.any():
+        return NO_FORCE
+    return "" if shares.unexplained.min() < 1.0 else TAKEN_UP
+
+
+def _leads(shares: Sequence[Interval]) -> bool:
+    """Return whether the first of some shares is surely above the next."""
+    return bool(shares) and shares[0].q05 > (shares[1].q50 if len(shares) > 1 else 0.0)
+
+
+def _hidden2(
+    residuals: Residuals, posterior: Posterior, effects: Mapping[str, Effect]
+) -> dict[str, Array]:
+    """Return the mean square of forces of unknown phase, by the axis that they go round with."""
+    found: dict[str, Array] = {}
+    for name, strength in posterior.strengths.items():
+        effect = effects[name]
+        if not effect.components or effect.acts_on == "reading":
+            continue
+        for axis in sorted(effect.axes) or [name]:
+            part = (strength * residuals.friction_rms) ** 2 / max(len(effect.axes), 1)
+            found[axis] = found.get(axis, 0.0) + part
+    return found
 
 
 def _blind(name: str, unit: str) -> Axis:
-    why = "it did not vary in these data"
     return Axis(
         axis=name,
         unit=unit,
         blind=True,
         share=None,
-        share_why=why,
-        unique_share=None,
-        unique_share_why=why,
+        share_why=BLIND,
+        alone=None,
+        alone_why=BLIND,
+        leads=False,
         confounded_with=(),
         p_value=None,
-        p_value_why=why,
+        p_value_why=BLIND,
         shape=None,
-        shape_why=why,
+        shape_why=BLIND,
     )
-
-
-def _design(name: str, residuals: Residuals) -> _Design | None:
-    values = residuals.covariates[name]
-    known = np.isfinite(values)
-    if not known.any() or np.ptp(values[known]) <= ROUNDING * np.abs(values[known]).max():
-        return None
-    if name in CATEGORIES:
-        grid = np.unique(values[known])
-        columns = np.equal.outer(values, grid).astype(np.float64)
-        return _Design(name, known, columns, grid, np.eye(grid.size))
-    span = Span.of(values[known])
-    low, high = span.low, span.high
-    smooth = smooth_along({name: span})
-    assert smooth is not None
-    columns = np.where(known, smooth.columns({name: np.where(known, values, low)}), 0.0)
-    grid = np.linspace(low, high, GRID)
-    return _Design(name, known, columns.T, grid, smooth.columns({name: grid}).T)
 
 
 def _smoothing(columns: Array, precision: Array) -> Array:
@@ -144,70 +150,53 @@ def _smoothing(columns: Array, precision: Array) -> Array:
     return np.asarray(np.linalg.solve(inner, weighted))
 
 
-def _shares(
-    designs: dict[str, _Design],
-    relative: Array,
-    fold: Whole,
-    precision: Array,
-    weight: Array,
-    gap2: float,
-) -> tuple[dict[str, float], dict[str, float]]:
-    """Return the share and the unique share of each axis; none where there is no gap."""
-    if gap2 <= 0:
-        return {}, {}
-
-    def explained(names: list[str]) -> float:
-        if not names:
-            return 0.0
-        columns = np.concatenate([designs[name].columns for name in names], axis=1)
-        predicted = np.empty_like(relative)
-        for number in range(int(fold.max()) + 1):
-            train = fold != number
-            numbers = _smoothing(columns[train], precision[train]) @ relative[train]
-            predicted[~train] = columns[~train] @ numbers
-        left = (weight * (relative - predicted) ** 2).sum()
-        return float(((weight * relative**2).sum() - left) / gap2)
-
-    names = list(designs)
-    whole = explained(names)
-    share = {name: explained([name]) for name in names}
-    unique = {name: whole - explained([n for n in names if n != name]) for name in names}
-    return share, unique
-
-
 def _tests(
     residuals: Residuals,
-    designs: dict[str, _Design],
+    designs: Mapping[str, AxisFunctions],
     relative: Array,
     precision: Array,
     rng: np.random.Generator,
-) -> tuple[dict[str, float], dict[str, tuple[Array, Array]]]:
-    """Return adjusted p-values, and each shape with the half width of its band."""
+) -> tuple[dict[str, float], dict[str, Shape]]:
+    """Return adjusted p-values, and each axis' curve with its band."""
     if not designs:  # a single trial varies along no axis
         return {}, {}
     drawn = redrawn(residuals, DRAWS, rng) / residuals.friction_n[:, None]
-    refit = _refitting(residuals, precision)
+    refit, unit = _refitting(residuals, precision), residuals.friction_rms
     drawn, observed = drawn - refit(drawn), relative - refit(relative[:, None])[:, 0]
-    statistics, null, shapes, off = {}, {}, {}, {}
+    statistics, null, curves, off = {}, {}, {}, {}
     for name, design in designs.items():
         smoothing = _smoothing(design.columns, precision)
         numbers, many = smoothing @ observed, smoothing @ drawn
         inner = design.columns.T @ (precision[:, None] * design.columns)
         squares = np.einsum("kb,kl,lb->b", many, inner, many)
         value = float(numbers @ inner @ numbers)
-        statistics[name] = (value - squares.mean()) / squares.std()
-        null[name] = (squares - squares.mean()) / squares.std()
+        sd2 = max(squares.std(), TINY)
+        statistics[name] = (value - squares.mean()) / sd2
+        null[name] = (squares - squares.mean()) / sd2
         moved = design.on_grid @ many
         sd = moved.std(axis=1)
-        off[name] = np.abs(moved / sd[:, None]).max(axis=0)
-        shapes[name] = (design.on_grid @ numbers, sd)
+        off[name] = np.abs(moved / np.maximum(sd, TINY)[:, None]).max(axis=0)
+        curves[name] = (design.on_grid @ numbers, sd)
     largest = np.max(list(null.values()), axis=0)
     # One width for all axes: a board without a gap leaves some band by chance one time in twenty.
     width = float(np.quantile(np.max(list(off.values()), axis=0), BAND))
     return {
         name: float((1 + np.count_nonzero(largest >= value)) / (1 + DRAWS))
         for name, value in statistics.items()
-    }, {name: (found, width * sd) for name, (found, sd) in shapes.items()}
+    }, {
+        name: _shape(designs[name].grid, unit * middle, unit * width * sd)
+        for name, (middle, sd) in curves.items()
+    }
+
+
+def _shape(grid: Array, middle: Array, half: Array) -> Shape:
+    """Return a curve with a band [N]."""
+    return Shape(
+        grid=tuple(grid.tolist()),
+        gap_n=tuple(middle.tolist()),
+        low_n=tuple((middle - half).tolist()),
+        high_n=tuple((middle + half).tolist()),
+    )
 
 
 def _refitting(residuals: Residuals, precision: Array) -> Callable[[Array], Array]:
@@ -224,17 +213,22 @@ def _refitting(residuals: Residuals, precision: Array) -> Callable[[Array], Arra
     return lambda values: kept @ (kept.T @ (root * values)) / root
 
 
-def _confounded(design: _Design, designs: dict[str, _Design], precision: Array) -> tuple[str, ...]:
+def _confounded(
+    name: str, designs: Mapping[str, AxisFunctions], precision: Array
+) -> tuple[str, ...]:
     """Return the axes whose functions say almost the same at these windows."""
     alike = []
-    for name, other in designs.items():
-        if name == design.name:
+    for other in designs:
+        if other == name or name not in designs:
             continue
-        here = design.known & other.known
-        mine, theirs = (_orthonormal(one.columns[here], precision[here]) for one in (design, other))
+        pair = [designs[name], designs[other]]
+        both = pair[0].known & pair[1].known
+        if not both.any():
+            continue
+        mine, theirs = (_orthonormal(one.columns[both], precision[both]) for one in pair)
         cosines = np.linalg.svd(mine.T @ theirs, compute_uv=False)
         if cosines.size and cosines[0] > ALIKE:
-            alike.append(name)
+            alike.append(other)
     return tuple(alike)
 
 

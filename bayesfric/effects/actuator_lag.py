@@ -30,4 +30,5 @@ EFFECT = Effect(
     laws={"first-order": _first_order},
     along_path=True,
     needs=frozenset({"drive"}),
+    axes=frozenset({"acceleration", "velocity"}),
 )

@@ -29,4 +29,5 @@ EFFECT = Effect(
     laws={"quadratic": _quadratic},
     edge={"speed_m_s": 1.3, "n_pulleys": 5.0},
     along_path=True,
+    axes=frozenset({"velocity"}),
 )

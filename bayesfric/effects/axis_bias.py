@@ -29,4 +29,5 @@ EFFECT = Effect(
     laws={"constant": _constant},
     along_path=True,
     needs=frozenset({"direction"}),
+    axes=frozenset({"direction"}),
 )

@@ -53,4 +53,5 @@ EFFECT = Effect(
     laws=LAWS,
     along_path=True,
     needs=frozenset({"direction", "drive", "play"}),
+    axes=frozenset({"acceleration", "travel_since_reversal", "velocity"}),
 )

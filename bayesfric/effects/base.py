@@ -294,6 +294,10 @@ class Effect:
     two_ends : str or None
         An axis that takes two values only: whatever differs along it is this effect, and
         nothing along it alone is unknown.
+    axes : frozenset of str
+        Along which its force changes once the law is recalibrated, as ``where`` of a diagnosis
+        names axes; empty where nobody says. Of phases that nobody recorded it is what they go
+        round with.
     """
 
     name: str
@@ -309,6 +313,7 @@ class Effect:
     searched: int = 1
     turning: Mapping[str, Law] = field(default_factory=dict)
     two_ends: str | None = None
+    axes: frozenset[str] = frozenset()
 
     @property
     def parameters(self) -> tuple[EffectParameter, ...]:

@@ -48,4 +48,5 @@ EFFECT = Effect(
     laws={"exponential": _exponential, "hyperbolic": _hyperbolic},
     edge={"trial_in_setup": 0.0},
     needs=frozenset({"pulleys"}),
+    axes=frozenset({"trial_in_setup"}),
 )

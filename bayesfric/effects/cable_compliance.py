@@ -46,4 +46,5 @@ EFFECT = Effect(
     laws={"ringing": _ringing},
     along_path=True,
     needs=frozenset({"pulleys"}),
+    axes=frozenset({"displacement"}),
 )

@@ -50,4 +50,5 @@ EFFECT = Effect(
     edge={"travel_m": TRAVEL_M, "n_pulleys": 5.0},
     along_path=True,
     needs=frozenset({"pulleys"}),
+    axes=frozenset({"displacement"}),
 )

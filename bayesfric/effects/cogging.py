@@ -45,4 +45,5 @@ EFFECT = Effect(
     laws={"wave": _wave},
     along_path=True,
     needs=frozenset({"direction", "period"}),
+    axes=frozenset({"direction", "displacement"}),
 )

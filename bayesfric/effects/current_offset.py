@@ -28,4 +28,5 @@ EFFECT = Effect(
     ),
     laws={"constant": _constant},
     needs=frozenset({"pulleys"}),
+    axes=frozenset({"n_pulleys", "rig"}),
 )

@@ -29,4 +29,5 @@ EFFECT = Effect(
     laws={"late": _late},
     along_path=True,
     needs=frozenset({"drive"}),
+    axes=frozenset({"acceleration", "velocity"}),
 )

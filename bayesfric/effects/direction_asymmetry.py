@@ -29,4 +29,5 @@ EFFECT = Effect(
     laws={"relative": _relative},
     along_path=True,
     needs=frozenset({"direction"}),
+    axes=frozenset({"direction"}),
 )

@@ -37,4 +37,5 @@ EFFECT = Effect(
     edge={"drive_end": 0.5},
     needs=frozenset({"pulleys"}),
     two_ends="drive_end",
+    axes=frozenset({"drive_end"}),
 )

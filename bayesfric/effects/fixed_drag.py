@@ -37,4 +37,5 @@ EFFECT = Effect(
     laws={"constant": _constant, "with-tension": _with_tension},
     edge={"n_pulleys": 5.0},
     needs=frozenset({"pulleys"}),
+    axes=frozenset({"n_pulleys"}),
 )

@@ -39,4 +39,5 @@ EFFECT = Effect(
     laws={"lever": _lever},
     along_path=True,
     needs=frozenset({"angle", "position"}),
+    axes=frozenset({"direction", "displacement", "rotation_angle"}),
 )

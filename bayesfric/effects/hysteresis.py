@@ -51,4 +51,5 @@ EFFECT = Effect(
     turning={"after-passes": after_passes},
     edge={"travel_m": 0.0},
     along_path=True,
+    axes=frozenset({"displacement", "travel_since_reversal"}),
 )

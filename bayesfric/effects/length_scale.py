@@ -29,4 +29,5 @@ EFFECT = Effect(
     laws={"proportional": _proportional},
     along_path=True,
     needs=frozenset({"pulleys"}),
+    axes=frozenset({"acceleration"}),
 )

@@ -38,4 +38,5 @@ EFFECT = Effect(
     along_path=True,
     components=2 * len(WAVES),
     needs=frozenset({"pulleys"}),
+    axes=frozenset({"rotation_angle", "sensor"}),
 )

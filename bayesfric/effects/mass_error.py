@@ -43,4 +43,5 @@ EFFECT = Effect(
     laws={"drive-side": _drive_side, "load-side": _load_side},
     edge={"n_pulleys": 5.0},
     needs=frozenset({"pulleys"}),
+    axes=frozenset({"n_pulleys", "rig"}),
 )

@@ -31,4 +31,5 @@ EFFECT = Effect(
     laws={"carried": _carried},
     along_path=True,
     needs=frozenset({"test"}),
+    axes=frozenset({"acceleration"}),
 )

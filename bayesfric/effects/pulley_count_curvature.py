@@ -32,4 +32,5 @@ EFFECT = Effect(
     laws={"power": _power},
     edge={"n_pulleys": 19.0},
     needs=frozenset({"pulleys"}),
+    axes=frozenset({"n_pulleys"}),
 )

@@ -36,4 +36,5 @@ EFFECT = Effect(
     laws={"same": _same, "discs": _discs},
     edge={"acceleration_m_s2": 1.2, "n_pulleys": 19.0},
     needs=frozenset({"pulleys"}),
+    axes=frozenset({"acceleration"}),
 )

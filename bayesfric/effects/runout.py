@@ -32,4 +32,5 @@ EFFECT = Effect(
     along_path=True,
     components=2,
     needs=frozenset({"pulleys"}),
+    axes=frozenset({"rotation_angle"}),
 )

@@ -41,4 +41,5 @@ EFFECT = Effect(
     laws={"proportional": _proportional, "creep": _creep},
     along_path=True,
     needs=frozenset({"pulleys"}),
+    axes=frozenset({"acceleration", "sensor"}),
 )

@@ -39,4 +39,5 @@ EFFECT = Effect(
     laws={"linear": _linear},
     along_path=True,
     needs=frozenset({"position", "direction"}),
+    axes=frozenset({"direction", "displacement"}),
 )

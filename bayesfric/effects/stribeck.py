@@ -47,4 +47,5 @@ EFFECT = Effect(
     laws={"exponential": _exponential, "gaussian": _gaussian},
     edge={"speed_m_s": 0.0},
     along_path=True,
+    axes=frozenset({"velocity"}),
 )

@@ -32,6 +32,7 @@ EFFECT = Effect(
         reference="a guess, to be argued",
     ),
     laws={{"first-form": law}},
+    axes=frozenset({{"order"}}),  # along which its force changes
     # needs=frozenset({{"oil_temperature_c"}}),  # columns that the law takes from state.covariates
     # along_path=True,  # where it changes with speed or travel within a trial
 )

@@ -49,4 +49,5 @@ EFFECT = Effect(
     laws={"quadratic": _quadratic, "apart-from-wrap": _apart_from_wrap, "power": _power},
     edge={"tension_n": 33.0},
     needs=frozenset({"pulleys"}),
+    axes=frozenset({"tension"}),
 )

@@ -37,4 +37,5 @@ EFFECT = Effect(
     ),
     laws={"scaled": _scaled, "saturating": _saturating},
     needs=frozenset({"pulleys"}),
+    axes=frozenset({"rig", "tension"}),
 )

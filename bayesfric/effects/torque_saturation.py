@@ -40,4 +40,5 @@ EFFECT = Effect(
     laws={"beyond": _beyond},
     along_path=True,
     needs=frozenset({"drive", "direction", "limit"}),
+    axes=frozenset({"acceleration", "load"}),
 )

@@ -75,4 +75,5 @@ EFFECT = Effect(
     },
     along_path=True,
     needs=frozenset({"direction", "drive", "spring"}),
+    axes=frozenset({"acceleration", "travel_since_reversal", "velocity"}),
 )

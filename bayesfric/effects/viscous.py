@@ -51,4 +51,5 @@ EFFECT = Effect(
     },
     edge={"speed_m_s": 1.3},
     along_path=True,
+    axes=frozenset({"velocity"}),
 )

@@ -51,4 +51,5 @@ EFFECT = Effect(
     ),
     laws={"exponential": _exponential},
     edge={"order": 1.0},
+    axes=frozenset({"order"}),
 )

@@ -33,4 +33,5 @@ EFFECT = Effect(
     laws={"quadratic": _quadratic},
     edge={"wrap_angle_deg": 150.0},
     needs=frozenset({"pulleys"}),
+    axes=frozenset({"wrap_angle"}),
 )

@@ -36,4 +36,5 @@ EFFECT = Effect(
     laws={"linear": _linear},
     edge={"wrap_angle_deg": 150.0},
     needs=frozenset({"pulleys"}),
+    axes=frozenset({"tension", "wrap_angle"}),
 )

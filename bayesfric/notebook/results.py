@@ -150,7 +150,13 @@ class DiagnosisResult(Diagnosed):
 
         residuals = self.curves["residuals"].to_dataset()
         summary = self.summary
-        return where_it_lies(summary.where, residuals, summary.gap.unit, sizes_of(summary.law))
+        return where_it_lies(
+            summary.where,
+            residuals,
+            summary.gap.unit,
+            sizes_of(summary.law),
+            summary.unexplained,
+        )
 
     def __repr__(self) -> str:
         lines = [

@@ -6,19 +6,23 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from bayesfric.plots.labels import axis_words, plain
 from bayesfric.plots.style import COLORS, NEUTRAL, figure, halves, key
 from bayesfric.probabilities import stated
-from bayesfric.schemas.diagnosis import Axis, Inclusion
+from bayesfric.schemas import Axis, Inclusion, Interval
 
 __all__ = ["RARE", "what_acts", "where_it_lies"]
 
 BARS = 10  # axes whose share is drawn; the table has all
 FEW_BARS = 4  # a single bar is no wider than one of so many
-ALL = 1.0  # of gap²; what is cross-validated may seem to take more away
+ALONE = {
+    "marker": "D", "markersize": 3.0, "markerfacecolor": "white", "linestyle": "none",
+    "markeredgecolor": COLORS["black"], "markeredgewidth": 0.8,
+}  # fmt: skip
 SHAPES = 4  # axes whose shape is drawn: those of the largest shares
 EFFECTS = 8  # most probable ones; the table has all
 FEWEST = 4  # effects that are drawn at least
@@ -34,6 +38,7 @@ def where_it_lies(
     residuals: xr.Dataset | None,
     unit: str = "N",
     sizes: Sequence[str] = (),
+    unexplained: Interval | None = None,
 ) -> Figure:
     """Draw the share of each axis that varied, and the residual force along those that matter most.
 
@@ -48,32 +53,32 @@ def where_it_lies(
         Of the force.
     sizes : sequence of str
         Pulley sizes by their numbers along an axis; without them the numbers stand there.
+    unexplained : Interval or None
+        Share of none of the axes, drawn below them if there is one.
 
     Returns
     -------
     Figure
-        Left a bar for each of up to ten axes that explain a part; right a panel for each of
-        up to four shapes, if there is one. Shapes alone where no axis explains a part, and
-        bars of all that varied where there are no shapes either.
+        Left a bar with its interval for each of up to ten axes, dark for one that leads, and what
+        the axis explains alone; right a panel for each of up to four shapes, if there is one.
     """
-    known = [axis for axis in axes if not axis.blind]
     shapes = [axis for axis in axes if axis.shape is not None][:SHAPES]
-    explaining = [axis for axis in known if (axis.share or 0.0) > 0]
-    shares = (explaining or ([] if shapes else known))[:BARS]
-    with figure(height=max(46.0, 12.0 + 3.5 * len(shares))) as fig:
+    shares = [axis for axis in axes if axis.share is not None][:BARS]
+    with figure(height=max(46.0, 16.0 + 3.5 * len(shares))) as fig:
         left: Figure | SubFigure | None = fig
         right: Figure | SubFigure | None = None
         if shapes:
-            left, right = halves(fig, 5, 6) if shares else (None, fig)
+            left, right = halves(fig, 5, 6)
         if left is not None:
-            _shares(left.subplots(), shares)
+            _shares(left.subplots(), shares, unexplained)
             keys = [
-                Patch(color=COLORS["sky"], label="by this axis alone"),
-                Patch(color=COLORS["blue"], label="lost without it"),
+                Patch(color=COLORS["blue"], label="leads"),
+                Patch(color=COLORS["sky"], label="share"),
+                Line2D([], [], **ALONE, label="alone"),  # type: ignore[arg-type]
             ]
-            key(left, keys, side="above", align="left", ncols=2, columnspacing=1.0)
+            key(left, keys, side="above", align="left", ncols=3, columnspacing=1.0)
         if right is not None:
-            columns = len(shapes) if left is None else min(2, len(shapes))
+            columns = min(2, len(shapes))
             rows = -(-len(shapes) // columns)
             panels = np.reshape(right.subplots(rows, columns), -1)
             for panel, axis in zip(panels, shapes, strict=False):
@@ -84,29 +89,29 @@ def where_it_lies(
         return fig
 
 
-def _shares(panel: Axes, axes: Sequence[Axis]) -> None:
-    for row, axis in enumerate(axes):
-        if axis.share is None:
-            panel.text(0.0, row, " none", va="center", fontsize=7, style="italic", color=NEUTRAL)
-            continue
-        panel.barh(row, 100 * min(axis.share, ALL), height=0.72, color=COLORS["sky"])
-        if axis.unique_share is not None:
-            lost = min(axis.unique_share, ALL)
-            panel.barh(row, 100 * lost, height=0.36, color=COLORS["blue"])
-        both = (axis.share, axis.unique_share)
-        told = (">100" if s > ALL else f"{100 * s:.0f}" for s in both if s is not None)
-        percent = f" {' / '.join(told)}".replace("-", "−")
-        end = min(max(axis.share, axis.unique_share or 0.0, 0.0), ALL)
-        panel.text(100 * end, row, percent, va="center", fontsize=7)
+def _shares(panel: Axes, axes: Sequence[Axis], unexplained: Interval | None) -> None:
+    """Draw a bar for each share, and one of what is left."""
+    rows = [(axis_label(axis.axis), axis.share, axis.alone, axis.answers) for axis in axes]
+    if unexplained is not None:
+        rows.append(("none of these", unexplained, None, False))
+    for row, (name, share, alone, leads) in enumerate(rows):
+        if share is None:
+            raise ValueError(f"{name}: expected a share, got none")
+        color = COLORS["blue"] if leads else COLORS["sky"] if row < len(axes) else NEUTRAL
+        panel.barh(row, share.q50, height=0.72, color=color)
+        panel.plot([share.q05, share.q95], [row, row], color=COLORS["black"], linewidth=1.2)
+        ends = [share.q50, share.q95]
+        if alone is not None:
+            panel.plot([alone.q50], [row], **ALONE)  # type: ignore[arg-type]
+            ends.append(alone.q50 + 0.015)
+        panel.text(max(ends) + 0.02, row, f"{share.q50:.2f}", va="center", fontsize=7)
     panel.axvline(0.0, color=COLORS["black"], linewidth=0.8)
-    panel.set_yticks(range(len(axes)), [axis_label(axis.axis) for axis in axes])
-    panel.set_ylim(max(len(axes), FEW_BARS) - 0.4, -0.6)
-    seen = [s for axis in axes for s in (axis.share, axis.unique_share) if s is not None]
-    each = [100 * min(share, ALL) for share in seen]
-    least, most = min([0.0, *each]), max([10.0, *each])
-    panel.set_xlim(1.1 * least, 1.3 * most)
+    panel.set_yticks(range(len(rows)), [name for name, *_ in rows])
+    panel.set_ylim(max(len(rows), FEW_BARS) - 0.4, -0.6)
+    panel.set_xlim(0.0, 1.2)
+    panel.set_xticks([0.0, 0.5, 1.0])
     panel.grid(visible=False, axis="y")
-    panel.set_xlabel("part of gap² explained [%]")
+    panel.set_xlabel("share of the systematic force (variance)")
 
 
 def _shape(panel: Axes, axis: Axis, residuals: xr.Dataset | None, kinds: Sequence[str]) -> None:

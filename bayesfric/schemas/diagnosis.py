@@ -28,6 +28,8 @@ __all__ = [
     "Unseparated",
 ]
 
+LEAST_TOLD = 0.2  # of the force: an axis that explains less is no answer to where it lies
+
 
 class EffectNumber(Interval):
     """A parameter of an effect, given that the effect acts."""
@@ -133,22 +135,36 @@ class Shape(Record):
 
 
 class Axis(Record):
-    """How much of the gap lies along one covariate."""
+    """How much of the systematic force lies along one covariate."""
 
     axis: str = Field(description="Name of the covariate.")
     unit: str = Field(description="Of the covariate.")
     blind: bool = Field(description="True where the covariate did not vary.")
-    share: Number | None = Field(
-        description="Cross-validated part of the gap squared that a smooth of it explains."
+    share: Interval | None = Field(
+        description="Of the mean square of the systematic force, its posterior averaged over "
+        "hypotheses: what the axis adds in the mean over all orders in which axes can come in "
+        "(Shapley, LMG). All shares and `unexplained` sum to 1."
     )
     share_why: str | None = Field(None, description="Why there is none.")
-    unique_share: Number | None = Field(description="What is lost when it leaves the joint smooth.")
-    unique_share_why: str | None = Field(None, description="Why there is none.")
+    alone: Interval | None = Field(
+        description="What functions of this axis explain by themselves, beside a refitted law."
+    )
+    alone_why: str | None = Field(None, description="Why there is none.")
+    leads: bool = Field(
+        description="Whether the 5 % quantile of its share is above the next one's median."
+    )
     confounded_with: tuple[str, ...] = Field(description="Axes whose smooths look alike here.")
-    p_value: Number | None = Field(description="Adjusted by the largest statistic of all axes.")
+    p_value: Number | None = Field(
+        description="Of held-out residuals, adjusted by the largest statistic of all axes."
+    )
     p_value_why: str | None = Field(None, description="Why there is none.")
     shape: Shape | None = Field(description="On a grid; null where it did not vary.")
     shape_why: str | None = Field(None, description="Why there is none.")
+
+    @property
+    def answers(self) -> bool:
+        """Whether it may be said that the force lies along this axis."""
+        return self.leads and self.share is not None and self.share.q50 >= LEAST_TOLD
 
 
 class GapRow(Record):
@@ -332,6 +348,12 @@ class DiagnosisFile(Provenance):
     absorbed: tuple[Absorbed, ...] = Field(description="Effects that only move the baseline.")
     remainder: Remainder = Field(description="What the causes leave.")
     where: tuple[Axis, ...] = Field(description="Largest share first.")
+    unexplained: Interval = Field(
+        description="Share of the systematic force that functions of no axis explain."
+    )
+    all_unexplained_because: str = Field(
+        "", description="Why no axis has a share, in words; empty where axes have."
+    )
     gap: Gap = Field(description="How far, before and after.")
     effects: tuple[ExaminedEffect, ...] = Field(description="Every effect examined.")
     next_experiment: tuple[NextExperiment, ...] = Field(description="What to measure next.")

@@ -136,8 +136,20 @@ def test_what_is_known_of_each_effect(named):
 
 
 def test_where_it_lies(named):
-    axes = {axis.axis: axis for axis in named[0].summary.where}
+    summary = named[0].summary
+    axes = {axis.axis: axis for axis in summary.where}
     assert axes["velocity"].p_value < 0.01
+    assert summary.where[0] == axes["velocity"]
+    assert [axis.axis for axis in summary.where if axis.leads] == ["velocity"]
+    share = axes["velocity"].share
+    told = f"It lies along velocity (share {share.q50:.2f} [{share.q05:.2f}, {share.q95:.2f}])."
+    assert told in summary.sentence
+    # A drag that is the same at all tensions: speed alone explains most of it.
+    assert axes["velocity"].alone.q05 > 0.75 > share.q95
+    shares = [axis.share.mean for axis in summary.where if axis.share is not None]
+    assert min(shares) >= 0
+    assert sum(shares) + summary.unexplained.mean == pytest.approx(1.0, abs=1e-6)
+    assert axes["setup"].share.q50 < 0.1
     # Viscous friction: less than the law's at the slowest, more at the fastest.
     shape = axes["velocity"].shape
     assert shape.high_n[0] < 0 < shape.low_n[-1]
@@ -255,6 +267,8 @@ def test_one_acceleration_alone_tells_of_no_axis(small_recording):
     assert found.verdict == "undecided"
     assert found.where
     assert all(axis.blind and axis.p_value is None for axis in found.where)
+    assert found.unexplained.q05 == found.unexplained.mean == 1.0
+    assert found.all_unexplained_because == "no axis varied in these data"
     json.loads(found.model_dump_json(), parse_constant=pytest.fail)
 
 

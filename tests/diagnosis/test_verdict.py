@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from report.diagnosis_sample import cause, diagnosis
+from report.diagnosis_sample import axis, cause, diagnosis
 
 from bayesfric.analysis import Analysis
 from bayesfric.diagnosis import remainder
@@ -123,6 +123,28 @@ def test_effects_of_which_one_acts_beside_a_cause_are_in_the_sentence():
     assert both.startswith("viscous acts (probability 0.970).")
     assert both.endswith("One of air-drag, stribeck acts beside it; these data cannot tell which.")
     assert "One of" not in sentence_of("named", 0.97, [cause("viscous")], gap, (), (), 0.02)
+
+
+def placed(*shares, leads):
+    """Return axes with these shares, of which the first may lead."""
+    names = ("velocity", "setup", "n_pulleys")
+    return tuple(
+        axis(name, "1", share, leads=leads and not place)
+        for place, (name, share) in enumerate(zip(names, shares, strict=False))
+    )
+
+
+@pytest.mark.parametrize("verdict", ["unknown", "named", "unseparated"])
+def test_a_sentence_names_an_axis_where_it_leads_and_nowhere_else(verdict):
+    gap, causes = diagnosis().gap, [cause("viscous")] if verdict == "named" else ()
+
+    def said(where):
+        return sentence_of(verdict, 0.97, causes, gap, where, (), 0.02)
+
+    lies = "It lies along velocity (share 0.60 [0.55, 0.65])."
+    assert lies in said(placed(0.6, 0.1, leads=True))
+    for where in (placed(0.3, 0.3, leads=False), placed(0.1, 0.02, leads=True), ()):
+        assert "along" not in said(where)
 
 
 @pytest.mark.parametrize(

@@ -33,17 +33,33 @@ def tick_texts(axes):
     return [text.get_text() for text in axes.get_yticklabels()]
 
 
-def test_bars_of_where_are_the_shares_of_axes_that_explain_a_part():
-    stored = stored_diagnosis()
-    axes = panel(
-        where_it_lies(stored.found.where, stored.group("residuals")), "part of gap² explained [%]"
-    )
+SHARE = "share of the systematic force (variance)"
+
+
+def test_bars_of_where_are_the_shares_with_their_intervals_and_what_is_left():
+    found = stored_diagnosis().found
+    fig = where_it_lies(found.where, None, unexplained=found.unexplained)
+    axes = panel(fig, SHARE)
     assert tick_texts(axes) == [
-        "velocity", "displacement", "tension", "number of pulleys", "order",
+        "velocity", "displacement", "tension", "number of pulleys", "order", "setup",
+        "none of these",
     ]  # fmt: skip
-    # Share and unique share in turn, which is half of it in the sample.
-    assert widths(axes)[:4] == pytest.approx([62.0, 31.0, 41.0, 20.5])
-    assert axes.texts[0].get_text().strip() == "62 / 31"
+    assert widths(axes) == pytest.approx([0.62, 0.21, 0.093, 0.021, 0.0032, 0.0, 0.0528])
+    assert sum(widths(axes)) == pytest.approx(1.0)
+    bar, alone = axes.lines[:2]
+    share = found.where[0].share
+    assert list(bar.get_xdata()) == [share.q05, share.q95]
+    assert list(alone.get_xdata()) == [found.where[0].alone.q50]
+    assert axes.texts[0].get_text() == "0.62"
+
+
+def test_the_bar_of_the_axis_that_leads_is_another_colour_than_all_others():
+    found = stored_diagnosis().found
+    first, *others = panel(where_it_lies(found.where, None), SHARE).patches
+    assert first.get_facecolor() not in {bar.get_facecolor() for bar in others}
+    alike = tuple(one.model_copy(update={"leads": False}) for one in found.where)
+    colours = {bar.get_facecolor() for bar in panel(where_it_lies(alike, None), SHARE).patches}
+    assert colours == {others[0].get_facecolor()}
 
 
 def test_shapes_are_the_stored_bands_of_the_four_largest():
@@ -66,16 +82,6 @@ def test_without_dots_or_shapes_the_rest_is_drawn():
     fig = where_it_lies(diagnosis().where, None)
     assert len(panel(fig, "velocity [m/s]").lines) == 2
     assert len(where_it_lies((axis("rig", "1", None),), None).axes) == 1
-
-
-def test_axes_that_explain_nothing_have_shapes_and_no_bars():
-    found = tuple(
-        one.model_copy(update={"share": -0.6, "unique_share": -0.6})
-        for one in diagnosis().where
-        if one.shape is not None
-    )
-    labels = [axes.get_xlabel() for axes in where_it_lies(found, None).axes]
-    assert labels == ["velocity [m/s]", "displacement [m]", "tension [N]", "number of pulleys"]
 
 
 def test_ticks_of_many_kinds_do_not_overprint():

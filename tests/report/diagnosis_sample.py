@@ -39,18 +39,27 @@ def interval(mean: float, sd: float | None = None) -> Interval:
     return Interval(mean=mean, sd=sd, q05=mean - 1.645 * sd, q50=mean, q95=mean + 1.645 * sd)
 
 
-def axis(name: str, unit: str, share: float | None, low: float = 0.0, high: float = 1.0) -> Axis:
+def axis(
+    name: str,
+    unit: str,
+    share: float | None,
+    low: float = 0.0,
+    high: float = 1.0,
+    *,
+    leads: bool = False,
+) -> Axis:
     grid = np.linspace(low, high, 25)
     if share is None:
         why = "the covariate did not vary"
         return Axis(
-            axis=name, unit=unit, blind=True,
-            share=None, share_why=why, unique_share=None, unique_share_why=why,
+            axis=name, unit=unit, blind=True, leads=False,
+            share=None, share_why=why, alone=None, alone_why=why,
             confounded_with=(), p_value=None, p_value_why=why, shape=None, shape_why=why,
         )  # fmt: skip
     gap = 0.05 * share * np.sin(3 * (grid - low) / (high - low))
     return Axis(
-        axis=name, unit=unit, blind=False, share=share, unique_share=share / 2,
+        axis=name, unit=unit, blind=False, leads=leads,
+        share=interval(share), alone=interval(1.2 * share),
         confounded_with=("tension",) if name == "displacement" else (),
         p_value=0.0005 if share > 0.3 else 0.43,
         shape=Shape(
@@ -150,11 +159,13 @@ def diagnosis(**changes: object) -> DiagnosisFile:
             axis="tension",
         ),
         "where": (
-            axis("velocity", "m/s", 0.62, 0.2, 1.4), axis("displacement", "m", 0.41, 0.0, 0.8),
+            axis("velocity", "m/s", 0.62, 0.2, 1.4, leads=True),
+            axis("displacement", "m", 0.21, 0.0, 0.8),
             axis("tension", "N", 0.093, 6.0, 28.0), axis("n_pulleys", "1", 0.021, 5.0, 19.0),
-            axis("order", "1", 0.0032), axis("setup", "1", -0.01, 0.0, 30.0),
+            axis("order", "1", 0.0032), axis("setup", "1", 0.0, 0.0, 30.0),
             axis("pulley_size", "1", None), axis("wrap_angle", "deg", None),
         ),
+        "unexplained": interval(0.0528),
         "gap": Gap(
             **gap.model_dump(exclude={"name", "below_floor"}),
             systematic=interval(0.0493),

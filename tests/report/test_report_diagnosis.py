@@ -87,33 +87,29 @@ def test_a_named_board_says_what_and_how_much_at_a_glance():
     told = glance(stored_diagnosis())
     assert told["Which effect causes it?"] == "viscous (probability 0.987)"
     assert told["How far does it shrink with that?"] == "by 98.1 [97.4, 98.8]\u202f%"
-    assert told["Where does it lie?"].startswith("along velocity")
+    assert told["Where does it lie?"] == "along velocity (share 0.62 [0.57,\u00a00.67])"
     assert "mass drive 1.85\u202fkg" in told["What to measure next?"]
 
 
-def test_an_axis_that_may_explain_by_chance_is_not_where_the_gap_lies():
-    order = axis("order", "1", 1.2).model_copy(update={"p_value": 0.17})
-    stored = stored_diagnosis(where=(order,))
-    assert glance(stored)["Where does it lie?"] == "along no axis for sure; if along one, order"
-    document = build_document(StoredResults(diagnosis=stored))
-    assert "(adjusted p 0.17, perhaps by chance)" in told(document)
+@pytest.mark.parametrize(("share", "leads"), [(0.5, False), (0.1, True)])
+def test_the_report_names_no_axis_that_does_not_lead_or_explains_little(share, leads):
+    one = axis("setup", "1", share, leads=leads)
+    stored = stored_diagnosis(where=(one, axis("order", "1", 0.05)))
+    assert glance(stored)["Where does it lie?"].startswith("no axis leads; the largest shares are")
+    said = told(build_document(StoredResults(diagnosis=stored)))
+    assert "No axis leads" in said
+    assert "It lies along" not in said
 
 
-@pytest.mark.parametrize(
-    ("share", "lies", "said"),
-    [
-        (0.8, "along order", "explains / what is lost without it, in per cent. Right"),
-        (1.2, "along order", "all of it (>\u00a0100). Right"),
-        (-0.1, "open: no axis alone explains a part of it", "Residual force"),
-    ],
-)
-def test_what_stands_beside_the_bars_of_where_is_told(share, lies, said):
-    order = axis("order", "1", share).model_copy(update={"p_value": 0.01})
-    stored = stored_diagnosis(where=(order,))
-    assert glance(stored)["Where does it lie?"] == lies
-    caption = words(figures(stored)["where"].caption)
-    assert said in caption
-    assert ("what is lost" in caption) == (share > 0)
+def test_a_share_that_held_out_residuals_do_not_show_says_so():
+    order = axis("order", "1", 0.6, leads=True)
+    one, other = (order.model_copy(update={"p_value": p}) for p in (0.17, 0.01))
+    said = [
+        told(build_document(StoredResults(diagnosis=stored_diagnosis(where=(each,)))))
+        for each in (one, other)
+    ]
+    assert "held-out residuals alone do not show it (adjusted p 0.17)" in said[0]
+    assert "residuals alone do not" not in said[1]
 
 
 def test_where_there_is_no_gap_no_axis_is_said_to_explain_it():

@@ -81,31 +81,31 @@ def test_an_implausible_cause_below_the_floor_says_both():
 def test_axes_have_their_shares_and_blind_ones_say_so():
     stored = stored_diagnosis()
     found = rows(stored, "axes")
-    assert found["velocity [m/s]"] == ["62.0", "31.0", "<\u00a00.001", ""]
+    assert found["velocity [m/s]"] == [
+        "0.62 [0.57,\u00a00.67]",
+        "0.74 [0.68,\u00a00.81]",
+        "<\u00a00.001",
+        "",
+    ]
     assert found["displacement [m]"][-1] == "tension"
-    assert found["setup"][0] == "<\u00a00"  # −1.0 %: how far below none says nothing
+    assert found["setup"][0] == "0.00 [0.00,\u00a00.00]"
+    assert found["none of these"][0] == "0.05 [0.05,\u00a00.06]"
     assert found["wrap angle [°]"] == ["—", "—", "—", "the covariate did not vary"]
     figure = figures(stored)["where"]
     for text in (paragraphs(stored).lower(), figure.alt):
         assert "did not vary" in text
         assert "wrap angle" in text
-    assert "Velocity explains 62\u202f% of gap²" in paragraphs(stored)
-
-
-def test_an_axis_that_explains_more_than_all_explains_all():
-    much = axis("velocity", "m/s", 5.5)
-    assert "Velocity explains all of gap²" in paragraphs(stored_diagnosis(where=(much,)))
+    assert "It lies along velocity (share 0.62 [0.57,\u00a00.67])" in paragraphs(stored)
 
 
 def test_all_blind_axes_are_no_failure():
-    blind = stored_diagnosis(where=(axis("wrap_angle", "deg", None), axis("rig", "1", None)))
-    assert "No axis varied" in paragraphs(blind)
+    blind = stored_diagnosis(
+        where=(axis("wrap_angle", "deg", None), axis("rig", "1", None)),
+        unexplained=interval(1.0, 0.0),
+        all_unexplained_because="no axis varied in these data",
+    )
+    assert "No axis has a share: no axis varied in these data." in paragraphs(blind)
     assert render_pdf(build_document(StoredResults(diagnosis=blind))).startswith(b"%PDF")
-
-
-def test_a_share_beyond_all_of_the_gap_is_no_number():
-    much = axis("setup", "1", 0.1).model_copy(update={"unique_share": 2.494})
-    assert rows(stored_diagnosis(where=(much,)), "axes")["setup"][:2] == ["10.0", ">\u00a0100"]
 
 
 def test_gap_table_is_in_newtons_row_by_row():

@@ -4,7 +4,7 @@ The chapter begins with the verdict and a table that is read in ten seconds; the
 that these rest on follow, each under its question. The long tables are in the appendix.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from bayesfric.plots.diagnosis import RARE, what_acts, where_it_lies
 from bayesfric.plots.gap import how_far
@@ -17,6 +17,7 @@ from bayesfric.report.chapters.diagnosis_details import (
     gap_words,
     not_told_apart,
     remainder,
+    share_words,
 )
 from bayesfric.report.content import (
     Block,
@@ -137,7 +138,7 @@ def _at_a_glance(found: DiagnosisFile) -> Table:
     if gap.shrink is not None and found.causes:
         rows.append(["How far does it shrink with that?", f"by {_percent(gap.shrink)}"])
     if has_gap(found):
-        rows.append(["Where does it lie?", _lies_along(found.where)])
+        rows.append(["Where does it lie?", _lies_along(found)])
     rows.append(
         [
             "What of it is unexplained?",
@@ -150,16 +151,20 @@ def _at_a_glance(found: DiagnosisFile) -> Table:
     return Table("The diagnosis at a glance.", ["question", "answer"], rows, label="glance")
 
 
-def _lies_along(axes: Sequence[Axis]) -> str:
-    """Return along which axes it lies, and of what may be chance that it may be."""
-    explaining = [axis for axis in axes if (axis.share or 0.0) > 0]
-    sure = [axis_words(axis.axis) for axis in explaining if (axis.p_value or 0.0) <= CHANCE]
-    open_still = [axis_words(axis.axis) for axis in explaining if (axis.p_value or 0.0) > CHANCE]
-    if sure:
-        return f"along {', '.join(sure[:3])}"
-    if open_still:
-        return f"along no axis for sure; if along one, {' or '.join(open_still[:3])}"
-    return "open: no axis alone explains a part of it"
+def _lies_along(found: DiagnosisFile) -> str:
+    """Return along which axis it lies, or which come nearest to leading."""
+    shared = [axis for axis in found.where if axis.share is not None]
+    if found.all_unexplained_because or not shared:
+        return f"open: {found.all_unexplained_because}"
+    if shared[0].answers:
+        return f"along {_with_share(shared[0])}"
+    nearest = " and ".join(_with_share(axis) for axis in shared[:2])
+    return f"no axis leads; the largest shares are those of {nearest}"
+
+
+def _with_share(axis: Axis) -> str:
+    """Write the name of an axis with its share."""
+    return f"{axis_words(axis.axis)} (share {share_words(axis.share)})"
 
 
 def _caused(found: DiagnosisFile) -> list[Inline]:
@@ -182,11 +187,10 @@ def _caused(found: DiagnosisFile) -> list[Inline]:
 
 def _axes_in_words(found: DiagnosisFile) -> Paragraph:
     axes = found.where
-    known = [axis for axis in axes if axis.share is not None]
     blind = [axis_words(axis.axis) for axis in axes if axis.blind]
     return Paragraph(
         [
-            *_largest(known, all(axis.blind for axis in axes)),
+            _largest(found),
             f"Did not vary, so that nothing is known: {', '.join(blind)}. " if blind else "",
             Reference("where"),
             " shows where the gap lies; ",
@@ -196,65 +200,59 @@ def _axes_in_words(found: DiagnosisFile) -> Paragraph:
     )
 
 
+def _largest(found: DiagnosisFile) -> str:
+    """Return which axes explain most, in a sentence."""
+    shared = [axis for axis in found.where if axis.share is not None]
+    if found.all_unexplained_because or not shared:
+        return f"No axis has a share: {found.all_unexplained_because}. "
+    first, *others = shared
+    rest = ", ".join(_with_share(axis) for axis in others[:FURTHER])
+    along = (
+        f"It lies along {_with_share(first)}"
+        if first.answers
+        else (f"No axis leads; the largest share is that of {_with_share(first)}")
+    )
+    chance = (
+        ""
+        if (first.p_value or 0.0) <= CHANCE
+        else (
+            f"; held-out residuals alone do not show it (adjusted p "
+            f"{format_probability(first.p_value)})"
+        )
+    )
+    return (
+        f"{along}{chance}. "
+        + (f"Next come {rest}. " if rest else "")
+        + f"What no axis explains is {share_words(found.unexplained)}. "
+    )
+
+
 def _where(stored: StoredDiagnosis) -> Figure:
-    axes = stored.found.where
-    known = [axis for axis in axes if axis.share is not None]
+    found = stored.found
+    axes = found.where
+    shared = [axis for axis in axes if axis.share is not None]
     blind = [axis_words(axis.axis) for axis in axes if axis.blind]
     residuals = stored.group("residuals")
     shapes = any(axis.shape is not None for axis in axes)
-    bars = any((axis.share or 0.0) > 0 for axis in known) or not shapes
+    first = f", {_with_share(shared[0])} first" if shared else ""
+    sizes = sizes_of(found.law)
     return Figure(
-        svg_of(where_it_lies, axes, residuals, stored.found.gap.unit, sizes_of(stored.found.law)),
+        svg_of(where_it_lies, axes, residuals, found.gap.unit, sizes, found.unexplained),
         [
             Strong("Where."),
-            f" Left: the part of gap² that each axis explains{_beside(known)}." if bars else "",
-            f" {'Right: residual' if bars else 'Residual'} force, its systematic part with a "
+            " Left: the share of each axis in the variance of the systematic force, with its 90 % "
+            "interval; shares and that of none add up to 1. A dark bar leads, a diamond is what "
+            "the axis explains alone.",
+            " Right: residual force on held-out data, its systematic part with a "
             "simultaneous 95 % band; dots are windows of trials, far ones are cut."
             if shapes
             else "",
         ],
-        (_bars_alt(known) + ("; right, " if shapes else "") if bars else "Panels of ")
-        + ("the residual force along the largest axes with a band" if shapes else "")
+        f"Left, a horizontal bar for the share of each axis{first}"
+        + ("; right, the residual force along the largest axes with a band" if shapes else "")
         + (f"; {', '.join(blind)} did not vary." if blind else "."),
         label="where",
     )
-
-
-def _beside(known: Sequence[Axis]) -> str:
-    """Return what the numbers beside the bars are, of which the second may be missing."""
-    if all(axis.unique_share is None for axis in known):
-        return ", in per cent"
-    over = any(max(a.share or 0.0, a.unique_share or 0.0) > 1 for a in known)
-    return " / what is lost without it, in per cent" + (
-        "; held out, either may come out above all of it (> 100)" if over else ""
-    )
-
-
-def _bars_alt(known: list[Axis]) -> str:
-    said = "Left, a horizontal bar for each axis with the part of the squared gap that it explains"
-    if not known:
-        return said
-    return f"{said}, {axis_words(known[0].axis)} {_part(known[0].share)} at most"
-
-
-def _part(share: float | None) -> str:
-    """Write a part of gap²; what is cross-validated may come out above all of it."""
-    return "all" if share is not None and share >= 1 else format_share(share)
-
-
-def _largest(known: list[Axis], blind: bool) -> list[Inline]:
-    """Return which axes explain most, in a sentence."""
-    explaining = [axis for axis in known if axis.share is not None and axis.share > 0]
-    if not explaining:
-        return ["No axis varied. " if blind else "No axis alone explains a part of it. "]
-    first, *others = explaining
-    rest = ", ".join(f"{axis_words(axis.axis)} ({_part(axis.share)})" for axis in others[:FURTHER])
-    chance = "" if (first.p_value or 0.0) <= CHANCE else ", perhaps by chance"
-    return [
-        f"{axis_words(first.axis).capitalize()} explains {_part(first.share)} of gap² "
-        f"(adjusted p {format_probability(first.p_value)}{chance})"
-        + (f"; then {rest}. " if rest else ". "),
-    ]
 
 
 def _which(found: DiagnosisFile) -> Figure | Paragraph:

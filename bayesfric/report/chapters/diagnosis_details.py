@@ -41,6 +41,7 @@ __all__ = [
     "gap_words",
     "not_told_apart",
     "remainder",
+    "share_words",
 ]
 
 NUMBER = re.compile(r"\d+\.\d+")
@@ -232,37 +233,47 @@ def remainder(found: DiagnosisFile) -> Iterator[Block]:
 
 
 def _axes(found: DiagnosisFile) -> Table:
+    rows = [
+        [
+            _with_unit(axis_words(axis.axis), axis.unit),
+            share_words(axis.share),
+            share_words(axis.alone),
+            format_probability(axis.p_value),
+            ", ".join(map(axis_words, axis.confounded_with)) or axis.share_why or "",
+        ]
+        for axis in found.where
+    ]
+    rows.append(["none of these", share_words(found.unexplained), "", "", ""])
     return Table(
         "Axes, largest share first.",
         [
             "axis",
-            Column("share", "%", align="decimal"),
-            Column("unique", "%", align="decimal"),
+            Column("share", align="right"),
+            Column("alone", align="right"),
             Column("adjusted p", align="right"),
             "looks like, or why there is none",
         ],
-        [
-            [
-                _with_unit(axis_words(axis.axis), axis.unit),
-                _of_all(axis.share),
-                _of_all(axis.unique_share),
-                format_probability(axis.p_value),
-                ", ".join(map(axis_words, axis.confounded_with)) or axis.share_why or "",
-            ]
-            for axis in found.where
-        ],
+        rows,
         label="axes",
-        note="Share: cross-validated part of gap² that a smooth of this axis alone explains; "
-        "shares overlap, and one below zero predicts worse than none. Unique: what is lost when "
-        "the axis leaves the joint smooth; where axes stand in for one another, more may be lost "
-        "than there was. p: by the largest statistic of all axes, from a "
-        "parametric bootstrap."
+        note="Share: of the mean square of the systematic force, its posterior over all "
+        "hypotheses, what the axis adds in the mean over all orders in which axes can come in "
+        "(Shapley); with that of none of them they add up to 1. Alone: what functions of the axis "
+        "explain by themselves. Median, and 90 % interval. p: of held-out residuals, by the "
+        "largest statistic of all axes, from a parametric bootstrap."
         + (
             " Looks like: axes whose smooths these data do not tell from it."
             if any(axis.confounded_with for axis in found.where)
             else ""
         ),
     ).filled()
+
+
+def share_words(share: Interval | None) -> str:
+    """Write a share with its interval, as the verdict's own sentence does."""
+    if share is None:
+        return MISSING
+    middle, low, high = (format_fixed(number, 2) for number in (share.q50, share.q05, share.q95))
+    return f"{middle} [{low},\u00a0{high}]"
 
 
 def gap_words(found: DiagnosisFile) -> Paragraph:
@@ -374,15 +385,6 @@ def codes(names: Sequence[str]) -> list[Code | str]:
 def _with_unit(name: str, unit: str) -> str:
     printed = format_unit(unit)
     return f"{name} [{printed}]" if printed else name
-
-
-def _of_all(share: float | None) -> str:
-    """Return a share in per cent; beyond none or all of it, its size says nothing."""
-    if share is None:
-        return MISSING
-    if not 0 <= share <= 1:
-        return "< 0" if share < 0 else "> 100"
-    return format_fixed(100 * share, 1)
 
 
 def _cells(number: Interval | None, exponent: int) -> str:

@@ -211,6 +211,8 @@ class AxisPart:
         where = {name: mean @ at for name, at in self.rows.covariates().items()}
         for axis in ("tension", "n_pulleys", "wrap_angle"):
             del where[axis]  # no cable
+        # Where nobody saw it turn, it is as far from there as it can be.
+        travel = np.minimum(self.rows.mean(readings.travel), self.rows.stroke)
         order = mean @ np.broadcast_to(self.rows.state.order, (readings.count, 1))[:, 0]
         return Windows(
             row=row,
@@ -218,7 +220,12 @@ class AxisPart:
             columns=mean @ self.columns,
             covariance=tuple(covariance),
             wander=tuple(varying),
-            covariates=where | {"order": order},
+            covariates=where
+            | {
+                "order": order,
+                "direction": mean @ readings.way,
+                "travel_since_reversal": mean @ travel,
+            },
         )
 
     def runs(self, noise: Mapping[str, float], numbers: Array) -> dict[int, Run]:

@@ -1,0 +1,241 @@
+"""Shares of the systematic force: how much of its variance each axis explains.
+
+Axes compete for the same draws of the same force. A refitted law is part of every regression, since
+the gap is what such a law leaves; on top of it comes friction times smooth functions of some of the
+axes, and of two axes of the machine's state times their product.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+
+from bayesfric.arrays import Array, Flags
+from bayesfric.diagnosis.residuals import CATEGORIES, Residuals
+from bayesfric.inference.shapley import Block, explained_by_subsets, shapley_values
+from bayesfric.inference.smooths import BROAD, NARROW, Span, smooth_along
+
+__all__ = ["AxisFunctions", "Shares", "functions_along", "shares_of"]
+
+DRAWS = 300  # of the force: a 5 % quantile of a share is known to a tenth of its width
+PLAYERS = 12  # axes that compete; the rest of more are taken together
+RIDGE = 1e-3  # of a smooth's own variance: shrinks what a hundredth of the windows tells
+PAIRED = 0.3  # sd of a product of two axes, where a smooth's is 1
+FINE_AT_FIRST = ("travel_since_reversal",)
+"""Axes along which a force changes by ratios."""
+HISTORY = ("order", "time", "trial_in_setup")
+"""Axes of when a trial was made: what changes along them is broad, and is no product."""
+SEEN = 1e-3  # of an axis' largest function: less is left of one by a law, or by other axes
+NOTHING = 1e-9  # of friction, rms: a force below it has no shares
+FINE = 400  # windows, of which fewer are told apart by chance along functions that are not broad
+GRID = 25  # places along an axis
+ROUNDING = 1e-9  # of a covariate's size, or of all of a force: it is no variation, and no share
+
+
+@dataclass(frozen=True)
+class AxisFunctions:
+    """Functions of an axis, as shares of friction.
+
+    Parameters
+    ----------
+    name : str
+        Of the axis.
+    known : ndarray of bool, shape (R,)
+        Where a window has such a place.
+    columns : ndarray, shape (R, k)
+        At the windows; 0 where it has none.
+    grid : ndarray, shape (G,)
+        Places along the axis; of a category its values.
+    on_grid : ndarray, shape (G, k)
+        The functions there.
+    """
+
+    name: str
+    known: Flags
+    columns: Array
+    grid: Array
+    on_grid: Array
+
+
+@dataclass(frozen=True)
+class Shares:
+    """Draws of shares of the mean square of the systematic force, by axis, shape (S,).
+
+    Parameters
+    ----------
+    share : dict of str to ndarray
+        In the mean over all orders of axes; with `unexplained` they add up to 1.
+    alone : dict of str to ndarray
+        Of a regression on functions of that axis alone.
+    unexplained : ndarray
+        What functions of no axis explain.
+    there : ndarray of bool
+        Draws that have a force.
+    """
+
+    share: dict[str, Array]
+    alone: dict[str, Array]
+    unexplained: Array
+    there: Flags
+
+
+def functions_along(residuals: Residuals, name: str, length: float = BROAD) -> AxisFunctions | None:
+    """Return functions along an axis, or None where it did not vary.
+
+    Parameters
+    ----------
+    residuals : Residuals
+        Windows.
+    name : str
+        Of a covariate of theirs.
+    length : float
+        Length scale of smooth functions, as a share of the covariate's range.
+    """
+    values = residuals.covariates[name]
+    known = np.isfinite(values)
+    if not known.any() or np.ptp(values[known]) <= ROUNDING * np.abs(values[known]).max():
+        return None
+    if name in CATEGORIES:
+        grid = np.unique(values[known])
+        columns = np.equal.outer(values, grid).astype(np.float64)
+        return AxisFunctions(name, known, columns, grid, np.eye(grid.size))
+    span = replace(Span.of(values[known]), logarithmic=name in FINE_AT_FIRST)
+    smooth = smooth_along({name: span}, length=length)
+    if smooth is None:  # it varies by less than a span is told to
+        return None
+    columns = np.where(known, smooth.columns({name: np.where(known, values, span.low)}), 0.0)
+    grid = np.linspace(span.low, span.high, GRID)
+    return AxisFunctions(name, known, columns.T, grid, smooth.columns({name: grid}).T)
+
+
+def shares_of(residuals: Residuals, force: Array, hidden2: Mapping[str, Array]) -> Shares:
+    """Return which part of a systematic force each axis explains.
+
+    Parameters
+    ----------
+    residuals : Residuals
+        Windows in which the force is known.
+    force : ndarray, shape (R, S)
+        Draws of it, the law recalibrated [N].
+    hidden2 : mapping of str to ndarray, shape (S,)
+        Mean square of forces along an axis whose phases nobody recorded, by that axis [N²].
+
+    Returns
+    -------
+    Shares
+        Of a part of the draws, evenly taken. A draw without any force is unexplained: there is
+        nothing that could be explained.
+    """
+    taken = np.linspace(0, force.shape[1] - 1, min(DRAWS, force.shape[1])).astype(np.intp)
+    response = np.sqrt(residuals.weight)[:, None] * force[:, taken]
+    hidden2 = {name: values[taken] for name, values in hidden2.items()}
+    total2 = (response**2).sum(axis=0) + sum(hidden2.values())
+    there = total2 > (NOTHING * residuals.friction_rms) ** 2
+    scale2 = np.where(there, total2, 1.0)
+    fine = residuals.size.size >= FINE
+    found = [
+        functions_along(residuals, name, NARROW if fine and name not in HISTORY else BROAD)
+        for name in residuals.axes
+    ]
+    weighted = _weighted(residuals, [one for one in found if one is not None])
+    alone = {
+        name: explained_by_subsets([Block((0,), columns)], 1, response, RIDGE)[1]
+        for name, columns in weighted.items()
+    }
+    share = _competing(residuals, weighted, alone, response)
+    for name, values in hidden2.items():
+        share[name] = share.get(name, 0.0) + values
+        alone[name] = alone.get(name, 0.0) + values
+    share, alone = (
+        {
+            name: np.where(there & (values > ROUNDING * scale2), values / scale2, 0.0)
+            for name, values in one.items()
+        }
+        for one in (share, alone)
+    )
+    explained = sum(share.values(), np.zeros(taken.size))
+    over = np.maximum(explained, 1.0)  # by rounding
+    return Shares(
+        {name: values / over for name, values in share.items()},
+        {name: np.minimum(values, 1.0) for name, values in alone.items()},
+        1.0 - explained / over,
+        there,
+    )
+
+
+def _weighted(residuals: Residuals, axes: Sequence[AxisFunctions]) -> dict[str, Array]:
+    """Return friction times the functions of each axis, less what a law takes, weighted, (R, k)."""
+    found = {axis.name: _ready(residuals, axis.columns, axis.known) for axis in axes}
+    if "setup" in found:
+        # An assembly stands for all that it is made of and for its day: what it is beyond these.
+        rest = [columns for name, columns in found.items() if name != "setup"]
+        found["setup"] = _beyond(found["setup"], rest)
+    return found
+
+
+def _ready(residuals: Residuals, columns: Array, known: Flags) -> Array:
+    """Centre functions where they are known; weigh them, and take a refitted law off."""
+    weight = residuals.weight * residuals.friction_n**2
+    mean = (weight * known) @ columns / (weight * known).sum()
+    force = np.where(known[:, None], columns - mean, 0.0) * residuals.friction_n[:, None]
+    left = residuals.without_law(force)
+    return np.asarray(np.sqrt(residuals.weight / weight.sum())[:, None] * left)
+
+
+def _beyond(columns: Array, others: Sequence[Array]) -> Array:
+    """Return what other functions leave of some, as few as there are left."""
+    if others:
+        basis, size, _ = np.linalg.svd(np.concatenate(others, axis=1), full_matrices=False)
+        basis = basis[:, size > SEEN * size[0]] if size[0] > 0 else basis[:, :0]
+        columns = columns - basis @ (basis.T @ columns)
+    basis, size, _ = np.linalg.svd(columns, full_matrices=False)
+    kept = size > SEEN
+    return np.asarray(basis[:, kept] * size[kept])
+
+
+def _competing(
+    residuals: Residuals, weighted: Mapping[str, Array], alone: Mapping[str, Array], response: Array
+) -> dict[str, Array]:
+    """Return what each axis adds in the mean over all orders, by name, (S,) [N²]."""
+    order = sorted(weighted, key=lambda name: (-float(alone[name].mean()), name))
+    single, together = order, []
+    if len(order) > PLAYERS:
+        single, together = order[: PLAYERS - 1], order[PLAYERS - 1 :]
+    # What has many functions comes first, when there are few subsets.
+    single = sorted(single, key=lambda name: (-weighted[name].shape[1], name))
+    blocks = [Block((place,), weighted[name]) for place, name in enumerate(single)]
+    blocks += _products(residuals, single)
+    if together:
+        rest = np.concatenate([weighted[name] for name in together], axis=1)
+        blocks.append(Block((len(single),), rest))
+    players = len(single) + bool(together)
+    values = shapley_values(explained_by_subsets(blocks, players, response, RIDGE))
+    found = dict(zip(single, values, strict=False))
+    if together:
+        part = np.stack([alone[name] for name in together]) + np.finfo(np.float64).tiny
+        found |= dict(zip(together, values[-1] * part / part.sum(axis=0), strict=True))
+    return found
+
+
+def _products(residuals: Residuals, names: Sequence[str]) -> list[Block]:
+    """Return the product of each two axes of the machine's state."""
+    state = {
+        place: _standardised(residuals.covariates[name])
+        for place, name in enumerate(names)
+        if name not in HISTORY and name not in CATEGORIES
+    }
+    found = []
+    for first, second in combinations(state, 2):
+        product = PAIRED * state[first] * state[second]
+        known = np.isfinite(product)
+        if known.any():
+            columns = np.where(known, product, 0.0)[:, None]
+            found.append(Block((first, second), _ready(residuals, columns, known)))
+    return found
+
+
+def _standardised(values: Array) -> Array:
+    """Return values less their mean over their standard deviation; nan where there is none."""
+    known = values[np.isfinite(values)]
+    return np.asarray((values - known.mean()) / known.std())

@@ -1,0 +1,57 @@
+"""How often the axis that is said to lead is one along which the gap really lies."""
+
+import os
+
+import pytest
+from campaigns import evidence, where
+
+from bayesfric.campaign import run_on_processes
+from bayesfric.effects import all_effects
+
+WORKERS = 1
+
+
+def found(kind="viscous", **changes):
+    """Return a case in which all is right, but for what is changed."""
+    return {
+        "source": "reference", "kind": kind, "verdict": "named", "causes": [kind],
+        "practical": 1.0, "first": "velocity", "share": 0.6, "leads": True, "told": True,
+        "whole": 1.0, "least": 0.0, "right": True,
+    } | changes  # fmt: skip
+
+
+def test_a_named_effect_is_judged_by_its_own_axes_and_an_outsider_by_the_truth():
+    own = where.right_axes("air-drag", "named", ["viscous", "wear-drift"], "reference")
+    assert own == all_effects()["viscous"].axes | all_effects()["wear-drift"].axes
+    assert where.right_axes("x-detent", "unknown", [], "second") == {"displacement"}
+    assert where.right_axes("warmth", "unknown", [], "points") == {"temperature_c"}
+
+
+def test_figures_by_hand():
+    done = {
+        "a": found(),
+        "b": found(first="setup", right=False),
+        "c": found(practical=0.3, right=False),  # no gap that counts
+        "d": found("x-detent", verdict="unknown", causes=[], whole=1.1),
+    }
+    figures = where.figures(done)
+    assert (figures["rates"]["named"]["right"], figures["rates"]["named"]["of"]) == (1, 2)
+    assert figures["rates"]["unknown"]["of"] == figures["rates"]["unknown"]["right"] == 1
+    assert list(figures["wrong"]) == figures["wrongly_told"] == ["b"]
+    assert figures["not_whole"] == ["d"]
+
+
+@pytest.mark.long
+def test_where_it_lies():
+    """Resumable. With ``BAYESFRIC_WHERE_SO_FAR`` what is done is scored, and no more is run."""
+    folder = evidence.work("where", where)
+    cases = where.cases()
+    if "BAYESFRIC_WHERE_SO_FAR" in os.environ:
+        cases = {name: one for name, one in cases.items() if (folder / f"{name}.json").exists()}
+    done = run_on_processes(where.case, cases, folder, WORKERS)
+    figures = where.figures(done)
+    seeds = [where.SEEDS.start, where.SEEDS.stop - 1]
+    evidence.write("where", where, seeds=seeds, figures=figures, cases=done)
+    assert not figures["not_whole"]
+    for group, least in where.AT_LEAST.items():
+        assert figures["rates"][group]["right"] >= least * figures["rates"][group]["of"], group
