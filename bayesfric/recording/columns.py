@@ -7,10 +7,11 @@ from it, and ``docs/recording.md`` says the same in prose.
 from dataclasses import dataclass
 from typing import Literal
 
-__all__ = ["BUILT_IN", "LARGEST", "RIG_KEYS_NEEDED", "TABLES", "Column", "TableFormat"]
+__all__ = ["BUILT_IN", "LARGEST", "LONGEST_NAME", "RIG_KEYS_NEEDED", "TABLES", "Column", "TableFormat"]
 
 MOST_PULLEYS = 1000  # the paper has 19
 LARGEST = 1e12  # of any number, in SI: its square and its cube are still numbers
+LONGEST_NAME = 100  # characters of an id, a size or a column's name
 LARGEST_INTEGER = 1_000_000_000  # far beyond any count or order, well inside int64
 
 
@@ -38,6 +39,8 @@ class Column:
         No cell may be 0; no two cells may be equal.
     choices : tuple of str
         What a ``choice`` may be.
+    longest : int
+        Characters that text may have.
     """
 
     name: str
@@ -52,6 +55,7 @@ class Column:
     nonzero: bool = False
     unique: bool = False
     choices: tuple[str, ...] = ()
+    longest: int = LONGEST_NAME
 
     @property
     def is_numeric(self) -> bool:
@@ -80,7 +84,7 @@ class Column:
             if self.unit:
                 rule += f" in {self.unit}"
         else:
-            rule = "text without line breaks or other control characters"
+            rule = f"text of at most {self.longest} characters that can be seen"
         return rule + (", or nothing" if self.may_be_empty else "")
 
     @property
@@ -191,6 +195,7 @@ GRAVITY_TRIALS = TableFormat(
             "individual wrap angles [deg], separated by blanks",
             required=False,
             may_be_empty=True,
+            longest=30 * MOST_PULLEYS,
         ),
         Column(
             "acceleration_m_s2",

@@ -119,10 +119,7 @@ def _angles(trials: Table) -> list[Fault]:
     faults = []
     for row in np.flatnonzero(frame[column].notna()).tolist():
         count, mean = frame.loc[row, ["n_pulleys", "wrap_angle_deg"]]
-        try:
-            angles = individual_angles(str(frame.loc[row, column]))
-        except ValueError:
-            angles = np.array([np.nan])
+        angles = individual_angles(str(frame.loc[row, column]))
         inside = bool(((angles >= 0) & (angles <= LARGEST_WRAP_DEG)).all())
         if not inside:
             expected = f"numbers from 0 to {LARGEST_WRAP_DEG:g}, separated by blanks"
@@ -157,7 +154,8 @@ def _events(events: Table, rig: RigConstants) -> list[Fault]:
         return []
     faults: list[Fault] = []
     train = events.frame.groupby(keys, sort=False).ngroup()
-    few = ~train.duplicated() & (train.groupby(train).transform("size") < MINIMUM_EVENTS)
+    size = train.groupby(train).transform("size") + _of_unknown_end(events.frame)
+    few = ~train.duplicated() & train.ge(0) & (size < MINIMUM_EVENTS)
     positions = np.flatnonzero(few)
     for position in positions[:LISTED].tolist():
         trial, sensor = events.frame.loc[position, keys]
@@ -166,6 +164,13 @@ def _events(events: Table, rig: RigConstants) -> list[Fault]:
         faults += events.text.faults_at([position], "trial", expected)
     faults = with_rest(faults, len(positions) - len(faults))
     return faults + _not_increasing(events, train, keys) + _displacements(events, train, rig)
+
+
+def _of_unknown_end(events: pd.DataFrame) -> "pd.Series[int]":
+    """Return how many rows at fault may be a row's neighbours: of its trial, or of any."""
+    trial, endless = events["trial"], events["sensor"].isna()
+    by_trial = trial[endless].value_counts()
+    return trial.astype(object).map(by_trial).fillna(0).astype(int) + int(trial.isna().sum())
 
 
 def _conventions(points: Table) -> list[Fault]:

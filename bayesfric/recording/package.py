@@ -9,8 +9,9 @@ from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
+from bayesfric.characters import code_of, invisible_in
 from bayesfric.errors import Fault, near
-from bayesfric.recording.columns import LARGEST_INTEGER
+from bayesfric.recording.columns import LARGEST_INTEGER, LONGEST_NAME
 from bayesfric.recording.csv_text import LISTED, with_rest
 from bayesfric.recording.json_text import dotted, parse_json_object, shown
 from bayesfric.recording.tables import STANDARD_GRAVITY, Pulley, RigConstants
@@ -99,6 +100,18 @@ def _at_most(bound: float, unit: str, mistake: str) -> AfterValidator:
     return AfterValidator(check)
 
 
+def _seen(name: str) -> str:
+    if len(name) > LONGEST_NAME:
+        raise ValueError(f"text of at most {LONGEST_NAME} characters that can be seen")
+    return _legible(name)
+
+
+def _legible(name: str) -> str:
+    if (unseen := invisible_in(name)) is not None:
+        raise ValueError(f"text that can be seen; {code_of(unseen)[1:-1]} cannot be")
+    return name
+
+
 Positive = Annotated[float, Field(gt=0)]
 Length = Annotated[float, Field(gt=0), _at_most(2.0, "m", "millimetres")]
 Mass = Annotated[float, Field(gt=0), _at_most(10.0, "kg", "grams")]
@@ -108,6 +121,7 @@ Count = Annotated[int, BeforeValidator(_whole), Field(ge=1, le=LARGEST_INTEGER)]
 NotNegative = Annotated[float, Field(ge=0)]
 Angle = Annotated[float, Field(ge=0, le=180)]
 Text = Annotated[str, Field(pattern=r"\S")]
+Name = Annotated[Text, AfterValidator(_seen)]
 Pair = Annotated[list[Number], Field(min_length=2, max_length=2), AfterValidator(_ordered)]
 
 
@@ -116,7 +130,7 @@ class _Strict(BaseModel):
 
 
 class _Header(_Strict):
-    name: Text
+    name: Annotated[Text, AfterValidator(_legible)]
     title: Text
     created: Annotated[str, AfterValidator(_iso8601)] | None = None
 
@@ -147,7 +161,7 @@ class _Rig(_Strict):
     timer_resolution_s: Resolution | None = None
     motor_torque_constant_n_m_per_a: Positive | None = None
     capstan_radius_m: Length | None = None
-    pulleys: dict[str, _Pulley] | None = None
+    pulleys: dict[Name, _Pulley] | None = None
     limits: _Limits | None = None
     moving_mass_kg: Positive | None = None
     encoder_resolution: Positive | None = None
@@ -267,7 +281,7 @@ def _checked(
         rule = EXPECTED.get(found["type"])
         expected = rule.format_map(found.get("ctx", {})) if rule else found["msg"]
         value = None if found["type"] == "missing" else shown(found["input"])
-        column = dotted((*place, *found["loc"]))
+        column = dotted((*place, *(part for part in found["loc"] if part != "[key]")))
         faults.append(Fault(PACKAGE_FILE, expected, column=column, value=value))
     wrong = {found["loc"][0] for found in errors if found["loc"]}
     if not wrong or not isinstance(raw, dict):
