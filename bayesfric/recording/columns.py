@@ -7,7 +7,15 @@ from it, and ``docs/recording.md`` says the same in prose.
 from dataclasses import dataclass
 from typing import Literal
 
-__all__ = ["BUILT_IN", "LARGEST", "LONGEST_NAME", "RIG_KEYS_NEEDED", "TABLES", "Column", "TableFormat"]
+__all__ = [
+    "BUILT_IN",
+    "LARGEST",
+    "LONGEST_NAME",
+    "RIG_KEYS_NEEDED",
+    "TABLES",
+    "Column",
+    "TableFormat",
+]
 
 MOST_PULLEYS = 1000  # the paper has 19
 LARGEST = 1e12  # of any number, in SI: its square and its cube are still numbers

@@ -251,9 +251,7 @@ def _unlike(
     return text.faults_at(positions, column.name, column.expected + expected)
 
 
-def _unlike_names(
-    text: TextTable, positions: npt.NDArray[np.intp], column: Column
-) -> list[Fault]:
+def _unlike_names(text: TextTable, positions: npt.NDArray[np.intp], column: Column) -> list[Fault]:
     """Return one fault for each name that is none, however many rows have it."""
     cells = text.cells[column.name].iloc[positions]
     first = ~cells.duplicated().to_numpy()
@@ -262,9 +260,7 @@ def _unlike_names(
     for position in positions[first][:LISTED].tolist():
         name = text.cells[column.name].iloc[position]
         expected = column.expected + _why_no_name(name, column)
-        faults += with_rest(
-            text.faults_at([position], column.name, expected), int(rows[name]) - 1
-        )
+        faults += with_rest(text.faults_at([position], column.name, expected), int(rows[name]) - 1)
     shown = sum(1 + fault.like for fault in faults)
     if faults and first.sum() > LISTED:
         faults[-1:] = with_rest(faults[-1:], faults[-1].like + len(cells) - shown)

@@ -26,6 +26,7 @@ ROWS = (
     ("effects", "simulators"),
     ("rigs",),
     ("simulate",),
+    ("stored_names",),
     ("results",),
     ("fitting", "testing"),
     ("calibration",),
@@ -49,6 +50,7 @@ ONLY = {
     "arrays": set(),
     "errors": set(),
     "characters": set(),
+    "stored_names": set(),  # any tree
     "files": set(),
     "resources": set(),
     "checksum": set(),
