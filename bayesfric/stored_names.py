@@ -14,7 +14,7 @@ from typing import Any
 
 import xarray as xr
 
-__all__ = ["RESIDUALS", "name_of", "restored", "storable", "variable_of"]
+__all__ = ["RESIDUALS", "name_of", "restored", "storable", "tree_of", "variable_of"]
 
 _CODE = re.compile(r"%([0-9A-F]{2})")
 _LONGEST = 200  # bytes of a name; netCDF holds 256
@@ -47,6 +47,22 @@ def variable_of(name: str, taken: Collection[str] = ()) -> str:
 def name_of(variable: str) -> str:
     """Return the name that a variable was called by :func:`variable_of`."""
     return _CODE.sub(lambda code: chr(int(code[1], 16)), variable)
+
+
+def tree_of(groups: Mapping[str, xr.Dataset]) -> xr.DataTree:
+    """Return a tree of tables, whose variables are called by :func:`variable_of`.
+
+    Parameters
+    ----------
+    groups : mapping of str to Dataset
+        By the path of the group; variables by the names that users gave them.
+    """
+    return xr.DataTree.from_dict(
+        {
+            path: table.rename({name: variable_of(str(name)) for name in table.data_vars})
+            for path, table in groups.items()
+        }
+    )
 
 
 def storable(tree: xr.DataTree) -> xr.DataTree:

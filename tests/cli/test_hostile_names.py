@@ -7,6 +7,7 @@ import json
 from xml.etree import ElementTree
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 from recording.mini import Mini, write_files
@@ -21,8 +22,9 @@ from bayesfric.export.stored_law import StoredLaw
 from bayesfric.physics.friction import Coefficients
 from bayesfric.recording import read_recording
 from bayesfric.resources import reference_folder
-from bayesfric.results import read_json
+from bayesfric.results import read_json, read_tree
 from bayesfric.schemas import ClaimsFile
+from bayesfric.stored_names import name_of
 
 STEADY = "steady_friction.csv"
 NAMES = [text for text in HOSTILE if text != "a\ud800"]  # half a pair is refused as no Unicode
@@ -134,3 +136,36 @@ def test_an_exported_law_is_a_law_whatever_it_is_named():
             )
             assert [one.tag for one in made.iter()] == [one.tag for one in other.iter()]
         assert json.loads(export_text(law, "json").encode())["recording"] == text
+
+
+def test_a_run_ends_well_whatever_sizes_and_covariates_are_named(tmp_path):
+    """Slashes, 300 bytes, and names of the file's own."""
+    rng = np.random.default_rng(4)
+    names = ["flow_l/min", "residual_n", "中" * 100]
+    sizes = ["a/b", "medium", "\N{DIVISION SLASH}"]
+    tension = np.tile(np.linspace(5.0, 30.0, 8), 3)
+    columns = {
+        "run": [f"r/{i}" for i in range(24)],
+        "pulley_size": np.repeat(sizes, 8),
+        "n_pulleys": 9,
+        "wrap_angle_deg": 85,
+        "tension_n": tension,
+        "friction_n": 0.2 + 0.05 * tension + rng.normal(0, 0.01, 24),
+    }
+    columns |= {name: rng.normal(size=24).round(3) for name in names}
+    mini = Mini().keep(STEADY)
+    mini.package["rig"] = {}
+    folder = mini.write(tmp_path / "points")
+    pd.DataFrame(columns).to_csv(folder / STEADY, index=False)
+    settings = tmp_path / "analysis.toml"
+    settings.write_text("[sampler]\nburn = 20\nsteps = 50\nthin = 2\nextensions = 0\n")
+    out = tmp_path / "out"
+    for verb in ("fit", "diagnose"):
+        lines_of(verb, folder, "-o", out, "--config", settings, "--quiet")
+    lines_of("report", out)
+    assert (out / "report.pdf").is_file()
+    residuals = read_tree(out / "diagnosis.nc")["residuals"].to_dataset()
+    stored = {name_of(str(name)) for name in residuals.data_vars}
+    assert {*names} <= stored
+    for form in ("python", "json", "mjcf"):
+        lines_of("export", out, "--to", form)
