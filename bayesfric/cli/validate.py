@@ -31,6 +31,10 @@ def validate(
     found = read_recording(recording)
     for label, text in describe_recording(found):
         say(f"{label:<16} {text}")
+    from bayesfric.rigs.opening import left_out
+
+    for fault in left_out(found):
+        say(f"note: left out: {fault}", err=True)
     for note in found.notes:
         say(f"note: {note}", err=True)
     if power:

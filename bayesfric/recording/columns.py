@@ -9,8 +9,10 @@ from typing import Literal
 
 __all__ = [
     "BUILT_IN",
+    "HOTTEST_C",
     "LARGEST",
     "LONGEST_NAME",
+    "OTHER_NAMES",
     "RIG_KEYS_NEEDED",
     "TABLES",
     "Column",
@@ -133,6 +135,8 @@ class TableFormat:
         """Resource name, such as ``gravity-trials``."""
         return self.file.removesuffix(".csv").replace("_", "-")
 
+
+HOTTEST_C = 250.0  # of a joint that runs, and below any room in kelvin
 
 RUN = Column("run", "id", "unique id of the run", unique=True)
 ORDER = Column("order", "integer", "place in the order of measuring", required=False, unique=True)
@@ -277,7 +281,27 @@ AXIS_SAMPLES = TableFormat(
         Column("run", "id", "run of the sample"),
         TIME,
         Column("position_m", "number", "position", "m"),
-        Column("force_n", "number", "drive force", "N"),
+        Column("force_n", "number", "drive force", "N", required=False),
+        Column("joint", "id", "joint of the sample", required=False),
+        Column("force_time_s", "number", "time of the force", "s", required=False),
+        Column(
+            "known_force_n",
+            "number",
+            "drive force by the user's rigid-body model",
+            "N",
+            required=False,
+        ),
+        Column("command_m", "number", "commanded position", "m", required=False),
+        Column("command_time_s", "number", "time of the command", "s", required=False),
+        Column(
+            "temperature_c",
+            "number",
+            "temperature of the joint",
+            "°C",
+            required=False,
+            least=-100.0,
+            most=HOTTEST_C,
+        ),
         Column("sim_force_n", "number", "force of the user's simulator", "N", required=False),
         Column("sim_position_m", "number", "position of the user's simulator", "m", required=False),
     ),
@@ -298,6 +322,9 @@ TABLES = {
 
 BUILT_IN = frozenset(TABLES)
 """Tables with a field of their own in a recording; a rig that is added may bring others."""
+
+OTHER_NAMES = {"command_rad": "command_m"}
+"""Columns of a rotary axis, and what they are called in a recording."""
 
 RIG_KEYS_NEEDED = {
     "gravity_events.csv": ("hall_spacing_m", "magnets_per_revolution", "timer_resolution_s"),

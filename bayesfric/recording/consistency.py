@@ -8,6 +8,7 @@ import pandas as pd
 from bayesfric.errors import Fault
 from bayesfric.recording.csv_text import LISTED, with_rest
 from bayesfric.recording.frames import did_not_move, individual_angles
+from bayesfric.recording.joint_rules import faults_of_samples, joint_of_run
 from bayesfric.recording.schemas import Table
 from bayesfric.recording.spacing import printed_tolerance, spacing_counts
 from bayesfric.recording.steady_signs import MANY, pushing
@@ -54,7 +55,10 @@ def check_across(
         faults += _conventions(points)
     runs, samples = tables.get("axis_runs.csv"), tables.get("axis_samples.csv")
     if samples and samples.has("run"):
-        faults += _not_increasing(samples, samples.frame["run"], ["run"])
+        keys = joint_of_run(samples)
+        group = samples.frame.groupby(keys, sort=False, observed=True).ngroup()
+        faults += _not_increasing(samples, group, keys)
+    faults += faults_of_samples(tables, rig)
     if runs and samples:
         faults += _unknown(samples, runs, "run") + _runs_without_samples(runs, samples)
     return faults

@@ -5,8 +5,8 @@ import csv
 import io
 import re
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TypeAlias
 
@@ -60,6 +60,8 @@ class TextTable:
         Positions of the rows of the wrong length, and of comments: their fault is told already.
     faults : tuple of Fault
         Rows of the wrong length and repeated column names.
+    written : mapping of str to str
+        Columns that the file calls otherwise, by the name of the format.
     """
 
     file: str
@@ -68,6 +70,7 @@ class TextTable:
     unnamed: int
     ragged: frozenset[int]
     faults: tuple[Fault, ...]
+    written: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property
     def is_ragged(self) -> Flags:
@@ -93,7 +96,7 @@ class TextTable:
         lines = self.lines[shown].tolist()
         values = self.cells[column].iloc[shown]
         faults = [
-            Fault(self.file, expected, line, column, value)
+            Fault(self.file, expected, line, self.written.get(column, column), value)
             for line, value in zip(lines, values, strict=True)
         ]
         return with_rest(faults, len(positions) - len(shown))

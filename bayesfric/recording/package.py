@@ -14,7 +14,7 @@ from bayesfric.errors import Fault, near
 from bayesfric.recording.columns import LARGEST_INTEGER, LONGEST_NAME
 from bayesfric.recording.csv_text import LISTED, with_rest
 from bayesfric.recording.json_text import dotted, parse_json_object, shown
-from bayesfric.recording.tables import STANDARD_GRAVITY, Pulley, RigConstants
+from bayesfric.recording.tables import STANDARD_GRAVITY, Pulley, RigConstants, Robot
 
 __all__ = ["PACKAGE_FILE", "Package", "Resource", "parse_package"]
 
@@ -91,6 +91,12 @@ def _inside(path: str) -> str:
     return PurePosixPath(path).as_posix()
 
 
+def _model_file(path: str) -> str:
+    if PurePosixPath(path).suffix.lower() not in (".urdf", ".xml", ".mjcf"):
+        raise ValueError("a file of URDF or MJCF: .urdf, .xml or .mjcf")
+    return path
+
+
 def _at_most(bound: float, unit: str, mistake: str) -> AfterValidator:
     def check(value: float) -> float:
         if value > bound:
@@ -116,6 +122,8 @@ Positive = Annotated[float, Field(gt=0)]
 Length = Annotated[float, Field(gt=0), _at_most(2.0, "m", "millimetres")]
 Mass = Annotated[float, Field(gt=0), _at_most(10.0, "kg", "grams")]
 Resolution = Annotated[float, Field(gt=0), _at_most(0.5, "s", "milliseconds or microseconds")]
+Share = Annotated[float, Field(gt=0), _at_most(1.0, "times the force", "percent")]
+Delay = Annotated[float, Field(ge=0), _at_most(2.0, "s", "milliseconds or microseconds")]
 Gravity = Annotated[float, Field(gt=0), _at_most(100.0, "m/s²", "mm/s²")]
 Count = Annotated[int, BeforeValidator(_whole), Field(ge=1, le=LARGEST_INTEGER)]
 NotNegative = Annotated[float, Field(ge=0)]
@@ -154,6 +162,11 @@ class _Limits(_Strict):
     masses_kg: list[Positive] | None = None
 
 
+class _Robot(_Strict):
+    model: Annotated[Text, AfterValidator(_inside), AfterValidator(_model_file)]
+    joints: Annotated[dict[Name, Text], Field(min_length=1)]
+
+
 class _Rig(_Strict):
     gravity_m_s2: Gravity | None = None
     hall_spacing_m: Length | None = None
@@ -164,8 +177,17 @@ class _Rig(_Strict):
     pulleys: dict[Name, _Pulley] | None = None
     limits: _Limits | None = None
     moving_mass_kg: Positive | None = None
+    mass_sd_kg: Positive | None = None
     encoder_resolution: Positive | None = None
-    force_is: Literal["commanded", "measured"] | None = None
+    force_is: Literal["commanded", "motor", "link", "measured", "unknown"] | None = None
+    robot: _Robot | None = None
+    other_joints: Literal["still", "logged", "moving", "unknown"] | None = None
+    force_gain_sd: Share | None = None
+    known_force_sd: Positive | None = None
+    command_gain: Positive | None = None
+    force_limit_n: Positive | None = None
+    sample_hold_s: Resolution | None = None
+    latency_s: Delay | None = None
     rotary: bool | None = None
 
 
@@ -297,7 +319,8 @@ def _checked(
 def _rig(keys: dict[str, Any]) -> RigConstants:
     pulleys = {size: Pulley(**pulley) for size, pulley in keys.pop("pulleys", {}).items()}
     gravity = keys.pop("gravity_m_s2", STANDARD_GRAVITY)
-    return RigConstants(gravity_m_s2=gravity, pulleys=pulleys, **keys)
+    robot = Robot(**keys.pop("robot")) if "robot" in keys else None
+    return RigConstants(gravity_m_s2=gravity, pulleys=pulleys, robot=robot, **keys)
 
 
 def _resources(content: dict[str, Any], faults: list[Fault]) -> tuple[Resource, ...]:
@@ -334,4 +357,7 @@ def _unknown_rig_keys(rig: dict[str, Any]) -> list[str]:
         if isinstance(pulley, dict):
             keys = [key for key in pulley if key not in _Pulley.model_fields]
             unknown += [f"rig.pulleys.{size}.{key}" for key in keys]
+    robot = rig.get("robot")
+    if isinstance(robot, dict):
+        unknown += [f"rig.robot.{key}" for key in robot if key not in _Robot.model_fields]
     return unknown

@@ -6,7 +6,7 @@ that every fault keeps its line and its value as written.
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +14,15 @@ import pandas as pd
 
 from bayesfric.characters import code_of, invisible_in
 from bayesfric.errors import Fault, InputError, near
-from bayesfric.recording.columns import LARGEST, LONGEST_NAME, TABLES, Column, TableFormat
+from bayesfric.recording.columns import (
+    HOTTEST_C,
+    LARGEST,
+    LONGEST_NAME,
+    OTHER_NAMES,
+    TABLES,
+    Column,
+    TableFormat,
+)
 from bayesfric.recording.csv_text import LISTED, TextTable, with_rest
 from bayesfric.recording.numbers import cause_of, is_decimal, one_cause, to_numbers
 
@@ -80,6 +88,7 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
         it holds units.
     """
     _check_names(text)
+    text = _by_names_of(text, table)
     _check_header(text, table)
     _check_units(text, table)
     known: dict[str, pd.Series] = {}
@@ -127,6 +136,26 @@ def _check_names(text: TextTable) -> None:
         faults.append(Fault(text.file, expected, row=1, value=name))
     if faults:
         raise InputError(with_rest(faults[:LISTED], len(faults[LISTED:])))
+
+
+def _by_names_of(text: TextTable, table: TableFormat) -> TextTable:
+    """Return a table with the names of the format in the place of others that it may have.
+
+    Raises
+    ------
+    InputError
+        A column is there by both of its names.
+    """
+    columns = {column.name for column in table.columns}
+    others = {o: n for o, n in OTHER_NAMES.items() if o in text.cells and n in columns}
+    if twice := [other for other, name in others.items() if name in text.cells]:
+        raise InputError(
+            [Fault(text.file, f"{OTHER_NAMES[o]} or {o}, not both", 1, o) for o in twice]
+        )
+    if not others:
+        return text
+    written = {name: other for other, name in others.items()}
+    return replace(text, cells=text.cells.rename(columns=others), written=written)
 
 
 def _check_header(text: TextTable, table: TableFormat) -> None:
@@ -246,6 +275,9 @@ def _unlike(
     """Return the faults of cells that no cause is known for."""
     if column.is_text:
         return _unlike_names(text, positions, column)
+    if column.name == "temperature_c" and (values > HOTTEST_C).mean() > 0.5:
+        expected = f"{column.expected} (is it in kelvin?)"
+        return with_rest(text.faults_at(positions[:1], column.name, expected), len(positions) - 1)
     too_large = column.kind == "number" and (values.abs() > LARGEST).any()
     expected = f", of {LARGEST:g} at most in size" if too_large else ""
     return text.faults_at(positions, column.name, column.expected + expected)

@@ -1,6 +1,6 @@
 """What a rig has when it says nothing of its own: no rules, no path, nothing beyond its trials."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Self
 
 import pandas as pd
@@ -8,8 +8,9 @@ import xarray as xr
 
 from bayesfric.arrays import Array
 from bayesfric.effects import Effect
+from bayesfric.errors import Fault
 from bayesfric.physics.cable import Cable
-from bayesfric.recording.tables import RigConstants
+from bayesfric.recording.tables import Recording, RigConstants
 from bayesfric.rigs.base import Predictive, Resting, Simulated, Unsupported
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.own_design import OwnDesign
@@ -25,6 +26,11 @@ class PlainRig:
     """A rig that no protocol lays out; see :class:`bayesfric.rigs.base.Rig`."""
 
     own_design: OwnDesign | None = None
+
+    def left_out(self, recording: Recording) -> Sequence[Fault]:
+        """Return nothing: no rule keeps a trial from entering."""
+        del recording
+        return ()
 
     def change(
         self, effect: Effect, design: Protocol, constants: RigConstants, truth: Truth

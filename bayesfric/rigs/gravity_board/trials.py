@@ -14,10 +14,12 @@ from bayesfric.arrays import Array
 from bayesfric.effects import Effect
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
+from bayesfric.errors import Fault
 from bayesfric.physics.cable import Cable
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import nominal_tension
 from bayesfric.physics.laws import BASELINES, FrictionLaw
+from bayesfric.recording.csv_text import LISTED, with_rest
 from bayesfric.recording.tables import Gravity, Recording, RigConstants
 from bayesfric.rigs.base import Predictive, Regime, Resting, Simulated, Unsupported, Words
 from bayesfric.rigs.changes import Change
@@ -70,6 +72,17 @@ class GravityBoard:
         return GravityTrials(
             recording.rig, screened.gravity, screened, recording.gravity, screened.at_rest
         )
+
+    def left_out(self, recording: Recording) -> list[Fault]:
+        """Return the trials that the rules of :mod:`.screening` leave out, and by which."""
+        if recording.gravity is None:
+            return []
+        excluded = screen_trials(recording.gravity, recording.rig).excluded
+        faults = [
+            Fault("gravity_trials.csv", f"a trial that enters; {rule}: {RULES[rule]}", None, trial)
+            for trial, rule in excluded.items()
+        ]
+        return with_rest(faults[:LISTED], len(faults[LISTED:]))
 
     def change(
         self, effect: Effect, design: Protocol, constants: RigConstants, truth: Truth

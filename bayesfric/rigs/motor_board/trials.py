@@ -12,6 +12,7 @@ from bayesfric.analysis import Analysis
 from bayesfric.effects import Effect
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
+from bayesfric.errors import Fault
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, FrictionLaw
 from bayesfric.recording.tables import Motor, Recording, RigConstants
@@ -52,6 +53,11 @@ class MotorBoard:
         if recording.motor is None:
             return None
         return MotorRuns(recording.rig, recording.motor, _by_trial(recording.motor.runs))
+
+    def left_out(self, recording: Recording) -> tuple[Fault, ...]:
+        """Return nothing: all runs enter."""
+        del recording
+        return ()
 
     def change(
         self, effect: Effect, design: Protocol, constants: RigConstants, truth: Truth
