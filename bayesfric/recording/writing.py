@@ -180,7 +180,9 @@ def _rig(rig: RigConstants) -> dict[str, Any]:
     keys["limits"] = dict(rig.limits)
     if rig.robot is not None:
         keys["robot"] = {"model": rig.robot.model, "joints": dict(rig.robot.joints)}
-    return {key: value for key, value in keys.items() if value not in (None, {}, False)}
+    return {
+        key: value for key, value in keys.items() if not (value in (None, {}) or value is False)
+    }
 
 
 def _resource(table: TableFormat, frame: pd.DataFrame, rotary: bool) -> dict[str, Any]:
