@@ -17,7 +17,7 @@ import pandas as pd
 from bayesfric.arrays import Flags
 from bayesfric.errors import Fault, InputError
 
-__all__ = ["LISTED", "TextTable", "decode_utf8", "parse_csv", "with_rest"]
+__all__ = ["LISTED", "TextTable", "decode_utf8", "parse_csv", "with_more", "with_rest"]
 
 Cells: TypeAlias = Sequence[str] | npt.NDArray[np.object_]
 """A column as text."""
@@ -105,6 +105,11 @@ class TextTable:
 def with_rest(faults: list[Fault], rest: int) -> list[Fault]:
     """Let the last fault stand for `rest` more that are like it."""
     return [*faults[:-1], replace(faults[-1], like=rest)] if faults and rest else faults
+
+
+def with_more(faults: list[Fault], more: int) -> list[Fault]:
+    """Let the last fault stand for `more` beyond those that it stands for already."""
+    return with_rest(faults, faults[-1].like + more) if faults and more else faults
 
 
 def decode_utf8(file: str, data: bytes) -> str:

@@ -122,6 +122,7 @@ Positive = Annotated[float, Field(gt=0)]
 Length = Annotated[float, Field(gt=0), _at_most(2.0, "m", "millimetres")]
 Mass = Annotated[float, Field(gt=0), _at_most(10.0, "kg", "grams")]
 Resolution = Annotated[float, Field(gt=0), _at_most(0.5, "s", "milliseconds or microseconds")]
+Step = Annotated[float, Field(gt=0), _at_most(2.0, "m or rad", "millimetres or degrees")]
 Share = Annotated[float, Field(gt=0), _at_most(1.0, "times the force", "percent")]
 Delay = Annotated[float, Field(ge=0), _at_most(2.0, "s", "milliseconds or microseconds")]
 Gravity = Annotated[float, Field(gt=0), _at_most(100.0, "m/s²", "mm/s²")]
@@ -178,7 +179,7 @@ class _Rig(_Strict):
     limits: _Limits | None = None
     moving_mass_kg: Positive | None = None
     mass_sd_kg: Positive | None = None
-    encoder_resolution: Positive | None = None
+    encoder_resolution: Step | None = None
     force_is: Literal["commanded", "motor", "link", "measured", "unknown"] | None = None
     robot: _Robot | None = None
     other_joints: Literal["still", "logged", "moving", "unknown"] | None = None

@@ -23,7 +23,7 @@ from bayesfric.recording.columns import (
     Column,
     TableFormat,
 )
-from bayesfric.recording.csv_text import LISTED, TextTable, with_rest
+from bayesfric.recording.csv_text import LISTED, TextTable, with_more, with_rest
 from bayesfric.recording.numbers import cause_of, is_decimal, one_cause, to_numbers
 
 __all__ = ["Table", "check_cells"]
@@ -293,10 +293,7 @@ def _unlike_names(text: TextTable, positions: npt.NDArray[np.intp], column: Colu
         name = text.cells[column.name].iloc[position]
         expected = column.expected + _why_no_name(name, column)
         faults += with_rest(text.faults_at([position], column.name, expected), int(rows[name]) - 1)
-    shown = sum(1 + fault.like for fault in faults)
-    if faults and first.sum() > LISTED:
-        faults[-1:] = with_rest(faults[-1:], faults[-1].like + len(cells) - shown)
-    return faults
+    return with_more(faults, len(cells) - sum(1 + fault.like for fault in faults))
 
 
 def _why_no_name(name: str, column: Column) -> str:

@@ -63,6 +63,12 @@ SLIPS = {
     "a missing cell": (TRIALS, lambda t: t.replace("medium,9,85,1.60", "medium,85,1.60"), "cells"),
     "a missing sensor": (EVENTS, lambda t: t.replace("g1,drive,0.0098", "g1,0.0098"), "4 cells"),
     "a wrong sensor": (EVENTS, lambda t: t.replace("g1,drive,0.0098", "g1,middle,0.0098"), "load"),
+    "a first sensor": (EVENTS, lambda t: t.replace("g1,drive", "g1,left", 1), "drive or load"),
+    "a mistyped trial": (
+        EVENTS,
+        lambda t: t.replace("g1,drive", "g9,drive", 1),
+        "a trial of gravity_tr",
+    ),
     "thousands": (STEADY, lambda t: t.replace("15.5", '"1,015.5"'), "separator of thousands"),
     "thousands by a blank": (SAMPLES, lambda t: t.replace("0.02,", "1 000.02,"), "of thousands"),
     "thousands by a thin blank": (STEADY, lambda t: t.replace("15.5", "1\u2009015.5"), "thousands"),
@@ -95,6 +101,26 @@ def test_a_slip_is_one_line_that_names_it(tmp_path: Path, slip: str) -> None:
     faults = faults_after(tmp_path, file, edit)
     assert [fault.file for fault in faults] == [file], [str(fault) for fault in faults]
     assert said in faults[0].expected
+
+
+def test_a_spacing_that_no_event_has_is_one_line(tmp_path: Path) -> None:
+    mini = Mini()
+    mini.package["rig"]["hall_spacing_m"] = 0.0099
+    with pytest.raises(InputError, match="is that the spacing of these events") as caught:
+        read_recording(mini.write(tmp_path))
+    assert len(caught.value.faults) == 1
+    assert caught.value.faults[0].like == 11
+
+
+def test_a_unit_of_the_spacing_is_told_once(tmp_path: Path) -> None:
+    """Displacements in the same wrong unit are no second fault."""
+    mini = Mini()
+    mini.package["rig"]["hall_spacing_m"] = 9.8
+    for line, row in enumerate(mini.rows[EVENTS][1:], start=2):
+        mini.set(EVENTS, line, "displacement_m", f"{1000 * float(row[2]):g}")
+    with pytest.raises(InputError, match="millimetres") as caught:
+        read_recording(mini.write(tmp_path))
+    assert len(caught.value.faults) == 1
 
 
 def test_two_causes_are_two_lines(tmp_path: Path) -> None:
