@@ -1,15 +1,20 @@
 """Which characters of a user's text are shown, and what stands for one that is not.
 
-A name that a user chose may hold anything, so no character may act on the terminal, reorder
-the words around it, stop a report or vanish from it: it is shown by its code, ``[U+202E]``.
+What a user wrote may hold anything, so no character may act on the terminal, reorder the words
+around it, stop a report or vanish from it: it is shown by its code, ``[U+202E]``. A name by
+which rows are told apart may hold none of these to begin with: two names that look alike would
+be two trials.
 """
 
 import re
 import unicodedata
 
-__all__ = ["code_of", "legible"]
+__all__ = ["code_of", "invisible_in", "legible"]
 
 _LINE_END = re.compile(r"\r\n|[\n\r]")
+_UNSEEN = frozenset({"Cc", "Cf", "Cs", "Zl", "Zp"})  # controls, marks, halves, ends of lines
+_FILLERS = frozenset("\u034f\u115f\u1160\u17b4\u17b5\u180b\u180c\u180d\u180f\u3164\uffa0")
+"""Letters and marks that Unicode lets nobody see."""
 _BLANKS = re.compile(r"[\t\n\v\f\r\x85\u2028\u2029]+")
 
 
@@ -40,3 +45,17 @@ def legible(text: str, lines: bool = False) -> str:
 def code_of(char: str) -> str:
     """Return what stands for a character: its number in Unicode."""
     return f"[U+{ord(char):04X}]"
+
+
+def invisible_in(name: str) -> str | None:
+    """Return the first character of a name that nobody sees, or that acts; None without one.
+
+    Parameters
+    ----------
+    name : str
+        Printable text and blanks are what it may hold.
+    """
+    if name.isascii() and name.isprintable():
+        return None
+    unseen = (c for c in name if c in _FILLERS or unicodedata.category(c) in _UNSEEN)
+    return next(unseen, None)

@@ -30,6 +30,7 @@ from bayesfric.recording.tables import Recording
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.data import Data
+from bayesfric.rigs.opening import left_out as why_left_out
 from bayesfric.rigs.opening import with_own_priors
 
 __all__ = ["Power", "power"]
@@ -114,7 +115,7 @@ def power(recording: Recording, analysis: Analysis | None = None) -> Power:
     data = Data(tuple(one for one in planned.values() if one is not None))
     if not data.rigs:
         there = " and ".join(one.rig.words.rig for one in opened)
-        raise InputError([Fault(recording.name, NEEDED, value=there)])
+        raise InputError([Fault(recording.name, NEEDED, value=there), *why_left_out(recording)])
     left_out = {name: "its trials are not laid out" for name, one in planned.items() if one is None}
     with threadpool_limits(limits=1):
         model, missing = _model(data, laws, analysis)

@@ -30,6 +30,7 @@ from bayesfric.interrupts import uninterrupted
 from bayesfric.observation.coefficients import NO_PULLEY, coefficient_name, law_of
 from bayesfric.physics.friction import Coefficients
 from bayesfric.schemas import FitFile, Provenance, RecordingId
+from bayesfric.stored_names import restored, storable, variable_of
 
 __all__ = [
     "created_date",
@@ -49,6 +50,7 @@ __all__ = [
 ]
 
 Record = TypeVar("Record", bound=BaseModel)
+Value = TypeVar("Value")
 File = TypeVar("File", bound=Provenance)
 ARRAYS = {
     "fit.json": ("draws.nc", "predictive.nc"),
@@ -147,8 +149,8 @@ def draws_tree(
         Without the date that ArviZ would stamp on it.
     """
     tree = arviz_base.from_dict(
-        {name: dict(group) for name, group in groups.items()},
-        dims=dict(dims),
+        {name: _by_variable(group) for name, group in groups.items()},
+        dims=_by_variable(dims),
         coords=dict(coords),
         check_conventions=False,  # many walkers: more chains than draws is meant
     )
@@ -157,11 +159,16 @@ def draws_tree(
         if group.sizes.get("chain") == len(ensemble):  # the prior has no ensembles
             group = group.assign_coords(ensemble=("chain", ensemble))
         group.attrs = {}
-        for variable in group.data_vars.keys() & (units or {}).keys():
-            group[variable].attrs["units"] = (units or {})[str(variable)]
+        told = _by_variable(units or {})
+        for variable in group.data_vars.keys() & told.keys():
+            group[variable].attrs["units"] = told[str(variable)]
         tree[name] = xr.DataTree(group)
     tree.attrs = dict(attributes)
     return tree
+
+
+def _by_variable(named: Mapping[str, Value]) -> dict[str, Value]:
+    return {variable_of(name): value for name, value in named.items()}
 
 
 def identified(record: File) -> File:
@@ -176,8 +183,8 @@ def identified(record: File) -> File:
 
 def write_netcdf(tree: xr.DataTree, path: Path, run_id: str = "") -> None:
     """Write a tree as netCDF-4, compressed, with its run id and a checksum, without times."""
-    tree = tree.copy()
-    tree.attrs = tree.attrs | {"run_id": run_id, "layout": _layout(tree)}
+    tree, layout = storable(tree), _layout(tree)
+    tree.attrs = tree.attrs | {"run_id": run_id, "layout": layout}
     encoding = {
         f"/{node.path.strip('/')}": {
             # Where the checksum of the file is lost, those of its arrays are left.
@@ -249,7 +256,7 @@ def read_tree(path: Path) -> xr.DataTree:
             raise InputError([_not_netcdf(path, "a folder" if path.is_dir() else "no such file")])
         _check_bytes(path)
         with xr.open_datatree(path, engine=ENGINE) as tree:
-            found = tree.load()
+            found = restored(tree.load())
     except InputError:
         raise
     except Exception as error:  # whatever the libraries make of bytes that are damaged

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from bayesfric.claims.studies import Studied, Task
+from bayesfric.stored_names import variable_of
 
 __all__ = ["NOT_BEST", "models_kept"]
 
@@ -46,7 +47,10 @@ def models_kept(studied: Mapping[Task, Studied], chosen: Collection[Task]) -> di
         chains, draws, _ = one.kept.log_likelihood.shape
         place = {"chain": np.arange(chains), "draw": np.arange(draws)}
         groups[f"models/{names[task]}/posterior"] = xr.Dataset(
-            {name: (("chain", "draw"), values) for name, values in one.kept.theta.items()},
+            {
+                variable_of(name): (("chain", "draw"), values)
+                for name, values in one.kept.theta.items()
+            },
             coords=place,
         )
         groups[f"models/{names[task]}/log_likelihood"] = xr.Dataset(

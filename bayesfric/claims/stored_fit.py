@@ -8,6 +8,7 @@ from bayesfric.claims.entered import PAPER
 from bayesfric.recording.tables import Recording
 from bayesfric.results import read_beside, read_json
 from bayesfric.schemas import FitFile
+from bayesfric.stored_names import name_of
 
 __all__ = ["current_posterior"]
 
@@ -53,5 +54,5 @@ def current_posterior(
             for size in posterior["pulley"].to_numpy():
                 draws[f"{name}[{size}]"] = variable.sel(pulley=size).to_numpy().ravel()
         else:
-            draws[str(name)] = variable.to_numpy().ravel()
+            draws[name_of(str(name))] = variable.to_numpy().ravel()
     return {summary.rigs[0]: draws}

@@ -34,6 +34,10 @@ def validate(
         say(f"{label:<16} {text}")
     for label, text in remarks_of(found):
         say(f"{label:<16} {text}")
+    from bayesfric.rigs.opening import left_out
+
+    for fault in left_out(found):
+        say(f"note: left out: {fault}", err=True)
     for note in found.notes:
         say(f"note: {note}", err=True)
     if power:

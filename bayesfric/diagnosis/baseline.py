@@ -14,7 +14,7 @@ from bayesfric.physics.laws import FrictionLaw
 from bayesfric.recording.tables import Recording
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.data import Data
-from bayesfric.rigs.opening import beside_simulator, diagnosed_law
+from bayesfric.rigs.opening import beside_simulator, diagnosed_law, left_out
 from bayesfric.simulators import SimulatorCalls
 
 __all__ = ["data_of", "fitted_baseline"]
@@ -39,7 +39,8 @@ def data_of(
     data = Data(tuple(one for one in rigs if not one.table.empty))
     if not data.rigs:
         names = " or ".join(dict.fromkeys(rig.words.trial for rig in all_rigs().values()))
-        raise InputError([Fault(recording.name, f"a {names} that enters the diagnosis")])
+        none = Fault(recording.name, f"a {names} that enters the diagnosis")
+        raise InputError([none, *left_out(recording)])
     return data, law
 
 

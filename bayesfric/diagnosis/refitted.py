@@ -17,6 +17,7 @@ from bayesfric.diagnosis.acting import Acting
 from bayesfric.diagnosis.model import LinearModel
 from bayesfric.inference.priors import from_normal
 from bayesfric.physics.friction import Coefficients
+from bayesfric.stored_names import variable_of
 
 __all__ = ["RefittedLaw"]
 
@@ -95,7 +96,7 @@ class RefittedLaw:
             name: (("draw", "pulley"), self.coefficients[:, :, column])
             for column, name in enumerate(Coefficients._fields)
         }
-        tables |= {name: (("draw",), values) for name, values in self.scatter.items()}
+        tables |= {variable_of(name): (("draw",), values) for name, values in self.scatter.items()}
         drawn: dict[str, dict[str, Any]] = {
             "amplitude": self.amplitude,
             "shape": self.shape,

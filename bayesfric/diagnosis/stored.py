@@ -12,6 +12,7 @@ from bayesfric.diagnosis.refitted import RefittedLaw
 from bayesfric.diagnosis.residuals import AXES, Residuals
 from bayesfric.diagnosis.systematic import SMALLEST, Posterior, interval, left_of, shrink_of
 from bayesfric.schemas import Gap
+from bayesfric.stored_names import RESIDUALS, variable_of
 
 __all__ = ["curves_of", "floor_disagrees", "gap_of"]
 
@@ -151,7 +152,7 @@ def curves_of(held_out: HeldOut, amplitudes: Mapping[str, Array], law: RefittedL
                 "residual_after_n": ("row", held_out.after),
                 "noise_sd_n": ("row", np.sqrt(residuals.variance)),
                 **{
-                    name: ("row", values)
+                    variable_of(name, RESIDUALS): ("row", values)
                     for name, values in residuals.covariates.items()
                     if name in PLACES
                     or name not in AXES

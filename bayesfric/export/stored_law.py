@@ -12,6 +12,7 @@ from bayesfric.errors import Fault, InputError
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
 from bayesfric.results import fitted_coefficients, fitted_numbers, read_json, read_tree
 from bayesfric.schemas import Cause, DiagnosisFile, FitFile
+from bayesfric.stored_names import name_of
 
 __all__ = ["StoredLaw", "read_law"]
 
@@ -139,7 +140,7 @@ def _some_draws(posterior: xr.Dataset) -> dict[str, list[float]]:
             for size in posterior["pulley"].to_numpy():
                 flat[f"{name}[{size}]"] = variable.sel(pulley=size).to_numpy().ravel()
         else:
-            flat[str(name)] = variable.to_numpy().ravel()
+            flat[name_of(str(name))] = variable.to_numpy().ravel()
     count = next(iter(flat.values())).size
     chosen = np.unique(np.linspace(0, count - 1, MOST_DRAWS).astype(int))
     return {name: values[chosen].tolist() for name, values in flat.items()}

@@ -25,6 +25,7 @@ from bayesfric.inference.model import Model
 from bayesfric.inference.priors import LOG_2PI, log_density
 from bayesfric.observation.coefficients import sizes_of
 from bayesfric.results import draws_tree
+from bayesfric.stored_names import name_of
 
 __all__ = ["Stored", "draws_of_fit", "flat_attributes", "write_csv"]
 
@@ -227,7 +228,7 @@ def write_csv(tree: xr.DataTree, path: Path) -> None:
         further = [str(dim) for dim in variable.dims if dim != "sample"]
         labels = [posterior[dim].to_numpy() for dim in further]
         for one in product(*labels):
-            called = f"{name}[{','.join(map(str, one))}]" if further else str(name)
+            called = f"{name}[{','.join(map(str, one))}]" if further else name_of(str(name))
             columns[called] = variable.sel(dict(zip(further, one, strict=True))).to_numpy()
     index = pd.MultiIndex.from_arrays(
         [posterior["chain"].to_numpy(), posterior["draw"].to_numpy()], names=["chain", "draw"]

@@ -30,6 +30,7 @@ from bayesfric.margins.posterior import Posterior
 from bayesfric.physics.friction import Coefficients
 from bayesfric.results import read_beside, read_json
 from bayesfric.schemas import DiagnosisFile
+from bayesfric.stored_names import variable_of
 
 __all__ = ["Diagnosed", "read_diagnosed", "with_effects"]
 
@@ -111,7 +112,9 @@ def _refitted(table: xr.Dataset, fitted: Posterior) -> Posterior:
             for size in sizes
         },
         omega={
-            size: _values(table[own if (own := f"omega[{size}]") in table else scatter])
+            size: _values(
+                table[own if (own := variable_of(f"omega[{size}]")) in table else scatter]
+            )
             for size in sizes
         },
         effective_draws=min(fitted.effective_draws, float(np.unique(_values(table["c1"])).size)),

@@ -15,6 +15,7 @@ from bayesfric.inference.diagnostics import mean_ess
 from bayesfric.physics.friction import Coefficients
 from bayesfric.results import read_json, read_tree, refuse_mixed
 from bayesfric.schemas import ClaimsFile, FitFile, RecordingId
+from bayesfric.stored_names import name_of
 
 __all__ = [
     "Posterior",
@@ -111,7 +112,11 @@ def read_posterior(path: Path, tree: xr.DataTree | None = None) -> Posterior:
     if "posterior" not in tree.children:
         raise InputError([fault])
     table = tree["posterior"].to_dataset()
-    omegas = {name: name for name in map(str, table.data_vars) if name.partition("[")[0] == "omega"}
+    omegas = {
+        name_of(name): name
+        for name in map(str, table.data_vars)
+        if name.partition("[")[0] == "omega"
+    }
     dimensions = {"chain", "draw", "pulley"}
     if not ({"c1", "c2", "c3"} <= set(table.data_vars) and dimensions <= set(table.sizes)):
         raise InputError([fault])

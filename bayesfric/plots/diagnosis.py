@@ -14,6 +14,7 @@ from bayesfric.plots.labels import axis_words, plain
 from bayesfric.plots.style import COLORS, NEUTRAL, figure, halves, key
 from bayesfric.probabilities import stated
 from bayesfric.schemas import Axis, Inclusion, Interval
+from bayesfric.stored_names import RESIDUALS, variable_of
 
 __all__ = ["RARE", "what_acts", "where_it_lies"]
 
@@ -118,9 +119,10 @@ def _shape(panel: Axes, axis: Axis, residuals: xr.Dataset | None, kinds: Sequenc
     shape = axis.shape
     if shape is None:
         raise ValueError(f"{axis.axis}: expected a shape, got none")
-    if residuals is not None and axis.axis in residuals.data_vars:
+    variable = variable_of(axis.axis, RESIDUALS)
+    if residuals is not None and variable in residuals.data_vars:
         panel.plot(
-            residuals[axis.axis].to_numpy(),
+            residuals[variable].to_numpy(),
             residuals["residual_n"].to_numpy(),
             "o",
             color="#b0b0b0",

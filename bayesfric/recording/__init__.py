@@ -8,7 +8,7 @@ from bayesfric.recording.conditions import read_conditions
 from bayesfric.recording.describing import describe_recording
 from bayesfric.recording.digest import tables_sha256
 from bayesfric.recording.reading import read_recording
-from bayesfric.recording.tables import Axis, Gravity, Motor, Pulley, Recording, RigConstants
+from bayesfric.recording.tables import Axis, Gravity, Motor, Pulley, Recording, RigConstants, Robot
 from bayesfric.recording.writing import check_free, write_recording
 
 __all__ = [
@@ -18,6 +18,7 @@ __all__ = [
     "Pulley",
     "Recording",
     "RigConstants",
+    "Robot",
     "check_free",
     "describe_recording",
     "read_conditions",

@@ -1,15 +1,45 @@
-"""What of a single axis' log is read and then not used."""
+"""What of a log of driven joints is read and then not used."""
 
 from bayesfric.recording.tables import Axis, RigConstants
 
 __all__ = ["notes_on_axis"]
 
+UNUSED_COLUMNS = (
+    "force_time_s",
+    "known_force_n",
+    "command_m",
+    "command_time_s",
+    "temperature_c",
+)
+"""Columns of ``axis_samples.csv`` that no model takes yet."""
+UNUSED_KEYS = (
+    "mass_sd_kg",
+    "robot",
+    "other_joints",
+    "force_gain_sd",
+    "known_force_sd",
+    "command_gain",
+    "force_limit_n",
+    "sample_hold_s",
+    "latency_s",
+)
+"""Keys of ``rig`` that no model takes yet."""
+
 
 def notes_on_axis(axis: Axis, rig: RigConstants) -> tuple[str, ...]:
-    """Return a sentence for each column that no verb uses."""
-    if "sim_position_m" not in axis.samples or rig.moving_mass_kg is not None:
-        return ()
-    return (
-        "axis_samples.csv: sim_position_m is checked and not used: it takes rig.moving_mass_kg, "
-        "the mass that your simulator moves, to make a force of a path",
-    )
+    """Return a sentence for the columns, and one for the keys, that no verb uses."""
+    notes = []
+    if columns := [name for name in UNUSED_COLUMNS if name in axis.samples]:
+        notes.append(f"axis_samples.csv: {_listed(columns)} read and checked, and not used yet")
+    if keys := [f"rig.{name}" for name in UNUSED_KEYS if getattr(rig, name) is not None]:
+        notes.append(f"datapackage.json: {_listed(keys)} read and checked, and not used yet")
+    if "sim_position_m" in axis.samples and rig.moving_mass_kg is None:
+        notes.append(
+            "axis_samples.csv: sim_position_m is checked and not used: it takes "
+            "rig.moving_mass_kg, the mass that your simulator moves, to make a force of a path"
+        )
+    return tuple(notes)
+
+
+def _listed(names: list[str]) -> str:
+    return f"{', '.join(names)} {'is' if len(names) == 1 else 'are'}"

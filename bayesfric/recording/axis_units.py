@@ -1,8 +1,10 @@
 """What no driven axis does, and which mistake of unit it most likely is."""
 
 import numpy as np
+import pandas as pd
 
 from bayesfric.errors import Fault
+from bayesfric.recording.joint_rules import joint_of_run
 from bayesfric.recording.schemas import Table
 from bayesfric.recording.tables import RigConstants
 
@@ -27,9 +29,15 @@ def axis_in_other_units(samples: Table, rig: RigConstants) -> list[Fault]:
     return _coarse(samples) + ([] if rig.rotary else _far(samples, rig))
 
 
+def _of_one_joint(samples: Table) -> pd.Series:
+    """Return the number of the run and joint of each sample."""
+    keys = joint_of_run(samples)
+    return samples.frame.groupby(keys, sort=False, observed=True).ngroup()
+
+
 def _coarse(samples: Table) -> list[Fault]:
-    groups = samples.frame.groupby("run", sort=False)["time_s"]
-    interval = groups.diff().groupby(samples.frame["run"]).transform("median")
+    group = _of_one_joint(samples)
+    interval = samples.frame["time_s"].groupby(group).diff().groupby(group).transform("median")
     rows = np.flatnonzero(interval >= COARSEST_S)
     if not rows.size:
         return []
@@ -42,7 +50,7 @@ def _coarse(samples: Table) -> list[Fault]:
 
 
 def _far(samples: Table, rig: RigConstants) -> list[Fault]:
-    groups = samples.frame.groupby("run", sort=False)["position_m"]
+    groups = samples.frame["position_m"].groupby(_of_one_joint(samples))
     travel = groups.transform("max") - groups.transform("min")
     most = max(FARTHEST_M, float(rig.limits.get("travel_m", [0.0, 0.0])[1]))
     rows = np.flatnonzero(travel > most)

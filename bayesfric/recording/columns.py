@@ -7,10 +7,21 @@ from it, and ``docs/recording.md`` says the same in prose.
 from dataclasses import dataclass
 from typing import Literal
 
-__all__ = ["BUILT_IN", "LARGEST", "RIG_KEYS_NEEDED", "TABLES", "Column", "TableFormat"]
+__all__ = [
+    "BUILT_IN",
+    "HOTTEST_C",
+    "LARGEST",
+    "LONGEST_NAME",
+    "OTHER_NAMES",
+    "RIG_KEYS_NEEDED",
+    "TABLES",
+    "Column",
+    "TableFormat",
+]
 
 MOST_PULLEYS = 1000  # the paper has 19
 LARGEST = 1e12  # of any number, in SI: its square and its cube are still numbers
+LONGEST_NAME = 100  # characters of an id, a size or a column's name
 LARGEST_INTEGER = 1_000_000_000  # far beyond any count or order, well inside int64
 
 
@@ -38,6 +49,8 @@ class Column:
         No cell may be 0; no two cells may be equal.
     choices : tuple of str
         What a ``choice`` may be.
+    longest : int
+        Characters that text may have.
     """
 
     name: str
@@ -52,6 +65,7 @@ class Column:
     nonzero: bool = False
     unique: bool = False
     choices: tuple[str, ...] = ()
+    longest: int = LONGEST_NAME
 
     @property
     def is_numeric(self) -> bool:
@@ -80,7 +94,7 @@ class Column:
             if self.unit:
                 rule += f" in {self.unit}"
         else:
-            rule = "text without line breaks or other control characters"
+            rule = f"text of at most {self.longest} characters that can be seen"
         return rule + (", or nothing" if self.may_be_empty else "")
 
     @property
@@ -121,6 +135,8 @@ class TableFormat:
         """Resource name, such as ``gravity-trials``."""
         return self.file.removesuffix(".csv").replace("_", "-")
 
+
+HOTTEST_C = 250.0  # of a joint that runs, and below any room in kelvin
 
 RUN = Column("run", "id", "unique id of the run", unique=True)
 ORDER = Column("order", "integer", "place in the order of measuring", required=False, unique=True)
@@ -191,6 +207,7 @@ GRAVITY_TRIALS = TableFormat(
             "individual wrap angles [deg], separated by blanks",
             required=False,
             may_be_empty=True,
+            longest=30 * MOST_PULLEYS,
         ),
         Column(
             "acceleration_m_s2",
@@ -264,7 +281,27 @@ AXIS_SAMPLES = TableFormat(
         Column("run", "id", "run of the sample"),
         TIME,
         Column("position_m", "number", "position", "m"),
-        Column("force_n", "number", "drive force", "N"),
+        Column("force_n", "number", "drive force", "N", required=False),
+        Column("joint", "id", "joint of the sample", required=False),
+        Column("force_time_s", "number", "time of the force", "s", required=False),
+        Column(
+            "known_force_n",
+            "number",
+            "drive force by the user's rigid-body model",
+            "N",
+            required=False,
+        ),
+        Column("command_m", "number", "commanded position", "m", required=False),
+        Column("command_time_s", "number", "time of the command", "s", required=False),
+        Column(
+            "temperature_c",
+            "number",
+            "temperature of the joint",
+            "°C",
+            required=False,
+            least=-100.0,
+            most=HOTTEST_C,
+        ),
         Column("sim_force_n", "number", "force of the user's simulator", "N", required=False),
         Column("sim_position_m", "number", "position of the user's simulator", "m", required=False),
     ),
@@ -285,6 +322,9 @@ TABLES = {
 
 BUILT_IN = frozenset(TABLES)
 """Tables with a field of their own in a recording; a rig that is added may bring others."""
+
+OTHER_NAMES = {"command_rad": "command_m"}
+"""Columns of a rotary axis, and what they are called in a recording."""
 
 RIG_KEYS_NEEDED = {
     "gravity_events.csv": ("hall_spacing_m", "magnets_per_revolution", "timer_resolution_s"),

@@ -5,9 +5,10 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
-from bayesfric.errors import Fault
-from bayesfric.recording.csv_text import LISTED, with_rest
+from bayesfric.errors import Fault, near
+from bayesfric.recording.csv_text import LISTED, with_more, with_rest
 from bayesfric.recording.frames import did_not_move, individual_angles
+from bayesfric.recording.joint_rules import faults_of_samples, joint_of_run
 from bayesfric.recording.schemas import Table
 from bayesfric.recording.spacing import printed_tolerance, spacing_counts
 from bayesfric.recording.steady_signs import MANY, pushing
@@ -18,6 +19,7 @@ __all__ = ["MINIMUM_EVENTS", "check_across"]
 MEAN_TOLERANCE_DEG = 0.5  # of individual wrap angles: they may be printed in whole degrees
 LARGEST_WRAP_DEG = 180.0
 
+FEW = 3  # displacements off the spacing, each of which is told
 MINIMUM_EVENTS = 5  # of a trial and sensor
 SIGNED = ["friction_n", "velocity_m_s"]
 CONDITION = ["pulley_size", "n_pulleys", "wrap_angle_deg"]
@@ -45,7 +47,7 @@ def check_across(
         if "gravity_events.csv" not in unreadable:
             faults += _unmeasured(trials, events) + _moved_after_all(trials, events)
     if events:
-        faults += _events(events, rig)
+        faults += _events(events, trials, rig)
     if trials and events:
         faults += _unknown(events, trials, "trial")
     if runs := tables.get("motor_runs.csv"):
@@ -54,7 +56,10 @@ def check_across(
         faults += _conventions(points)
     runs, samples = tables.get("axis_runs.csv"), tables.get("axis_samples.csv")
     if samples and samples.has("run"):
-        faults += _not_increasing(samples, samples.frame["run"], ["run"])
+        keys = joint_of_run(samples)
+        group = samples.frame.groupby(keys, sort=False, observed=True).ngroup()
+        faults += _not_increasing(samples, group, keys)
+    faults += faults_of_samples(tables, rig)
     if runs and samples:
         faults += _unknown(samples, runs, "run") + _runs_without_samples(runs, samples)
     return faults
@@ -119,10 +124,7 @@ def _angles(trials: Table) -> list[Fault]:
     faults = []
     for row in np.flatnonzero(frame[column].notna()).tolist():
         count, mean = frame.loc[row, ["n_pulleys", "wrap_angle_deg"]]
-        try:
-            angles = individual_angles(str(frame.loc[row, column]))
-        except ValueError:
-            angles = np.array([np.nan])
+        angles = individual_angles(str(frame.loc[row, column]))
         inside = bool(((angles >= 0) & (angles <= LARGEST_WRAP_DEG)).all())
         if not inside:
             expected = f"numbers from 0 to {LARGEST_WRAP_DEG:g}, separated by blanks"
@@ -139,8 +141,15 @@ def _angles(trials: Table) -> list[Fault]:
 def _unknown(child: Table, parent: Table, key: str) -> list[Fault]:
     if not (child.has(key) and parent.has(key)):
         return []
-    unknown = child.frame[key].notna() & ~child.frame[key].isin(parent.frame[key])
-    return child.faults_where(unknown, key, f"a {key} of {parent.text.file}")
+    ids, there = child.frame[key], parent.frame[key].dropna()
+    unknown = ids[~ids.isin(there) & ids.notna() & ~child.text.is_ragged].astype(str)
+    expected = f"a {key} of {parent.text.file}"
+    rows = unknown.value_counts()
+    faults = []
+    for position, name in unknown.drop_duplicates().head(LISTED).items():
+        first = child.faults_where(ids.index == position, key, expected + near(name, there))
+        faults += with_rest(first, int(rows[name]) - 1)
+    return with_more(faults, len(unknown) - sum(1 + fault.like for fault in faults))
 
 
 def _runs_without_samples(runs: Table, samples: Table) -> list[Fault]:
@@ -151,13 +160,19 @@ def _runs_without_samples(runs: Table, samples: Table) -> list[Fault]:
     return runs.faults_where(missing, "run", f"samples of this run in {samples.text.file}")
 
 
-def _events(events: Table, rig: RigConstants) -> list[Fault]:
+def _events(events: Table, trials: Table | None, rig: RigConstants) -> list[Fault]:
     keys = ["trial", "sensor"]
     if not events.has(*keys):
         return []
     faults: list[Fault] = []
-    train = events.frame.groupby(keys, sort=False).ngroup()
-    few = ~train.duplicated() & (train.groupby(train).transform("size") < MINIMUM_EVENTS)
+    frame = events.frame[keys]
+    if trials is not None and trials.has("trial"):
+        frame = frame.assign(trial=frame["trial"].where(frame["trial"].isin(trials.frame["trial"])))
+    train = frame.groupby(keys, sort=False, observed=True).ngroup()
+    train = train.where(frame.notna().all(axis=1))
+    lost = _of_unknown_end(frame)
+    size = train.groupby(train).transform("size") + lost
+    few = ~train.duplicated() & train.notna() & (size < MINIMUM_EVENTS)
     positions = np.flatnonzero(few)
     for position in positions[:LISTED].tolist():
         trial, sensor = events.frame.loc[position, keys]
@@ -165,7 +180,20 @@ def _events(events: Table, rig: RigConstants) -> list[Fault]:
         expected += f", there are {(train == train[position]).sum()}"
         faults += events.text.faults_at([position], "trial", expected)
     faults = with_rest(faults, len(positions) - len(faults))
-    return faults + _not_increasing(events, train, keys) + _displacements(events, train, rig)
+    begins = train.notna() & ~train.duplicated() & (lost == 0) & ~few
+    return (
+        faults + _not_increasing(events, train, keys) + _displacements(events, train, begins, rig)
+    )
+
+
+def _of_unknown_end(events: pd.DataFrame) -> "pd.Series[int]":
+    """Return how many rows at fault may be a row's neighbours: of its trial, or of any."""
+    trial, endless = events["trial"], events["sensor"].isna()
+    of_any = int(trial.isna().sum())
+    if not endless.any():
+        return pd.Series(of_any, index=events.index)
+    by_trial = trial[endless].value_counts()
+    return trial.astype(object).map(by_trial).fillna(0).astype(int) + of_any
 
 
 def _conventions(points: Table) -> list[Fault]:
@@ -194,21 +222,26 @@ def _not_increasing(table: Table, group: pd.Series, keys: list[str]) -> list[Fau
     return table.faults_where(values <= previous, column, expected)
 
 
-def _displacements(events: Table, train: pd.Series, rig: RigConstants) -> list[Fault]:
+def _displacements(
+    events: Table, train: pd.Series, begins: pd.Series, rig: RigConstants
+) -> list[Fault]:
     column = "displacement_m"
     if not events.has(column) or rig.hall_spacing_m is None:
         return []
     spacing, values = rig.hall_spacing_m, events.frame[column]
     counts = pd.Series(spacing_counts(values.to_numpy(), spacing), index=values.index)
     tolerance = printed_tolerance(events.text.cells[column], spacing)
-    first = train.notna() & ~train.duplicated()
-    not_zero = first & (values.abs() > tolerance)
+    not_zero = begins & (values.abs() > tolerance)
     off = ~not_zero & ((counts * spacing - values).abs() > tolerance)
     previous = counts.groupby(train, sort=False).shift()
     back = ~off & (counts <= previous)
+    expected = f"a multiple of rig.hall_spacing_m, {spacing:g} m"
+    most = LISTED
+    if off.sum() > FEW and off.sum() > MANY * (values != 0).sum():
+        expected, most = f"{expected} (is that the spacing of these events?)", 1
     return (
         events.faults_where(not_zero, column, "0 at the first event of a trial and sensor")
-        + events.faults_where(off, column, f"a multiple of rig.hall_spacing_m, {spacing:g} m")
+        + events.text.faults_at(np.flatnonzero(off), column, expected, most=most)
         + events.faults_where(
             back, column, "more than the displacement before it, within a trial and sensor"
         )

@@ -3,18 +3,21 @@
 import codecs
 import csv
 import io
+import re
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from bayesfric.arrays import Flags
 from bayesfric.errors import Fault, InputError
 
-__all__ = ["LISTED", "TextTable", "decode_utf8", "parse_csv", "with_rest"]
+__all__ = ["LISTED", "TextTable", "decode_utf8", "parse_csv", "with_more", "with_rest"]
 
 Cells: TypeAlias = Sequence[str] | npt.NDArray[np.object_]
 """A column as text."""
@@ -25,6 +28,7 @@ LISTED = 20  # faults of one kind that are told one by one
 MOST_COLUMNS = 1000
 LONGEST = 100_000  # characters of a line that is read in columns; csv refuses a longer cell
 BLANKS = " \t\v\f\x1c\x1d\x1e\x1f"  # of ASCII, without the ends of a line
+COMMENT = "rows of the table alone (a line that begins with # is no comment here: take it out)"
 COMMAS = " (are there commas in numbers? the decimal mark is a point)"
 TRAILING = " (is there a comma too much at the end?)"
 UTF16 = "this is UTF-16: is it a spreadsheet's “Unicode text”?"
@@ -53,9 +57,11 @@ class TextTable:
     unnamed : int
         Columns whose header is empty; they are kept out.
     ragged : frozenset of int
-        Positions of the rows of the wrong length.
+        Positions of the rows of the wrong length, and of comments: their fault is told already.
     faults : tuple of Fault
         Rows of the wrong length and repeated column names.
+    written : mapping of str to str
+        Columns that the file calls otherwise, by the name of the format.
     """
 
     file: str
@@ -64,6 +70,14 @@ class TextTable:
     unnamed: int
     ragged: frozenset[int]
     faults: tuple[Fault, ...]
+    written: Mapping[str, str] = field(default_factory=dict)
+
+    @cached_property
+    def is_ragged(self) -> Flags:
+        """Whether each row is one of `ragged`, shape (len(cells),)."""
+        found = np.zeros(len(self.cells), dtype=np.bool_)
+        found[list(self.ragged)] = True
+        return found
 
     def faults_at(
         self,
@@ -72,12 +86,17 @@ class TextTable:
         expected: str,
         most: int = LISTED,
     ) -> list[Fault]:
-        """List a fault, at `column`, for each of these rows; the last stands for the rest."""
+        """List a fault, at `column`, for each of these rows; the last stands for the rest.
+
+        Of a row of the wrong length nothing more is told.
+        """
+        if self.ragged:
+            positions = [position for position in positions if position not in self.ragged]
         shown = [int(position) for position in positions[:most]]
         lines = self.lines[shown].tolist()
         values = self.cells[column].iloc[shown]
         faults = [
-            Fault(self.file, expected, line, column, value)
+            Fault(self.file, expected, line, self.written.get(column, column), value)
             for line, value in zip(lines, values, strict=True)
         ]
         return with_rest(faults, len(positions) - len(shown))
@@ -86,6 +105,11 @@ class TextTable:
 def with_rest(faults: list[Fault], rest: int) -> list[Fault]:
     """Let the last fault stand for `rest` more that are like it."""
     return [*faults[:-1], replace(faults[-1], like=rest)] if faults and rest else faults
+
+
+def with_more(faults: list[Fault], more: int) -> list[Fault]:
+    """Let the last fault stand for `more` beyond those that it stands for already."""
+    return with_rest(faults, faults[-1].like + more) if faults and more else faults
 
 
 def decode_utf8(file: str, data: bytes) -> str:
@@ -133,19 +157,8 @@ def parse_csv(file: str, data: bytes) -> TextTable:
         if count > 1
     ]
     if ragged:
-        width = len(header)
-        if len(ragged) == len(lines):
-            raise InputError([_all_ragged(file, width, ragged, lines)])
-        expected = f"{width} cells, as in the header"
-        if any(columns[0][position].startswith("#") for position in ragged):
-            expected += " (a line that begins with # is no comment here)"
-        else:
-            expected += _too_many(width, ragged)
-        shown = [
-            Fault(file, expected, row=lines[position], value=f"{len(row)} cells")
-            for position, row in list(ragged.items())[:LISTED]
-        ]
-        faults += with_rest(shown, len(ragged) - len(shown))
+        _blank_comments(columns, ragged)
+        faults += _ragged_faults(file, len(header), ragged, lines)
     cells = {name: column for name, column in zip(header, columns, strict=True) if name}
     return TextTable(
         file,
@@ -157,11 +170,48 @@ def parse_csv(file: str, data: bytes) -> TextTable:
     )
 
 
-def _all_ragged(file: str, width: int, ragged: Ragged, lines: Sequence[int]) -> Fault:
-    expected = f"{width} cells, as in the header, in each row{_too_many(width, ragged)}"
-    first = min(ragged)
-    fault = Fault(file, expected, row=lines[first], value=f"{len(ragged[first])} cells")
-    return replace(fault, like=len(ragged) - 1)
+def _is_comment(row: Sequence[str]) -> bool:
+    return row[0].startswith("#")
+
+
+def _blank_comments(columns: Sequence[Cells], ragged: Ragged) -> None:
+    """Empty the cells of comments, which are no id of anything."""
+    for position in (place for place, row in ragged.items() if _is_comment(row)):
+        for column in columns:
+            column[position] = ""  # type: ignore[index]
+
+
+def _ragged_faults(file: str, width: int, ragged: Ragged, lines: Sequence[int]) -> list[Fault]:
+    """Return one fault for all comments, one for all rows that are too long, and the others.
+
+    Raises
+    ------
+    InputError
+        No row has the header's length.
+    """
+    comments = {place: row for place, row in ragged.items() if _is_comment(row)}
+    others = {place: row for place, row in ragged.items() if place not in comments}
+    faults = []
+    if comments:
+        first = min(comments)
+        shown = ",".join(comments[first]).rstrip(",")
+        faults += with_rest([Fault(file, COMMENT, lines[first], None, shown)], len(comments) - 1)
+    if not others:
+        return faults
+    hint = _too_many(width, others)
+    together = bool(hint) or len(ragged) == len(lines)
+    in_each = ", in each row" if len(ragged) == len(lines) else ""
+    expected = f"{width} cells, as in the header{in_each}{hint}"
+    faults += with_rest(
+        [
+            Fault(file, expected, lines[place], None, f"{len(others[place])} cells")
+            for place in list(others)[: 1 if together else LISTED]
+        ],
+        len(others) - (1 if together else min(len(others), LISTED)),
+    )
+    if len(ragged) == len(lines):
+        raise InputError(faults)
+    return faults
 
 
 def _too_many(width: int, ragged: Ragged) -> str:
@@ -207,6 +257,7 @@ def _in_columns(
         or ("\r" in text and text.count("\r") != text.count("\r\n"))
         or text.count(",") != (rows + 1) * (len(header) - 1)
         or _has_long_line(text)
+        or ("#" in text and re.search(r"\n\s*#", text) is not None)
     ):
         return None
     _check_header(file, header)
@@ -266,7 +317,8 @@ def _split(file: str, text: str) -> tuple[list[str], list[Cells], Sequence[int],
                     if stripped == header:
                         expected = "rows below one header (are two files joined? take it out)"
                         raise InputError([Fault(file, expected, row=start, value=",".join(header))])
-                    if len(stripped) != len(header):
+                    alone = _is_comment(stripped) and not any(stripped[1:]) and len(header) > 1
+                    if alone or len(stripped) != len(header):
                         ragged[len(lines)] = stripped.copy()
                         stripped += [""] * (len(header) - len(stripped))
                     lines.append(start)

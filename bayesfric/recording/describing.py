@@ -48,6 +48,8 @@ def describe_recording(recording: Recording) -> tuple[tuple[str, str], ...]:
         covariates = [str(name) for name in runs if name not in ("run", "order", "setup", "role")]
         if covariates:
             text += f", with {', '.join(covariates)}"
+        if "joint" in samples:
+            text += f", of {_count(samples['joint'].nunique(), 'joint')}"
         lines += [("single axis", text), ("  log", _log(samples, recording.rig.rotary))]
     if recording.sha256:  # none before it is written
         lines.append(("sha256", recording.sha256))
@@ -56,14 +58,18 @@ def describe_recording(recording: Recording) -> tuple[tuple[str, str], ...]:
 
 def _log(samples: pd.DataFrame, rotary: bool) -> str:
     """Return how long, how far and with which force: what shows a wrong unit at a glance."""
-    runs = samples.groupby("run", sort=False)
+    keys = [name for name in ("run", "joint") if name in samples]
+    runs = samples.groupby(keys, sort=False)
     longest = (runs["time_s"].last() - runs["time_s"].first()).max()
     travel = (runs["position_m"].max() - runs["position_m"].min()).max()
     way = f"{travel:.3g} rad ({np.rad2deg(travel):,.1f}°)" if rotary else f"{travel:.3g} m"
+    if "force_n" in samples:
+        drive = f"force {_range(samples['force_n'], 'N·m' if rotary else 'N')}"
+    else:
+        drive = f"command {_range(samples['command_m'], 'rad' if rotary else 'm')}"
     return (
         f"up to {longest:.3g} s and {way} a run, a sample every "
-        f"{runs['time_s'].diff().median():.3g} s, force "
-        f"{_range(samples['force_n'], 'N·m' if rotary else 'N')}"
+        f"{runs['time_s'].diff().median():.3g} s, {drive}"
     )
 
 

@@ -5,6 +5,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from bayesfric.recording.columns import GRAVITY_EVENTS, TableFormat
+from bayesfric.recording.numbers import to_numbers_apart
 from bayesfric.recording.spacing import spacing_counts
 
 __all__ = [
@@ -53,14 +54,8 @@ def did_not_move(trials: pd.DataFrame) -> "pd.Series[bool]":
 
 
 def individual_angles(cell: str) -> npt.NDArray[np.float64]:
-    """Return the wrap angles of a trial's pulleys from their cell [deg].
-
-    Raises
-    ------
-    ValueError
-        A part between blanks is no number.
-    """
-    return np.array([float(part) for part in cell.split()])
+    """Return the wrap angles of a trial's pulleys from their cell [deg]; NaN for no number."""
+    return to_numbers_apart(cell)
 
 
 def no_events() -> pd.DataFrame:

@@ -9,11 +9,12 @@ from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
+from bayesfric.characters import code_of, invisible_in
 from bayesfric.errors import Fault, near
-from bayesfric.recording.columns import LARGEST_INTEGER
+from bayesfric.recording.columns import LARGEST_INTEGER, LONGEST_NAME
 from bayesfric.recording.csv_text import LISTED, with_rest
 from bayesfric.recording.json_text import dotted, parse_json_object, shown
-from bayesfric.recording.tables import STANDARD_GRAVITY, Pulley, RigConstants
+from bayesfric.recording.tables import STANDARD_GRAVITY, Pulley, RigConstants, Robot
 
 __all__ = ["PACKAGE_FILE", "Package", "Resource", "parse_package"]
 
@@ -90,6 +91,12 @@ def _inside(path: str) -> str:
     return PurePosixPath(path).as_posix()
 
 
+def _model_file(path: str) -> str:
+    if PurePosixPath(path).suffix.lower() not in (".urdf", ".xml", ".mjcf"):
+        raise ValueError("a file of URDF or MJCF: .urdf, .xml or .mjcf")
+    return path
+
+
 def _at_most(bound: float, unit: str, mistake: str) -> AfterValidator:
     def check(value: float) -> float:
         if value > bound:
@@ -99,16 +106,32 @@ def _at_most(bound: float, unit: str, mistake: str) -> AfterValidator:
     return AfterValidator(check)
 
 
+def _seen(name: str) -> str:
+    if len(name) > LONGEST_NAME:
+        raise ValueError(f"text of at most {LONGEST_NAME} characters that can be seen")
+    return _legible(name)
+
+
+def _legible(name: str) -> str:
+    if (unseen := invisible_in(name)) is not None:
+        raise ValueError(f"text that can be seen; {code_of(unseen)[1:-1]} cannot be")
+    return name
+
+
 Positive = Annotated[float, Field(gt=0)]
 Length = Annotated[float, Field(gt=0), _at_most(2.0, "m", "millimetres")]
 Mass = Annotated[float, Field(gt=0), _at_most(10.0, "kg", "grams")]
 Resolution = Annotated[float, Field(gt=0), _at_most(0.5, "s", "milliseconds or microseconds")]
 ClockOffset = Annotated[float, Field(ge=0), _at_most(1.0, "s", "milliseconds or microseconds")]
+Step = Annotated[float, Field(gt=0), _at_most(2.0, "m or rad", "millimetres or degrees")]
+Share = Annotated[float, Field(gt=0), _at_most(1.0, "times the force", "percent")]
+Delay = Annotated[float, Field(ge=0), _at_most(2.0, "s", "milliseconds or microseconds")]
 Gravity = Annotated[float, Field(gt=0), _at_most(100.0, "m/s²", "mm/s²")]
 Count = Annotated[int, BeforeValidator(_whole), Field(ge=1, le=LARGEST_INTEGER)]
 NotNegative = Annotated[float, Field(ge=0)]
 Angle = Annotated[float, Field(ge=0, le=180)]
 Text = Annotated[str, Field(pattern=r"\S")]
+Name = Annotated[Text, AfterValidator(_seen)]
 Pair = Annotated[list[Number], Field(min_length=2, max_length=2), AfterValidator(_ordered)]
 
 
@@ -117,7 +140,7 @@ class _Strict(BaseModel):
 
 
 class _Header(_Strict):
-    name: Text
+    name: Annotated[Text, AfterValidator(_legible)]
     title: Text
     created: Annotated[str, AfterValidator(_iso8601)] | None = None
 
@@ -141,6 +164,11 @@ class _Limits(_Strict):
     masses_kg: list[Positive] | None = None
 
 
+class _Robot(_Strict):
+    model: Annotated[Text, AfterValidator(_inside), AfterValidator(_model_file)]
+    joints: Annotated[dict[Name, Text], Field(min_length=1)]
+
+
 class _Rig(_Strict):
     gravity_m_s2: Gravity | None = None
     hall_spacing_m: Length | None = None
@@ -149,11 +177,20 @@ class _Rig(_Strict):
     sensor_clock_sd_s: ClockOffset | None = None
     motor_torque_constant_n_m_per_a: Positive | None = None
     capstan_radius_m: Length | None = None
-    pulleys: dict[str, _Pulley] | None = None
+    pulleys: dict[Name, _Pulley] | None = None
     limits: _Limits | None = None
     moving_mass_kg: Positive | None = None
-    encoder_resolution: Positive | None = None
-    force_is: Literal["commanded", "measured"] | None = None
+    mass_sd_kg: Positive | None = None
+    encoder_resolution: Step | None = None
+    force_is: Literal["commanded", "motor", "link", "measured", "unknown"] | None = None
+    robot: _Robot | None = None
+    other_joints: Literal["still", "logged", "moving", "unknown"] | None = None
+    force_gain_sd: Share | None = None
+    known_force_sd: Positive | None = None
+    command_gain: Positive | None = None
+    force_limit_n: Positive | None = None
+    sample_hold_s: Resolution | None = None
+    latency_s: Delay | None = None
     rotary: bool | None = None
 
 
@@ -269,7 +306,7 @@ def _checked(
         rule = EXPECTED.get(found["type"])
         expected = rule.format_map(found.get("ctx", {})) if rule else found["msg"]
         value = None if found["type"] == "missing" else shown(found["input"])
-        column = dotted((*place, *found["loc"]))
+        column = dotted((*place, *(part for part in found["loc"] if part != "[key]")))
         faults.append(Fault(PACKAGE_FILE, expected, column=column, value=value))
     wrong = {found["loc"][0] for found in errors if found["loc"]}
     if not wrong or not isinstance(raw, dict):
@@ -285,7 +322,8 @@ def _checked(
 def _rig(keys: dict[str, Any]) -> RigConstants:
     pulleys = {size: Pulley(**pulley) for size, pulley in keys.pop("pulleys", {}).items()}
     gravity = keys.pop("gravity_m_s2", STANDARD_GRAVITY)
-    return RigConstants(gravity_m_s2=gravity, pulleys=pulleys, **keys)
+    robot = Robot(**keys.pop("robot")) if "robot" in keys else None
+    return RigConstants(gravity_m_s2=gravity, pulleys=pulleys, robot=robot, **keys)
 
 
 def _resources(content: dict[str, Any], faults: list[Fault]) -> tuple[Resource, ...]:
@@ -322,4 +360,7 @@ def _unknown_rig_keys(rig: dict[str, Any]) -> list[str]:
         if isinstance(pulley, dict):
             keys = [key for key in pulley if key not in _Pulley.model_fields]
             unknown += [f"rig.pulleys.{size}.{key}" for key in keys]
+    robot = rig.get("robot")
+    if isinstance(robot, dict):
+        unknown += [f"rig.robot.{key}" for key in robot if key not in _Robot.model_fields]
     return unknown

@@ -159,7 +159,7 @@ def _too_fast(table: Table) -> list[Fault]:
 def _motions(events: Table, trials: Table | None, rig: RigConstants) -> list[Fault]:
     """Faults of whole trains of events, by their first, middle and last one."""
     keys = ["trial", "sensor"]
-    if not events.has(*keys, "displacement_m", "time_s"):
+    if rig.hall_spacing_m is None or not events.has(*keys, "displacement_m", "time_s"):
         return []
     whole = events.frame.dropna(subset=[*keys, "displacement_m", "time_s"])
     groups = whole.groupby(keys, sort=False)

@@ -11,11 +11,13 @@ from bayesfric.errors import Fault, InputError, near
 from bayesfric.recording.axis_notes import notes_on_axis
 from bayesfric.recording.columns import BUILT_IN, RIG_KEYS_NEEDED, TABLES
 from bayesfric.recording.consistency import check_across
+from bayesfric.recording.copies import without_copies
 from bayesfric.recording.csv_text import parse_csv
 from bayesfric.recording.digest import tables_sha256
 from bayesfric.recording.frames import no_events, sorted_events, typed, with_setup
 from bayesfric.recording.package import PACKAGE_FILE, Package, Resource, parse_package
 from bayesfric.recording.plausibility import implausible
+from bayesfric.recording.robot_file import faults_of_model
 from bayesfric.recording.schemas import Table, check_cells
 from bayesfric.recording.steady_signs import notes_on_signs
 from bayesfric.recording.tables import Axis, Gravity, Motor, Recording
@@ -88,6 +90,7 @@ def assemble(load: Load, in_folder: Collection[str] = ()) -> Recording:
     package = parse_package(load(PACKAGE_FILE))
     faults = list(package.faults)
     notes = list(package.notes)
+    package = _with_robot(package, load, faults)
     listed = _known_tables(package, faults, notes)
     contents: dict[str, bytes] = {}
     tables: dict[str, Table] = {}
@@ -117,11 +120,27 @@ def assemble(load: Load, in_folder: Collection[str] = ()) -> Recording:
         if faults:
             raise InputError(_in_file_order(faults, listed))
         recording = _recording(package, tables, tables_sha256(contents))
+        recording, copied = without_copies(recording, tables)
+        notes += copied
         if recording.steady is not None:
             notes += notes_on_signs(recording.steady)
         if recording.axis is not None:
             notes += notes_on_axis(recording.axis, recording.rig)
         return replace(recording, notes=(*notes, *notes_on_range(recording)))
+
+
+def _with_robot(package: Package, load: Load, faults: list[Fault]) -> Package:
+    """Return a package with the content of the robot's model, if it names one."""
+    robot = package.rig.robot
+    if robot is None:
+        return package
+    try:
+        robot = replace(robot, content=load(robot.model))
+    except InputError as error:
+        faults += error.faults
+        return package
+    faults += faults_of_model(robot)
+    return replace(package, rig=replace(package.rig, robot=robot))
 
 
 def _read_inside(folder: Path, name: str) -> bytes:

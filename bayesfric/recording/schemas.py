@@ -5,36 +5,33 @@ that every fault keeps its line and its value as written.
 """
 
 import re
-from contextlib import suppress
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from bayesfric.characters import code_of, invisible_in
 from bayesfric.errors import Fault, InputError, near
-from bayesfric.recording.columns import LARGEST, TABLES, Column, TableFormat
-from bayesfric.recording.csv_text import TextTable
+from bayesfric.recording.columns import (
+    HOTTEST_C,
+    LARGEST,
+    LONGEST_NAME,
+    OTHER_NAMES,
+    TABLES,
+    Column,
+    TableFormat,
+)
+from bayesfric.recording.csv_text import LISTED, TextTable, with_more, with_rest
+from bayesfric.recording.numbers import cause_of, is_decimal, one_cause, to_numbers
 
 __all__ = ["Table", "check_cells"]
 
-DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
-
-OF_DECIMALS = b"0123456789.eE+-"
-
-NO_NUMBERS = {
-    r"[+-]?\d+,\d+": ", with a point as the decimal mark",
-    ".*\N{MINUS SIGN}.*": ", with a hyphen as the minus sign",
-    "(?i:true|false)": " (a spreadsheet's answer to a comparison is none)",
-    r"\d{1,4}([-/.])\d{1,2}\1\d{1,4}.*|(?i:.*\b(jan|feb|mar|apr|may|jun|jul|aug|sep|oct|nov|dec)"
-    r"[a-z]*\b.*)": " (has a spreadsheet made a date of it?)",
-}
-"""What stands where a number belongs, and what is said of it."""
-SEARCHED = 1000  # cells that are searched for one
 NOTED = 10  # columns that are named where more are kept out
 
-CONTROL_CHARACTER = re.compile(r"[\x00-\x1f\x7f-\x9f]")
 TYPOGRAPHIC = re.compile("[“”„‘’‚«»].*[“”„‘’‚«»]")
+QUOTED = ', in " or in no quotation marks (these are typographic)'
 
 
 @dataclass(frozen=True)
@@ -90,12 +87,17 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
         If the header has no column of the table or is that of another, or if the row below
         it holds units.
     """
+    _check_names(text)
+    text = _by_names_of(text, table)
     _check_header(text, table)
     _check_units(text, table)
     known: dict[str, pd.Series] = {}
+    ragged = text.is_ragged
     for column in table.columns:
         if column.name in text.cells:
             cells = text.cells[column.name]
+            if ragged.any() and column.is_numeric:
+                cells = cells.mask(ragged, "")  # what stands in another's place says nothing
             if column.required or (cells != "").any():
                 known[column.name] = _typed(cells, column)
     notes = []
@@ -105,8 +107,8 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
     absent = [name for name in names if name not in text.cells]
     kept_out = []
     for name in text.cells.columns.difference(names, sort=False):
-        numbers = _numbers(text.cells[name]) if table.keeps_covariates else None
-        if numbers is not None and (numbers.abs() <= LARGEST).all():
+        numbers = to_numbers(text.cells[name]) if table.keeps_covariates else None
+        if numbers is not None and ((numbers.abs() <= LARGEST) | ragged).all():
             known[str(name)] = numbers
         else:
             kept_out.append(str(name))
@@ -119,6 +121,41 @@ def check_cells(text: TextTable, table: TableFormat) -> Table:
     frame = pd.DataFrame(known, index=text.cells.index)
     frame, faults = _checked(frame, text, table)
     return Table(table, text, frame, (*text.faults, *faults), tuple(notes))
+
+
+def _check_names(text: TextTable) -> None:
+    """Refuse names of columns that hold what nobody sees, or that no file can hold."""
+    faults = []
+    for name in map(str, text.cells.columns):
+        if len(name) > LONGEST_NAME:
+            expected = f"a column name of at most {LONGEST_NAME} characters, not {len(name):,}"
+        elif (unseen := invisible_in(name)) is not None:
+            expected = f"a column name that can be seen; {code_of(unseen)[1:-1]} cannot be"
+        else:
+            continue
+        faults.append(Fault(text.file, expected, row=1, value=name))
+    if faults:
+        raise InputError(with_rest(faults[:LISTED], len(faults[LISTED:])))
+
+
+def _by_names_of(text: TextTable, table: TableFormat) -> TextTable:
+    """Return a table with the names of the format in the place of others that it may have.
+
+    Raises
+    ------
+    InputError
+        A column is there by both of its names.
+    """
+    columns = {column.name for column in table.columns}
+    others = {o: n for o, n in OTHER_NAMES.items() if o in text.cells and n in columns}
+    if twice := [other for other, name in others.items() if name in text.cells]:
+        raise InputError(
+            [Fault(text.file, f"{OTHER_NAMES[o]} or {o}, not both", 1, o) for o in twice]
+        )
+    if not others:
+        return text
+    written = {name: other for other, name in others.items()}
+    return replace(text, cells=text.cells.rename(columns=others), written=written)
 
 
 def _check_header(text: TextTable, table: TableFormat) -> None:
@@ -146,7 +183,7 @@ def _check_units(text: TextTable, table: TableFormat) -> None:
     numeric = [c.name for c in table.columns if c.is_numeric and c.name in text.cells]
     first, *below = text.cells[numeric].head(2).to_numpy().tolist()
     words = [cell[:1].isalpha() or cell in ("-", "%", "°") for cell in first]
-    numbers = [bool(DECIMAL.fullmatch(cell)) for row in below for cell in row]
+    numbers = [is_decimal(cell) for row in below for cell in row]
     if len(words) > 1 and all(words) and any(numbers):
         expected = "numbers below the header (are these units? take the row out)"
         raise InputError(
@@ -160,25 +197,10 @@ def _typed(cells: pd.Series, column: Column) -> pd.Series:
             return cells.where(cells != "", np.nan).astype("str")
         words = cells.astype("category")
         return words.cat.remove_categories([word for word in words.cat.categories if not word])
-    numbers = _numbers(cells)
+    numbers = to_numbers(cells)
     if column.kind == "integer":
         numbers = numbers.where(numbers == np.floor(numbers))
     return numbers
-
-
-def _numbers(cells: pd.Series) -> pd.Series:
-    """Finite decimal numbers; NaN for all else, "nan" and "inf" included."""
-    # Where no other characters are, what Python reads as numbers are decimal ones.
-    if not "".join(cells.tolist()).encode().translate(None, OF_DECIMALS):
-        with suppress(ValueError):
-            return _finite(cells)
-    return _finite(cells.map(lambda cell: cell if DECIMAL.fullmatch(cell) else "nan"))
-
-
-def _finite(cells: pd.Series) -> pd.Series:
-    numbers = cells.to_numpy(dtype=object).astype(np.float64)
-    numbers[~np.isfinite(numbers)] = np.nan
-    return pd.Series(numbers, index=cells.index)
 
 
 def _checked(
@@ -186,6 +208,7 @@ def _checked(
 ) -> tuple[pd.DataFrame, list[Fault]]:
     """Blank the cells that break their column's rule, and say which they were."""
     faults: list[Fault] = []
+    slips: dict[str, list[tuple[int, Column]]] = {}
     names = {column.name for column in table.columns}
     written = [str(name) for name in text.cells.columns if name not in names]
     for column in table.columns:
@@ -198,27 +221,87 @@ def _checked(
         values, cells = frame[name], text.cells[name]
         wrong = values.isna() | ~_obeys(values, column)
         if wrong.any():
-            excused = (cells == "") & (column.may_be_empty or cells.index.isin(list(text.ragged)))
-            if (positions := np.flatnonzero(wrong & ~excused)).size:
-                faults += text.faults_at(positions, name, _expected(column, cells, values))
+            excused = text.is_ragged | ((cells == "") & column.may_be_empty)
+            positions = _without_cause(np.flatnonzero(wrong & ~excused), cells, column, slips)
+            faults += _unlike(text, positions, values, column)
         if column.unique:
             repeated = values.duplicated() & ~wrong
             positions = np.flatnonzero(repeated)
             faults += text.faults_at(positions, name, "a value that no other row has")
         if wrong.any():
             frame = frame.assign(**{name: values.mask(wrong)})
-    return frame, faults
+    return frame, faults + _slips(text, slips)
 
 
-def _expected(column: Column, cells: pd.Series, values: pd.Series) -> str:
-    if column.kind == "number" and (values.abs() > LARGEST).any():
-        return f"{column.expected}, of {LARGEST:g} at most in size"
-    for pattern, hint in NO_NUMBERS.items() if column.is_numeric else ():
-        if any(re.fullmatch(pattern, cell, re.ASCII) for cell in cells.head(SEARCHED)):
-            return column.expected + hint
-    if column.is_text and any(TYPOGRAPHIC.fullmatch(cell) for cell in cells.head(SEARCHED)):
-        return f'{column.expected}, in " or in no quotation marks (these are typographic)'
-    return column.expected
+def _without_cause(
+    positions: npt.NDArray[np.intp],
+    cells: pd.Series,
+    column: Column,
+    slips: dict[str, list[tuple[int, Column]]],
+) -> npt.NDArray[np.intp]:
+    """Return which of these cells are wrong for no known cause; the others are added to `slips`."""
+    wrong = cells.iloc[positions]
+    known = {cell: _cause(cell, column) for cell in wrong.unique()}
+    told = np.zeros(positions.size, dtype=np.bool_)
+    for place, (position, cell) in enumerate(zip(positions.tolist(), wrong, strict=True)):
+        if (cause := known[cell]) is not None:
+            slips.setdefault(cause, []).append((position, column))
+            told[place] = True
+    return positions[~told]
+
+
+def _cause(cell: str, column: Column) -> str | None:
+    if column.is_numeric:
+        return None if is_decimal(cell) else cause_of(cell)
+    return QUOTED if column.is_text and TYPOGRAPHIC.fullmatch(cell) else None
+
+
+def _slips(text: TextTable, slips: Mapping[str, Sequence[tuple[int, Column]]]) -> list[Fault]:
+    """Return one fault for each cause: a file that has it in many cells was written so."""
+    joined: dict[str, list[tuple[int, Column]]] = {}
+    for cause, cause_told in one_cause(slips).items():
+        joined.setdefault(cause_told, []).extend(slips[cause])
+    faults: list[Fault] = []
+    for cause, cells in sorted(joined.items()):
+        position, column = min(cells, key=lambda cell: cell[0])
+        first = text.faults_at([position], column.name, column.expected + cause)
+        faults += with_rest(first, len(cells) - 1)
+    return faults
+
+
+def _unlike(
+    text: TextTable, positions: npt.NDArray[np.intp], values: pd.Series, column: Column
+) -> list[Fault]:
+    """Return the faults of cells that no cause is known for."""
+    if column.is_text:
+        return _unlike_names(text, positions, column)
+    if column.name == "temperature_c" and (values > HOTTEST_C).mean() > 0.5:
+        expected = f"{column.expected} (is it in kelvin?)"
+        return with_rest(text.faults_at(positions[:1], column.name, expected), len(positions) - 1)
+    too_large = column.kind == "number" and (values.abs() > LARGEST).any()
+    expected = f", of {LARGEST:g} at most in size" if too_large else ""
+    return text.faults_at(positions, column.name, column.expected + expected)
+
+
+def _unlike_names(text: TextTable, positions: npt.NDArray[np.intp], column: Column) -> list[Fault]:
+    """Return one fault for each name that is none, however many rows have it."""
+    cells = text.cells[column.name].iloc[positions]
+    first = ~cells.duplicated().to_numpy()
+    rows = cells.value_counts()
+    faults = []
+    for position in positions[first][:LISTED].tolist():
+        name = text.cells[column.name].iloc[position]
+        expected = column.expected + _why_no_name(name, column)
+        faults += with_rest(text.faults_at([position], column.name, expected), int(rows[name]) - 1)
+    return with_more(faults, len(cells) - sum(1 + fault.like for fault in faults))
+
+
+def _why_no_name(name: str, column: Column) -> str:
+    """Return what of a name cannot be seen, by its code, or how long it is."""
+    if len(name) > column.longest:
+        return f", not {len(name):,}"
+    unseen = invisible_in(name)
+    return "" if unseen is None else f"; {code_of(unseen)[1:-1]} cannot be"
 
 
 def _obeys(values: pd.Series, column: Column) -> "pd.Series[bool]":
@@ -226,9 +309,8 @@ def _obeys(values: pd.Series, column: Column) -> "pd.Series[bool]":
     obeys = pd.Series(True, index=values.index)
     if column.is_text:
         # Ids repeat: looking at each once is faster by far.
-        each = values.dropna().unique()
-        obeys &= ~values.isin([c for c in each if CONTROL_CHARACTER.search(c)])
-        obeys &= ~values.isin([c for c in each if TYPOGRAPHIC.fullmatch(c)])
+        names = values.dropna().unique()
+        obeys &= ~values.isin([name for name in names if not _is_name(name, column)])
     if column.kind == "choice":
         obeys &= values.isin(column.choices)
     if column.kind == "number":
@@ -244,3 +326,8 @@ def _obeys(values: pd.Series, column: Column) -> "pd.Series[bool]":
     if column.nonzero:
         obeys &= values != 0
     return obeys
+
+
+def _is_name(text: str, column: Column) -> bool:
+    fits = len(text) <= column.longest and invisible_in(text) is None
+    return fits and not TYPOGRAPHIC.fullmatch(text)

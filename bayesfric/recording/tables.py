@@ -11,7 +11,7 @@ from typing import Any
 
 import pandas as pd
 
-__all__ = ["Axis", "Gravity", "Motor", "Pulley", "Recording", "RigConstants"]
+__all__ = ["Axis", "Gravity", "Motor", "Pulley", "Recording", "RigConstants", "Robot"]
 
 STANDARD_GRAVITY = 9.80665  # m/s², used where a recording does not say
 
@@ -30,6 +30,25 @@ class Pulley:
 
     radius_m: float | None = None
     mass_kg: float | None = None
+
+
+@dataclass(frozen=True)
+class Robot:
+    """The user's model of the machine: an URDF or MJCF file.
+
+    Parameters
+    ----------
+    model : str
+        Path of the file in the folder of the recording.
+    joints : mapping of str to str
+        Joint of the recording to its name in the model.
+    content : bytes
+        The file.
+    """
+
+    model: str
+    joints: Mapping[str, str] = field(default_factory=dict)
+    content: bytes = b""
 
 
 @dataclass(frozen=True)
@@ -57,10 +76,22 @@ class RigConstants:
         Sizes that are not the paper's.
     limits : mapping
         What the rig can do, as written.
-    moving_mass_kg, encoder_resolution : float or None
-        Of a single axis; kg and m, or kg·m² and rad where `rotary`.
+    moving_mass_kg, mass_sd_kg, encoder_resolution : float or None
+        Of a driven joint; kg and m, or kg·m² and rad where `rotary`.
     force_is : str or None
-        ``"commanded"`` or ``"measured"``.
+        ``"commanded"``, ``"motor"``, ``"link"``, ``"measured"`` or ``"unknown"``.
+    robot : Robot or None
+        The user's model of the machine.
+    other_joints : str or None
+        ``"still"``, ``"logged"``, ``"moving"`` or ``"unknown"``.
+    force_gain_sd : float or None
+        Standard error of the drive force's scale, relative.
+    known_force_sd, force_limit_n : float or None
+        Standard error of ``known_force_n``, and the largest drive force [N or N·m].
+    command_gain : float or None
+        Drive force by how far the joint is from its command [N/m or N·m/rad].
+    sample_hold_s, latency_s : float or None
+        How long telemetry holds a value, and by how much it is late [s].
     rotary : bool
         Radians, N·m and kg·m² take the place of m, N and kg in kinds 3 and 4.
     """
@@ -75,8 +106,17 @@ class RigConstants:
     pulleys: Mapping[str, Pulley] = field(default_factory=dict)
     limits: Mapping[str, Any] = field(default_factory=dict)
     moving_mass_kg: float | None = None
+    mass_sd_kg: float | None = None
     encoder_resolution: float | None = None
     force_is: str | None = None
+    robot: Robot | None = None
+    other_joints: str | None = None
+    force_gain_sd: float | None = None
+    known_force_sd: float | None = None
+    command_gain: float | None = None
+    force_limit_n: float | None = None
+    sample_hold_s: float | None = None
+    latency_s: float | None = None
     rotary: bool = False
 
 
@@ -117,12 +157,12 @@ class Motor:
 
 @dataclass(frozen=True)
 class Axis:
-    """Single-axis tables (kind 4).
+    """Tables of driven joints (kind 4).
 
     Parameters
     ----------
     runs, samples : DataFrame
-        One row a run; one row a sample.
+        One row a run; one row a sample. ``force_n`` is absent where only commands were logged.
     """
 
     runs: pd.DataFrame

@@ -72,6 +72,7 @@ def write_recording(recording: Recording, folder: str | PathLike[str]) -> None:
     try:
         temporary.mkdir(parents=True)
         for name, content in contents.items():
+            (temporary / name).parent.mkdir(parents=True, exist_ok=True)
             (temporary / name).write_bytes(content)
         if target.exists():  # empty: not every platform renames over a folder
             target.rmdir()
@@ -103,6 +104,8 @@ def _contents(recording: Recording) -> dict[str, bytes]:
     package = _package(recording, ordered)
     text = json.dumps(package, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     contents = {PACKAGE_FILE: text.encode()}
+    if (robot := recording.rig.robot) is not None:
+        contents[robot.model] = robot.content
     return contents | {file: _csv(frame) for file, frame in ordered.items()}
 
 
@@ -175,6 +178,8 @@ def _rig(rig: RigConstants) -> dict[str, Any]:
         for size, pulley in rig.pulleys.items()
     }
     keys["limits"] = dict(rig.limits)
+    if rig.robot is not None:
+        keys["robot"] = {"model": rig.robot.model, "joints": dict(rig.robot.joints)}
     # A zero is written: `0.0 == False`, so that values are not looked up in a tuple.
     return {
         key: value

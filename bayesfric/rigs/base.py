@@ -17,6 +17,7 @@ from bayesfric.analysis import Analysis, PriorOverrides
 from bayesfric.arrays import Array
 from bayesfric.effects import Effect, State
 from bayesfric.effects.terms import ActiveEffect
+from bayesfric.errors import Fault
 from bayesfric.inference.model import RigLikelihood
 from bayesfric.physics.cable import Cable
 from bayesfric.physics.friction import Coefficients
@@ -145,6 +146,15 @@ class Rig(Protocol):
         ------
         InputError
             They show that it cannot be used.
+        """
+
+    def left_out(self, recording: Recording) -> Sequence[Fault]:
+        """Return why trials of a recording do not enter: the rule, with its numbers.
+
+        Parameters
+        ----------
+        recording : Recording
+            As read; it may have none of this rig.
         """
 
     def change(

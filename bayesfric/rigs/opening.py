@@ -17,6 +17,7 @@ __all__ = [
     "calibrating",
     "chosen_rigs",
     "diagnosed_law",
+    "left_out",
     "open_rigs",
     "remarks_of",
     "rigs_with_trials",
@@ -46,18 +47,33 @@ def chosen_rigs(recording: Recording, rigs: Sequence[str] | None) -> tuple[str, 
     there = [name for name, rig in known.items() if rig.trials(recording) is not None]
     if rigs is None:
         if not there:
+            if faults := left_out(recording):
+                raise InputError(faults)
             kinds = " or ".join(rig.tables[0] for rig in known.values())
             raise InputError([Fault(recording.name, f"{kinds}, the kinds that can be fitted")])
         return (there[0],)
     unknown = [Fault("rigs", one_of(known, name), value=name) for name in rigs if name not in known]
     absent = [
-        Fault(recording.name, f"data of the rig {name!r}, which was asked for")
+        fault
         for name in rigs
         if name in known and name not in there
+        for fault in known[name].left_out(recording)
+        or [Fault(recording.name, f"data of the rig {name!r}, which was asked for")]
     ]
     if unknown or absent or not rigs:
         raise InputError([*unknown, *absent] or [Fault("rigs", one_of(known, ""))])
     return tuple(name for name in known if name in rigs)
+
+
+def left_out(recording: Recording) -> list[Fault]:
+    """Return why trials of a recording do not enter, whichever rig they are of.
+
+    Parameters
+    ----------
+    recording : Recording
+        As read.
+    """
+    return [fault for rig in all_rigs().values() for fault in rig.left_out(recording)]
 
 
 def open_rigs(
@@ -84,9 +100,8 @@ def open_rigs(
         trials = all_rigs()[name].trials(recording, exclude=exclude)
         entering = None if trials is None or trials.table.empty else calibrating(trials)
         if trials is None or trials.table.empty:
-            raise InputError(
-                [Fault(recording.name, "a trial that enters the fit; all are left out")]
-            )
+            none = Fault(recording.name, "a trial that enters the fit; all are left out")
+            raise InputError([none, *all_rigs()[name].left_out(recording)])
         if entering is None:
             expected = f"a {trials.rig.words.trial} that fits the law; all have the role test"
             raise InputError([Fault(recording.name, expected, column="role")])

@@ -1,6 +1,6 @@
 """What a rig has when it says nothing of its own: no rules, no path, nothing beyond its trials."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Self
 
 import pandas as pd
@@ -8,6 +8,7 @@ import xarray as xr
 
 from bayesfric.arrays import Array
 from bayesfric.effects import Effect
+from bayesfric.errors import Fault
 from bayesfric.physics.cable import Cable
 from bayesfric.recording.tables import Recording, RigConstants
 from bayesfric.rigs.base import Predictive, Resting, Simulated, Unsupported
@@ -28,6 +29,11 @@ class PlainRig:
 
     def remarks(self, recording: Recording) -> tuple[tuple[str, str], ...]:
         """Return nothing."""
+        del recording
+        return ()
+
+    def left_out(self, recording: Recording) -> Sequence[Fault]:
+        """Return nothing: no rule keeps a trial from entering."""
         del recording
         return ()
 

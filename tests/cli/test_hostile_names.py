@@ -7,6 +7,7 @@ import json
 from xml.etree import ElementTree
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 from recording.mini import Mini, write_files
@@ -21,8 +22,9 @@ from bayesfric.export.stored_law import StoredLaw
 from bayesfric.physics.friction import Coefficients
 from bayesfric.recording import read_recording
 from bayesfric.resources import reference_folder
-from bayesfric.results import read_json
+from bayesfric.results import read_json, read_tree
 from bayesfric.schemas import ClaimsFile
+from bayesfric.stored_names import name_of
 
 STEADY = "steady_friction.csv"
 NAMES = [text for text in HOSTILE if text != "a\ud800"]  # half a pair is refused as no Unicode
@@ -46,12 +48,12 @@ def named(folder, texts, name, mini=None, frictions=None):
     table = io.StringIO(newline="")
     csv.writer(table).writerows(rows)
     mini = mini or Mini().keep(STEADY)
-    mini.package |= {"name": name, "title": name}
+    mini.package |= {"name": name, "title": " ".join(NAMES)}
     return write_files(folder, mini.contents() | {STEADY: table.getvalue().encode()})
 
 
 def test_the_terminal_shows_names_as_text(tmp_path):
-    folder = named(tmp_path / "names", IN_CELLS, " ".join(NAMES))
+    folder = named(tmp_path / "names", IN_CELLS, " ".join(IN_CELLS))
     assert list(read_recording(folder).steady["run"]) == list(IN_CELLS)
     said = lines_of("validate", folder)
     assert legible(" ".join(NAMES)) in " ".join(said)
@@ -68,7 +70,9 @@ def test_the_terminal_shows_what_was_wrong_as_text(tmp_path):
         mini.package["rig"] |= {"pulleys": {text: {"radius_m": -1} for text in some}}
         folder = named(tmp_path / f"{first}", [*cells, "b"], "name", mini, [*cells, "high"])
         said = [line for line in lines_of("validate", folder) if line.startswith("error: ")]
-        assert sum("rig.pulleys." in line for line in said) == len(some)
+        unseen = [text for text in some if text not in IN_CELLS]
+        assert sum("radius_m" in line for line in said) == len(some)
+        assert sum("that can be seen" in line for line in said) == len(unseen)
         assert sum("friction_n: found" in line for line in said) == len(cells) + 1
         settings = tmp_path / "analysis.toml"
         keys = ("".join(f"\\U{ord(char):08X}" for char in text) for text in some)
@@ -132,3 +136,36 @@ def test_an_exported_law_is_a_law_whatever_it_is_named():
             )
             assert [one.tag for one in made.iter()] == [one.tag for one in other.iter()]
         assert json.loads(export_text(law, "json").encode())["recording"] == text
+
+
+def test_a_run_ends_well_whatever_sizes_and_covariates_are_named(tmp_path):
+    """Slashes, 300 bytes, and names of the file's own."""
+    rng = np.random.default_rng(4)
+    names = ["flow_l/min", "residual_n", "中" * 100]
+    sizes = ["a/b", "medium", "\N{DIVISION SLASH}"]
+    tension = np.tile(np.linspace(5.0, 30.0, 8), 3)
+    columns = {
+        "run": [f"r/{i}" for i in range(24)],
+        "pulley_size": np.repeat(sizes, 8),
+        "n_pulleys": 9,
+        "wrap_angle_deg": 85,
+        "tension_n": tension,
+        "friction_n": 0.2 + 0.05 * tension + rng.normal(0, 0.01, 24),
+    }
+    columns |= {name: rng.normal(size=24).round(3) for name in names}
+    mini = Mini().keep(STEADY)
+    mini.package["rig"] = {}
+    folder = mini.write(tmp_path / "points")
+    pd.DataFrame(columns).to_csv(folder / STEADY, index=False)
+    settings = tmp_path / "analysis.toml"
+    settings.write_text("[sampler]\nburn = 20\nsteps = 50\nthin = 2\nextensions = 0\n")
+    out = tmp_path / "out"
+    for verb in ("fit", "diagnose"):
+        lines_of(verb, folder, "-o", out, "--config", settings, "--quiet")
+    lines_of("report", out)
+    assert (out / "report.pdf").is_file()
+    residuals = read_tree(out / "diagnosis.nc")["residuals"].to_dataset()
+    stored = {name_of(str(name)) for name in residuals.data_vars}
+    assert {*names} <= stored
+    for form in ("python", "json", "mjcf"):
+        lines_of("export", out, "--to", form)

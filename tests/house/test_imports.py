@@ -27,6 +27,7 @@ ROWS = (
     ("observation",),
     ("rigs",),
     ("simulate",),
+    ("stored_names",),
     ("results",),
     ("fitting", "testing"),
     ("calibration",),
@@ -50,6 +51,7 @@ ONLY = {
     "arrays": set(),
     "errors": set(),
     "characters": set(),
+    "stored_names": set(),  # any tree
     "files": set(),
     "resources": set(),
     "checksum": set(),

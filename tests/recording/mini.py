@@ -79,14 +79,20 @@ r1,1,z,calibrate,0.0
 r2,2,z,test,1.5
 """,
     "axis_samples.csv": """\
-run,time_s,position_m,force_n,sim_force_n,sim_position_m
-r1,0.00,0.000,1.1,1.0,0.000
-r1,0.01,0.001,1.2,1.1,0.001
-r1,0.02,0.003,1.2,1.1,0.003
-r2,0.00,0.000,2.1,2.0,0.000
-r2,0.01,0.001,2.2,2.1,0.001
+run,joint,time_s,position_m,force_n,force_time_s,known_force_n,command_m,command_time_s,temperature_c,sim_force_n,sim_position_m
+r1,q1,0.00,0.000,1.1,5.00,0.4,0.000,0.00,21.5,1.0,0.000
+r1,q1,0.01,0.001,1.2,5.01,0.4,0.002,0.01,21.5,1.1,0.001
+r1,q1,0.02,0.003,1.2,5.01,0.4,0.004,0.02,21.5,1.1,0.003
+r2,q1,0.00,0.000,2.1,5.00,0.8,0.000,0.00,22.0,2.0,0.000
+r2,q1,0.01,0.001,2.2,5.01,0.8,0.002,0.01,22.0,2.1,0.001
 """,
 }
+
+UNUSED = (
+    "axis_samples.csv: force_time_s, known_force_n, command_m, command_time_s, temperature_c are "
+    "read and checked, and not used yet"
+)
+"""What is noted of it."""
 
 
 class Mini:

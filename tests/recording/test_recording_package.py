@@ -102,7 +102,7 @@ def test_number_that_is_not_finite(tmp_path: Path, literal: str, key: str) -> No
         ("rig.magnets_per_revolution", 4.5, "an integer"),
         ("rig.magnets_per_revolution", "5", "an integer"),
         ("rig.rotary", 1, "true or false"),
-        ("rig.force_is", "guessed", "'commanded' or 'measured'"),
+        ("rig.force_is", "guessed", "'commanded', 'motor', 'link', 'measured' or 'unknown'"),
         ("rig.pulleys", [], "an object"),
         ("rig.pulleys.wide", 0.02, "an object"),
         ("rig.limits", [0, 1], "an object"),
@@ -246,7 +246,7 @@ def test_unknown_keys_are_notes(tmp_path: Path) -> None:
     text = "\n".join(recording.notes)
     for part in ("weather", "rig.colour", "rig.limits.noise", "rig.pulleys.wide.colour", "'photo'"):
         assert part in text
-    assert len(recording.notes) == 5
+    assert len(recording.notes) == 6  # one is of the axis, as ever
     assert "weather" not in recording.metadata
 
 

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 from benchmark.kernels import timed
 from pytest_benchmark.fixture import BenchmarkFixture
-from recording.mini import Mini
+from recording.mini import UNUSED, Mini
 
 from bayesfric.recording import Recording, describe_recording, read_recording, tables_sha256
 from bayesfric.recording.axis_notes import notes_on_axis
@@ -36,7 +36,8 @@ def test_types(tmp_path: Path) -> None:
         recording.axis.runs,
         recording.axis.samples,
     ]
-    text = {"trial", "run", "setup", "sensor", "pulley_size", "role", "drive_end", "did_not_move"}
+    text = {"trial", "run", "setup", "sensor", "pulley_size", "role", "drive_end"}
+    text |= {"did_not_move", "joint"}
     for frame in frames:
         assert list(frame.index) == list(range(len(frame)))
         for name in frame:
@@ -170,6 +171,7 @@ def test_unknown_columns_are_kept_out_and_mentioned(tmp_path: Path) -> None:
         "gravity_trials.csv: unknown column 'room_c' kept out",
         "axis_runs.csv: unknown column 'operator' kept out (not a number in every row)",
         "axis_runs.csv: unknown column 'lever_m' kept out (not a number in every row)",
+        UNUSED,
     )
 
 
@@ -187,6 +189,7 @@ def test_conditions_outside_table_2_are_notes(tmp_path: Path) -> None:
     mini.set("steady_friction.csv", 2, "tension_n", "33.1")
     table = "outside the paper's Table II"
     assert read(mini, tmp_path).notes == (
+        UNUSED,
         f"{table}: |v| at most 1.3 m/s (trial g2); tension at most 33 N (trial g3); at most 19 "
         "pulleys (trial g2); individual wrap angle 15 to 180 deg (trial g3); average wrap angle "
         "45 to 150 deg (trial g1, g3)",
@@ -212,7 +215,7 @@ def test_many_runs_outside_table_2_are_one_note(tmp_path: Path) -> None:
 def test_rotary_bench_is_not_held_against_table_2(tmp_path: Path) -> None:
     mini = Mini().set("steady_friction.csv", 2, "tension_n", "330")
     mini.package["rig"]["rotary"] = True
-    assert read(mini, tmp_path).notes == ()
+    assert read(mini, tmp_path).notes == (UNUSED,)
 
 
 def test_sha256_is_over_the_tables_sorted_by_name(tmp_path: Path) -> None:
@@ -250,7 +253,7 @@ def test_description(tmp_path: Path) -> None:
             "2 runs on 1 setup, n = 9, wrap 85 deg, tension 14.7 N, v -0.5 to 0.5 m/s",
         ),
         ("steady friction", "2 points, -0.94 to 0.74 N, tension 15.5 to 20.5 N, v -0.3 to 0.3 m/s"),
-        ("single axis", "2 runs, 5 samples, with payload_kg"),
+        ("single axis", "2 runs, 5 samples, with payload_kg, of 1 joint"),
         ("  log", "up to 0.02 s and 0.003 m a run, a sample every 0.01 s, force 1.1 to 2.2 N"),
         ("sha256", recording.sha256),
     )

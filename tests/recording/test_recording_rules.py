@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from recording.mini import Mini, write_files
+from recording.mini import UNUSED, Mini, write_files
 
 from bayesfric.errors import Fault, InputError
 from bayesfric.recording import read_recording
@@ -186,7 +186,7 @@ RULES: list[tuple[str, Callable[[Mini], Mini], list[Place], str]] = [
     (
         "unknown trial",
         without_rows(TRIALS, 3),
-        [(EVENTS, line, "trial", "g2") for line in range(12, 17)],
+        [(EVENTS, 12, "trial", "g2")],  # and 4 like it
         "a trial of gravity_trials.csv",
     ),
     (
@@ -305,7 +305,7 @@ def test_rounding_excuses_no_more_than_it_must(
 
 def test_unspoilt_recording_has_no_fault(tmp_path: Path) -> None:
     recording = read_recording(Mini().write(tmp_path))
-    assert recording.notes == ()
+    assert recording.notes == (UNUSED,)
 
 
 @pytest.mark.parametrize("file", list(Mini().rows))
@@ -325,7 +325,6 @@ def test_all_faults_are_reported_together(tmp_path: Path, file: str) -> None:
         (PACKAGE, None, "rig.gravity_m_s2", "-1"),
         (TRIALS, 2, "mass_drive_kg", "x"),
         (TRIALS, 3, "mass_drive_kg", "2.10"),
-        (EVENTS, 7, "trial", "g1"),
         (EVENTS, 8, "time_s", "-1"),
         (EVENTS, 9, "sensor", "middle"),
         ("motor_runs.csv", 2, "velocity_m_s", "0"),

@@ -62,7 +62,7 @@ def test_round_trip_of_all_kinds(tmp_path: Path) -> None:
     write_recording(one, tmp_path / "a")
     other = read_recording(tmp_path / "a")
     assert_same(one, other)
-    assert other.notes == ()
+    assert other.notes == one.notes
     write_recording(other, tmp_path / "b")
     names = sorted(path.name for path in (tmp_path / "a").iterdir())
     assert names == sorted(["datapackage.json", *mini.rows])

@@ -27,12 +27,14 @@ MARKDOWN = (
 )  # fmt: skip
 FORMULAS = ("=cmd()", "=1+1", "+1", "-2", "@SUM(A1)", '=HYPERLINK("a","b")', 'a",=1+1,"')
 PLACES = ("../../x", "%s %n {0} {x!r}", '"""; import os', "'); DROP TABLE x")
-UNSEEN = ("\u200fright", "left\u200e", "a\u202eb", "\u2066a\u2069", "a\u061cb", "שלום", "a\ufffeb")
+ODD = ("שלום", "a\ufffeb", "e\u0301", "中" * 100, "❤\ufe0f", "a%2Fb", "∕")
+UNSEEN = ("\u200fright", "left\u200e", "a\u202eb", "\u2066a\u2069", "a\u061cb", "zero\u200bwide")
 CONTROLS = (
     "\x1b[2J", "\x1b]0;title\x07", "a\x00b", "a\rb", "a\n::error::b", "\x9b31m", "a\u2028b",
     "a\ud800", "\ufeffa", "a\x7f", "\u2067\U000e0001",
 )  # fmt: skip
-"""These no cell of a recording may hold; a name in JSON may."""
+LONG = 10_000 * "x"
+"""These, and what nobody sees, no name may hold; a title may."""
 
-IN_CELLS = MARKUP + TYPST + HTML + MARKDOWN + FORMULAS + PLACES + UNSEEN
-HOSTILE = (*IN_CELLS, *CONTROLS, 10_000 * "x")
+IN_CELLS = MARKUP + TYPST + HTML + MARKDOWN + FORMULAS + PLACES + ODD
+HOSTILE = (*IN_CELLS, *UNSEEN, *CONTROLS, LONG)

@@ -21,6 +21,7 @@ from bayesfric.rigs.bands import QUANTILES, bands
 from bayesfric.rigs.base import Predictive, RigTrials
 from bayesfric.rigs.data import Data
 from bayesfric.rigs.remaking import Remade, remake
+from bayesfric.stored_names import tree_of
 
 __all__ = ["QUANTILES", "predict"]
 
@@ -102,7 +103,7 @@ def predict(
         if "prior" not in groups and any("[" in p.name for p in likelihood.parameters):
             groups["prior"] = _prior(trials, table, model, named, analysis, baseline)
         groups |= trials.figures(view)
-    return xr.DataTree.from_dict(groups)
+    return tree_of(groups)
 
 
 def _checked(

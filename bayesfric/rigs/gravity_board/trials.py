@@ -14,12 +14,13 @@ from bayesfric.arrays import Array
 from bayesfric.effects import Effect
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
-from bayesfric.errors import InputError
+from bayesfric.errors import Fault, InputError
 from bayesfric.observation.exact import ExactLikelihood
 from bayesfric.physics.cable import Cable
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.gravity import nominal_tension
 from bayesfric.physics.laws import BASELINES, FrictionLaw
+from bayesfric.recording.csv_text import LISTED, with_rest
 from bayesfric.recording.tables import Gravity, Recording, RigConstants
 from bayesfric.rigs.base import Predictive, Regime, Resting, Simulated, Unsupported, Words
 from bayesfric.rigs.changes import Change
@@ -87,6 +88,17 @@ class GravityBoard:
         found = self.trials(recording)
         text = None if found is None else found.screened.clocks.described
         return () if text is None else (("sensor clocks", text),)
+
+    def left_out(self, recording: Recording) -> list[Fault]:
+        """Return the trials that the rules of :mod:`.screening` leave out, and by which."""
+        if recording.gravity is None:
+            return []
+        excluded = screen_trials(recording.gravity, recording.rig).excluded
+        faults = [
+            Fault("gravity_trials.csv", f"a trial that enters; {rule}: {RULES[rule]}", None, trial)
+            for trial, rule in excluded.items()
+        ]
+        return with_rest(faults[:LISTED], len(faults[LISTED:]))
 
     def change(
         self, effect: Effect, design: Protocol, constants: RigConstants, truth: Truth

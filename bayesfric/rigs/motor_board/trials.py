@@ -12,6 +12,7 @@ from bayesfric.analysis import Analysis
 from bayesfric.effects import Effect
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect
+from bayesfric.errors import Fault
 from bayesfric.observation.exact import ExactLikelihood
 from bayesfric.physics.friction import Coefficients
 from bayesfric.physics.laws import BASELINES, FrictionLaw
@@ -56,6 +57,11 @@ class MotorBoard:
 
     def remarks(self, recording: Recording) -> tuple[tuple[str, str], ...]:
         """Return nothing."""
+        del recording
+        return ()
+
+    def left_out(self, recording: Recording) -> tuple[Fault, ...]:
+        """Return nothing: all runs enter."""
         del recording
         return ()
 

@@ -13,6 +13,7 @@ from bayesfric.arrays import Array, Flags
 from bayesfric.effects import Effect, Law, State
 from bayesfric.effects.candidates import Candidate
 from bayesfric.effects.terms import ActiveEffect, small_values
+from bayesfric.errors import Fault
 from bayesfric.observation.exact import ExactLikelihood
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.physics.friction import Coefficients
@@ -23,6 +24,7 @@ from bayesfric.rigs.own_design import OwnDesign
 from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.single_axis.entering import NO_CABLE, SIZE, entering
+from bayesfric.rigs.single_axis.left_out import left_out, not_modelled
 from bayesfric.rigs.single_axis.likelihood import AxisModel
 from bayesfric.rigs.single_axis.measures import Measures
 from bayesfric.rigs.single_axis.next_runs import SETTINGS, lay_out
@@ -71,7 +73,13 @@ class SingleAxis(PlainRig):
     def trials(self, recording: Recording, *, exclude: bool = True) -> "AxisRuns | None":
         """Return the runs in which the axis moves; no rule keeps another out."""
         del exclude
-        return None if recording.axis is None else _opened(self, recording.axis, recording.rig)
+        if recording.axis is None or not_modelled(recording.axis, recording.rig):
+            return None
+        return _opened(self, recording.axis, recording.rig)
+
+    def left_out(self, recording: Recording) -> list[Fault]:
+        """Return the runs that do not enter, and why; see :mod:`.left_out`."""
+        return [] if recording.axis is None else left_out(recording.axis, recording.rig)
 
 
 RIG = SingleAxis()

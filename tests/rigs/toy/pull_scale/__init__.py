@@ -52,6 +52,9 @@ class PullScale:
         table = recording.further[FILE].rename(columns={"run": "trial"})
         return Readings(self, table.sort_values("setup", kind="stable", ignore_index=True), table)
 
+    def left_out(self, recording):
+        return ()
+
     def change(self, effect, design, constants, truth):
         return None
 

@@ -1,0 +1,245 @@
+"""Rows and trials that are copies of others: the same measurement under another id.
+
+A measurement that stands in a recording six times is not six measurements. Trials of the gravity
+board and runs of a joint have so many events and samples that two of them are never the same by
+chance. A point or a run of the motor board has one reading, and rounded readings repeat
+honestly: rows are copies where the digits in which readings agree are more than chance gives.
+"""
+
+import hashlib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pandas as pd
+
+from bayesfric.arrays import Array
+from bayesfric.recording.schemas import Table
+from bayesfric.recording.tables import Axis, Gravity, Recording
+
+__all__ = ["without_copies"]
+
+SPREAD = 1e-3  # of a reading, by which honest repeats differ at the least
+SURE = 4.0  # digits by which readings agree: chance does so once in ten thousand
+LEAST_SAMPLES = 5  # of a trial and sensor or a run, that are never alike by chance
+RECENT = 20  # earlier rows of a kind that a row is held against
+NAMED = 10  # ids in a note
+OWN = ("trial", "run", "order", "setup", "role")  # of the row, not of what was measured
+READINGS = {
+    "motor_runs.csv": ("run", "current_a"),
+    "steady_friction.csv": ("run", "friction_n"),
+    "gravity_trials.csv": ("trial", "acceleration_m_s2"),
+}
+Copies = dict[str, str]
+"""Id of a copy to that of the first of its kind, in the order of the file."""
+
+
+def without_copies(
+    recording: Recording, tables: Mapping[str, Table]
+) -> tuple[Recording, tuple[str, ...]]:
+    """Return a recording in which each measurement stands once, and what was left out.
+
+    Parameters
+    ----------
+    recording : Recording
+        As read.
+    tables : mapping of str to Table
+        By canonical file name, as written: digits count.
+
+    Returns
+    -------
+    recording : Recording
+        Without the copies.
+    notes : tuple of str
+        A sentence a table with the ids of copies and of what they are copies of.
+    """
+    notes: list[str] = []
+    if recording.gravity is not None:
+        gravity, copies = recording.gravity, _of_readings(tables, "gravity_trials.csv")
+        same, unlike = _of_trains(gravity)
+        notes += _unlike("gravity_trials.csv", "events", unlike)
+        copies |= same
+        trials = gravity.trials[~gravity.trials["trial"].isin(copies)].reset_index(drop=True)
+        events = gravity.events[~gravity.events["trial"].isin(copies)].reset_index(drop=True)
+        notes += _said("gravity_trials.csv", "trial", copies)
+        recording = replace(recording, gravity=Gravity(trials, events) if copies else gravity)
+    if recording.motor is not None and (copies := _of_readings(tables, "motor_runs.csv")):
+        runs = recording.motor.runs
+        kept = runs[~runs["run"].isin(copies)].reset_index(drop=True)
+        recording = replace(recording, motor=replace(recording.motor, runs=kept))
+        notes += _said("motor_runs.csv", "run", copies)
+    if recording.steady is not None and (copies := _of_readings(tables, "steady_friction.csv")):
+        points = recording.steady
+        kept = points[~points["run"].isin(copies)].reset_index(drop=True)
+        recording = replace(recording, steady=kept)
+        notes += _said("steady_friction.csv", "run", copies)
+    if recording.axis is not None:
+        axis = recording.axis
+        copies, unlike = _of_runs(axis)
+        notes += _unlike("axis_runs.csv", "samples", unlike)
+        if copies:
+            runs = axis.runs[~axis.runs["run"].isin(copies)].reset_index(drop=True)
+            samples = axis.samples[~axis.samples["run"].isin(copies)].reset_index(drop=True)
+            recording = replace(recording, axis=Axis(runs, samples))
+            notes += _said("axis_runs.csv", "run", copies)
+    return recording, tuple(notes)
+
+
+def _said(file: str, what: str, copies: Copies) -> Iterator[str]:
+    if not copies:
+        return
+    shown = ", ".join(f"{copy} of {first}" for copy, first in list(copies.items())[:NAMED])
+    more = f" and {len(copies) - NAMED:,} more" if len(copies) > NAMED else ""
+    copy = "an exact copy" if len(copies) == 1 else "exact copies"
+    yield f"{file}: {what} {shown}{more}: {copy}, counted once"
+
+
+def _unlike(file: str, what: str, pairs: Copies) -> Iterator[str]:
+    if not pairs:
+        return
+    shown = ", ".join(f"{other} and {first}" for other, first in list(pairs.items())[:NAMED])
+    yield (
+        f"{file}: {shown} have the same {what} to the last digit and another condition: is one of "
+        "them what was measured?"
+    )
+
+
+def _of_readings(tables: Mapping[str, Table], file: str) -> Copies:
+    """Return the rows of a table that are copies by their one reading."""
+    table = tables.get(file)
+    name, reading = READINGS[file]
+    if table is None or not table.has(reading):
+        return {}
+    frame = table.frame.drop(columns=[column for column in OWN if column in table.frame])
+    there = (frame[reading].notna() & ~_has_events(table, tables)).to_numpy()
+    kind = frame.groupby([*frame], dropna=False, sort=False, observed=True).ngroup().to_numpy()
+    digits = _digits(table.text.cells[reading], frame[reading])
+    first = _stretches(np.where(there, kind, -1 - np.arange(kind.size)), digits)
+    ids = table.frame[name].astype(str).tolist()
+    return {ids[row]: ids[root] for row, root in first.items()}
+
+
+def _has_events(table: Table, tables: Mapping[str, Table]) -> "pd.Series[bool]":
+    """Return of which rows events are there, which are what was measured."""
+    events = tables.get("gravity_events.csv")
+    if events is None or not (events.has("trial") and table.has("trial")):
+        return pd.Series(False, index=table.frame.index)
+    return table.frame["trial"].isin(events.frame["trial"].unique())
+
+
+def _digits(cells: "pd.Series[str]", values: "pd.Series[float]") -> Array:
+    """Return how many digits of a reading agree by no chance where it is repeated, (N,).
+
+    Repeats that differ by a standard deviation s and are written in steps of δ are alike with
+    probability δ / (2 √π s).
+    """
+    written = [cell.lower().partition("e") for cell in cells]
+    places = [len(m.partition(".")[2]) - int(exponent or 0) for m, _, exponent in written]
+    step = 10.0 ** -np.clip(np.array(places, dtype=np.float64), -12.0, 15.0)
+    spread = 2 * np.sqrt(np.pi) * SPREAD * values.abs().to_numpy()
+    agree = np.log10(np.maximum(np.nan_to_num(spread) / step, 1.0))
+    return np.asarray(agree, dtype=np.float64)
+
+
+def _stretches(kind: Sequence[int] | np.ndarray, digits: Array) -> dict[int, int]:
+    """Return the rows of stretches that repeat earlier ones row by row, with what they repeat."""
+    earlier: dict[int, list[int]] = {}
+    first: dict[int, int] = {}
+    told: dict[int, tuple[float, int]] = {}  # by the earlier row: digits, length of the stretch
+    for row, of_row in enumerate(np.asarray(kind).tolist()):
+        before = earlier.setdefault(of_row, [])
+        now: dict[int, tuple[float, int]] = {}
+        for other in before[-RECENT:] + before[:1]:
+            agreed, length = told.get(other - 1, (0.0, 0))
+            now[other] = agreed + float(digits[row]), length + 1
+        if now:
+            other, (agreed, length) = max(now.items(), key=lambda found: found[1][0])
+            if agreed >= SURE:
+                for back in range(length):
+                    root = other - back
+                    first.setdefault(row - back, first.get(root, root))
+        before.append(row)
+        told = now
+    return dict(sorted(first.items()))
+
+
+def _of_trains(gravity: Gravity) -> tuple[Copies, Copies]:
+    """Return trials whose events are those of another, under its condition and under another."""
+    events, trials = gravity.events, gravity.trials
+    if events.empty:
+        return {}, {}
+    columns = [
+        pd.factorize(events["sensor"])[0].astype(np.float64),
+        events["displacement_m"].to_numpy(np.float64),
+        events["time_s"].to_numpy(np.float64),
+    ]
+    alike = _alike(events["trial"], columns, clock=2)
+    condition = trials.drop(columns=[name for name in OWN if name in trials])
+    return _by_condition(alike, trials["trial"], condition)
+
+
+def _of_runs(axis: Axis) -> tuple[Copies, Copies]:
+    """Return runs whose samples are those of another, likewise."""
+    samples, runs = axis.samples, axis.runs
+    names = [name for name in samples if name != "run"]
+    columns = [
+        pd.factorize(samples[name])[0].astype(np.float64)
+        if name == "joint"
+        else samples[name].to_numpy(np.float64)
+        for name in names
+    ]
+    in_order = pd.factorize(samples["run"])[0].argsort(kind="stable")
+    alike = _alike(
+        samples["run"].iloc[in_order],
+        [column[in_order] for column in columns],
+        clock=names.index("time_s"),
+    )
+    condition = runs.drop(columns=[name for name in OWN if name in runs])
+    return _by_condition(alike, runs["run"], condition)
+
+
+def _alike(ids: pd.Series, columns: list[Array], clock: int) -> Copies:
+    """Return groups of rows that are those of an earlier one, on a clock that may begin anew.
+
+    Parameters
+    ----------
+    ids : Series of str
+        Of the group of each row; rows of a group are adjacent.
+    columns : list of ndarray, shape (N,)
+        What was measured.
+    clock : int
+        Which of them is the time [s].
+    """
+    names = ids.to_numpy(dtype=object)
+    starts = np.flatnonzero(np.r_[True, names[1:] != names[:-1]])
+    bounds = [*starts.tolist(), names.size]
+    found: Copies = {}
+    seen: dict[bytes, str] = {}
+    for begin, end in pairwise(bounds):
+        if end - begin < LEAST_SAMPLES:
+            continue
+        times = columns[clock][begin:end]
+        since = np.round(times - times[0], 9)
+        measured = [c[begin:end] for place, c in enumerate(columns) if place != clock]
+        if all(np.ptp(column) == 0 for column in measured):
+            continue  # a joint at rest has nothing to be told by
+        digest = hashlib.sha256()
+        for column in (since, *measured):
+            digest.update(np.ascontiguousarray(column + 0.0).tobytes())
+        first = seen.setdefault(digest.digest(), str(names[begin]))
+        if first != names[begin]:
+            found[str(names[begin])] = first
+    return found
+
+
+def _by_condition(alike: Copies, ids: pd.Series, condition: pd.DataFrame) -> tuple[Copies, Copies]:
+    """Part what is alike by whether its condition is too."""
+    if not alike:
+        return {}, {}
+    if condition.columns.empty:
+        return alike, {}
+    of_row = condition.groupby([*condition], dropna=False, observed=True).ngroup()
+    kind = dict(zip(ids.astype(str), of_row, strict=True))
+    copies = {copy: first for copy, first in alike.items() if kind[copy] == kind[first]}
+    return copies, {copy: first for copy, first in alike.items() if copy not in copies}

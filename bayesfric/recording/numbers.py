@@ -1,0 +1,113 @@
+"""The one rule by which text is a number, and what else people write where one belongs.
+
+A number has digits 0 to 9, a point, an exponent. Every pattern here takes a time that grows
+with the length of a cell: a file of one long cell holds nobody up.
+"""
+
+import re
+from collections.abc import Iterable
+from contextlib import suppress
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from bayesfric.arrays import Array
+
+__all__ = ["cause_of", "is_decimal", "one_cause", "to_numbers", "to_numbers_apart"]
+
+_DECIMAL = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+_OF_DECIMALS = b"0123456789.eE+-"
+_BLANK = " \N{NO-BREAK SPACE}\N{THIN SPACE}\N{NARROW NO-BREAK SPACE}"
+LONGEST_CAUSE = 100  # characters of a cell that is looked at for a cause: longer ones have none
+
+
+class _Cause(NamedTuple):
+    pattern: re.Pattern[str]
+    hint: str
+
+
+COMMA = ", with a point as the decimal mark"
+THOUSANDS = ", without a separator of thousands"
+EITHER = ", with a point as the decimal mark and without a separator of thousands"
+CLOCK = " (is it a time of day, or a date? Write the seconds since the first row)"
+
+_CAUSES = (
+    _Cause(re.compile(rf"[+-]?\d{{1,3}}([{_BLANK}'’]\d{{3}})+([.,]\d*)?", re.ASCII), THOUSANDS),
+    _Cause(re.compile(r"[+-]?\d{1,3}(,\d{3})+\.\d*|[+-]?\d{1,3}(,\d{3}){2,}", re.ASCII), THOUSANDS),
+    _Cause(re.compile(r"[+-]?[1-9]\d{0,2},\d{3}", re.ASCII), EITHER),
+    _Cause(re.compile(r"[+-]?(\d*|\d{1,3}(\.\d{3})+),\d+([eE][+-]?\d+)?", re.ASCII), COMMA),
+    _Cause(re.compile(".*\N{MINUS SIGN}.*"), ", with a hyphen as the minus sign"),
+    _Cause(re.compile("true|false", re.I), " (a spreadsheet's answer to a comparison is none)"),
+    _Cause(
+        re.compile(
+            r"(\d{4}-?\d\d-?\d\d[T ])?\d{1,2}:\d\d(:\d\d([.,]\d*)?)? ?(Z|[AP]M|[+-]\d\d(:?\d\d)?)?"
+            r"|\d{4}-\d\d-\d\dT\d.*",
+            re.ASCII | re.I,
+        ),
+        CLOCK,
+    ),
+    _Cause(
+        re.compile(
+            r"\d{1,4}([-/.])\d{1,2}\1\d{1,4}.*"
+            r"|.*\b(jan|feb|mar|apr|may|jun|jul|aug|sep|oct|nov|dec)[a-z]*\b.*",
+            re.ASCII | re.I,
+        ),
+        " (has a spreadsheet made a date of it?)",
+    ),
+    _Cause(
+        re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?[ \t]*[a-zA-Zµμ°%·/²³]+"),
+        ", without its unit, which stands in the column's name",
+    ),
+)
+
+
+def is_decimal(cell: str) -> bool:
+    """Return whether a text is a decimal number of ASCII digits, finite or not."""
+    return _DECIMAL.fullmatch(cell) is not None
+
+
+def to_numbers(cells: pd.Series) -> pd.Series:
+    """Return finite decimal numbers; NaN for all else, "nan" and "inf" included.
+
+    Parameters
+    ----------
+    cells : Series of str
+        Text without blanks around it.
+    """
+    # Where no other characters are, what Python reads as numbers are decimal ones.
+    if not "".join(cells.tolist()).encode().translate(None, _OF_DECIMALS):
+        with suppress(ValueError):
+            return _finite(cells)
+    return _finite(cells.map(lambda cell: cell if is_decimal(cell) else "nan"))
+
+
+def _finite(cells: pd.Series) -> pd.Series:
+    numbers = cells.to_numpy(dtype=object).astype(np.float64)
+    numbers[~np.isfinite(numbers)] = np.nan
+    return pd.Series(numbers, index=cells.index)
+
+
+def to_numbers_apart(cell: str) -> Array:
+    """Return the numbers of a cell that blanks separate, shape (N,); NaN where a part is none."""
+    return to_numbers(pd.Series(cell.split(), dtype=object)).to_numpy()
+
+
+def cause_of(cell: str) -> str | None:
+    """Return what to say of a cell that is no number; None where it is not known why."""
+    if len(cell) > LONGEST_CAUSE:
+        return None
+    return next((hint for pattern, hint in _CAUSES if pattern.fullmatch(cell)), None)
+
+
+def one_cause(hints: Iterable[str]) -> dict[str, str]:
+    """Return what to say for each of several causes: ``1,234`` is what its neighbours are.
+
+    Parameters
+    ----------
+    hints : iterable of str
+        As :func:`cause_of` returns them, of one table.
+    """
+    causes = set(hints)
+    sure = [cause for cause in (COMMA, THOUSANDS) if cause in causes]
+    return {cause: sure[0] if cause == EITHER and len(sure) == 1 else cause for cause in causes}

@@ -1,0 +1,127 @@
+"""Which runs of a log do not enter, by which rule, with its numbers."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pandas as pd
+
+from bayesfric.arrays import Array
+from bayesfric.errors import Fault
+from bayesfric.recording.csv_text import LISTED, with_rest
+from bayesfric.recording.tables import Axis, RigConstants
+from bayesfric.rigs.single_axis.even_log import (
+    LEAST_SAMPLES,
+    EvenLog,
+    even_grid,
+    position_noise,
+    smooth_motion,
+)
+from bayesfric.rigs.single_axis.readings import NARROWEST, SMOOTHED
+
+__all__ = ["left_out", "not_modelled"]
+
+SAMPLES = "axis_samples.csv"
+WINDOW = 2 * NARROWEST + 1  # samples of the narrowest window
+APART = 0.1  # of an interval, from which on two stamps of a sample are two
+
+
+def not_modelled(axis: Axis, constants: RigConstants) -> list[Fault]:
+    """Return what of a log no model here takes, and without which the answer would be wrong.
+
+    Parameters
+    ----------
+    axis : Axis
+        The tables.
+    constants : RigConstants
+        The machine.
+    """
+    del constants
+    samples, faults = axis.samples, []
+    if "force_n" not in samples:
+        expected = "force_n: a log of commands alone is read, and no model takes one yet"
+        return [Fault(SAMPLES, expected, column="command_m")]
+    if "joint" in samples and len(samples["joint"].unique()) > 1:
+        expected = (
+            "the samples of one joint: those of several are read, and no model takes them yet "
+            "(keep the rows of one)"
+        )
+        joints = ", ".join(samples["joint"].unique())
+        faults.append(Fault(SAMPLES, expected, column="joint", value=joints))
+    if "known_force_n" in samples and samples["known_force_n"].any():
+        expected = (
+            "nothing, or 0: a known force is read, and no model takes it off the drive force yet"
+        )
+        faults.append(Fault(SAMPLES, expected, column="known_force_n"))
+    if "force_time_s" in samples and _apart(samples):
+        expected = (
+            "the times of time_s: a clock of the force's own is read, and no model has one yet"
+        )
+        faults.append(Fault(SAMPLES, expected, column="force_time_s"))
+    return faults
+
+
+def _apart(samples: pd.DataFrame) -> bool:
+    interval = float(samples.groupby("run", sort=False)["time_s"].diff().median())
+    apart = (samples["force_time_s"] - samples["time_s"]).abs().max()
+    return bool(apart > APART * interval)
+
+
+def left_out(axis: Axis, constants: RigConstants) -> list[Fault]:
+    """Return why runs do not enter: what is there, and what a run needs.
+
+    Parameters
+    ----------
+    axis : Axis
+        The tables.
+    constants : RigConstants
+        The machine.
+    """
+    if faults := not_modelled(axis, constants):
+        return faults
+    by_run = {str(run): of_run for run, of_run in axis.samples.groupby("run", sort=False)}
+    found = list(_of_runs(by_run, axis.runs["run"].tolist(), constants.encoder_resolution))
+    return with_rest(found[:LISTED], len(found[LISTED:]))
+
+
+def _of_runs(
+    by_run: dict[str, pd.DataFrame], runs: list[str], resolution: float | None
+) -> Iterator[Fault]:
+    logs = {run: _log(by_run[run]) for run in runs}
+    noises = [position_noise(log, resolution) for log in logs.values() if log is not None]
+    noise = float(np.median(noises)) if noises else 0.0
+    for run, log in logs.items():
+        if log is None:
+            expected = f"{LEAST_SAMPLES} samples at least of a run that enters"
+            value = f"{len(by_run[run])} samples"
+        elif (stretch := _longest(log, noise)) == 0:
+            expected = (
+                "a run that moves: that it does is not to be seen above the error of its "
+                f"positions, {noise:.2g}"
+            )
+            value = f"{np.ptp(log.position):.2g} from end to end"
+        elif stretch < WINDOW:
+            rate = WINDOW / (stretch * log.interval_s)
+            expected = (
+                f"{WINDOW} samples at least one way: here {rate:.3g} samples a second, and not "
+                f"{1 / log.interval_s:.3g}, or a slower motion"
+            )
+            value = f"{stretch} samples from one reversal to the next, at the most"
+        else:
+            continue
+        yield Fault(SAMPLES, expected, column=f"run {run}", value=value)
+
+
+def _log(samples: pd.DataFrame) -> EvenLog | None:
+    columns: dict[str, Array] = {
+        name: samples[column].to_numpy(dtype=np.float64)
+        for name, column in (("position", "position_m"), ("force", "force_n"))
+    }
+    return even_grid(samples["time_s"].to_numpy(dtype=np.float64), columns)
+
+
+def _longest(log: EvenLog, noise: float) -> int:
+    """Return the most samples in a row during which it is known that the axis runs one way."""
+    way = smooth_motion(log, SMOOTHED, noise)[2]
+    edges = np.flatnonzero(np.diff(way, prepend=0.0, append=0.0))
+    lengths = np.diff(edges)[way[edges[:-1]] != 0] if edges.size > 1 else np.zeros(0)
+    return int(lengths.max(initial=0))

@@ -1,0 +1,120 @@
+"""What does not enter is told with its rule and its numbers, by every verb and by validate."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+import bayesfric as bf
+from bayesfric.cli import app
+from bayesfric.errors import InputError
+from bayesfric.recording import Axis, Recording, RigConstants, write_recording
+
+RATE = 200.0
+
+
+def joint(motion, seconds=6.0, rate=RATE, runs=1, **columns):
+    """A log of a joint of 2 kg with 1.5 N of Coulomb friction."""
+    rng = np.random.default_rng(1)
+    time = np.arange(0, seconds, 1 / rate)
+    samples = []
+    for run in range(runs):
+        position = motion(time + run) + 1e-5 * rng.standard_normal(time.size)
+        speed = np.gradient(position, time)
+        force = 2.0 * np.gradient(speed, time) + 1.5 * np.sign(speed)
+        log = {"run": f"r{run}", "time_s": time, "position_m": position, "force_n": force}
+        samples.append(pd.DataFrame(log))
+    table = pd.DataFrame({"run": [f"r{run}" for run in range(runs)]})
+    joined = pd.concat(samples, ignore_index=True).assign(**columns)
+    return Recording("joint", "A joint", RigConstants(), axis=Axis(table, joined))
+
+
+def fast(time):
+    """Ten samples at 20 Hz from one end to the other."""
+    return 0.2 * np.sin(2 * np.pi * time)
+
+
+def slow(time):
+    return 0.2 * np.sin(0.8 * time)
+
+
+def told(recording, tmp_path, verb):
+    """Return what a verb says, on both streams."""
+    folder = tmp_path / "joint"
+    if not folder.exists():
+        write_recording(recording, folder)
+    further = [] if verb == "validate" else ["-o", str(tmp_path / "out"), "--quiet"]
+    done = CliRunner().invoke(app, [verb, str(folder), *further])
+    assert done.exit_code == (0 if verb == "validate" else 2), done.output
+    return done.stderr
+
+
+CASES = {
+    "few samples": (joint(slow, seconds=0.05), "found '10 samples', expected 16 samples at least"),
+    "too slow a log": (joint(fast, rate=20.0), "here 48.6 samples a second, and not 20"),
+    "held": (joint(lambda time: 0 * time), "a run that moves"),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("verb", ["validate", "fit", "diagnose"])
+def test_a_run_that_does_not_enter_is_told_why(tmp_path, case, verb):
+    recording, said = CASES[case]
+    text = told(recording, tmp_path, verb)
+    assert "axis_samples.csv, run r0: " in text
+    assert said in text
+
+
+def test_many_runs_are_told_in_few_lines():
+    recording = joint(slow, seconds=0.05, runs=50)
+    with pytest.raises(InputError) as caught:
+        bf.diagnose(recording)
+    assert len(caught.value.faults) == 21
+    assert caught.value.faults[-1].like == 30
+
+
+def test_a_log_that_enters_says_nothing(tmp_path):
+    assert told(joint(slow), tmp_path, "validate") == ""
+
+
+NOT_MODELLED = {
+    "joints": (joint(slow, joint=lambda log: np.where(log.index < 600, "q1", "q2")), "q1, q2"),
+    "commands": (joint(slow, command_m=0.0), "commands alone"),
+    "a known force": (joint(slow, known_force_n=1.0), "a known force is read"),
+    "a clock of its own": (
+        joint(slow, force_time_s=lambda log: log.time_s + 0.1),
+        "a clock of the force's own",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", NOT_MODELLED)
+@pytest.mark.parametrize("verb", ["validate", "fit", "diagnose"])
+def test_a_log_that_no_model_takes_is_refused(tmp_path, case, verb):
+    recording, said = NOT_MODELLED[case]
+    if case == "commands":
+        samples = recording.axis.samples.drop(columns="force_n")
+        recording = replace(recording, axis=replace(recording.axis, samples=samples))
+    assert said in told(recording, tmp_path, verb)
+
+
+def test_a_known_force_of_nothing_and_a_clock_that_agrees_change_nothing(tmp_path):
+    recording = joint(slow, known_force_n=0.0, force_time_s=lambda log: log.time_s, joint="q1")
+    assert "left out" not in told(recording, tmp_path, "validate")
+
+
+def test_a_trial_of_the_board_that_a_rule_leaves_out_is_told(small_recording, tmp_path):
+    events = small_recording.gravity.events
+    trial = events["trial"].iloc[0]
+    own = events["trial"] == trial
+    rng = np.random.default_rng(2)
+    shaken = events["time_s"].where(~own, np.sort(rng.uniform(0, 1, len(events))))
+    gravity = replace(small_recording.gravity, events=events.assign(time_s=shaken))
+    from bayesfric.rigs.opening import left_out
+
+    (fault,) = left_out(replace(small_recording, gravity=gravity))
+    assert str(fault).startswith(
+        f"gravity_trials.csv, {trial}: expected a trial that enters; unrep"
+    )
