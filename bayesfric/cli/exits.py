@@ -18,6 +18,7 @@ from typing import ParamSpec
 import typer
 
 from bayesfric.cli.printing import say
+from bayesfric.cli.surroundings import prepare
 from bayesfric.errors import Fault, InputError, one_of
 
 __all__ = [
@@ -72,6 +73,7 @@ def exit_status(verb: Callable[P, None]) -> Callable[P, None]:
     def guarded(*args: P.args, **kwargs: P.kwargs) -> None:
         try:
             with _signals_raise():
+                prepare()
                 verb(*args, **kwargs)
         except InputError as error:
             for fault in error.faults[:SHOWN_FAULTS]:
