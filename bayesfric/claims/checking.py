@@ -15,6 +15,7 @@ import xarray as xr
 
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
+from bayesfric.attention import of_claims
 from bayesfric.checkpoint import NOTHING_KEPT, Checkpoint
 from bayesfric.claims.base import Case, Claim, Finding
 from bayesfric.claims.comparison import log_evidence
@@ -165,12 +166,14 @@ def check_claims(
     studied = _studied(claims, entered, analysis, effects, executor, progress, keeping)
     case = Case(recording, analysis, entered, studied, effects, posterior or {})
     findings = [(claim, claim.judge(claim, case)) for claim in claims]
+    results = tuple(_result(claim, found, entered) for claim, found in findings)
     summary = ClaimsFile(
         **attributes.model_dump(),
         rigs=entered.rigs,
         baseline=baseline,
+        attention=of_claims(results),
         rules=analysis.claims.model_dump(),
-        claims=tuple(_result(claim, found, entered) for claim, found in findings),
+        claims=results,
         self_contradictions=tuple(
             SelfContradiction.model_validate(one._asdict()) for one in contradictions()
         ),

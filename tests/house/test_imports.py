@@ -35,7 +35,7 @@ ROWS = (
     ("effects", "simulators"),
     ("rigs",),
     ("simulate",),
-    ("results",),
+    ("results", "attention"),
     ("fitting", "testing"),
     ("calibration",),
     ("claims",),

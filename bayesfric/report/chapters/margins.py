@@ -55,6 +55,8 @@ def margins(found: MarginsFile, *, alone: bool) -> Iterator[Block]:
         Whether its figures stand on page one.
     """
     yield Heading(1, "Controller margins", label="margins")
+    if found.law is not None:
+        yield Paragraph(found.law.sentence)
     for loop in found.loops:
         verdict, *rest = sentences(loop.answer)
         yield Paragraph([Code(loop.name), ": ", Strong(verdict)])
