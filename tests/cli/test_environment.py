@@ -126,8 +126,9 @@ def read_only_package(board):
         shutil.copytree(
             ROOT / "bayesfric", place / "bayesfric", ignore=shutil.ignore_patterns("__pycache__")
         )
+        (place / "bayesfric" / "_data").mkdir()  # as in a wheel
         for name in ("data", "reports"):
-            (place / name).symlink_to(ROOT / name)
+            (place / "bayesfric" / "_data" / name).symlink_to(ROOT / name)
         for path in (*place.rglob("*"), place):
             if not path.is_symlink():
                 path.chmod(0o555 if path.is_dir() else 0o444)
