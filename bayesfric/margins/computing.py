@@ -85,7 +85,8 @@ class Margins:
             Nominal (means of the law, medians of the file's numbers), then the draws. From
             angle error to measured angle, for negative feedback, SI units; hold, delay and first
             difference are Padé approximants, off by less than 1e-7 up to 3/delay. Coulomb
-            friction is no part of a linear loop, nor are the effects of a diagnosis.
+            friction is no part of a linear loop; of the effects of a diagnosis, draws of a
+            refitted law have the damping, and the nominal has none.
 
         Raises
         ------

@@ -352,11 +352,11 @@ class LoopMargins(Record):
     tuning: Tuning | None = Field(None, description="What meets them with the asked probability.")
     tuning_why: Why = None
     certificate: Certificate | None = Field(
-        None, description="By the circle criterion, without the effects of a diagnosis."
+        None, description="By the circle criterion, of the law that `law` says."
     )
     certificate_why: Why = None
     following: Following | None = Field(
-        None, description="Errors on references that move, without the effects of a diagnosis."
+        None, description="Errors on references that move, of the law that `law` says."
     )
     following_why: Why = None
     nyquist: tuple[NyquistFan, ...] = Field(description="What the figures draw.")
