@@ -5,11 +5,9 @@ beside the target and then renames them into place.
 """
 
 import hashlib
-import os
 import platform
 import shutil
 from collections.abc import Callable, Mapping
-from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
 from typing import Any, Literal, TypeVar
@@ -30,6 +28,7 @@ from bayesfric.interrupts import uninterrupted
 from bayesfric.observation.coefficients import NO_PULLEY, coefficient_name, law_of
 from bayesfric.physics.friction import Coefficients
 from bayesfric.schemas import FitFile, Provenance, RecordingId
+from bayesfric.source_date import source_date
 from bayesfric.stored_names import restored, storable, variable_of
 
 __all__ = [
@@ -107,16 +106,8 @@ def created_date(fallback: str | None) -> str | None:
     InputError
         The variable is set to something that is not a number of seconds.
     """
-    epoch = os.environ.get("SOURCE_DATE_EPOCH")
-    if epoch is None:
-        return fallback
-    try:
-        moment = datetime.fromtimestamp(int(epoch), UTC)
-    except (ValueError, OverflowError, OSError) as error:
-        expected = "whole seconds since 1970"
-        fault = Fault("environment", expected, column="SOURCE_DATE_EPOCH", value=epoch)
-        raise InputError([fault]) from error
-    return moment.strftime("%Y-%m-%dT%H:%M:%SZ")
+    date = source_date()
+    return fallback if date is None else date.strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
 def draws_tree(

@@ -9,19 +9,19 @@ from importlib import import_module
 from itertools import count
 from pathlib import Path
 from pkgutil import iter_modules
-from xml.etree import ElementTree
 
 import numpy as np
 import xarray as xr
 
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
-from bayesfric.characters import legible
+from bayesfric.attention import of_claims
 from bayesfric.checkpoint import NOTHING_KEPT, Checkpoint
 from bayesfric.claims.base import Case, Claim, Finding
 from bayesfric.claims.comparison import log_evidence
 from bayesfric.claims.contradictions import contradictions
 from bayesfric.claims.entered import PAPER, Entered
+from bayesfric.claims.junit import write_junit
 from bayesfric.claims.kept_draws import models_kept
 from bayesfric.claims.studies import Studied, Task, study_all
 from bayesfric.effects import Effect, all_effects, with_priors
@@ -87,8 +87,7 @@ class Checked:
         folder : Path or str
             Created if it is not there; other files in it are left alone.
         junit : Path or None
-            A test report in which a refuted claim is a failure and one that is
-            undecided or not testable is skipped.
+            A test report, as of :func:`bayesfric.claims.junit.write_junit`.
 
         Raises
         ------
@@ -101,28 +100,7 @@ class Checked:
         }
         replace_outputs(Path(folder), writers)
         if junit is not None:
-            replace_outputs(
-                junit.resolve().parent, {junit.name: lambda path: path.write_bytes(self._junit())}
-            )
-
-    def _junit(self) -> bytes:
-        verdicts = [one.verdict for one in self.summary.claims]
-        suite = ElementTree.Element(
-            "testsuite",
-            name="bayesfric.claims",
-            tests=str(len(verdicts)),
-            failures=str(verdicts.count("refuted")),
-            skipped=str(verdicts.count("undecided") + verdicts.count("not-testable")),
-        )
-        for one in self.summary.claims:
-            case = ElementTree.SubElement(suite, "testcase", classname="claims", name=one.id)
-            reason = legible(one.reason)  # it may name pulleys, and XML holds no controls
-            if one.verdict == "refuted":
-                ElementTree.SubElement(case, "failure", message=reason)
-            elif one.verdict != "supported":
-                ElementTree.SubElement(case, "skipped", message=f"{one.verdict}: {reason}")
-        ElementTree.indent(suite)
-        return bytes(ElementTree.tostring(suite, encoding="utf-8", xml_declaration=True)) + b"\n"
+            write_junit(self.summary, junit)
 
 
 def check_claims(
@@ -188,12 +166,14 @@ def check_claims(
     studied = _studied(claims, entered, analysis, effects, executor, progress, keeping)
     case = Case(recording, analysis, entered, studied, effects, posterior or {})
     findings = [(claim, claim.judge(claim, case)) for claim in claims]
+    results = tuple(_result(claim, found, entered) for claim, found in findings)
     summary = ClaimsFile(
         **attributes.model_dump(),
         rigs=entered.rigs,
         baseline=baseline,
+        attention=of_claims(results),
         rules=analysis.claims.model_dump(),
-        claims=tuple(_result(claim, found, entered) for claim, found in findings),
+        claims=results,
         self_contradictions=tuple(
             SelfContradiction.model_validate(one._asdict()) for one in contradictions()
         ),

@@ -6,7 +6,7 @@ from typing import Annotated
 from bayesfric.cli.exits import check_fail_on, exit_status, fail_on
 from bayesfric.cli.locks import hold
 from bayesfric.cli.options import Cases, Config, Folder, Quiet, Scheduler, Seed, Workers, fails
-from bayesfric.cli.printing import say
+from bayesfric.cli.printing import say, say_attention
 
 __all__ = ["calibrate"]
 
@@ -48,6 +48,5 @@ def calibrate(
         )
     inside = sum(one.inside for one in found.quantities)
     say(f"{inside} of {len(found.quantities)} quantities have uniform ranks")
-    for line in found.attention:
-        say(f"attention: {line}", err=True)
-    fail_on(fail_on_list, set() if found.calibrated else {"uncalibrated"})
+    happened = say_attention(found.attention, quiet=quiet)
+    fail_on(fail_on_list, happened if found.calibrated else happened | {"uncalibrated"})

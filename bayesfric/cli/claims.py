@@ -21,7 +21,7 @@ from bayesfric.cli.options import (
     named_rigs,
     no_folder,
 )
-from bayesfric.cli.printing import say
+from bayesfric.cli.printing import say, say_attention
 from bayesfric.progress import stage
 
 if TYPE_CHECKING:
@@ -123,4 +123,5 @@ def claims_into(
     shutil.rmtree(checkpoint)
     for one in checked.summary.claims:
         say(f"{one.id:<24} {one.verdict:<13} {one.reason}")
-    return {"refuted"} if checked.refuted else set()
+    happened = say_attention(checked.summary.attention, quiet=quiet)
+    return happened | {"refuted"} if checked.refuted else happened

@@ -11,7 +11,7 @@ import typer
 from bayesfric.cli.exits import check_fail_on, exit_status, fail_on, failures_of
 from bayesfric.cli.locks import hold
 from bayesfric.cli.options import Baseline, Config, Folder, Quiet, Seed, Workers, fails
-from bayesfric.cli.printing import say
+from bayesfric.cli.printing import say, say_attention
 from bayesfric.progress import stage
 
 if TYPE_CHECKING:
@@ -140,9 +140,8 @@ def diagnose_into(output: Path, compute: "Callable[[], Diagnosed]", *, quiet: bo
     say(f"{summary.verdict}: {summary.sentence}")
     for name, chance in list(summary.probabilities.items())[:5]:
         say(f"  {name:<28} {stated(chance)}")
-    for line in summary.attention:
-        say(f"attention: {line}", err=True)
+    happened = say_attention(summary.attention, quiet=quiet)
     if summary.target is not None:
         for line in target_lines(summary.target):
             say(line)
-    return failures_of(summary.verdict)
+    return happened | failures_of(summary.verdict)

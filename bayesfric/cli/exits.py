@@ -18,6 +18,7 @@ from typing import ParamSpec
 import typer
 
 from bayesfric.cli.printing import say
+from bayesfric.cli.surroundings import prepare
 from bayesfric.errors import Fault, InputError, one_of
 
 __all__ = [
@@ -32,17 +33,26 @@ __all__ = [
 
 P = ParamSpec("P")
 SHOWN_FAULTS = 50
-FAILURES = ("refuted", "unconverged", "gap", "undecided", "changed", "uncalibrated", "spec")
+FAILURES = (
+    "refuted",
+    "unconverged",
+    "attention",
+    "gap",
+    "undecided",
+    "spec",
+    "changed",
+    "uncalibrated",
+)
 """What ``--fail-on`` can name."""
 CAN_HAPPEN = {
-    "run": ("refuted", "unconverged", "gap", "undecided", "spec"),
+    "run": ("refuted", "unconverged", "attention", "gap", "undecided", "spec"),
     "simulate": (),
-    "fit": ("unconverged",),
-    "claims": ("refuted",),
-    "diagnose": ("gap", "undecided"),
+    "fit": ("unconverged", "attention"),
+    "claims": ("refuted", "attention"),
+    "diagnose": ("attention", "gap", "undecided"),
     "blind": ("gap", "undecided"),
-    "calibrate": ("uncalibrated",),
-    "margins": ("spec",),
+    "calibrate": ("uncalibrated", "attention"),
+    "margins": ("attention", "spec"),
     "compare": ("changed",),
     "rerun": ("changed",),
 }
@@ -63,6 +73,7 @@ def exit_status(verb: Callable[P, None]) -> Callable[P, None]:
     def guarded(*args: P.args, **kwargs: P.kwargs) -> None:
         try:
             with _signals_raise():
+                prepare()
                 verb(*args, **kwargs)
         except InputError as error:
             for fault in error.faults[:SHOWN_FAULTS]:
@@ -155,17 +166,23 @@ def check_fail_on(names: str, verb: str) -> None:
     InputError
         A name is unknown.
     """
-    for name in sorted(_names_of(names)):
-        if name not in FAILURES:
-            expected = one_of(FAILURES, name)
-            raise InputError([Fault("command line", expected, column="--fail-on", value=name)])
+    given = sorted(_names_of(names))
+    unknown = [name for name in given if name not in FAILURES]
+    if unknown:
+        raise InputError(
+            [
+                Fault("command line", one_of(FAILURES, name), column="--fail-on", value=name)
+                for name in unknown
+            ]
+        )
+    for name in given:
         if name not in CAN_HAPPEN[verb]:
             said = f"--fail-on {name} waits in vain: `{verb}` can have {_listed(verb)}"
             say(f"note: {said}", err=True)
 
 
 def fail_on(names: str, happened: set[str]) -> None:
-    """Exit with status 1 where something that the user named has happened.
+    """Exit with status 1 where something that the user named has happened; all of it is told.
 
     Parameters
     ----------
@@ -174,8 +191,11 @@ def fail_on(names: str, happened: set[str]) -> None:
     happened : set of str
         Which of :data:`FAILURES` came true.
     """
-    for name in sorted(_names_of(names) & happened):
+    named = _names_of(names)
+    failed = [name for name in FAILURES if name in named and name in happened]
+    for name in failed:
         say(f"failed: {name}", err=True)
+    if failed:
         raise typer.Exit(1)
 
 

@@ -16,15 +16,20 @@ __all__ = ["export"]
 def export(
     folder: Annotated[Path, typer.Argument(help="Folder with the results of fit and diagnose.")],
     to: Annotated[
-        str, typer.Option("--to", metavar="<json|python|mjcf|urdf>", help="For which simulator.")
+        str,
+        typer.Option("--to", metavar="<json|python|mjcf|urdf|sdf>", help="For which simulator."),
     ] = "json",
 ) -> None:
-    """Write the law with the named causes into the folder: law.json, law.py, law.xml, law.urdf.
+    """Write the law with the named causes: law.json, law.py, law.xml, law.urdf or law.sdf.
+
+    Numbers are of the law refitted with the causes where the diagnosis names any, with as many
+    digits as their errors leave.
 
     Example: bayesfric export my-results --to mjcf
     """
     from bayesfric.errors import Fault, InputError, one_of
     from bayesfric.export import FORMATS, export_text, read_law
+    from bayesfric.export.bodies import TEXTS
     from bayesfric.export.joint_friction import joint_friction
     from bayesfric.results import replace_outputs
 
@@ -37,5 +42,6 @@ def export(
         text, file = export_text(law, to), FORMATS[to][0]
         replace_outputs(folder, {file: lambda path: path.write_text(text, encoding="utf-8")})
     say(f"{folder / file}")
-    if to in ("mjcf", "urdf"):
+    say(law.said, err=True)
+    if to in TEXTS:
         say(joint_friction(law).said, err=True)

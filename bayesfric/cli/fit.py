@@ -12,7 +12,7 @@ import typer
 from bayesfric.cli.exits import check_fail_on, exit_status, fail_on
 from bayesfric.cli.locks import hold
 from bayesfric.cli.options import Baseline, Config, Folder, Quiet, Rigs, Seed, fails, named_rigs
-from bayesfric.cli.printing import say
+from bayesfric.cli.printing import say, say_attention
 from bayesfric.progress import stage
 
 if TYPE_CHECKING:
@@ -95,10 +95,8 @@ def fit_into(
     else:
         summary = _fitted(read_recording(recordings[0]), output, asked, inputs).summary
         _print_coefficients(summary)
-    if not quiet:
-        for line in summary.attention:
-            say(f"attention: {line}", err=True)
-    return set() if summary.converged else {"unconverged"}
+    happened = say_attention(summary.attention, quiet=quiet)
+    return happened if summary.converged else happened | {"unconverged"}
 
 
 def _fitted(

@@ -1,5 +1,6 @@
 """``bayesfric margins``: what the uncertainty of friction does to controllers."""
 
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,14 +10,22 @@ from bayesfric.cli.exits import check_fail_on, exit_status, fail_on
 from bayesfric.cli.locks import hold
 from bayesfric.cli.new_file import write_new
 from bayesfric.cli.options import Config, Folder, Quiet, Seed, fails
-from bayesfric.cli.printing import say
+from bayesfric.cli.printing import say, say_attention
 from bayesfric.progress import stage
 
 if TYPE_CHECKING:
     from bayesfric.analysis import Analysis
+    from bayesfric.margins.law_used import LawAsked
     from bayesfric.schemas import Metric, Verification
 
 __all__ = ["margins", "margins_into"]
+
+
+class LawName(StrEnum):
+    """Laws that margins can be of."""
+
+    fitted = "fitted"
+    refitted = "refitted"
 
 
 @exit_status
@@ -33,7 +42,18 @@ def margins(
     diagnosis: Annotated[
         Path | None,
         typer.Option(
-            "--diagnosis", metavar="PATH", help="A diagnosis.json, its diagnosis.nc beside it."
+            "--diagnosis",
+            metavar="PATH",
+            help="A diagnosis.json, its diagnosis.nc beside it. Without it, the one beside the "
+            "draws, if any.",
+        ),
+    ] = None,
+    law: Annotated[
+        LawName | None,
+        typer.Option(
+            "--law",
+            help="refitted with the causes that the diagnosis names, or fitted: the law alone. "
+            "Without it, refitted where a cause is named.",
         ),
     ] = None,
     verify: Annotated[
@@ -109,6 +129,7 @@ def margins(
             output,
             analysis,
             diagnosis=diagnosis,
+            law=None if law is None else law.value,
             verify=verify,
             tune=tune,
             ensembles=ensembles,
@@ -125,6 +146,7 @@ def margins_into(
     analysis: "Analysis",
     *,
     diagnosis: Path | None = None,
+    law: "LawAsked | None" = None,
     verify: int = 0,
     tune: bool = False,
     ensembles: bool = False,
@@ -142,6 +164,7 @@ def margins_into(
             draws,
             analysis,
             diagnosis=diagnosis,
+            law=law,
             verify=verify,
             tune=tune,
             ensembles=ensembles,
@@ -150,7 +173,9 @@ def margins_into(
     found.write(output)
     if mat is not None:
         write_mat(mat, found.ensembles)
-    happened = set[str]()
+    if found.summary.law is not None:
+        _say_sentences(found.summary.law.sentence)
+    happened = say_attention(found.summary.attention, quiet=quiet)
     for loop in found.summary.loops:
         _say_sentences(f"{loop.name}: {loop.answer}")
         if loop.plant is not None:

@@ -1,6 +1,7 @@
 """What the verbs print, with nothing in it that a terminal would obey."""
 
 import logging
+from collections.abc import Sequence
 from contextlib import suppress
 
 import typer
@@ -8,7 +9,7 @@ import typer
 from bayesfric.characters import legible
 from bayesfric.progress import LOGGER
 
-__all__ = ["say", "show_log"]
+__all__ = ["say", "say_attention", "show_log"]
 
 
 def say(text: str, *, err: bool = False) -> None:
@@ -21,6 +22,13 @@ def say(text: str, *, err: bool = False) -> None:
     """
     with suppress(*((OSError,) if err else ())):
         typer.echo(legible(text), err=err)
+
+
+def say_attention(lines: Sequence[str], *, quiet: bool) -> set[str]:
+    """Print every check that failed, and return what ``--fail-on`` calls it."""
+    for line in () if quiet else lines:
+        say(f"attention: {line}", err=True)
+    return {"attention"} if lines else set()
 
 
 class _Said(logging.Handler):

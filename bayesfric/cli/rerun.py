@@ -186,7 +186,9 @@ def _repeat_margins(folder: Path, again: Path, loops: list[Path], quiet: bool) -
         names = ", ".join(unknown)
         say(f"margins.json is not repeated: the loop files of {names} are not known", err=True)
         return
-    diagnosed = any(one.with_effects is not None for one in stored.loops)
+    used = "fitted" if stored.law is None else stored.law.used
+    beside = any(one.with_effects is not None for one in stored.loops)
+    diagnosed = beside or used == "refitted"
     if diagnosed and not _has(again, "diagnosis"):
         say("margins.json is not repeated: its diagnosis is not in the folder", err=True)
         return
@@ -196,6 +198,7 @@ def _repeat_margins(folder: Path, again: Path, loops: list[Path], quiet: bool) -
         again,
         _settings(stored, "margins.json"),
         diagnosis=again / "diagnosis.json" if diagnosed else None,
+        law=used,
         verify=max(one.verification.draws if one.verification else 0 for one in stored.loops),
         tune=any(one.tuning is not None for one in stored.loops),
         ensembles=any(one.following is not None for one in stored.loops),

@@ -1,6 +1,5 @@
 """``bayesfric run``: everything, from a recording to the report."""
 
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -32,9 +31,13 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor, Future
 
     from bayesfric.analysis import Analysis
+    from bayesfric.cli.stages import Stages
     from bayesfric.diagnosis.diagnosing import Diagnosed
 
 __all__ = ["run"]
+
+REPORT = ("report.pdf", "report.html", "summary.md")
+TIMINGS = "timings.json"
 
 
 @exit_status
@@ -108,17 +111,17 @@ def run_into(
 ) -> set[str]:
     """Run all verbs and the report; return what happened that ``--fail-on`` can name.
 
-    The diagnosis needs nothing of the fit: with `beside` it is made while that is.
+    Stages that are done, of the same recording, settings and code, are kept: neither `junit`
+    nor `quiet` changes a result. The diagnosis needs nothing of the fit: with `beside` it is
+    made while that is.
     """
-    from bayesfric.campaign import processes
-    from bayesfric.cli.stages import Stages
-    from bayesfric.report.writing import write_report
-    from bayesfric.results import json_bytes, read_json, replace_outputs
-    from bayesfric.schemas import TimingsFile
+    from bayesfric.claims.junit import write_junit
+    from bayesfric.cli.stages import Stages, digest_of_results
+    from bayesfric.results import read_json
+    from bayesfric.schemas import ClaimsFile
 
     common: dict[str, Any] = {"baseline": baseline, "quiet": quiet}
-    key = _key(recording, analysis, loops, junit, rigs, baseline)
-    stages = Stages(output, key, quiet=quiet)
+    stages = Stages(output, _key(recording, analysis, loops, rigs, baseline), quiet=quiet)
 
     def begin() -> "Future[Diagnosed]":
         return executor.submit(diagnosed, recording, output, analysis, baseline=baseline)
@@ -128,12 +131,10 @@ def run_into(
         "fit", lambda: fit_into([recording], output, analysis, rigs=rigs, loops=loops, **common)
     )
     happened |= stages.after(
-        "claims",
-        lambda: claims_into(
-            recording, output, analysis, executor, junit=junit, rigs=rigs, **common
-        ),
-        *([] if junit is None else [junit]),
+        "claims", lambda: claims_into(recording, output, analysis, executor, rigs=rigs, **common)
     )
+    if junit is not None:  # whether the claims were judged now or before
+        write_junit(read_json(ClaimsFile, output / "claims.json"), junit)
     elsewhere: dict[str, float] = {}
 
     def diagnosis() -> "Diagnosed":
@@ -151,23 +152,46 @@ def run_into(
             "margins",
             lambda: margins_into(loops, output / "draws.nc", output, analysis, quiet=quiet),
         )
-    began = time.perf_counter()
+    stages.after(
+        "report",
+        lambda: _write_report(output, quiet),
+        read=digest_of_results(output, *REPORT, TIMINGS),
+    )
+    if stages.computed:
+        _add_timings(output / TIMINGS, stages)
+    elif not quiet:
+        say(
+            f"nothing has changed: to compute all anew, empty {output} or name another -o", err=True
+        )
+    return happened
+
+
+def _write_report(output: Path, quiet: bool) -> set[str]:
+    """Write the report; nothing that ``--fail-on`` can name happens in it."""
+    from bayesfric.campaign import processes
+    from bayesfric.report.writing import write_report
+
     with stage("writing the report", quiet=quiet), processes(1) as helper:
         write_report(output, executor=helper)
+    return set()
+
+
+def _add_timings(path: Path, stages: "Stages") -> None:
+    """Write the seconds of the stages beside those of the parts of the fit."""
+    from bayesfric.results import json_bytes, read_json, replace_outputs
+    from bayesfric.schemas import TimingsFile
+
+    of_fit = read_json(TimingsFile, path)
     seconds = {name: value for name, value in stages.seconds.items() if name != "fit"}
-    seconds["report"] = time.perf_counter() - began
-    of_fit = read_json(TimingsFile, output / "timings.json")  # which has stages of its own
     timings = json_bytes(of_fit.model_copy(update={"seconds": of_fit.seconds | seconds}))
-    replace_outputs(output, {"timings.json": lambda path: path.write_bytes(timings)})
-    stages.forget()
-    return happened
+    replace_outputs(path.parent, {path.name: lambda place: place.write_bytes(timings)})
+    stages.rewritten(path)
 
 
 def _key(
     recording: Path,
     analysis: "Analysis",
     loops: list[Path],
-    junit: Path | None,
     rigs: list[str] | None,
     baseline: str,
 ) -> dict[str, object]:
@@ -185,7 +209,6 @@ def _key(
         "descriptor": digest(recording / PACKAGE_FILE),
         "analysis": analysis_sha256(analysis),
         "loops": [digest(path) for path in loops],
-        "junit": None if junit is None else str(junit.resolve()),
         "rigs": rigs,
         "baseline": baseline,
         "created": created_date(None),

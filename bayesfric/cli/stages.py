@@ -1,4 +1,7 @@
-"""Stages of one run, listed as they end, so that a run that was interrupted goes on after them."""
+"""Stages of one run, listed as they end: a run that is started again computes none of them anew.
+
+Whether it had been interrupted or was whole makes no difference; what a stage depends on does.
+"""
 
 import hashlib
 import json
@@ -12,7 +15,7 @@ from pydantic import BaseModel, ValidationError
 from bayesfric.cli.printing import say
 from bayesfric.results import json_bytes
 
-__all__ = ["Stages", "digest"]
+__all__ = ["Stages", "digest", "digest_of_results"]
 
 LIST = ".stages.json"
 
@@ -23,10 +26,11 @@ class Stage(BaseModel):
     happened: list[str]
     seconds: float
     files: dict[str, str]
+    read: str = ""  # digest of files that it read, where they are not those of the run's key
 
 
 class Listed(BaseModel):
-    """What is kept in the folder of the results until the whole run is done."""
+    """What is kept in the folder of the results."""
 
     key: str
     stages: dict[str, Stage] = {}
@@ -44,10 +48,16 @@ class Stages:
         and of a list that does not read, count as not done.
     quiet : bool
         Do not say that a stage is kept.
+
+    Attributes
+    ----------
+    computed : bool
+        Whether any stage was run, and not kept.
     """
 
     def __init__(self, folder: Path, key: dict[str, object], *, quiet: bool) -> None:
         self._folder, self._quiet = folder, quiet
+        self.computed = False
         whole = hashlib.sha256(json.dumps(key, sort_keys=True).encode()).hexdigest()
         self._listed = Listed(key=whole)
         try:
@@ -62,18 +72,21 @@ class Stages:
         """Of each stage that is done, by its name."""
         return {name: stage.seconds for name, stage in self._listed.stages.items()}
 
-    def stands(self, name: str) -> bool:
-        """Return whether a stage is done and its files are as it wrote them."""
+    def stands(self, name: str, read: str = "") -> bool:
+        """Return whether a stage is done, of what it would read now, and its files stand."""
         known = self._listed.stages.get(name)
-        return known is not None and all(
-            digest(Path(path)) == kept for path, kept in known.files.items()
+        return (
+            known is not None
+            and known.read == read
+            and all(digest(Path(path)) == kept for path, kept in known.files.items())
         )
 
     def after(
         self,
         name: str,
         work: Callable[[], set[str]],
-        *also: Path,
+        *,
+        read: str = "",
         elsewhere: Mapping[str, float] = MappingProxyType({}),
     ) -> set[str]:
         """Return what happened in a stage: it is run, unless it is done and its files stand.
@@ -84,15 +97,15 @@ class Stages:
             Of the stage.
         work : callable
             Writes files of the folder, and returns what happened.
-        *also : Path
-            Further files that it writes, outside the folder.
+        read : str
+            Digest of what it reads beside what is in the key of the run.
         elsewhere : mapping of str to float
             Seconds that a stage took in another process, whatever `work` waited; read when the
             work is done.
         """
-        if self.stands(name):
+        if self.stands(name, read):
             if not self._quiet:
-                say(f"{name}: done before this run was interrupted, and kept", err=True)
+                say(f"{name}: done before, and kept", err=True)
             return set(self._listed.stages[name].happened)
         before = self._written()
         began = time.perf_counter()
@@ -102,22 +115,48 @@ class Stages:
         self._listed.stages[name] = Stage(
             happened=sorted(happened),
             seconds=seconds,
-            files={str(path.resolve()): digest(path) for path in [*new, *also]},
+            files={str(path.resolve()): digest(path) for path in new},
+            read=read,
         )
+        self.computed = True
+        self._keep()
+        return happened
+
+    def rewritten(self, path: Path) -> None:
+        """Take note that a file of some stage has been written once more, outside of it."""
+        place = str(path.resolve())
+        for stage in self._listed.stages.values():
+            if place in stage.files:
+                stage.files[place] = digest(path)
+        self._keep()
+
+    def _keep(self) -> None:
         partial = self._folder / f"{LIST}.partial"
         partial.write_bytes(json_bytes(self._listed))
         partial.replace(self._folder / LIST)
-        return happened
-
-    def forget(self) -> None:
-        """Remove the list: the run is whole, and the next one begins anew."""
-        (self._folder / LIST).unlink(missing_ok=True)
 
     def _written(self) -> dict[Path, tuple[int, int]]:
         """Return when the folder's files were written, and their sizes."""
         files = [path for path in self._folder.iterdir() if path.is_file()]
         states = {path: path.stat() for path in files if not path.name.startswith(".")}
         return {path: (state.st_mtime_ns, state.st_size) for path, state in states.items()}
+
+
+def digest_of_results(folder: Path, *without: str) -> str:
+    """Return the SHA-256 over names and bytes of the files in a folder, without some of them.
+
+    Parameters
+    ----------
+    folder : Path
+        Of results; hidden files do not count.
+    *without : str
+        Names of files that do not count either.
+    """
+    whole = hashlib.sha256()
+    for path in sorted(folder.iterdir()):
+        if path.is_file() and not path.name.startswith(".") and path.name not in without:
+            whole.update(f"{path.name} {digest(path)}\n".encode())
+    return whole.hexdigest()
 
 
 def digest(path: Path) -> str:

@@ -12,6 +12,7 @@ import xarray as xr
 from threadpoolctl import threadpool_limits
 
 from bayesfric.analysis import Analysis
+from bayesfric.attention import of_diagnosis
 from bayesfric.checkpoint import Checkpoint
 from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.baseline import data_of, fitted_baseline
@@ -166,6 +167,7 @@ def diagnose(
         summary, curves = _diagnose(
             recording, analysis, fixed, effects, shipped, baseline, calls, target, checkpoint
         )
+    summary = summary.model_copy(update={"attention": of_diagnosis(summary)})
     return Diagnosed(identified(summary), curves, time.perf_counter() - began)
 
 

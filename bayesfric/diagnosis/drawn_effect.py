@@ -1,13 +1,13 @@
 """One effect on friction as a diagnosis drew it, where friction is asked for elsewhere."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from bayesfric.arrays import Array
+from bayesfric.arrays import Array, Whole
 from bayesfric.effects.base import Effect, State
 
 __all__ = ["DrawnEffect", "drawn_effect"]
@@ -31,6 +31,15 @@ class DrawnEffect:
     amplitude: Array
     shape: Array
     variant: NDArray[np.str_]
+
+    def taken(self, order: Whole) -> "DrawnEffect":
+        """Return some of the draws, in an order."""
+        return replace(
+            self,
+            amplitude=self.amplitude[order],
+            shape=self.shape[order],
+            variant=self.variant[order],
+        )
 
     def force(self, state: State) -> Array:
         """Return what it adds to friction [N], shape (draws,)."""

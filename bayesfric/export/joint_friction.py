@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import nnls
 
+from bayesfric.arrays import Array
 from bayesfric.export.stored_law import StoredLaw
 
 __all__ = ["JointFriction", "joint_friction"]
@@ -20,6 +21,8 @@ class JointFriction:
         Coulomb friction [N or N·m].
     damping : float
         Friction per speed [N s/m or N·m s/rad].
+    frictionloss_sd, damping_sd : float
+        Their standard deviations.
     error_rms, error_max : float
         How far they are from the law with the causes, where friction was measured.
     friction_rms : float
@@ -28,6 +31,8 @@ class JointFriction:
 
     frictionloss: float
     damping: float
+    frictionloss_sd: float
+    damping_sd: float
     error_rms: float
     error_max: float
     friction_rms: float
@@ -46,16 +51,43 @@ def joint_friction(law: StoredLaw) -> JointFriction:
     """Return the constant and the damping that fit the law best, neither below 0.
 
     Least squares over the conditions at which friction was measured; what depends on tension,
-    pulleys or anything but a proportion to speed is not in them, and counts as error.
+    pulleys or anything but a proportion to speed is not in them, and counts as error. Their
+    standard deviations are those of the law's own numbers, where it has these; else of the least
+    squares, of which the trials are made anew together.
     """
     speed = np.abs(law.place("velocity"))
     columns = np.stack([np.ones_like(speed), speed], axis=1)
     (constant, damping), _ = nnls(columns, law.friction)
     off = law.friction - columns @ np.array([constant, damping])
+    constant_sd, damping_sd = _errors(columns, law)
     return JointFriction(
         float(constant),
         float(damping),
+        _posterior_sd(law, "coulomb") or constant_sd,
+        _posterior_sd(law, "viscous") or damping_sd,
         float(np.sqrt((off**2).mean())),
         float(np.abs(off).max()),
         float(np.sqrt((law.friction**2).mean())),
     )
+
+
+def _posterior_sd(law: StoredLaw, name: str) -> float:
+    """Return the standard deviation of a number of the law; 0 where it has no such number."""
+    return law.numbers[name].value.sd if name in law.numbers else 0.0
+
+
+def _errors(columns: Array, law: StoredLaw) -> tuple[float, float]:
+    """Return the errors of both numbers by what trials leave of the law (sandwich estimator).
+
+    References
+    ----------
+    H. White, "A heteroskedasticity-consistent covariance matrix estimator and a direct test for
+    heteroskedasticity", Econometrica 48 (1980); with the trials as clusters.
+    """
+    left = law.measured - law.friction
+    _, trial = np.unique(law.trial, return_inverse=True)
+    moments = np.zeros((trial.max() + 1, 2))
+    np.add.at(moments, trial, columns * left[:, None])
+    bread = np.linalg.pinv(columns.T @ columns)
+    constant, slope = np.sqrt(np.diag(bread @ moments.T @ moments @ bread))
+    return float(constant), float(slope)

@@ -4,7 +4,9 @@ import numpy as np
 
 from bayesfric.arrays import Array
 from bayesfric.characters import legible
+from bayesfric.export.digits import rounded
 from bayesfric.export.stored_law import StoredLaw
+from bayesfric.observation.coefficients import coefficient_name
 from bayesfric.physics.laws import BASELINES
 
 __all__ = ["Correction", "correction", "python_text"]
@@ -13,6 +15,7 @@ BINS = 48  # of the factor; fewer values are taken one by one
 AXES = ("velocity", "tension", "n_pulleys", "wrap_angle")
 TEXT = '''"""Friction of {name}, calibrated and diagnosed by bayesfric.
 
+{law}
 The law is fc = n ((c1 + c3 (wrap - 85)) T + c2). Causes that were named: {causes}. What they add
 is tabulated as a factor over {axis}, which leaves {error:.3g} {unit} rms of the diagnosed law
 ({share:.2%} of friction); scatter and sensors left {noise:.3g} {unit} rms. Measured at: {tested}.
@@ -82,6 +85,7 @@ def python_text(law: StoredLaw) -> str:
     spans = (f"{axis} {low:g} to {high:g}" for axis, (low, high) in law.tested.items())
     return TEXT.format(
         name=_in_docstring(law.name),
+        law=_in_docstring(law.said),
         causes=_in_docstring(", ".join(one.effect for one in law.causes) or "none"),
         axis=made.axis.replace("_", " "),
         error=made.error,
@@ -90,11 +94,14 @@ def python_text(law: StoredLaw) -> str:
         unit=law.unit,
         tested="; ".join(spans),
         coefficients={
-            name: tuple(float(np.asarray(one)) for one in each)
+            name: tuple(
+                rounded(float(np.asarray(part)), law.error_of(coefficient_name(key, name)))
+                for key, part in each._asdict().items()
+            )
             for name, each in law.coefficients.items()
         },
-        at=[round(float(one), 9) for one in made.at],
-        factor=[round(float(one), 9) for one in made.factor],
+        at=[rounded(float(one), None) for one in made.at],
+        factor=[rounded(float(one), None) for one in made.factor],
         size=size,
         of={
             "velocity": "np.abs(speed)",

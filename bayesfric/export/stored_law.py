@@ -3,20 +3,21 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-import xarray as xr
+from numpy.typing import NDArray
 
 from bayesfric.arrays import Array
 from bayesfric.errors import Fault, InputError
+from bayesfric.export.numbers import Number, drawn_numbers, law_said, numbers_of
+from bayesfric.observation.coefficients import NO_PULLEY, law_of
 from bayesfric.physics.friction import REFERENCE_WRAP_ANGLE_DEG, Coefficients
-from bayesfric.results import fitted_coefficients, fitted_numbers, read_json, read_tree
+from bayesfric.results import read_beside, read_json, refuse_mixed
 from bayesfric.schemas import Cause, DiagnosisFile, FitFile
-from bayesfric.stored_names import name_of
 
 __all__ = ["StoredLaw", "read_law"]
 
-MOST_DRAWS = 200
 ABSENT = {
     "velocity": 0.0,
     "tension": 0.0,
@@ -37,8 +38,12 @@ class StoredLaw:
         The friction law.
     unit : str
         Of friction.
+    numbers : mapping of str to Number
+        Of the law by name, refitted with the causes where there are any.
+    said : str
+        Which law they are of, a sentence.
     coefficients : mapping of str to Coefficients
-        Posterior means by pulley size; the size is empty where there is no pulley.
+        Their means by pulley size; the size is empty where there is no pulley.
     draws : mapping of str to list of float
         Of each coefficient and of the scatter, in step; some of the posterior's.
     causes : tuple of Cause
@@ -48,19 +53,37 @@ class StoredLaw:
         without those that the rig has not.
     friction : ndarray, shape (R,)
         By the law with the causes.
-    noise : float
-        Rms of what friction's scatter and the sensors leave around it.
+    measured : ndarray, shape (R,)
+        Friction that was measured there.
+    trial : ndarray, shape (R,)
+        In which trial.
     """
 
     name: str
     baseline: str
     unit: str
+    numbers: Mapping[str, Number]
+    said: str
     coefficients: Mapping[str, Coefficients]
     draws: Mapping[str, list[float]]
     causes: tuple[Cause, ...]
     places: Mapping[str, Array]
     friction: Array
-    noise: float
+    measured: Array
+    trial: NDArray[Any]
+
+    @property
+    def noise(self) -> float:
+        """Rms of what friction's scatter and the sensors leave around the law."""
+        return float(np.sqrt(((self.measured - self.friction) ** 2).mean()))
+
+    def error_of(self, name: str) -> float | None:
+        """Return the standard deviation of a number; None where the law has none of the name.
+
+        The constant of a law without pulleys is its Coulomb friction.
+        """
+        known = name if name in self.numbers else "coulomb" if name == "c2" else ""
+        return self.numbers[known].value.sd if known in self.numbers else None
 
     @property
     def tested(self) -> dict[str, tuple[float, float]]:
@@ -98,7 +121,8 @@ def read_law(folder: Path) -> StoredLaw:
     if (fit.recording.sha256, fit.baseline) != (found.recording.sha256, found.baseline):
         expected = "a diagnosis of the recording and with the law of fit.json"
         raise InputError([Fault("diagnosis.json", expected)])
-    rows = read_tree(folder / "diagnosis.nc")["residuals"].to_dataset()
+    refuse_mixed(fit, folder / "fit.json")
+    rows = read_beside(found, folder / "diagnosis.nc")["residuals"].to_dataset()
     if "diagnosed_n" not in rows:
         expected = f"friction by the causes: run `bayesfric diagnose RECORDING -o {folder}` again"
         raise InputError([Fault("diagnosis.nc", expected)])
@@ -107,40 +131,33 @@ def read_law(folder: Path) -> StoredLaw:
     every = {name: np.asarray(rows[name].to_numpy(), dtype=np.float64) for name in names}
     places = {name: at for name, at in every.items() if np.isfinite(at).all()}
     friction = np.asarray(rows["diagnosed_n"].to_numpy(), dtype=np.float64)
-    left = rows["measured_n"].to_numpy() - friction
+    numbers = numbers_of(fit, found)
     return StoredLaw(
         name=fit.recording.name,
         baseline=fit.baseline,
         unit=found.gap.unit,
-        coefficients=_coefficients(folder, friction),
-        draws=_some_draws(read_tree(folder / "draws.nc")["posterior"].to_dataset()),
+        numbers=numbers,
+        said=law_said(fit, found),
+        coefficients=_coefficients(fit, numbers, friction),
+        draws=drawn_numbers(folder, fit, found),
         causes=found.causes,
         places=places,
         friction=friction,
-        noise=float(np.sqrt((left**2).mean())),
+        measured=np.asarray(rows["measured_n"].to_numpy(), dtype=np.float64),
+        trial=rows["trial"].to_numpy(),
     )
 
 
-def _coefficients(folder: Path, friction: Array) -> dict[str, Coefficients]:
+def _coefficients(
+    fit: FitFile, numbers: Mapping[str, Number], friction: Array
+) -> dict[str, Coefficients]:
     """Return the law of each size; a law that has none of these numbers is a constant here.
 
     The factor by which the law is corrected then says how friction changes with speed.
     """
-    found = fitted_coefficients(folder)
-    if any(np.any(np.asarray(each)) for each in found.values()):
-        return found
-    constant = fitted_numbers(folder).get("coulomb", float(friction.mean()))
-    return dict.fromkeys(found, Coefficients(0.0, constant, 0.0))
-
-
-def _some_draws(posterior: xr.Dataset) -> dict[str, list[float]]:
-    flat: dict[str, Array] = {}
-    for name, variable in posterior.data_vars.items():
-        if "pulley" in variable.dims:
-            for size in posterior["pulley"].to_numpy():
-                flat[f"{name}[{size}]"] = variable.sel(pulley=size).to_numpy().ravel()
-        else:
-            flat[name_of(str(name))] = variable.to_numpy().ravel()
-    count = next(iter(flat.values())).size
-    chosen = np.unique(np.linspace(0, count - 1, MOST_DRAWS).astype(int))
-    return {name: values[chosen].tolist() for name, values in flat.items()}
+    means = {name: number.value.mean for name, number in numbers.items()}
+    laws = {size: law_of(means, size) for size in fit.pulleys or (NO_PULLEY,)}
+    if any(np.any(np.asarray(part)) for law in laws.values() for part in law):
+        return laws
+    constant = means.get("coulomb", float(friction.mean()))
+    return dict.fromkeys(laws, Coefficients(0.0, constant, 0.0))

@@ -1,7 +1,7 @@
 """Several recordings, each fitted by itself, to the stored fit of their population."""
 
 import hashlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -12,11 +12,12 @@ import xarray as xr
 
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
+from bayesfric.attention import of_pooled, unsettled
 from bayesfric.errors import Fault, InputError
 from bayesfric.fitting.inference_data import flat_attributes, write_csv
 from bayesfric.fitting.pooling import BETWEEN, PooledDraws, draw_pooled
 from bayesfric.fitting.posterior import Fit, model_of_law, opened
-from bayesfric.fitting.summary import interval_of, parameter_summary, unsettled
+from bayesfric.fitting.summary import interval_of, parameter_summary
 from bayesfric.inference.diagnostics import diagnose_all
 from bayesfric.inference.informed import informed_by_data
 from bayesfric.inference.sampling import Progress
@@ -259,7 +260,12 @@ def _summary(
         rigs=next(iter(fits.values())).summary.rigs,
         baseline=next(iter(fits.values())).summary.baseline,
         converged=converged and reliable and all(one.summary.converged for one in fits.values()),
-        attention=tuple(_attention(fits, found, list(unsettled(convergence, entries)))),
+        attention=of_pooled(
+            {name: one.summary for name, one in fits.items()},
+            found.pareto_k,
+            LIMIT_K,
+            list(unsettled(convergence, entries)),
+        ),
         pulleys=_by_size(entries, stems, sizes),
         scatter={},
         noise={},
@@ -298,30 +304,6 @@ def _by_size(
     entries: Mapping[str, ParameterSummary], stems: Sequence[str], sizes: Sequence[str]
 ) -> dict[str, dict[str, ParameterSummary]]:
     return {size: {stem: entries[coefficient_name(stem, size)] for stem in stems} for size in sizes}
-
-
-def _attention(
-    fits: Mapping[str, Fit], found: PooledDraws, population: Sequence[str]
-) -> Iterator[str]:
-    """Yield what a reader must know before the numbers."""
-    for name, fit in fits.items():
-        if not fit.summary.converged:
-            yield f"The fit of board {name} alone has not converged"
-    if not found.pareto_k <= LIMIT_K:
-        yield (
-            f"The boards' posteriors are too far from normal to be pooled: Pareto k "
-            f"{found.pareto_k:.2f} (limit {LIMIT_K}); no number of the population may be used"
-        )
-    yield from population
-    if len(fits) < 5:
-        yield (
-            f"{len(fits)} boards say little of the scatter between boards: its prior, "
-            "priors.boards of the analysis, weighs in it and in what is said of a new board"
-        )
-    for name, fit in fits.items():
-        lines = len(fit.summary.attention)
-        if lines:
-            yield f"Board {name} has {lines} {'remark' if lines == 1 else 'remarks'} of its own fit"
 
 
 def _quality(fits: Mapping[str, Fit]) -> DataQuality:

@@ -15,7 +15,7 @@ from bayesfric.analysis import Analysis
 from bayesfric.checkpoint import Checkpoint
 from bayesfric.fitting.drawing import draw_posterior
 from bayesfric.fitting.inference_data import Stored, draws_of_fit, write_csv
-from bayesfric.fitting.predictive import predict
+from bayesfric.fitting.predictive import covered, predict
 from bayesfric.fitting.predictive.assemblies import assemblies_of
 from bayesfric.fitting.predictive.left_out import leave_out
 from bayesfric.fitting.predictive.reported import assembly_checks, predictions, uniformities
@@ -191,6 +191,8 @@ def fit(
                 name: assemblies_of(left_out[name], rig.setups, analysis.seed)
                 for name, rig in zip(chosen, model.likelihoods, strict=True)
             }
+        with _timed(seconds, "predictive"):
+            predictive = predict(data, model, theta, left_out, assemblies, analysis, law)
         with _timed(seconds, "summary"):
             fields = {
                 "rigs": chosen,
@@ -204,10 +206,14 @@ def fit(
                 "assemblies": assembly_checks(assemblies),
             }
             summary = summarise(
-                attributes.model_dump() | fields, recording, data, model, draws, theta
+                attributes.model_dump() | fields,
+                recording,
+                data,
+                model,
+                draws,
+                theta,
+                covered(predictive),
             )
-        with _timed(seconds, "predictive"):
-            predictive = predict(data, model, theta, left_out, assemblies, analysis, law)
         with _timed(seconds, "inference_data"):
             observed = {
                 one.rig.name: predictive[one.rig.words.trials]["friction_n"].to_numpy()

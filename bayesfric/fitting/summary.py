@@ -1,47 +1,39 @@
 """Draws become the numbers of ``fit.json``: intervals, diagnostics, data quality."""
 
-from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
 
-from bayesfric.analysis import Normal
 from bayesfric.arrays import Array
-from bayesfric.inference.diagnostics import LIMITS, Convergence, diagnose_all, power_scaling
+from bayesfric.attention import Coverage, of_fit
+from bayesfric.inference.diagnostics import Convergence, diagnose_all, power_scaling
 from bayesfric.inference.informed import informed_by_data
 from bayesfric.inference.model import Model
 from bayesfric.inference.priors import LOG_2PI, Kind, Parameter, describe, prior_sd
 from bayesfric.inference.sampling import Draws
 from bayesfric.observation.coefficients import sizes_of
 from bayesfric.recording.tables import Recording
-from bayesfric.rigs import all_rigs
 from bayesfric.rigs.data import Data
 from bayesfric.schemas import (
-    AssemblyCheck,
     DataQuality,
     FitFile,
     Interval,
     ParameterSummary,
     SamplerSummary,
-    Uniformity,
     WithoutExclusions,
 )
 
 __all__ = [
-    "contradicted",
     "interval_of",
     "parameter_summary",
     "summarise",
     "summarise_without_exclusions",
-    "unsettled",
 ]
 
 COEFFICIENTS = ("c1", "c2", "c3")
 NO_SD = "the prior has no standard deviation"
 Summary = TypeVar("Summary", bound=Interval)
-CONTRADICTED = 4.0  # sd of a prior: one number in 16,000 lies as far from its middle
-NOT_UNIFORM = 0.01  # p below which a reader must know; one sound recording in a hundred has it
 
 
 def summarise(
@@ -51,6 +43,7 @@ def summarise(
     model: Model,
     draws: Draws,
     theta: Array,
+    coverage: Sequence[Coverage],
 ) -> FitFile:
     """Return what ``fit.json`` says.
 
@@ -69,6 +62,8 @@ def summarise(
         As sampled.
     theta : ndarray, shape (ensembles, draws, walkers, D)
         The draws in the parameters' units.
+    coverage : sequence of Coverage
+        Shares of trials inside their predictive intervals, rig by rig.
     """
     convergence = dict(zip(model.names, diagnose_all(theta), strict=True))
     informed = informed_by_data(model, theta.reshape(-1, theta.shape[-1]))
@@ -86,11 +81,14 @@ def summarise(
     return FitFile(
         **attributes,
         converged=converged,
-        attention=(
-            *_attention(convergence, entries, quality),
-            *contradicted(model.parameters, entries),
-            *_not_uniform(attributes["uniformity"]),
-            *_outlying(attributes["assemblies"]),
+        attention=of_fit(
+            convergence,
+            entries,
+            model.parameters,
+            quality,
+            uniformity=attributes["uniformity"],
+            assemblies=attributes["assemblies"],
+            coverage=coverage,
         ),
         pulleys=_by_pulley(entries),
         scatter=_of_kind(model, entries, "scatter"),
@@ -230,91 +228,3 @@ def _quality(recording: Recording, data: Data) -> DataQuality:
     for trials in data.rigs:
         fields |= trials.quality()
     return DataQuality(**fields, notes=recording.notes)
-
-
-def _attention(
-    convergence: Mapping[str, Convergence],
-    entries: Mapping[str, ParameterSummary],
-    quality: DataQuality,
-) -> tuple[str, ...]:
-    """Return what a reader must know before the numbers."""
-    lines = list(unsettled(convergence, entries))
-    if quality.replicated_cells == 0 and quality.trials_used:
-        lines.append(
-            "No (size, n, angle) cell was assembled twice: setup scatter has no replicates, "
-            "and effects of n and of the wrap angle rest on the prior of omega"
-        )
-    if quality.excluded:
-        of_rule = Counter(one.reason for one in quality.excluded)
-        why = "; ".join(f"{count} where {reason}" for reason, count in of_rule.items())
-        lines.append(f"{len(quality.excluded)} of {quality.trials} trials left out: {why}")
-    return tuple(lines)
-
-
-def unsettled(
-    convergence: Mapping[str, Convergence], entries: Mapping[str, ParameterSummary]
-) -> Iterator[str]:
-    """Yield the parameters that have not converged, and those that the prior drives."""
-    for name, figures in convergence.items():
-        if not figures.converged:
-            yield (
-                f"Parameter {name} has not converged: R-hat {figures.r_hat:.4f} "
-                f"(limit {LIMITS['r_hat']}), "
-                f"by walker {figures.r_hat_walkers:.4f} (limit {LIMITS['r_hat_walkers']}), "
-                f"{min(figures.ess_bulk, figures.ess_tail):.0f} effective draws "
-                f"(at least {LIMITS['ess']:.0f})"
-            )
-    # `informed` is judged at the median: of draws that have not converged, anywhere.
-    converged = all(figures.converged for figures in convergence.values())
-    open_names = [name for name, entry in entries.items() if converged and not entry.informed]
-    if open_names:
-        yield f"Driven by the prior, not by these data: {', '.join(open_names)}"
-
-
-def contradicted(
-    parameters: Sequence[Parameter], entries: Mapping[str, ParameterSummary]
-) -> Iterator[str]:
-    """Yield where the data are far from what somebody knew beforehand, as a wrong unit is."""
-    for one in parameters:
-        entry, prior = entries[one.name], one.prior
-        if not isinstance(prior, Normal):
-            continue
-        far = abs(entry.mean - prior.mean) / prior.sd
-        if far > CONTRADICTED:
-            yield (
-                f"Parameter {one.name} is {entry.mean:.3g}, and {prior.mean:g} ± {prior.sd:.2g} "
-                f"by its prior: {far:.1f} standard deviations away. One of them is wrong (is a "
-                "unit, in the recording or of the prior?)"
-            )
-
-
-def _outlying(found: Sequence[AssemblyCheck]) -> Iterator[str]:
-    """Yield the assemblies that are far from what all others say of them."""
-    for check in found:
-        rig = all_rigs()[check.rig].words.rig
-        for one in check.outlying:
-            yield (
-                f"Assembly {one.setup} of the {rig} has friction {abs(one.z):.1f} standard "
-                f"deviations {'above' if one.z > 0 else 'below'} what all others predict of it; "
-                f"by chance one recording in {max(round(1 / one.chance), 1):,} has one as far out"
-            )
-        if check.p_value < NOT_UNIFORM:
-            yield (
-                f"The {rig}'s assemblies are not where the others put them: left out one at a "
-                f"time, they lie {check.spread:.2f} times as far as the model says "
-                f"({check.spread_q05:.2f} to {check.spread_q95:.2f} by chance; p = "
-                f"{check.p_value:.2g})"
-            )
-
-
-def _not_uniform(found: Sequence[Uniformity]) -> Iterator[str]:
-    """Yield what leave-one-trial-out probabilities that are not uniform say of the model."""
-    for one in found:
-        if one.p_value < NOT_UNIFORM:
-            rig = all_rigs()[one.rig].words.rig
-            yield (
-                f"The {rig}'s trials are not where the fit to the others puts them: "
-                f"leave-one-out probabilities depart from uniform with p = {one.p_value:.2g}, and "
-                f"trials lie {one.spread:.2f} times as far from their prediction as the model "
-                f"says ({one.spread_q05:.2f} to {one.spread_q95:.2f} by chance)"
-            )

@@ -274,6 +274,8 @@ class _Runs:
             moves=moves,
             vectorize=True,
         )
+        # emcee's wrapper prints a traceback of whatever ends a call, an interrupt among it.
+        sampler.log_prob_fn = self._log_density
         for _ in sampler.sample(state, iterations=steps):
             self._done += 1
             self._report(self._done)

@@ -13,6 +13,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from bayesfric.arrays import Array, Whole
+from bayesfric.diagnosis.drawn_effect import DrawnEffect
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.priors import from_normal
 from bayesfric.margins.loop_file import Loop
@@ -41,12 +42,15 @@ class Assembly:
         Dotted key of the loop file to values, shape (draws,).
     uncertain : tuple of str
         Which of these keys are distributions.
+    acting : tuple of DrawnEffect
+        Effects on friction beside the law, in step with the coefficients.
     """
 
     coefficients: Mapping[str, Coefficients]
     factor: tuple[Array, ...]
     numbers: Mapping[str, Array]
     uncertain: tuple[str, ...]
+    acting: tuple[DrawnEffect, ...] = ()
 
     @property
     def draws(self) -> int:
@@ -64,7 +68,7 @@ class Assembly:
     def with_group(self, group: str, other: "Assembly") -> "Assembly":
         """Return this assembly with one group taken from another."""
         if group == COEFFICIENTS:
-            return replace(self, coefficients=other.coefficients)
+            return replace(self, coefficients=other.coefficients, acting=other.acting)
         if group == NEW_ASSEMBLY:
             return replace(self, factor=other.factor)
         return replace(self, numbers={**self.numbers, group: other.numbers[group]})
@@ -79,6 +83,7 @@ class Assembly:
             },
             factor=tuple(part[rows] for part in self.factor),
             numbers={key: values[rows] for key, values in self.numbers.items()},
+            acting=tuple(effect.taken(rows) for effect in self.acting),
         )
 
 
@@ -170,11 +175,12 @@ def draw_assembly(
             numbers[key] = from_normal(value, generator(key).standard_normal(n))  # type: ignore[arg-type]
         else:
             numbers[key] = np.full(n, central(value))  # type: ignore[arg-type]
-    return Assembly(coefficients, factor, numbers, tuple(uncertain))
+    acting = tuple(effect.taken(order) for effect in posterior.acting)
+    return Assembly(coefficients, factor, numbers, tuple(uncertain), acting)
 
 
 def nominal_assembly(loop: Loop, posterior: Posterior) -> Assembly:
-    """Return one draw: posterior means, no scatter, medians of the uncertain numbers."""
+    """Return one draw: posterior means, no scatter nor effects, medians of uncertain numbers."""
     return Assembly(
         {
             size: Coefficients(*(np.array([np.mean(np.asarray(part))]) for part in one))

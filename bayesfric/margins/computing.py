@@ -6,14 +6,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bayesfric.analysis import Analysis
+from bayesfric.attention import of_margins
 from bayesfric.errors import Fault, InputError
 from bayesfric.margins.assembly import draw_assembly, nominal_assembly
 from bayesfric.margins.cable_run import Direction
-from bayesfric.margins.diagnosed import read_diagnosed
 from bayesfric.margins.echo import plant_of
 from bayesfric.margins.ensemble import Ensemble
 from bayesfric.margins.following import needs_motion
 from bayesfric.margins.inputs import refused
+from bayesfric.margins.law_used import LawAsked, choose_law
 from bayesfric.margins.loop_file import Loop
 from bayesfric.margins.loop_margins import loop_margins
 from bayesfric.margins.loop_reading import read_loop
@@ -21,8 +22,8 @@ from bayesfric.margins.metrics import linear_of
 from bayesfric.margins.population import read_draws
 from bayesfric.margins.posterior import Posterior, RigDiscrepancy
 from bayesfric.margins.reflecting import at_shaft
-from bayesfric.results import identified, json_bytes, provenance, replace_outputs
-from bayesfric.schemas import MarginsFile
+from bayesfric.results import identified, json_bytes, provenance, read_json, replace_outputs
+from bayesfric.schemas import FitFile, MarginsFile
 
 if TYPE_CHECKING:
     import control
@@ -84,7 +85,8 @@ class Margins:
             Nominal (means of the law, medians of the file's numbers), then the draws. From
             angle error to measured angle, for negative feedback, SI units; hold, delay and first
             difference are Padé approximants, off by less than 1e-7 up to 3/delay. Coulomb
-            friction is no part of a linear loop, nor are the effects of a diagnosis.
+            friction is no part of a linear loop; of the effects of a diagnosis, draws of a
+            refitted law have the damping, and the nominal has none.
 
         Raises
         ------
@@ -108,6 +110,7 @@ def compute_margins(
     analysis: Analysis | None = None,
     *,
     diagnosis: Path | str | None = None,
+    law: LawAsked | None = None,
     verify: int = 0,
     tune: bool = False,
     ensembles: bool = False,
@@ -125,8 +128,11 @@ def compute_margins(
     analysis : Analysis, optional
         Its seed is used.
     diagnosis : Path or str, optional
-        A ``diagnosis.json``, with its ``diagnosis.nc`` beside it: margins with the law that
-        it refitted and its effects on friction stand beside those without.
+        A ``diagnosis.json``, with its ``diagnosis.nc`` beside it; where none is given, the one
+        beside the draws. Where it names a cause, margins are of the law that it refitted, with
+        its effects on friction; else these stand beside those without, if it was given.
+    law : {"fitted", "refitted"}, optional
+        Which of the two; `fitted` is the law alone, whatever is named.
     verify : int
         Draws of each loop that are held against motor and joint on an elastic cable.
     tune : bool
@@ -153,9 +159,9 @@ def compute_margins(
     read = _read_all([loops] if isinstance(loops, Path | str | Loop) else loops)
     path = Path(draws)
     posterior, discrepancy = read_draws(path)
-    diagnosed = None
-    if diagnosis is not None:
-        diagnosed = read_diagnosed(Path(diagnosis), posterior, analysis.seed)
+    given = None if diagnosis is None else Path(diagnosis)
+    chosen = choose_law(path, posterior, given, law, analysis.seed)
+    posterior = chosen.posterior
     for loop in read:
         _refuse_unstable(loop, posterior, ensembles)
     found, loops_drawn = [], []
@@ -165,7 +171,7 @@ def compute_margins(
             loop,
             posterior,
             discrepancy,
-            diagnosed,
+            chosen.beside,
             analysis.seed,
             verify,
             tune,
@@ -188,9 +194,17 @@ def compute_margins(
         draws_analysis_sha256=posterior.analysis_sha256,
         rig_discrepancy=discrepancy.sd,
         rig_discrepancy_source=discrepancy.source,
+        law=chosen.used,
+        attention=of_margins(chosen.used, found, _fit_of(path)),
         loops=tuple(found),
     )
     return Margins(identified(summary), tuple(loops_drawn))
+
+
+def _fit_of(draws: Path) -> FitFile | None:
+    """Return the fit of which the draws are, if it lies beside them."""
+    path = draws.with_name("fit.json")
+    return read_json(FitFile, path) if path.is_file() else None
 
 
 def _read_all(loops: Sequence[Path | str | Loop]) -> list[Loop]:

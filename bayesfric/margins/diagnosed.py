@@ -26,13 +26,15 @@ from bayesfric.errors import Fault, InputError
 from bayesfric.margins.assembly import Assembly
 from bayesfric.margins.cable_stage import lost_motion
 from bayesfric.margins.loop_at_shaft import LoopAtShaft
+from bayesfric.margins.loop_file import Loop
 from bayesfric.margins.posterior import Posterior
+from bayesfric.margins.reflecting import at_shaft
 from bayesfric.physics.friction import Coefficients
 from bayesfric.results import read_beside, read_json
 from bayesfric.schemas import DiagnosisFile
 from bayesfric.stored_names import variable_of
 
-__all__ = ["Diagnosed", "read_diagnosed", "with_effects"]
+__all__ = ["Diagnosed", "read_diagnosed", "reflected", "with_effects"]
 
 
 LEAST_SPEED = 0.1
@@ -99,7 +101,8 @@ def read_diagnosed(path: Path, fitted: Posterior, seed: int) -> Diagnosed:
             left_out.append(f"{name}: {one}")
         else:
             acting.append(one)
-    return Diagnosed(_refitted(table, fitted), tuple(acting), tuple(left_out))
+    posterior = replace(_refitted(table, fitted), acting=tuple(acting), refitted=True)
+    return Diagnosed(posterior, tuple(acting), tuple(left_out))
 
 
 def _refitted(table: xr.Dataset, fitted: Posterior) -> Posterior:
@@ -126,6 +129,25 @@ COLUMNS = Coefficients._fields
 
 def _values(column: xr.DataArray) -> Array:
     return np.asarray(column.to_numpy(), dtype=np.float64)
+
+
+def reflected(loop: Loop, given: Assembly, estimate: float | None = None) -> LoopAtShaft:
+    """Reflect a loop to the motor's shaft, with the effects on friction of its assembly.
+
+    Parameters
+    ----------
+    loop : Loop
+        The file.
+    given : Assembly
+        Its numbers, the friction law, and what acts beside it.
+    estimate : float or None
+        As of :func:`bayesfric.margins.reflecting.at_shaft`.
+    """
+    shaft = at_shaft(loop, given, estimate=estimate)
+    if not given.acting:
+        return shaft
+    after = with_effects(shaft, given, given.acting)
+    return after if estimate is None else replace(after, estimate=shaft.estimate)
 
 
 def with_effects(

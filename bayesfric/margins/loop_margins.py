@@ -18,7 +18,7 @@ from bayesfric.margins.assembly import Assembly, draw_assembly
 from bayesfric.margins.bode import bode_bands
 from bayesfric.margins.cable_run import Direction
 from bayesfric.margins.certificate import certify
-from bayesfric.margins.diagnosed import Diagnosed, with_effects
+from bayesfric.margins.diagnosed import Diagnosed, reflected
 from bayesfric.margins.echo import plant_of
 from bayesfric.margins.following import follow_all
 from bayesfric.margins.inputs import beyond_the_draws
@@ -27,7 +27,6 @@ from bayesfric.margins.loop_file import Loop, Spec, loop_sha256
 from bayesfric.margins.metrics import Key, Linear, closed_forms, linear_of
 from bayesfric.margins.nyquist import nyquist_fans
 from bayesfric.margins.posterior import Posterior, RigDiscrepancy
-from bayesfric.margins.reflecting import at_shaft
 from bayesfric.margins.rows import metric_rows
 from bayesfric.margins.spec import missed_specs
 from bayesfric.margins.thresholds import Hunting, find_hunting
@@ -104,7 +103,7 @@ def loop_margins(
     loop : Loop
         The joint and its controller.
     posterior : Posterior
-        Draws of the friction law.
+        Draws of the friction law, and of effects beside it.
     discrepancy : RigDiscrepancy
         How far rigs differ.
     diagnosed : Diagnosed or None
@@ -119,7 +118,7 @@ def loop_margins(
         Draws in which hunting is simulated where no closed form holds, and motion.
     """
     given = draw_assembly(loop, posterior, discrepancy, seed)
-    shaft = at_shaft(loop, given)
+    shaft = reflected(loop, given)
     allowed, draws = loop.spec.limit_cycle_probability_max, posterior.effective_draws
     judged = Judged.of(shaft, loop.spec, simulated, draws)
     hunting, safe = judged.hunting, judged.safe
@@ -128,7 +127,7 @@ def loop_margins(
     other = draw_assembly(loop, posterior, discrepancy, seed, stream=1)
 
     def evaluate(assembly: Assembly) -> Mapping[Key, Array]:
-        one = at_shaft(loop, assembly, estimate=estimate)
+        one = reflected(loop, assembly, estimate=estimate)
         return closed_forms(one, linear_of(one))
 
     beyond = beyond_the_draws(shaft, given, posterior)
@@ -173,7 +172,7 @@ def loop_margins(
         with_effects=None
         if diagnosed is None or not diagnosed.finds_something
         else _with_effects(loop, diagnosed, discrepancy, seed, simulated),
-        with_effects_why=_why_without(diagnosed),
+        with_effects_why=_why_without(diagnosed, posterior),
         meets_all=together,
         tuning=find_gains(shaft, loop.spec.violation_probability_max) if tune else None,
         tuning_why=None if tune else "it was not asked for (--tune)",
@@ -184,6 +183,7 @@ def loop_margins(
         nyquist=nyquist_fans(shaft),
         bode=bode_bands(shaft),
         warnings=loop_warnings(shaft, given, judged.linear, discrepancy, posterior),
+        beyond=beyond,
     )
     return shaft, told
 
@@ -216,7 +216,9 @@ def _why_not_followed(shaft: LoopAtShaft, moves: bool) -> str | None:
     return None
 
 
-def _why_without(diagnosed: Diagnosed | None) -> str | None:
+def _why_without(diagnosed: Diagnosed | None, posterior: Posterior) -> str | None:
+    if posterior.refitted:
+        return "these are the margins of the law that the diagnosis refitted"
     if diagnosed is None:
         return "no diagnosis was given"
     return None if diagnosed.finds_something else "the diagnosis finds no effect that may act"
@@ -226,7 +228,7 @@ def _with_effects(
     loop: Loop, diagnosed: Diagnosed, discrepancy: RigDiscrepancy, seed: int, simulated: int
 ) -> WithEffects:
     given = draw_assembly(loop, diagnosed.posterior, discrepancy, seed)
-    after = with_effects(at_shaft(loop, given), given, diagnosed.acting)
+    after = reflected(loop, given)
     judged = Judged.of(after, loop.spec, simulated, diagnosed.posterior.effective_draws)
     return WithEffects(
         effects=tuple(one.effect.name for one in diagnosed.acting),

@@ -10,6 +10,7 @@ import xarray as xr
 from scipy.special import ndtri
 
 from bayesfric.arrays import Array
+from bayesfric.diagnosis.drawn_effect import DrawnEffect
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.diagnostics import mean_ess
 from bayesfric.physics.friction import Coefficients
@@ -56,6 +57,10 @@ class Posterior:
         where the draws do not say.
     informed : mapping of str to set of str
         Size to the coefficients that the recording informs, likewise.
+    acting : tuple of DrawnEffect
+        Effects on friction beside the law, in step with its draws.
+    refitted : bool
+        Whether the law is that of a diagnosis, fitted with what acts beside it.
     """
 
     coefficients: Mapping[str, Coefficients]
@@ -66,6 +71,8 @@ class Posterior:
     created: str | None
     tested: Mapping[str, Mapping[str, tuple[float, float]]] = field(default_factory=dict)
     informed: Mapping[str, frozenset[str]] = field(default_factory=dict)
+    acting: tuple[DrawnEffect, ...] = ()
+    refitted: bool = False
 
     @property
     def count(self) -> int:

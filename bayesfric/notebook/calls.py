@@ -165,7 +165,7 @@ def compute_margins(
     analysis, seed
         As of :func:`fit`; the seed is used.
     **options
-        Of :func:`bayesfric.margins.compute_margins`: ``diagnosis``, ``verify``,
+        Of :func:`bayesfric.margins.compute_margins`: ``diagnosis``, ``law``, ``verify``,
         ``tune``, ``ensembles``, ``simulated``, ``progress`` (as of :func:`fit`).
     """
     several = [loops] if isinstance(loops, str | PathLike | Loop) else loops

@@ -74,6 +74,7 @@ class ClaimsFile(Provenance):
     schema_: Literal["bayesfric.claims/1"] = Field("bayesfric.claims/1", alias="schema")
     rigs: tuple[str, ...] = Field((), description="Rigs whose data entered.")
     baseline: str = Field("paper", description="The friction law that the claims are about.")
+    attention: tuple[str, ...] = Field((), description="Every check that failed.")
     rules: dict[str, Number] = Field(description="Thresholds of the verdicts.")
     claims: tuple[ClaimResult, ...] = Field(description="In the order of the report.")
     self_contradictions: tuple[SelfContradiction, ...] = Field(

@@ -309,7 +309,7 @@ class DiagnosisFile(Provenance):
         (), description="Trials left out: each lies far from the others of its own assembly."
     )
     attention: tuple[str, ...] = Field(
-        (), description="Settings that a diagnosis does not follow; usually none."
+        (), description="Every check that failed, and settings that a diagnosis does not follow."
     )
     practical_share: Number = Field(description="Share of rms friction below which none cares.")
     verdict: Literal["no-gap", "named", "unseparated", "unknown", "undecided"] = Field(

@@ -230,7 +230,7 @@ class FitFile(Provenance):
     rigs: tuple[str, ...] = Field(description="Rigs whose data entered.")
     baseline: str = Field("paper", description="Friction law, as for `--baseline`.")
     converged: bool = Field(description="Whether every diagnostic is within its bound.")
-    attention: tuple[str, ...] = Field(description="What a reader must know first; may be empty.")
+    attention: tuple[str, ...] = Field(description="Every check that failed; may be empty.")
     pulleys: dict[str, dict[str, ParameterSummary]] = Field(
         description="c1, c2, c3 of each pulley size."
     )

@@ -14,6 +14,7 @@ __all__ = [
     "GammaProbability",
     "Held",
     "HuntingMap",
+    "LawUsed",
     "LoopMargins",
     "MarginsFile",
     "Metric",
@@ -271,6 +272,24 @@ class WithEffects(Record):
     largest_safe_compensation_gain_why: Why = None
 
 
+class LawUsed(Record):
+    """Which law the margins are of."""
+
+    used: Literal["fitted", "refitted"] = Field(
+        description="As it was fitted, or refitted with what the diagnosis names."
+    )
+    causes: tuple[str, ...] = Field((), description="That the diagnosis names.")
+    effects: tuple[str, ...] = Field(
+        (), description="Added to the refitted law, each in the draws of hypotheses with it."
+    )
+    left_out: tuple[str, ...] = Field(
+        (), description="Effects that stay with the board, and why; the law was fitted beside them."
+    )
+    sentence: str = Field(description="The same in words.")
+    warning: str | None = Field(None, description="What speaks against this law.")
+    warning_why: Annotated[Why, Because("nothing speaks against it")] = None
+
+
 class LoopMargins(Record):
     """What the uncertainty does to one loop."""
 
@@ -333,16 +352,19 @@ class LoopMargins(Record):
     tuning: Tuning | None = Field(None, description="What meets them with the asked probability.")
     tuning_why: Why = None
     certificate: Certificate | None = Field(
-        None, description="By the circle criterion, without the effects of a diagnosis."
+        None, description="By the circle criterion, of the law that `law` says."
     )
     certificate_why: Why = None
     following: Following | None = Field(
-        None, description="Errors on references that move, without the effects of a diagnosis."
+        None, description="Errors on references that move, of the law that `law` says."
     )
     following_why: Why = None
     nyquist: tuple[NyquistFan, ...] = Field(description="What the figures draw.")
     bode: tuple[Bode, ...] = Field((), description="Likewise.")
     warnings: tuple[str, ...] = Field(description="Assumptions and doubts; read them first.")
+    beyond: tuple[str, ...] = Field(
+        (), description="What of the loop lies outside of what was measured; also in `warnings`."
+    )
 
 
 class MarginsFile(Provenance):
@@ -356,6 +378,8 @@ class MarginsFile(Provenance):
         description="Relative standard deviation of friction between rigs."
     )
     rig_discrepancy_source: str = Field(description="Where that comes from.")
+    law: LawUsed | None = Field(None, description="Null in files of earlier versions.")
+    attention: tuple[str, ...] = Field((), description="Every check that failed.")
     loops: tuple[LoopMargins, ...] = Field(description="In the order given.")
 
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)

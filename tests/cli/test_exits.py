@@ -1,11 +1,13 @@
-"""What a verdict is to ``--fail-on``, as docs of the commands state it."""
+"""What ``--fail-on`` can name and tells, as docs of the commands state it."""
 
 from typing import get_args
 
 import pytest
+import typer
 
-from bayesfric.cli.exits import FAILURES, failures_of
+from bayesfric.cli.exits import FAILURES, check_fail_on, fail_on, failures_of
 from bayesfric.diagnosis.verdict import Verdict
+from bayesfric.errors import InputError
 
 
 @pytest.mark.parametrize(
@@ -24,3 +26,27 @@ def test_a_verdict_is_a_failure_or_none(verdict, failures):
 
 def test_every_verdict_is_known_to_it():
     assert set().union(*map(failures_of, get_args(Verdict))) <= set(FAILURES)
+
+
+def test_all_that_happened_is_told_and_nothing_that_was_not_asked_for(capsys):
+    with pytest.raises(typer.Exit) as end:
+        fail_on("spec,gap, refuted,undecided", {"refuted", "gap", "attention", "spec"})
+    assert end.value.exit_code == 1
+    assert capsys.readouterr().err == "failed: refuted\nfailed: gap\nfailed: spec\n"
+
+
+def test_what_did_not_happen_ends_nothing(capsys):
+    fail_on("undecided", {"refuted", "attention"})
+    fail_on("", {"refuted", "attention"})
+    assert capsys.readouterr() == ("", "")
+
+
+def test_each_unknown_name_is_a_fault():
+    with pytest.raises(InputError) as error:
+        check_fail_on("rain,gap,snow", "run")
+    assert [fault.value for fault in error.value.faults] == ["rain", "snow"]
+
+
+def test_the_words_of_the_contract_can_be_named():
+    words = {"refuted", "unconverged", "attention", "gap", "undecided", "spec"}
+    assert words <= set(FAILURES)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from margins.loops import write_draws
+from margins.test_diagnosed import beside
 from scipy.io import loadmat
 from typer.testing import CliRunner
 
@@ -44,7 +45,9 @@ def test_it_writes_prints_and_repeats_to_the_byte(folder):
     assert [path.name for path in (folder / "one").iterdir()] == ["margins.json"]
     found = read_json(MarginsFile, folder / "one" / "margins.json")
     answer = found.loops[0].answer
-    assert first.stdout.startswith("my-joint: " + answer.replace(". ", ".\n  ") + "\n")
+    law, said = first.stdout.split("\n", 1)
+    assert law == "Margins of the law as it was fitted: no diagnosis lies beside the draws."
+    assert said.startswith("my-joint: " + answer.replace(". ", ".\n  ") + "\n")
     assert answer.count(". ") >= 1  # a sentence a line
     assert "warning: my-joint: Assumed" in first.stderr
     assert found.seed == 4
@@ -109,6 +112,23 @@ def with_bound(folder, name, metres):
     path = folder / name
     path.write_text(f"{text}[spec]\nsteady_error_max_m = {metres}\n", encoding="utf-8")
     return path
+
+
+def test_a_named_cause_beside_the_draws_is_never_passed_over_in_silence(folder, tmp_path):
+    beside(tmp_path)
+    arguments = ["margins", folder / "joint.toml", "--draws", tmp_path / "draws.nc", "-o", tmp_path]
+    command = list(map(str, arguments))
+    done = CliRunner().invoke(app, command)
+    assert done.exit_code == 0, done.stderr
+    assert done.stdout.startswith("Margins of the law refitted with stribeck, which diagnosis.json")
+    assert "attention" not in done.stderr
+    alone = CliRunner().invoke(app, [*command, "--law", "fitted", "--fail-on", "attention,spec"])
+    assert alone.exit_code == 1
+    assert alone.stdout.startswith("Margins of the law as it was fitted: diagnosis.json names")
+    (line,) = [line for line in alone.stderr.splitlines() if line.startswith("attention:")]
+    assert "c2[small] 68% too high" in line
+    assert "failed: attention" in alone.stderr
+    assert CliRunner().invoke(app, [*command, "--law", "other"]).exit_code == 2
 
 
 @pytest.mark.parametrize(("metres", "status"), [(1e-6, 1), (1.0, 0)], ids=["missed", "met"])

@@ -86,6 +86,7 @@ def test_margins_are_repeated_with_what_they_were_asked_for(with_margins, tmp_pa
         "draws": tmp_path / "b" / "draws.nc",
         "seed": 9,
         "diagnosis": None,
+        "law": "fitted",
         "verify": 2,
         "tune": False,
         "ensembles": True,

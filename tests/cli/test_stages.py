@@ -1,4 +1,4 @@
-"""An interrupted run goes on after the stages that it had done."""
+"""A run that is started again, interrupted or whole, computes nothing that it has done."""
 
 import importlib
 from collections import Counter
@@ -12,10 +12,23 @@ from typer.testing import CliRunner
 
 from bayesfric.cli import app
 from bayesfric.recording import write_recording
-from bayesfric.results import json_bytes
-from bayesfric.schemas import TimingsFile
+from bayesfric.resources import reference_folder
+from bayesfric.results import json_bytes, read_json
+from bayesfric.schemas import ClaimsFile, TimingsFile
+
+
+def claims_file():
+    """What the stored reference run says of one claim, by a name of its own."""
+    found = read_json(ClaimsFile, reference_folder() / "claims.json")
+    return found.model_copy(
+        update={"claims": (found.claims[0].model_copy(update={"id": "claim-one"}),)}
+    )
+
 
 RUN = importlib.import_module("bayesfric.cli.run")
+
+
+TEXTS = {"claims": json_bytes(claims_file()).decode()}
 
 
 @pytest.fixture
@@ -30,7 +43,7 @@ def stages(monkeypatch, small_recording, tmp_path):
             if interrupted[name] > 0:
                 interrupted[name] -= 1
                 raise KeyboardInterrupt
-            (output / file).write_text(name)
+            (output / file).write_text(TEXTS.get(name, name))
             if name == "fit":
                 timings = TimingsFile(seconds={"draws": 1.0})
                 (output / "timings.json").write_bytes(json_bytes(timings))
@@ -74,13 +87,31 @@ def test_stages_that_are_done_are_kept_with_what_happened_in_them(stages, tmp_pa
     seconds = TimingsFile.model_validate_json((tmp_path / "out/timings.json").read_bytes()).seconds
     assert set(seconds) == {"draws", "claims", "diagnosis", "report"}
     names = {path.name for path in (tmp_path / "out").iterdir()}
-    assert names == {"fit.json", "timings.json", "claims.json", "diagnosis.json", "report.pdf"}
+    results = {"fit.json", "timings.json", "claims.json", "diagnosis.json", "report.pdf"}
+    assert names == {*results, ".stages.json"}
 
 
-def test_a_run_that_was_whole_begins_anew(stages, tmp_path):
+def test_a_run_that_was_whole_computes_nothing_anew(stages, tmp_path):
+    """With another report of the claims, other failures and no chatter it is the same run."""
     called, _ = stages
-    assert [run(tmp_path).exit_code for _ in range(2)] == [0, 0]
-    assert called == dict.fromkeys(("fit", "claims", "diagnosis", "report"), 2)
+    assert run(tmp_path).exit_code == 0
+    before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
+    junit = tmp_path / "claims.xml"
+    again = run(tmp_path, "--junit", str(junit), "--fail-on", "refuted,gap,unconverged", "--quiet")
+    assert called == dict.fromkeys(("fit", "claims", "diagnosis", "report"), 1)
+    assert again.exit_code == 1
+    assert again.stderr == "failed: refuted\nfailed: unconverged\n"
+    assert 'name="claim-one"' in junit.read_text()
+    assert {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()} == before
+    assert "nothing has changed" in run(tmp_path).stderr
+
+
+def test_a_result_of_another_verb_is_in_the_next_report(stages, tmp_path):
+    called, _ = stages
+    assert run(tmp_path).exit_code == 0
+    (tmp_path / "out" / "calibration.json").write_text("of another verb")
+    assert run(tmp_path).exit_code == 0
+    assert called == {"fit": 1, "claims": 1, "diagnosis": 1, "report": 2}
 
 
 def settings(folder):

@@ -166,10 +166,12 @@ def test_unconverged_is_in_the_exit_status_and_still_written(board, monkeypatch)
     (board / "few.toml").write_text(
         "[sampler]\nburn = 10\nsteps = 50\nthin = 2\nwalkers = 34\nextensions = 0\n"
     )
-    arguments = ("fit", "board", "--config", "few.toml", "-o", "few", "--fail-on", "unconverged")
+    arguments = ("fit", "board", "--config", "few.toml", "-o", "few")
+    arguments += ("--fail-on", "unconverged,attention")
     done = bayesfric(*arguments, cwd=board)
     assert done.returncode == 1
     assert "has not converged" in done.stderr
+    assert done.stderr.endswith("failed: unconverged\nfailed: attention\n")
     assert not read_json(FitFile, board / "few" / "fit.json").converged
     monkeypatch.chdir(board)
     assert CliRunner().invoke(app, arguments[:-2]).exit_code == 0

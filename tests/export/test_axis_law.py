@@ -4,24 +4,23 @@ import json
 
 import numpy as np
 import pytest
+from export.laws import axis_law, number
 
-from bayesfric.export import stored_law
-from bayesfric.export.stored_law import StoredLaw
+from bayesfric.export.stored_law import _coefficients
 from bayesfric.export.writing import export_text
-from bayesfric.physics.friction import Coefficients
+from bayesfric.resources import reference_folder
+from bayesfric.results import read_json
+from bayesfric.schemas import FitFile
 
 SPEED = np.linspace(0.05, 0.6, 40)
 
 
 @pytest.fixture
-def law(tmp_path, monkeypatch):
+def law():
     """Coulomb friction of 1.5 N, and 0.8 N s/m that causes add."""
-    monkeypatch.setattr(stored_law, "fitted_coefficients", lambda _: {"": Coefficients(0, 0, 0)})
-    monkeypatch.setattr(stored_law, "fitted_numbers", lambda _: {"mass": 2.0, "coulomb": 1.5})
-    friction = 1.5 + 0.8 * SPEED
-    found = stored_law._coefficients(tmp_path, friction)
-    places = {"velocity": SPEED}
-    return StoredLaw("axis", "paper", "N", found, {"mass": [2.0]}, (), places, friction, 0.01)
+    fit = read_json(FitFile, reference_folder() / "fit.json").model_copy(update={"pulleys": {}})
+    numbers = {"mass": number(2.0, 0.1, "kg"), "coulomb": number(1.5, 0.012, "N")}
+    return axis_law(coefficients=_coefficients(fit, numbers, 1.5 + 0.8 * SPEED))
 
 
 def test_the_python_file_has_friction_at_every_speed(law):

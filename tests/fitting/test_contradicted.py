@@ -3,16 +3,22 @@
 from types import SimpleNamespace
 
 from bayesfric.analysis import HalfNormal, Normal
-from bayesfric.fitting.summary import contradicted
+from bayesfric.attention import contradicted
 from bayesfric.inference.priors import Parameter
 
 
 def test_a_mass_in_another_unit_than_the_log_is_told_and_one_that_fits_is_not():
     mass = Parameter("mass", "kg·m²", Normal(mean=2.0, sd=0.4))
     coulomb = Parameter("coulomb", "N·m", HalfNormal(scale=0.1))  # says nothing but a size
-    found = {"mass": SimpleNamespace(mean=0.035), "coulomb": SimpleNamespace(mean=1.5)}
+    found = {
+        "mass": SimpleNamespace(mean=0.035, sd=0.01),
+        "coulomb": SimpleNamespace(mean=1.5, sd=0.1),
+    }
     (line,) = contradicted([mass, coulomb], found)
     assert line.startswith("Parameter mass is 0.035, and 2 ± 0.4 by its prior: 4.9 standard")
     assert "(is a unit, in the recording or of the prior?)" in line
-    found["mass"] = SimpleNamespace(mean=0.5)  # 3.75
+    found["mass"] = SimpleNamespace(mean=0.5, sd=0.01)  # 3.75, and surely so
+    (line,) = contradicted([mass, coulomb], found)
+    assert "from the 2 that is declared" in line
+    found["mass"] = SimpleNamespace(mean=1.4, sd=0.01)  # 1.5
     assert not list(contradicted([mass, coulomb], found))

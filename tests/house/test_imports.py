@@ -16,7 +16,16 @@ ROOT = Path(__file__).parents[2]
 
 # From the base up. Rooms of one row may import each other, in one direction.
 ROWS = (
-    ("arrays", "errors", "characters", "files", "resources", "checksum", "probabilities"),
+    (
+        "arrays",
+        "errors",
+        "characters",
+        "files",
+        "resources",
+        "checksum",
+        "probabilities",
+        "source_date",
+    ),
     ("recording",),
     ("logs",),
     ("paper", "families", "priors", "analysis", "schemas"),
@@ -28,7 +37,7 @@ ROWS = (
     ("rigs",),
     ("simulate",),
     ("stored_names",),
-    ("results",),
+    ("results", "attention"),
     ("fitting", "testing"),
     ("calibration",),
     ("claims",),
@@ -56,6 +65,7 @@ ONLY = {
     "resources": set(),
     "checksum": set(),
     "probabilities": set(),
+    "source_date": set(),
     "campaign": set(),  # maps any function over any cases
     "checkpoint": set(),  # any computation
     "interrupts": set(),  # whatever must be whole

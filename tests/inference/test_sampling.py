@@ -270,3 +270,19 @@ def test_points_are_drawn_as_often_as_their_weights_say(seed):
     rng = np.random.default_rng(seed)
     assert resampled(np.ones(7), 7, rng).tolist() == list(range(7))
     assert resampled(np.array([1.0, 0.0, 3.0]), 4, rng).tolist() == [0, 2, 2, 2]
+
+
+@pytest.mark.parametrize("ending", [KeyboardInterrupt, SystemExit, ZeroDivisionError])
+def test_what_ends_a_call_of_the_density_is_raised_and_nothing_is_printed(capfd, ending):
+    """As where Ctrl-C falls into the density, which is where most of the time goes."""
+    laplace = laplace_approximation(skewed, np.zeros(3), np.ones(3))
+    reported = []
+
+    def density(points):
+        if reported:  # the ensembles are moving
+            raise ending
+        return skewed(points)
+
+    with pytest.raises(ending):
+        sample(density, laplace, SHORT, 1, lambda done, total: reported.append(done))
+    assert capfd.readouterr() == ("", "")

@@ -7,22 +7,24 @@ import numpy as np
 import pytest
 import xarray as xr
 from margins.loops import SMALL, loop, posterior, shaft, write_draws
-from report.diagnosis_sample import cause, diagnosis
+from report.diagnosis_sample import cause, diagnosis, interval
 
 from bayesfric.diagnosis import diagnose
 from bayesfric.diagnosis.drawn_effect import DrawnEffect
 from bayesfric.effects import all_effects
 from bayesfric.errors import InputError
 from bayesfric.margins import compute_margins, read_loop
+from bayesfric.margins.assembly import COEFFICIENTS as GROUP
 from bayesfric.margins.assembly import draw_assembly, nominal_assembly
 from bayesfric.margins.describing import effective_damping
 from bayesfric.margins.diagnosed import read_diagnosed, with_effects
 from bayesfric.margins.metrics import closed_forms, linear_of
-from bayesfric.margins.posterior import RigDiscrepancy
+from bayesfric.margins.posterior import RigDiscrepancy, read_posterior
 from bayesfric.margins.reflecting import at_shaft
 from bayesfric.physics.friction import Coefficients
 from bayesfric.resources import bundled_loops
-from bayesfric.results import json_bytes, write_netcdf
+from bayesfric.results import identified, json_bytes, read_json, read_tree, write_netcdf
+from bayesfric.schemas import DiagnosisFile, LawNumber, RecordingId
 from bayesfric.simulate import simulate_recording, table1_coefficients
 
 PULLEY = 0.0128 * 15 + 0.0261  # N of one small pulley at 15 N and 85°
@@ -172,7 +174,8 @@ def test_before_and_after_stand_side_by_side(tmp_path):
         tmp_path, "stribeck", amplitude=[0.4], shape=[1e-3], variant=["exponential"]
     )
     one = loop({"compensation.signal": "none"})
-    (found,) = compute_margins([one], draws, diagnosis=path, simulated=8).summary.loops
+    margins = compute_margins([one], draws, diagnosis=path, law="fitted", simulated=8)
+    (found,) = margins.summary.loops
     assert found.with_effects.effects == ("stribeck",)
     before, after = (
         {metric.name: metric.interval for metric in rows}
@@ -180,7 +183,7 @@ def test_before_and_after_stand_side_by_side(tmp_path):
     )
     wider = after["steady_error_servo"].mean / before["steady_error_servo"].mean
     assert wider == pytest.approx(1 + 0.4 * 1.541 / 3.541, rel=0.01)
-    (plain,) = compute_margins([one], draws, simulated=8).summary.loops
+    (plain,) = compute_margins([one], draws, law="fitted", simulated=8).summary.loops
     assert plain.metrics == found.metrics
     assert plain.with_effects is None
     assert plain.with_effects_why == "no diagnosis was given"
@@ -188,3 +191,96 @@ def test_before_and_after_stand_side_by_side(tmp_path):
     (none,) = compute_margins([one], draws, diagnosis=nothing, simulated=8).summary.loops
     assert none.with_effects is None
     assert "no effect that may act" in none.with_effects_why
+
+
+def beside(folder, **changes):
+    """Draws with a diagnosis beside them that names Stribeck friction, which grows c2."""
+    draws = write_draws(folder / "draws.nc", n=80)
+    path = write_diagnosis(
+        folder, "stribeck", coefficients=(0.0128, 0.0155, 2.79e-5),
+        amplitude=[0.4], shape=[1e-3], variant=["exponential"],
+    )  # fmt: skip
+    numbers = {
+        "c2[small]": LawNumber(
+            unit="N", before=interval(0.0261, 1e-4), after=interval(0.0155, 1e-4)
+        )
+    }
+    stored = read_json(DiagnosisFile, path)
+    recording = read_posterior(draws).recording
+    record = identified(
+        stored.model_copy(update={"law": numbers, "recording": recording, **changes})
+    )
+    path.write_bytes(json_bytes(record))
+    tree = read_tree(folder / "diagnosis.nc")
+    write_netcdf(tree, folder / "diagnosis.nc", record.run_id)
+    return draws, path
+
+
+def test_margins_are_of_the_refitted_law_where_a_cause_is_named_beside_the_draws(tmp_path):
+    draws, path = beside(tmp_path)
+    one = loop({"compensation.signal": "none"})
+    found = compute_margins([one], draws, simulated=8).summary
+    assert (found.law.used, found.law.effects) == ("refitted", ("stribeck",))
+    assert "stribeck, which diagnosis.json names" in found.law.sentence
+    assert found.attention == ()
+    plain = compute_margins([one], draws, diagnosis=path, law="fitted", simulated=8).summary
+    after = {metric.name: metric.interval for metric in plain.loops[0].with_effects.metrics}
+    now = {metric.name: metric.interval for metric in found.loops[0].metrics}
+    assert now == after  # the same draws of the same law
+    assert found.loops[0].with_effects is None
+    assert "that the diagnosis refitted" in found.loops[0].with_effects_why
+    shares = found.loops[0].variance_share  # computed over other draws of the same law
+    assert all(0 <= share <= 1 for groups in shares.values() for share in groups.values())
+
+
+def test_the_law_alone_says_that_a_cause_is_named_and_by_how_much_it_is_wrong(tmp_path):
+    draws, _ = beside(tmp_path)
+    found = compute_margins([loop()], draws, law="fitted", simulated=8).summary
+    assert found.law.used == "fitted"
+    (line,) = found.attention
+    assert "diagnosis.json names stribeck" in line
+    assert line.endswith("as was asked: c2[small] 68% too high")
+
+
+def test_a_diagnosis_that_names_nothing_leaves_the_law_and_says_so(tmp_path):
+    draws, _ = beside(tmp_path, causes=())
+    found = compute_margins([loop()], draws, simulated=8).summary
+    assert (found.law.used, found.attention) == ("fitted", ())
+    assert found.law.sentence.endswith("diagnosis.json names no cause.")
+
+
+def test_a_diagnosis_of_another_recording_is_not_used_and_told(tmp_path):
+    other = {"name": "other", "title": "", "sha256": "0" * 64}
+    draws, _ = beside(tmp_path, recording=RecordingId(**other))
+    found = compute_margins([loop()], draws, simulated=8).summary
+    assert found.law.used == "fitted"
+    (line,) = found.attention
+    assert "of another recording, and is not used" in line
+    with pytest.raises(InputError, match="of the recording of the draws"):
+        compute_margins([loop()], draws, law="refitted", simulated=8)
+
+
+def test_the_refitted_law_cannot_be_had_without_a_diagnosis(tmp_path):
+    draws = write_draws(tmp_path / "draws.nc", n=80)
+    found = compute_margins([loop()], draws, simulated=8).summary
+    assert found.law.sentence.endswith("no diagnosis lies beside the draws.")
+    with pytest.raises(InputError, match="a diagnosis, whose law is asked for"):
+        compute_margins([loop()], draws, law="refitted", simulated=8)
+
+
+def test_effects_go_with_the_draws_of_the_law():
+    """Shuffled, taken in part, or exchanged: what acts stays in step with the coefficients."""
+    ramp = np.arange(40.0)
+    effect = DrawnEffect(all_effects()["viscous"], ramp, 0 * ramp, np.array(["constant"] * 40))
+    law = posterior(n=40)
+    numbered = replace(
+        law,
+        coefficients={size: Coefficients(ramp, *own[1:]) for size, own in law.coefficients.items()},
+        acting=(effect,),
+    )
+    other = draw_assembly(loop(), numbered, RigDiscrepancy(0.0, ""), 1, stream=1)
+    first = draw_assembly(loop(), numbered, RigDiscrepancy(0.0, ""), 1)
+    for one in (first, other, other.taken(np.array([5, 3, 9])), first.with_group(GROUP, other)):
+        (acting,) = one.acting
+        np.testing.assert_array_equal(acting.amplitude, one.coefficients["small"].c1)
+    assert not np.array_equal(first.acting[0].amplitude, other.acting[0].amplitude)

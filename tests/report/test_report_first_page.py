@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from pypdf import PdfReader
+from report.diagnosis_sample import diagnosis
 
 from bayesfric.errors import InputError
 from bayesfric.report.assembly import build_document
@@ -23,8 +24,17 @@ from bayesfric.report.content import (
     inlines,
 )
 from bayesfric.report.markdown import render_summary
-from bayesfric.report.stored import StoredFit, StoredResults, read_stored
+from bayesfric.report.stored import (
+    StoredClaims,
+    StoredDiagnosis,
+    StoredFit,
+    StoredResults,
+    read_stored,
+)
 from bayesfric.report.typst import render_pdf
+from bayesfric.resources import reference_folder
+from bayesfric.results import read_json
+from bayesfric.schemas import ClaimsFile
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +82,9 @@ def test_page_one_of_a_fit_fits_a_screen_in_markdown(stored):
 def test_many_remarks_stay_on_page_one(stored):
     lines = tuple(f"c{k} has not converged: R-hat 1.5000 (limit 1.01)" for k in range(9))
     poor = changed(stored, converged=False, attention=lines)
-    (listed,) = [block for block in page_one.worries(poor.fit) if isinstance(block, BulletList)]
+    (listed,) = [
+        block for block in page_one.worries(StoredResults(poor)) if isinstance(block, BulletList)
+    ]
     assert listed.items == [f"{line}." for line in lines]
     page = Document("Page one", "", tuple(page_one.page_one(StoredResults(poor))))
     first = PdfReader(io.BytesIO(render_pdf(page))).pages[0]
@@ -81,21 +93,52 @@ def test_many_remarks_stay_on_page_one(stored):
 
 
 def test_few_remarks_are_boxes(stored):
-    found = page_one.worries(changed(stored, attention=("1 of 48 trials left out",)).fit)
+    found = page_one.worries(StoredResults(changed(stored, attention=("1 of 48 trials left out",))))
     assert [(b.kind, b.text) for b in found if isinstance(b, Notice)] == [
         ("attention", "1 of 48 trials left out.")
     ]
 
 
+def test_what_is_wrong_of_all_results_is_one_list_on_page_one(stored):
+    """Of the fit, the diagnosis and the claims; a line that two of them have stands once."""
+    fitted = changed(stored, attention=("The sensors are apart", "1 of 48 trials left out"))
+    claims = read_json(ClaimsFile, reference_folder() / "claims.json")
+    found = StoredResults(
+        fitted,
+        diagnosis=StoredDiagnosis(diagnosis(attention=("c2 is biased",)), xr.DataTree()),
+        claims=StoredClaims(
+            claims.model_copy(update={"attention": ("The sensors are apart", "Odds are loose")}),
+            xr.DataTree(),
+        ),
+    )
+    notice, listed = page_one.worries(found)
+    assert (notice.kind, notice.text) == (
+        "attention",
+        "4 remarks must be read before the numbers:",
+    )
+    assert listed.items == [
+        "The sensors are apart.",
+        "1 of 48 trials left out.",
+        "c2 is biased.",
+        "Odds are loose.",
+    ]
+    quiet = StoredResults(
+        changed(stored, converged=True, attention=()),
+        diagnosis=StoredDiagnosis(diagnosis(attention=("c2 is biased",)), xr.DataTree()),
+    )
+    (box,) = page_one.worries(quiet)  # and nothing says that there is nothing to worry about
+    assert box.kind == "attention"
+
+
 def test_a_parameter_in_a_remark_is_called_by_what_it_is(stored):
     line = "Driven by the prior, not by these data: wander_length, tau"
-    (box,) = page_one.worries(changed(stored, attention=(line,)).fit)
+    (box,) = page_one.worries(StoredResults(changed(stored, attention=(line,))))
     assert box.text == (
         "Driven by the prior, not by these data: the correlation length of the wander, "
         "the relative scatter of friction from trial to trial."
     )
     line, axis = "Parameter omega has not converged; friction wanders", {"rigs": ("single-axis",)}
-    (box,) = page_one.worries(changed(stored, attention=(line,), **axis).fit)
+    (box,) = page_one.worries(StoredResults(changed(stored, attention=(line,), **axis)))
     assert box.text == (
         "The relative scatter of friction from setup to setup has not converged; friction wanders."
     )

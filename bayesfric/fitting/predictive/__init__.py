@@ -10,6 +10,7 @@ import xarray as xr
 
 from bayesfric.analysis import Analysis
 from bayesfric.arrays import Array
+from bayesfric.attention import Coverage
 from bayesfric.fitting.predictive.assemblies import Assemblies
 from bayesfric.fitting.predictive.coverage import CELL, coverage
 from bayesfric.fitting.predictive.left_out import LeftOut, scores, uniformity
@@ -23,7 +24,7 @@ from bayesfric.rigs.data import Data
 from bayesfric.rigs.remaking import Remade, remake
 from bayesfric.stored_names import tree_of
 
-__all__ = ["QUANTILES", "predict"]
+__all__ = ["QUANTILES", "covered", "predict"]
 
 DRAWS = 1000  # enough for a 5 % quantile to a twentieth of an sd
 
@@ -104,6 +105,25 @@ def predict(
             groups["prior"] = _prior(trials, table, model, named, analysis, baseline)
         groups |= trials.figures(view)
     return tree_of(groups)
+
+
+def covered(predictive: xr.DataTree) -> tuple[Coverage, ...]:
+    """Return the share of each rig's trials inside their predictive intervals.
+
+    Parameters
+    ----------
+    predictive : DataTree
+        As of :func:`predict`.
+    """
+    found = []
+    for group in predictive.children.values():
+        table = group.to_dataset()
+        if "covered_share" in table:
+            low, _, high = (float(value) for value in table["covered_expected"].to_numpy())
+            found.append(
+                Coverage(str(table.attrs["rig"]), float(table["covered_share"]), low, high)
+            )
+    return tuple(found)
 
 
 def _checked(

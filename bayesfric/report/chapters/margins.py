@@ -59,6 +59,8 @@ def margins(found: MarginsFile, *, alone: bool) -> Iterator[Block]:
         verdict, *rest = sentences(loop.answer)
         yield Paragraph([Code(loop.name), ": ", Strong(verdict)])
         yield BulletList(rest)
+    if found.law is not None:
+        yield Paragraph(found.law.sentence)
     yield Paragraph(
         f"All figures are over {format_count(found.draws)} draws of a new assembly: the posterior "
         "of the friction law, the scatter between assemblies, and a difference between rigs of "

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import xarray as xr
 
+from bayesfric.attention import attention_of_all
 from bayesfric.observation.coefficients import NO_PULLEY
 from bayesfric.plots.labels import ordered_sizes
 from bayesfric.plots.posterior import coefficients_relative_to_paper
@@ -57,7 +58,6 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
     if pooled is not None and pooled.pooled is not None:
         yield from convergence(pooled)
         yield population(pooled, pooled.pooled)
-        yield from worries(pooled)
     if stored.diagnosis is not None:
         yield verdict_line(stored.diagnosis.found)
         if fitted is not None:
@@ -72,8 +72,7 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
         yield calibration_line(stored.calibration)
     if stored.comparison is not None:
         yield comparison_line(stored.comparison)
-    if fitted is not None:
-        yield from worries(fitted.fit)
+    yield from worries(stored)
 
 
 def recorded(recording: RecordingId, fitted: StoredFit | None) -> Paragraph:
@@ -203,16 +202,18 @@ def _remark(line: str, fit: FitFile) -> str:
     return line if line.endswith((".", ":")) else f"{line}."
 
 
-def worries(fit: FitFile) -> Iterator[Block]:
-    """Yield what must be kept in mind when the numbers are used."""
-    lines: Sequence[str] = [_remark(line, fit) for line in fit.attention]
+def worries(stored: StoredResults) -> Iterator[Block]:
+    """Yield what must be kept in mind when the numbers are used: all checks that failed."""
+    fit = stored.pooled if stored.fitted is None else stored.fitted.fit
+    told = attention_of_all(stored.records)
+    lines: Sequence[str] = [line if fit is None else _remark(line, fit) for _, line in told]
     if len(lines) > FEW:
         yield Notice("attention", f"{len(lines)} remarks must be read before the numbers:")
         yield BulletList(lines)
         return
     for line in lines:
         yield Notice("attention", line)
-    if fit.converged and not lines:
+    if fit is not None and fit.converged and not lines:
         yield Paragraph(
             [
                 Strong("Nothing to worry about in the fit."),

@@ -1,0 +1,42 @@
+"""What a reader must know before the verdicts on claims."""
+
+from collections.abc import Iterator, Sequence
+
+from bayesfric.schemas import ClaimResult
+
+__all__ = ["of_claims"]
+
+LOOSE = 0.5  # of a log10 Bayes factor: its odds are known to a factor of three no better
+CONTRARY_NAT = 4.0  # of log predictive density, below which a difference says nothing
+CONTRARY_ERRORS = 3.0  # standard errors of that difference
+
+
+def of_claims(claims: Sequence[ClaimResult]) -> tuple[str, ...]:
+    """Return every check of verdicts that failed, a sentence each.
+
+    Parameters
+    ----------
+    claims : sequence of ClaimResult
+        As they are stored.
+    """
+    return tuple(line for claim in claims for line in _of_claim(claim))
+
+
+def _of_claim(claim: ClaimResult) -> Iterator[str]:
+    if claim.verdict not in ("supported", "refuted"):
+        return
+    error = claim.log10_bayes_factor_se
+    if error is not None and error > LOOSE:
+        yield (
+            f"The claim {claim.id} is {claim.verdict} by a Bayes factor that is known to a factor "
+            f"of {10**error:.0f} only"
+        )
+    difference, spread = claim.elpd_difference, claim.elpd_difference_se
+    if difference is None or spread is None:
+        return
+    against = -difference if claim.verdict == "supported" else difference
+    if against > max(CONTRARY_NAT, CONTRARY_ERRORS * spread):
+        yield (
+            f"The claim {claim.id} is {claim.verdict} by its Bayes factor, and assemblies left out "
+            f"speak the other way: {difference:.1f} ± {spread:.1f} nat"
+        )

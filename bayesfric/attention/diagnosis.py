@@ -1,0 +1,107 @@
+"""What a reader must know before the numbers of a diagnosis."""
+
+from collections.abc import Iterator, Mapping
+
+from bayesfric.schemas import Cause, DiagnosisFile, Interval, LawNumber
+
+__all__ = ["biased_numbers", "of_diagnosis"]
+
+SHARE_THAT_MATTERS = 0.01  # of a number: the law is biased by less whatever acts
+
+
+def of_diagnosis(found: DiagnosisFile) -> tuple[str, ...]:
+    """Return every check of a diagnosis that failed, a sentence each.
+
+    What it holds already (settings that a diagnosis does not follow, say) comes first.
+
+    Parameters
+    ----------
+    found : DiagnosisFile
+        As it is stored.
+    """
+    lines = [
+        *found.attention,
+        *_biased(found),
+        *_held_out(found),
+        *(line for cause in found.causes for line in _of_cause(cause)),
+        *_rest(found),
+    ]
+    return tuple(dict.fromkeys(lines))
+
+
+def biased_numbers(found: DiagnosisFile) -> Mapping[str, LawNumber]:
+    """Return the numbers that the law alone has wrong where causes are named.
+
+    Parameters
+    ----------
+    found : DiagnosisFile
+        As it is stored.
+
+    Returns
+    -------
+    mapping of str to LawNumber
+        Those whose value without the causes lies outside of the 90 % interval with them, by
+        more than a hundredth; none where no cause is named.
+    """
+    if not found.causes:
+        return {}
+    return {name: number for name, number in found.law.items() if _is_biased(number)}
+
+
+def _is_biased(number: LawNumber) -> bool:
+    after, alone = number.after, number.before.mean
+    matters = abs(alone - after.mean) > SHARE_THAT_MATTERS * abs(after.mean)
+    return matters and not after.q05 <= alone <= after.q95
+
+
+def _biased(found: DiagnosisFile) -> Iterator[str]:
+    names = ", ".join(cause.effect for cause in found.causes)
+    for name, number in biased_numbers(found).items():
+        unit = "" if number.unit == "1" else f" {number.unit}"
+        yield (
+            f"The law without {names} has {name} wrong: {_known(number.before)}{unit} alone, "
+            f"{_known(number.after)}{unit} fitted with what acts. fit.json and claims.json are of "
+            "the law alone"
+        )
+
+
+def _known(number: Interval) -> str:
+    return f"{number.mean:.4g} ± {number.sd:.2g}"
+
+
+def _held_out(found: DiagnosisFile) -> Iterator[str]:
+    if found.gap.floor_disagreement is not None:
+        yield f"Held-out data and the model disagree: {found.gap.floor_disagreement}."
+
+
+def _of_cause(cause: Cause) -> Iterator[str]:
+    if not cause.plausible:
+        name, number = next(iter(cause.parameters.items()))
+        low, high = cause.plausible_range
+        yield (
+            f"{cause.effect} is larger or smaller than is plausible: {name} is "
+            f"{number.q50:.3g} {number.unit}, outside of {low:.3g} to {high:.3g} "
+            f"({cause.plausible_reference})."
+        )
+    if cause.log10_bayes_factor_se_why is not None:
+        yield f"The Bayes factor of {cause.effect} has no error: {cause.log10_bayes_factor_se_why}"
+
+
+def _rest(found: DiagnosisFile) -> Iterator[str]:
+    if found.stray_trials:
+        names = ", ".join(found.stray_trials)
+        yield f"Left out, since far from the other trials of their own assembly: {names}"
+    if found.remainder.significant and found.verdict == "named":
+        axis = "" if found.remainder.axis is None else f", most of all along {found.remainder.axis}"
+        yield f"The causes leave a force that no effect explains{axis}"
+    leader = _likeliest(found.probabilities)
+    others = {_likeliest(chances) for chances in found.prior_sensitivity.values()} - {leader}
+    if others and found.verdict in ("named", "no-gap", "unknown"):
+        yield (
+            "Which hypothesis is the likeliest hangs on how likely a law without effects is "
+            f"beforehand: {leader}, or {', '.join(sorted(others))}"
+        )
+
+
+def _likeliest(probabilities: Mapping[str, float]) -> str:
+    return max(probabilities, key=lambda name: probabilities[name], default="none")

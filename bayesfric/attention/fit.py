@@ -1,0 +1,246 @@
+"""What a reader must know before the numbers of a fit."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from scipy.special import ndtr
+
+from bayesfric.analysis import Normal
+from bayesfric.inference.diagnostics import LIMITS, Convergence
+from bayesfric.inference.priors import Parameter
+from bayesfric.rigs import all_rigs
+from bayesfric.schemas import (
+    Agreement,
+    AssemblyCheck,
+    DataQuality,
+    FitFile,
+    ParameterSummary,
+    Uniformity,
+)
+
+__all__ = ["Coverage", "contradicted", "of_fit", "of_pooled", "unsettled"]
+
+CONTRADICTED = 4.0  # sd of a prior: one number in 16,000 lies as far from its middle
+SURELY_OFF = 4.0  # sd of a posterior, from which on a number is surely not the declared one
+MISSED = 2.0  # sd of a prior: if also surely off, a declared number is missed
+NO_DELAY = ("latency",)  # parameters that are none if the recorder does what it says
+NOT_UNIFORM = 0.01  # p below which a reader must know; one sound recording in a hundred has it
+FEW_BOARDS = 5
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """The share of a rig's trials inside their 90 % predictive interval.
+
+    Parameters
+    ----------
+    rig : str
+        Its name.
+    share : float
+        As counted.
+    low, high : float
+        5 and 95 % quantile of that share, if the recording were made again.
+    """
+
+    rig: str
+    share: float
+    low: float
+    high: float
+
+
+def of_fit(
+    convergence: Mapping[str, Convergence],
+    entries: Mapping[str, ParameterSummary],
+    parameters: Sequence[Parameter],
+    quality: DataQuality,
+    *,
+    uniformity: Sequence[Uniformity],
+    assemblies: Sequence[AssemblyCheck],
+    coverage: Sequence[Coverage],
+) -> tuple[str, ...]:
+    """Return every check of a fit that failed, a sentence each.
+
+    Parameters
+    ----------
+    convergence : mapping of str to Convergence
+        Of the draws, by parameter.
+    entries : mapping of str to ParameterSummary
+        What is known of each parameter.
+    parameters : sequence of Parameter
+        With their priors.
+    quality : DataQuality
+        What entered.
+    uniformity : sequence of Uniformity
+        Of probabilities of trials left out, by rig.
+    assemblies : sequence of AssemblyCheck
+        Of assemblies left out, by rig.
+    coverage : sequence of Coverage
+        Of predictive intervals, by rig.
+    """
+    return (
+        *unsettled(convergence, entries),
+        *_entered(quality),
+        *_sensors(quality.agreement),
+        *contradicted(parameters, entries),
+        *_not_uniform(uniformity),
+        *_uncovered(coverage),
+        *_outlying(assemblies),
+    )
+
+
+def of_pooled(
+    fits: Mapping[str, FitFile], pareto_k: float, limit: float, population: Sequence[str]
+) -> tuple[str, ...]:
+    """Return every check of a fit of several boards that failed, a sentence each.
+
+    Parameters
+    ----------
+    fits : mapping of str to FitFile
+        Of each board alone.
+    pareto_k, limit : float
+        Of the weights by which posteriors are pooled, and up to where these are reliable.
+    population : sequence of str
+        What :func:`unsettled` says of the population.
+    """
+    return tuple(_of_boards(fits, pareto_k, limit, population))
+
+
+def _of_boards(
+    fits: Mapping[str, FitFile], pareto_k: float, limit: float, population: Sequence[str]
+) -> Iterator[str]:
+    for name, fit in fits.items():
+        if not fit.converged:
+            yield f"The fit of board {name} alone has not converged"
+    if not pareto_k <= limit:
+        yield (
+            f"The boards' posteriors are too far from normal to be pooled: Pareto k "
+            f"{pareto_k:.2f} (limit {limit}); no number of the population may be used"
+        )
+    yield from population
+    if len(fits) < FEW_BOARDS:
+        yield (
+            f"{len(fits)} boards say little of the scatter between boards: its prior, "
+            "priors.boards of the analysis, weighs in it and in what is said of a new board"
+        )
+    for name, fit in fits.items():
+        lines = len(fit.attention)
+        if lines:
+            yield f"Board {name} has {lines} {'remark' if lines == 1 else 'remarks'} of its own fit"
+
+
+def _entered(quality: DataQuality) -> Iterator[str]:
+    """Yield what is missing of the recording."""
+    if quality.replicated_cells == 0 and quality.trials_used:
+        yield (
+            "No (size, n, angle) cell was assembled twice: setup scatter has no replicates, "
+            "and effects of n and of the wrap angle rest on the prior of omega"
+        )
+    if quality.excluded:
+        of_rule = Counter(entry.reason for entry in quality.excluded)
+        why = "; ".join(f"{count} where {reason}" for reason, count in of_rule.items())
+        yield f"{len(quality.excluded)} of {quality.trials} trials left out: {why}"
+
+
+def _sensors(agreement: Agreement | None) -> Iterator[str]:
+    """Yield that the two sensors of some trial do not measure one motion."""
+    if agreement is None or agreement.largest_z is None:
+        return
+    chance = min(2 * float(ndtr(-agreement.largest_z)) * agreement.trials, 1.0)
+    if agreement.disagreeing or chance < NOT_UNIFORM:
+        which = f" ({', '.join(agreement.disagreeing)})" if agreement.disagreeing else ""
+        yield (
+            f"The two sensors of a trial are up to {agreement.largest_z:.1f} standard deviations "
+            f"apart on its acceleration; {len(agreement.disagreeing)} of {agreement.trials} "
+            f"trials{which} disagree by the rule, which also asks for "
+            f"{agreement.limit_friction_share:.0%} of friction"
+        )
+
+
+def unsettled(
+    convergence: Mapping[str, Convergence], entries: Mapping[str, ParameterSummary]
+) -> Iterator[str]:
+    """Yield the parameters that have not converged, and those that the prior drives."""
+    for name, figures in convergence.items():
+        if not figures.converged:
+            yield (
+                f"Parameter {name} has not converged: R-hat {figures.r_hat:.4f} "
+                f"(limit {LIMITS['r_hat']}), "
+                f"by walker {figures.r_hat_walkers:.4f} (limit {LIMITS['r_hat_walkers']}), "
+                f"{min(figures.ess_bulk, figures.ess_tail):.0f} effective draws "
+                f"(at least {LIMITS['ess']:.0f})"
+            )
+    # `informed` is judged at the median: of draws that have not converged, anywhere.
+    converged = all(figures.converged for figures in convergence.values())
+    open_names = [name for name, entry in entries.items() if converged and not entry.informed]
+    if open_names:
+        yield f"Driven by the prior, not by these data: {', '.join(open_names)}"
+
+
+def contradicted(
+    parameters: Sequence[Parameter], entries: Mapping[str, ParameterSummary]
+) -> Iterator[str]:
+    """Yield where the data are far from what somebody knew beforehand, as a wrong unit is."""
+    for one in parameters:
+        entry, prior = entries[one.name], one.prior
+        if not isinstance(prior, Normal):
+            continue
+        distance = abs(entry.mean - prior.mean)
+        far = distance / prior.sd
+        surely = distance > SURELY_OFF * entry.sd
+        if far > CONTRADICTED:
+            yield (
+                f"Parameter {one.name} is {entry.mean:.3g}, and {prior.mean:g} ± {prior.sd:.2g} "
+                f"by its prior: {far:.1f} standard deviations away. One of them is wrong (is a "
+                "unit, in the recording or of the prior?)"
+            )
+        elif surely and ((prior.mean and far > MISSED) or one.name in NO_DELAY):
+            unit = "" if one.unit == "1" else f" {one.unit}"
+            yield (
+                f"Parameter {one.name} is {entry.mean:.3g} ± {entry.sd:.2g}{unit}, "
+                f"{distance / entry.sd:.0f} of its standard deviations from the {prior.mean:g} "
+                f"that is declared (± {prior.sd:.2g})"
+            )
+
+
+def _uncovered(found: Sequence[Coverage]) -> Iterator[str]:
+    """Yield where more or fewer trials than expected lie inside their predictive intervals."""
+    for one in found:
+        if not one.low <= one.share <= one.high:
+            yield (
+                f"{one.share:.1%} of the {all_rigs()[one.rig].words.rig}'s trials lie inside their "
+                f"90 % predictive interval, where {one.low:.1%} to {one.high:.1%} would if the "
+                "recording were made again: by chance one sound recording in ten is outside of that"
+            )
+
+
+def _outlying(found: Sequence[AssemblyCheck]) -> Iterator[str]:
+    """Yield the assemblies that are far from what all others say of them."""
+    for check in found:
+        rig = all_rigs()[check.rig].words.rig
+        for one in check.outlying:
+            yield (
+                f"Assembly {one.setup} of the {rig} has friction {abs(one.z):.1f} standard "
+                f"deviations {'above' if one.z > 0 else 'below'} what all others predict of it; "
+                f"by chance one recording in {max(round(1 / one.chance), 1):,} has one as far out"
+            )
+        if check.p_value < NOT_UNIFORM:
+            yield (
+                f"The {rig}'s assemblies are not where the others put them: left out one at a "
+                f"time, they lie {check.spread:.2f} times as far as the model says "
+                f"({check.spread_q05:.2f} to {check.spread_q95:.2f} by chance; p = "
+                f"{check.p_value:.2g})"
+            )
+
+
+def _not_uniform(found: Sequence[Uniformity]) -> Iterator[str]:
+    """Yield what leave-one-trial-out probabilities that are not uniform say of the model."""
+    for one in found:
+        if one.p_value < NOT_UNIFORM:
+            rig = all_rigs()[one.rig].words.rig
+            yield (
+                f"The {rig}'s trials are not where the fit to the others puts them: "
+                f"leave-one-out probabilities depart from uniform with p = {one.p_value:.2g}, and "
+                f"trials lie {one.spread:.2f} times as far from their prediction as the model "
+                f"says ({one.spread_q05:.2f} to {one.spread_q95:.2f} by chance)"
+            )

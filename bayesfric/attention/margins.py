@@ -1,0 +1,40 @@
+"""What a reader must know before the margins of a controller."""
+
+from collections.abc import Iterator, Sequence
+
+from bayesfric.schemas import FitFile, LawUsed, LoopMargins
+
+__all__ = ["of_margins"]
+
+MOSTLY = 0.9  # of the draws, in which a figure has to hold against an elastic cable
+
+
+def of_margins(
+    law: LawUsed, loops: Sequence[LoopMargins], fit: FitFile | None = None
+) -> tuple[str, ...]:
+    """Return every check of margins that failed, a sentence each.
+
+    Parameters
+    ----------
+    law : LawUsed
+        Which law the margins are of.
+    loops : sequence of LoopMargins
+        As they are stored.
+    fit : FitFile or None
+        That lies beside the draws, if any.
+    """
+    lines = [] if law.warning is None else [law.warning]
+    if fit is not None and not fit.converged:
+        lines.append("The draws have not converged: no margin may be used")
+    for loop in loops:
+        lines += [f"{loop.name}: {line}" for line in (*loop.beyond, *_unverified(loop))]
+    return tuple(lines)
+
+
+def _unverified(loop: LoopMargins) -> Iterator[str]:
+    """Yield figures that do not hold against the simulated elastic cable."""
+    if loop.verification is None:
+        return
+    for held in loop.verification.held:
+        if held.share is not None and held.share < MOSTLY:
+            yield f"{held.what} holds on an elastic cable in {held.share:.0%} of the draws only"

@@ -1,0 +1,37 @@
+"""What a reader of several results must know, in one list."""
+
+from collections.abc import Mapping
+
+from bayesfric.schemas import (
+    CalibrationFile,
+    ClaimsFile,
+    DiagnosisFile,
+    FitFile,
+    MarginsFile,
+    Provenance,
+)
+
+__all__ = ["attention_of_all"]
+
+WITH_ATTENTION = (FitFile, ClaimsFile, DiagnosisFile, MarginsFile, CalibrationFile)
+
+
+def attention_of_all(records: Mapping[str, Provenance]) -> list[tuple[str, str]]:
+    """Return what stands under ``attention`` in all results of a folder, each line once.
+
+    Parameters
+    ----------
+    records : mapping of str to Provenance
+        By the name of what made them, as ``fit``.
+
+    Returns
+    -------
+    list of (str, str)
+        Name of the result, and a line of its list.
+    """
+    found: dict[str, str] = {}
+    for name, record in records.items():
+        if isinstance(record, WITH_ATTENTION):
+            for line in record.attention:
+                found.setdefault(line, name)
+    return [(name, line) for line, name in found.items()]

@@ -1,0 +1,51 @@
+"""Verdicts as a test report, which a CI system shows beside its tests."""
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+from bayesfric.characters import legible
+from bayesfric.results import replace_outputs
+from bayesfric.schemas import ClaimsFile
+
+__all__ = ["write_junit"]
+
+
+def write_junit(summary: ClaimsFile, path: Path) -> None:
+    """Write a test report in which a refuted claim is a failure.
+
+    One that is undecided or not testable is skipped.
+
+    Parameters
+    ----------
+    summary : ClaimsFile
+        What ``claims.json`` says.
+    path : Path
+        Of the report.
+
+    Raises
+    ------
+    InputError
+        Its folder cannot be written.
+    """
+    data = _junit(summary)
+    replace_outputs(path.resolve().parent, {path.name: lambda place: place.write_bytes(data)})
+
+
+def _junit(summary: ClaimsFile) -> bytes:
+    verdicts = [one.verdict for one in summary.claims]
+    suite = ElementTree.Element(
+        "testsuite",
+        name="bayesfric.claims",
+        tests=str(len(verdicts)),
+        failures=str(verdicts.count("refuted")),
+        skipped=str(verdicts.count("undecided") + verdicts.count("not-testable")),
+    )
+    for one in summary.claims:
+        case = ElementTree.SubElement(suite, "testcase", classname="claims", name=one.id)
+        reason = legible(one.reason)  # it may name pulleys, and XML holds no controls
+        if one.verdict == "refuted":
+            ElementTree.SubElement(case, "failure", message=reason)
+        elif one.verdict != "supported":
+            ElementTree.SubElement(case, "skipped", message=f"{one.verdict}: {reason}")
+    ElementTree.indent(suite)
+    return bytes(ElementTree.tostring(suite, encoding="utf-8", xml_declaration=True)) + b"\n"

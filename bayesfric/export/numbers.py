@@ -1,0 +1,134 @@
+"""The numbers of a stored law, with or without what acts beside it, and their draws."""
+
+from collections.abc import Collection, Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from bayesfric.arrays import Array
+from bayesfric.observation.coefficients import coefficient_name
+from bayesfric.physics.friction import Coefficients
+from bayesfric.results import read_tree
+from bayesfric.schemas import DiagnosisFile, FitFile, Interval
+from bayesfric.stored_names import name_of
+
+__all__ = ["Number", "drawn_numbers", "law_said", "numbers_of"]
+
+MOST_DRAWS = 200
+
+
+class Number(NamedTuple):
+    """A number of the law, with its error and unit."""
+
+    value: Interval
+    unit: str
+
+
+def law_said(fit: FitFile, found: DiagnosisFile) -> str:
+    """Return in a sentence which law the numbers are of."""
+    if not found.causes:
+        return "Numbers of the law as it was fitted: diagnosis.json names no cause."
+    names = ", ".join(cause.effect for cause in found.causes)
+    said = f"Numbers of the law refitted with what diagnosis.json names: {names}."
+    if alone := [name for name in _fitted(fit) if name not in _told_by_refit(fit, found)]:
+        said += f" Of the law alone, since the refit does not tell it apart: {', '.join(alone)}."
+    return said
+
+
+def numbers_of(fit: FitFile, found: DiagnosisFile) -> dict[str, Number]:
+    """Return the numbers of the law by name, of the refit where the diagnosis names a cause.
+
+    A number that a diagnosis holds, or that the refit does not tell, is that of the fit.
+
+    Parameters
+    ----------
+    fit : FitFile
+        Of the law alone.
+    found : DiagnosisFile
+        Of the same recording and law.
+    """
+    return _fitted(fit) | _told_by_refit(fit, found)
+
+
+def _fitted(fit: FitFile) -> dict[str, Number]:
+    entries = dict(fit.parameters)
+    for size, coefficients in fit.pulleys.items():
+        entries |= {coefficient_name(name, size): one for name, one in coefficients.items()}
+    return {name: Number(entry, entry.unit) for name, entry in entries.items()}
+
+
+def _told_by_refit(fit: FitFile, found: DiagnosisFile) -> dict[str, Number]:
+    """Return the numbers that the refit tells; none without causes.
+
+    Where two numbers do the same in a recording, as c1 and c2 under one load, the fit has one of
+    them, and the refit, which has both, tells neither.
+    """
+    alone = _fitted(fit)
+    apart = {_size(name) for name in found.law if name not in alone}
+    return {
+        name: Number(number.after, number.unit)
+        for name, number in found.law.items()
+        if found.causes and name in alone and _size(name) not in apart
+    }
+
+
+def _size(name: str) -> str:
+    """Return of which pulley size a number is; nothing where there is none."""
+    return name.partition("[")[2]
+
+
+def drawn_numbers(folder: Path, fit: FitFile, found: DiagnosisFile) -> dict[str, list[float]]:
+    """Return draws of the numbers, in step: some of the posterior's.
+
+    Parameters
+    ----------
+    folder : Path
+        With ``draws.nc`` and ``diagnosis.nc``.
+    fit : FitFile
+        Of that folder.
+    found : DiagnosisFile
+        Likewise. Where it tells numbers with causes the draws are those of the refit, over all
+        hypotheses; an amplitude is 0 in draws of those without its effect.
+    """
+    if told := _told_by_refit(fit, found):
+        flat = _of_refit(read_tree(folder / "diagnosis.nc")["law"].to_dataset(), found, told)
+    else:
+        flat = _of_fit(read_tree(folder / "draws.nc")["posterior"].to_dataset())
+    count = next(iter(flat.values())).size
+    chosen = np.unique(np.linspace(0, count - 1, MOST_DRAWS).astype(int))
+    return {name: values[chosen].tolist() for name, values in flat.items()}
+
+
+def _of_refit(table: xr.Dataset, found: DiagnosisFile, told: Collection[str]) -> dict[str, Array]:
+    """Return all draws of the refit by name; of an axis the columns are its own numbers."""
+    flat: dict[str, Array] = {}
+    for size in map(str, table["pulley"].to_numpy()):
+        columns = [table[name].sel(pulley=size).to_numpy() for name in Coefficients._fields]
+        names = [coefficient_name(name, size) for name in Coefficients._fields]
+        if not found.law.keys() & set(names):
+            names = list(found.law)
+        flat |= dict(zip(names, columns, strict=False))
+    flat = {name: values for name, values in flat.items() if name in told}
+    scatter = [str(name) for name in table.data_vars if str(name).startswith("omega")]
+    flat |= {name: table[name].to_numpy() for name in scatter}
+    drawn: Mapping[str, int] = {}
+    if "effect" in table.coords:
+        drawn = {str(name): place for place, name in enumerate(table["effect"].to_numpy())}
+    for cause in found.causes:
+        if cause.effect in drawn:
+            values = table["amplitude"].isel(effect=drawn[cause.effect]).to_numpy()
+            flat[f"amplitude[{cause.effect}]"] = values
+    return flat
+
+
+def _of_fit(posterior: xr.Dataset) -> dict[str, Array]:
+    flat: dict[str, Array] = {}
+    for name, variable in posterior.data_vars.items():
+        if "pulley" in variable.dims:
+            for size in posterior["pulley"].to_numpy():
+                flat[f"{name}[{size}]"] = variable.sel(pulley=size).to_numpy().ravel()
+        else:
+            flat[name_of(str(name))] = variable.to_numpy().ravel()
+    return flat

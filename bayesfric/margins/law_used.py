@@ -1,0 +1,125 @@
+"""Which law the margins are of: as it was fitted, or refitted with what a diagnosis names."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from bayesfric.attention import biased_numbers
+from bayesfric.errors import Fault, InputError
+from bayesfric.margins.diagnosed import Diagnosed, read_diagnosed
+from bayesfric.margins.posterior import Posterior
+from bayesfric.results import read_json
+from bayesfric.schemas import DiagnosisFile, LawNumber, LawUsed
+
+__all__ = ["ChosenLaw", "LawAsked", "choose_law"]
+
+LawAsked = Literal["fitted", "refitted"]
+SHOWN = 3  # numbers of the law that are told as wrong
+
+
+@dataclass(frozen=True)
+class ChosenLaw:
+    """The law that margins are computed with.
+
+    Parameters
+    ----------
+    posterior : Posterior
+        Its draws; of the refitted law with the effects on friction beside them.
+    used : LawUsed
+        Which law it is, as it is stored.
+    beside : Diagnosed or None
+        What stands beside the margins of the law alone, where a diagnosis was given.
+    """
+
+    posterior: Posterior
+    used: LawUsed
+    beside: Diagnosed | None = None
+
+
+def choose_law(
+    draws: Path,
+    posterior: Posterior,
+    diagnosis: Path | None,
+    asked: LawAsked | None,
+    seed: int,
+) -> ChosenLaw:
+    """Return the law refitted with the causes where a diagnosis names any, else that of the fit.
+
+    Parameters
+    ----------
+    draws : Path
+        ``draws.nc``; a ``diagnosis.json`` beside it is taken where none is given.
+    posterior : Posterior
+        What is in it.
+    diagnosis : Path or None
+        A ``diagnosis.json`` that was given.
+    asked : {"fitted", "refitted"} or None
+        The law that was asked for.
+    seed : int
+        Of the analysis.
+
+    Raises
+    ------
+    InputError
+        The refitted law is asked for and there is no diagnosis, or a diagnosis is damaged.
+    """
+    path = draws.parent / "diagnosis.json" if diagnosis is None else diagnosis
+    if diagnosis is None and not path.is_file():
+        if asked == "refitted":
+            raise InputError([Fault(str(path), "a diagnosis, whose law is asked for")])
+        return _fitted(posterior, "no diagnosis lies beside the draws")
+    record = read_json(DiagnosisFile, path)
+    if diagnosis is None and record.recording.sha256 != posterior.recording.sha256:
+        if asked == "refitted":
+            raise InputError([Fault(str(path), "a diagnosis of the recording of the draws")])
+        why = f"{path.name} beside the draws is of another recording, and is not used"
+        return _fitted(posterior, why, warning=f"{why[:1].upper()}{why[1:]}")
+    names = ", ".join(cause.effect for cause in record.causes)
+    if asked == "refitted" or (names and asked is None):
+        found = read_diagnosed(path, posterior, seed)
+        return ChosenLaw(found.posterior, _refitted(path, record, found, names))
+    beside = None if diagnosis is None else read_diagnosed(path, posterior, seed)
+    if not names:
+        return _fitted(posterior, f"{path.name} names no cause", beside)
+    warning = (
+        f"{path.name} names {names}, and these margins are of the law fitted without it, as was "
+        f"asked{_wrong(biased_numbers(record))}"
+    )
+    return _fitted(posterior, f"{path.name} names {names}, which is left aside", beside, warning)
+
+
+def _fitted(
+    posterior: Posterior, why: str, beside: Diagnosed | None = None, warning: str | None = None
+) -> ChosenLaw:
+    used = LawUsed(
+        used="fitted", sentence=f"Margins of the law as it was fitted: {why}.", warning=warning
+    )
+    return ChosenLaw(posterior, used, beside)
+
+
+def _refitted(path: Path, record: DiagnosisFile, found: Diagnosed, names: str) -> LawUsed:
+    what = f"{names}, which {path.name} names" if names else f"what {path.name} finds possible"
+    left_out = f" Left with the board: {'; '.join(found.left_out)}." if found.left_out else ""
+    return LawUsed(
+        used="refitted",
+        causes=tuple(cause.effect for cause in record.causes),
+        effects=tuple(one.effect.name for one in found.acting),
+        left_out=found.left_out,
+        sentence=f"Margins of the law refitted with {what}; --law fitted is the law alone."
+        f"{left_out}",
+    )
+
+
+def _wrong(numbers: Mapping[str, LawNumber]) -> str:
+    """Return by how much the law alone is wrong, the worst first."""
+    off = {
+        name: number.before.mean / number.after.mean - 1
+        for name, number in numbers.items()
+        if number.after.mean
+    }
+    worst = sorted(off, key=lambda name: -abs(off[name]))[:SHOWN]
+    said = (
+        f"{name} {abs(off[name]):.0%} too {'high' if off[name] > 0 else 'low'}" for name in worst
+    )
+    return f": {', '.join(said)}" if worst else ""

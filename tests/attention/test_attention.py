@@ -1,0 +1,163 @@
+"""Every check that failed is in the list of what a reader must know, and none that held."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import xarray as xr
+from report.diagnosis_sample import cause, diagnosis, interval
+
+from bayesfric.analysis import Normal
+from bayesfric.attention import (
+    Coverage,
+    attention_of_all,
+    biased_numbers,
+    of_claims,
+    of_diagnosis,
+    of_fit,
+)
+from bayesfric.fitting.predictive import covered
+from bayesfric.inference.priors import Parameter
+from bayesfric.resources import reference_folder
+from bayesfric.results import read_json
+from bayesfric.schemas import Agreement, ClaimsFile, DataQuality, LawNumber
+
+
+def quality(agreement=None):
+    return DataQuality(
+        trials=100, trials_used=100, setups=20, events=9000, replicated_cells=3,
+        excluded=(), notes=(), agreement=agreement,
+    )  # fmt: skip
+
+
+def told(**changes):
+    """What a sound fit is told of, with one thing changed."""
+    sound = {
+        "convergence": {},
+        "entries": {},
+        "parameters": (),
+        "quality": quality(),
+        "uniformity": (),
+        "assemblies": (),
+        "coverage": (),
+    }
+    return of_fit(**(sound | changes))
+
+
+def sensors(largest_z, disagreeing=()):
+    return Agreement(
+        trials=100, largest_z=largest_z, z_q95=2.0, limit_z=3.9, limit_friction_share=0.02,
+        disagreeing=disagreeing,
+    )  # fmt: skip
+
+
+def test_a_sound_fit_has_nothing_that_a_reader_must_know():
+    coverage = (Coverage("gravity", 0.9, 0.84, 0.96),)
+    assert told(quality=quality(sensors(2.9)), coverage=coverage) == ()
+
+
+@pytest.mark.parametrize("share", [0.80, 0.98])
+def test_coverage_outside_of_its_range_is_told(share):
+    (line,) = told(coverage=(Coverage("gravity", share, 0.84, 0.96),))
+    assert f"{share:.1%} of the gravity board's trials" in line
+    assert "84.0% to 96.0%" in line
+
+
+def test_sensors_that_are_far_apart_are_told():
+    """4.4 sd by noise alone: 100 trials × 1.1e-5, one recording in 900."""
+    (line,) = told(quality=quality(sensors(4.4)))
+    assert "4.4 standard deviations apart" in line
+    (line,) = told(quality=quality(sensors(6.0, ("g0007", "g0009"))))
+    assert "2 of 100 trials (g0007, g0009) disagree" in line
+    assert told(quality=quality(sensors(3.8))) == ()  # 100 × 1.4e-4: one in 70
+
+
+@pytest.mark.parametrize(
+    ("name", "prior", "mean", "sd", "is_told"),
+    [
+        ("latency", Normal(mean=0.0, sd=0.02), -0.027, 0.0012, True),
+        ("latency", Normal(mean=0.0, sd=0.02), -0.027, 0.009, False),
+        ("torque_constant_factor", Normal(mean=1.0, sd=0.05), 1.15, 0.01, True),
+        ("torque_constant_factor", Normal(mean=1.0, sd=0.05), 1.06, 0.01, False),
+    ],
+    ids=["late", "not surely late", "far from the data sheet", "within the data sheet"],
+)
+def test_a_declared_number_that_the_data_miss_is_told(name, prior, mean, sd, is_told):
+    parameter = Parameter(name, "s", prior, "noise")
+    lines = told(
+        parameters=[parameter], entries={name: SimpleNamespace(mean=mean, sd=sd, informed=True)}
+    )
+    assert len(lines) == is_told
+    if is_told:
+        assert lines[0].startswith(f"Parameter {name} is {mean:.3g} ± {sd:.2g} s")
+
+
+def test_coverage_is_read_where_it_is_stored():
+    table = xr.Dataset(
+        {"covered_share": 0.7, "covered_expected": ("quantile", [0.8, 0.9, 0.95])},
+        attrs={"rig": "motor"},
+    )
+    tree = xr.DataTree.from_dict({"runs": table, "ranks": xr.Dataset({"x": ("k", np.ones(2))})})
+    assert covered(tree) == (Coverage("motor", 0.7, 0.8, 0.95),)
+
+
+def law(before, after, sd=0.001):
+    return LawNumber(unit="N", before=interval(before, sd), after=interval(after, sd))
+
+
+def test_a_law_that_is_biased_without_the_causes_is_told():
+    """c2 68 % too high; c1 that hardly moves is not."""
+    numbers = {"c2[small]": law(0.0439, 0.0261), "c1[small]": law(0.01285, 0.0128, 1e-5)}
+    found = diagnosis(causes=(cause("viscous"),), law=numbers)
+    assert list(biased_numbers(found)) == ["c2[small]"]
+    (line,) = [line for line in of_diagnosis(found) if "c2[small]" in line]
+    assert "without viscous" in line
+    assert "0.0439 ± 0.001 N alone, 0.0261 ± 0.001 N" in line
+    assert not biased_numbers(diagnosis(causes=(), law=numbers))
+
+
+def test_what_a_diagnosis_holds_already_comes_first_and_once():
+    found = diagnosis(attention=("Scatter is taken as normal.",))
+    once = found.model_copy(update={"attention": of_diagnosis(found)})
+    assert once.attention[0] == "Scatter is taken as normal."
+    assert of_diagnosis(once) == once.attention
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"stray_trials": ("g0003",)}, "g0003"),
+        ({"causes": (cause("viscous").model_copy(update={"plausible": False}),)}, "plausible"),
+    ],
+    ids=["stray", "implausible"],
+)
+def test_each_check_of_a_diagnosis_is_told(changes, said):
+    before, after = of_diagnosis(diagnosis()), of_diagnosis(diagnosis(**changes))
+    assert any(said in line for line in set(after) - set(before))
+
+
+def test_claims_whose_evidence_and_prediction_disagree_are_told():
+    stored = read_json(ClaimsFile, reference_folder() / "claims.json").claims[0]
+    sound = stored.model_copy(
+        update={
+            "verdict": "supported", "log10_bayes_factor_se": 0.05,
+            "elpd_difference": 1.0, "elpd_difference_se": 2.0,
+        }
+    )  # fmt: skip
+    assert of_claims([sound]) == ()
+    contrary = sound.model_copy(update={"elpd_difference": -20.0, "elpd_difference_se": 3.0})
+    (line,) = of_claims([contrary])
+    assert "-20.0 ± 3.0 nat" in line
+    (line,) = of_claims([sound.model_copy(update={"log10_bayes_factor_se": 1.0})])
+    assert "a factor of 10 only" in line
+
+
+def test_all_results_make_one_list_with_each_line_once():
+    claims = read_json(ClaimsFile, reference_folder() / "claims.json")
+    records = {
+        "diagnosis.json": diagnosis(attention=("a", "b")),
+        "claims.json": claims.model_copy(update={"attention": ("b", "c")}),
+    }
+    assert attention_of_all(records) == [
+        ("diagnosis.json", "a"), ("diagnosis.json", "b"), ("claims.json", "c")
+    ]  # fmt: skip
