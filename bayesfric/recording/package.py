@@ -33,6 +33,7 @@ KEPT = (
     "contributors",
     "image",
     "simulation",
+    "import_notes",
 )
 
 OWN = ("name", "title", "created", "resources", "rig", *KEPT)
@@ -119,6 +120,7 @@ class _Header(_Strict):
     name: Text
     title: Text
     created: Annotated[str, AfterValidator(_iso8601)] | None = None
+    import_notes: list[Text] | None = None
 
 
 class _Resource(_Strict):
@@ -229,7 +231,7 @@ def parse_package(data: bytes) -> Package:
         rig_keys=frozenset(key for key, value in raw_rig.items() if value is not None),
         resources=_resources(content, faults),
         faults=tuple(_folded(faults)),
-        notes=tuple(_notes(unknown)),
+        notes=(*header.get("import_notes", ()), *_notes(unknown)),
     )
 
 
