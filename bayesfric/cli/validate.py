@@ -26,6 +26,7 @@ def validate(
     """
     from bayesfric.analysis import read_analysis
     from bayesfric.recording import describe_recording, read_recording
+    from bayesfric.rigs.opening import rules_that_leave_out
 
     analysis = read_analysis(config)
     found = read_recording(recording)
@@ -33,6 +34,8 @@ def validate(
         say(f"{label:<16} {text}")
     for note in found.notes:
         say(f"note: {note}", err=True)
+    for rule in rules_that_leave_out(found):
+        say(f"note: {rule}", err=True)
     if power:
         from bayesfric.planning import power as power_of
 

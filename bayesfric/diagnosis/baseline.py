@@ -14,7 +14,7 @@ from bayesfric.recording.tables import Recording
 from bayesfric.rigs import all_rigs
 from bayesfric.rigs.coefficients import coefficient_name, law_of
 from bayesfric.rigs.data import Data
-from bayesfric.rigs.opening import beside_simulator, diagnosed_law
+from bayesfric.rigs.opening import beside_simulator, diagnosed_law, rules_that_leave_out
 from bayesfric.simulators import SimulatorCalls
 
 __all__ = ["data_of", "fitted_baseline"]
@@ -38,6 +38,8 @@ def data_of(
     rigs = tuple(one.under(law).entering() for one in there)
     data = Data(tuple(one for one in rigs if not one.table.empty))
     if not data.rigs:
+        if rules := rules_that_leave_out(recording):
+            raise InputError(rules)
         names = " or ".join(dict.fromkeys(rig.words.trial for rig in all_rigs().values()))
         raise InputError([Fault(recording.name, f"a {names} that enters the diagnosis")])
     return data, law

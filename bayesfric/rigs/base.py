@@ -138,6 +138,12 @@ class Rig(Protocol):
             False keeps every trial that can be computed at all.
         """
 
+    def left_out(self, recording: Recording) -> str | None:
+        """Return the rule that leaves out all trials of a recording, with its numbers.
+
+        None where some enter, or where it has no tables of this rig.
+        """
+
     def change(
         self, effect: Effect, design: Design, constants: RigConstants, truth: Truth
     ) -> Change | None:

@@ -19,6 +19,7 @@ __all__ = [
     "diagnosed_law",
     "open_rigs",
     "rigs_with_trials",
+    "rules_that_leave_out",
     "with_own_priors",
 ]
 
@@ -45,6 +46,8 @@ def chosen_rigs(recording: Recording, rigs: Sequence[str] | None) -> tuple[str, 
     there = [name for name, rig in known.items() if rig.trials(recording) is not None]
     if rigs is None:
         if not there:
+            if rules := rules_that_leave_out(recording):
+                raise InputError(rules)
             kinds = " or ".join(rig.tables[0] for rig in known.values())
             raise InputError([Fault(recording.name, f"{kinds}, the kinds that can be fitted")])
         return (there[0],)
@@ -54,9 +57,19 @@ def chosen_rigs(recording: Recording, rigs: Sequence[str] | None) -> tuple[str, 
         for name in rigs
         if name in known and name not in there
     ]
+    absent = (rules_that_leave_out(recording) if absent else []) or absent
     if unknown or absent or not rigs:
         raise InputError([*unknown, *absent] or [Fault("rigs", one_of(known, ""))])
     return tuple(name for name in known if name in rigs)
+
+
+def rules_that_leave_out(recording: Recording) -> list[Fault]:
+    """Return, of each rig of which a recording has tables and nothing enters, the rule and why."""
+    return [
+        Fault(rig.tables[0], f"a {rig.words.trial} that enters: {rule}")
+        for rig in all_rigs().values()
+        if (rule := rig.left_out(recording)) is not None
+    ]
 
 
 def open_rigs(
@@ -84,7 +97,8 @@ def open_rigs(
         entering = None if trials is None or trials.table.empty else calibrating(trials)
         if trials is None or trials.table.empty:
             raise InputError(
-                [Fault(recording.name, "a trial that enters the fit; all are left out")]
+                rules_that_leave_out(recording)
+                or [Fault(recording.name, "a trial that enters the fit; all are left out")]
             )
         if entering is None:
             expected = f"a {trials.rig.words.trial} that fits the law; all have the role test"

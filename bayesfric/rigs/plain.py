@@ -9,7 +9,7 @@ import xarray as xr
 from bayesfric.arrays import Array
 from bayesfric.effects import Effect
 from bayesfric.physics.cable import Cable
-from bayesfric.recording.tables import RigConstants
+from bayesfric.recording.tables import Recording, RigConstants
 from bayesfric.rigs.base import Predictive, Resting, Simulated, Unsupported
 from bayesfric.rigs.changes import Change
 from bayesfric.rigs.own_design import OwnDesign
@@ -25,6 +25,11 @@ class PlainRig:
     """A rig that no protocol lays out; see :class:`bayesfric.rigs.base.Rig`."""
 
     own_design: OwnDesign | None = None
+
+    def left_out(self, recording: Recording) -> str | None:
+        """Return None: what a recording has of it enters."""
+        del recording
+        return None
 
     def change(
         self, effect: Effect, design: Protocol, constants: RigConstants, truth: Truth

@@ -1,5 +1,6 @@
 """Trials of the gravity board that enter, and what kind of rig it is."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -70,6 +71,14 @@ class GravityBoard:
         return GravityTrials(
             recording.rig, screened.gravity, screened, recording.gravity, screened.at_rest
         )
+
+    def left_out(self, recording: Recording) -> str | None:
+        """Return the rules that leave out all trials; None where some enter."""
+        found = self.trials(recording)
+        if found is None or not found.table.empty:
+            return None
+        rules = Counter((found.excluded or {}).values())
+        return "; ".join(f"{count} of its trials: {RULES[rule]}" for rule, count in rules.items())
 
     def change(
         self, effect: Effect, design: Protocol, constants: RigConstants, truth: Truth

@@ -53,6 +53,11 @@ class MotorBoard:
             return None
         return MotorRuns(recording.rig, recording.motor, _by_trial(recording.motor.runs))
 
+    def left_out(self, recording: Recording) -> str | None:
+        """Return None: no rule keeps a run out."""
+        del recording
+        return None
+
     def change(
         self, effect: Effect, design: Protocol, constants: RigConstants, truth: Truth
     ) -> Change | None:

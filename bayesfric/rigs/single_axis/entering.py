@@ -7,6 +7,8 @@ import numpy as np
 import pandas as pd
 
 from bayesfric.recording.tables import Axis, RigConstants
+from bayesfric.rigs.base import Unsupported
+from bayesfric.rigs.single_axis.enough import too_few_windows, too_short, without_force
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.lengths import with_lengths
 from bayesfric.rigs.single_axis.limit import within_limit
@@ -36,8 +38,10 @@ class Entering(NamedTuple):
 
 def entering(
     axis: Axis, constants: RigConstants, simulator: SimulatorCalls | None = None
-) -> Entering | None:
-    """Return the runs in which the axis moves, cut in parts where they are few; None without.
+) -> Entering | Unsupported:
+    """Return the runs in which the axis moves, cut in parts where they are few.
+
+    Where they tell nothing, the rule that leaves them out is returned.
 
     Parameters
     ----------
@@ -63,10 +67,16 @@ def entering(
         for part in range(parts):
             name = run["run"] if parts == 1 else f"{run['run']}/{part + 1}"
             rows.append({**run.to_dict(), "trial": str(name)})
-    found = within_limit(logs, starts, constants.encoder_resolution) if logs else None
-    if found is None:
-        return None
-    readings, limit = found
+    if not logs:
+        return too_short([len(samples) for samples in by_run.values()])
+    if (nothing := without_force(logs)) is not None:
+        return nothing
+    clips = constants.force_is != "measured"  # what is measured acts, whatever was commanded
+    found = within_limit(logs, starts, constants.encoder_resolution, clips=clips)
+    readings, limit = found or (None, None)
+    too_few = too_few_windows(logs, readings, constants.encoder_resolution)
+    if too_few is not None or readings is None or limit is None:
+        return too_few or Unsupported("no window in which the axis runs one way")
     table = pd.DataFrame(rows).assign(**NO_CABLE)
     measures, beside = measures_of(readings, logs, constants, limit), None
     if simulator is not None:

@@ -23,10 +23,10 @@ from bayesfric.rigs.own_law import OwnLaw
 from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.single_axis.entering import NO_CABLE, SIZE, entering
 from bayesfric.rigs.single_axis.likelihood import AxisLikelihood
-from bayesfric.rigs.single_axis.measures import Measures
+from bayesfric.rigs.single_axis.measures import LITTLE, Measures
 from bayesfric.rigs.single_axis.next_runs import SETTINGS, lay_out
 from bayesfric.rigs.single_axis.predictions import runs as runs_dataset
-from bayesfric.rigs.single_axis.readings import Readings, rough_law
+from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
 from bayesfric.rigs.single_axis.rows import AxisRows, state_of, varied_columns
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
 from bayesfric.rigs.single_axis.simulator import DESIGN
@@ -71,6 +71,13 @@ class SingleAxis(PlainRig):
         """Return the runs in which the axis moves; no rule keeps another out."""
         del exclude
         return None if recording.axis is None else _opened(self, recording.axis, recording.rig)
+
+    def left_out(self, recording: Recording) -> str | None:
+        """Return the rule that leaves out all runs, with its numbers; None where some enter."""
+        if recording.axis is None:
+            return None
+        found = entering(recording.axis, recording.rig)
+        return found.reason if isinstance(found, Unsupported) else None
 
 
 RIG = SingleAxis()
@@ -310,14 +317,13 @@ class AxisRuns(PlainTrials):
 
     @cached_property
     def _rough(self) -> AxisLaw:
-        rows, measures = self.readings, self.measures
-        speed = rows.speed @ rows.weights if self.law.name == VISCOUS else np.zeros(rows.count)
-        inside = measures.limit.within(rows)
-        mass, coulomb, viscous = rough_law(
-            rows.force[inside], rows.acceleration[inside], speed[inside]
-        )
+        measures = self.measures
+        inside = measures.limit.within(self.readings)
+        rough = rough_law_of(self.readings, inside, viscous=self.law.name == VISCOUS)
         return AxisLaw(
-            max(mass, 1e-3 * measures.mass), max(coulomb, 1e-3 * measures.friction), viscous
+            max(rough.mass, 1e-3 * measures.mass),
+            max(rough.coulomb, LITTLE * measures.force),
+            rough.viscous,
         )
 
     def _around(self, law: Coefficients) -> AxisRows:
@@ -357,4 +363,6 @@ def _opened(
     rig: SingleAxis, axis: Axis, constants: RigConstants, simulator: SimulatorCalls | None = None
 ) -> AxisRuns | None:
     found = entering(axis, constants, simulator)
-    return found and AxisRuns(rig, constants, **found._asdict(), source=axis)
+    if isinstance(found, Unsupported):
+        return None
+    return AxisRuns(rig, constants, **found._asdict(), source=axis)

@@ -1,0 +1,74 @@
+"""Whether a log of an axis tells anything: the rule that leaves it out, with its numbers."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from bayesfric.rigs.base import Unsupported
+from bayesfric.rigs.single_axis.even_log import LEAST_SAMPLES, EvenLog
+from bayesfric.rigs.single_axis.readings import FEWEST, Readings, pass_s, position_sd
+
+__all__ = ["too_few_windows", "too_short", "without_force"]
+
+ROWS = 12  # windows, thrice the numbers of the law and its clocks: below that nothing is told
+AT_EASE = 5 * FEWEST  # samples in a pass, of which some windows can be made
+
+
+def too_short(samples: Sequence[int]) -> Unsupported:
+    """Return why no run was taken: all have too few samples."""
+    return Unsupported(
+        f"a run takes {LEAST_SAMPLES} samples, and the longest has {max(samples, default=0)}"
+    )
+
+
+def without_force(logs: Sequence[EvenLog]) -> Unsupported | None:
+    """Return why runs tell nothing without any force; None where some force acts."""
+    if any(log.force.any() for log in logs):
+        return None
+    return Unsupported(
+        "force_n is 0 in every row: without a drive force only ratios of mass, friction and "
+        "gravity show, none of them in newtons"
+    )
+
+
+def too_few_windows(
+    logs: Sequence[EvenLog], readings: Readings | None, resolution: float | None
+) -> Unsupported | None:
+    """Return why runs do not tell mass and friction; None where they may.
+
+    Parameters
+    ----------
+    logs : sequence of EvenLog
+        Runs.
+    readings : Readings or None
+        Rows that were made of them; None where there is none.
+    resolution : float or None
+        Of the encoder.
+    """
+    count = 0 if readings is None else readings.count
+    if count >= ROWS:
+        return None
+    stroke = max(float(np.ptp(log.position)) for log in logs)
+    if stroke == 0:
+        return Unsupported("position_m never changes: friction shows while the axis moves")
+    noise = position_sd(logs, resolution)
+    said = (
+        f"{count} windows in which the axis runs one way, of {2 * FEWEST + 1} samples at least; "
+        f"it takes {ROWS}"
+    )
+    one_way = pass_s(logs, noise)
+    interval = max(log.interval_s for log in logs)
+    if one_way == 0:
+        return Unsupported(
+            f"{said}; positions move by {stroke:.3g} in all, with errors of {noise:.3g}, so that "
+            "it never shows which way the axis runs"
+        )
+    if one_way < AT_EASE * interval:
+        return Unsupported(
+            f"{said}; it runs one way for some {one_way:.3g} s at a time, a sample comes every "
+            f"{interval:.3g} s: take {np.ceil(AT_EASE / one_way):.0f} samples a second, or move "
+            "slower"
+        )
+    return Unsupported(
+        f"{said}; it runs one way for some {one_way:.3g} s at a time: record it for longer"
+    )
