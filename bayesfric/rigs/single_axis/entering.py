@@ -6,9 +6,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
+from bayesfric.errors import Fault, InputError
 from bayesfric.recording.tables import Axis, RigConstants
 from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.single_axis.enough import too_few_windows, too_short, without_force
+from bayesfric.rigs.single_axis.enough import too_little_motion, too_short, without_force
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.lengths import with_lengths
 from bayesfric.rigs.single_axis.limit import within_limit
@@ -34,6 +35,7 @@ class Entering(NamedTuple):
     still: tuple[str, ...]
     interval_s: float
     simulated: SimulatedBaseline | None
+    turns: int
 
 
 def entering(
@@ -74,16 +76,19 @@ def entering(
     clips = constants.force_is != "measured"  # what is measured acts, whatever was commanded
     found = within_limit(logs, starts, constants.encoder_resolution, clips=clips)
     readings, limit = found or (None, None)
-    too_few = too_few_windows(logs, readings, constants.encoder_resolution)
-    if too_few is not None or readings is None or limit is None:
-        return too_few or Unsupported("no window in which the axis runs one way")
+    too_little = too_little_motion(logs, readings, constants.encoder_resolution)
+    if too_little is not None or readings is None or limit is None:
+        return too_little or Unsupported("no window in which the axis runs one way")
     table = pd.DataFrame(rows).assign(**NO_CABLE)
     measures, beside = measures_of(readings, logs, constants, limit), None
+    turns = _turns(readings, table["run"])
     if simulator is not None:
 
         def again(told: Sequence[EvenLog]) -> Readings:
             anew = readings_of(told, starts, constants.encoder_resolution)
-            assert anew is not None
+            if anew is None:
+                expected = "a simulator that follows the measured motion for some windows"
+                raise InputError([Fault(simulator.name, expected)])
             return anew
 
         beside, readings = linearised(
@@ -108,4 +113,11 @@ def entering(
         tuple(still),
         float(np.median([log.interval_s for log in logs])),
         beside,
+        turns,
     )
+
+
+def _turns(readings: Readings, runs: pd.Series) -> int:
+    """Return how often the axis is seen to turn, within runs."""
+    run = pd.factorize(runs)[0][readings.trial]
+    return int(np.sum((np.diff(readings.way) != 0) & (np.diff(run) == 0)))

@@ -53,6 +53,8 @@ MARGIN_S = 1e-3  # by which two clocks may be off at the least
 WITHIN = 12**-0.5  # of an interval: what two columns read at any time within it are apart, rms
 NOTHING = 1e-12
 ALWAYS = frozenset({"direction", "position", "drive", "period", "play", "spring"})
+BEHIND = frozenset({"play", "spring"})  # by which a load follows the drive
+TURNS = 6  # of the axis, from which on it shows how a load follows
 OFFERED = ALWAYS | {"angle", "test", "limit"}  # what no column of the user's own stands for
 
 
@@ -107,6 +109,8 @@ class AxisRuns(PlainTrials):
         The tables.
     simulated : SimulatedBaseline or None
         A user's simulator, in the place of the law in a diagnosis.
+    turns : int
+        How often the axis is seen to turn.
     """
 
     rig: SingleAxis
@@ -120,6 +124,7 @@ class AxisRuns(PlainTrials):
     interval_s: float = field(default=0.0)
     source: Axis | None = None
     simulated: SimulatedBaseline | None = None
+    turns: int = 0
 
     @property
     def recorded(self) -> pd.DataFrame:
@@ -147,7 +152,7 @@ class AxisRuns(PlainTrials):
     @cached_property
     def offers(self) -> frozenset[str]:
         """What effects may need."""
-        found = {*ALWAYS}
+        found = {*ALWAYS} - (BEHIND if self.turns < TURNS else frozenset())
         if self.constants.rotary:
             found.add("angle")
         if self._tested.any():
