@@ -69,6 +69,8 @@ def rough_law(
     if pull is None:
         return _law(alone)
     pull = pull[:, : max(0, force.size // ROWS_A_NUMBER - columns.shape[1])]
+    if not pull.size:
+        return _law(alone)
     found, less = _positive(np.column_stack([columns, pull]), force)
     if left - less < PULLS * float(force @ force):
         return _law(alone)
