@@ -8,7 +8,7 @@ from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.single_axis.even_log import LEAST_SAMPLES, EvenLog
 from bayesfric.rigs.single_axis.readings import FEWEST, Readings, pass_s, position_sd
 
-__all__ = ["too_little_motion", "too_short", "without_force"]
+__all__ = ["too_few_windows", "too_little_motion", "too_short", "without_force"]
 
 ROWS = 12  # windows, thrice the numbers of the law and its clocks: below that nothing is told
 AT_EASE = 5 * FEWEST  # samples in a pass: with fewer, windows are no narrower than its motion
@@ -31,28 +31,25 @@ def without_force(logs: Sequence[EvenLog]) -> Unsupported | None:
     )
 
 
-def too_little_motion(
-    logs: Sequence[EvenLog], readings: Readings | None, resolution: float | None
-) -> Unsupported | None:
-    """Return why runs do not tell mass and friction; None where they may.
+def too_little_motion(logs: Sequence[EvenLog], resolution: float | None) -> Unsupported | None:
+    """Return why runs show no motion that windows could be made of; None where they may.
 
     Parameters
     ----------
     logs : sequence of EvenLog
         Runs.
-    readings : Readings or None
-        Rows that were made of them; None where there is none.
     resolution : float or None
         Of the encoder.
     """
     stroke = max(float(np.ptp(log.position)) for log in logs)
     if stroke == 0:
         return Unsupported("position_m never changes: friction shows while the axis moves")
-    one_way, interval = pass_s(logs, position_sd(logs, resolution)), _interval(logs)
+    noise = position_sd(logs, resolution)
+    one_way, interval = pass_s(logs, noise), max(log.interval_s for log in logs)
     if one_way == 0:
         return Unsupported(
-            f"positions move by {stroke:.3g} in all, with errors of "
-            f"{position_sd(logs, resolution):.3g}, so that it never shows which way the axis runs"
+            f"positions move by {stroke:.3g} in all, with errors of {noise:.3g}, so that it "
+            "never shows which way the axis runs"
         )
     if one_way < AT_EASE * interval:
         return Unsupported(
@@ -60,14 +57,15 @@ def too_little_motion(
             f"{one_way / interval:.0f} samples come and it takes {AT_EASE}: take "
             f"{np.ceil(AT_EASE / one_way):.0f} samples a second, or move slower"
         )
+    return None
+
+
+def too_few_windows(readings: Readings | None) -> Unsupported | None:
+    """Return why rows do not tell mass and friction; None where there are enough."""
     count = 0 if readings is None else readings.count
     if count >= ROWS:
         return None
     return Unsupported(
-        f"{count} windows of {2 * FEWEST + 1} samples in which the axis runs one way, and it "
-        f"takes {ROWS}; it runs one way for some {one_way:.3g} s at a time: record it for longer"
+        f"{count} windows of {2 * FEWEST + 1} samples or more in which the axis runs one way, and "
+        f"it takes {ROWS}: record it for longer"
     )
-
-
-def _interval(logs: Sequence[EvenLog]) -> float:
-    return max(log.interval_s for log in logs)

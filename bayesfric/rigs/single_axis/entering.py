@@ -9,7 +9,12 @@ import pandas as pd
 from bayesfric.errors import Fault, InputError
 from bayesfric.recording.tables import Axis, RigConstants
 from bayesfric.rigs.base import Unsupported
-from bayesfric.rigs.single_axis.enough import too_little_motion, too_short, without_force
+from bayesfric.rigs.single_axis.enough import (
+    too_few_windows,
+    too_little_motion,
+    too_short,
+    without_force,
+)
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.lengths import with_lengths
 from bayesfric.rigs.single_axis.limit import within_limit
@@ -71,21 +76,23 @@ def entering(
             rows.append({**run.to_dict(), "trial": str(name)})
     if not logs:
         return too_short([len(samples) for samples in by_run.values()])
-    if (nothing := without_force(logs)) is not None:
+    resolution = constants.encoder_resolution
+    nothing = without_force(logs) or too_little_motion(logs, resolution)
+    if nothing is not None:
         return nothing
     clips = constants.force_is != "measured"  # what is measured acts, whatever was commanded
-    found = within_limit(logs, starts, constants.encoder_resolution, clips=clips)
-    readings, limit = found or (None, None)
-    too_little = too_little_motion(logs, readings, constants.encoder_resolution)
-    if too_little is not None or readings is None or limit is None:
-        return too_little or Unsupported("no window in which the axis runs one way")
+    found = within_limit(logs, starts, resolution, clips=clips)
+    too_few = too_few_windows(None if found is None else found[0])
+    if found is None or too_few is not None:
+        return too_few or Unsupported("no window in which the axis runs one way")
+    readings, limit = found
     table = pd.DataFrame(rows).assign(**NO_CABLE)
     measures, beside = measures_of(readings, logs, constants, limit), None
     turns = _turns(readings, table["run"])
     if simulator is not None:
 
         def again(told: Sequence[EvenLog]) -> Readings:
-            anew = readings_of(told, starts, constants.encoder_resolution)
+            anew = readings_of(told, starts, resolution)
             if anew is None:
                 expected = "a simulator that follows the measured motion for some windows"
                 raise InputError([Fault(simulator.name, expected)])
