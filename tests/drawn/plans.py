@@ -253,6 +253,11 @@ def some_of(names):
     return st.lists(st.sampled_from(names), unique=True).map(tuple)
 
 
+def mostly(usual, *odd):
+    """Draw a usual value in three of four, else an odd one: all odd at once tells little."""
+    return st.sampled_from([*usual * (3 * len(odd) // len(usual) + 1), *odd])
+
+
 PRINTED = st.characters(exclude_categories=["C", "Z"])  # no control characters, no blanks
 TEXTS = st.lists(
     st.text(PRINTED, min_size=1, max_size=8) | st.text(PRINTED | st.just(" "), min_size=1),
@@ -271,9 +276,9 @@ BOARD_PLANS = st.builds(
     setups=FEW | st.integers(1, 60),
     dropped=some_of(["setup", "order", "drive_end", "role"]),
     tested=ROLES,
-    slower=st.sampled_from([1.0, 1.0, 1.0, 1.1, 3.0]),
-    jitter_s=st.sampled_from([0.0, 0.0, 1e-5, 1e-3]),
-    by_acceleration=st.sampled_from([False, False, False, True]),
+    slower=mostly([1.0], 1.1, 3.0),
+    jitter_s=mostly([0.0], 1e-5, 1e-3),
+    by_acceleration=mostly([False], True),
     names=NAMES,
     seed=SEEDS,
 ).filter(lambda plan: plan.trials or plan.runs)
@@ -286,8 +291,8 @@ POINT_PLANS = st.builds(
         "role".split()
     ),
     covariates=some_of(COVARIATES),
-    size=st.sampled_from([1.0, 1.0, 0.0, 1e-9, 1e6, -1.0]),
-    scatter=st.sampled_from([0.0, 0.02, 0.02, 1.0]),
+    size=mostly([1.0], 0.0, 1e-9, 1e6, -1.0),
+    scatter=mostly([0.02], 0.0, 1.0),
     intercept=st.sampled_from([0.0, 0.3, 1.0]),
     same=st.booleans(),
     both_ways=st.booleans(),
@@ -306,21 +311,19 @@ CONSTANTS = st.fixed_dictionaries(
 )
 DRIVE_PLANS = st.builds(
     Drive,
-    runs=st.sampled_from([1, 1, 1, 2, 2, 3, 60]),
-    samples=st.sampled_from([10, 150, 400, 400, 400, 1500]),
-    sampled_hz=st.sampled_from([20.0, 50.0, 200.0, 200.0, 1000.0, 10000.0]),
-    motion=st.sampled_from(
-        ["swing", "swing", "swing", "swing", "one way", "steps", "still", "noise"]
-    ),
-    force=st.sampled_from(["acts", "acts", "acts", "acts", "constant", "none"]),
-    stroke=st.sampled_from([0.5, 0.5, 1e-6, 100.0]),
-    offset=st.sampled_from([0.0, 0.0, -3.0, 1e6]),
-    passes=st.sampled_from([0.5, 2.0, 8.0, 8.0, 30.0]),
-    resolution=st.sampled_from([1e-12, 1e-5, 1e-5, 1e-5, 1e-2]),
-    noise=st.sampled_from([0.0, 0.01, 0.3]),
-    size=st.sampled_from([1.0, 1.0, 1e-9, 1e6]),
-    gravity=st.sampled_from([0.0, 0.0, 2.0, 40.0]),
-    held=st.sampled_from([1, 1, 1, 4]),
+    runs=mostly([1, 2, 3], 60),
+    samples=mostly([300, 400], 10, 60, 1500),
+    sampled_hz=mostly([200.0], 20.0, 50.0, 1000.0, 10000.0),
+    motion=mostly(["swing"], "one way", "steps", "still", "noise"),
+    force=mostly(["acts"], "constant", "none"),
+    stroke=mostly([0.5], 1e-6, 10.0),
+    offset=mostly([0.0], -3.0, 1e4),
+    passes=mostly([4.0, 8.0], 0.5, 2.0, 30.0),
+    resolution=mostly([1e-5], 1e-12, 1e-2),
+    noise=mostly([0.01], 0.0, 0.3),
+    size=mostly([1.0], 1e-9, 1e6),
+    gravity=mostly([0.0], 2.0, 40.0),
+    held=mostly([1], 4),
     columns=some_of(["order", "role", "setup", "sim_force_n", "sim_position_m"]),
     covariates=some_of(COVARIATES),
     constants=CONSTANTS,
