@@ -89,7 +89,8 @@ def other_forms(
             weights = 1 / np.arange(1, len(shapes) + 1)
             for shape, weight in zip(shapes, weights / np.linalg.norm(weights), strict=True):
                 one = replace(candidate, effect=_varied(candidate.effect, axis, shape))
-                found.append(Form(one, weight * size / _size(rows, one), axis))
+                if (varied := _size(rows, one)) > 0:
+                    found.append(Form(one, weight * size / varied, axis))
     return found
 
 
@@ -143,7 +144,7 @@ def _shapes(at: Array, weight: Array) -> list[Callable[[Array], Array]]:
         lower = np.stack(known, axis=1)
         new = values - lower @ np.linalg.lstsq(lower, values, rcond=None)[0]
         # Of few places, or where the effect is zero at some, it is those of lower degrees again.
-        if np.linalg.norm(new) < UNLIKE * np.linalg.norm(values):
+        if np.linalg.norm(new) <= UNLIKE * np.linalg.norm(values):
             continue
         known.append(values)
         mean = np.average(basis(inside), weights=weight)

@@ -16,6 +16,8 @@ from bayesfric.arrays import Array, Whole
 
 __all__ = ["Information", "Reduced"]
 
+ROUNDED = 1e-12  # of the largest eigenvalue, that rounding may take off the least
+
 
 @dataclass(frozen=True)
 class Reduced:
@@ -141,10 +143,16 @@ def _factor(whole: Array) -> tuple[Array, bool]:
     """Return the Cholesky factor of information beside a prior of 1: no eigenvalue is less.
 
     Where almost all of 10¹⁴ is taken off again, as at the ends of the noise that a climb tries,
-    rounding leaves some below; they are set to what the prior alone would have.
+    rounding leaves some below; they are set to what the prior alone would have, or, where the
+    largest are so large that rounding hides this, to what it leaves of them.
     """
     try:
         return cho_factor(whole, lower=True)
     except LinAlgError:
         values, vectors = eigh(whole)
-        return cho_factor((vectors * np.maximum(values, 1.0)) @ vectors.T, lower=True)
+    for least in (1.0, max(1.0, ROUNDED * float(values[-1]))):
+        try:
+            return cho_factor((vectors * np.maximum(values, least)) @ vectors.T, lower=True)
+        except LinAlgError:
+            continue
+    raise LinAlgError("an information matrix that is no sum of squares")

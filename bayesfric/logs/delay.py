@@ -7,7 +7,7 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize_scalar
 
 from bayesfric.arrays import Array
-from bayesfric.logs.reading import Series
+from bayesfric.logs.ordering import Series
 
 __all__ = ["Delay", "delay_between"]
 

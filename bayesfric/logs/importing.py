@@ -7,15 +7,16 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from bayesfric.arrays import Array, Flags
 from bayesfric.errors import Fault, InputError
+from bayesfric.logs.clock import DECIMALS
 from bayesfric.logs.delay import Delay, delay_between
 from bayesfric.logs.mapping import Run, read_mapping
-from bayesfric.logs.reading import Series, bag_signals, csv_signals, is_bag
+from bayesfric.logs.ordering import Series, gaps_of
+from bayesfric.logs.reading import bag_signals, csv_signals, is_bag
 from bayesfric.recording.tables import Axis, Recording, RigConstants
 
 __all__ = ["Imported", "import_log"]
-
-DECIMALS = 9
 
 
 @dataclass(frozen=True)
@@ -62,18 +63,20 @@ def import_log(
         raise InputError([Fault(str(log), "a log: a CSV file, an .mcap file or a bag's folder")])
     told = None if mapping is None else read_mapping(mapping)
     if is_bag(log):
-        signals, rotary, kind = bag_signals(log, joint), True, "measured"
-        if "measured_force" in signals:
+        found, rotary, kind = bag_signals(log, joint), True, "measured"
+        if "measured_force" in found.series:
             kind = "commanded"
     elif told is None:
         raise InputError([Fault("--map", f"a mapping file: which columns of {log.name} are what")])
     else:
-        signals, rotary, kind = csv_signals(log, told, joint), told.rotary, told.force.kind
+        found, rotary, kind = csv_signals(log, told, joint), told.rotary, told.force.kind
+    signals = found.series
     runs, samples, notes = _cut(log.name, signals, () if told is None else told.runs)
     delay = None
     if "measured_force" in signals:
         delay = delay_between(signals["force"], signals["measured_force"])
-    notes = [*notes, _said(delay, signals)]
+    done = [*found.notes, *notes]
+    notes = [*done, _said(delay, signals)]
     constants = RigConstants(
         rotary=rotary,
         force_is=kind,
@@ -85,7 +88,10 @@ def import_log(
         title=f"Joint {joint} of {log.name}",
         rig=constants,
         axis=Axis(runs, samples),
-        metadata={"sources": [{"title": f"Imported from {log.name}. {' '.join(notes)}"}]},
+        metadata={
+            "sources": [{"title": f"Imported from {log.name}. {' '.join(notes)}"}],
+            **({"import_notes": done} if done else {}),
+        },
     )
     return Imported(recording, delay, tuple(notes))
 
@@ -104,6 +110,20 @@ def _said(delay: Delay | None, signals: dict[str, Series]) -> str:
     )
 
 
+def _unsaid(time_s: Array, force: Series) -> Flags:
+    """Return where no force was logged for some intervals, (N,): it is not bridged."""
+    begin, end = gaps_of(force)
+    if not begin.size:
+        return np.zeros(time_s.size, dtype=np.bool_)
+    gap = np.searchsorted(begin, time_s, side="left") - 1
+    inside: Flags = (gap >= 0) & (time_s < end[gap])
+    return inside
+
+
+def _counted(samples: int) -> str:
+    return "1 sample" if samples == 1 else f"{samples:,} samples"
+
+
 def _cut(
     name: str, signals: dict[str, Series], wanted: tuple[Run, ...]
 ) -> tuple[pd.DataFrame, pd.DataFrame, list[str]]:
@@ -115,12 +135,13 @@ def _cut(
         expected = "position and force that are logged at the same time"
         raise InputError([Fault(name, expected)])
     first = position.time_s[0]
+    unsaid = _unsaid(position.time_s, force)
     pieces = wanted or (Run(name="whole", from_s=begin - first, to_s=end - first),)
     rows: list[dict[str, Any]] = []
     samples, faults = [], []
     for order, run in enumerate(pieces, start=1):
         low, high = max(first + run.from_s, begin), min(first + run.to_s, end)
-        inside = (position.time_s >= low) & (position.time_s <= high)
+        inside = (position.time_s >= low) & (position.time_s <= high) & ~unsaid
         if inside.sum() < 2:
             faults.append(Fault(name, "samples in the run", column=f"runs.{run.name}"))
             continue
@@ -140,6 +161,8 @@ def _cut(
     if faults:
         raise InputError(faults)
     notes = []
+    if unsaid.any():
+        notes.append(f"{_counted(int(unsaid.sum()))} in which no force was logged left out.")
     if not np.array_equal(position.time_s, force.time_s):
         notes.append("Force is a straight line between its samples, at the times of the positions.")
     return pd.DataFrame(rows), pd.concat(samples, ignore_index=True), notes

@@ -1,5 +1,7 @@
-"""What of a log of driven joints is read and then not used."""
+"""What of a log of driven joints is read and then not used, or not as it stands."""
 
+from bayesfric.recording.csv_text import LISTED
+from bayesfric.recording.held import released
 from bayesfric.recording.tables import Axis, RigConstants
 
 __all__ = ["notes_on_axis"]
@@ -27,8 +29,14 @@ UNUSED_KEYS = (
 
 
 def notes_on_axis(axis: Axis, rig: RigConstants) -> tuple[str, ...]:
-    """Return a sentence for the columns, and one for the keys, that no verb uses."""
-    notes = []
+    """Return a sentence for what no verb uses, and for readings that are held."""
+    notes = [
+        f"axis_samples.csv: run {run}: {held}; repeated readings are left out"
+        for run, samples in axis.samples.groupby("run", sort=False)
+        if (held := released(samples, rig.force_is)[1]) is not None
+    ]
+    if len(notes) > LISTED:
+        notes = [*notes[:LISTED], f"axis_samples.csv: and {len(notes) - LISTED:,} runs like these"]
     if columns := [name for name in UNUSED_COLUMNS if name in axis.samples]:
         notes.append(f"axis_samples.csv: {_listed(columns)} read and checked, and not used yet")
     if keys := [f"rig.{name}" for name in UNUSED_KEYS if getattr(rig, name) is not None]:

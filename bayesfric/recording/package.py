@@ -34,6 +34,7 @@ KEPT = (
     "contributors",
     "image",
     "simulation",
+    "import_notes",
 )
 
 OWN = ("name", "title", "created", "resources", "rig", *KEPT)
@@ -143,6 +144,7 @@ class _Header(_Strict):
     name: Annotated[Text, AfterValidator(_legible)]
     title: Text
     created: Annotated[str, AfterValidator(_iso8601)] | None = None
+    import_notes: list[Text] | None = None
 
 
 class _Resource(_Strict):
@@ -268,7 +270,7 @@ def parse_package(data: bytes) -> Package:
         rig_keys=frozenset(key for key, value in raw_rig.items() if value is not None),
         resources=_resources(content, faults),
         faults=tuple(_folded(faults)),
-        notes=tuple(_notes(unknown)),
+        notes=(*header.get("import_notes", ()), *_notes(unknown)),
     )
 
 

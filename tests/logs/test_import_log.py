@@ -12,7 +12,7 @@ from bayesfric.cli import app
 from bayesfric.errors import InputError
 from bayesfric.logs import import_log
 from bayesfric.logs.delay import delay_between
-from bayesfric.logs.reading import Series
+from bayesfric.logs.ordering import Series
 from bayesfric.recording import read_recording
 from bayesfric.resources import data_folder
 

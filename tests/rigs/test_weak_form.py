@@ -69,7 +69,7 @@ def test_mass_and_friction_come_out_of_an_exact_log():
     time, position, force = moving()
     log = even_grid(time, {"position": position, "force": force})
     rows = readings_of([log], [np.zeros(1, dtype=int)], 1e-9)
-    mass, coulomb, viscous = rough_law(rows.force, rows.acceleration, rows.speed.mean(axis=1))
+    mass, coulomb, viscous, _ = rough_law(rows.force, rows.acceleration, rows.speed.mean(axis=1))
     assert (mass, coulomb) == pytest.approx((2.0, 1.5), rel=1e-4)
     assert viscous == pytest.approx(0.0, abs=1e-3)
 
@@ -91,7 +91,7 @@ def test_uneven_samples_are_put_on_a_grid_and_a_gap_is_left_out():
     kept = kept[(time[kept] < 1.0) | (time[kept] > 1.2)]
     log = even_grid(time[kept], {"position": position[kept], "force": force[kept]})
     rows = readings_of([log], [np.zeros(1, dtype=int)], 1e-6)
-    mass, coulomb, _ = rough_law(rows.force, rows.acceleration, rows.speed.mean(axis=1))
+    mass, coulomb, _, _ = rough_law(rows.force, rows.acceleration, rows.speed.mean(axis=1))
     assert (mass, coulomb) == pytest.approx((2.0, 1.5), rel=0.01)
     assert not ((rows.time_s > 1.0) & (rows.time_s < 1.2)).any()
 

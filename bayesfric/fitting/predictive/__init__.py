@@ -158,7 +158,12 @@ def _prior(
     prior = model.by_name(model.draw_prior(PRIOR_DRAWS, rng))
     likelihood = model.likelihoods[0]
     key = [*CELL, *trials.loads]
-    measured = {name: table[name].to_numpy() for name in ("tension_n", "friction_n")}
+    # A bench on which nobody recorded a tension has one that stands for none.
+    tension = table if "tension_n" in table else likelihood.trials
+    measured = {
+        "tension_n": np.asarray(tension["tension_n"]),
+        "friction_n": table["friction_n"].to_numpy(),
+    }
     if trials.rig.regime == "steady":  # signed there: it is against the motion
         measured["friction_n"] = np.abs(measured["friction_n"])
     rows = likelihood.trials[key].assign(**measured)

@@ -6,7 +6,15 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
+from bayesfric.errors import Fault, InputError
 from bayesfric.recording.tables import Axis, RigConstants
+from bayesfric.rigs.base import Unsupported
+from bayesfric.rigs.single_axis.enough import (
+    too_few_windows,
+    too_little_motion,
+    too_short,
+    without_force,
+)
 from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.lengths import with_lengths
 from bayesfric.rigs.single_axis.limit import within_limit
@@ -32,12 +40,15 @@ class Entering(NamedTuple):
     still: tuple[str, ...]
     interval_s: float
     simulated: SimulatedBaseline | None
+    turns: int
 
 
 def entering(
     axis: Axis, constants: RigConstants, simulator: SimulatorCalls | None = None
-) -> Entering | None:
-    """Return the runs in which the axis moves, cut in parts where they are few; None without.
+) -> Entering | Unsupported:
+    """Return the runs in which the axis moves, cut in parts where they are few.
+
+    Where they tell nothing, the rule that leaves them out is returned.
 
     Parameters
     ----------
@@ -63,17 +74,28 @@ def entering(
         for part in range(parts):
             name = run["run"] if parts == 1 else f"{run['run']}/{part + 1}"
             rows.append({**run.to_dict(), "trial": str(name)})
-    found = within_limit(logs, starts, constants.encoder_resolution) if logs else None
-    if found is None:
-        return None
+    if not logs:
+        return too_short([len(samples) for samples in by_run.values()])
+    resolution = constants.encoder_resolution
+    nothing = without_force(logs) or too_little_motion(logs, resolution)
+    if nothing is not None:
+        return nothing
+    clips = constants.force_is != "measured"  # what is measured acts, whatever was commanded
+    found = within_limit(logs, starts, resolution, clips=clips)
+    too_few = too_few_windows(None if found is None else found[0])
+    if found is None or too_few is not None:
+        return too_few or Unsupported("no window in which the axis runs one way")
     readings, limit = found
     table = pd.DataFrame(rows).assign(**NO_CABLE)
     measures, beside = measures_of(readings, logs, constants, limit), None
+    turns = _turns(readings, table["run"])
     if simulator is not None:
 
         def again(told: Sequence[EvenLog]) -> Readings:
-            anew = readings_of(told, starts, constants.encoder_resolution)
-            assert anew is not None
+            anew = readings_of(told, starts, resolution)
+            if anew is None:
+                expected = "a simulator that follows the measured motion for some windows"
+                raise InputError([Fault(simulator.name, expected)])
             return anew
 
         beside, readings = linearised(
@@ -98,4 +120,11 @@ def entering(
         tuple(still),
         float(np.median([log.interval_s for log in logs])),
         beside,
+        turns,
     )
+
+
+def _turns(readings: Readings, runs: pd.Series) -> int:
+    """Return how often the axis is seen to turn, within runs."""
+    run = pd.factorize(runs)[0][readings.trial]
+    return int(np.sum((np.diff(readings.way) != 0) & (np.diff(run) == 0)))

@@ -9,7 +9,15 @@ from scipy.signal import savgol_filter
 from bayesfric.arrays import Array, Flags
 from bayesfric.rigs.single_axis.weak_form import WeakForce
 
-__all__ = ["EvenLog", "even_grid", "given", "position_noise", "resolving", "smooth_motion"]
+__all__ = [
+    "LEAST_SAMPLES",
+    "EvenLog",
+    "even_grid",
+    "given",
+    "position_noise",
+    "resolving",
+    "smooth_motion",
+]
 
 UNEVEN = 0.01  # of the interval, from which on samples are put on a grid
 GAP = 3.0  # intervals without a sample that are a gap
@@ -17,6 +25,7 @@ NORMAL = 1.4826  # from the median of absolute deviations to a standard deviatio
 SURE = 4.0  # standard deviations of a speed's noise
 SLOW = 0.2  # of the top speed: speeds from which on it shall be known which way the axis runs
 FINE = 0.005  # of the top speed, to which a speed is told well
+QUICK = 3  # samples on either side of a polynomial of fourth degree, at the least
 LEAST_SAMPLES = 16
 
 
@@ -112,7 +121,9 @@ def _speed_error(log: EvenLog, half: int, noise: float) -> float:
     return float(noise * np.sqrt(12 / (2 * half + 1) ** 3) / log.interval_s)
 
 
-def smooth_motion(log: EvenLog, half: int, noise: float) -> tuple[Array, Array, Array]:
+def smooth_motion(
+    log: EvenLog, half: int, noise: float, *, quick: bool = False
+) -> tuple[Array, Array, Array]:
     """Return position, speed, and where it is known which way the axis runs.
 
     Parabolas go through no more samples than tell the speed well: over many of them a stop, or
@@ -126,6 +137,9 @@ def smooth_motion(log: EvenLog, half: int, noise: float) -> tuple[Array, Array, 
         Samples on either side that a parabola goes through, at the most.
     noise : float
         Standard deviation of a position's error.
+    quick : bool
+        Whether the axis turns within few samples, over which a parabola's speed is too low: it
+        is then that of a polynomial of fourth degree.
 
     Returns
     -------
@@ -139,8 +153,11 @@ def smooth_motion(log: EvenLog, half: int, noise: float) -> tuple[Array, Array, 
         way = np.where(way == 0, _surely(log, width, noise), way)
     well = FINE * np.abs(_speed(log, half)).max()
     fine = next((one for one in widths if _speed_error(log, one, noise) < well), half)
-    position = savgol_filter(log.position, 2 * fine + 1, 2)
-    return position, _speed(log, fine), np.where(log.known, way, 0.0)
+    if quick:
+        fine = max(fine, QUICK)
+    degree = 4 if quick else 2
+    position = savgol_filter(log.position, 2 * fine + 1, degree)
+    return position, _speed(log, fine, degree), np.where(log.known, way, 0.0)
 
 
 def _surely(log: EvenLog, half: int, noise: float) -> Array:
@@ -155,7 +172,7 @@ def _surely(log: EvenLog, half: int, noise: float) -> Array:
     return np.where(least == maximum_filter1d(way, 2 * half + 1), least, 0.0)
 
 
-def _speed(log: EvenLog, half: int) -> Array:
-    """Return the slope at the middle of a parabola through `half` samples on either side, (N,)."""
+def _speed(log: EvenLog, half: int, degree: int = 2) -> Array:
+    """Return the slope at the middle of a polynomial through `half` samples either side, (N,)."""
     length = 2 * half + 1
-    return np.asarray(savgol_filter(log.position, length, 2, deriv=1, delta=log.interval_s))
+    return np.asarray(savgol_filter(log.position, length, degree, deriv=1, delta=log.interval_s))

@@ -55,17 +55,21 @@ class Limit(NamedTuple):
 
 
 def within_limit(
-    logs: Sequence[EvenLog], starts: Sequence[Whole], resolution: float | None
+    logs: Sequence[EvenLog],
+    starts: Sequence[Whole],
+    resolution: float | None,
+    *,
+    clips: bool = True,
 ) -> tuple[Readings, Limit] | None:
     """Reduce runs to rows as :func:`readings_of` does, beyond no limit that their drive has.
 
     The limit comes with them: rows that were read within one hold part of what it explains, and
-    tell it less.
+    tell it less. A force that was measured, which no drive `clips`, has none.
     """
     rows = readings_of(logs, starts, resolution)
     if rows is None:
         return None
-    limit = drive_limit(rows)
+    limit = drive_limit(rows) if clips else Limit(float(np.abs(rows.drive).max()), 0.0)
     if not limit.there:
         return rows, limit
     within = readings_of(logs, starts, resolution, limit=limit.force)
@@ -91,9 +95,11 @@ def drive_limit(readings: Readings) -> Limit:
         lost = (toward * np.maximum(size - limit, 0.0)) @ readings.weights
         most = float(np.abs(lost).max()) or 1.0
         design = np.column_stack([line / width, lost / most])
-        found, squares, rank, _ = np.linalg.lstsq(design, readings.acceleration, rcond=1e-9)
+        found, squares, _, _ = np.linalg.lstsq(design, readings.acceleration, rcond=1e-9)
+        if squares.size == 0:  # fewer rows than numbers, or columns that hang together
+            return np.inf
         by_force, rest, _, by_lost = found / np.append(width, most)
-        if rank < design.shape[1] or by_force <= 0:
+        if by_force <= 0:
             return np.inf
         share, friction = -by_lost / by_force, -rest / by_force
         # A drive that could not overcome friction would move nothing: its limit lies above.

@@ -20,14 +20,16 @@ from bayesfric.rigs.single_axis.even_log import EvenLog
 from bayesfric.rigs.single_axis.following import DAMPINGS, LENGTHS, TRIED
 from bayesfric.rigs.single_axis.limit import LIMITS, Limit
 from bayesfric.rigs.single_axis.period import SEARCHED, Wave, strongest_wave
-from bayesfric.rigs.single_axis.readings import Readings, rough_law
+from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
 
-__all__ = ["SPREAD", "Measures", "measures_of"]
+__all__ = ["LITTLE", "SPREAD", "Measures", "measures_of"]
 
 BOARD_M, BOARD_M_S = 0.6, 1.3
 KNOWN_MASS = 0.2  # relative error of a moving mass that somebody wrote down
 NEAR = 0.1  # relative error of a limit that was looked for
 SPREAD = 0.1  # of a load's length, by half a step between those that were tried
+PULLING = frozenset({"position", "angle"})  # needs of effects that pull towards a place
+LITTLE = 0.01  # of the drive force, that friction counts as at the least
 WIDE = 3.0  # times the rough value, of a prior that says little
 
 
@@ -48,6 +50,8 @@ class Measures:
         The strongest along the path.
     limit : Limit
         The likeliest of the drive.
+    pull : float
+        Rms of the force that goes with the place, where it takes much of the force.
     lengths : mapping of str to ndarray
         Of how a load is held: lengths at which it is followed [m or rad].
     damping : float
@@ -64,6 +68,7 @@ class Measures:
     rotary: bool
     wave: Wave
     limit: Limit
+    pull: float = 0.0
     lengths: Mapping[str, Array] = field(default_factory=dict)
     damping: float = DAMPINGS[2]
 
@@ -99,6 +104,11 @@ class Measures:
 
     def effect(self, effect: Effect) -> Effect:
         """Return an effect with priors in these measures."""
+        if effect.needs & PULLING and self.pull > self.friction:
+            # What pulls towards a place is counted in what pulls here, not in friction. Of a
+            # weight, which pulls with a sine, a small swing shows a part.
+            shown = min(1.0, 0.5 * self.stroke) if "angle" in effect.needs else 1.0
+            return replace(self, friction=self.pull / shown, pull=0.0).effect(effect)
         shape = None if effect.shape is None else self._parameter(effect.shape)
         amplitude, laws = self._parameter(effect.amplitude), {**effect.laws, **effect.turning}
         if "travel_m" in effect.edge:
@@ -167,20 +177,20 @@ def measures_of(
     """
     speed = readings.speed @ readings.weights
     inside = limit.within(readings)
-    law = (readings.force, readings.acceleration, speed)
-    mass, coulomb, _ = rough_law(*(values[inside] for values in law))
+    rough = rough_law_of(readings, inside)
     force = float(np.sqrt(np.mean(readings.force[inside] ** 2)))
     acceleration = float(np.sqrt(np.mean(readings.acceleration**2)))
     least = readings.position_sd / readings.half_s**2  # what the positions would not show
     return Measures(
         stroke=max(float(np.ptp(log.position)) for log in logs),
         speed=float(speed.max()),
-        friction=max(coulomb, 1e-3 * force),
+        friction=max(rough.coulomb, LITTLE * force),
         force=force,
-        mass=constants.moving_mass_kg or max(mass, 1e-3 * force / max(acceleration, least)),
+        mass=constants.moving_mass_kg or max(rough.mass, 1e-3 * force / max(acceleration, least)),
         acceleration=max(acceleration, least),
         known_mass=constants.moving_mass_kg,
         rotary=constants.rotary,
         wave=strongest_wave(readings),
         limit=limit,
+        pull=rough.pull,
     )

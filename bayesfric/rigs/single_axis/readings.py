@@ -8,7 +8,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from scipy.ndimage import uniform_filter1d
 
-from bayesfric.arrays import Array, Whole
+from bayesfric.arrays import Array, Flags, Whole
 from bayesfric.rigs.single_axis.even_log import (
     EvenLog,
     given,
@@ -20,6 +20,7 @@ from bayesfric.rigs.single_axis.following import DrivePath, Followed
 from bayesfric.rigs.single_axis.force_curvature import force_curvature
 from bayesfric.rigs.single_axis.late_rates import late_rates
 from bayesfric.rigs.single_axis.passes import passes_of
+from bayesfric.rigs.single_axis.rough import RoughLaw, pull_columns, rough_law
 from bayesfric.rigs.single_axis.weak_form import (
     NODES,
     TestFunction,
@@ -27,10 +28,19 @@ from bayesfric.rigs.single_axis.weak_form import (
     test_function,
 )
 
-__all__ = ["PIECE", "Readings", "readings_of", "rough_law"]
+__all__ = [
+    "FEWEST",
+    "PIECE",
+    "Readings",
+    "pass_s",
+    "position_sd",
+    "readings_of",
+    "rough_law_of",
+]
 
 QUIET = 0.003  # of the rms drive force, that a row's error from the position may be
 NARROWEST = 8  # samples on either side of a window's middle
+FEWEST = 4  # the same, where the axis turns too soon for so many
 SMOOTHED = 4  # samples on either side that a speed is of, at the least
 PASSES = 4  # windows side by side that a pass should have room for
 MOST = 3000  # rows of a recording
@@ -152,7 +162,7 @@ def readings_of(
     """
     stroke = max(float(np.ptp(one.position)) for one in logs)
     if like is None:
-        noise = float(np.median([position_noise(one, resolution) for one in logs]))
+        noise = position_sd(logs, resolution)
         half_s, hop = _width(logs, noise, stroke)
         late_s = _late_by([given(one, limit) for one in logs], half_s, noise, stroke)
     else:
@@ -161,7 +171,7 @@ def readings_of(
     paths = []
     trials = pieces = 0
     for log, begin in zip(logs, starts, strict=True):
-        half = max(NARROWEST, round(half_s / log.interval_s))
+        half = _samples(half_s, log)
         step = max(1, round(hop * half))
         test = test_function(half, log.interval_s)
         part = _of_run(log, test, step, noise, stroke, late_s, limit)
@@ -193,16 +203,20 @@ def _width(logs: Sequence[EvenLog], noise: float, stroke: float) -> tuple[float,
     """Return half the width of a window [s], and windows' distance as a share of that."""
     interval = max(one.interval_s for one in logs)
     length = sum(one.time_s.size * one.interval_s for one in logs)
-    longest = max(_pass_s(logs, noise) / (2 * PASSES), NARROWEST * interval)
-    half_s = NARROWEST * interval
+    room_s = pass_s(logs, noise) / (2 * PASSES)
+    narrowest = int(np.clip(room_s / interval, FEWEST, NARROWEST))
+    longest = max(room_s, narrowest * interval)
+    half_s = narrowest * interval
     while half_s < longest:
         rows = []
         for one in logs:
-            half = max(NARROWEST, round(half_s / one.interval_s))
+            half = _samples(half_s, one)
             test = test_function(half, one.interval_s)
             rows.append(_of_run(one, test, 2 * half, noise, stroke))
-        mass = rough_law(*(_joined(rows, n) for n in ("force", "acceleration", "speed")))[0]
-        force = _joined(rows, "force")
+        force, way = _joined(rows, "force"), _joined(rows, "way")
+        pull = pull_columns(_joined(rows, "position"), way)
+        acceleration, speed = _joined(rows, "acceleration"), _joined(rows, "speed")
+        mass = rough_law(force, acceleration, speed, pull).mass
         error = noise * float(np.sqrt(max(row["position_lag"][:1, :1].sum() for row in rows)))
         if force.size and mass * error < QUIET * float(np.sqrt(np.mean(force**2))):
             break
@@ -211,7 +225,17 @@ def _width(logs: Sequence[EvenLog], noise: float, stroke: float) -> tuple[float,
     return half_s, max(1.0, length / (MOST * half_s))
 
 
-def _pass_s(logs: Sequence[EvenLog], noise: float) -> float:
+def _samples(half_s: float, log: EvenLog) -> int:
+    """Return half a window in samples of a run."""
+    return max(FEWEST, round(half_s / log.interval_s))
+
+
+def position_sd(logs: Sequence[EvenLog], resolution: float | None) -> float:
+    """Return the standard deviation of a position's error, the median of runs."""
+    return float(np.median([position_noise(one, resolution) for one in logs]))
+
+
+def pass_s(logs: Sequence[EvenLog], noise: float) -> float:
     """Return the median time that the axis runs one way [s]; a quarter of it counts at least."""
     found = []
     for one in logs:
@@ -232,22 +256,21 @@ def _joined(rows: Sequence[dict[str, Array]], name: str) -> Array:
     return np.concatenate([one.mean(axis=1) if one.ndim > 1 else one for one in values])
 
 
-def rough_law(force: Array, acceleration: Array, speed: Array) -> tuple[float, float, float]:
-    """Return mass, Coulomb and viscous friction by least squares, none below 0.
+def rough_law_of(rows: Readings, inside: Flags, *, viscous: bool = True) -> RoughLaw:
+    """Return mass and friction by some rows; see :func:`.rough.rough_law`.
 
     Parameters
     ----------
-    force, acceleration, speed : ndarray, shape (W,)
-        Of rows.
+    rows : Readings
+        W rows.
+    inside : ndarray of bool, shape (W,)
+        Those that tell it.
+    viscous : bool
+        Whether friction may grow with the speed.
     """
-    columns = np.stack([acceleration, np.ones_like(force), speed], axis=1)
-    while True:
-        width = np.abs(columns).max(axis=0, initial=0.0)
-        width[width == 0] = 1.0
-        found = np.linalg.lstsq(columns / width, force, rcond=1e-6)[0] / width
-        if found[2] >= 0 or not columns[:, 2].any():
-            return float(max(found[0], 0.0)), float(max(found[1], 0.0)), float(max(found[2], 0.0))
-        columns = columns * np.array([1.0, 1.0, 0.0])
+    speed = viscous * (rows.speed @ rows.weights)
+    pull = pull_columns(rows.position @ rows.weights, rows.way)
+    return rough_law(rows.force[inside], rows.acceleration[inside], speed[inside], pull[inside])
 
 
 def _late_by(logs: Sequence[EvenLog], half_s: float, noise: float, stroke: float) -> float:
@@ -256,12 +279,14 @@ def _late_by(logs: Sequence[EvenLog], half_s: float, noise: float, stroke: float
     for _ in range(2):
         rows = []
         for one in logs:
-            half = max(NARROWEST, round(half_s / one.interval_s))
-            test = test_function(half, one.interval_s)
-            rows.append(_of_run(one, test, half, noise, stroke, late_s))
-        rate, force = _joined(rows, "force_rate"), _joined(rows, "force")
-        columns = [rate, _joined(rows, "acceleration"), np.ones_like(rate), _joined(rows, "speed")]
-        design = np.stack(columns, axis=1)
+            test = test_function(_samples(half_s, one), one.interval_s)
+            rows.append(_of_run(one, test, test.half, noise, stroke, late_s))
+        force, rate = _joined(rows, "force"), _joined(rows, "force_rate")
+        acceleration, speed = _joined(rows, "acceleration"), _joined(rows, "speed")
+        pull = pull_columns(_joined(rows, "position"), _joined(rows, "way"))
+        design = np.stack([rate, acceleration, np.ones_like(rate), speed], axis=1)
+        if rough_law(force, acceleration, speed, pull).pull:
+            design = np.column_stack([design, pull])
         width = np.abs(design).max(axis=0, initial=0.0)
         width[width == 0] = 1.0
         found = np.linalg.lstsq(design / width, force, rcond=1e-6)[0] / width
@@ -280,7 +305,8 @@ def _of_run(
 ) -> dict[str, Array]:
     """Return the rows of one run, fields of :class:`Readings` and where they are."""
     half = test.half
-    position, velocity, way = smooth_motion(log, max(SMOOTHED, half // 2), noise)
+    quick = half < NARROWEST
+    position, velocity, way = smooth_motion(log, max(SMOOTHED, half // 2), noise, quick=quick)
     if (other := log.further.get("sim_position")) is not None:
         # Where the simulated axis runs the other way its friction says nothing of this motion.
         there = smooth_motion(replace(log, position=other), max(SMOOTHED, half // 2), noise)[2]

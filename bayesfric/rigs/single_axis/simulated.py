@@ -27,6 +27,7 @@ import pandas as pd
 from bayesfric.arrays import Array, Flags
 from bayesfric.errors import Fault, InputError
 from bayesfric.inference.priors import Parameter, from_normal
+from bayesfric.recording.held import released
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.single_axis.even_log import EvenLog, even_grid, smooth_motion
 from bayesfric.rigs.single_axis.measures import Measures
@@ -143,7 +144,11 @@ def _recorded_forces(log: EvenLog, mass: float | None) -> Forces:
 
 
 def log_of(samples: pd.DataFrame, constants: RigConstants) -> EvenLog | None:
-    """Return the log of a run, with what a simulator left in it; None where it is too short."""
+    """Return the log of a run, with what a simulator left in it; None where it is too short.
+
+    What telemetry holds is released: see :mod:`bayesfric.recording.held`.
+    """
+    samples = released(samples, constants.force_is)[0]
     names = {
         "position": "position_m",
         "force": "force_n",

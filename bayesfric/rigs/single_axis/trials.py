@@ -26,10 +26,10 @@ from bayesfric.rigs.plain import PlainRig, PlainTrials
 from bayesfric.rigs.single_axis.entering import NO_CABLE, SIZE, entering
 from bayesfric.rigs.single_axis.left_out import left_out, not_modelled
 from bayesfric.rigs.single_axis.likelihood import AxisModel
-from bayesfric.rigs.single_axis.measures import Measures
+from bayesfric.rigs.single_axis.measures import LITTLE, Measures
 from bayesfric.rigs.single_axis.next_runs import SETTINGS, lay_out
 from bayesfric.rigs.single_axis.predictions import runs as runs_dataset
-from bayesfric.rigs.single_axis.readings import Readings, rough_law
+from bayesfric.rigs.single_axis.readings import Readings, rough_law_of
 from bayesfric.rigs.single_axis.rows import AxisRows, state_of, varied_columns
 from bayesfric.rigs.single_axis.simulated import SimulatedBaseline
 from bayesfric.rigs.single_axis.simulator import DESIGN
@@ -56,6 +56,8 @@ MARGIN_S = 1e-3  # by which two clocks may be off at the least
 WITHIN = 12**-0.5  # of an interval: what two columns read at any time within it are apart, rms
 NOTHING = 1e-12
 ALWAYS = frozenset({"direction", "position", "drive", "period", "play", "spring"})
+BEHIND = frozenset({"play", "spring"})  # by which a load follows the drive
+TURNS = 6  # of the axis, from which on it shows how a load follows
 OFFERED = ALWAYS | {"angle", "test", "limit"}  # what no column of the user's own stands for
 
 
@@ -79,7 +81,14 @@ class SingleAxis(PlainRig):
 
     def left_out(self, recording: Recording) -> list[Fault]:
         """Return the runs that do not enter, and why; see :mod:`.left_out`."""
-        return [] if recording.axis is None else left_out(recording.axis, recording.rig)
+        if recording.axis is None:
+            return []
+        if faults := not_modelled(recording.axis, recording.rig):
+            return faults
+        found = entering(recording.axis, recording.rig)
+        if isinstance(found, Unsupported):
+            return [Fault(self.tables[1], f"a run that enters: {found.reason}")]
+        return left_out(recording.axis, recording.rig)
 
 
 RIG = SingleAxis()
@@ -109,6 +118,8 @@ class AxisRuns(PlainTrials):
         The tables.
     simulated : SimulatedBaseline or None
         A user's simulator, in the place of the law in a diagnosis.
+    turns : int
+        How often the axis is seen to turn.
     """
 
     rig: SingleAxis
@@ -122,6 +133,7 @@ class AxisRuns(PlainTrials):
     interval_s: float = field(default=0.0)
     source: Axis | None = None
     simulated: SimulatedBaseline | None = None
+    turns: int = 0
 
     @property
     def recorded(self) -> pd.DataFrame:
@@ -149,7 +161,7 @@ class AxisRuns(PlainTrials):
     @cached_property
     def offers(self) -> frozenset[str]:
         """What effects may need."""
-        found = {*ALWAYS}
+        found = {*ALWAYS} - (BEHIND if self.turns < TURNS else frozenset())
         if self.constants.rotary:
             found.add("angle")
         if self._tested.any():
@@ -321,14 +333,13 @@ class AxisRuns(PlainTrials):
 
     @cached_property
     def _rough(self) -> AxisLaw:
-        rows, measures = self.readings, self.measures
-        speed = rows.speed @ rows.weights if self.law.name == VISCOUS else np.zeros(rows.count)
-        inside = measures.limit.within(rows)
-        mass, coulomb, viscous = rough_law(
-            rows.force[inside], rows.acceleration[inside], speed[inside]
-        )
+        measures = self.measures
+        inside = measures.limit.within(self.readings)
+        rough = rough_law_of(self.readings, inside, viscous=self.law.name == VISCOUS)
         return AxisLaw(
-            max(mass, 1e-3 * measures.mass), max(coulomb, 1e-3 * measures.friction), viscous
+            max(rough.mass, 1e-3 * measures.mass),
+            max(rough.coulomb, LITTLE * measures.force),
+            rough.viscous,
         )
 
     def _around(self, law: Coefficients) -> AxisRows:
@@ -368,4 +379,6 @@ def _opened(
     rig: SingleAxis, axis: Axis, constants: RigConstants, simulator: SimulatorCalls | None = None
 ) -> AxisRuns | None:
     found = entering(axis, constants, simulator)
-    return found and AxisRuns(rig, constants, **found._asdict(), source=axis)
+    if isinstance(found, Unsupported):
+        return None
+    return AxisRuns(rig, constants, **found._asdict(), source=axis)

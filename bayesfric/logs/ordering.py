@@ -1,0 +1,173 @@
+"""The clock of a log set right, and what was done to it said with counts.
+
+Counters that begin again are unwrapped, rows that are a little out of order are sorted, rows with
+the time of another are left out. A clock that goes back and stays behind is no clock of one log:
+that is an error, for sorting would mix two pieces.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bayesfric.arrays import Array, Flags, Whole
+from bayesfric.errors import Fault, InputError
+
+__all__ = ["Ordered", "Series", "gaps_of", "in_order", "unwrapped"]
+
+GAP = 3.0  # intervals without a sample that are said
+BEHIND = 50  # rows, and intervals, by which a row may be out of order
+ACROSS = 0.001  # of a period, in which no sample came while a counter began again, at the most
+STEPS = 5.0  # intervals, likewise
+
+
+@dataclass(frozen=True)
+class Series:
+    """A quantity at times, both of shape (N,), times increasing."""
+
+    time_s: Array
+    value: Array
+
+
+@dataclass(frozen=True)
+class Ordered:
+    """A quantity in order, and what was done for it.
+
+    Parameters
+    ----------
+    series : Series
+        Times increase.
+    notes : tuple of str
+        Clauses with counts.
+    """
+
+    series: Series
+    notes: tuple[str, ...]
+
+
+def unwrapped(
+    time_s: Array, first: float, periods_s: tuple[float, ...]
+) -> tuple[Array, tuple[str, ...]]:
+    """Return times of a counter that began again, as if it had not, and what was done.
+
+    Parameters
+    ----------
+    time_s : ndarray, shape (N,)
+        Since the first row, in the order of the log; NaN where there is none.
+    first : float
+        What the counter showed at the first row [s].
+    periods_s : tuple of float
+        After which it may begin again.
+    """
+    there = np.flatnonzero(np.isfinite(time_s))
+    steps = np.diff(time_s[there])
+    interval = _interval(steps)
+    if not (steps < 0).any():
+        return time_s, ()
+    shown = time_s[there] + first
+    for period in periods_s:
+        across = min(max(STEPS * interval, ACROSS * period), period / 4)
+        begins_again = np.abs(steps + period) <= across
+        counts = (shown.min() >= 0 and shown.max() < period) or (
+            shown.min() >= -period / 2 and shown.max() < period / 2
+        )
+        if not counts or not begins_again.any():
+            continue
+        # Rows that are out of order about such a place go there and back.
+        turns = np.cumsum(begins_again.astype(int) - (np.abs(steps - period) <= across))
+        turns = np.maximum(turns, 0)
+        found = time_s.copy()
+        found[there[1:]] += turns * period
+        times, row = int(turns.max(initial=0)), int(there[1:][np.argmax(begins_again)]) + 2
+        often = "once" if times == 1 else f"{times} times"
+        return found, (
+            f"its clock begins again after {period:.10g} s, {often} (first at row {row}): "
+            "it is unwrapped",
+        )
+    return time_s, ()
+
+
+def in_order(time_s: Array, value: Array, file: str, column: str) -> Ordered:
+    """Return what is a number, by time, of equal times the first.
+
+    Parameters
+    ----------
+    time_s, value : ndarray, shape (N,)
+        In the order of the log; NaN where there is none.
+    file, column : str
+        What an error calls the log and its clock.
+
+    Raises
+    ------
+    InputError
+        The clock goes back and stays behind.
+    """
+    there = np.flatnonzero(np.isfinite(time_s) & np.isfinite(value))
+    notes: list[str] = []
+    blank = time_s.size - there.size
+    if blank:
+        notes.append(f"{_rows(blank)} without a number left out")
+    times = time_s[there]
+    ahead = np.maximum.accumulate(times) if times.size else times
+    late = times < ahead
+    if late.any():
+        _check_behind(times, ahead - times, late, there, file, column)
+        row = int(there[np.argmax(late)]) + 2
+        notes.append(f"{_rows(int(late.sum()))} out of order (first: row {row}) sorted")
+    unique, kept = np.unique(times, return_index=True)
+    doubled = np.setdiff1d(np.arange(times.size), kept)
+    if doubled.size:
+        row = int(there[doubled[0]]) + 2
+        notes.append(
+            f"{_rows(int(doubled.size))} with the time of an earlier row (first: row {row}) "
+            "left out"
+        )
+    series = Series(unique, value[there][kept])
+    return Ordered(series, (*notes, *_gap_notes(series)))
+
+
+def gaps_of(series: Series) -> tuple[Array, Array]:
+    """Return where stretches without a sample begin and end [s], two arrays of shape (G,)."""
+    steps = np.diff(series.time_s)
+    wide = np.flatnonzero(steps > GAP * _interval(steps)) if steps.size else np.zeros(0, dtype=int)
+    return series.time_s[wide], series.time_s[wide + 1]
+
+
+def _gap_notes(series: Series) -> tuple[str, ...]:
+    begin, end = gaps_of(series)
+    if not begin.size:
+        return ()
+    longest = int(np.argmax(end - begin))
+    since = begin[longest] - series.time_s[0]
+    places = "1 place" if begin.size == 1 else f"{begin.size:,} places"
+    return (
+        f"no sample for more than {GAP:g} intervals at {places}, the longest "
+        f"{end[longest] - begin[longest]:.4g} s, {since:.4g} s after the first",
+    )
+
+
+def _check_behind(
+    times: Array, behind: Array, late: Flags, there: Whole, file: str, column: str
+) -> None:
+    edges = np.flatnonzero(np.diff(late.astype(int), prepend=0, append=0))
+    begins, ends = edges[::2], edges[1::2]
+    interval = _interval(np.diff(times))
+    deepest = np.array([behind[i:j].max() for i, j in zip(begins, ends, strict=True)])
+    wrong = np.flatnonzero((ends - begins > BEHIND) | (deepest > BEHIND * interval))
+    if wrong.size:
+        first = int(begins[wrong[0]])
+        expected = (
+            f"a clock that runs on; it goes back by {behind[first]:.6g} s and "
+            f"{_rows(int(ends[wrong[0]] - first))} from there are behind what came before: "
+            "cut the log there, or take a clock that does not start anew"
+        )
+        raise InputError([Fault(file, expected, int(there[first]) + 2, column)])
+
+
+def _interval(steps: Array) -> float:
+    """Return the median of what a clock moves on by; infinite where it never does."""
+    forward = steps[steps > 0]
+    return float(np.median(forward)) if forward.size else np.inf
+
+
+def _rows(count: int) -> str:
+    return "1 row" if count == 1 else f"{count:,} rows"

@@ -1,0 +1,77 @@
+"""Readings that a log repeats: a slow sensor in a fast log, whose last value is held."""
+
+import numpy as np
+import pandas as pd
+
+from bayesfric.arrays import Array, Flags
+
+__all__ = ["held_for", "released", "renewed"]
+
+MOSTLY = 0.9  # of the times between two new readings, that are one number of samples
+COUNTS = 3  # of an encoder, that a position that is held moves by at a time, at the least
+FEWEST = 10  # new readings, by which a rhythm is told
+
+
+def renewed(values: Array) -> Flags:
+    """Return at which samples a reading is a new one, (N,); the first is."""
+    return np.concatenate([[True], np.diff(values) != 0])
+
+
+def held_for(values: Array) -> int:
+    """Return how many samples each reading is held for; 1 where it is new at each, or irregular.
+
+    A coarse encoder repeats itself too, where the axis is slow; it has no rhythm. A reading that
+    happens to be the same twice makes a multiple of the rhythm, which counts as it.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N,)
+        Of evenly sampled rows.
+    """
+    between = np.diff(np.flatnonzero(renewed(values)[1:]))
+    if between.size < FEWEST:
+        return 1
+    rhythm = int(np.median(between))
+    if rhythm < 2:
+        return 1
+    # A rhythm of some samples and a bit is now one more, now one less.
+    off = np.abs(between - rhythm * np.maximum(np.round(between / rhythm), 1))
+    steady = (off == 0) if rhythm < 4 else (off <= 1)
+    return rhythm if float(np.mean(steady)) >= MOSTLY else 1
+
+
+def released(samples: pd.DataFrame, force_is: str | None) -> tuple[pd.DataFrame, str | None]:
+    """Return a run's samples without repeated readings, and what was done; None if nothing.
+
+    Where the position is held, the first row of each reading is kept. A measured force that is
+    held goes on in a straight line to its next reading. A commanded one acts as it is held.
+
+    Parameters
+    ----------
+    samples : DataFrame
+        Of one run, with columns of ``axis_samples.csv``.
+    force_is : str or None
+        ``"commanded"`` or ``"measured"``; None where nobody says.
+    """
+    position = samples["position_m"].to_numpy(dtype=np.float64)
+    force = samples["force_n"].to_numpy(dtype=np.float64)
+    position_held = held_for(position) if _jumps(position) else 1
+    force_held = held_for(force) if force_is == "measured" else 1
+    if force_held > 1:
+        time, new = samples["time_s"].to_numpy(dtype=np.float64), renewed(force)
+        samples = samples.assign(force_n=np.interp(time, time[new], force[new]))
+    if position_held > 1:
+        samples = samples[renewed(position)].reset_index(drop=True)
+    held = [
+        f"{name} for {count} samples"
+        for name, count in (("position", position_held), ("force", force_held))
+        if count > 1
+    ]
+    return samples, f"each reading is held, {' and '.join(held)}" if held else None
+
+
+def _jumps(position: Array) -> bool:
+    """Return whether a position moves by many counts at a time: no coarse encoder does."""
+    steps = np.abs(np.diff(position))
+    steps = steps[steps > 0]
+    return bool(steps.size and np.median(steps) > COUNTS * steps.min())

@@ -1,0 +1,71 @@
+"""Whether a log of an axis tells anything: the rule that leaves it out, with its numbers."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from bayesfric.rigs.base import Unsupported
+from bayesfric.rigs.single_axis.even_log import LEAST_SAMPLES, EvenLog
+from bayesfric.rigs.single_axis.readings import FEWEST, Readings, pass_s, position_sd
+
+__all__ = ["too_few_windows", "too_little_motion", "too_short", "without_force"]
+
+ROWS = 12  # windows, thrice the numbers of the law and its clocks: below that nothing is told
+AT_EASE = 5 * FEWEST  # samples in a pass: with fewer, windows are no narrower than its motion
+
+
+def too_short(samples: Sequence[int]) -> Unsupported:
+    """Return why no run was taken: all have too few samples."""
+    return Unsupported(
+        f"a run takes {LEAST_SAMPLES} samples, and the longest has {max(samples, default=0)}"
+    )
+
+
+def without_force(logs: Sequence[EvenLog]) -> Unsupported | None:
+    """Return why runs tell nothing without any force; None where some force acts."""
+    if any(log.force.any() for log in logs):
+        return None
+    return Unsupported(
+        "force_n is 0 in every row: without a drive force only ratios of mass, friction and "
+        "gravity show, none of them in newtons"
+    )
+
+
+def too_little_motion(logs: Sequence[EvenLog], resolution: float | None) -> Unsupported | None:
+    """Return why runs show no motion that windows could be made of; None where they may.
+
+    Parameters
+    ----------
+    logs : sequence of EvenLog
+        Runs.
+    resolution : float or None
+        Of the encoder.
+    """
+    stroke = max(float(np.ptp(log.position)) for log in logs)
+    if stroke == 0:
+        return Unsupported("position_m never changes: friction shows while the axis moves")
+    noise = position_sd(logs, resolution)
+    one_way, interval = pass_s(logs, noise), max(log.interval_s for log in logs)
+    if one_way == 0:
+        return Unsupported(
+            f"positions move by {stroke:.3g} in all, with errors of {noise:.3g}, so that it "
+            "never shows which way the axis runs"
+        )
+    if one_way < AT_EASE * interval:
+        return Unsupported(
+            f"it runs one way for some {one_way:.3g} s at a time, in which "
+            f"{one_way / interval:.0f} samples come and it takes {AT_EASE}: take "
+            f"{np.ceil(AT_EASE / one_way):.0f} samples a second, or move slower"
+        )
+    return None
+
+
+def too_few_windows(readings: Readings | None) -> Unsupported | None:
+    """Return why rows do not tell mass and friction; None where there are enough."""
+    count = 0 if readings is None else readings.count
+    if count >= ROWS:
+        return None
+    return Unsupported(
+        f"{count} windows of {2 * FEWEST + 1} samples or more in which the axis runs one way, and "
+        f"it takes {ROWS}: record it for longer"
+    )

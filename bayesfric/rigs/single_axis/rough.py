@@ -1,0 +1,105 @@
+"""Mass and friction of an axis by plain least squares: what windows and priors are laid out by."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from bayesfric.arrays import Array
+
+__all__ = ["RoughLaw", "pull_columns", "rough_law"]
+
+POWERS = 6  # of the place, that what pulls towards one is told by
+PULLS = 0.02  # of the squares of the force, from which on something is taken to pull
+ROWS_A_NUMBER = 4  # of which a number is told
+SINGULAR = 1e-6
+
+
+class RoughLaw(NamedTuple):
+    """Numbers of the law, none below 0.
+
+    Parameters
+    ----------
+    mass, coulomb, viscous : float
+        [kg, N and N s/m; kg·m², N·m and N·m s/rad where the axis turns].
+    pull : float
+        Rms of the force that goes with the place, as gravity and springs make it; 0 where it
+        takes little of the force [N].
+    """
+
+    mass: float
+    coulomb: float
+    viscous: float
+    pull: float = 0.0
+
+
+def pull_columns(position: Array, way: Array) -> Array:
+    """Return powers of the place in the sense of the motion, (W, m), of mean square about 1.
+
+    Parameters
+    ----------
+    position, way : ndarray, shape (W,)
+        Mean position of each row, and 1 or −1.
+    """
+    middle, half = _middle(position)
+    place = (position - middle) / half
+    # Where it runs one way alone, what is constant is Coulomb friction.
+    first = 0 if (way > 0).any() and (way < 0).any() else 1
+    columns = [np.polynomial.legendre.Legendre.basis(power)(place) for power in range(POWERS)]
+    return np.asarray(np.stack(columns[first:], axis=1) * way[:, None])
+
+
+def rough_law(
+    force: Array, acceleration: Array, speed: Array, pull: Array | None = None
+) -> RoughLaw:
+    """Return mass, Coulomb and viscous friction by least squares.
+
+    Without gravity or a spring in the law, what they pull with is taken for mass with the wrong
+    sign: an axis that swings runs against them.
+
+    Parameters
+    ----------
+    force, acceleration, speed : ndarray, shape (W,)
+        Of rows; a `speed` of zeros leaves viscous friction out.
+    pull : ndarray, shape (W, m), or None
+        Columns of :func:`pull_columns`, that enter where they take much of the force; of few
+        rows, no more of them than can be told.
+    """
+    columns = np.stack([acceleration, np.ones_like(force), speed], axis=1)
+    alone, left = _positive(columns, force)
+    if pull is None:
+        return _law(alone)
+    pull = pull[:, : max(0, force.size // ROWS_A_NUMBER - columns.shape[1])]
+    if not pull.size:
+        return _law(alone)
+    found, less = _positive(np.column_stack([columns, pull]), force)
+    if left - less < PULLS * float(force @ force):
+        return _law(alone)
+    pulls = float(np.sqrt(np.mean((pull @ found[3:]) ** 2)))
+    return _law(found, pulls)
+
+
+def _law(numbers: Array, pull: float = 0.0) -> RoughLaw:
+    return RoughLaw(float(numbers[0]), float(numbers[1]), float(numbers[2]), pull)
+
+
+def _positive(columns: Array, force: Array) -> tuple[Array, float]:
+    """Return least squares in which viscous friction is not below 0, and what squares are left.
+
+    Mass and Coulomb friction below 0 are set to 0 at the end, and the rest stands.
+    """
+    free = np.ones(columns.shape[1])
+    while True:
+        width = np.abs(columns * free).max(axis=0, initial=0.0)
+        width[width == 0] = 1.0
+        design = columns * free / width
+        found = np.linalg.lstsq(design, force, rcond=SINGULAR)[0] / width
+        if found[2] >= 0 or not free[2]:
+            left = float(np.sum((force - columns * free @ found) ** 2))
+            return np.append(np.maximum(found[:3], 0.0), found[3:]), left
+        free[2] = 0.0
+
+
+def _middle(position: Array) -> tuple[float, float]:
+    """Return the middle of positions and half of what they span."""
+    low, high = float(position.min(initial=np.inf)), float(position.max(initial=-np.inf))
+    return (0.5 * (low + high), 0.5 * (high - low) or 1.0) if high >= low else (0.0, 1.0)

@@ -1,0 +1,48 @@
+"""No recording that can be read ends in a traceback: each comes to an answer or to a reason.
+
+``pytest -m nightly tests/drawn`` draws five hundred, others each time. What fails is printed as a
+plan: ``recording_of(*plans)`` makes the recording again.
+"""
+
+import pytest
+from hypothesis import HealthCheck, Phase, event, given, seed, settings
+from hypothesis import strategies as st
+
+from drawn.plans import PLANS, Board, Points, recording_of
+from drawn.through import answered
+
+QUICK = settings(
+    max_examples=30,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=list(HealthCheck),
+    phases=[Phase.explicit, Phase.generate],  # shrinking takes minutes; the nightly one does it
+)
+NIGHTLY = settings(
+    max_examples=100, deadline=None, suppress_health_check=list(HealthCheck), print_blob=True
+)
+
+
+def said(found):
+    """Tell Hypothesis' statistics what came of a recording."""
+    for verb, answer in found.items():
+        event(f"{verb}: {answer if answer == 'answered' else 'refused'}")
+
+
+@QUICK
+@given(plans=PLANS, verb=st.sampled_from(["fit", "diagnose"]), number=st.integers(0, 5))
+def test_thirty_recordings_come_to_an_answer_or_a_reason(plans, verb, number):
+    small = [one for one in plans if not isinstance(one, Board) or one.trials + one.runs <= 12]
+    said(answered(recording_of(*(small or [Points()])), (verb,), report=number == 0))
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("part", range(5))
+def test_five_hundred_recordings_come_to_an_answer_or_a_reason(part):
+    @NIGHTLY
+    @seed(part)
+    @given(plans=PLANS)
+    def each(plans):
+        said(answered(recording_of(*plans)))
+
+    each()

@@ -1,0 +1,54 @@
+"""A recording through the verbs: an answer each, or the package's own error of input."""
+
+import tempfile
+import warnings
+from pathlib import Path
+
+from bayesfric.analysis import Analysis, Sampler
+from bayesfric.diagnosis import diagnose
+from bayesfric.errors import InputError
+from bayesfric.fitting.posterior import fit
+from bayesfric.recording import describe_recording, read_recording, write_recording
+from bayesfric.report.writing import write_report
+from bayesfric.rigs.opening import left_out
+
+__all__ = ["VERBS", "answered"]
+
+ANALYSIS = Analysis(seed=3, sampler=Sampler(burn=10, steps=50, thin=2, extensions=0))
+VERBS = {"fit": fit, "diagnose": diagnose}
+
+
+def answered(recording, verbs=tuple(VERBS), *, report=True):
+    """Write a recording, read it, and run verbs; return what each came to.
+
+    Anything but :class:`InputError` leaves through here: on the command line it is exit 70.
+
+    Parameters
+    ----------
+    recording : Recording
+        Drawn.
+    verbs : sequence of str
+        Of :data:`VERBS`.
+    report : bool
+        Whether a report is made of what they answered.
+    """
+    with tempfile.TemporaryDirectory() as place, warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # numbers as large as floats go are drawn too
+        folder = Path(place)
+        try:
+            write_recording(recording, folder / "recording")
+            read = read_recording(folder / "recording")
+        except InputError as error:
+            return {"read": str(error)}
+        describe_recording(read)
+        left_out(read)
+        found = {}
+        for verb in verbs:
+            try:
+                VERBS[verb](read, ANALYSIS).write(folder / "results")
+                found[verb] = "answered"
+            except InputError as error:
+                found[verb] = str(error)
+        if report and "answered" in found.values():
+            write_report(folder / "results")
+        return found

@@ -1,0 +1,152 @@
+"""Joints as people log them: right numbers, or a reason why there are none; never a traceback."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from rigs.joints import Joint, recording_of
+from typer.testing import CliRunner
+
+from bayesfric.cli import app
+from bayesfric.diagnosis import diagnose
+from bayesfric.diagnosis.forms import other_forms
+from bayesfric.effects import all_effects
+from bayesfric.effects.candidates import Candidate
+from bayesfric.errors import InputError
+from bayesfric.fitting.posterior import fit
+from bayesfric.physics.friction import Coefficients
+from bayesfric.physics.laws import BASELINES
+from bayesfric.recording import write_recording
+from bayesfric.recording.held import held_for
+from bayesfric.rigs import all_rigs
+
+AXIS = all_rigs()["single-axis"]
+LOGS = {
+    "1 kHz, an encoder of 1e-4 rad": Joint(sampled_hz=1000.0, resolution=1e-4, noise=0.02),
+    "position and force held for seven samples": Joint(held=7),
+    "gravity forty times friction, a swing of 20 degrees": Joint(
+        gravity=8.0, strokes_rad=(0.22, 0.1), rates_hz=(0.7, 1.3)
+    ),
+    "as it should be": Joint(),
+}
+
+
+def runs_of(recording):
+    return AXIS.trials(recording)
+
+
+@pytest.mark.parametrize("joint", LOGS.values(), ids=LOGS)
+def test_inertia_and_friction_are_right_beside_gravity(joint):
+    """The rough law lays out windows, noise and priors: with an inertia of 0 all of them fail."""
+    rough = runs_of(joint.recording()).under(BASELINES["viscous"])._rough
+    assert rough.mass == pytest.approx(joint.inertia, rel=0.05)
+    assert rough.coulomb == pytest.approx(joint.coulomb, rel=0.05)
+    assert rough.viscous == pytest.approx(joint.viscous, rel=0.1)
+
+
+def test_a_weight_is_as_plausible_as_what_it_pulls_with():
+    """Gravity of 8 N·m beside friction of 0.2: a prior in friction's measure would exclude it."""
+    runs = runs_of(LOGS["gravity forty times friction, a swing of 20 degrees"].recording())
+    prior = runs.suited(all_effects(None)["gravity-torque"]).amplitude.prior
+    assert prior.sd > 8.0 / 3
+    balanced = runs_of(Joint(gravity=0.0).recording())
+    own = balanced.suited(all_effects(None)["gravity-torque"]).amplitude.prior
+    assert own.sd == pytest.approx(0.18, rel=0.3)
+
+
+def test_held_readings_are_told_from_a_coarse_encoder_and_from_a_command():
+    samples = Joint(held=7).samples()
+    assert held_for(samples["position_m"].to_numpy()) == 7
+    assert held_for(Joint().samples()["force_n"].to_numpy()) == 1
+    coarse = Joint(resolution=0.02).samples()["position_m"].to_numpy()
+    assert held_for(coarse) == 1
+    whole, few = (runs_of(Joint(held=count).recording()) for count in (1, 7))
+    assert few.interval_s == pytest.approx(7 * whole.interval_s)
+    # A command that is held acts as it is held, if the position is not.
+    moved = Joint().samples().assign(force_n=Joint(held=4).samples()["force_n"])
+    kept = runs_of(recording_of(moved, force_is="commanded"))
+    assert kept.interval_s == whole.interval_s
+
+
+def test_validate_says_that_readings_are_held(tmp_path):
+    write_recording(Joint(held=7).recording(), tmp_path / "joint")
+    said = CliRunner().invoke(app, ["validate", str(tmp_path / "joint")]).output
+    assert "run a: each reading is held, position for 7 samples and force for 7 samples" in said
+
+
+def test_a_measured_force_has_no_limit():
+    """Three times what acts beyond half of its top, as a command is that a drive clips."""
+    joint = Joint(gravity=0.0, inertia=0.1, rates_hz=(1.1, 1.7), coulomb=0.05)
+    samples = joint.samples()
+    limit = 0.5 * samples["force_n"].abs().max()
+    over = np.sign(samples["force_n"]) * np.maximum(samples["force_n"].abs() - limit, 0.0)
+    sent = samples.assign(force_n=samples["force_n"] + 2 * over)
+    assert "limit" in runs_of(recording_of(sent, force_is="commanded")).offers
+    assert "limit" not in runs_of(recording_of(sent, force_is="measured")).offers
+
+
+def still():
+    samples = Joint().samples()
+    return samples.assign(position_m=0.3)
+
+
+NOTHING = {
+    "no force": (Joint().samples().assign(force_n=0.0), "force_n is 0 in every row"),
+    "ten samples": (Joint().samples().head(10), "a run takes 16 samples, and the longest has 10"),
+    "held in place": (still(), "position_m never changes"),
+    "20 Hz": (
+        Joint(sampled_hz=20.0, rates_hz=(1.0, 1.7)).samples(),
+        r"in which \d+ samples come and it takes 20: take \d+ samples a second",
+    ),
+    "a second": (Joint(seconds=1.0, sampled_hz=50.0).samples(), "record it for longer"),
+    "noise": (
+        Joint().samples().assign(position_m=np.random.default_rng(1).standard_normal(4000)),
+        "windows|which way|samples a second",
+    ),
+}
+
+
+@pytest.mark.parametrize(("samples", "said"), NOTHING.values(), ids=NOTHING)
+def test_what_tells_nothing_is_refused_with_the_rule_and_its_numbers(samples, said, tmp_path):
+    recording = recording_of(samples.reset_index(drop=True), force_is="measured")
+    assert runs_of(recording) is None
+    for verb in (fit, diagnose):
+        with pytest.raises(InputError, match=said):
+            verb(recording)
+    write_recording(recording, tmp_path / "joint")
+    told = CliRunner().invoke(app, ["validate", str(tmp_path / "joint")])
+    assert told.exit_code == 0
+    assert "expected a run that enters" in told.output
+
+
+def test_the_rate_that_is_asked_for_is_enough():
+    """At the rate that the refusal names the same motion enters."""
+    slow = Joint(sampled_hz=20.0, rates_hz=(1.0, 1.7))
+    (fault,) = AXIS.left_out(slow.recording())
+    rate = float(fault.expected.split("take ")[-1].split(" samples")[0])
+    assert 20 < rate < 200
+    slow.sampled_hz = 1.1 * rate
+    assert runs_of(slow.recording()) is not None
+
+
+def test_an_axis_that_hardly_turns_shows_nothing_of_what_follows_behind():
+    once = runs_of(Joint(rates_hz=(0.05, 0.09), seconds=20.0).recording())
+    assert not {"play", "spring"} & once.offers
+    assert {"play", "spring"} <= runs_of(Joint().recording()).offers
+
+
+def two_roles(payload):
+    light, heavy = Joint(seconds=8.0), Joint(seconds=8.0, inertia=0.06 + payload, seed=2)
+    samples = pd.concat([light.samples("a"), heavy.samples("b")], ignore_index=True)
+    runs = pd.DataFrame({"run": ["a", "b"], "order": [1, 2], "role": ["calibrate", "test"]})
+    return recording_of(samples, runs, force_is="measured")
+
+
+def test_an_effect_in_one_of_two_orders_has_no_other_form_along_order():
+    """A form that varies nothing had a size of 0, by which its amplitude was divided."""
+    runs = runs_of(two_roles(0.02))
+    rows = runs.linear({"axis": Coefficients(0.06, 0.18, 0.0)})
+    effect = runs.suited(all_effects(None)["payload"])
+    forms = other_forms([rows], [(Candidate(effect, "carried", 0.0), 0.02)])
+    assert forms
+    assert all(np.isfinite(one.sd) for one in forms)
+    assert "order" not in {one.axis for one in forms}
