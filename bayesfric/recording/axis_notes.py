@@ -33,7 +33,7 @@ def notes_on_axis(axis: Axis, rig: RigConstants) -> tuple[str, ...]:
     notes = [
         f"axis_samples.csv: run {run}: {held}; repeated readings are left out"
         for run, samples in axis.samples.groupby("run", sort=False)
-        if (held := released(samples, rig.force_is)[1]) is not None
+        if "force_n" in samples and (held := released(samples, rig.force_is)[1]) is not None
     ]
     if len(notes) > LISTED:
         notes = [*notes[:LISTED], f"axis_samples.csv: and {len(notes) - LISTED:,} runs like these"]

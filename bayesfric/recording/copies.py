@@ -9,7 +9,6 @@ honestly: rows are copies where the digits in which readings agree are more than
 import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pandas as pd
@@ -211,14 +210,18 @@ def _alike(ids: pd.Series, columns: list[Array], clock: int) -> Copies:
     clock : int
         Which of them is the time [s].
     """
-    names = ids.to_numpy(dtype=object)
-    starts = np.flatnonzero(np.r_[True, names[1:] != names[:-1]])
-    bounds = [*starts.tolist(), names.size]
+    codes, names = pd.factorize(ids)
+    starts = np.flatnonzero(np.diff(codes, prepend=-1))
+    ends = np.append(starts[1:], codes.size)
+    lasting = np.round(columns[clock][ends - 1] - columns[clock][starts], 9)
+    # What lasts as long, and has as many rows, is looked at.
+    groups = pd.DataFrame({"size": ends - starts, "lasting": lasting})
+    chosen = groups.duplicated(keep=False) & (groups["size"] >= LEAST_SAMPLES)
     found: Copies = {}
     seen: dict[bytes, str] = {}
-    for begin, end in pairwise(bounds):
-        if end - begin < LEAST_SAMPLES:
-            continue
+    for group in np.flatnonzero(chosen).tolist():
+        begin, end = int(starts[group]), int(ends[group])
+        name = str(names[codes[begin]])
         times = columns[clock][begin:end]
         since = np.round(times - times[0], 9)
         measured = [c[begin:end] for place, c in enumerate(columns) if place != clock]
@@ -227,9 +230,9 @@ def _alike(ids: pd.Series, columns: list[Array], clock: int) -> Copies:
         digest = hashlib.sha256()
         for column in (since, *measured):
             digest.update(np.ascontiguousarray(column + 0.0).tobytes())
-        first = seen.setdefault(digest.digest(), str(names[begin]))
-        if first != names[begin]:
-            found[str(names[begin])] = first
+        first = seen.setdefault(digest.digest(), name)
+        if first != name:
+            found[name] = first
     return found
 
 
