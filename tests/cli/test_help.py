@@ -1,8 +1,10 @@
 """Help texts: types that people know, whole summaries, an example, and what can happen."""
 
 import re
+from pathlib import Path
 
 import pytest
+from typer.main import get_command
 from typer.testing import CliRunner
 
 from bayesfric.cli.exits import CAN_HAPPEN, FAILURES, check_fail_on
@@ -64,3 +66,14 @@ def test_what_a_verb_never_has_is_told_and_what_nobody_has_is_refused(capsys):
     )
     with pytest.raises(InputError, match="found 'rain'"):
         check_fail_on("rain", "fit")
+
+
+def test_every_verb_that_computes_takes_the_options_of_the_contract():
+    """Settings, seed, chatter and what fails a job; results go to one folder without a word."""
+    verbs = get_command(app).commands
+    computing = ("run", "simulate", "fit", "claims", "diagnose", "margins", "blind", "calibrate")
+    for name in computing:
+        options = {option for param in verbs[name].params for option in param.opts}
+        assert {"--seed", "--config", "--quiet", "--fail-on"} <= options, name
+        output = [param.default for param in verbs[name].params if param.name == "output"]
+        assert output == ([] if name == "simulate" else [Path("bayesfric-run")]), name
