@@ -11,11 +11,14 @@ import math
 import sys
 import time
 from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
 
 from fingerprint import stored
 from fingerprint.numbers import RELATIVE, Number, moved
 from fingerprint.parts import PARTS
 from threadpoolctl import threadpool_limits
+
+WORKERS = 2
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -24,6 +27,7 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--move", nargs="+", default=[], metavar="PART", help="write these parts")
     parser.add_argument("--why", help="why they moved, as CHANGELOG.md is to say it")
     parser.add_argument("--anew", action="store_true", help="write all, and forget the moves")
+    parser.add_argument("--first", action="store_true", help="stop at the first part that moved")
     parser.add_argument("--times", action="store_true", help="print what each part takes")
     given = parser.parse_args(words)
     chosen = given.move or given.part or list(PARTS)
@@ -31,16 +35,33 @@ def main(words: Sequence[str] | None = None) -> int:
         parser.error(f"no such part: {', '.join(unknown)}; parts are {', '.join(PARTS)}")
     if given.move and not given.why and set(given.move) & set(stored.parts()):
         parser.error("--move needs --why")
+    if given.first:
+        return first(chosen)
     computed = {}
-    with threadpool_limits(limits=1):
-        for part in chosen:
-            start = time.process_time()
-            computed[part] = PARTS[part]()
+    with ProcessPoolExecutor(WORKERS) as executor:
+        for part, (numbers, seconds) in zip(chosen, executor.map(timed, chosen), strict=True):
+            computed[part] = numbers
             if given.times:
-                sys.stdout.write(f"{part:22} {time.process_time() - start:6.2f} s\n")
+                sys.stdout.write(f"{part:22} {seconds:6.2f} s\n")
     if given.anew or given.move:
         return write(computed, given.why, anew=given.anew)
     return compare(computed)
+
+
+def timed(part: str) -> tuple[dict[str, Number], float]:
+    """Return the numbers of a part, and the processor's seconds that they take."""
+    start = time.process_time()
+    with threadpool_limits(limits=1):
+        return PARTS[part](), time.process_time() - start
+
+
+def first(chosen: Sequence[str]) -> int:
+    """Print the first part of which a number has moved; return 1 if there is one."""
+    for part in chosen:
+        if moved(stored.numbers_of(part), timed(part)[0]):
+            sys.stdout.write(f"moved: {part}\n")
+            return 1
+    return 0
 
 
 def compare(computed: dict[str, dict[str, Number]]) -> int:
