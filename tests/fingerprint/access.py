@@ -177,7 +177,11 @@ def given_rest(posterior: Model, point: Point) -> dict[str, np.ndarray]:
         "probabilities of trials": found.trial_cdf[0],
         "probabilities of assemblies": found.setup_cdf[0],
     }
-    return {name: value[np.isfinite(value)] for name, value in values.items() if np.isfinite(value).any()}
+    return {
+        name: value[np.isfinite(value)]
+        for name, value in values.items()
+        if np.isfinite(value).any()
+    }
 
 
 def moving(rig: str) -> Recording:
@@ -202,9 +206,7 @@ def altered(rig: str) -> dict[str, Recording]:
             "all trials enter": (without_roles, events),
             "accelerations in the place of events": (measured(trials, events), events.iloc[:0]),
         }
-        found = {
-            name: replace(whole, gravity=Gravity(*tables)) for name, tables in changed.items()
-        }
+        found = {name: replace(whole, gravity=Gravity(*tables)) for name, tables in changed.items()}
         return found | {"without the trial at rest": moving(rig)}
     if rig == "motor":
         runs = whole.motor.runs

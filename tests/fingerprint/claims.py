@@ -16,7 +16,9 @@ def numbers() -> dict[str, Number]:
         found[f"points, {claim.id}: verdict"] = text(claim.verdict)
         if claim.log10_bayes_factor is not None:
             error = claim.log10_bayes_factor_se
-            found[f"points, {claim.id}: log10 Bayes factor"] = drawn(claim.log10_bayes_factor, error)
+            found[f"points, {claim.id}: log10 Bayes factor"] = drawn(
+                claim.log10_bayes_factor, error
+            )
             found[f"points, {claim.id}: its error"] = drawn(error, 0.1 * error)
         if claim.elpd_difference is not None:
             # It is of draws too, and its error over other assemblies is no error of theirs.

@@ -30,7 +30,9 @@ def _at_fixed_noise(rig: str) -> Iterator[tuple[str, Number]]:
     slopes = rig != "axis"  # small ones are differences of much larger numbers there
     for name, factor in STRENGTHS.items():
         louder = {key: factor * value for key, value in noise.items()}
-        yield from _told(f"nothing acts, noise {name}", access.at_noise(model, louder), slopes=slopes)
+        yield from _told(
+            f"nothing acts, noise {name}", access.at_noise(model, louder), slopes=slopes
+        )
     for effect, law in access.laws_of(model):
         found = access.at_noise(model, noise, [(effect, law, 0.4)])
         yield f"{effect}, {law}: log evidence", closed(found.log_evidence)

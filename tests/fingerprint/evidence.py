@@ -85,12 +85,17 @@ def _of_groups() -> Iterator[tuple[str, Number]]:
 
 def _of_draws() -> Iterator[tuple[str, Number]]:
     rng = np.random.default_rng(475)
-    chain = rng.standard_normal((4, 40, 10)).cumsum(axis=1) * 0.15 + rng.standard_normal((4, 40, 10))
+    chain = rng.standard_normal((4, 40, 10)).cumsum(axis=1) * 0.15 + rng.standard_normal(
+        (4, 40, 10)
+    )
     found = diagnostics.diagnose_draws(chain)
     for name in ("r_hat", "r_hat_walkers", "ess_bulk", "ess_tail", "mcse_mean"):
         yield f"draws: {name}", closed(getattr(found, name))
     yield "draws: batch means", closed(diagnostics.batch_means_ess(chain))
-    yield "draws: R-hat of several", closed(diagnostics.multivariate_r_hat(draws(400).reshape(4, 100, 3)))
+    yield (
+        "draws: R-hat of several",
+        closed(diagnostics.multivariate_r_hat(draws(400).reshape(4, 100, 3))),
+    )
     weights, k = diagnostics.smooth_weights(2 * rng.standard_normal(500))
     yield "weights: Pareto k", integrated(k)
     yield "weights: largest", integrated(np.sort(weights)[-20:])

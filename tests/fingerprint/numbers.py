@@ -92,7 +92,7 @@ def farthest(kept: Number, new: Number) -> float:
 
 def moved(kept: Mapping[str, Number], new: Mapping[str, Number]) -> dict[str, float]:
     """Return names that came, went (both infinity) or moved, with how far in units of the bound."""
-    found = {name: math.inf for name in sorted(set(kept) ^ set(new))}
+    found = dict.fromkeys(sorted(set(kept) ^ set(new)), math.inf)
     for name in sorted(set(kept) & set(new)):
         share = farthest(kept[name], new[name])
         if share > 1:
@@ -109,9 +109,7 @@ def as_json(number: Number) -> dict[str, Any]:
 def from_json(row: Mapping[str, Any]) -> Number:
     """Return a number from what the file has."""
     value = row["value"]
-    return Number(
-        tuple(value) if isinstance(value, list) else value, row["bound"], row["error"]
-    )
+    return Number(tuple(value) if isinstance(value, list) else value, row["bound"], row["error"])
 
 
 def _plain(value: Any) -> float | tuple[float, ...]:

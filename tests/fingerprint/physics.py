@@ -64,7 +64,10 @@ def _of_boards() -> Iterator[tuple[str, object]]:
     yield "motor: recursive friction", motor.recursive_motor_friction(LAW, RUN)
     yield "motor: tension feedback", motor.tension_feedback(LAW, RUN)
     yield "motor: nominal tension", motor.nominal_tension(RUN, np.array([0.8, -0.7, 0.6, -0.5]))
-    yield "motor: load current", motor.load_current(RUN, np.array([0.8, -0.7, 0.6, -0.5]), 0.026, 0.0065)
+    yield (
+        "motor: load current",
+        motor.load_current(RUN, np.array([0.8, -0.7, 0.6, -0.5]), 0.026, 0.0065),
+    )
     yield "cable: stiffness", Cable(14e3, 1.7).stiffness_n_m
 
 

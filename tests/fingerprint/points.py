@@ -128,6 +128,7 @@ def points_of(rig: str) -> dict[str, dict[str, float]]:
     """Return the fixed points of a rig by name; each has all parameters that the rig may have."""
     return {name: BASE[rig] | change for name, change in CHANGES[rig].items()}
 
+
 NOISE = {
     "gravity": {
         "tau": 0.012,

@@ -36,7 +36,18 @@ def kept(tmp_path, monkeypatch):
     monkeypatch.setitem(PARTS, "small", lambda: dict(numbers))
     for part in set(PARTS) - {"small"}:
         monkeypatch.delitem(PARTS, part)
-    lines = ["# Changelog", "", "## Unreleased", "", "### Changed", "", "- Old.", "", "## 0.1.0", ""]
+    lines = [
+        "# Changelog",
+        "",
+        "## Unreleased",
+        "",
+        "### Changed",
+        "",
+        "- Old.",
+        "",
+        "## 0.1.0",
+        "",
+    ]
     stored.CHANGELOG.write_text("\n".join(lines))
     stored.NUMBERS.write_text("{}")
     monkeypatch.setattr(command, "ProcessPoolExecutor", _here)
