@@ -26,12 +26,12 @@ class Altered(NamedTuple):
 
 def altered_formulas() -> list[Altered]:
     """Return all altered formulas."""
-    found, room = [], ""
+    formulas, room = [], ""
     for line in LIST.read_text(encoding="utf-8").splitlines():
         if line.startswith("["):
             room = line.strip("[]")
         elif line:
             where, old, new = line.split(" | ")
             file, _, place = where.partition("#")
-            found.append(Altered(room, file, old, new, int(place or 0)))
-    return found
+            formulas.append(Altered(room, file, old, new, int(place or 0)))
+    return formulas

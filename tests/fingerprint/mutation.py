@@ -79,16 +79,16 @@ def _ordered(room: str, file: str) -> list[str]:
 def _noticed(parts: list[str]) -> str:
     """Return what noticed: the part whose number moved, ``fault`` or ``endless``; else nothing."""
     fork = multiprocessing.get_context("fork")
-    told = fork.SimpleQueue()
-    process = fork.Process(target=_look, args=(parts, told))
+    answers = fork.SimpleQueue()
+    process = fork.Process(target=_look, args=(parts, answers))
     process.start()
     process.join()
     if process.exitcode == -signal.SIGALRM:
         return "endless"
-    return told.get() if not told.empty() else "fault"
+    return answers.get() if not answers.empty() else "fault"
 
 
-def _look(parts: list[str], told: "multiprocessing.queues.SimpleQueue[str]") -> None:
+def _look(parts: list[str], answers: "multiprocessing.queues.SimpleQueue[str]") -> None:
     """Tell the first part of which a number has moved, or nothing; in a process of its own."""
     signal.alarm(SECONDS)
     sys.dont_write_bytecode = True
@@ -97,7 +97,7 @@ def _look(parts: list[str], told: "multiprocessing.queues.SimpleQueue[str]") -> 
     assert package.__file__ is not None
     assert package.__file__.startswith(sys.path[0]), package.__file__
     moved = (part for part in parts if command.first([part]))
-    told.put(next(moved, ""))
+    answers.put(next(moved, ""))
 
 
 if __name__ == "__main__":

@@ -92,12 +92,12 @@ def farthest(kept: Number, new: Number) -> float:
 
 def moved(kept: Mapping[str, Number], new: Mapping[str, Number]) -> dict[str, float]:
     """Return names that came, went (both infinity) or moved, with how far in units of the bound."""
-    found = dict.fromkeys(sorted(set(kept) ^ set(new)), math.inf)
+    shares = dict.fromkeys(sorted(set(kept) ^ set(new)), math.inf)
     for name in sorted(set(kept) & set(new)):
         share = farthest(kept[name], new[name])
         if share > 1:
-            found[name] = share
-    return found
+            shares[name] = share
+    return shares
 
 
 def as_json(number: Number) -> dict[str, Any]:

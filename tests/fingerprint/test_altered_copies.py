@@ -16,11 +16,11 @@ WITH_TAU = {"priors", "evidence", "diagnosis.points"}
 that prior. A motor board has a prior of its own, and so has an axis."""
 
 
-def moved_parts(told):
+def moved_parts(ended):
     """Return the parts that a run told to have moved, and check that it ran to its end."""
-    assert told.stderr == ""
-    assert told.stdout.splitlines()[-1].startswith("fingerprint: ")
-    first = (line.split(" ")[0] for line in told.stdout.splitlines()[1:-1])
+    assert ended.stderr == ""
+    assert ended.stdout.splitlines()[-1].startswith("fingerprint: ")
+    first = (line.split(" ")[0] for line in ended.stdout.splitlines()[1:-1])
     return set(first) & set(stored.parts())
 
 
@@ -36,9 +36,9 @@ def test_names_order_and_words_move_nothing(tmp_path):
     renamed = re.sub(r'"""(?=[A-Z`])', '"""In other words: ', renamed)
     assert renamed != source
     file.write_text(renamed, encoding="utf-8")
-    told = run(folder, "evidence", "diagnosis.points")
-    assert (told.returncode, told.stderr) == (0, "")
-    assert "in 2 parts hold" in told.stdout
+    ended = run(folder, "evidence", "diagnosis.points")
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert "in 2 parts hold" in ended.stdout
 
 
 def test_a_slightly_wider_prior_of_tau_moves_what_it_concerns_alone(tmp_path):
@@ -52,9 +52,9 @@ def test_the_copy_is_what_is_computed(tmp_path):
     """An altered formula of physics moves physics: no other package is in the way."""
     folder = copied(tmp_path)
     altered(folder, "physics/cable.py", "stiffness / np", "2 * stiffness / np")
-    told = run(folder, "physics")
-    assert told.returncode == 1
-    assert "cable: stiffness" in told.stdout
+    ended = run(folder, "physics")
+    assert ended.returncode == 1
+    assert "cable: stiffness" in ended.stdout
 
 
 @pytest.mark.parametrize("row", altered_formulas(), ids=lambda row: f"{row[1]}: {row[2]}")

@@ -74,10 +74,10 @@ def test_a_move_is_written_with_its_reason_and_leaves_what_holds(kept, capsys):
     assert "3 numbers in 1 parts hold" in capsys.readouterr().out
     kept["moving"] = integrated([1.0, 3.001])
     assert command.main([]) == 1
-    told = capsys.readouterr().out
-    assert "moving" in told
-    assert "33.3 × bound" in told
-    assert "steady" not in told
+    printed = capsys.readouterr().out
+    assert "moving" in printed
+    assert "33.3 × bound" in printed
+    assert "steady" not in printed
     assert stored.digest("small") == first
     assert command.main(["--move", "small", "--why", "three was not enough"]) == 0
     assert stored.read()["small"]["steady"]["value"] == 2.0
@@ -99,8 +99,8 @@ def test_a_number_that_is_changed_by_hand_is_told(kept):
     rows = stored.read()
     rows["small"]["steady"]["value"] = 2.1
     stored.NUMBERS.write_text(json.dumps(rows))
-    (told,) = stored.unexplained()
-    assert "small: numbers.json was changed without a move" in told
+    (complaint,) = stored.unexplained()
+    assert "small: numbers.json was changed without a move" in complaint
 
 
 def test_a_reason_that_the_changelog_lacks_is_told(kept):
@@ -110,8 +110,8 @@ def test_a_reason_that_the_changelog_lacks_is_told(kept):
     stored.CHANGELOG.write_text(words)  # a long line may be broken
     assert stored.unexplained() == []
     stored.CHANGELOG.write_text(words.replace("third", "half"))
-    (told,) = stored.unexplained()
-    assert "CHANGELOG.md lacks" in told
+    (complaint,) = stored.unexplained()
+    assert "CHANGELOG.md lacks" in complaint
 
 
 @pytest.mark.parametrize(
