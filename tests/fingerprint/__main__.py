@@ -27,7 +27,6 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--move", nargs="+", default=[], metavar="PART", help="write these parts")
     parser.add_argument("--why", help="why they moved, as CHANGELOG.md is to say it")
     parser.add_argument("--anew", action="store_true", help="write all, and forget the moves")
-    parser.add_argument("--first", action="store_true", help="stop at the first part that moved")
     parser.add_argument("--times", action="store_true", help="print what each part takes")
     given = parser.parse_args(words)
     chosen = given.move or given.part or list(PARTS)
@@ -35,8 +34,6 @@ def main(words: Sequence[str] | None = None) -> int:
         parser.error(f"no such part: {', '.join(unknown)}; parts are {', '.join(PARTS)}")
     if given.move and not given.why and set(given.move) & set(stored.parts()):
         parser.error("--move needs --why")
-    if given.first:
-        return first(chosen)
     computed = {}
     with ProcessPoolExecutor(WORKERS) as executor:
         for part, (numbers, seconds) in zip(chosen, executor.map(timed, chosen), strict=True):
@@ -55,13 +52,10 @@ def timed(part: str) -> tuple[dict[str, Number], float]:
         return PARTS[part](), time.process_time() - start
 
 
-def first(chosen: Sequence[str]) -> int:
-    """Print the first part of which a number has moved; return 1 if there is one."""
-    for part in chosen:
-        if moved(stored.numbers_of(part), timed(part)[0]):
-            sys.stdout.write(f"moved: {part}\n")
-            return 1
-    return 0
+def first_moved(chosen: Sequence[str]) -> str:
+    """Return the first part of which a number has moved; nothing where all hold."""
+    parts = (part for part in chosen if moved(stored.numbers_of(part), timed(part)[0]))
+    return next(parts, "")
 
 
 def compare(computed: dict[str, dict[str, Number]]) -> int:

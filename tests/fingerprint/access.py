@@ -34,6 +34,7 @@ from bayesfric.diagnosis.unknown import unknown_force
 from bayesfric.diagnosis.weighing import log_volume, weigh
 from bayesfric.effects import all_effects
 from bayesfric.effects.candidates import candidates_of
+from bayesfric.effects.candidates import prior_moments as candidate_moments
 from bayesfric.fitting.drawing import draw_posterior
 from bayesfric.fitting.hypothesis import Hypothesis, chart_of, model_of
 from bayesfric.inference import priors as inference_priors
@@ -161,6 +162,11 @@ def prior_quantile(density: Any, normal: np.ndarray) -> np.ndarray:
 def prior_score(density: Any, values: np.ndarray) -> np.ndarray:
     """Return the normal quantiles of values."""
     return inference_priors.to_normal(density, values)
+
+
+def prior_moments(density: Any) -> tuple[float, float]:
+    """Return mean and standard deviation of the normal that a diagnosis has for a prior."""
+    return candidate_moments(density)
 
 
 def given_rest(posterior: Model, point: Point) -> dict[str, np.ndarray]:

@@ -96,8 +96,7 @@ def _look(parts: list[str], answers: "multiprocessing.queues.SimpleQueue[str]") 
     package = import_module("bayesfric")
     assert package.__file__ is not None
     assert package.__file__.startswith(sys.path[0]), package.__file__
-    moved = (part for part in parts if command.first([part]))
-    answers.put(next(moved, ""))
+    answers.put(command.first_moved(parts))
 
 
 if __name__ == "__main__":

@@ -85,7 +85,7 @@ def farthest(kept: Number, new: Number) -> float:
         return float(np.abs(after - before).max() / (ERRORS * kept.error))
     size = np.maximum(np.abs(before), SMALLEST * np.abs(before).max(initial=0.0))
     off = np.abs(after - before)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         share = np.where(off > 0, off / (RELATIVE[kept.bound] * size), 0.0)
     return float(share.max(initial=0.0))
 

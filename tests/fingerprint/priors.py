@@ -2,7 +2,7 @@
 
 import numpy as np
 from fingerprint import access
-from fingerprint.numbers import Number, closed
+from fingerprint.numbers import Number, closed, integrated
 from fingerprint.points import points_of
 
 FAMILIES = {
@@ -27,6 +27,7 @@ def numbers() -> dict[str, Number]:
         prior = access.prior(family, values)
         rows[f"{family}: density"] = closed(access.prior_density(prior, np.array(VALUES)))
         rows[f"{family}: quantile"] = closed(access.prior_quantile(prior, np.array(QUANTILES)))
+        rows[f"{family}: normal in its place"] = integrated(access.prior_moments(prior))
         rows[f"{family}: normal score"] = closed(access.prior_score(prior, np.array(VALUES)))
     for rig in access.RIGS:
         model = access.model(rig)
