@@ -3,14 +3,16 @@
 VENV ?= .venv
 python = "$(VENV)/bin/python"
 
-.PHONY: help setup report docs test quality coverage test-nightly evidence-check release-evidence fuzz mutation \
-	bench clean
+.PHONY: help setup report docs test quality coverage fingerprint fingerprint-mutation \
+	test-nightly evidence-check release-evidence fuzz mutation bench clean
 
 help:
 	@echo 'make report            the bundled recording to posteriors and a PDF, in reports/latest/'
 	@echo 'make docs              the documentation as HTML, in docs/_build/'
 	@echo 'make test              what CI runs: quality, then the tests; minutes'
 	@echo 'make quality           lint, formatting and types'
+	@echo 'make fingerprint       the numbers of all rooms anew, and which of them moved; seconds'
+	@echo 'make fingerprint-mutation  altered formulas that the fingerprint has to notice; minutes'
 	@echo 'make coverage          the tests again, with the branches that they take; 90 % or it fails'
 	@echo 'make test-nightly      cases of the campaigns again, compared with reports/evidence/; an hour'
 	@echo 'make evidence-check    those of the campaigns alone whose numbers have moved; PARTS=… of others'
@@ -40,6 +42,13 @@ quality: setup
 	$(python) -m ruff format --check .
 	$(python) -m mypy
 	@PYTHONPATH=tests $(python) -m campaigns.evidence
+
+# MOVE="part ..." WHY="reason" writes the numbers of these parts, and a line in CHANGELOG.md.
+fingerprint: setup
+	@PYTHONPATH=tests $(python) -m fingerprint $(if $(MOVE),--move $(MOVE) --why "$(WHY)")
+
+fingerprint-mutation: setup
+	PYTHONPATH=tests $(python) -m fingerprint.mutation
 
 # Processes of their own, which xdist's workers are too, leave data that are put together here.
 coverage: setup

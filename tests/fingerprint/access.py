@@ -34,6 +34,7 @@ from bayesfric.diagnosis.unknown import unknown_force
 from bayesfric.diagnosis.weighing import log_volume, weigh
 from bayesfric.effects import all_effects
 from bayesfric.effects.candidates import candidates_of
+from bayesfric.effects.candidates import prior_moments as candidate_moments
 from bayesfric.fitting.drawing import draw_posterior
 from bayesfric.fitting.hypothesis import Hypothesis, chart_of, model_of
 from bayesfric.inference import priors as inference_priors
@@ -103,7 +104,7 @@ def model(
 def suited(data: Data) -> dict[str, Any]:
     """Return all effects in the words of a rig."""
     trials = data.rigs[0]
-    return {name: trials.suited(one) for name, one in all_effects(trials.offers).items()}
+    return {name: trials.suited(effect) for name, effect in all_effects(trials.offers).items()}
 
 
 def possible_effects(rig: str) -> list[tuple[str, str]]:
@@ -163,6 +164,11 @@ def prior_score(density: Any, values: np.ndarray) -> np.ndarray:
     return inference_priors.to_normal(density, values)
 
 
+def prior_moments(density: Any) -> tuple[float, float]:
+    """Return mean and standard deviation of the normal that a diagnosis has for a prior."""
+    return candidate_moments(density)
+
+
 def given_rest(posterior: Model, point: Point) -> dict[str, np.ndarray]:
     """Return log densities and probabilities of trials and assemblies given all others.
 
@@ -170,12 +176,12 @@ def given_rest(posterior: Model, point: Point) -> dict[str, np.ndarray]:
     """
     named = {name: np.array([point[name]]) for name in posterior.names}
     (likelihood,) = posterior.likelihoods
-    found = likelihood.given_rest(named)
+    given = likelihood.given_rest(named)
     values = {
-        "trials": found.trial[0],
-        "assemblies": found.setup[0],
-        "probabilities of trials": found.trial_cdf[0],
-        "probabilities of assemblies": found.setup_cdf[0],
+        "trials": given.trial[0],
+        "assemblies": given.setup[0],
+        "probabilities of trials": given.trial_cdf[0],
+        "probabilities of assemblies": given.setup_cdf[0],
     }
     return {
         name: value[np.isfinite(value)]
@@ -206,8 +212,10 @@ def altered(rig: str) -> dict[str, Recording]:
             "all trials enter": (without_roles, events),
             "accelerations in the place of events": (measured(trials, events), events.iloc[:0]),
         }
-        found = {name: replace(whole, gravity=Gravity(*tables)) for name, tables in changed.items()}
-        return found | {"without the trial at rest": moving(rig)}
+        recordings = {
+            name: replace(whole, gravity=Gravity(*tables)) for name, tables in changed.items()
+        }
+        return recordings | {"without the trial at rest": moving(rig)}
     if rig == "motor":
         runs = whole.motor.runs
         lowering = np.where(np.arange(len(runs)) % 5 == 0, -1.0, 1.0)
@@ -233,11 +241,11 @@ def altered(rig: str) -> dict[str, Recording]:
 def measured(trials: pd.DataFrame, events: pd.DataFrame) -> pd.DataFrame:
     """Return trials with the acceleration of their events, every third without its error."""
     moved, place = ~did_not_move(trials).to_numpy(), np.arange(len(trials))
-    found = np.full(len(trials), np.nan)
+    acceleration = np.full(len(trials), np.nan)
     fits = pilot_fits(events, trials["trial"][moved])
-    found[moved] = fits.acceleration + 0.004 * np.sin(place[moved] * 1.7)
+    acceleration[moved] = fits.acceleration + 0.004 * np.sin(place[moved] * 1.7)
     return trials.assign(
-        acceleration_m_s2=found,
+        acceleration_m_s2=acceleration,
         acceleration_sd_m_s2=np.where(moved & (place % 3 > 0), 0.004, np.nan),
     )
 
@@ -249,11 +257,11 @@ def laplace(posterior: Model) -> Any:
 
 def importance(posterior: Model, seed: int) -> Any:
     """Return the log evidence by importance sampling, with its error."""
-    found = importance_draws(
+    weighed = importance_draws(
         posterior.log_posterior, laplace(posterior), seed, chart_of(posterior), size=1000
     )
-    assert found is not None
-    return found[0]
+    assert weighed is not None
+    return weighed[0]
 
 
 def log_posterior(posterior: Model, point: Point) -> float:
@@ -295,9 +303,9 @@ def small_fit(rig: str) -> dict[str, tuple[np.ndarray, float]]:
     settings = {"seed": 480, "sampler": {"burn": 10, "steps": 60, "thin": 3, "extensions": 0}}
     draws = draw_posterior(posterior, analysis_of(settings))
     theta = posterior.natural(draws.z)
-    told = diagnose_all(theta)
+    convergence = diagnose_all(theta)
     return {
-        name: (theta[..., place].ravel(), told[place].ess_bulk)
+        name: (theta[..., place].ravel(), convergence[place].ess_bulk)
         for place, name in enumerate(posterior.names)
     }
 
@@ -333,19 +341,22 @@ def linear(
     laws = {size: _law_of(size) for size in data.sizes}
     effects = suited(data)
     candidates = [
-        one
+        candidate
         for name, effect in effects.items()
         if names is None or name in names
-        for one in candidates_of(effect)
+        for candidate in candidates_of(effect)
     ]
     added = [
-        (next(one for one in candidates_of(effects[name]) if one.law == law), share * 0.1)
+        (
+            next(candidate for candidate in candidates_of(effects[name]) if candidate.law == law),
+            share * 0.1,
+        )
         for name, law, share in acting
     ]
     plain = LinearModel(data, laws, candidates, analysis, discrepancy=discrepancy, by_trial=True)
     if not added:
         return plain
-    forms = other_forms([one.rows for one in plain.rigs], added)
+    forms = other_forms([linear_rig.rows for linear_rig in plain.rigs], added)
     return LinearModel(
         data, laws, candidates, analysis, scattering=added, forms=forms, by_trial=True
     )
@@ -371,7 +382,7 @@ def _shown(linear_model: LinearModel, law: Any) -> bool:
     """Return whether a rig sees the phases of an effect, where it has any."""
     if not _components(linear_model, law):
         return True
-    return any(one.phase_strength(law.places[0]) > 0 for one in linear_model.rigs)
+    return any(linear_rig.phase_strength(law.places[0]) > 0 for linear_rig in linear_model.rigs)
 
 
 def axes(linear_model: LinearModel) -> tuple[str, ...]:
@@ -429,12 +440,15 @@ def at_noise(
         Whether every second trial alone enters.
     """
     acting, phases = _acting(linear_model, effects)
-    psi = np.log([*(noise[one.name] for one in linear_model.noise), *phases])
+    psi = np.log([*(noise[parameter.name] for parameter in linear_model.noise), *phases])
     force = None if wide is None else Wide(*wide)
     shares = dict.fromkeys(acting.names, FormShare(form)) if form else None
     used = None
     if half:
-        used = {one.rows.name: np.arange(one.setup.size) % 2 == 0 for one in linear_model.rigs}
+        used = {
+            linear_rig.rows.name: np.arange(linear_rig.setup.size) % 2 == 0
+            for linear_rig in linear_model.rigs
+        }
     at = linear_model.evaluate(psi, acting, force, shares, gradient=True, used=used)
     priors = [linear_model.amplitude_prior(law) for law in acting.laws]
     _, sd = linear_model.prior(priors, force, shares)
@@ -442,7 +456,7 @@ def at_noise(
     places = linear_model.places(len(acting.laws))
     spread = np.sqrt(np.diag(at.covariance)[places])
     assert at.gradient is not None
-    names = [one.name for one in linear_model.noise]
+    names = [parameter.name for parameter in linear_model.noise]
     slopes = dict(zip(names, at.gradient, strict=False))
     return AtNoise(
         at.value,
@@ -457,7 +471,14 @@ def _acting(
 ) -> tuple[Acting, list[float]]:
     """Return effects as a hypothesis has them, and amplitudes of those with phases."""
     laws = [
-        (next(one for one in linear_model.lawbook[name] if one.law == law), shape)
+        (
+            next(
+                candidate_law
+                for candidate_law in linear_model.lawbook[name]
+                if candidate_law.law == law
+            ),
+            shape,
+        )
         for name, law, shape in effects
     ]
     components = {law: _components(linear_model, law) for law, _ in laws}
@@ -490,13 +511,13 @@ class Shown:
 
 def windows(linear_model: LinearModel, noise: Point) -> Shown:
     """Return what windows of residual force show at fixed noise."""
-    psi = np.log([noise[one.name] for one in linear_model.noise])
-    found = residuals_of(linear_model, psi)
+    psi = np.log([noise[parameter.name] for parameter in linear_model.noise])
+    residuals = residuals_of(linear_model, psi)
     return Shown(
-        float(np.sqrt(found.weight @ found.residual_n**2)),
-        found.friction_rms,
-        float(np.sqrt(found.weight @ found.variance)),
-        [*(found.weight @ found.scatter), float(found.weight @ found.spread2)],
+        float(np.sqrt(residuals.weight @ residuals.residual_n**2)),
+        residuals.friction_rms,
+        float(np.sqrt(residuals.weight @ residuals.variance)),
+        [*(residuals.weight @ residuals.scatter), float(residuals.weight @ residuals.spread2)],
     )
 
 
@@ -526,26 +547,30 @@ class Searched:
 def searched(rig: str, names: Sequence[str], *, seed: int) -> Searched:
     """Return a search among a few effects around the law, and the gap that it leaves."""
     linear_model = linear(rig, names)
-    start = np.log([NOISE[rig][one.name] for one in linear_model.noise])
+    start = np.log([NOISE[rig][parameter.name] for parameter in linear_model.noise])
     at = climb(linear_model, start, Acting())
     classes = classes_of(linear_model, at.psi)
     linear_model.merge(classes.members)
     curvature = curvature_at(linear_model, at, Acting())
     inverse, volume = np.linalg.inv(curvature), log_volume(curvature)
     none = weigh(linear_model, (), [at.psi], inverse, volume)
-    found = search(linear_model, none, inverse, volume, classes, Steps(weigh, unknown_force))
-    residuals = residuals_of(linear_model.full, found.best().at.psi)
+    hypotheses = search(linear_model, none, inverse, volume, classes, Steps(weigh, unknown_force))
+    residuals = residuals_of(linear_model.full, hypotheses.best().at.psi)
     rng = np.random.default_rng(seed)
-    posterior = posterior_of(linear_model, found, residuals, rng)
-    evidences = {name: one.log_evidence for name, one in found.weighed.items()}
-    if found.unknown is not None:
-        evidences["unknown"] = found.unknown.log_evidence
+    posterior = posterior_of(linear_model, hypotheses, residuals, rng)
+    evidences = {name: weighed.log_evidence for name, weighed in hypotheses.weighed.items()}
+    if hypotheses.unknown is not None:
+        evidences["unknown"] = hypotheses.unknown.log_evidence
     return Searched(
         evidences,
-        {name: chance for name, chance in found.probabilities().items() if chance > 0.01},
+        {name: chance for name, chance in hypotheses.probabilities().items() if chance > 0.01},
         volume,
         _mean(posterior.gap / residuals.friction_rms),
-        {name: _mean(one) for name, one in posterior.strengths.items() if np.ptp(one) > 0},
+        {
+            name: _mean(strength)
+            for name, strength in posterior.strengths.items()
+            if np.ptp(strength) > 0
+        },
     )
 
 
@@ -614,19 +639,19 @@ def simulated() -> dict[str, pd.DataFrame]:
     }
     return {
         f"{name}, {table}": rows
-        for name, one in made.items()
-        for table, rows in _tables(one).items()
+        for name, recorded in made.items()
+        for table, rows in _tables(recorded).items()
     }
 
 
 def _tables(made: Recording) -> dict[str, pd.DataFrame]:
-    found = {}
+    tables = {}
     if made.gravity is not None:
-        found |= {"trials": made.gravity.trials, "events": made.gravity.events}
+        tables |= {"trials": made.gravity.trials, "events": made.gravity.events}
     if made.motor is not None:
-        found |= {"runs": made.motor.runs, "idle": made.motor.idle}
+        tables |= {"runs": made.motor.runs, "idle": made.motor.idle}
     if made.steady is not None:
-        found["points"] = made.steady
+        tables["points"] = made.steady
     if made.axis is not None:
-        found |= {"runs": made.axis.runs, "samples": made.axis.samples}
-    return found
+        tables |= {"runs": made.axis.runs, "samples": made.axis.samples}
+    return tables

@@ -30,24 +30,28 @@ def _at_fixed_noise(rig: str) -> Iterator[tuple[str, Number]]:
     slopes = rig != "axis"  # small ones are differences of much larger numbers there
     for name, factor in STRENGTHS.items():
         louder = {key: factor * value for key, value in noise.items()}
-        yield from _told(
+        yield from _of_hypothesis(
             f"nothing acts, noise {name}", access.at_noise(model, louder), slopes=slopes
         )
     for effect, law in access.laws_of(model):
-        found = access.at_noise(model, noise, [(effect, law, 0.4)])
-        yield f"{effect}, {law}: log evidence", closed(found.log_evidence)
-        yield f"{effect}, {law}: strength", closed(found.strengths)
+        hypothesis = access.at_noise(model, noise, [(effect, law, 0.4)])
+        yield f"{effect}, {law}: log evidence", closed(hypothesis.log_evidence)
+        yield f"{effect}, {law}: strength", closed(hypothesis.strengths)
     pair = [(effect, law, -0.3) for effect, law in access.laws_of(model, SEARCHED[rig])]
-    yield from _told("several act", access.at_noise(model, noise, pair[:3]), slopes=slopes)
+    yield from _of_hypothesis("several act", access.at_noise(model, noise, pair[:3]), slopes=slopes)
     for axis in access.axes(model):
         wide = access.at_noise(model, noise, wide=(0.05, axis))
         yield f"unknown force along {axis}: log evidence", closed(wide.log_evidence)
-    yield from _told("half of the trials", access.at_noise(model, noise, half=True), slopes=slopes)
+    yield from _of_hypothesis(
+        "half of the trials", access.at_noise(model, noise, half=True), slopes=slopes
+    )
     bare = access.linear(rig, discrepancy=False)
-    yield from _told("without discrepancy", access.at_noise(bare, noise), slopes=slopes)
+    yield from _of_hypothesis("without discrepancy", access.at_noise(bare, noise), slopes=slopes)
     acting = [(*access.laws_of(model, SEARCHED[rig][:1])[0], 0.2)]
     formed = access.linear(rig, acting=acting)
-    yield from _told("around an effect", access.at_noise(formed, noise, acting), slopes=slopes)
+    yield from _of_hypothesis(
+        "around an effect", access.at_noise(formed, noise, acting), slopes=slopes
+    )
     wrong = access.at_noise(formed, noise, acting, form=0.3)
     yield "around an effect whose law is wrong: log evidence", closed(wrong.log_evidence)
     shown = access.windows(model, noise)
@@ -57,30 +61,32 @@ def _at_fixed_noise(rig: str) -> Iterator[tuple[str, Number]]:
     yield "windows: scatter", closed(shown.scatter)
 
 
-def _told(name: str, found: Any, *, slopes: bool = True) -> Iterator[tuple[str, Number]]:
-    yield f"{name}: log evidence", closed(found.log_evidence)
-    yield f"{name}: log determinant of the information", closed(found.log_determinant)
-    yield f"{name}: slope by the noise", integrated(np.linalg.norm(found.slopes))
+def _of_hypothesis(
+    name: str, hypothesis: Any, *, slopes: bool = True
+) -> Iterator[tuple[str, Number]]:
+    yield f"{name}: log evidence", closed(hypothesis.log_evidence)
+    yield f"{name}: log determinant of the information", closed(hypothesis.log_determinant)
+    yield f"{name}: slope by the noise", integrated(np.linalg.norm(hypothesis.slopes))
     if slopes:
-        yield f"{name}: slopes by the noise", integrated(found.slopes)
-    yield f"{name}: strengths of effects", closed(found.strengths)
+        yield f"{name}: slopes by the noise", integrated(hypothesis.slopes)
+    yield f"{name}: strengths of effects", closed(hypothesis.strengths)
 
 
 def _of_a_search(rig: str) -> Iterator[tuple[str, Number]]:
-    found = access.searched(rig, SEARCHED[rig], seed=477)
+    search = access.searched(rig, SEARCHED[rig], seed=477)
     # The volume of an axis's noise is one of differences that are as small as rounding; it is
     # nearly the same for all hypotheses.
     whole = rig != "axis"
-    for name, value in found.log_evidence.items():
+    for name, value in search.log_evidence.items():
         if whole:
             yield f"search, {name}: log evidence", integrated(value)
-        gain = value - found.log_evidence["none"]
+        gain = value - search.log_evidence["none"]
         if name != "none":
             yield f"search, {name}: gain over nothing", drawn(gain, 1e-3 if whole else 0.02)
-    for name, chance in found.probabilities.items():
+    for name, chance in search.probabilities.items():
         yield f"search, {name}: probability", drawn(chance, 0.002)
     if whole:
-        yield "search: log volume of the noise", integrated(found.volume)
-    yield "search: systematic gap", drawn(*found.gap)
-    for name, strength in found.strengths.items():
+        yield "search: log volume of the noise", integrated(search.volume)
+    yield "search: systematic gap", drawn(*search.gap)
+    for name, strength in search.strengths.items():
         yield f"search, {name}: strength", drawn(*strength)

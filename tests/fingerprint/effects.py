@@ -65,24 +65,24 @@ def _reading() -> Reading:
 
 def numbers() -> dict[str, Number]:
     """Return what each effect does at two strengths."""
-    found = {}
+    rows = {}
     for name, effect in all_effects(None).items():
         place = _reading() if effect.acts_on == "reading" else _state()
         for kind, laws in (("", effect.laws), (" that turns", effect.turning)):
             for law_name, law in laws.items():
                 done = [law(values, place) for values in _strengths(effect)]
-                flat = np.concatenate([np.broadcast_to(one, (5,)).ravel() if np.ndim(one) == 0
-                                       else np.ravel(one) for one in done])  # fmt: skip
-                found[f"{name}, {law_name}{kind}"] = closed(flat)
-    return found
+                flat = np.concatenate([np.broadcast_to(force, (5,)).ravel() if np.ndim(force) == 0
+                                       else np.ravel(force) for force in done])  # fmt: skip
+                rows[f"{name}, {law_name}{kind}"] = closed(flat)
+    return rows
 
 
 def _strengths(effect: Effect) -> list[dict[str, np.ndarray]]:
     """Return parameters at two quantiles of their priors, of two digits."""
     return [
         {
-            one.name: np.float64(f"{float(from_normal(one.prior, normal)):.2g}")
-            for one in effect.parameters
+            parameter.name: np.float64(f"{float(from_normal(parameter.prior, normal)):.2g}")
+            for parameter in effect.parameters
         }
         for normal in (0.4, 1.3)
     ]

@@ -72,14 +72,14 @@ def _of_a_curved_density() -> Iterator[tuple[str, Number]]:
 def _of_groups() -> Iterator[tuple[str, Number]]:
     rng = np.random.default_rng(474)
     log_likelihood = rng.standard_normal((400, 6)) * np.array([0.1, 0.3, 0.5, 0.8, 1.0, 0.2]) - 3
-    found = evidence.elpd(log_likelihood)
-    yield "left out: log densities", closed(found.pointwise)
-    yield "left out: Pareto k", integrated(found.pareto_k)
+    elpd = evidence.elpd(log_likelihood)
+    yield "left out: log densities", closed(elpd.pointwise)
+    yield "left out: Pareto k", integrated(elpd.pareto_k)
     without = evidence.without_each(log_likelihood)
     probabilities = rng.uniform(size=(400, 6))
     yield "left out: probabilities", closed(evidence.loo_pit(probabilities, without))
     other = evidence.elpd(log_likelihood + 0.1 * rng.standard_normal((400, 6)) + 0.05)
-    apart = evidence.difference(found, other)
+    apart = evidence.difference(elpd, other)
     yield "left out: difference", closed([apart.elpd, apart.se])
 
 
@@ -88,9 +88,9 @@ def _of_draws() -> Iterator[tuple[str, Number]]:
     chain = rng.standard_normal((4, 40, 10)).cumsum(axis=1) * 0.15 + rng.standard_normal(
         (4, 40, 10)
     )
-    found = diagnostics.diagnose_draws(chain)
+    convergence = diagnostics.diagnose_draws(chain)
     for name in ("r_hat", "r_hat_walkers", "ess_bulk", "ess_tail", "mcse_mean"):
-        yield f"draws: {name}", closed(getattr(found, name))
+        yield f"draws: {name}", closed(getattr(convergence, name))
     yield "draws: batch means", closed(diagnostics.batch_means_ess(chain))
     yield (
         "draws: R-hat of several",
@@ -107,8 +107,8 @@ def _of_rigs() -> Iterator[tuple[str, Number]]:
         laplace = access.laplace(model)
         yield f"{rig}: mode's log density", integrated(laplace.log_density)
         yield f"{rig}: Laplace", integrated(_laplace(laplace))
-        found = access.importance(model, 476)
-        yield f"{rig}: importance", drawn(found.log_evidence, found.error)
+        weighed = access.importance(model, 476)
+        yield f"{rig}: importance", drawn(weighed.log_evidence, weighed.error)
         point = points_of(rig)["bulk"]
         yield f"{rig}: log posterior as sampled", closed(access.log_posterior(model, point))
         yield f"{rig}: slope of coordinates", closed(access.coordinates_slope(model, point))
@@ -117,13 +117,13 @@ def _of_rigs() -> Iterator[tuple[str, Number]]:
 def _of_power() -> Iterator[tuple[str, Number]]:
     for prior in (Normal(mean=0.0, sd=0.3), HalfNormal(scale=0.2)):
         name = f"power, {prior.family}"
-        factors = [power.log_bayes_factor(one, 0.04, prior) for one in (0.0, 0.05, 0.2)]
+        factors = [power.log_bayes_factor(estimate, 0.04, prior) for estimate in (0.0, 0.05, 0.2)]
         yield f"{name}: Bayes factors", closed(factors)
         yield f"{name}: smallest found", integrated(power.smallest_found(0.04, prior, 2.3, 0.9))
 
 
-def _laplace(found: Any) -> float:
+def _laplace(normal: Any) -> float:
     """Return the log evidence of a normal approximation."""
-    size = found.mode.size
-    determinant = np.linalg.slogdet(found.covariance)[1]
-    return float(found.log_density + 0.5 * (size * np.log(2 * np.pi) + determinant))
+    size = normal.mode.size
+    determinant = np.linalg.slogdet(normal.covariance)[1]
+    return float(normal.log_density + 0.5 * (size * np.log(2 * np.pi) + determinant))

@@ -15,14 +15,14 @@ CHOSEN = {
 
 def numbers() -> dict[str, Number]:
     """Return what each rig says of every trial and assembly given the others."""
-    found = {}
+    rows = {}
     for rig in access.RIGS:
         bound, model = BOUND[rig], access.model(rig)
         for name in CHOSEN[rig]:
             given = access.given_rest(model, points_of(rig)[name])
-            found |= {f"{rig}: {name}: {of}": bound(value) for of, value in given.items()}
+            rows |= {f"{rig}: {name}: {of}": bound(value) for of, value in given.items()}
         for name, scatter in SCATTER[rig].items():
             heavy = access.model(rig, {"scatter": scatter}, recorded=access.moving(rig))
             given = access.given_rest(heavy, filled(rig, heavy))
-            found |= {f"{rig}: {name}: {of}": bound(value) for of, value in given.items()}
-    return found
+            rows |= {f"{rig}: {name}: {of}": bound(value) for of, value in given.items()}
+    return rows

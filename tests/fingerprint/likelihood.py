@@ -32,19 +32,19 @@ def numbers(rig: str) -> dict[str, Number]:
     """Return the log likelihoods of a rig."""
     bound = BOUND[rig]
     plain = access.model(rig)
-    found = {
+    rows = {
         name: bound(access.log_likelihood(plain, point)) for name, point in points_of(rig).items()
     }
     for law in LAWS[rig]:
-        found[f"law {law}"] = bound(of(rig, law=law))
+        rows[f"law {law}"] = bound(of(rig, law=law))
     for name, law in access.possible_effects(rig):
         # Along a path an effect is reduced to the responses that count, which is no closed form.
-        found[f"effect {name}, {law}"] = integrated(of(rig, effects=[(name, law)]))
+        rows[f"effect {name}, {law}"] = integrated(of(rig, effects=[(name, law)]))
     for name, scatter in SCATTER[rig].items():
-        found[name] = bound(of(rig, settings={"scatter": scatter}, recorded=access.moving(rig)))
+        rows[name] = bound(of(rig, settings={"scatter": scatter}, recorded=access.moving(rig)))
     for name, recorded in access.altered(rig).items():
-        found[name] = bound(of(rig, recorded=recorded))
-    return found
+        rows[name] = bound(of(rig, recorded=recorded))
+    return rows
 
 
 def of(rig: str, **options: Any) -> float:

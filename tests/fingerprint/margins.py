@@ -25,7 +25,7 @@ def _of_a_loop(name: str) -> Iterator[tuple[str, Number]]:
             yield label, integrated(values[np.isfinite(values)])
     yield f"{name}: gamma_hunting by formula", closed(access.hunting_formula(loop))
     swing = access.swing(loop)
-    yield f"{name}: hunts", text(" ".join(str(bool(one)) for one in swing.hunts))
+    yield f"{name}: hunts", text(" ".join(str(bool(hunts)) for hunts in swing.hunts))
     for figure in ("amplitude", "final_error", "rms_error"):
         values = np.asarray(getattr(swing, figure))
         if np.isfinite(values).all():

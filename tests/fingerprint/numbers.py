@@ -85,19 +85,19 @@ def farthest(kept: Number, new: Number) -> float:
         return float(np.abs(after - before).max() / (ERRORS * kept.error))
     size = np.maximum(np.abs(before), SMALLEST * np.abs(before).max(initial=0.0))
     off = np.abs(after - before)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         share = np.where(off > 0, off / (RELATIVE[kept.bound] * size), 0.0)
     return float(share.max(initial=0.0))
 
 
 def moved(kept: Mapping[str, Number], new: Mapping[str, Number]) -> dict[str, float]:
     """Return names that came, went (both infinity) or moved, with how far in units of the bound."""
-    found = dict.fromkeys(sorted(set(kept) ^ set(new)), math.inf)
+    shares = dict.fromkeys(sorted(set(kept) ^ set(new)), math.inf)
     for name in sorted(set(kept) & set(new)):
         share = farthest(kept[name], new[name])
         if share > 1:
-            found[name] = share
-    return found
+            shares[name] = share
+    return shares
 
 
 def as_json(number: Number) -> dict[str, Any]:

@@ -56,7 +56,7 @@ BASE = {"gravity": GRAVITY, "motor": MOTOR, "points": POINTS, "axis": AXIS}
 
 
 def _scatter(tau: str, omega: str, intercept: str | None = None) -> dict[str, dict[str, float]]:
-    found = {
+    changes = {
         "tau near 0": {tau: 1e-7},
         "omega near 0": {omega: 1e-7},
         "tau and omega near 0": {tau: 1e-6, omega: 1e-6},
@@ -64,9 +64,9 @@ def _scatter(tau: str, omega: str, intercept: str | None = None) -> dict[str, di
         "omega far out": {omega: 0.5},
     }
     if intercept:
-        found["intercept scatter near 0"] = {intercept: 1e-7}
-        found["intercept scatter far out"] = {intercept: 0.6}
-    return found
+        changes["intercept scatter near 0"] = {intercept: 1e-7}
+        changes["intercept scatter far out"] = {intercept: 0.6}
+    return changes
 
 
 LAWS = {

@@ -2,7 +2,7 @@
 
 import numpy as np
 from fingerprint import access
-from fingerprint.numbers import Number, closed
+from fingerprint.numbers import Number, closed, integrated
 from fingerprint.points import points_of
 
 FAMILIES = {
@@ -22,14 +22,15 @@ QUANTILES = (-3.0, -1.0, 0.0, 0.5, 2.0, 4.0)
 
 def numbers() -> dict[str, Number]:
     """Return densities and quantiles of families, and log priors of the rigs."""
-    found = {}
+    rows = {}
     for family, values in FAMILIES.items():
         prior = access.prior(family, values)
-        found[f"{family}: density"] = closed(access.prior_density(prior, np.array(VALUES)))
-        found[f"{family}: quantile"] = closed(access.prior_quantile(prior, np.array(QUANTILES)))
-        found[f"{family}: normal score"] = closed(access.prior_score(prior, np.array(VALUES)))
+        rows[f"{family}: density"] = closed(access.prior_density(prior, np.array(VALUES)))
+        rows[f"{family}: quantile"] = closed(access.prior_quantile(prior, np.array(QUANTILES)))
+        rows[f"{family}: normal in its place"] = integrated(access.prior_moments(prior))
+        rows[f"{family}: normal score"] = closed(access.prior_score(prior, np.array(VALUES)))
     for rig in access.RIGS:
         model = access.model(rig)
         for name, point in points_of(rig).items():
-            found[f"{rig}: {name}"] = closed(access.log_prior(model, point))
-    return found
+            rows[f"{rig}: {name}"] = closed(access.log_prior(model, point))
+    return rows

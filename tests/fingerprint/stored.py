@@ -22,22 +22,22 @@ CHANGELOG = HERE.parents[1] / "CHANGELOG.md"
 Numbers = Mapping[str, Number]
 
 
-def read(path: Path = NUMBERS) -> dict[str, dict[str, dict[str, Any]]]:
+def read(path: Path | None = None) -> dict[str, dict[str, dict[str, Any]]]:
     """Return all numbers as they are kept: part, name, then value, bound and error."""
-    return json.loads(path.read_text(encoding="utf-8"))
+    return json.loads((path or NUMBERS).read_text(encoding="utf-8"))
 
 
-def parts(path: Path = NUMBERS) -> tuple[str, ...]:
+def parts(path: Path | None = None) -> tuple[str, ...]:
     """Return the names of all parts that are kept."""
     return tuple(read(path))
 
 
-def numbers_of(part: str, path: Path = NUMBERS) -> dict[str, Number]:
+def numbers_of(part: str, path: Path | None = None) -> dict[str, Number]:
     """Return the numbers of one part; none where nothing is kept of it."""
     return {name: from_json(row) for name, row in read(path).get(part, {}).items()}
 
 
-def digest(part: str, path: Path = NUMBERS) -> str:
+def digest(part: str, path: Path | None = None) -> str:
     """Return 16 hexadecimal digits of the SHA-256 of a part's names, values and bounds.
 
     They are those of the file and not of a new computation. A number that is computed anew
@@ -49,7 +49,7 @@ def digest(part: str, path: Path = NUMBERS) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-def write(all_numbers: Mapping[str, Numbers], path: Path = NUMBERS) -> None:
+def write(all_numbers: Mapping[str, Numbers], path: Path | None = None) -> None:
     """Write all parts, sorted, one number a line."""
     blocks = []
     for part in sorted(all_numbers):
@@ -58,18 +58,19 @@ def write(all_numbers: Mapping[str, Numbers], path: Path = NUMBERS) -> None:
             for name, number in sorted(all_numbers[part].items())
         ]
         blocks.append(f"  {json.dumps(part)}: {{\n" + ",\n".join(rows) + "\n  }")
-    path.write_text("{\n" + ",\n".join(blocks) + "\n}\n", encoding="utf-8")
+    (path or NUMBERS).write_text("{\n" + ",\n".join(blocks) + "\n}\n", encoding="utf-8")
 
 
-def moves(path: Path = MOVES) -> list[dict[str, str | None]]:
+def moves(path: Path | None = None) -> list[dict[str, str | None]]:
     """Return all moves, the newest last."""
+    path = path or MOVES
     return json.loads(path.read_text(encoding="utf-8")) if path.exists() else []
 
 
-def write_moves(entries: list[dict[str, str | None]], path: Path = MOVES) -> None:
+def write_moves(entries: list[dict[str, str | None]], path: Path | None = None) -> None:
     """Write moves, one a line."""
     rows = ",\n".join(f"  {json.dumps(entry, ensure_ascii=False)}" for entry in entries)
-    path.write_text(f"[\n{rows}\n]\n", encoding="utf-8")
+    (path or MOVES).write_text(f"[\n{rows}\n]\n", encoding="utf-8")
 
 
 def changelog_line(part: str, why: str) -> str:
@@ -78,12 +79,12 @@ def changelog_line(part: str, why: str) -> str:
 
 
 def unexplained(
-    numbers: Path = NUMBERS, moves_path: Path = MOVES, changelog: Path = CHANGELOG
+    numbers: Path | None = None, moves_path: Path | None = None, changelog: Path | None = None
 ) -> list[str]:
     """Return what is wrong between numbers, moves and CHANGELOG, a sentence each."""
     entries = moves(moves_path)
     # Lines of a changelog are broken where they get long.
-    said = re.sub(r"\s+", " ", changelog.read_text(encoding="utf-8"))
+    said = re.sub(r"\s+", " ", (changelog or CHANGELOG).read_text(encoding="utf-8"))
     newest: dict[str | None, str | None] = {}
     wrong = []
     for entry in entries:
@@ -104,7 +105,7 @@ def unexplained(
     return wrong
 
 
-def write_reason(part: str, why: str, changelog: Path = CHANGELOG) -> None:
+def write_reason(part: str, why: str, changelog: Path | None = None) -> None:
     """Add the line of a move below the first "### Changed" of the newest version's section.
 
     Raises
@@ -112,6 +113,7 @@ def write_reason(part: str, why: str, changelog: Path = CHANGELOG) -> None:
     SystemExit
         The newest section of the changelog has no such heading.
     """
+    changelog = changelog or CHANGELOG
     text = changelog.read_text(encoding="utf-8")
     newest = re.search(r"^## .*?(?=^## |\Z)", text, flags=re.MULTILINE | re.DOTALL)
     heading = newest and re.search(r"^### Changed\n+", newest.group(), flags=re.MULTILINE)

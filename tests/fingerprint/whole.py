@@ -10,13 +10,13 @@ from fingerprint.numbers import Number, drawn, integrated, text
 
 def of_fit(rig: str) -> dict[str, Number]:
     """Return mean and standard deviation of each parameter, with their Monte Carlo errors."""
-    found: dict[str, Number] = {}
+    rows: dict[str, Number] = {}
     for name, (draws, count) in access.small_fit(rig).items():
         sd = float(draws.std())
-        found[f"{name}: mean"] = drawn(float(draws.mean()), sd / np.sqrt(count))
+        rows[f"{name}: mean"] = drawn(float(draws.mean()), sd / np.sqrt(count))
         excess = float((((draws - draws.mean()) / sd) ** 4).mean()) - 1
-        found[f"{name}: sd"] = drawn(sd, sd * np.sqrt(max(excess, 1.0) / (4 * count)))
-    return found
+        rows[f"{name}: sd"] = drawn(sd, sd * np.sqrt(max(excess, 1.0) / (4 * count)))
+    return rows
 
 
 def of_diagnosis(rig: str) -> dict[str, Number]:
@@ -24,35 +24,35 @@ def of_diagnosis(rig: str) -> dict[str, Number]:
     return dict(_of_diagnosis(access.diagnosis(rig)))
 
 
-def _of_diagnosis(told: Any) -> Iterator[tuple[str, Number]]:
-    yield "verdict", text(told.verdict)
-    yield "verdict: probability", drawn(told.verdict_probability, 0.005)
-    for name, chance in told.probabilities.items():
+def _of_diagnosis(diagnosis: Any) -> Iterator[tuple[str, Number]]:
+    yield "verdict", text(diagnosis.verdict)
+    yield "verdict: probability", drawn(diagnosis.verdict_probability, 0.005)
+    for name, chance in diagnosis.probabilities.items():
         if chance > 0.02:
             yield f"probability of {name}", drawn(chance, 0.002)
-    for effect in told.effects:
+    for effect in diagnosis.effects:
         if effect.log10_bayes_factor is not None:
             yield f"{effect.effect}: log10 Bayes factor", drawn(effect.log10_bayes_factor, 0.002)
-    for name, value in told.scatter.items():
+    for name, value in diagnosis.scatter.items():
         yield f"scatter {name}", drawn(value, 0.002 * value)
-    for name, number in told.law.items():
+    for name, number in diagnosis.law.items():
         yield f"law alone: {name}", drawn(number.before.mean, 0.05 * number.before.sd)
         yield f"law: {name}", drawn(number.after.mean, _error(number.after))
-    gap = told.gap
+    gap = diagnosis.gap
     yield "gap: friction", integrated(gap.friction_rms)
     for name in ("as_shipped", "before", "after", "floor", "systematic", "shrink"):
         interval = getattr(gap, name)
         if interval is not None:
             yield f"gap: {name}", drawn(interval.q50, _error(interval))
-    for cause in (*told.causes, *told.present, *told.possible):
+    for cause in (*diagnosis.causes, *diagnosis.present, *diagnosis.possible):
         yield f"{cause.effect}: law", text(cause.law)
         yield f"{cause.effect}: strength", drawn(cause.strength, 0.02 * cause.strength)
         for name, number in cause.parameters.items():
             yield f"{cause.effect}: {name}", drawn(number.mean, _error(number))
-    yield "causes", text(", ".join(cause.effect for cause in told.causes))
-    yield "present", text(", ".join(cause.effect for cause in told.present))
-    yield "absorbed", text(", ".join(sorted(one.effect for one in told.absorbed)))
-    for axis in told.where:
+    yield "causes", text(", ".join(cause.effect for cause in diagnosis.causes))
+    yield "present", text(", ".join(cause.effect for cause in diagnosis.present))
+    yield "absorbed", text(", ".join(sorted(absorbed.effect for absorbed in diagnosis.absorbed)))
+    for axis in diagnosis.where:
         if axis.share is not None:
             yield f"where: share along {axis.axis}", drawn(axis.share, 0.01)
 
