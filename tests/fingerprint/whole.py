@@ -54,7 +54,7 @@ def _of_diagnosis(diagnosis: Any) -> Iterator[tuple[str, Number]]:
     yield "absorbed", text(", ".join(sorted(absorbed.effect for absorbed in diagnosis.absorbed)))
     for axis in diagnosis.where:
         if axis.share is not None:
-            yield f"where: share along {axis.axis}", drawn(axis.share, 0.01)
+            yield f"where: share along {axis.axis}", drawn(axis.share.mean, _error(axis.share))
 
 
 def _error(interval: Any) -> float:
