@@ -42,6 +42,7 @@ QUIET = 0.003  # of the rms drive force, that a row's error from the position ma
 NARROWEST = 8  # samples on either side of a window's middle
 FEWEST = 4  # the same, where the axis turns too soon for so many
 SMOOTHED = 4  # samples on either side that a speed is of, at the least
+FOLLOWED = 12  # samples in half a window, of the path along which loads are followed
 PASSES = 4  # windows side by side that a pass should have room for
 MOST = 3000  # rows of a recording
 PIECE = 16  # rows of a stretch whose friction wanders as one
@@ -177,7 +178,7 @@ def readings_of(
         part = _of_run(log, test, step, noise, stroke, late_s, limit)
         centres = part["centre"].astype(np.intp)
         path = part.pop("path")
-        paths.append(DrivePath(path, log.interval_s, test, centres, part["way"]))
+        paths.append(_drive_path(path, log.interval_s, test, centres, part["way"]))
         place = np.searchsorted(begin, part.pop("centre"), side="right")
         part["trial"] = np.asarray(trials + place - 1, dtype=np.float64)
         part["piece"] = pieces + _pieces(part.pop("neighbour"), part["trial"])
@@ -197,6 +198,22 @@ def readings_of(
     whole["place"] = np.arange(joined["way"].size)
     followed = Followed(paths)
     return Readings(**whole, **joined, followed=followed, position_sd=noise, half_s=half_s, hop=hop)
+
+
+def _drive_path(
+    path: Array, interval_s: float, test: TestFunction, centres: Whole, way: Array
+) -> DrivePath:
+    """Return the path along which loads are followed, step by step: of no more than it takes.
+
+    Where a window has many samples, every few of them tell the path as well.
+    """
+    every = test.half // FOLLOWED
+    if every < 2:
+        return DrivePath(path, interval_s, test, centres, way)
+    fewer = test_function(test.half // every, every * interval_s)
+    path = path[::every]
+    middles = np.clip(np.round(centres / every), fewer.half, path.size - fewer.half - 1)
+    return DrivePath(path, every * interval_s, fewer, middles.astype(np.intp), way)
 
 
 def _width(logs: Sequence[EvenLog], noise: float, stroke: float) -> tuple[float, float]:
