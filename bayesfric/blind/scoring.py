@@ -4,6 +4,7 @@ from collections.abc import Collection, Mapping, Sequence
 from itertools import permutations
 from typing import Any
 
+from bayesfric.probabilities import total
 from bayesfric.schemas import DiagnosisFile, ScoredCase
 
 __all__ = ["FLAG_SHARE", "LAWS_OF_FORMS", "NO_CLAIM", "OTHERS", "score"]
@@ -212,7 +213,7 @@ def _truth_probability(
             any(_stands_for(name, part, twins) for part in parts) for name in names
         )
 
-    return sum(chance for name, chance in found.probabilities.items() if is_true(name))
+    return total(chance for name, chance in found.probabilities.items() if is_true(name))
 
 
 def _covered(withheld: Sequence[Mapping[str, Any]], found: DiagnosisFile) -> dict[str, bool]:

@@ -30,18 +30,15 @@ from bayesfric.diagnosis.nearby import around_nearby
 from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.remainder import all_left, remainder_of
 from bayesfric.diagnosis.search import Steps, compare, search
+from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
 from bayesfric.diagnosis.shipped import Shipped, held_of, shipped_numbers, shipped_of
+from bayesfric.diagnosis.showing import share_of_friction, why_not_shown
 from bayesfric.diagnosis.simulated import own_law_of, simulator_used
 from bayesfric.diagnosis.squeezing import squeezed
-from bayesfric.diagnosis.stored import curves_of, gap_of
+from bayesfric.diagnosis.stored import contradicts, curves_of, gap_of
 from bayesfric.diagnosis.target import check_target, friction_at
 from bayesfric.diagnosis.unknown import Unknown, unknown_force
-from bayesfric.diagnosis.verdict import (
-    decide,
-    sentence_of,
-    sets_of_one,
-    unseparated_of,
-)
+from bayesfric.diagnosis.verdict import SURE, decide, sets_of_one, unseparated_of
 from bayesfric.diagnosis.weighing import Weighed, weigh
 from bayesfric.diagnosis.where import where_it_lies
 from bayesfric.effects import Effect, with_priors
@@ -220,14 +217,24 @@ def _diagnose(
     residuals, posterior, arms = judged.residuals, judged.posterior, judged.arms
     known, named, settled = judged.known, judged.named, judged.settled
     chances = found.probabilities()
-    friction = residuals.friction_rms
-    above = float(np.mean(posterior.gap >= practical * friction))
-    together = sets_of_one(chances, known, named)
-    of_causes = [one for one in known if one.effect in named]
-    verdict, chance = decide(chances, of_causes, above, together)
-    plain = judged.plain
+    friction, above, plain = residuals.friction_rms, judged.above, judged.plain
     held_out = keeping.record("held-out", HeldOut, lambda: measure_gap(arms, plain, fold_rng))
     gap, left = gap_of(held_out, posterior, residuals, arms, practical, gap_rng, data.unit)
+    gap = gap.model_copy(update=share_of_friction(model, residuals, posterior))
+    contradicted = contradicts(gap)
+    if contradicted:
+        found = found.overruled(frozenset(named))
+        chances = found.probabilities()
+    together = sets_of_one(chances, known, named)
+    not_shown = why_not_shown(found, residuals)
+    verdict, chance = decide(
+        chances,
+        [] if contradicted else [effect for effect in known if effect.effect in named],
+        above,
+        together,
+        none_before=analysis.diagnosis.hypotheses.none,
+        shown=not_shown is None,
+    )
     gap2 = float(np.median(posterior.gap)) ** 2 if above >= MOSTLY else 0.0
     where = where_it_lies(plain, held_out.before, held_out.fold, gap2, where_rng)
     floor = gap.floor.q50 / gap.friction_rms
@@ -244,6 +251,9 @@ def _diagnose(
         return causes_of(names, model, found, posterior, practical, floor, check)
 
     causes, present = told(named), told(judged.present)
+    considered: tuple[Cause, ...] = ()
+    if contradicted:
+        causes, considered = (), causes
     unseparated = unseparated_of(found.classes, together)
     proposals, no_proposal = next_experiment(model, found, chances)
     law_found = law_of_diagnosis(model, psi, posterior, residuals)
@@ -257,6 +267,18 @@ def _diagnose(
         gap_share = float(np.median(posterior.gap)) / friction
         remainder = remainder_of(model, found, best, gap_share, left)
     prior = analysis.diagnosis.hypotheses
+    statement = Statement(
+        verdict,
+        chance,
+        gap,
+        practical,
+        causes,
+        where,
+        unseparated,
+        present,
+        considered,
+        not_shown if 1 - above >= SURE else None,
+    )
     summary = DiagnosisFile(
         **attributes.model_dump(),
         rigs=tuple(one.rig.name for one in data.rigs),
@@ -269,7 +291,7 @@ def _diagnose(
         practical_share=practical,
         verdict=verdict,
         verdict_probability=chance,
-        sentence=sentence_of(verdict, chance, causes, gap, where, unseparated, practical, present),
+        sentence=f"{sentence_of(statement)} {held_out_words(gap, causes or considered)}",
         probabilities=chances,
         hypothesis_prior=prior.model_dump(),
         prior_sensitivity={
@@ -281,6 +303,7 @@ def _diagnose(
         causes=causes,
         present=present,
         possible=told(judged.possible),
+        considered=considered,
         scatter=model.noise.named(settled.psi),
         law=law_found,
         unseparated=unseparated,

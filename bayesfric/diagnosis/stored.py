@@ -13,13 +13,14 @@ from bayesfric.diagnosis.residuals import AXES, Residuals
 from bayesfric.diagnosis.systematic import SMALLEST, Posterior, interval, left_of, shrink_of
 from bayesfric.schemas import Gap
 
-__all__ = ["curves_of", "floor_disagrees", "gap_of"]
+__all__ = ["contradicts", "curves_of", "floor_disagrees", "gap_of"]
 
 NO_CAUSE = "no cause is named, so nothing was added that could shrink the gap"
 NO_PHASES = "where in its round the cause begins differs from trial to trial, unpredictably"
 NO_GAP = "the cause leaves no gap once the law is recalibrated, so that nothing can shrink"
 NO_SHIPPED = "no shipped values were given, and none are published"
 AGREES = 0.01  # probability of as much left by scatter or of as little, down to which they agree
+MISSED = 0.1  # of the squared gap, by which held-out data lie below the model's shrink
 PLACES = ("velocity", "tension", "wrap_angle", "n_pulleys", "displacement", "order")
 
 
@@ -107,6 +108,18 @@ def gap_of(
         trajectory_why=None if trajectory is not None else "no trial has events enough",
     )
     return gap, rest
+
+
+def contradicts(gap: Gap) -> bool:
+    """Return whether held-out data contradict what the model says that causes take away.
+
+    They do where the held-out shrink is known, and its 90 % interval lies more than a tenth
+    below the model's.
+    """
+    held_out = gap.held_out[0].shrink
+    if gap.shrink is None or held_out is None:
+        return False
+    return held_out.q95 + MISSED < gap.shrink.q05
 
 
 def floor_disagrees(left2: float, by_chance: Array, open2: Array) -> str | None:

@@ -6,7 +6,7 @@
 
 from pydantic import BaseModel
 
-from bayesfric.schemas.base import Interval, Provenance, RecordingId
+from bayesfric.schemas.base import Check, Interval, Provenance, Record, RecordingId
 from bayesfric.schemas.calibration import (
     CalibratedQuantity,
     CalibrationCase,
@@ -26,15 +26,18 @@ from bayesfric.schemas.diagnosis import (
     ConditionAsked,
     DiagnosisFile,
     EffectNumber,
+    Enter,
     ExaminedEffect,
     FrictionAsked,
     Gap,
     GapRow,
+    HeldOutDensity,
     Inclusion,
     LawNumber,
     NextExperiment,
     Remainder,
     Shape,
+    SimulatorField,
     SimulatorUsed,
     Unseparated,
 )
@@ -100,6 +103,7 @@ __all__ = [
     "CalibrationFile",
     "Cause",
     "Certificate",
+    "Check",
     "ClaimResult",
     "ClaimsFile",
     "ComparisonFile",
@@ -110,6 +114,7 @@ __all__ = [
     "Detected",
     "DiagnosisFile",
     "EffectNumber",
+    "Enter",
     "Estimate",
     "ExaminedEffect",
     "Excluded",
@@ -122,6 +127,7 @@ __all__ = [
     "Gap",
     "GapRow",
     "Held",
+    "HeldOutDensity",
     "HuntingMap",
     "Inclusion",
     "Interval",
@@ -143,6 +149,7 @@ __all__ = [
     "Provenance",
     "PulleyEvidence",
     "Rate",
+    "Record",
     "RecordingId",
     "ReliabilityBin",
     "Remainder",
@@ -154,6 +161,7 @@ __all__ = [
     "Setting",
     "Shape",
     "Shift",
+    "SimulatorField",
     "SimulatorUsed",
     "Target",
     "TimingsFile",
