@@ -88,7 +88,7 @@ def score(
         correct = correct or (found.verdict in NO_CLAIM and _all_act(names, found))
     own = [bool(one.get("own", False)) for one in withheld]
     strengths = {str(one["name"]): float(one["strength"]) for one in withheld if "strength" in one}
-    shrink = found.gap.shrink
+    shrink = found.gap.shrink_of_model
     covered = None
     if named and shrink is not None and true_shrink is not None:
         covered = shrink.q05 <= true_shrink <= shrink.q95
@@ -119,7 +119,7 @@ def score(
         flagged=flagged,
         remainder_significant=found.remainder.significant,
         shrink=shrink,
-        shrink_why=None if shrink is not None else found.gap.shrink_why,
+        shrink_why=None if shrink is not None else found.gap.shrink_of_model_why,
         true_shrink=true_shrink,
         true_shrink_why=None if true_shrink is not None else NO_TRUE_SHRINK,
         shrink_covered=covered,

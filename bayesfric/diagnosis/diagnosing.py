@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Collection
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -17,8 +17,10 @@ from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.baseline import data_of, fitted_baseline
 from bayesfric.diagnosis.causes import causes_of, inclusion_of
 from bayesfric.diagnosis.checked import Checked, noise_checked
+from bayesfric.diagnosis.checking import attention_of, looked_at
 from bayesfric.diagnosis.classes import classes_of
 from bayesfric.diagnosis.climbing import climb, curvature_at
+from bayesfric.diagnosis.entering import numbers_to_enter
 from bayesfric.diagnosis.examined import examinable, examined_effects, widened
 from bayesfric.diagnosis.forms import other_forms
 from bayesfric.diagnosis.held_out import HeldOut, measure_gap
@@ -36,6 +38,7 @@ from bayesfric.diagnosis.showing import share_of_friction, why_not_shown
 from bayesfric.diagnosis.simulated import own_law_of, simulator_used
 from bayesfric.diagnosis.squeezing import squeezed
 from bayesfric.diagnosis.stored import contradicts, curves_of, gap_of
+from bayesfric.diagnosis.systematic import inclusion
 from bayesfric.diagnosis.target import check_target, friction_at
 from bayesfric.diagnosis.unknown import Unknown, unknown_force
 from bayesfric.diagnosis.verdict import SURE, decide, sets_of_one, unseparated_of
@@ -224,7 +227,8 @@ def _diagnose(
     contradicted = contradicts(gap)
     if contradicted:
         found = found.overruled(frozenset(named))
-        chances = found.probabilities()
+        chances, acting = found.probabilities(), inclusion(found)
+        known = [replace(one, probability=acting.get(one.effect, 0.0)) for one in known]
     together = sets_of_one(chances, known, named)
     not_shown = why_not_shown(found, residuals)
     verdict, chance = decide(
@@ -257,6 +261,7 @@ def _diagnose(
     unseparated = unseparated_of(found.classes, together)
     proposals, no_proposal = next_experiment(model, found, chances)
     law_found = law_of_diagnosis(model, psi, posterior, residuals)
+    to_enter, not_entered = numbers_to_enter(model, law_found, posterior, causes, gap)
     asked_for = None
     if target is not None:
         doubt = chances.get(UNKNOWN, 0.0)
@@ -287,7 +292,7 @@ def _diagnose(
         fixed=tuple(sorted(held)),
         shipped=None if shipped is None else shipped_numbers(law_shipped, data),
         stray_trials=stray,
-        attention=not_followed(analysis),
+        attention=attention_of(analysis, gap, causes, considered),
         practical_share=practical,
         verdict=verdict,
         verdict_probability=chance,
@@ -304,6 +309,8 @@ def _diagnose(
         present=present,
         possible=told(judged.possible),
         considered=considered,
+        enter=to_enter,
+        enter_why=not_entered,
         scatter=model.noise.named(settled.psi),
         law=law_found,
         unseparated=unseparated,
@@ -320,21 +327,7 @@ def _diagnose(
         target=asked_for,
     )
     amplitudes = {name: posterior.amplitudes[name] for name in named}
-    return summary, curves_of(held_out, amplitudes, posterior.law)
-
-
-def not_followed(analysis: Analysis) -> tuple[str, ...]:
-    """Return, in sentences, the settings that a diagnosis does not follow."""
-    scatter = analysis.scatter
-    return tuple(
-        f"The scatter of {of} is taken as normal in a diagnosis: scatter.{key} = "
-        f'"{value}" holds for fits and claims.'
-        for key, value, of in (
-            ("trial", scatter.trial, "trials"),
-            ("assembly", scatter.assembly, "assemblies"),
-        )
-        if value != "normal"
-    )
+    return looked_at(summary), curves_of(held_out, amplitudes, posterior.law)
 
 
 def _first_look(model: LinearModel, at: At, steps: Steps) -> Search:

@@ -101,10 +101,10 @@ def held_out_words(gap: Gap, causes: Sequence[Cause]) -> str:
     """Return what held-out data say, a sentence; that they cannot tell is one too."""
     row = gap.held_out[0]
     them = "it" if len(causes) == 1 else "them"
-    if causes and row.shrink is not None:
-        return f"Of data held out, adding {them} takes {_share(row.shrink)} of the squared gap."
+    if causes and gap.shrink is not None:
+        return f"Of data held out, adding {them} takes {_share(gap.shrink)} of the squared gap."
     if causes:
-        return f"Data held out cannot tell what adding {them} takes: {row.shrink_why}."
+        return f"Data held out cannot tell what adding {them} takes: {gap.shrink_why}."
     sizes = f"({row.before.q50:.3g} {gap.unit} rms beside {row.floor.q50:.3g} {gap.unit})"
     if row.below_floor <= RARELY:
         return f"The law misses data held out by more than scatter explains {sizes}."
@@ -174,10 +174,10 @@ def _unknown(told: Statement) -> str:
         names = " and ".join(effect.effect for effect in told.considered)
         fit = "fits" if len(told.considered) == 1 else "fit"
         miss = "misses" if len(told.considered) == 1 else "miss"
-        model, row = told.gap.shrink, told.gap.held_out[0]
+        model, seen = told.gap.shrink_of_model, told.gap.shrink
         beside = ""
-        if model is not None and row.shrink is not None:
-            beside = f": {row.shrink.q50:.0%} of the squared gap against {model.q50:.0%}"
+        if model is not None and seen is not None:
+            beside = f": {seen.q50:.0%} of the squared gap against {model.q50:.0%}"
         return (
             f"A gap of {told.size}{small}is there{place}; {names} {fit} what was recorded and "
             f"{miss} what was held out{beside}. Something else acts {told.chance}."
@@ -201,10 +201,10 @@ def _named(told: Statement) -> str:
     them = "it" if len(told.causes) == 1 else "them"
     if told.rivals:
         beside = f" One of {told.rivals} acts beside {them}; these data cannot tell which."
-    if told.gap.shrink is not None:
+    if told.gap.shrink_of_model is not None:
+        taken = _share(told.gap.shrink_of_model)
         shrunk = (
-            f" The systematic gap is {told.size}; adding {them} takes {_share(told.gap.shrink)} "
-            "of its square away."
+            f" The systematic gap is {told.size}; adding {them} takes {taken} of its square away."
         )
     return f"{told.acting} {told.chance}.{shrunk}{beside}"
 

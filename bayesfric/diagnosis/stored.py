@@ -93,10 +93,10 @@ def gap_of(
     left2 = float(held_out.rows[0][1].after.sum())
     disagrees = floor_disagrees(left2, held_out.by_chance, open2)
     gap = Gap(
-        **first.model_dump(exclude={"name", "shrink", "shrink_why", "below_floor"}),
+        **first.model_dump(exclude={"name", "below_floor"}),
         unit=unit,
-        shrink=shrink,
-        shrink_why=why,
+        shrink_of_model=shrink,
+        shrink_of_model_why=why,
         systematic=interval(posterior.gap),
         probability_above_practical=float(np.mean(posterior.gap >= practical * friction)),
         floor_agrees=disagrees is None,
@@ -116,10 +116,9 @@ def contradicts(gap: Gap) -> bool:
     They do where the held-out shrink is known, and its 90 % interval lies more than a tenth
     below the model's.
     """
-    held_out = gap.held_out[0].shrink
-    if gap.shrink is None or held_out is None:
+    if gap.shrink is None or gap.shrink_of_model is None:
         return False
-    return held_out.q95 + MISSED < gap.shrink.q05
+    return gap.shrink.q95 + MISSED < gap.shrink_of_model.q05
 
 
 def floor_disagrees(left2: float, by_chance: Array, open2: Array) -> str | None:

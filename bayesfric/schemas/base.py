@@ -28,6 +28,10 @@ class Because:
     reason: str
 
 
+def _missing(value: Any) -> bool:
+    return value is None or (isinstance(value, tuple | list) and not value)
+
+
 class Record(BaseModel):
     """Frozen, without unknown keys, and with a reason for what is null."""
 
@@ -44,7 +48,7 @@ class Record(BaseModel):
             for one in field.metadata
             if isinstance(one, Because)
             and data.get(name) is None
-            and data.get(name.removesuffix("_why")) is None
+            and _missing(data.get(name.removesuffix("_why")))
         }
         return data | given
 

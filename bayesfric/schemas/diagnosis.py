@@ -206,10 +206,15 @@ class Gap(Record):
     )
     floor_disagreement_why: Annotated[Why, Because("they agree")] = None
     shrink: Interval | None = Field(
-        description="Part of the squared systematic gap that the causes take away: its "
-        "posterior. `held_out` has the figures of data that the fit has not seen."
+        description="(before² − after²) / (before² − floor²) of data held out; null where the "
+        "gap before is above the floor with less than 0.95."
     )
     shrink_why: str | None = Field(None, description="Why there is none.")
+    shrink_of_model: Interval | None = Field(
+        None,
+        description="Part of the squared systematic gap that the causes take away: its posterior.",
+    )
+    shrink_of_model_why: Annotated[Why, Because("no cause is named")] = None
     friction_rms: Number = Field(description="Of the baseline's friction, same weights [N].")
     no_share: str | None = Field(
         None,
@@ -307,7 +312,7 @@ class Enter(Record):
     lost_without: Number | None = Field(
         None, description="Rms force that stays wrong where no simulator has a field."
     )
-    lost_without_why: Annotated[Why, Because("it is not computed yet")] = None
+    lost_without_why: Annotated[Why, Because("a simulator has a field for it")] = None
 
 
 class SimulatorUsed(Record):

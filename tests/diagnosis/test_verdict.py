@@ -169,11 +169,9 @@ def test_no_share_is_told_of_friction_that_may_be_nothing():
 def test_the_sentence_says_what_data_held_out_say():
     gap, viscous = diagnosis().gap, [cause("viscous")]
     assert "takes 98.1% [97.4%, 98.8%] of the squared gap" in held_out_words(gap, viscous)
-    first, *others = gap.held_out
-    nothing = first.model_copy(
-        update={"shrink": None, "shrink_why": "the gap is as likely below", "below_floor": 0.4}
-    )
-    open_still = gap.model_copy(update={"held_out": (nothing, *others)})
+    nothing = gap.held_out[0].model_copy(update={"below_floor": 0.4})
+    why = {"shrink": None, "shrink_why": "the gap is as likely below"}
+    open_still = gap.model_copy(update=why | {"held_out": (nothing,)})
     assert "cannot tell what adding it takes: the gap is as likely" in held_out_words(
         open_still, viscous
     )
@@ -183,9 +181,8 @@ def test_the_sentence_says_what_data_held_out_say():
 
 def test_what_is_held_out_overrules_causes_in_the_sentence():
     gap = diagnosis().gap
-    row = gap.held_out[0]
     low = Interval(mean=0.42, sd=0.1, q05=0.3, q50=0.42, q95=0.55)
-    gap = gap.model_copy(update={"held_out": (row.model_copy(update={"shrink": low}),)})
+    gap = gap.model_copy(update={"shrink": low})
     sentence = told("unknown", gap, 0.02, considered=[cause("viscous"), cause("stribeck")])
     assert "viscous and stribeck fit what was recorded and miss what was held out" in sentence
     assert "42% of the squared gap against 98%" in sentence
@@ -199,10 +196,8 @@ def test_held_out_data_overrule_where_their_interval_is_a_tenth_below(low, high,
     """The model's interval begins at 0.974."""
     gap = diagnosis().gap
     shrink = Interval(mean=low, sd=0.1, q05=low, q50=0.5 * (low + high), q95=high)
-    row = gap.held_out[0].model_copy(update={"shrink": shrink})
-    assert contradicts(gap.model_copy(update={"held_out": (row,)})) == expected
-    unknown = row.model_copy(update={"shrink": None, "shrink_why": "it is not known"})
-    assert not contradicts(gap.model_copy(update={"held_out": (unknown,)}))
+    assert contradicts(gap.model_copy(update={"shrink": shrink})) == expected
+    assert not contradicts(gap.model_copy(update={"shrink": None, "shrink_why": "not known"}))
 
 
 def test_effects_of_which_one_acts_beside_a_cause_are_in_the_sentence():
@@ -220,7 +215,7 @@ def test_effects_of_which_one_acts_beside_a_cause_are_in_the_sentence():
 )
 def test_a_shrink_is_never_told_as_all_of_the_gap(low, words):
     shrink = Interval(mean=0.99, sd=0.01, q05=low, q50=max(low, 0.99), q95=max(low, 0.995))
-    gap = diagnosis().gap.model_copy(update={"shrink": shrink, "shrink_why": None})
+    gap = diagnosis().gap.model_copy(update={"shrink_of_model": shrink})
     assert words in told("named", gap, 0.02, [cause("viscous")])
 
 

@@ -20,7 +20,7 @@ ROWS = (
     ("recording",),
     ("logs",),
     ("paper", "families", "priors", "analysis", "schemas"),
-    ("physics",),
+    ("physics", "invariants"),
     ("campaign", "checkpoint", "interrupts", "progress"),
     ("inference",),
     ("effects", "simulators"),
@@ -57,6 +57,7 @@ ONLY = {
     "checkpoint": set(),  # any computation
     "interrupts": set(),  # whatever must be whole
     "progress": set(),  # any stage
+    "invariants": {"schemas"},  # any stored result
     "families": set(),  # densities, of whatever
     "inference": {"families", "analysis", "checkpoint"},  # any density; analysis has its settings
     "blind/engines": {"recording"},  # realities of another hand share no physics with us
