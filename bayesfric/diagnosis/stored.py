@@ -91,7 +91,7 @@ def gap_of(
     # Windows average over what goes round with the pulleys.
     open2 = (posterior.gap**2 if open2 is None else open2) - posterior.hidden2
     left2 = float(held_out.rows[0][1].after.sum())
-    disagrees = floor_disagrees(left2, held_out.by_chance, open2)
+    disagrees = floor_disagrees(left2, held_out.by_chance, open2, unit)
     gap = Gap(
         **first.model_dump(exclude={"name", "below_floor"}),
         unit=unit,
@@ -121,7 +121,7 @@ def contradicts(gap: Gap) -> bool:
     return gap.shrink.q95 + MISSED < gap.shrink_of_model.q05
 
 
-def floor_disagrees(left2: float, by_chance: Array, open2: Array) -> str | None:
+def floor_disagrees(left2: float, by_chance: Array, open2: Array, unit: str = "N") -> str | None:
     """Return in which way held-out data and the model contradict each other, if they do.
 
     Parameters
@@ -132,6 +132,8 @@ def floor_disagrees(left2: float, by_chance: Array, open2: Array) -> str | None:
         Draws of it for a law that is right [N²].
     open2 : ndarray, shape (S,)
         Draws of the squared systematic gap that the causes leave [N²].
+    unit : str
+        Of a force.
     """
     expected2 = np.add.outer(by_chance, open2)
     less = float(np.mean(expected2 < left2))
@@ -139,8 +141,8 @@ def floor_disagrees(left2: float, by_chance: Array, open2: Array) -> str | None:
         return None
     left, expected = 1e3 * np.sqrt([max(left2, 0.0), max(float(np.median(expected2)), 0.0)])
     return (
-        f"data held out leave {left:.3g} mN, {'less' if less < AGREES else 'more'} than friction's "
-        f"scatter and the gap that is left would make ({expected:.3g} mN)"
+        f"data held out leave {left:.3g} m{unit}, {'less' if less < AGREES else 'more'} than friction's "
+        f"scatter and the gap that is left would make ({expected:.3g} m{unit})"
     )
 
 

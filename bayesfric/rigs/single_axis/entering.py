@@ -63,7 +63,9 @@ def entering(
         for part in range(parts):
             name = run["run"] if parts == 1 else f"{run['run']}/{part + 1}"
             rows.append({**run.to_dict(), "trial": str(name)})
-    found = within_limit(logs, starts, constants.encoder_resolution) if logs else None
+    measured = constants.force_is == "measured"
+    resolution = constants.encoder_resolution
+    found = within_limit(logs, starts, resolution, measured=measured) if logs else None
     if found is None:
         return None
     readings, limit = found

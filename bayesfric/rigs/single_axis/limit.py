@@ -55,17 +55,22 @@ class Limit(NamedTuple):
 
 
 def within_limit(
-    logs: Sequence[EvenLog], starts: Sequence[Whole], resolution: float | None
+    logs: Sequence[EvenLog],
+    starts: Sequence[Whole],
+    resolution: float | None,
+    *,
+    measured: bool = False,
 ) -> tuple[Readings, Limit] | None:
     """Reduce runs to rows as :func:`readings_of` does, beyond no limit that their drive has.
 
     The limit comes with them: rows that were read within one hold part of what it explains, and
-    tell it less.
+    tell it less. A force that was `measured` is the one that acts, and none of it is lost.
     """
     rows = readings_of(logs, starts, resolution)
     if rows is None:
         return None
-    limit = drive_limit(rows)
+    none = Limit(float(np.abs(rows.drive).max()), 0.0)
+    limit = none if measured else drive_limit(rows)
     if not limit.there:
         return rows, limit
     within = readings_of(logs, starts, resolution, limit=limit.force)
