@@ -29,7 +29,8 @@ from bayesfric.rigs.linear import Evaluated, LinearRig
 
 __all__ = ["LinearModel"]
 
-LEAST = {"c1": 1e-5, "c2": 1e-5, "c3": -np.inf}  # a law whose friction is above zero
+# Of the scale of a coefficient, whatever the units: a law whose friction is above zero.
+LEAST = {"c1": 2e-4, "c2": 5e-5, "c3": -np.inf}
 
 
 class LinearModel:
@@ -104,6 +105,7 @@ class LinearModel:
             tuple(len(one) for one in nuisances),
         )
         self.scales = scales_of_numbers(
+            data.sizes,
             analysis.priors,
             own,
             self.candidates,
@@ -368,7 +370,8 @@ class LinearModel:
         origin = np.array([[float(np.asarray(one)) for one in self.laws[size]]
                            for size in self.layout.sizes])  # fmt: skip
         least = np.array([LEAST[name] for name in Coefficients._fields])
-        moved = np.maximum(origin + moves * self.scales[: least.size], least)
+        scale = self.scales[: least.size]
+        moved = np.maximum(origin + moves * scale, least * scale)
         return np.asarray(np.where(self.free, moved, origin))
 
     def candidate(self, law: Law, shape: float) -> Candidate:
