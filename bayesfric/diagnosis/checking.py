@@ -61,9 +61,10 @@ def attention_of(
         if not effect.plausible:
             name, number = next(iter(effect.parameters.items()))
             low, high = effect.plausible_range
+            unit = "" if number.unit == "1" else f" {number.unit}"
             lines.append(
                 f"{effect.effect} is larger or smaller than is plausible: {name} is "
-                f"{number.q50:.3g} {number.unit}, outside of {low:.3g} to {high:.3g} "
+                f"{number.q50:.3g}{unit}, outside of {low:.3g} to {high:.3g} "
                 f"({effect.plausible_reference})."
             )
     return tuple(lines)

@@ -41,7 +41,7 @@ from bayesfric.diagnosis.stored import contradicts, curves_of, gap_of
 from bayesfric.diagnosis.systematic import inclusion
 from bayesfric.diagnosis.target import check_target, friction_at
 from bayesfric.diagnosis.unknown import Unknown, unknown_force
-from bayesfric.diagnosis.verdict import SURE, decide, sets_of_one, unseparated_of
+from bayesfric.diagnosis.verdict import decide, sets_of_one, unseparated_of
 from bayesfric.diagnosis.weighing import Weighed, weigh
 from bayesfric.diagnosis.where import where_it_lies
 from bayesfric.effects import Effect, with_priors
@@ -282,7 +282,7 @@ def _diagnose(
         unseparated,
         present,
         considered,
-        not_shown if 1 - above >= SURE else None,
+        not_shown if above < MOSTLY else None,
     )
     summary = DiagnosisFile(
         **attributes.model_dump(),

@@ -141,6 +141,8 @@ def _no_gap(told: Statement) -> str:
 
 def _undecided(told: Statement) -> str:
     gap, share = told.gap, told.share
+    if told.not_shown is not None and gap.no_share is not None:
+        return f"These data could not have shown a gap: {told.not_shown}; {gap.no_share}."
     if told.not_shown is not None:
         return (
             f"These data could not have shown a gap of {share:.1%} of friction: {told.not_shown}."

@@ -100,7 +100,8 @@ def _friction_draws(model: LinearModel, residuals: Residuals, posterior: Posteri
         law = laws[size]
         for column, name in enumerate(Coefficients._fields):
             middle, step = float(np.asarray(law[column])), float(moved[:, place, column].std())
-            if step == 0:
+            shown = residuals.columns[residuals.size == place, column].any()
+            if step == 0 or not shown:  # a number that does nothing here is not known either
                 continue
             beside = {**laws, size: law._replace(**{name: middle + step})}
             above = np.concatenate([rig.linear(beside).friction_n for rig in model.data.rigs])

@@ -120,8 +120,8 @@ def diagnosis(**changes: object) -> DiagnosisFile:
         "probability 0.971; adding it closes 98 % of the systematic gap on held-out assemblies.",
         "probabilities": {
             "viscous": 0.971, "viscous+stribeck": 0.0091, "viscous+air-drag": 0.0069,
-            "air-drag": 0.0054, "stribeck": 0.004, "unknown": 0.002, "presliding": 0.001, "none": 0.0001, "fixed-drag": 0.0003,
-            "runout": 0.0002,
+            "air-drag": 0.0054, "stribeck": 0.004, "unknown": 0.002, "presliding": 0.001,
+            "none": 0.0001, "fixed-drag": 0.0003, "runout": 0.0002,
         },
         "hypothesis_prior": {
             "none": 0.5, "one": 0.3, "two": 0.08, "three or more": 0.02, "unknown": 0.1,
