@@ -1,8 +1,54 @@
-"""How a probability is written, in sentences and in tables alike."""
+"""How probabilities are added and written, in sentences and in tables alike.
 
-__all__ = ["bound_of", "stated", "stated_of_draws"]
+Sums of floating-point probabilities miss 1 by rounding. They are made probabilities here and
+nowhere else, so that no reader meets 1.0000000000000002.
+"""
+
+import math
+from collections.abc import Iterable, Mapping
+
+__all__ = ["bound_of", "normalised", "stated", "stated_of_draws", "total"]
+
+ROUNDING = 1e-9  # by which a sum of probabilities may miss what it should be
 
 LEAST = 0.001  # below it, and as close to 1, a probability is stated as a bound
+
+
+def normalised(weights: Mapping[str, float]) -> dict[str, float]:
+    """Return probabilities that are proportional to weights and add up to 1.
+
+    Parameters
+    ----------
+    weights : mapping of str to float
+        At least one above 0; one that rounding took below 0 counts as 0.
+
+    Raises
+    ------
+    ValueError
+        A weight is not finite, or clearly below 0, or none is above 0.
+    """
+    largest = max(weights.values(), default=0.0)
+    if not all(math.isfinite(w) and w >= -ROUNDING * largest for w in weights.values()):
+        raise ValueError(f"expected weights of 0 or more, got {dict(weights)!r}")
+    kept = {name: max(float(weight), 0.0) for name, weight in weights.items()}
+    whole = math.fsum(kept.values())
+    if whole <= 0:
+        raise ValueError("expected a weight above 0")
+    return {name: min(weight / whole, 1.0) for name, weight in kept.items()}
+
+
+def total(probabilities: Iterable[float]) -> float:
+    """Return the sum of probabilities of events that exclude one another.
+
+    Raises
+    ------
+    ValueError
+        The sum is outside of 0 to 1 by more than rounding.
+    """
+    whole = math.fsum(probabilities)
+    if not -ROUNDING <= whole <= 1 + ROUNDING:
+        raise ValueError(f"expected probabilities that add up to 1 at most, got {whole!r}")
+    return min(max(whole, 0.0), 1.0)
 
 
 def stated(p: float, least: float = LEAST) -> str:

@@ -57,6 +57,15 @@ ARRAYS = {
     "diagnosis.json": ("diagnosis.nc",),
 }
 """What each JSON file is written with."""
+VERBS = {
+    "fit.json": "fit RECORDING",
+    "claims.json": "claims RECORDING",
+    "diagnosis.json": "diagnose RECORDING",
+    "margins.json": "margins LOOP.toml --draws DRAWS.nc",
+    "scorecard.json": "blind",
+    "calibration.json": "calibrate",
+}
+"""By which a JSON file of another version is made anew."""
 ENGINE: Literal["netcdf4"] = "netcdf4"
 """Of xarray: it reads and writes eight times faster than h5netcdf does."""
 LARGEST_ARRAY = 1024**3  # bytes; draws.nc has 20 MB
@@ -308,6 +317,8 @@ def _unlike(path: Path, model: type[BaseModel], detail: Any) -> Fault:
     key = ".".join(map(str, detail["loc"])) or None
     if key == "schema":
         wanted = f"a file of {model.model_fields['schema_'].default}"
+        if verb := VERBS.get(path.name):
+            wanted += f": run `bayesfric {verb} -o {path.parent}` again"
         return Fault(str(path), wanted, column=key, value=str(detail["input"]))
     return Fault(str(path), f"a file that bayesfric writes ({detail['msg']})", column=key)
 

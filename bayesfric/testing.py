@@ -1,6 +1,9 @@
-"""Checks of an effect, for its author: run them on a file of your own before you use it."""
+"""Checks for others: of an effect of their own, and of a stored result in their CI."""
 
+import json
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy import integrate
@@ -8,10 +11,13 @@ from scipy import integrate
 from bayesfric.arrays import Array
 from bayesfric.effects import PULLEYS, Effect, Reading, State, effect_of_file
 from bayesfric.errors import Fault, InputError
+from bayesfric.files import file_bytes
 from bayesfric.inference.priors import from_normal, log_density
+from bayesfric.invariants import check_record
 from bayesfric.physics.friction import Coefficients
+from bayesfric.schemas import Check
 
-__all__ = ["EffectError", "check_effect", "checked"]
+__all__ = ["EffectError", "check_effect", "check_result", "checked"]
 
 UNITS = {
     "1",
@@ -158,6 +164,49 @@ def _value(effect: Effect, name: str, amplitude: float | Array, where_at: State 
             f"go with {shape}"
         )
     return np.broadcast_to(found, shape)
+
+
+def check_result(result: Mapping[str, Any] | Path | str) -> list[Check]:
+    """Return what must hold of a stored result, and whether it does.
+
+    Parameters
+    ----------
+    result : mapping, path or str
+        ``fit.json``, ``claims.json``, ``diagnosis.json``, ``margins.json`` or
+        ``scorecard.json``: the file, or what is in it.
+
+    Returns
+    -------
+    list of Check
+        Each invariant of such a result, with ``holds``; where it does not hold, ``detail``
+        says what breaks it. The list of all is in docs/results.md.
+
+    Raises
+    ------
+    InputError
+        The file is not there, is no JSON, or is of another kind.
+
+    Examples
+    --------
+    >>> checks = check_result("bayesfric-run/diagnosis.json")  # doctest: +SKIP
+    >>> [check.detail for check in checks if not check.holds]  # doctest: +SKIP
+    []
+    """
+    if isinstance(result, Mapping):
+        where, record = "result", result
+    else:
+        where = str(result)
+        try:
+            record = json.loads(file_bytes(Path(result)))
+        except ValueError as error:
+            raise InputError([Fault(where, f"a JSON file ({error})")]) from error
+        if not isinstance(record, Mapping):
+            raise InputError([Fault(where, "a result that bayesfric writes")])
+    try:
+        return list(check_record(record))
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        expected = f"a result that bayesfric writes ({type(error).__name__}: {error})"
+        raise InputError([Fault(where, expected)]) from error
 
 
 def checked(effect: Effect, path: Path) -> Effect:

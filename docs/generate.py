@@ -16,6 +16,7 @@ from bayesfric.claims import registered
 from bayesfric.cli import app
 from bayesfric.effects import all_effects
 from bayesfric.inference.priors import describe
+from bayesfric.invariants import statements
 from bayesfric.margins import loop_file
 from bayesfric.schemas import SCHEMAS
 
@@ -35,8 +36,37 @@ def pages() -> dict[str, str]:
         "loop.md": _loop(),
         "effects.md": _effects(),
         "claims.md": _claims(),
+        "results.md": _results(),
         "cli.md": _cli(),
     }
+
+
+def _results() -> str:
+    lines = [
+        "# What holds of every result",
+        "",
+        "Whatever the data were, a stored result obeys the rules below. What breaks one is a",
+        "fault of the computation, and no finding: a diagnosis then says so in `checks` and",
+        "`attention`, and its verdict is `undecided`. `bayesfric report` runs the rules of every",
+        "file that it reads, and a test or a CI job of yours can run them on a file:",
+        "",
+        "```python",
+        "from bayesfric.testing import check_result",
+        "",
+        'checks = check_result("bayesfric-run/diagnosis.json")',
+        "assert all(check.holds for check in checks)",
+        "```",
+        "",
+        "Each check has a `check` (its name), `holds`, and `detail`, which says what breaks it.",
+    ]
+    found = statements()
+    common = set.intersection(*(set(rules) for rules in found.values()))
+    lines += ["", "## Every file", ""]
+    lines += [f"- `{name}`: {found['fit'][name]}" for name in found["fit"] if name in common]
+    for kind, rules in found.items():
+        lines += ["", f"## {kind}.json", ""]
+        lines += [f"- `{name}`: {rule}" for name, rule in rules.items() if name not in common]
+    return "\n".join(lines) + "\n"
 
 
 def _analysis() -> str:

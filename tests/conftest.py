@@ -9,7 +9,13 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import pytest
 
 from bayesfric.analysis import Analysis, Sampler
+from bayesfric.claims import checking
+from bayesfric.diagnosis import diagnosing
+from bayesfric.fitting import pooled, posterior
 from bayesfric.fitting.posterior import fit
+from bayesfric.invariants import broken, check_record
+from bayesfric.margins import computing
+from bayesfric.results import identified
 from bayesfric.rigs.protocols import Protocol
 from bayesfric.simulate import simulate_recording
 
@@ -21,6 +27,24 @@ QUICK_SAMPLER = Sampler(burn=60, steps=75, thin=3, extensions=0, independence_sh
 def no_date_from_outside(monkeypatch):
     """Results carry a date only where a test asks for one."""
     monkeypatch.delenv("SOURCE_DATE_EPOCH", raising=False)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def no_result_contradicts_itself():
+    """Hold what is true of every result against each that a test computes."""
+
+    def looked_at(record):
+        found = identified(record)
+        faults = broken(check_record(found.model_dump(mode="json", by_alias=True)))
+        told = getattr(found, "checks", ())
+        assert not faults, faults
+        assert all(check.holds for check in told), told
+        return found
+
+    with pytest.MonkeyPatch.context() as patch:
+        for module in (posterior, pooled, checking, diagnosing, computing):
+            patch.setattr(module, "identified", looked_at)
+        yield
 
 
 @pytest.fixture(scope="session")

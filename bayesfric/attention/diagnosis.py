@@ -70,6 +70,9 @@ def _known(number: Interval) -> str:
 
 
 def _held_out(found: DiagnosisFile) -> Iterator[str]:
+    if found.considered and found.verdict == "unknown":
+        names = ", ".join(effect.effect for effect in found.considered)
+        yield f"Held-out data contradict {names}: they shrink by less than the model says."
     if found.gap.floor_disagreement is not None:
         yield f"Held-out data and the model disagree: {found.gap.floor_disagreement}."
 

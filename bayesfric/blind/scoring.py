@@ -4,6 +4,7 @@ from collections.abc import Collection, Mapping, Sequence
 from itertools import permutations
 from typing import Any
 
+from bayesfric.probabilities import total
 from bayesfric.schemas import DiagnosisFile, ScoredCase
 
 __all__ = ["FLAG_SHARE", "LAWS_OF_FORMS", "NO_CLAIM", "OTHERS", "score"]
@@ -87,7 +88,7 @@ def score(
         correct = correct or (found.verdict in NO_CLAIM and _all_act(names, found))
     own = [bool(one.get("own", False)) for one in withheld]
     strengths = {str(one["name"]): float(one["strength"]) for one in withheld if "strength" in one}
-    shrink = found.gap.shrink
+    shrink = found.gap.shrink_of_model
     covered = None
     if named and shrink is not None and true_shrink is not None:
         covered = shrink.q05 <= true_shrink <= shrink.q95
@@ -118,7 +119,7 @@ def score(
         flagged=flagged,
         remainder_significant=found.remainder.significant,
         shrink=shrink,
-        shrink_why=None if shrink is not None else found.gap.shrink_why,
+        shrink_why=None if shrink is not None else found.gap.shrink_of_model_why,
         true_shrink=true_shrink,
         true_shrink_why=None if true_shrink is not None else NO_TRUE_SHRINK,
         shrink_covered=covered,
@@ -212,7 +213,7 @@ def _truth_probability(
             any(_stands_for(name, part, twins) for part in parts) for name in names
         )
 
-    return sum(chance for name, chance in found.probabilities.items() if is_true(name))
+    return total(chance for name, chance in found.probabilities.items() if is_true(name))
 
 
 def _covered(withheld: Sequence[Mapping[str, Any]], found: DiagnosisFile) -> dict[str, bool]:

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Collection
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +18,10 @@ from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.baseline import data_of, fitted_baseline
 from bayesfric.diagnosis.causes import causes_of, inclusion_of
 from bayesfric.diagnosis.checked import Checked, noise_checked
+from bayesfric.diagnosis.checking import looked_at
 from bayesfric.diagnosis.classes import classes_of
 from bayesfric.diagnosis.climbing import climb, curvature_at
+from bayesfric.diagnosis.entering import numbers_to_enter
 from bayesfric.diagnosis.examined import examinable, examined_effects, widened
 from bayesfric.diagnosis.forms import other_forms
 from bayesfric.diagnosis.held_out import HeldOut, measure_gap
@@ -31,18 +33,16 @@ from bayesfric.diagnosis.nearby import around_nearby
 from bayesfric.diagnosis.next_experiment import next_experiment
 from bayesfric.diagnosis.remainder import all_left, remainder_of
 from bayesfric.diagnosis.search import Steps, compare, search
+from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
 from bayesfric.diagnosis.shipped import Shipped, held_of, shipped_numbers, shipped_of
+from bayesfric.diagnosis.showing import share_of_friction, why_not_shown
 from bayesfric.diagnosis.simulated import own_law_of, simulator_used
 from bayesfric.diagnosis.squeezing import squeezed
-from bayesfric.diagnosis.stored import curves_of, gap_of
+from bayesfric.diagnosis.stored import contradicts, curves_of, gap_of
+from bayesfric.diagnosis.systematic import inclusion
 from bayesfric.diagnosis.target import check_target, friction_at
 from bayesfric.diagnosis.unknown import Unknown, unknown_force
-from bayesfric.diagnosis.verdict import (
-    decide,
-    sentence_of,
-    sets_of_one,
-    unseparated_of,
-)
+from bayesfric.diagnosis.verdict import decide, sets_of_one, unseparated_of
 from bayesfric.diagnosis.weighing import Weighed, weigh
 from bayesfric.diagnosis.where import where_it_lies
 from bayesfric.effects import Effect, with_priors
@@ -54,6 +54,8 @@ from bayesfric.schemas import Absorbed, Cause, DiagnosisFile, RecordingId
 from bayesfric.simulators import Simulator, SimulatorCalls
 
 __all__ = ["Diagnosed", "diagnose"]
+
+MOSTLY = 0.5  # probability of a gap above the practical share, from which on it counts
 
 LN10 = float(np.log(10))
 SURELY = 0.9  # probability of none, from which on nothing is compared again
@@ -167,7 +169,7 @@ def diagnose(
         summary, curves = _diagnose(
             recording, analysis, fixed, effects, shipped, baseline, calls, target, checkpoint
         )
-    summary = summary.model_copy(update={"attention": of_diagnosis(summary)})
+    summary = looked_at(summary.model_copy(update={"attention": of_diagnosis(summary)}))
     return Diagnosed(identified(summary), curves, time.perf_counter() - began)
 
 
@@ -221,14 +223,25 @@ def _diagnose(
     residuals, posterior, arms = judged.residuals, judged.posterior, judged.arms
     known, named, settled = judged.known, judged.named, judged.settled
     chances = found.probabilities()
-    friction = residuals.friction_rms
-    above = float(np.mean(posterior.gap >= practical * friction))
-    together = sets_of_one(chances, known, named)
-    of_causes = [one for one in known if one.effect in named]
-    verdict, chance = decide(chances, of_causes, above, together)
-    plain = judged.plain
+    friction, above, plain = residuals.friction_rms, judged.above, judged.plain
     held_out = keeping.record("held-out", HeldOut, lambda: measure_gap(arms, plain, fold_rng))
     gap, left = gap_of(held_out, posterior, residuals, arms, practical, gap_rng, data.unit)
+    gap = gap.model_copy(update=share_of_friction(model, residuals, posterior))
+    contradicted = contradicts(gap)
+    if contradicted:
+        found = found.overruled(frozenset(named))
+        chances, acting = found.probabilities(), inclusion(found)
+        known = [replace(one, probability=acting.get(one.effect, 0.0)) for one in known]
+    together = sets_of_one(chances, known, named)
+    not_shown = why_not_shown(found, residuals)
+    verdict, chance = decide(
+        chances,
+        [] if contradicted else [effect for effect in known if effect.effect in named],
+        above,
+        together,
+        none_before=analysis.diagnosis.hypotheses.none,
+        shown=not_shown is None,
+    )
     where, unexplained, why_all = where_it_lies(
         plain, held_out.before, residuals, posterior, examined, where_rng
     )
@@ -246,9 +259,13 @@ def _diagnose(
         return causes_of(names, model, found, posterior, practical, floor, check)
 
     causes, present = told(named), told(judged.present)
+    considered: tuple[Cause, ...] = ()
+    if contradicted:
+        causes, considered = (), causes
     unseparated = unseparated_of(found.classes, together)
     proposals, no_proposal = next_experiment(model, found, chances)
     law_found = law_of_diagnosis(model, psi, posterior, residuals)
+    to_enter, not_entered = numbers_to_enter(model, law_found, posterior, causes, gap)
     asked_for = None
     if target is not None:
         doubt = chances.get(UNKNOWN, 0.0)
@@ -259,6 +276,18 @@ def _diagnose(
         gap_share = float(np.median(posterior.gap)) / friction
         remainder = remainder_of(model, found, best, gap_share, left)
     prior = analysis.diagnosis.hypotheses
+    statement = Statement(
+        verdict,
+        chance,
+        gap,
+        practical,
+        causes,
+        where,
+        unseparated,
+        present,
+        considered,
+        not_shown if above < MOSTLY else None,
+    )
     summary = DiagnosisFile(
         **attributes.model_dump(),
         rigs=tuple(one.rig.name for one in data.rigs),
@@ -271,7 +300,7 @@ def _diagnose(
         practical_share=practical,
         verdict=verdict,
         verdict_probability=chance,
-        sentence=sentence_of(verdict, chance, causes, gap, where, unseparated, practical, present),
+        sentence=f"{sentence_of(statement)} {held_out_words(gap, causes or considered)}",
         probabilities=chances,
         hypothesis_prior=prior.model_dump(),
         prior_sensitivity={
@@ -283,6 +312,9 @@ def _diagnose(
         causes=causes,
         present=present,
         possible=told(judged.possible),
+        considered=considered,
+        enter=to_enter,
+        enter_why=not_entered,
         scatter=model.noise.named(settled.psi),
         law=law_found,
         unseparated=unseparated,
@@ -302,20 +334,6 @@ def _diagnose(
     )
     amplitudes = {name: posterior.amplitudes[name] for name in named}
     return summary, curves_of(held_out, amplitudes, posterior.law)
-
-
-def not_followed(analysis: Analysis) -> tuple[str, ...]:
-    """Return, in sentences, the settings that a diagnosis does not follow."""
-    scatter = analysis.scatter
-    return tuple(
-        f"The scatter of {of} is taken as normal in a diagnosis: scatter.{key} = "
-        f'"{value}" holds for fits and claims.'
-        for key, value, of in (
-            ("trial", scatter.trial, "trials"),
-            ("assembly", scatter.assembly, "assemblies"),
-        )
-        if value != "normal"
-    )
 
 
 def _first_look(model: LinearModel, at: At, steps: Steps) -> Search:

@@ -1,5 +1,6 @@
 """Hypotheses that were weighed, and their posterior probabilities."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import comb
@@ -12,11 +13,13 @@ from bayesfric.arrays import Array
 from bayesfric.diagnosis.classes import Classes
 from bayesfric.diagnosis.unknown import Unknown
 from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.probabilities import normalised, total
 
 __all__ = ["NONE", "UNKNOWN", "Search"]
 
 NONE, UNKNOWN = "none", "unknown"
 LISTED = 1e-6  # probability below which a hypothesis is not listed
+CONTRADICTED = 0.95  # of causes whose held-out shrink lies below the model's by its 90 % interval
 BESIDE = 0.1  # of unknown forces, that come beside smaller effects
 
 
@@ -99,24 +102,31 @@ class Search:
         chances = dict(zip(names, np.exp(logs - logsumexp(logs)), strict=True))
         listed = {n for n, chance in chances.items() if chance > LISTED} | {NONE}
         ranked = sorted(listed, key=lambda name: (-chances[name], name))
-        total = sum(chances[name] for name in ranked)
-        found = {name: float(chances[name] / total) for name in ranked}
+        found = normalised({name: float(chances[name]) for name in ranked})
         found.setdefault(UNKNOWN, 0.0)
         return self._with_foreign(found) if self.foreign else found
 
+    def overruled(self, effects: frozenset[str]) -> "Search":
+        """Return these where held-out data contradict that effects make the gap."""
+        before = self.foreign.get(effects, 0.0)
+        share = 1 - (1 - before) * (1 - CONTRADICTED)
+        return replace(self, foreign={**self.foreign, effects: share})
+
     def _with_foreign(self, chances: dict[str, float]) -> dict[str, float]:
         found = chances.copy()
-        for effects, share in self.foreign.items():
-            for name in chances:
-                if effects <= set(name.split("+")):
-                    found[name] -= share * chances[name]
-                    found[UNKNOWN] += share * chances[name]
-        return dict(sorted(found.items(), key=lambda one: (-one[1], one[0])))
+        for name, chance in chances.items():
+            acting = set(name.split("+"))
+            shares = [share for effects, share in self.foreign.items() if effects <= acting]
+            kept = math.prod(1 - share for share in shares)
+            found[name] -= (1 - kept) * chance
+            found[UNKNOWN] += (1 - kept) * chance
+        ranked = sorted(normalised(found).items(), key=lambda pair: (-pair[1], pair[0]))
+        return dict(ranked)
 
     def unvisited(self) -> float:
         """Return the probability of hypotheses that were screened only."""
         chances = self.probabilities()
-        return float(sum(chances.get(name, 0.0) for name in self.rough if name not in self.weighed))
+        return total(chances.get(name, 0.0) for name in self.rough if name not in self.weighed)
 
     def best(self) -> Weighed:
         """Return the most probable hypothesis of those with names, none among them."""

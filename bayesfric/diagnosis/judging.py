@@ -62,6 +62,8 @@ class Judged:
         The law without and with the causes.
     plain : Residuals
         Windows of the first of these.
+    above : float
+        Probability that the gap is practical or more.
     """
 
     search: Search
@@ -74,6 +76,7 @@ class Judged:
     possible: list[str]
     arms: Arms
     plain: Residuals
+    above: float
 
 
 def judge(
@@ -187,11 +190,12 @@ def _judged(
     residuals = residuals_of(model.full, settled.psi)
     posterior = posterior_of(model, search, residuals, rng)
     known = known_of(model, search, posterior, practical)
-    named, present, possible = sort_effects(known)
+    above = float(np.mean(posterior.gap >= practical * residuals.friction_rms))
+    named, present, possible = sort_effects(known, above)
     arms = _arms(model, search, best, named, settled.psi, shipped)
     plain = residuals_of(arms.plain, arms.psi)
     return Judged(
-        search, settled, residuals, posterior, known, named, present, possible, arms, plain
+        search, settled, residuals, posterior, known, named, present, possible, arms, plain, above
     )
 
 

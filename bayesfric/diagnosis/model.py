@@ -19,7 +19,7 @@ from bayesfric.diagnosis.noise import Noise
 from bayesfric.diagnosis.said import Said
 from bayesfric.diagnosis.scales import coefficient_moments, rms_friction, scales_of_numbers
 from bayesfric.effects import Effect
-from bayesfric.effects.candidates import Candidate, is_positive, on_friction, prior_moments
+from bayesfric.effects.candidates import Candidate, on_friction, prior_moments
 from bayesfric.inference.information import Information, Reduced
 from bayesfric.inference.smooths import Smooth
 from bayesfric.physics.friction import Coefficients
@@ -29,8 +29,8 @@ from bayesfric.rigs.linear import Evaluated, LinearRig
 
 __all__ = ["LinearModel"]
 
-LEAST = {"c1": 1e-5, "c2": 1e-5, "c3": -np.inf}  # a law whose friction is above zero
-SMALL = 0.01  # of the width of a machine's own prior: the least of a number that is not below 0
+# Of the scale of a coefficient, whatever the units: a law whose friction is above zero.
+LEAST = {"c1": 2e-4, "c2": 5e-5, "c3": -np.inf}
 
 
 class LinearModel:
@@ -105,6 +105,7 @@ class LinearModel:
             tuple(len(one) for one in nuisances),
         )
         self.scales = scales_of_numbers(
+            data.sizes,
             analysis.priors,
             own,
             self.candidates,
@@ -368,22 +369,10 @@ class LinearModel:
         """Return coefficients that are so far from the model's, in its scales, (…, sizes, 3)."""
         origin = np.array([[float(np.asarray(one)) for one in self.laws[size]]
                            for size in self.layout.sizes])  # fmt: skip
-        least = np.array([[self._least(name, size) for name in Coefficients._fields]
-                          for size in self.layout.sizes])  # fmt: skip
-        moved = np.maximum(origin + moves * self.scales[: least.shape[1]], least)
+        least = np.array([LEAST[name] for name in Coefficients._fields])
+        scale = self.scales[: least.size]
+        moved = np.maximum(origin + moves * scale, least * scale)
         return np.asarray(np.where(self.free, moved, origin))
-
-    def _least(self, name: str, size: str) -> float:
-        """Return the least value of a coefficient around which anything is made linear.
-
-        All is counted in friction of the law, which therefore is no nothing: what is nothing on a
-        joint of kilonewtons is much on a watch, whose own prior says so.
-        """
-        own = self.analysis.priors.pulleys.get(size)
-        prior: Prior | None = None if own is None else getattr(own, name)
-        if prior is None or np.isinf(LEAST[name]) or not is_positive(prior):
-            return LEAST[name]
-        return SMALL * prior_moments(prior)[1]
 
     def candidate(self, law: Law, shape: float) -> Candidate:
         """Return the candidate of a law at a shape."""

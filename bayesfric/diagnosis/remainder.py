@@ -57,7 +57,7 @@ def remainder_of(
         )
     before = model.evaluate(found.at.psi, found.acting, None, found.forms).value + search.volume
     gain = (further.log_evidence - before) / LN10
-    found_by = [_beside(further, gap_share)] if gain > SIGNIFICANT else []
+    found_by = [(*_beside(further, gap_share), gain)] if gain > SIGNIFICANT else []
     practical = model.analysis.diagnosis.practical_share
     if left is not None and left_matters(left, gap_share, practical):
         # The causes' laws are wrong by so much that something else must act: along which axis
@@ -65,12 +65,16 @@ def remainder_of(
         plain = replace(found, form=AS_IT_IS)
         instead = unknown_force(model, plain, found.acting, search.inverse, search.volume)
         assert instead is not None
-        found_by.append((interval(left), instead.best.axis or _widest(instead)))
+        as_it_is = model.evaluate(found.at.psi, found.acting, None, plain.forms).value
+        asked = (instead.log_evidence - as_it_is - search.volume) / LN10
+        # Laws that are wrong by a share leave little where the data do not ask for more.
+        if asked > 0:
+            found_by.append((interval(left), instead.best.axis or _widest(instead), asked))
     # Both may speak of one force, of which each sees a part.
-    share, axis = max(found_by, key=lambda one: one[0].q50, default=(None, None))
+    share, axis, factor = max(found_by, key=lambda one: one[0].q50, default=(None, None, gain))
     return Remainder(
         significant=bool(found_by),
-        log10_bayes_factor=float(gain),
+        log10_bayes_factor=float(factor),
         share_of_gap=share,
         share_of_gap_why=None if share is not None else why,
         axis=axis,

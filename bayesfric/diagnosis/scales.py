@@ -61,7 +61,21 @@ def _coefficient_prior(priors: Priors, name: str, size: str) -> Prior:
     return shared if chosen is None else chosen
 
 
+def _width(priors: Priors, name: str, sizes: Sequence[str]) -> float:
+    """Return the width in which a coefficient is counted.
+
+    It is that of the prior that all sizes share, or the widest of their own where each has one:
+    a machine in other units has its numbers in other units, and no other digits.
+    """
+    own = [getattr(priors.pulleys.get(size), name, None) for size in sizes]
+    chosen: list[Prior] = [prior for prior in own if prior is not None]
+    if len(chosen) < len(own):
+        chosen = [getattr(priors, name)]
+    return max(prior_moments(prior)[1] for prior in chosen)
+
+
 def scales_of_numbers(
+    sizes: Sequence[str],
     priors: Priors,
     own: Sequence[Smooth],
     candidates: Sequence[Candidate],
@@ -73,6 +87,8 @@ def scales_of_numbers(
 
     Parameters
     ----------
+    sizes : sequence of str
+        Pulley sizes.
     priors : Priors
         Of the coefficients.
     own, shared : sequence of Smooth
@@ -85,7 +101,7 @@ def scales_of_numbers(
     terms = max(len(own) + len(shared), 1)
     return np.concatenate(
         [
-            [prior_moments(prior)[1] for prior in (priors.c1, priors.c2, priors.c3)],
+            [_width(priors, name, sizes) for name in Coefficients._fields],
             np.full(sum(one.count for one in own), 1 / np.sqrt(terms)),
             [prior_moments(c.effect.amplitude.prior)[1] for c in candidates],
             np.full(sum(one.count for one in shared), 1 / np.sqrt(terms)),

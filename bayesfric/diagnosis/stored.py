@@ -14,13 +14,14 @@ from bayesfric.diagnosis.systematic import SMALLEST, Posterior, interval, left_o
 from bayesfric.schemas import Gap
 from bayesfric.stored_names import RESIDUALS, variable_of
 
-__all__ = ["curves_of", "floor_disagrees", "gap_of"]
+__all__ = ["contradicts", "curves_of", "floor_disagrees", "gap_of"]
 
 NO_CAUSE = "no cause is named, so nothing was added that could shrink the gap"
 NO_PHASES = "where in its round the cause begins differs from trial to trial, unpredictably"
 NO_GAP = "the cause leaves no gap once the law is recalibrated, so that nothing can shrink"
 NO_SHIPPED = "no shipped values were given, and none are published"
 AGREES = 0.01  # probability of as much left by scatter or of as little, down to which they agree
+MISSED = 0.1  # of the squared gap, by which held-out data lie below the model's shrink
 PLACES = ("velocity", "tension", "wrap_angle", "n_pulleys", "displacement", "order")
 OF_SOME = ("acceleration", "trial_in_setup", "drive_end", "direction", "travel_since_reversal")
 """Further places, which stand there if some window has one."""
@@ -93,12 +94,12 @@ def gap_of(
     # Windows average over what goes round with the pulleys.
     open2 = (posterior.gap**2 if open2 is None else open2) - posterior.hidden2
     left2 = float(held_out.rows[0][1].after.sum())
-    disagrees = floor_disagrees(left2, held_out.by_chance, open2)
+    disagrees = floor_disagrees(left2, held_out.by_chance, open2, unit)
     gap = Gap(
-        **first.model_dump(exclude={"name", "shrink", "shrink_why", "below_floor"}),
+        **first.model_dump(exclude={"name", "below_floor"}),
         unit=unit,
-        shrink=shrink,
-        shrink_why=why,
+        shrink_of_model=shrink,
+        shrink_of_model_why=why,
         systematic=interval(posterior.gap),
         probability_above_practical=float(np.mean(posterior.gap >= practical * friction)),
         floor_agrees=disagrees is None,
@@ -112,7 +113,18 @@ def gap_of(
     return gap, rest
 
 
-def floor_disagrees(left2: float, by_chance: Array, open2: Array) -> str | None:
+def contradicts(gap: Gap) -> bool:
+    """Return whether held-out data contradict what the model says that causes take away.
+
+    They do where the held-out shrink is known, and its 90 % interval lies more than a tenth
+    below the model's.
+    """
+    if gap.shrink is None or gap.shrink_of_model is None:
+        return False
+    return gap.shrink.q95 + MISSED < gap.shrink_of_model.q05
+
+
+def floor_disagrees(left2: float, by_chance: Array, open2: Array, unit: str = "N") -> str | None:
     """Return in which way held-out data and the model contradict each other, if they do.
 
     Parameters
@@ -123,6 +135,8 @@ def floor_disagrees(left2: float, by_chance: Array, open2: Array) -> str | None:
         Draws of it for a law that is right [N²].
     open2 : ndarray, shape (S,)
         Draws of the squared systematic gap that the causes leave [N²].
+    unit : str
+        Of a force.
     """
     expected2 = np.add.outer(by_chance, open2)
     less = float(np.mean(expected2 < left2))
@@ -130,8 +144,8 @@ def floor_disagrees(left2: float, by_chance: Array, open2: Array) -> str | None:
         return None
     left, expected = 1e3 * np.sqrt([max(left2, 0.0), max(float(np.median(expected2)), 0.0)])
     return (
-        f"data held out leave {left:.3g} mN, {'less' if less < AGREES else 'more'} than friction's "
-        f"scatter and the gap that is left would make ({expected:.3g} mN)"
+        f"data held out leave {left:.3g} m{unit}, {'less' if less < AGREES else 'more'} than "
+        f"friction's scatter and the gap that is left would make ({expected:.3g} m{unit})"
     )
 
 

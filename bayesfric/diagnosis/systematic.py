@@ -24,6 +24,7 @@ from bayesfric.diagnosis.shapes import Quadratic
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.effects.candidates import is_positive
 from bayesfric.inference.priors import from_normal
+from bayesfric.probabilities import total
 from bayesfric.schemas import Interval
 
 __all__ = ["SMALLEST", "Posterior", "best_of", "interval", "left_of", "posterior_of", "shrink_of"]
@@ -336,10 +337,10 @@ def inclusion(search: Search) -> dict[str, float]:
 
 
 def _inclusion(chances: Mapping[str, float]) -> dict[str, float]:
-    found: dict[str, float] = {}
+    within: dict[str, list[float]] = {}
     for name, chance in chances.items():
         if name in (NONE, UNKNOWN):
             continue
         for effect in name.split("+"):
-            found[effect] = found.get(effect, 0.0) + chance
-    return {name: min(value, 1.0) for name, value in found.items()}
+            within.setdefault(effect, []).append(chance)
+    return {name: total(parts) for name, parts in within.items()}

@@ -27,8 +27,7 @@ __all__ = [
 UNITS = {"c1": "1", "c2": "N", "c3": "1/deg"}
 FORCE = "c2"  # is one
 PAPER_SIZES = ("small", "medium", "large")
-LEAST_C1 = 1e-4  # a start above zero, where least squares does not give one
-LEAST_C2_N = 1e-3
+LEAST_PART = 0.01  # of friction, that c1 and c2 make in a start where least squares gives none
 MIDDLE_TENSION_N = 15.0
 LEAST_INTERCEPT = 0.1  # of the friction of one pulley at that tension
 NO_PULLEY = ""
@@ -146,7 +145,13 @@ class SizeIndex:
             friction = np.asarray(friction_n)[rows]
             scaled = np.linalg.lstsq(columns[rows] / width, friction, rcond=1e-3)[0]
             c1, c2, c3 = (float(value) for value in scaled / width)
-            found = Coefficients(max(c1, LEAST_C1), max(c2, LEAST_C2_N), c3)
+            by_c1, by_c2 = np.sqrt((columns[rows, :2] ** 2).mean(axis=0))
+            least = LEAST_PART * float(np.sqrt((friction**2).mean()))
+            found = Coefficients(
+                max(c1, least / by_c1 if by_c1 else 0.0),
+                max(c2, least / by_c2 if by_c2 else 0.0),
+                c3,
+            )
             for name, value in found._asdict().items():
                 rough[coefficient_name(name, size)] = 0.0 if name in without else value
         return rough

@@ -6,7 +6,7 @@
 
 from pydantic import BaseModel
 
-from bayesfric.schemas.base import Interval, Provenance, RecordingId
+from bayesfric.schemas.base import Check, Interval, Provenance, Record, RecordingId
 from bayesfric.schemas.calibration import (
     CalibratedQuantity,
     CalibrationCase,
@@ -26,15 +26,18 @@ from bayesfric.schemas.diagnosis import (
     ConditionAsked,
     DiagnosisFile,
     EffectNumber,
+    Enter,
     ExaminedEffect,
     FrictionAsked,
     Gap,
     GapRow,
+    HeldOutDensity,
     Inclusion,
     LawNumber,
     NextExperiment,
     Remainder,
     Shape,
+    SimulatorField,
     SimulatorUsed,
     Unseparated,
 )
@@ -102,6 +105,7 @@ __all__ = [
     "CalibrationFile",
     "Cause",
     "Certificate",
+    "Check",
     "ClaimResult",
     "ClaimsFile",
     "Clocks",
@@ -113,6 +117,7 @@ __all__ = [
     "Detected",
     "DiagnosisFile",
     "EffectNumber",
+    "Enter",
     "Estimate",
     "ExaminedEffect",
     "Excluded",
@@ -125,6 +130,7 @@ __all__ = [
     "Gap",
     "GapRow",
     "Held",
+    "HeldOutDensity",
     "HuntingMap",
     "Inclusion",
     "Interval",
@@ -147,6 +153,7 @@ __all__ = [
     "Provenance",
     "PulleyEvidence",
     "Rate",
+    "Record",
     "RecordingId",
     "ReliabilityBin",
     "Remainder",
@@ -158,6 +165,7 @@ __all__ = [
     "Setting",
     "Shape",
     "Shift",
+    "SimulatorField",
     "SimulatorUsed",
     "Target",
     "TimingsFile",

@@ -5,7 +5,16 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-__all__ = ["Because", "Interval", "Number", "Provenance", "Record", "RecordingId", "Why"]
+__all__ = [
+    "Because",
+    "Check",
+    "Interval",
+    "Number",
+    "Provenance",
+    "Record",
+    "RecordingId",
+    "Why",
+]
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Why = Annotated[str | None, Field(description="Why there is none.")]
@@ -17,6 +26,10 @@ class Because:
     """Of a ``Why``: the one reason for which its key is null."""
 
     reason: str
+
+
+def _missing(value: Any) -> bool:
+    return value is None or (isinstance(value, tuple | list) and not value)
 
 
 class Record(BaseModel):
@@ -35,7 +48,7 @@ class Record(BaseModel):
             for one in field.metadata
             if isinstance(one, Because)
             and data.get(name) is None
-            and data.get(name.removesuffix("_why")) is None
+            and _missing(data.get(name.removesuffix("_why")))
         }
         return data | given
 
@@ -48,6 +61,15 @@ class Interval(Record):
     q05: Number = Field(description="5 % quantile.")
     q50: Number = Field(description="Median.")
     q95: Number = Field(description="95 % quantile.")
+
+
+class Check(Record):
+    """What must hold of every result, and whether it does."""
+
+    check: str = Field(description="Its name, of docs/results.md.")
+    holds: bool = Field(description="False is a fault of the computation, and no finding.")
+    detail: str | None = Field(None, description="What breaks it, with the numbers.")
+    detail_why: Annotated[Why, Because("it holds")] = None
 
 
 class RecordingId(Record):

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from pydantic import ConfigDict, Field
 
 from bayesfric.analysis import Prior
-from bayesfric.schemas.base import Because, Interval, Number, Provenance, Record, Why
+from bayesfric.schemas.base import Because, Check, Interval, Number, Provenance, Record, Why
 
 __all__ = [
     "Absorbed",
@@ -15,15 +15,18 @@ __all__ = [
     "ConditionAsked",
     "DiagnosisFile",
     "EffectNumber",
+    "Enter",
     "ExaminedEffect",
     "FrictionAsked",
     "Gap",
     "GapRow",
+    "HeldOutDensity",
     "Inclusion",
     "LawNumber",
     "NextExperiment",
     "Remainder",
     "Shape",
+    "SimulatorField",
     "SimulatorUsed",
     "Unseparated",
 ]
@@ -185,6 +188,15 @@ class GapRow(Record):
     shrink_why: str | None = Field(None, description="Why there is none.")
 
 
+class HeldOutDensity(Record):
+    """How much better the causes predict what the fit has not seen."""
+
+    difference: Number = Field(
+        description="Log predictive density with the causes less that of the law alone [nat]."
+    )
+    error: Number = Field(description="Standard error of it.")
+
+
 class Gap(Record):
     """How far simulation and reality are apart."""
 
@@ -210,12 +222,27 @@ class Gap(Record):
     )
     floor_disagreement_why: Annotated[Why, Because("they agree")] = None
     shrink: Interval | None = Field(
-        description="Part of the squared systematic gap that the causes take away: its "
-        "posterior. `held_out` has the figures of data that the fit has not seen."
+        description="(before² − after²) / (before² − floor²) of data held out; null where the "
+        "gap before is above the floor with less than 0.95."
     )
     shrink_why: str | None = Field(None, description="Why there is none.")
+    shrink_of_model: Interval | None = Field(
+        None,
+        description="Part of the squared systematic gap that the causes take away: its posterior.",
+    )
+    shrink_of_model_why: Annotated[Why, Because("no cause is named")] = None
     friction_rms: Number = Field(description="Of the baseline's friction, same weights [N].")
+    no_share: str | None = Field(
+        None,
+        description="Why no share of friction is told, where friction is within its error of "
+        "zero: forces stand alone.",
+    )
+    no_share_why: Annotated[Why, Because("friction is known to be there")] = None
     held_out: tuple[GapRow, ...] = Field(description="Folds over setups, and extrapolations [N].")
+    held_out_log_density: HeldOutDensity | None = Field(
+        None, description="Of data held out, with the causes against the law alone."
+    )
+    held_out_log_density_why: Annotated[Why, Because("no cause is compared on it yet")] = None
     in_sample: GapRow = Field(description="On the data of the fit [N].")
     trajectory: GapRow | None = Field(
         description="From the first five events to the end of travel, held out [m]."
@@ -280,6 +307,30 @@ class FrictionAsked(Record):
     )
 
 
+class SimulatorField(Record):
+    """Where a number goes in a simulator."""
+
+    field: str = Field(description="Name of the field, with its element.")
+    factor: Number = Field(description="By which the number is multiplied before it is entered.")
+
+
+class Enter(Record):
+    """A number to enter in a simulator."""
+
+    parameter: str = Field(description="Name of the number.")
+    unit: str = Field(description="SI, degrees for angles.")
+    in_your_simulator: Number | None = Field(None, description="What it has now.")
+    in_your_simulator_why: Annotated[Why, Because("no simulator's values were given")] = None
+    value: Interval = Field(description="From the refit with the causes.")
+    fields: dict[str, SimulatorField | None] = Field(
+        description="Simulator to its field; null where it has none."
+    )
+    lost_without: Number | None = Field(
+        None, description="Rms force that stays wrong where no simulator has a field."
+    )
+    lost_without_why: Annotated[Why, Because("a simulator has a field for it")] = None
+
+
 class SimulatorUsed(Record):
     """A simulator of the user's own, which had the place of the law."""
 
@@ -293,7 +344,7 @@ class SimulatorUsed(Record):
 class DiagnosisFile(Provenance):
     """``diagnosis.json``: where the simulation misses, why, and how far that shrinks."""
 
-    schema_: Literal["bayesfric.diagnosis/1"] = Field("bayesfric.diagnosis/1", alias="schema")
+    schema_: Literal["bayesfric.diagnosis/2"] = Field("bayesfric.diagnosis/2", alias="schema")
     rigs: tuple[str, ...] = Field(description="Rigs whose data entered.")
     baseline: str = Field(description="Friction law that was examined.")
     simulator: SimulatorUsed | None = Field(
@@ -309,7 +360,12 @@ class DiagnosisFile(Provenance):
         (), description="Trials left out: each lies far from the others of its own assembly."
     )
     attention: tuple[str, ...] = Field(
-        (), description="Every check that failed, and settings that a diagnosis does not follow."
+        (),
+        description="Every check that failed, and settings that a diagnosis does not follow; "
+        "usually none.",
+    )
+    checks: tuple[Check, ...] = Field(
+        (), description="What must hold of every diagnosis, and whether it does."
     )
     practical_share: Number = Field(description="Share of rms friction below which none cares.")
     verdict: Literal["no-gap", "named", "unseparated", "unknown", "undecided"] = Field(
@@ -332,11 +388,23 @@ class DiagnosisFile(Provenance):
         description="Effects that act with probability 0.9 at least, and matter."
     )
     present: tuple[Cause, ...] = Field(
-        (), description="Effects that act likewise, below the practical share."
+        (),
+        description="Effects that act likewise, below the practical share, and errors of "
+        "measuring that make no gap.",
     )
     possible: tuple[Cause, ...] = Field(
         (), description="Effects that act with a probability from 0.1 on and are no cause."
     )
+    considered: tuple[Cause, ...] = Field(
+        (), description="Effects that fit what was recorded, and that held-out data contradict."
+    )
+    considered_why: Annotated[Why, Because("held-out data contradict no cause")] = None
+    enter: tuple[Enter, ...] = Field(
+        (), description="Numbers to enter in a simulator, of a driven joint."
+    )
+    enter_why: str | None = Field(None, description="Why there are none.")
+    joints: tuple[()] = Field((), description="A diagnosis a joint, of several.")
+    joints_why: Annotated[Why, Because("the recording is not of several joints")] = None
     scatter: dict[str, Number] = Field(
         default_factory=dict, description="Noise of every rig at its most probable, by name."
     )

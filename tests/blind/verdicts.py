@@ -60,6 +60,7 @@ def gap(above):
         probability_above_practical=above,
         floor_agrees=True,
         shrink=interval(0.981, 0.004),
+        shrink_of_model=interval(0.981, 0.004),
         friction_rms=0.7,
         held_out=(row,),
         in_sample=row,

@@ -82,7 +82,7 @@ def test_a_file_of_another_schema_is_one_line(tmp_path):
     path = tmp_path / "fit.json"
     path.write_text('{"schema": "bayesfric.fit/1"}')
     with pytest.raises(
-        InputError, match=r"found 'bayesfric.fit/1', .* bayesfric.diagnosis/1"
+        InputError, match=r"found 'bayesfric.fit/1', .* bayesfric.diagnosis/2"
     ) as one:
         read_json(DiagnosisFile, path)
     assert len(one.value.faults) == 1

@@ -12,8 +12,10 @@ from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.discrepancy import Wide
 from bayesfric.diagnosis.forms import FormShare
 from bayesfric.diagnosis.remainder import left_matters, remainder_of
+from bayesfric.diagnosis.sentence import Statement, held_out_words, sentence_of
+from bayesfric.diagnosis.stored import contradicts
 from bayesfric.diagnosis.unknown import Unknown
-from bayesfric.diagnosis.verdict import Known, decide, sentence_of, sets_of_one, sort_effects
+from bayesfric.diagnosis.verdict import Known, decide, sets_of_one, sort_effects
 from bayesfric.diagnosis.weighing import Weighed
 from bayesfric.schemas import Interval, Unseparated
 
@@ -47,7 +49,10 @@ CHANCES = {"viscous": 0.95, "none": 0.03, "unknown": 0.02}
         ({"unknown": 0.6, "viscous": 0.4}, [known()], 1.0, (), "unknown", 0.6),
         (CHANCES, [known()], 0.95, (), "named", 0.95),
         (CHANCES, [known()], 0.5, (), "undecided", 0.5),
-        (CHANCES, [known(measuring=True)], 0.0, (), "named", 0.95),
+        (CHANCES, [known(measuring=True)], 0.0, (), "no-gap", 1.0),
+        (CHANCES, [known(measuring=True)], 0.5, (), "undecided", 0.5),
+        (CHANCES, [known(measuring=True)], 0.95, (), "named", 0.95),
+        ({"unknown": 0.6, "viscous": 0.4}, [], 0.05, (), "no-gap", 0.95),
         ({"a": 0.5, "b": 0.45, "none": 0.05}, [], 0.95, (("a", "b"),), "unseparated", 0.95),
         ({"none": 0.9, "a": 0.1}, [], 0.04, (), "no-gap", 0.96),
         ({"none": 0.6, "a": 0.4}, [], 0.3, (), "undecided", 0.7),
@@ -57,11 +62,33 @@ def test_the_verdict(chances, causes, above, together, verdict, probability):
     assert decide(chances, causes, above, together) == (verdict, pytest.approx(probability))
 
 
+def test_data_that_could_not_have_shown_a_gap_show_none():
+    """The prior is left: of nothing acting 0.6, and of no more."""
+    chances = {"none": 1.0, "unknown": 0.0}
+    assert decide(chances, [], 0.0, (), none_before=0.6, shown=False) == ("undecided", 0.6)
+    assert decide(chances, [], 0.0, (), none_before=0.6) == ("no-gap", 1.0)
+    # Where a gap is there, data have shown one.
+    assert decide(CHANCES, [known()], 0.95, (), shown=False)[0] == "named"
+
+
+def test_an_error_of_sensors_that_makes_no_gap_is_present():
+    """Magnets 0.05 mm off: felt in every reading, and no part of a gap."""
+    magnets = known("magnet-spacing", measuring=True, above=0.0, strength=0.01)
+    assert sort_effects([magnets], 0.0) == ([], ["magnet-spacing"], [])
+    assert sort_effects([magnets], 0.05) == ([], ["magnet-spacing"], [])
+    assert sort_effects([magnets], 0.5) == (["magnet-spacing"], [], [])
+
+
 def test_effects_of_which_one_acts():
     chances = {"a": 0.5, "b": 0.43, "none": 0.07}
     rivals = [known("a", 0.5), known("b", 0.43), known("c", 0.0)]
     assert sets_of_one(chances, rivals, []) == (("a", "b"),)
     assert sets_of_one({"a": 0.5, "none": 0.5}, rivals[:1], []) == ()
+
+
+def told(verdict, gap, share, causes=(), **more):
+    """Return a verdict of probability 0.97 in words."""
+    return sentence_of(Statement(verdict, 0.97, gap, share, causes, **more))
 
 
 @pytest.mark.parametrize("verdict", ["no-gap", "undecided"])
@@ -72,14 +99,14 @@ def test_a_cause_without_a_sure_gap_is_in_the_sentence(verdict):
     gap = gap.model_copy(update={"systematic": open_still})
 
     def sentence(causes):
-        return sentence_of(verdict, 0.97, causes, gap, (), (), 0.02)
+        return told(verdict, gap, 0.02, causes)
 
     assert "viscous acts" in sentence([cause("viscous")])
     assert "acts" not in sentence([])
     assert ("no cause is sure" in sentence([])) == (verdict == "undecided")
     assert "no cause is sure" not in sentence([cause("viscous")])
     # One that acts, and is each less than what counts, is in it too.
-    weak = sentence_of(verdict, 0.97, [], gap, (), (), 0.02, [cause("cogging")])
+    weak = told(verdict, gap, 0.02, present=[cause("cogging", strength=0.01)])
     assert "cogging acts" in weak
     assert "no cause is sure" not in weak
 
@@ -87,13 +114,13 @@ def test_a_cause_without_a_sure_gap_is_in_the_sentence(verdict):
 def test_a_gap_that_is_surely_there_is_not_said_to_be_open():
     gap = diagnosis().gap
     share = gap.systematic.q05 / gap.friction_rms
-    there = sentence_of("undecided", 0.97, [], gap, (), (), 0.9 * share)
+    there = told("undecided", gap, 0.9 * share)
     assert "is there (probability 0.970); what causes it stays open" in there
-    assert "gap of up to" in sentence_of("undecided", 0.97, [], gap, (), (), 1.1 * share)
+    assert "gap of up to" in told("undecided", gap, 1.1 * share)
     both = [cause("viscous"), cause("stribeck")]
-    together = sentence_of("undecided", 0.97, [], gap, (), (), 0.9 * share, both)
+    together = told("undecided", gap, 0.9 * share, present=both)
     assert together.endswith(f"; viscous and stribeck act, each less than {0.9 * share:.1%}.")
-    alone = sentence_of("undecided", 0.97, [], gap, (), (), 0.9 * share, both[:1])
+    alone = told("undecided", gap, 0.9 * share, present=both[:1])
     assert f"viscous acts, less than {0.9 * share:.1%}; what else causes it stays open." in alone
 
 
@@ -101,8 +128,7 @@ def test_a_gap_of_nothing_has_no_figure():
     gap = diagnosis().gap
     nothing = gap.systematic.model_copy(update={"q50": 1e-19})
     gap = gap.model_copy(update={"systematic": nothing})
-    told = sentence_of("no-gap", 0.97, [], gap, (), (), 0.02)
-    assert told.endswith("the median is less than 0.1% of friction.")
+    assert told("no-gap", gap, 0.02).endswith("the median is less than 0.1% of friction.")
 
 
 def test_an_unknown_force_that_is_too_small_to_count_is_said_to_be_so():
@@ -110,19 +136,57 @@ def test_an_unknown_force_that_is_too_small_to_count_is_said_to_be_so():
     share = gap.systematic.q50 / gap.friction_rms
 
     def sentence(practical):
-        return sentence_of("unknown", 0.75, [], gap, (), (), practical)
+        return told("unknown", gap, practical)
 
     assert f"of friction, less than the {1.1 * share:.1%} that counts, is" in sentence(1.1 * share)
     assert "of friction is there" in sentence(0.9 * share)
 
 
-def test_effects_of_which_one_acts_beside_a_cause_are_in_the_sentence():
-    rivals = (Unseparated(effects=("air-drag", "stribeck"), reason="these-data"),)
+def test_a_gap_of_sensors_alone_is_told_as_none():
     gap = diagnosis().gap
-    both = sentence_of("named", 0.97, [cause("viscous")], gap, (), rivals, 0.02)
-    assert both.startswith("viscous acts (probability 0.970).")
-    assert both.endswith("One of air-drag, stribeck acts beside it; these data cannot tell which.")
-    assert "One of" not in sentence_of("named", 0.97, [cause("viscous")], gap, (), (), 0.02)
+    magnets = cause("magnet-spacing", strength=0.05, makes_a_gap=False)
+    sentence = told("no-gap", gap, 0.02, present=[magnets])
+    assert sentence.endswith(" magnet-spacing acts, which makes no gap.")
+
+
+def test_what_data_could_not_have_shown_is_said():
+    why = "1 window of motion for 2 numbers of the law, and 6 are needed"
+    sentence = told("undecided", diagnosis().gap, 0.02, not_shown=why)
+    assert sentence == f"These data could not have shown a gap of 2.0% of friction: {why}."
+
+
+def test_no_share_is_told_of_friction_that_may_be_nothing():
+    """Of 1e-7 N within an error of 0.01 N, a force of 0.05 N is no 49300000 %."""
+    why = "friction is within its error of zero, 0.001 ± 0.01 N"
+    gap = diagnosis().gap.model_copy(update={"friction_rms": 1e-7, "no_share": why})
+    for verdict in ("no-gap", "undecided", "unknown", "unseparated", "named"):
+        sentence = told(verdict, gap, 0.02, [cause("viscous")] if verdict == "named" else ())
+        assert "0.0493 N rms" in sentence or verdict == "undecided"
+        assert "% of friction" not in sentence
+    assert why in told("no-gap", gap, 0.02)
+
+
+def test_the_sentence_says_what_data_held_out_say():
+    gap, viscous = diagnosis().gap, [cause("viscous")]
+    assert "takes 98.1% [97.4%, 98.8%] of the squared gap" in held_out_words(gap, viscous)
+    nothing = gap.held_out[0].model_copy(update={"below_floor": 0.4})
+    why = {"shrink": None, "shrink_why": "the gap is as likely below"}
+    open_still = gap.model_copy(update=why | {"held_out": (nothing,)})
+    assert "cannot tell what adding it takes: the gap is as likely" in held_out_words(
+        open_still, viscous
+    )
+    assert "by no more than scatter explains (0.0523 N rms" in held_out_words(open_still, ())
+    assert "by more than scatter explains" in held_out_words(gap, ())
+
+
+def test_what_is_held_out_overrules_causes_in_the_sentence():
+    gap = diagnosis().gap
+    low = Interval(mean=0.42, sd=0.1, q05=0.3, q50=0.42, q95=0.55)
+    gap = gap.model_copy(update={"shrink": low})
+    sentence = told("unknown", gap, 0.02, considered=[cause("viscous"), cause("stribeck")])
+    assert "viscous and stribeck fit what was recorded and miss what was held out" in sentence
+    assert "42% of the squared gap against 98%" in sentence
+    assert "Something else acts" in sentence
 
 
 def placed(*shares, leads):
@@ -148,13 +212,33 @@ def test_a_sentence_names_an_axis_where_it_leads_and_nowhere_else(verdict):
 
 
 @pytest.mark.parametrize(
-    ("low", "told"),
+    ("low", "high", "expected"), [(0.3, 0.55, True), (0.7, 0.95, False), (0.80, 0.87, True)]
+)
+def test_held_out_data_overrule_where_their_interval_is_a_tenth_below(low, high, expected):
+    """The model's interval begins at 0.974."""
+    gap = diagnosis().gap
+    shrink = Interval(mean=low, sd=0.1, q05=low, q50=0.5 * (low + high), q95=high)
+    assert contradicts(gap.model_copy(update={"shrink": shrink})) == expected
+    assert not contradicts(gap.model_copy(update={"shrink": None, "shrink_why": "not known"}))
+
+
+def test_effects_of_which_one_acts_beside_a_cause_are_in_the_sentence():
+    rivals = (Unseparated(effects=("air-drag", "stribeck"), reason="these-data"),)
+    gap = diagnosis().gap
+    both = told("named", gap, 0.02, [cause("viscous")], unseparated=rivals)
+    assert both.startswith("viscous acts (probability 0.970).")
+    assert both.endswith("One of air-drag, stribeck acts beside it; these data cannot tell which.")
+    assert "One of" not in told("named", gap, 0.02, [cause("viscous")])
+
+
+@pytest.mark.parametrize(
+    ("low", "words"),
     [(0.9995, "takes more than 99.9% of its square away"), (0.95, "takes 99.0% [95.0%, 99.5%]")],
 )
-def test_a_shrink_is_never_told_as_all_of_the_gap(low, told):
+def test_a_shrink_is_never_told_as_all_of_the_gap(low, words):
     shrink = Interval(mean=0.99, sd=0.01, q05=low, q50=max(low, 0.99), q95=max(low, 0.995))
-    gap = diagnosis().gap.model_copy(update={"shrink": shrink, "shrink_why": None})
-    assert told in sentence_of("named", 0.97, [cause("viscous")], gap, (), (), 0.02)
+    gap = diagnosis().gap.model_copy(update={"shrink_of_model": shrink})
+    assert words in told("named", gap, 0.02, [cause("viscous")])
 
 
 @pytest.mark.parametrize(
@@ -200,7 +284,7 @@ def test_a_remainder_is_all_that_causes_leave(monkeypatch, left, beside, share, 
     model = SimpleNamespace(analysis=Analysis(), evaluate=lambda *_: SimpleNamespace(value=0.0))
     found = Weighed(("viscous",), 0.0, None, Acting(), AT, form=FormShare(0.1))
     draws = None if left is None else left + np.linspace(-0.01, 0.01, 201)
-    told = remainder_of(model, SimpleNamespace(inverse=None, volume=0.0), found, gap, draws)
-    assert told.significant
-    assert told.axis == axis
-    assert told.share_of_gap.q50 == pytest.approx(share, abs=1e-3)
+    left_over = remainder_of(model, SimpleNamespace(inverse=None, volume=0.0), found, gap, draws)
+    assert left_over.significant
+    assert left_over.axis == axis
+    assert left_over.share_of_gap.q50 == pytest.approx(share, abs=1e-3)

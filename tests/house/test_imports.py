@@ -29,7 +29,7 @@ ROWS = (
     ("recording",),
     ("logs",),
     ("paper", "families", "priors", "analysis", "schemas"),
-    ("physics", "robots"),
+    ("physics", "robots", "invariants"),
     ("campaign", "checkpoint", "interrupts", "progress"),
     ("inference",),
     ("effects", "simulators"),
@@ -71,6 +71,7 @@ ONLY = {
     "interrupts": set(),  # whatever must be whole
     "progress": set(),  # any stage
     "robots": set(),  # any chain of rigid links
+    "invariants": {"schemas"},  # any stored result
     "families": set(),  # densities, of whatever
     "inference": {"families", "analysis", "checkpoint"},  # any density; analysis has its settings
     "blind/engines": {"recording"},  # realities of another hand share no physics with us

@@ -86,7 +86,9 @@ def test_coefficients_of_a_law_that_misses_what_acts_say_so():
 def test_a_named_board_says_what_and_how_much_at_a_glance():
     told = glance(stored_diagnosis())
     assert told["Which effect causes it?"] == "viscous (probability 0.987)"
-    assert told["How far does it shrink with that?"] == "by 98.1 [97.4, 98.8]\u202f%"
+    assert told["How far does it shrink with that?"] == (
+        "by 98.1 [97.4, 98.8]\u202f%; of data held out by 98.1 [97.4, 98.8]\u202f%"
+    )
     assert told["Where does it lie?"] == "along velocity (share 0.62 [0.57,\u00a00.67])"
     assert "mass drive 1.85\u202fkg" in told["What to measure next?"]
 
@@ -134,7 +136,7 @@ def test_an_undecided_board_says_what_may_act():
     told = glance(stored)
     assert told["Which effect causes it?"] == "open: none is certain enough to be named"
     assert told["What may act?"] == "viscous (0.62)"
-    assert told["What acts, but too weakly to matter?"] == "slip (0.970)"
+    assert told["What acts, and makes no gap that matters?"] == "slip (0.970)"
     assert verdict_line(stored.found).kind == "attention"
     assert "the longest is slip at 0.970" in figures(stored)["which"].alt
     assert render_pdf(build_document(StoredResults(diagnosis=stored))).startswith(b"%PDF")

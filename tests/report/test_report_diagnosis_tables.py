@@ -28,7 +28,7 @@ def test_probabilities_are_the_stored_ones_most_probable_first():
     table = tables(stored_diagnosis())["hypotheses"]
     found = [[words(cell) for cell in row] for row in table.rows]
     assert found[0] == ["viscous", "0.971", "0.975", "0.961"]
-    assert found[1][:2] == ["air-drag", "0.012"]
+    assert found[1][:2] == ["viscous+stribeck", "0.009"]
     assert found[-1] == ["none", "<\u00a00.001", "<\u00a00.001", "0.001"]
     assert [words(column.title) for column in table.head][2:] == ["none at 0.1", "none at 0.9"]
     assert "none 0.5, one 0.3, two 0.08" in words(table.note)

@@ -126,17 +126,22 @@ def _at_a_glance(found: DiagnosisFile) -> Table:
     friction = format_number(gap.friction_rms, unit=gap.unit)
     large = f"{_force(gap.systematic, gap.unit)}, where friction is {friction}; less "
     large += f"than {format_share(found.practical_share)} of that counts as no gap"
+    if gap.no_share is not None:
+        large = f"{_force(gap.systematic, gap.unit)}; no share is told, since {gap.no_share}"
     rows: list[list[Text]] = [
         ["How large is the systematic gap?", large],
         ["Which effect causes it?", _caused(found)],
     ]
+    if found.considered:
+        rows.append(["What fits, and misses what was held out?", listed(found.considered)])
     if found.possible:
         beside = " beside that" if found.causes else ""
         rows.append([f"What may act{beside}?", listed(found.possible)])
     if found.present:
-        rows.append(["What acts, but too weakly to matter?", listed(found.present)])
-    if gap.shrink is not None and found.causes:
-        rows.append(["How far does it shrink with that?", f"by {_percent(gap.shrink)}"])
+        rows.append(["What acts, and makes no gap that matters?", listed(found.present)])
+    if gap.shrink_of_model is not None and found.causes:
+        shrink = f"by {_percent(gap.shrink_of_model)}; {_seen(gap)}"
+        rows.append(["How far does it shrink with that?", shrink])
     if has_gap(found):
         rows.append(["Where does it lie?", _lies_along(found)])
     rows.append(
@@ -329,14 +334,23 @@ def _tuning(gap: Gap) -> list[str]:
 def _shrink(gap: Gap, named: bool, groups: str) -> list[str]:
     if not named:
         return ["No effect is added. "]
-    if gap.shrink is None:
-        return [f"Shrink by an effect: none ({gap.shrink_why}). "]
-    said = [f"Adding what is named takes {_percent(gap.shrink)} of the squared systematic gap away"]
-    seen = gap.held_out[0].shrink if gap.held_out else None
-    if seen is not None:
-        part = "all" if seen.q50 >= 1 else _percent(seen)
+    if gap.shrink_of_model is None:
+        return [f"Shrink by an effect: none ({gap.shrink_of_model_why}). "]
+    taken = _percent(gap.shrink_of_model)
+    said = [f"Adding what is named takes {taken} of the squared systematic gap away"]
+    if gap.shrink is not None:
+        part = "all" if gap.shrink.q50 >= 1 else _percent(gap.shrink)
         said.append(f", and {part} of what new {groups} show above the floor")
+    else:
+        said.append(f"; new {groups} cannot tell, since {gap.shrink_why}")
     return [*said, ". "]
+
+
+def _seen(gap: Gap) -> str:
+    """Return what data held out say of a shrink; that they cannot tell is said too."""
+    if gap.shrink is None:
+        return "data held out cannot tell"
+    return f"of data held out by {'all' if gap.shrink.q50 >= 1 else _percent(gap.shrink)}"
 
 
 def _arms(gap: Gap, named: bool) -> Iterator[tuple[str, Interval]]:

@@ -18,6 +18,7 @@ from bayesfric.report.chapters.calibration import calibration_line
 from bayesfric.report.chapters.claims import fallen
 from bayesfric.report.chapters.comparison import comparison_line
 from bayesfric.report.chapters.diagnosis import law_alone, verdict_line
+from bayesfric.report.chapters.faults import faults
 from bayesfric.report.chapters.gain import gain_lines
 from bayesfric.report.chapters.plain_law import force_unit, in_a_sentence
 from bayesfric.report.chapters.summary import meaning
@@ -58,6 +59,7 @@ def page_one(stored: StoredResults) -> Iterator[Block]:
     if pooled is not None and pooled.pooled is not None:
         yield from convergence(pooled)
         yield population(pooled, pooled.pooled)
+    yield from faults(stored)
     if stored.diagnosis is not None:
         yield verdict_line(stored.diagnosis.found)
         if fitted is not None:

@@ -34,6 +34,7 @@ from bayesfric.rigs.single_axis.rows import AxisRows
 
 __all__ = ["AxisModel"]
 
+NOTHING = 1e-15  # of what is told of the best known number, so that all can be solved for
 RATIOS = np.linspace(np.log(3e-3), np.log(3e2), 41)  # logarithms of wander over error
 DECAY = 2.0  # of the spectrum of a map of friction
 SCATTER = HalfNormal(scale=0.05)
@@ -206,7 +207,8 @@ def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float, float]:
     readings, friction = rows.readings, rows.law.coulomb
     pieces = Pieces.of(readings, rows.law.mass, np.full(readings.count, friction))
     columns = np.column_stack([rows.coefficient_columns(), readings.force_rate])
-    columns = columns / np.sqrt((columns**2).mean(axis=0)).clip(1e-12)
+    rms = np.sqrt((columns**2).mean(axis=0))
+    columns = columns / np.where(rms > 0, rms, 1.0)
     uneven = friction * map_columns(rows.mean(readings.position))[:, 1:]
     data = np.column_stack([uneven, columns, rows.residual()])
     ends = [*np.flatnonzero(np.diff(readings.trial, prepend=-1)), readings.count]
@@ -222,7 +224,8 @@ def _probable_noise(rows: AxisRows) -> tuple[float, float, float, float, float]:
         variance = noise[4] ** 2 * map_spectrum(noise[3] / rows.stroke, DECAY)[0]
         forms, determinants = integrated(grams, variance)
         form = forms.sum(axis=0)
-        information = form[:-1, :-1] + 1e-9 * np.eye(columns.shape[1])
+        told = np.diag(form)[:-1]
+        information = form[:-1, :-1] + NOTHING * told.max() * np.eye(columns.shape[1])
         square = form[-1, -1] - form[-1, :-1] @ np.linalg.solve(information, form[:-1, -1])
         determinant = solved.log_determinant(every) + determinants.sum()
         return 0.5 * float(square + determinant + z @ z)

@@ -1,0 +1,49 @@
+"""A diagnosis looked at before it is written: what breaks an invariant is no finding."""
+
+from bayesfric.analysis import Analysis
+from bayesfric.invariants import broken, check_record
+from bayesfric.schemas import DiagnosisFile
+
+__all__ = ["looked_at", "not_followed"]
+
+
+def looked_at(summary: DiagnosisFile) -> DiagnosisFile:
+    """Return a diagnosis with what must hold of it, and no verdict where something does not.
+
+    A result that contradicts itself comes of a fault of the computation. It is told as that:
+    the verdict is undecided, and its causes are those that were considered.
+    """
+    checks = check_record(summary.model_dump(mode="json", by_alias=True))
+    faults = broken(checks)
+    found = summary.model_copy(update={"checks": checks})
+    if not faults:
+        return found
+    above = summary.gap.probability_above_practical
+    details = "; ".join(check.detail or check.check for check in checks if not check.holds)
+    considered = (*summary.causes, *summary.considered)
+    return found.model_copy(
+        update={
+            "verdict": "undecided",
+            "verdict_probability": max(above, 1 - above),
+            "causes": (),
+            "considered": considered,
+            "considered_why": None if considered else "no effect was named",
+            "sentence": f"The computation contradicts itself, so that nothing is concluded: "
+            f"{details}.",
+            "attention": (*summary.attention, *faults),
+        }
+    )
+
+
+def not_followed(analysis: Analysis) -> tuple[str, ...]:
+    """Return, in sentences, the settings that a diagnosis does not follow."""
+    scatter = analysis.scatter
+    return tuple(
+        f"The scatter of {of} is taken as normal in a diagnosis: scatter.{key} = "
+        f'"{value}" holds for fits and claims.'
+        for key, value, of in (
+            ("trial", scatter.trial, "trials"),
+            ("assembly", scatter.assembly, "assemblies"),
+        )
+        if value != "normal"
+    )

@@ -1,0 +1,111 @@
+"""Whether the data could have shown a gap: without that, none is no finding.
+
+A recording in which nothing varied, or with fewer windows than the law has numbers, leaves no
+gap whatever the truth is. So does one that tells no unknown force from none.
+"""
+
+import numpy as np
+
+from bayesfric.arrays import Array
+from bayesfric.diagnosis.hypotheses import Search
+from bayesfric.diagnosis.model import LinearModel
+from bayesfric.diagnosis.residuals import Residuals
+from bayesfric.diagnosis.systematic import Posterior
+from bayesfric.physics.friction import Coefficients
+from bayesfric.rigs.layout import COEFFICIENTS
+
+__all__ = ["share_of_friction", "why_not_shown", "windows_told"]
+
+WINDOWS_A_NUMBER = 3  # of the law, that the recording has at least
+WITHIN = 0.5  # of friction, that its error is at least where friction may be nothing
+TOLD = float(np.log(2))  # by which an unknown force is less likely than none, at least
+
+
+def why_not_shown(search: Search, residuals: Residuals) -> str | None:
+    """Return why the data could not have shown a gap; None where they could.
+
+    Parameters
+    ----------
+    search : Search
+        Hypotheses, an unknown force among them where something varied.
+    residuals : Residuals
+        Windows of the recording.
+    """
+    windows, numbers = residuals.size.size, _numbers(residuals)
+    if windows < WINDOWS_A_NUMBER * numbers:
+        return (
+            f"{windows} {'window' if windows == 1 else 'windows'} of motion for {numbers} numbers "
+            f"of the law, and {WINDOWS_A_NUMBER * numbers} are needed"
+        )
+    if search.unknown is None:
+        return "nothing varied along which a force could show"
+    if search.unknown.log_evidence > search.best().log_evidence - TOLD:
+        return (
+            f"{windows_told(residuals)} do not tell an unknown force from none "
+            f"(Bayes factor {np.exp(search.unknown.log_evidence - search.best().log_evidence):.2g})"
+        )
+    return None
+
+
+def windows_told(residuals: Residuals) -> str:
+    """Return how much was recorded, in words."""
+    trials = len(residuals.names)
+    return f"{residuals.size.size} windows of {trials} trial{'' if trials == 1 else 's'}"
+
+
+def _numbers(residuals: Residuals) -> int:
+    """Return how many numbers of the law do anything here."""
+    sizes = np.unique(residuals.size)
+    shown = [
+        np.any(residuals.columns[residuals.size == size, :COEFFICIENTS], axis=0) for size in sizes
+    ]
+    return int(np.sum(shown))
+
+
+def share_of_friction(
+    model: LinearModel, residuals: Residuals, posterior: Posterior
+) -> dict[str, str | None]:
+    """Return why no share of friction can be told, as a part of the gap; None where one can.
+
+    Parameters
+    ----------
+    model : LinearModel
+        Whose law the windows are around.
+    residuals : Residuals
+        Windows of it.
+    posterior : Posterior
+        Draws of the law.
+    """
+    if model.data.rigs[0].has_pulleys:
+        return {"no_share": None}  # a board whose pulleys rub not at all would not be recorded
+    drawn = _friction_draws(model, residuals, posterior)
+    middle, error = float(drawn.mean()), float(drawn.std())
+    if error < WITHIN * middle:
+        return {"no_share": None}
+    unit = model.data.unit
+    return {
+        "no_share": f"friction is within its error of zero, {middle:.2g} ± {error:.2g} {unit}",
+        "no_share_why": None,
+    }
+
+
+def _friction_draws(model: LinearModel, residuals: Residuals, posterior: Posterior) -> Array:
+    """Return draws of rms friction, (S,); a law's friction is linear in its numbers."""
+    laws, moved = model.laws, posterior.law.coefficients
+    rows = [rig.linear(laws) for rig in model.data.rigs]
+    friction = np.concatenate([of_rig.friction_n for of_rig in rows])
+    drawn = np.repeat(friction[:, None], len(moved), axis=1)
+    sizes = np.concatenate([rig.size for rig in model.rigs])
+    for place, size in enumerate(model.layout.sizes):
+        law = laws[size]
+        for column, name in enumerate(Coefficients._fields):
+            middle, step = float(np.asarray(law[column])), float(moved[:, place, column].std())
+            shown = residuals.columns[residuals.size == place, column].any()
+            if step == 0 or not shown:  # a number that does nothing here is not known either
+                continue
+            beside = {**laws, size: law._replace(**{name: middle + step})}
+            above = np.concatenate([rig.linear(beside).friction_n for rig in model.data.rigs])
+            slope = np.where(sizes == place, (above - friction) / step, 0.0)
+            drawn += np.outer(slope, moved[:, place, column] - middle)
+    weight = np.bincount(residuals.trial, residuals.weight, friction.size)
+    return np.asarray(np.sqrt(weight @ drawn**2))

@@ -1,0 +1,235 @@
+"""Rules of a diagnosis: figures that go together, and a verdict that follows from them."""
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+from bayesfric.invariants.common import Rule
+
+__all__ = ["DIAGNOSIS"]
+
+SUM, SHARES = 1e-9, 1e-6
+SURE, HALF, POSSIBLE = 0.9, 0.5, 0.1
+ABOVE_FLOOR = 0.95  # probability that a gap is above the floor, from which on it can shrink
+MOST_SHRINK = 1.2
+FAR = 1.5  # times what is measured before, beyond which a systematic gap contradicts it
+UNLISTED = 1e-3  # probability of hypotheses too rare to be listed
+
+
+def _hypotheses(record: Mapping[str, Any]) -> list[str]:
+    chances = {"probabilities": record["probabilities"]}
+    for prior, each in record["prior_sensitivity"].items():
+        if len(each) >= len(record["probabilities"]):
+            chances[f"prior_sensitivity.{prior}"] = each
+    wrong = []
+    for place, each in chances.items():
+        whole = math.fsum(each.values())
+        if any(not 0 <= chance <= 1 for chance in each.values()):
+            wrong.append(f"{place} has a probability outside of 0 to 1")
+        if abs(whole - 1) > SUM:
+            wrong.append(f"{place} add up to {whole:.12g}")
+    return wrong
+
+
+def _shares(record: Mapping[str, Any]) -> list[str]:
+    wrong, sums = [], []
+    for axis in record["where"]:
+        share = axis.get("share")
+        if not isinstance(share, Mapping):
+            continue
+        sums.append(float(share["mean"]))
+        if any(not -SHARES <= float(share[key]) <= 1 + SHARES for key in ("mean", "q05", "q95")):
+            wrong.append(f"the share of {axis['axis']} is {share['mean']:.4g}")
+    if not sums:
+        return wrong
+    rest = record.get("unexplained")
+    whole = math.fsum(sums) + (float(rest["mean"]) if isinstance(rest, Mapping) else 0.0)
+    if whole > 1 + SHARES or (isinstance(rest, Mapping) and whole < 1 - SHARES):
+        wrong.append(f"shares along axes add up to {whole:.8g}")
+    return wrong
+
+
+def _gap_measured(record: Mapping[str, Any]) -> list[str]:
+    gap = record["gap"]
+    systematic, before = gap["systematic"], gap["before"]
+    if systematic["q05"] > before["q95"] and systematic["q50"] > FAR * before["q50"]:
+        return [
+            f"a systematic gap of {systematic['q50']:.3g} {gap['unit']} stands beside "
+            f"{before['q50']:.3g} {gap['unit']} on data held out"
+        ]
+    return []
+
+
+def _shrinks(record: Mapping[str, Any]) -> list[str]:
+    gap = record["gap"]
+    rows = {f"held_out.{row['name']}": row for row in gap["held_out"]}
+    rows["in_sample"] = gap["in_sample"]
+    if gap["trajectory"] is not None:
+        rows["trajectory"] = gap["trajectory"]
+    if gap["held_out"]:
+        rows["gap"] = {**gap, "below_floor": gap["held_out"][0]["below_floor"]}
+    wrong = []
+    for name, row in rows.items():
+        shrink = row["shrink"]
+        if shrink is None:
+            continue
+        if 1 - row["below_floor"] < ABOVE_FLOOR - SUM:
+            above = 1 - row["below_floor"]
+            wrong.append(f"{name} shrinks, and is above its floor with {above:.2f} only")
+        if shrink["q50"] > MOST_SHRINK + SUM:
+            wrong.append(f"{name} shrinks by {shrink['q50']:.3g} of itself")
+    return wrong
+
+
+def _remainder(record: Mapping[str, Any]) -> list[str]:
+    left = record["remainder"]
+    if left["significant"] and left["log10_bayes_factor"] <= 0:
+        return [f"a remainder is significant at a log10 factor of {left['log10_bayes_factor']:.3g}"]
+    return []
+
+
+def _verdict(record: Mapping[str, Any]) -> list[str]:
+    kind, chance = record["verdict"], record["verdict_probability"]
+    chances, above = record["probabilities"], record["gap"]["probability_above_practical"]
+    unknown, wrong = chances.get("unknown", 0.0), []
+    causes = {cause["effect"] for cause in record["causes"]}
+    rivals = [pair for pair in record["unseparated"] if pair["reason"] == "these-data"]
+    no_gap = above <= 1 - SURE + SUM
+    if no_gap and kind not in ("no-gap", "undecided"):
+        wrong.append(f"it is {kind} where a gap is there with {above:.3g} only")
+    if kind == "no-gap" and not no_gap:
+        wrong.append(f"it is no-gap where a gap is there with {above:.3g}")
+    if kind == "unknown" and unknown < HALF:
+        wrong.append(f"it is unknown where an unknown force acts with {unknown:.3g} only")
+    if unknown >= HALF and not no_gap and kind not in ("unknown", "undecided"):
+        wrong.append(f"it is {kind} where an unknown force acts with {unknown:.3g}")
+    if kind in ("named", "unseparated") and above < SURE:
+        wrong.append(f"it is {kind} where a gap is there with {above:.3g} only")
+    if kind == "named" and not causes:
+        wrong.append("it is named and names no cause")
+    if kind == "unseparated" and not rivals:
+        wrong.append("it is unseparated and tells no rivals")
+    stated = {
+        "no-gap": 1 - above,
+        "unknown": unknown,
+        "named": math.fsum(_chances(chances, lambda acting: causes <= acting)),
+    }.get(kind)
+    if stated is not None and abs(stated - chance) > UNLISTED:
+        wrong.append(f"it states {chance:.4g} where the probabilities say {stated:.4g}")
+    return wrong
+
+
+def _chances(chances: Mapping[str, float], holds: Any) -> Iterator[float]:
+    return (chance for name, chance in chances.items() if holds(set(name.split("+"))))
+
+
+def _causes_act(record: Mapping[str, Any]) -> list[str]:
+    bounds = {"causes": (SURE, 1.0), "present": (SURE, 1.0), "possible": (POSSIBLE, SURE)}
+    wrong = []
+    for kind, (least, most) in bounds.items():
+        for effect in record[kind]:
+            chance = effect["inclusion_probability"]
+            if not least - SUM <= chance <= most + SUM:
+                wrong.append(f"{effect['effect']} of {kind} acts with {chance:.3g}")
+    return wrong
+
+
+def _acting(record: Mapping[str, Any]) -> list[str]:
+    wrong = []
+    for effect in record["inclusion"]:
+        name, chance = effect["effect"], effect["probability"]
+        whole = math.fsum(_chances(record["probabilities"], lambda names, name=name: name in names))
+        if abs(whole - chance) > UNLISTED:
+            wrong.append(f"{name} acts with {chance:.4g}, and its hypotheses have {whole:.4g}")
+    return wrong
+
+
+def _limits(record: Mapping[str, Any]) -> list[str]:
+    friction = record["law"].get("coulomb")
+    if friction is None:
+        return []
+    wrong = []
+    for effect in _effects(record, ("causes", "present")):
+        limit = effect["parameters"].get("limit")
+        if limit is not None and limit["q95"] < friction["after"]["q05"]:
+            wrong.append(
+                f"{effect['effect']} has a limit of {limit['q50']:.3g} {limit['unit']} below "
+                f"friction of {friction['after']['q50']:.3g}"
+            )
+    return wrong
+
+
+def _sizes(record: Mapping[str, Any]) -> list[str]:
+    gap = record["gap"]
+    numbers = {"gap.friction_rms": gap["friction_rms"]}
+    numbers |= {f"scatter.{name}": value for name, value in record["scatter"].items()}
+    for name in ("before", "after", "floor", "systematic"):
+        numbers[f"gap.{name}"] = gap[name]["q05"]
+    for effect in _effects(record, ("causes", "present", "possible", "considered")):
+        numbers[f"strength of {effect['effect']}"] = effect["strength"]
+    return [f"{name} is {value:.3g}" for name, value in numbers.items() if value < 0]
+
+
+def _bands(record: Mapping[str, Any]) -> list[str]:
+    wrong = []
+    for axis in record["where"]:
+        shape = axis.get("shape")
+        if shape is None:
+            continue
+        rows = zip(shape["low_n"], shape["gap_n"], shape["high_n"], strict=True)
+        if any(not low <= middle <= high for low, middle, high in rows):
+            wrong.append(f"the curve along {axis['axis']} leaves its band")
+    return wrong
+
+
+def _effects(record: Mapping[str, Any], kinds: Iterable[str]) -> Iterator[Mapping[str, Any]]:
+    return (effect for kind in kinds for effect in record.get(kind, ()))
+
+
+DIAGNOSIS = {
+    "hypotheses-add-up-to-1": Rule(
+        "Probabilities of hypotheses add up to 1.",
+        _hypotheses,
+    ),
+    "shares-add-up-to-1": Rule(
+        "Shares along axes are within 0 and 1, and add up to 1 with what no axis explains.",
+        _shares,
+    ),
+    "gap-is-measured": Rule(
+        "A systematic gap is not far above what held-out data show before causes are added.",
+        _gap_measured,
+    ),
+    "shrink-of-a-gap": Rule(
+        "A shrink is told only of a gap that is above its floor with 0.95, and is 1.2 at most.",
+        _shrinks,
+    ),
+    "remainder-by-evidence": Rule(
+        "What the causes leave is significant only where its Bayes factor is in its favour.",
+        _remainder,
+    ),
+    "verdict-follows": Rule(
+        "The verdict and its probability follow from the probabilities by the rules.",
+        _verdict,
+    ),
+    "causes-act": Rule(
+        "A cause, or what is present, acts with 0.9 at least, and what is possible with 0.1.",
+        _causes_act,
+    ),
+    "inclusion-follows": Rule(
+        "The probability that an effect acts is that of all hypotheses which have it.",
+        _acting,
+    ),
+    "drive-limit-above-friction": Rule(
+        "A limit of the drive lies above the friction that the drive overcomes.",
+        _limits,
+    ),
+    "sizes-above-0": Rule(
+        "Root mean squares, strengths and scatter are not below 0.",
+        _sizes,
+    ),
+    "curves-within-bands": Rule(
+        "The curve along an axis lies within its band.",
+        _bands,
+    ),
+}
+"""Rules of ``diagnosis.json``, by name."""

@@ -1,0 +1,172 @@
+"""Rules of fits, claims, margins and scorecards."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from bayesfric.invariants.common import Rule, places
+
+__all__ = ["CLAIMS", "FIT", "MARGINS", "SCORECARD"]
+
+ROUNDING = 1e-9
+LEAST_R_HAT = 0.95  # chains agree no better than as if they were one
+SHARES = 1e-6
+
+
+def _parameters(record: Mapping[str, Any]) -> list[str]:
+    wrong = []
+    for place, entry in places(record):
+        if not (isinstance(entry, Mapping) and "r_hat" in entry and "ess_bulk" in entry):
+            continue
+        contraction = entry.get("contraction")
+        if entry["r_hat"] < LEAST_R_HAT or min(entry["ess_bulk"], entry["ess_tail"]) < 0:
+            wrong.append(
+                f"{place} has an R-hat of {entry['r_hat']:.4g} and an effective size of "
+                f"{entry['ess_bulk']:.4g}"
+            )
+        if entry["mcse_mean"] < 0 or (contraction is not None and contraction > 1 + ROUNDING):
+            wrong.append(f"{place} has contracted by {contraction}")
+    return wrong
+
+
+def _positive(record: Mapping[str, Any]) -> list[str]:
+    wrong = []
+    groups = {"scatter": record["scatter"], "noise": record["noise"]}
+    for size, law in record["pulleys"].items():
+        groups[f"pulleys.{size}"] = {name: law[name] for name in ("c1", "c2") if name in law}
+    for kind, entries in groups.items():
+        for name, entry in entries.items():
+            if entry["q05"] < 0:
+                wrong.append(f"{kind}.{name} may be {entry['q05']:.3g}")
+    return wrong
+
+
+def _counted(record: Mapping[str, Any]) -> list[str]:
+    quality = record["data_quality"]
+    if quality["trials_used"] > quality["trials"]:
+        return [f"{quality['trials_used']} trials are used of {quality['trials']}"]
+    return []
+
+
+def _claims_follow(record: Mapping[str, Any]) -> list[str]:
+    wrong = []
+    for claim in record["claims"]:
+        factor = claim["log10_bayes_factor"]
+        if claim["verdict"] == "not-testable" and factor is not None:
+            wrong.append(f"{claim['id']} is not testable at a log10 factor of {factor:.3g}")
+        for key in ("log10_bayes_factor_se", "elpd_difference_se"):
+            if claim[key] is not None and claim[key] < 0:
+                wrong.append(f"{claim['id']}.{key} is {claim[key]:.3g}")
+    return wrong
+
+
+def _violations(record: Mapping[str, Any]) -> list[str]:
+    wrong = []
+    for place, metric in places(record["loops"], "loops"):
+        if not (isinstance(metric, Mapping) and "probability_of_violation" in metric):
+            continue
+        if metric["spec"] is None and metric["probability_of_violation"] is not None:
+            wrong.append(f"{place} ({metric['name']}) is missed, and nothing is asked of it")
+    return wrong
+
+
+def _ascending(record: Mapping[str, Any]) -> list[str]:
+    wrong = []
+    for place, entry in places(record["loops"], "loops"):
+        if not isinstance(entry, Mapping):
+            continue
+        rows = [("quantiles", entry.get("quantiles"))]
+        if isinstance(entry.get("limit_cycle_probability"), list | tuple):
+            rows.append(("gamma", [row["gamma"] for row in entry["limit_cycle_probability"]]))
+        for name, row in rows:
+            pairs = zip(row or (), (row or ())[1:], strict=False)
+            if any(low > high + ROUNDING * abs(high) for low, high in pairs):
+                wrong.append(f"{place}.{name} do not ascend")
+    return wrong
+
+
+def _variance(record: Mapping[str, Any]) -> list[str]:
+    wrong = []
+    for loop in record["loops"]:
+        for metric, shares in loop["variance_share"].items():
+            for source, share in shares.items():
+                if not -SHARES <= share <= 1 + SHARES:
+                    wrong.append(f"{loop['name']}: {source} has {share:.3g} of {metric}")
+    return wrong
+
+
+def _rates(record: Mapping[str, Any]) -> list[str]:
+    wrong = []
+    for place, entry in _all_rates(record):
+        low, high = entry["low"], entry["high"]
+        inside = entry["rate"] is None or low - ROUNDING <= entry["rate"] <= high + ROUNDING
+        if not (inside and 0 <= low <= high <= 1):
+            wrong.append(f"{place} is {entry['rate']} in {low:.3g} to {high:.3g}")
+    return wrong
+
+
+def _all_rates(record: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    for place, entry in places(record):
+        if isinstance(entry, Mapping) and {"rate", "low", "high"} <= set(entry):
+            yield place, entry
+
+
+def _accurate(record: Mapping[str, Any]) -> list[str]:
+    cases, rate = record["cases"], record["accuracy"]["rate"]
+    if not cases or rate is None:
+        return []
+    right = sum(bool(case["correct"]) for case in cases) / len(cases)
+    return (
+        [f"it is {rate:.4g} and {right:.4g} of cases are right"]
+        if abs(right - rate) > SHARES
+        else []
+    )
+
+
+FIT = {
+    "parameters-are-drawn": Rule(
+        "A parameter has draws, an R-hat about 1 or above, and a contraction of 1 at most.",
+        _parameters,
+    ),
+    "positive-where-it-must-be": Rule(
+        "Scatter and noise are above 0, and so is friction that c1 and c2 make.",
+        _positive,
+    ),
+    "trials-counted": Rule(
+        "No more trials are used than were recorded.",
+        _counted,
+    ),
+}
+"""Rules of ``fit.json``, by name."""
+CLAIMS = {
+    "claims-follow": Rule(
+        "What cannot be tested has no Bayes factor, and a standard error is not below 0.",
+        _claims_follow,
+    )
+}
+"""Rules of ``claims.json``, by name."""
+MARGINS = {
+    "violations-of-specs": Rule(
+        "A spec has a probability that it is missed or a reason why not; nothing else has one.",
+        _violations,
+    ),
+    "quantiles-ascend": Rule(
+        "Quantiles of a metric ascend, and so do the gains at which hunting is looked for.",
+        _ascending,
+    ),
+    "variance-shares": Rule(
+        "Shares of a metric's variance are within 0 and 1.",
+        _variance,
+    ),
+}
+"""Rules of ``margins.json``, by name."""
+SCORECARD = {
+    "rates-within-intervals": Rule(
+        "A rate lies within its interval, and both within 0 and 1.",
+        _rates,
+    ),
+    "accuracy-of-cases": Rule(
+        "The accuracy is that of the cases.",
+        _accurate,
+    ),
+}
+"""Rules of ``scorecard.json``, by name."""

@@ -1,0 +1,76 @@
+"""Whether data could have shown a gap, and a share of friction."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+from rigs.driven_mass import Machine, simulate, write
+
+import bayesfric as bf
+from bayesfric.diagnosis.showing import why_not_shown
+
+
+def recorded(windows, numbers=2):
+    """Return windows of one size, in which some numbers of the law do something."""
+    columns = np.zeros((windows, 3))
+    columns[:, :numbers] = 1.0
+    return SimpleNamespace(
+        size=np.zeros(windows, dtype=int), columns=columns, names=("a", "b", "c")
+    )
+
+
+def search(unknown, best=0.0):
+    force = None if unknown is None else SimpleNamespace(log_evidence=unknown)
+    return SimpleNamespace(unknown=force, best=lambda: SimpleNamespace(log_evidence=best))
+
+
+@pytest.mark.parametrize(
+    ("windows", "unknown", "why"),
+    [
+        (60, -3.0, None),
+        (6, -3.0, None),
+        (5, -3.0, "5 windows of motion for 2 numbers of the law, and 6 are needed"),
+        (1, -3.0, "1 window of motion for 2 numbers"),
+        (60, None, "nothing varied along which a force could show"),
+        (60, -0.5, "60 windows of 3 trials do not tell an unknown force from none"),
+        (60, 2.0, r"(Bayes factor 7.4)"),
+    ],
+)
+def test_a_gap_can_show_where_windows_and_evidence_are_enough(windows, unknown, why):
+    found = why_not_shown(search(unknown), recorded(windows))
+    assert (found is None) == (why is None)
+    assert why is None or why in found
+
+
+def test_what_does_nothing_is_no_number_that_needs_windows():
+    assert why_not_shown(search(-3.0), recorded(5, numbers=1)) is None
+
+
+def test_a_recording_of_one_window_is_undecided(tmp_path):
+    """Friction grows fourfold with speed, and one stroke in one direction cannot show it."""
+    time = np.arange(40) / 50
+    angle = 0.3 * np.sin(np.pi * (time / time[-1] - 0.5))
+    speed = np.gradient(angle, time)
+    torque = 0.5 * np.gradient(speed, time) + 1.0 + 1.5 * speed
+    noise = 0.01 * np.random.default_rng(2).standard_normal(time.size)
+    samples = pd.DataFrame(
+        {"run": "a", "time_s": time, "position_m": angle, "force_n": torque + noise}
+    )
+    runs = pd.DataFrame({"run": ["a"], "order": [1]})
+    written = write(tmp_path / "stroke", Machine(), runs, samples, rotary=True)
+    found = bf.diagnose(bf.read_recording(written)).summary
+    assert found.verdict == "undecided"
+    assert found.verdict_probability < 0.9
+    assert "could not have shown a gap" in found.sentence
+    assert "window" in found.sentence
+
+
+def test_of_an_axis_without_friction_no_share_is_told(tmp_path):
+    machine = Machine(control_hz=500.0, bandwidth_hz=5.0, coulomb=0.0)
+    runs, samples = simulate(machine, runs=2, seconds=4.0, seed=3)
+    found = bf.diagnose(bf.read_recording(write(tmp_path / "axis", machine, runs, samples))).summary
+    assert "within its error of zero" in found.gap.no_share
+    assert "% of friction" not in found.sentence
+    assert " N rms" in found.sentence
+    assert "friction is within its error of zero" in found.sentence

@@ -1,0 +1,71 @@
+"""Sums of probabilities are probabilities, whatever rounding does."""
+
+import math
+
+import numpy as np
+import pytest
+
+from bayesfric.analysis import Analysis
+from bayesfric.diagnosis.acting import Acting, At
+from bayesfric.diagnosis.classes import Classes
+from bayesfric.diagnosis.hypotheses import Search
+from bayesfric.diagnosis.systematic import inclusion
+from bayesfric.diagnosis.verdict import Known, decide
+from bayesfric.diagnosis.weighing import Weighed
+from bayesfric.probabilities import normalised, stated, total
+
+# Four parts of one that floating-point addition makes larger than one.
+ABOVE_ONE = (0.28, 0.34, 0.32, 0.06)
+
+
+def test_rounding_above_one_is_one():
+    assert sum(ABOVE_ONE) > 1
+    assert total(ABOVE_ONE) == 1.0
+    assert stated(total(ABOVE_ONE)) == "> 0.999"
+    assert total([0.25, 0.5]) == 0.75
+    assert total([]) == 0.0
+    assert total([0.3, -0.3 - 1e-17]) == 0.0
+
+
+@pytest.mark.parametrize("parts", [[0.7, 0.4], [-0.1], [math.nan]])
+def test_what_is_no_sum_of_probabilities_is_refused(parts):
+    with pytest.raises(ValueError, match="add up to 1"):
+        total(parts)
+
+
+def test_normalised_weights_are_probabilities():
+    found = normalised({"a": 3.0, "b": 1.0, "c": -1e-17})
+    assert found == {"a": 0.75, "b": 0.25, "c": 0.0}
+    assert normalised({"a": 1.0000000000000002}) == {"a": 1.0}
+    for wrong in ({"a": -1.0, "b": 2.0}, {"a": math.nan}, {"a": 0.0}, {}):
+        with pytest.raises(ValueError, match="weight"):
+            normalised(wrong)
+
+
+def test_a_verdict_of_several_hypotheses_that_add_up_to_more_than_one_is_stated():
+    chances = {f"viscous+{name}": part for name, part in zip("abcd", ABOVE_ONE, strict=True)}
+    verdict, probability = decide(chances, [Known("viscous", 1.0, 1.0, 0.1)], 1.0, ())
+    assert (verdict, probability) == ("named", 1.0)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_hypotheses_add_up_to_one_where_much_of_them_counts_as_unknown(seed):
+    rng = np.random.default_rng(seed)
+    nothing = np.zeros(0)
+    at = At(nothing, 0.0, None, None, nothing, np.zeros((0, 0)), at_mode=True)
+    names = ["none", "a", "b", "a+b", "a+c", "b+c", "a+b+c"]
+    weighed = {
+        name: Weighed(
+            () if name == "none" else tuple(name.split("+")), rng.normal(0, 3), None, Acting(), at
+        )
+        for name in names
+    }
+    classes = Classes((("a",), ("b",), ("c",)), (), {})
+    foreign = {frozenset("a"): 1.0, frozenset("b"): rng.uniform()}
+    search = Search(
+        weighed, {}, None, classes, Analysis().diagnosis.hypotheses, np.eye(1), 0.0, foreign
+    )
+    chances = search.probabilities()
+    assert abs(math.fsum(chances.values()) - 1) < 1e-15
+    assert all(0 <= chance <= 1 for chance in chances.values())
+    assert all(0 <= chance <= 1 for chance in inclusion(search).values())
