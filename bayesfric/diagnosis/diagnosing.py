@@ -18,7 +18,7 @@ from bayesfric.diagnosis.acting import Acting, At
 from bayesfric.diagnosis.baseline import data_of, fitted_baseline
 from bayesfric.diagnosis.causes import causes_of, inclusion_of
 from bayesfric.diagnosis.checked import Checked, noise_checked
-from bayesfric.diagnosis.checking import looked_at
+from bayesfric.diagnosis.checking import looked_at, not_followed
 from bayesfric.diagnosis.classes import classes_of
 from bayesfric.diagnosis.climbing import climb, curvature_at
 from bayesfric.diagnosis.entering import numbers_to_enter
