@@ -230,6 +230,8 @@ def test_validate_prints_what_is_there(board):
     assert done.exit_code == 0
     assert "16 trials" in done.stdout
     assert "small" in done.stdout
+    assert "sensor clocks" in done.stdout
+    assert "16 trials; up to 4.9 ms is a nuisance of each trial" in done.stdout
 
 
 def test_simulate_is_reproducible_and_dated_only_when_told(board):
