@@ -1,11 +1,13 @@
 """The command line: what each verb writes, prints and returns."""
 
+import dataclasses
 import os
 import subprocess
 import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 from altered import by_acceleration, of_size, with_trials
 from typer.testing import CliRunner
@@ -13,6 +15,7 @@ from typer.testing import CliRunner
 from bayesfric.claims import registered
 from bayesfric.cli import app
 from bayesfric.recording import write_recording
+from bayesfric.recording.tables import Gravity
 from bayesfric.results import read_json
 from bayesfric.schemas import ClaimsFile, FitFile, TimingsFile
 
@@ -232,6 +235,25 @@ def test_validate_prints_what_is_there(board):
     assert done.exit_code == 0
     assert "16 trials" in done.stdout
     assert "small" in done.stdout
+    assert "sensor clocks" not in done.stdout  # trials by acceleration alone
+
+
+def test_validate_tells_by_how_much_the_clocks_of_two_sensors_differ(small_recording, tmp_path):
+    gravity = small_recording.gravity
+    late = np.where(gravity.events["sensor"] == "load", 0.05, 0.0)
+    events = gravity.events.assign(time_s=gravity.events["time_s"] + late)
+    apart = dataclasses.replace(small_recording, gravity=Gravity(gravity.trials, events))
+    write_recording(small_recording, tmp_path / "one")
+    write_recording(apart, tmp_path / "two")
+    done = CliRunner().invoke(app, ["validate", str(tmp_path / "one")])
+    assert done.exit_code == 0
+    (line,) = (line for line in done.stdout.splitlines() if line.startswith("sensor clocks"))
+    assert "trials; up to 4.9 ms is a nuisance of each trial" in line
+    for verb, *more in (["validate"], ["fit", "-o", str(tmp_path / "fitted")]):
+        done = CliRunner().invoke(app, [verb, str(tmp_path / "two"), *more])
+        assert done.exit_code == 2
+        assert "ms (load late) in" in done.stderr
+        assert "no cable explains more than 4.9 ms" in done.stderr
 
 
 def test_simulate_is_reproducible_and_dated_only_when_told(board):

@@ -10,7 +10,7 @@ from bayesfric.report.assembly import build_document
 from bayesfric.report.chapters import checks, data_quality, predictions, summary
 from bayesfric.report.content import BulletList, Figure, Paragraph, Table, inlines
 from bayesfric.report.stored import StoredFit, StoredResults
-from bayesfric.schemas import Agreement, Excluded, Interval, Repaired, WithoutExclusions
+from bayesfric.schemas import Agreement, Clocks, Excluded, Interval, Repaired, WithoutExclusions
 
 
 @pytest.fixture(scope="module")
@@ -66,13 +66,16 @@ def test_agreement_of_the_sensors_is_that_of_the_fit(stored):
         limit_friction_share=0.02,
         disagreeing=("g0007", "g0011"),
     )
-    found = tables(data_quality.data_quality(with_quality(stored, agreement=agreement)))
+    clocks = Clocks(trials=12345, late_s=-2.3456e-3, sd_s=1.2e-4, allowed_sd_s=1e-3)
+    with_both = with_quality(stored, agreement=agreement, clocks=clocks)
+    found = tables(data_quality.data_quality(with_both))
     assert [row[1] for row in found["agreement"].rows] == [
         "12\u202f345",
         "2.01",
         "4.57",
         "3.89",
         "2",
+        "−2.35 ± 0.12",
     ]
     assert "2.0\u202f%. They are: g0007, g0011." in words(found["agreement"].note)
 
