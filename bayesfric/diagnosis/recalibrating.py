@@ -95,7 +95,14 @@ def refit_of(model: LinearModel, residuals: Residuals, rows: Flags) -> Refit:
     variance = (weight * (spread2 + residuals.variance)).sum()
     certainty = assemblies / variance * weight[:, None] * design
     precision = design.T @ certainty + np.eye(COEFFICIENTS * sizes)
-    return Refit(design, np.linalg.solve(precision, certainty.T), mean, sd)
+    try:
+        follows = np.linalg.solve(precision, certainty.T)
+    except np.linalg.LinAlgError:
+        # Data so much surer than the prior that rounding leaves nothing of it: by roots of both.
+        root = np.sqrt(assemblies / variance * weight)
+        both = np.concatenate([root[:, None] * design, np.eye(COEFFICIENTS * sizes)])
+        follows = np.linalg.pinv(both)[:, : rows.size] * root
+    return Refit(design, follows, mean, sd)
 
 
 def recalibrated(refit: Refit, residuals: Residuals, local: Array) -> Array:

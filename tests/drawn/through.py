@@ -1,7 +1,6 @@
 """A recording through the verbs: an answer each, or the package's own error of input."""
 
 import tempfile
-import warnings
 from pathlib import Path
 
 from bayesfric.analysis import Analysis, Sampler
@@ -32,8 +31,7 @@ def answered(recording, verbs=tuple(VERBS), *, report=True):
     report : bool
         Whether a report is made of what they answered.
     """
-    with tempfile.TemporaryDirectory() as place, warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # numbers as large as floats go are drawn too
+    with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
         try:
             write_recording(recording, folder / "recording")

@@ -69,7 +69,8 @@ def with_lengths(
         free = np.stack(columns, axis=1)
         free = free - basis @ (basis.T @ free)
         noise = left @ left / left.size / prior_moments(effect.amplitude.prior)[1] ** 2
-        gain = np.maximum(left @ free, 0.0) ** 2 / (np.sum(free**2, axis=0) + noise)
+        size = np.sum(free**2, axis=0) + noise
+        gain = np.maximum(left @ free, 0.0) ** 2 / np.where(size > 0, size, np.inf)
         return float(gain.max())
 
     known_to = [one for one in all_effects(None).values() if one.needs & LENGTHS.keys()]
