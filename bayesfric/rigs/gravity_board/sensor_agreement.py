@@ -28,7 +28,6 @@ __all__ = [
     "MATERIAL_SHARE",
     "TAIL",
     "SensorAgreement",
-    "common_time",
     "noise_variance",
     "sensor_agreement",
 ]
@@ -83,7 +82,7 @@ def sensor_agreement(
         return SensorAgreement(pd.DataFrame(columns=columns), None)
     assert rig.hall_spacing_m and rig.timer_resolution_s
     spacing = rig.hall_spacing_m
-    trains = common_time(event_trains(events, trials["trial"], spacing))
+    trains = _common_time(event_trains(events, trials["trial"], spacing))
     if not trains.starts.size:
         return SensorAgreement(pd.DataFrame(columns=columns), None)
     pilot = quadratic_fits(trains, np.ones(trains.time.size))
@@ -112,7 +111,7 @@ def sensor_agreement(
     return SensorAgreement(table, limit)
 
 
-def common_time(trains: EventTrains) -> EventTrains:
+def _common_time(trains: EventTrains) -> EventTrains:
     """Keep the events while both sensors of a trial have some, if five of each remain.
 
     Over one span of time, friction that is not quite constant shows alike in both.
