@@ -19,7 +19,7 @@ from bayesfric.diagnosis.noise import Noise
 from bayesfric.diagnosis.said import Said
 from bayesfric.diagnosis.scales import coefficient_moments, rms_friction, scales_of_numbers
 from bayesfric.effects import Effect
-from bayesfric.effects.candidates import Candidate, on_friction, prior_moments
+from bayesfric.effects.candidates import Candidate, is_positive, on_friction, prior_moments
 from bayesfric.inference.information import Information, Reduced
 from bayesfric.inference.smooths import Smooth
 from bayesfric.physics.friction import Coefficients
@@ -31,6 +31,9 @@ __all__ = ["LinearModel"]
 
 # Of the scale of a coefficient, whatever the units: a law whose friction is above zero.
 LEAST = {"c1": 2e-4, "c2": 5e-5, "c3": -np.inf}
+# The same where a machine's own prior says how large it may be: all is counted in friction of the
+# law, and a law that gravity leaves none has a hundredth of what the drive gives.
+LEAST_OWN = {"c1": 0.01, "c2": 0.01, "c3": -np.inf}
 
 
 class LinearModel:
@@ -369,10 +372,19 @@ class LinearModel:
         """Return coefficients that are so far from the model's, in its scales, (…, sizes, 3)."""
         origin = np.array([[float(np.asarray(one)) for one in self.laws[size]]
                            for size in self.layout.sizes])  # fmt: skip
-        least = np.array([LEAST[name] for name in Coefficients._fields])
-        scale = self.scales[: least.size]
+        least = np.array([self._least(size) for size in self.layout.sizes])
+        scale = self.scales[: least.shape[1]]
         moved = np.maximum(origin + moves * scale, least * scale)
         return np.asarray(np.where(self.free, moved, origin))
+
+    def _least(self, size: str) -> list[float]:
+        """Return the least of each coefficient of a size, in its scale."""
+        own = self.analysis.priors.pulleys.get(size)
+        priors: list[Prior | None] = [getattr(own, name, None) for name in Coefficients._fields]
+        return [
+            (LEAST if prior is None or not is_positive(prior) else LEAST_OWN)[name]
+            for name, prior in zip(Coefficients._fields, priors, strict=True)
+        ]
 
     def candidate(self, law: Law, shape: float) -> Candidate:
         """Return the candidate of a law at a shape."""
