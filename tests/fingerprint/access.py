@@ -665,6 +665,11 @@ def simulated() -> dict[str, pd.DataFrame]:
         "points": simulate_recording("points", seed=484),
         "points with effects": simulate_recording("points", seed=484, effects={"stribeck": 0.3}),
         "axis": simulate_recording("axis", seed=484),
+        "axis that wanders": simulate_recording(
+            "axis",
+            seed=484,
+            truth=Truth({"axis": Coefficients(2.0, 1.5, 0.0)}, wander=0.02, wander_length=0.05),
+        ),
         "axis with effects": simulate_recording(
             "axis", seed=484, effects={"presliding": 0.3, "delay": 0.2, "backlash": 0.3}
         ),
