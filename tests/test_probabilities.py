@@ -69,3 +69,13 @@ def test_hypotheses_add_up_to_one_where_much_of_them_counts_as_unknown(seed):
     assert abs(math.fsum(chances.values()) - 1) < 1e-15
     assert all(0 <= chance <= 1 for chance in chances.values())
     assert all(0 <= chance <= 1 for chance in inclusion(search).values())
+
+
+def test_an_unknown_force_of_which_data_say_nothing_keeps_its_prior():
+    """One in six, beside none: 0.1 against 0.5."""
+    nothing = np.zeros(0)
+    at = At(nothing, 0.0, None, None, nothing, np.zeros((0, 0)), at_mode=True)
+    weighed = {"none": Weighed((), -3.0, None, Acting(), at)}
+    priors = Analysis().diagnosis.hypotheses
+    search = Search(weighed, {}, None, Classes((), (), {}), priors, np.eye(1), 0.0, unheard=True)
+    assert search.probabilities() == pytest.approx({"none": 5 / 6, "unknown": 1 / 6})

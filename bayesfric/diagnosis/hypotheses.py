@@ -46,6 +46,9 @@ class Search:
     foreign : mapping of frozenset of str to float
         By effects that act together: the probability, given that they do, that they leave so
         much that an unknown force acts. That share of theirs counts as ``unknown``.
+    unheard : bool
+        Whether an unknown force was asked for and nothing varied along which it could show: the
+        data say of it what they say of none.
     """
 
     weighed: dict[str, Weighed]
@@ -56,6 +59,7 @@ class Search:
     inverse: Array
     volume: float
     foreign: Mapping[frozenset[str], float] = field(default_factory=dict)
+    unheard: bool = False
 
     @property
     def none(self) -> Weighed:
@@ -97,6 +101,8 @@ class Search:
         values |= {name: one for name, one in self.rough.items() if name not in values}
         if self.unknown is not None:
             values[UNKNOWN] = self.unknown.log_evidence
+        elif self.unheard:
+            values[UNKNOWN] = self.none.log_evidence
         names = list(values)
         logs = np.array([values[name] + self.log_prior(name, none) for name in names])
         chances = dict(zip(names, np.exp(logs - logsumexp(logs)), strict=True))

@@ -124,7 +124,8 @@ def search(
         if not grown and number > 2:
             break
     _weigh_parts(model, found, steps)
-    return replace(found, unknown=steps.unknown_force(model, found.none, Acting(), inverse, volume))
+    unknown = steps.unknown_force(model, found.none, Acting(), inverse, volume)
+    return replace(found, unknown=unknown, unheard=unknown is None)
 
 
 def _weigh_parts(
@@ -230,7 +231,7 @@ def compare(model: LinearModel, first: Search, steps: Steps) -> Search:
         beside = steps.unknown_force(model, best, best.acting, inverse, volume, (), near)
         if beside is not None and _outweighs(model, beside, best):
             return result.with_unknown(unknown, beside, best.label)
-    return replace(result, unknown=unknown)
+    return replace(result, unknown=unknown, unheard=unknown is None)
 
 
 def _outweighs(model: LinearModel, unknown: Unknown, best: Weighed) -> bool:

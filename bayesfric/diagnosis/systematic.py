@@ -95,7 +95,8 @@ def posterior_of(
     chances = {
         name: chance
         for name, chance in search.probabilities().items()
-        if chance > RARE and (name in search.weighed or name == UNKNOWN)
+        if chance > RARE
+        and (name in search.weighed or (name == UNKNOWN and search.unknown is not None))
     }
     names = list(chances)
     weights = np.array([chances[name] for name in names])

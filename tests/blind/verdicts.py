@@ -99,6 +99,8 @@ def diagnosed(verdict="named", causes=("viscous",), above=0.99, **changes):
             axis_why=WHY,
         ),
         "where": (),
+        "unexplained": interval(1.0, 0.0),
+        "all_unexplained_because": WHY,
         "gap": gap(above),
         "effects": (),
         "next_experiment": (),

@@ -4,7 +4,8 @@ Boards are of the blind engine, an effect or an outsider each at strength 1, and
 world where ``BAYESFRIC_SECOND_WORLD`` names it; axes are those of :mod:`campaigns.axis`; points
 are tables of friction at speeds and temperatures, one force each. Seeds and sizes were fixed
 before the first run. ``BAYESFRIC_WHERE_SEEDS`` says how many seeds of each are run, from
-``BAYESFRIC_WHERE_FIRST`` on.
+``BAYESFRIC_WHERE_FIRST`` on; with ``BAYESFRIC_WHERE_SO_FAR`` what is done is scored, and no
+more is run.
 """
 
 import os
@@ -15,16 +16,29 @@ from pathlib import Path
 import numpy as np
 from campaigns import axis as axes
 from campaigns import second_world
+from campaigns.evidence import Gathered
+from campaigns.promises import rate
 from rigs.driven_mass import Machine, simulate, write
 from rigs.friction_points import recorded as write_points
 from scipy.stats import binomtest
 
 from bayesfric.blind.case import engine_of
 from bayesfric.blind.engines.outsiders import OUTSIDERS
+from bayesfric.campaign import run_on_processes
 from bayesfric.diagnosis import diagnose
 from bayesfric.effects import all_effects
 from bayesfric.recording import read_recording
 
+FINGERPRINT = (
+    "diagnosis.gravity",
+    "diagnosis.motor",
+    "diagnosis.points",
+    "diagnosis.axis",
+    "whole.gravity",
+    "whole.motor",
+    "whole.points",
+    "whole.axis",
+)
 FIRST = int(os.environ.get("BAYESFRIC_WHERE_FIRST", "1"))
 SEEDS = range(FIRST, FIRST + int(os.environ.get("BAYESFRIC_WHERE_SEEDS", "2")))
 OUTSIDE = {outsider.name: outsider.axes for outsider in OUTSIDERS} | {
@@ -185,3 +199,29 @@ def _rate(found):
         return {"right": 0, "of": 0, "95": [0.0, 1.0]}
     interval = binomtest(right, len(found)).proportion_ci(0.95, method="wilson")
     return {"right": right, "of": len(found), "95": [interval.low, interval.high]}
+
+
+def gather(folder):
+    """Run the campaign."""
+    asked = cases()
+    if "BAYESFRIC_WHERE_SO_FAR" in os.environ:
+        asked = {name: one for name, one in asked.items() if (folder / f"{name}.json").exists()}
+    done = run_on_processes(case, asked, folder, workers=2)
+    return Gathered(
+        seeds=[SEEDS.start, SEEDS.stop - 1], figures=figures(done), cases=list(done.values())
+    )
+
+
+def promises(figures):
+    """Return what was promised beside what was found."""
+    rates = figures["rates"]
+    return [
+        rate(
+            f"the first axis is right where the verdict is {group}",
+            rates[group]["right"],
+            rates[group]["of"],
+            least=least,
+        )
+        for group, least in AT_LEAST.items()
+        if rates[group]["of"]
+    ]

@@ -288,3 +288,19 @@ def test_a_remainder_is_all_that_causes_leave(monkeypatch, left, beside, share, 
     assert left_over.significant
     assert left_over.axis == axis
     assert left_over.share_of_gap.q50 == pytest.approx(share, abs=1e-3)
+
+
+def test_a_remainder_without_evidence_is_not_significant(monkeypatch):
+    """Laws that are wrong by a share leave a third of the gap, at a log10 factor of -2.4."""
+
+    def unknown_force(model, found, *rest):
+        return Unknown((Wide(0.05, "velocity"),), np.zeros(1), -2.4 * np.log(10), AT, Acting())
+
+    monkeypatch.setattr(remainder, "unknown_force", unknown_force)
+    model = SimpleNamespace(analysis=Analysis(), evaluate=lambda *_: SimpleNamespace(value=0.0))
+    found = Weighed(("viscous",), 0.0, None, Acting(), AT, form=FormShare(0.1))
+    draws = 0.31 + np.linspace(-0.01, 0.01, 201)
+    left_over = remainder_of(model, SimpleNamespace(inverse=None, volume=0.0), found, 0.07, draws)
+    assert not left_over.significant
+    assert left_over.log10_bayes_factor == pytest.approx(-2.4)
+    assert left_over.share_of_gap is None

@@ -4,6 +4,7 @@ import numpy as np
 from rigs.driven_mass import Machine, simulate, write
 
 import bayesfric as bf
+from bayesfric.rigs import all_rigs
 
 
 def diagnosed(folder, *, runs=6, alter=lambda table: table, **machine):
@@ -39,3 +40,16 @@ def test_friction_that_follows_a_column_of_the_users_own_is_found_along_it(tmp_p
     assert found.verdict == "unknown"
     assert found.where[0].axis == "oil_c"
     assert 0.06 < found.gap.systematic.q50 / found.gap.friction_rms < 0.12
+
+
+def test_a_force_that_was_measured_has_no_drive_limit(tmp_path):
+    """What a load cell reads is what acts: none of it is lost beyond a limit."""
+    machine = Machine(control_hz=500.0, bandwidth_hz=5.0, limit=4.0)
+    runs, samples = simulate(machine, runs=2, seconds=4.0, seed=3)
+    offers = {}
+    for kind in ("commanded", "measured"):
+        written = write(tmp_path / kind, machine, runs, samples, force_is=kind)
+        recording = bf.read_recording(written)
+        trials = all_rigs()["single-axis"].trials(recording)
+        offers[kind] = "limit" in trials.offers
+    assert offers == {"commanded": True, "measured": False}
