@@ -95,7 +95,7 @@ class Quadratic:
         precision, slope = self._mixed(laws, shapes)
         priors = [self._model.amplitude_prior(law) for law in laws]
         at = np.array([prior_moments(one)[0] / prior_moments(one)[1] for one in priors])
-        covariance = np.linalg.inv(precision + np.eye(len(laws)))
+        covariance = _inverse(precision + np.eye(len(laws)))
         slope = slope + at
         mean = (covariance @ slope[:, :, None])[:, :, 0]
         value = 0.5 * (slope * mean).sum(axis=1) + 0.5 * np.linalg.slogdet(covariance)[1]
@@ -236,3 +236,16 @@ def _sequential(mean: Array, covariance: Array) -> float:
         covariance = covariance - np.outer(gain, gain) * ratio * (ratio + z)
         left.remove(worst)
     return total
+
+
+def _inverse(whole: Array) -> Array:
+    """Return the inverses of matrices (M, k, k) beside a prior of 1: no eigenvalue is below it.
+
+    Where rounding of what is very large hides that, eigenvalues are set to it.
+    """
+    found = np.linalg.inv(whole)
+    lost = (np.diagonal(found, axis1=1, axis2=2) <= 0).any(axis=1)
+    if lost.any():
+        values, vectors = np.linalg.eigh(whole[lost])
+        found[lost] = (vectors / np.maximum(values, 1.0)[:, None, :]) @ vectors.swapaxes(1, 2)
+    return np.asarray(found)

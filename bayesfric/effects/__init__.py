@@ -32,7 +32,8 @@ __all__ = [
 ]
 
 
-PULLEYS = frozenset({"pulleys"})
+PULLEYS = frozenset({"pulleys", "turns"})
+"""What boards with pulleys offer: these, and trials that begin anew, as an axis that turns."""
 
 
 @cache

@@ -46,5 +46,6 @@ EFFECT = Effect(
     turning={"after-passes": after_passes},
     edge={"travel_m": 0.0},
     along_path=True,
+    needs=frozenset({"turns"}),
     axes=frozenset({"displacement", "travel_since_reversal"}),
 )

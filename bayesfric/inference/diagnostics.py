@@ -19,7 +19,7 @@ from arviz_stats.base.array import array_stats
 from numpy.linalg import LinAlgError
 from numpy.typing import NDArray
 from scipy.linalg import eigh
-from scipy.special import ndtri
+from scipy.special import logsumexp, ndtri
 from scipy.stats import rankdata
 
 from bayesfric.arrays import Array
@@ -333,12 +333,27 @@ def power_scaling(values: Array, log_component: Array) -> Array:
     if np.ptp(log_component) == 0:
         raise ValueError("the component is the same for all draws: nothing moves with it")
     low, high = POWERS
-    below, above = (
-        np.exp(array_stats.power_scale_lw(log_component, alpha=power, axis=(-2, -1)))
-        for power in POWERS
-    )
+    below, above = (np.exp(_power_weights(log_component, power)) for power in POWERS)
     sensitivity = [
         float(array_stats.power_scale_sense(values[..., place], below, above, low, high))
         for place in range(values.shape[-1])
     ]
     return np.array(sensitivity)
+
+
+def _power_weights(log_component: Array, power: float) -> Array:
+    """Return logarithms of normalised weights at another power of a component, smoothed.
+
+    Where walkers hardly moved, the tail has one value: ArviZ refuses it or divides by nothing, and
+    the weights stay as they are.
+    """
+    plain = (power - 1) * log_component
+    plain = plain - logsumexp(plain)
+    try:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found = array_stats.power_scale_lw(log_component, alpha=power, axis=(-2, -1))
+    except ValueError as error:
+        if "tail values are the same" not in str(error):
+            raise
+        return np.asarray(plain)
+    return np.asarray(found if np.isfinite(found).all() else plain)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bayesfric.effects import State, all_effects
+from bayesfric.effects import PULLEYS, State, all_effects
 
 EFFECTS = all_effects(None)
 AT = State(
@@ -67,7 +67,7 @@ def test_it_is_the_force_against_the_motion(name, law, values, expected):
 
 
 @pytest.mark.parametrize(
-    "name", [name for name, effect in EFFECTS.items() if effect.needs - {"pulleys"}]
+    "name", [name for name, effect in EFFECTS.items() if effect.needs - PULLEYS]
 )
 def test_a_board_feels_nothing_of_it(name):
     """A board offers no direction, no drive force and no test runs: nothing acts there."""

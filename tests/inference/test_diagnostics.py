@@ -234,3 +234,12 @@ def test_largest_weights_that_are_equal_have_no_tail():
     smoothed, k = smooth_weights(np.concatenate([np.linspace(-5, -1, 395), np.zeros(5)]))
     assert k == 0
     assert (smoothed[-5:] == 0).all()
+
+
+def test_power_scaling_of_walkers_that_hardly_moved():
+    """Almost all draws are one: to their tail no Pareto distribution can be fitted."""
+    values = np.zeros((4, 200, 1))
+    values[0, :3, 0] = 1.0
+    component = np.zeros((4, 200))
+    component[0, :3] = [1.0, 2.0, 3.0]
+    assert np.isfinite(power_scaling(values, component)).all()

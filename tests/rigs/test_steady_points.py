@@ -263,3 +263,14 @@ def test_friction_that_is_higher_at_middling_speeds_alone_is_a_gap_along_speed(t
     assert found.verdict == "unknown"
     assert found.where[0].axis == "velocity"
     assert found.gap.systematic.q50 > 0.05 * found.gap.friction_rms  # 0.12 by the formula
+
+
+def test_a_next_point_of_a_bench_at_one_speed_has_that_speed(tmp_path):
+    """A column that did not vary is a column all the same."""
+    tension = np.tile(np.linspace(5.0, 20.0, 8), 2)
+    table = {"tension_n": tension, "velocity_m_s": 0.3, "friction_n": 0.1 * tension + 0.2}
+    trials = trials_of(recorded(tmp_path / "bench", table))
+    laws = {size: Coefficients(0.1, 0.2, 0.0) for size in trials.table["pulley_size"].unique()}
+    laid = trials.next_trials(laws)
+    assert (laid.table["velocity_m_s"] == 0.3).all()
+    assert np.isfinite(laid.linear(laws).coefficient_columns()).all()

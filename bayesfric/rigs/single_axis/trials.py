@@ -55,9 +55,13 @@ WORDS = Words(
 MARGIN_S = 1e-3  # by which two clocks may be off at the least
 WITHIN = 12**-0.5  # of an interval: what two columns read at any time within it are apart, rms
 NOTHING = 1e-12
-ALWAYS = frozenset({"direction", "position", "drive", "period", "play", "spring"})
-BEHIND = frozenset({"play", "spring"})  # by which a load follows the drive
-TURNS = 6  # of the axis, from which on it shows how a load follows
+ALWAYS = frozenset({"direction", "position", "drive", "period", "play", "spring", "turns"})
+TURNS = {
+    4: {"position", "angle", "period", "direction", "turns"},
+    6: {"play", "spring"},
+}
+"""From how many turns on an axis shows what goes with place or direction, apart from time,
+and how a load follows the drive."""
 OFFERED = ALWAYS | {"angle", "test", "limit"}  # what no column of the user's own stands for
 
 
@@ -161,9 +165,9 @@ class AxisRuns(PlainTrials):
     @cached_property
     def offers(self) -> frozenset[str]:
         """What effects may need."""
-        found = {*ALWAYS} - (BEHIND if self.turns < TURNS else frozenset())
-        if self.constants.rotary:
-            found.add("angle")
+        found = {*ALWAYS} | ({"angle"} if self.constants.rotary else set())
+        for turns, shown in TURNS.items():
+            found -= shown if self.turns < turns else set()
         if self._tested.any():
             found.add("test")
         if self.measures.limit.there:

@@ -57,8 +57,8 @@ def lay_out(
         if len(cells) <= MOST:
             break
     points = pd.DataFrame(cells, columns=list(names))
-    for name in bench.covariates:
-        if name not in settings:
+    for name in ("velocity_m_s", *bench.covariates):
+        if name in bench.given and name not in settings:
             points[name] = known[name].iloc[0]
     points["trial"] = points["setup"] = [f"t{place:04d}" for place in range(len(points))]
     each_law = zip(*(laws[size] for size in points["pulley_size"]), strict=True)
