@@ -270,7 +270,7 @@ def _check_bytes(path: Path) -> None:
                 raise ValueError(f"{variable.name} has {size:,} bytes")
 
 
-def _variables(group: netCDF4.Group) -> Iterator[netCDF4.Variable]:
+def _variables(group: netCDF4.Dataset | netCDF4.Group) -> Iterator["netCDF4.Variable[Any]"]:
     """Yield the variables of a group and of all groups in it."""
     yield from group.variables.values()
     for child in group.groups.values():
@@ -354,18 +354,18 @@ def refuse_mixed(record: Provenance, path: Path) -> None:
     """
     for name in ARRAYS.get(path.name, ()):
         beside = path.with_name(name)
-        if beside.is_file() and _attributes(beside).get("run_id", "") != record.run_id:
+        if beside.is_file() and _run_id(beside) != record.run_id:
             expected = f"a file of the same run as {path.name}: run the verb again"
             raise InputError([Fault(str(beside), expected)])
 
 
-def _attributes(path: Path) -> Mapping[str, Any]:
+def _run_id(path: Path) -> str:
     try:
-        if not has_checksum(path):
-            return read_tree(path).attrs  # damage of its arrays shows only when they are read
+        if not has_checksum(path):  # damage of its arrays shows only when they are read
+            return str(read_tree(path).attrs.get("run_id", ""))
         _check_bytes(path)
         with netCDF4.Dataset(path) as file:
-            return {name: file.getncattr(name) for name in ("run_id",) if name in file.ncattrs()}
+            return str(getattr(file, "run_id", ""))
     except InputError:
         raise
     except Exception as error:  # as in read_tree

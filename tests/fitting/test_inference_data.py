@@ -171,8 +171,9 @@ table = az.compare({"a": data, "b": data}, var_name="friction", method="pseudo-b
 }
 PRINTED = """
 means = {name: float(summary.loc[name, "mean"]) for name in summary.index}
-spreads = {name: float(summary.loc[name, ends[1]]) - float(summary.loc[name, ends[0]]) for name in means}
-print(json.dumps([means, spreads, float(loo), float(pit.sum()), float(prior), len(table), len(pairs.axes)]))
+low, high = (summary[end].astype(float) for end in ends)
+numbers = float(loo), float(pit.sum()), float(prior), len(table), len(pairs.axes)
+print(json.dumps([means, (high - low).to_dict(), *numbers]))
 """
 
 

@@ -1,4 +1,4 @@
-"""What the package imports is declared, and what is declared is locked, with hashes and licences."""
+"""Imports are declared, declared packages are locked, locked ones have hashes and licences."""
 
 import importlib.util
 import re
