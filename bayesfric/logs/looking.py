@@ -158,8 +158,8 @@ def _belief(log: Log, column: str, cells: Cells) -> Belief:
     clock = _clock_unit(numbers, words, said)
     kind = _kind(words, clock is not None)
     if kind == "time":
-        unit, why = clock or (None, "no unit of the clock gives 5 Hz to 5 kHz")
-        return Belief(column, "time", unit, f"its name, and it increases; {why}", shown, rows)
+        tick, why = clock or ("s", "")
+        return Belief(column, "time", tick, f"its name, and it increases; {why}", shown, rows)
     if kind is None:
         return Belief(column, None, None, "its name says nothing", shown, rows)
     unit, why = _unit(kind, words, said, numbers)
@@ -200,18 +200,19 @@ def _kind(words: list[str], is_clock: bool) -> str | None:
 
 def _clock_unit(numbers: Array, words: list[str], said: str) -> tuple[str, str] | None:
     """Return the unit of a clock, and why; None where a column is none."""
-    named = any(re.fullmatch(WORDS["time"], word) for word in words)
+    is_named = any(re.fullmatch(WORDS["time"], word) for word in words)
     steps = np.diff(numbers)
-    if not steps.size or not named or (steps > 0).mean() < 0.9:
+    if not steps.size or not is_named or (steps > 0).mean() < 0.9:
         return None
     interval = float(np.median(steps[steps > 0]))
     for unit, second in SECONDS.items():
         if SINCE_1970[0] < numbers[0] * second < SINCE_1970[1]:
             return unit, f"{numbers[0]:.0f} is {unit} since 1970"
     written = said if said in SECONDS else None
-    unit = written or next((UNIT_WORDS["time"][w] for w in words if w in UNIT_WORDS["time"]), None)
-    if unit is not None:
-        return unit, f"it says {unit}, which is {1 / (interval * SECONDS[unit]):.4g} Hz"
+    named = [UNIT_WORDS["time"][word] for word in words if word in UNIT_WORDS["time"]]
+    says = [written] if written is not None else named
+    if says:
+        return says[0], f"it says {says[0]}, which is {1 / (interval * SECONDS[says[0]]):.4g} Hz"
     usual = [
         unit for unit, second in SECONDS.items() if USUAL_S[0] <= interval * second <= USUAL_S[1]
     ]

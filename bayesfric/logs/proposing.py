@@ -52,7 +52,8 @@ def propose_mapping(path: Path, joint: str | None = None) -> Proposal:
     InputError
         The log cannot be read.
     """
-    form, why = None, []
+    form: CsvForm | None = None
+    why: list[str] = []
     if kind_of(path) == "csv":
         form, why = csv_form(decoded(path))
     log = read_log(path, form)

@@ -2,7 +2,7 @@
 
 import zlib
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -89,7 +89,7 @@ def _of_struct(name: str, array: Any, depth: int) -> dict[str, Any]:
 def _check_unpacked(path: Path) -> None:
     """Refuse a file that is too large when it is unpacked, a piece of it at a time."""
     content = path.read_bytes()
-    order = "big" if content[126:128] == b"MI" else "little"
+    order: Literal["big", "little"] = "big" if content[126:128] == b"MI" else "little"
     at, total = 128, 0
     while at + 8 <= len(content):
         kind = int.from_bytes(content[at : at + 4], order)

@@ -9,7 +9,14 @@ import numpy as np
 import numpy.typing as npt
 
 from bayesfric.errors import Fault, InputError
-from bayesfric.logs.table import LARGEST_FILE, Log, check_cells, columns_of_array, damaged_is_told
+from bayesfric.logs.table import (
+    LARGEST_FILE,
+    Cells,
+    Log,
+    check_cells,
+    columns_of_array,
+    damaged_is_told,
+)
 
 __all__ = ["read"]
 
@@ -90,7 +97,8 @@ def _array(name: str, stream: IO[bytes], size: int) -> npt.NDArray[Any]:
 
 
 def _log(name: str, arrays: dict[str, npt.NDArray[Any]], left_out: list[str]) -> Log:
-    columns, notes = {}, []
+    columns: dict[str, Cells] = {}
+    notes = []
     for key, array in arrays.items():
         fields = array.dtype.names
         parts = {f"{key}.{field}": array[field] for field in fields} if fields else {key: array}
