@@ -46,7 +46,7 @@ def check_velocity(name: str, joint: str | None, signals: dict[str, Series]) -> 
     whose = "" if joint is None else f"joints.{joint}."
     expected = (
         "a position that moves as the velocity says: look at unit, sign and gear_ratio of both, "
-        "and at the unit of the clock"
+        "and at the clock, or leave [velocity] out"
     )
     value = f"{ratio:.4g} times the velocity"
     raise InputError([Fault(name, expected, column=f"{whose}position", value=value)])

@@ -9,11 +9,11 @@ import numpy as np
 from bayesfric.arrays import Array
 from bayesfric.logs.clock import CLOCK, ISO
 from bayesfric.logs.mapping import CsvForm
-from bayesfric.logs.readers.csv import split
+from bayesfric.logs.readers.csv import lines_of, split
 from bayesfric.logs.table import Cells, Log, numbers_of, texts_of
 from bayesfric.logs.units import SECONDS
 
-__all__ = ["Belief", "believed", "csv_form"]
+__all__ = ["ROWS", "Belief", "believed", "csv_form", "name_of_joint"]
 
 ROWS = 5000  # that are looked at
 LINES = 200
@@ -44,6 +44,10 @@ UNIT_WORDS = {
              "sec": "s", "secs": "s", "seconds": "s", "µs": "us"},
 }  # fmt: skip
 """Words for units, by what a column is."""
+
+OF_UNITS = tuple(word for words in UNIT_WORDS.values() for word in words)
+OF_ANY = r"joint|joints|motor|sensor|actual|act|measured|meas|feedback|fb|log|data|observation"
+"""Words that are of no joint."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +80,7 @@ class Belief:
 
 def csv_form(text: str) -> tuple[CsvForm, list[str]]:
     """Return how a CSV seems to be written, and why."""
-    lines = text.splitlines()[:LINES]
+    lines = lines_of(text)[:LINES]
     separator = max(SEPARATORS, key=lambda sign: _evenness(lines, sign))
     cells = list(split(lines, separator))
     width = _usual_width(cells)
@@ -178,6 +182,20 @@ def _words(column: str) -> list[str]:
     """Return the words of a name, also of ``jointPos2`` and ``tau1``."""
     apart = re.sub(r"([a-z])([A-Z])", r"\1 \2", column)
     return [word.lower() for word in re.findall(r"[^\W\d_]+|°|µs", apart)]
+
+
+def name_of_joint(column: str) -> str:
+    """Return what may be the joint in a name: in brackets, a number, or a word of no other use."""
+    bracket = re.search(r"\[([^\]]+)\]", column)
+    if bracket:
+        return bracket.group(1)
+    number = re.search(r"(\d+)(?!.*\d)", column)
+    if number:
+        return number.group(1)
+    used = "|".join((*WORDS.values(), *map(re.escape, OF_UNITS), OF_ANY))
+    words = re.split(r"[\W_]+", column)
+    left = [word for word in words if word and not re.fullmatch(used, word.lower())]
+    return left[0] if len(left) == 1 else ""
 
 
 def _kind(words: list[str], is_clock: bool) -> str | None:

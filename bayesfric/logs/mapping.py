@@ -302,7 +302,8 @@ def _of_signal(mapping: Mapping, name: str, place: str, key: str, signal: Signal
     if signal.counts_per_turn is not None and signal.unit != "tick":
         expected = 'unit = "tick", where counts_per_turn stands'
         faults.append(Fault(name, expected, column=f"{place}.unit", value=signal.unit))
-    wrong = (STRAIGHT if mapping.rotary else TORQUES) if known is FORCES else {}
+    knows = known is FORCES and mapping.position.unit in LENGTHS
+    wrong = (STRAIGHT if mapping.rotary else TORQUES) if knows else {}
     if signal.unit in wrong and signal.factor is None:
         expected = (
             f"a torque, since position is in {mapping.position.unit}, or the lever in m as factor"

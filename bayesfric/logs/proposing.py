@@ -4,10 +4,11 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from bayesfric.logs.looking import Belief, believed, csv_form
+from bayesfric.logs.looking import Belief, believed, csv_form, name_of_joint
 from bayesfric.logs.mapping import FORCE_IS, JOINT, CsvForm
 from bayesfric.logs.readers import kind_of, read_log
 from bayesfric.logs.readers.csv import decoded
+from bayesfric.logs.relating import related
 from bayesfric.logs.units import needs_factor
 
 __all__ = ["SAY", "Proposal", "propose_mapping"]
@@ -15,8 +16,8 @@ __all__ = ["SAY", "Proposal", "propose_mapping"]
 SAY = "SAY"
 """What stands where a user has to say something; it is refused until it is replaced."""
 NEEDED = {"time": "the clock", "position": "the position", "force": "the force"}
-EFFORT = re.compile(r"\.effort\[")  # of a message of ROS 2, in N·m or N
-MESSAGE = re.compile(r"\.(position|velocity)\[")
+EFFORT = re.compile(r"/.*\.effort\[")  # of a message of ROS 2, in N·m or N
+SPEED = re.compile(r"/.*\.velocity\[")
 LEROBOT_RUN = "episode_index"
 MOST_SHOWN = 60  # columns with a line of their own
 
@@ -57,7 +58,7 @@ def propose_mapping(path: Path, joint: str | None = None) -> Proposal:
     if kind_of(path) == "csv":
         form, why = csv_form(decoded(path))
     log = read_log(path, form)
-    beliefs = believed(log)
+    beliefs = related(log, believed(log))
     lines = [f"# Proposed for {_plain(path.name)}. Nothing is imported: look at each line, and put"]
     lines += [f"# what is right where {SAY} stands.", "#"]
     lines += [f"# {note}" for note in log.notes]
@@ -73,7 +74,8 @@ def propose_mapping(path: Path, joint: str | None = None) -> Proposal:
     missing = [what for key, what in NEEDED.items() if key not in chosen and key != "force"]
     if "force" not in chosen and "command" not in chosen:
         missing.append(NEEDED["force"])
-    asked = [f"{body.count(SAY)} places with {SAY}"] if SAY in body else []
+    count = body.count(f'"{SAY}"')
+    asked = [f"{count} place{'s' * (count > 1)} with {SAY}"] if count else []
     return Proposal(toml, (*(f"which column is {what}" for what in missing), *asked))
 
 
@@ -115,10 +117,12 @@ def _chosen(beliefs: list[Belief], joint: str | None) -> dict[str, tuple[Belief,
     key = joint if joint in keys else next(iter(keys), None)
     table = of_kind.get("position", of_kind.get("force", [None]))[0]
     for kind, candidates in of_kind.items():
-        own = [one for one in candidates if key is not None and _key(one.column) == key]
+        own = [one for one in candidates if key is not None and name_of_joint(one.column) == key]
         if kind == "time":
             own = [one for one in candidates if table and one.rows == table.rows]
-            own = [one for one in own if table and _topic(one) == _topic(table)] or own
+        own = [one for one in own if table and _topic(one) == _topic(table)] or own
+        if not own and key is not None and kind in ("command", "velocity"):
+            continue  # of which joint it is, nothing says
         belief = (own or candidates)[0]
         pattern = belief.column
         if kind != "time" and key is not None and own and len(keys) > 1:
@@ -134,21 +138,9 @@ def _topic(belief: Belief) -> str:
 def _joint_keys(of_kind: dict[str, list[Belief]]) -> list[str]:
     """Return what tells joints apart in names of positions and of forces alike."""
     lead = "force" if "force" in of_kind else "command"
-    others = {_key(one.column) for one in of_kind.get(lead, [])}
-    keys = [_key(one.column) for one in of_kind.get("position", [])]
+    others = {name_of_joint(one.column) for one in of_kind.get(lead, [])}
+    keys = [name_of_joint(one.column) for one in of_kind.get("position", [])]
     return [key for key in dict.fromkeys(keys) if key in others and key]
-
-
-def _key(column: str) -> str:
-    """Return what may be the joint in a name: what is in brackets, a number, a first word."""
-    bracket = re.search(r"\[([^\]]+)\]", column)
-    if bracket:
-        return bracket.group(1)
-    number = re.search(r"(\d+)(?!.*\d)", column)
-    if number:
-        return number.group(1)
-    words = re.split(r"[_. ]", column)
-    return words[0] if len(words) > 1 else ""
 
 
 def _with_place(column: str, key: str) -> str:
@@ -175,10 +167,10 @@ def _sections(chosen: dict[str, tuple[Belief, str]], *, log_has_header: bool) ->
 
 def _section(key: str, belief: Belief, pattern: str, log_has_header: bool) -> list[str]:
     unit, why = belief.unit, belief.why
-    if unit is None and EFFORT.search(belief.column):
+    if unit is None and EFFORT.match(belief.column):
         unit, why = "N·m", "an effort of ROS 2 is in N·m where a joint turns, in N where it slides"
-    if unit is None and MESSAGE.search(belief.column):
-        unit = "rad" if key != "velocity" else "rad/s"
+    if unit is None and SPEED.match(belief.column):
+        unit, why = "rad/s", "a velocity of ROS 2 is in rad/s where a joint turns"
     lines = ["", f"[{key}]", f"# {_plain(why)}", f"column = {_name(pattern, log_has_header)}"]
     lines.append(f'unit = "{unit or SAY}"')
     if key == "force" and unit is not None and needs_factor(unit):

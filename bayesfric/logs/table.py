@@ -178,12 +178,9 @@ def numbers_of(log: Log, column: str, faults: list[Fault]) -> Array:
         numbers = np.array([_number(cell) for cell in cells], dtype=np.float64)
         wrong = np.flatnonzero(np.isinf(numbers))
     if wrong.size:
-        row = int(wrong[0])
-        value, hint = str(cells[row]), ""
-        if value.count(",") == 1 and _number(value.replace(",", ".")) != np.inf:
-            hint = '; is decimal = "," of [csv] meant?'
-        place, like = row + log.first_row, int(wrong.size) - 1
-        faults.append(Fault(log.name, f"a number{hint}", place, column, value, like))
+        place, like = int(wrong[0]), int(wrong.size) - 1
+        value = str(cells[place])
+        faults.append(Fault(log.name, "a number", place + log.first_row, column, value, like))
     return numbers
 
 

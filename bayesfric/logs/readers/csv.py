@@ -10,11 +10,12 @@ from bayesfric.files import file_bytes
 from bayesfric.logs.mapping import CsvForm
 from bayesfric.logs.table import BLANK, LARGEST_FILE, MOST_CELLS, Log, check_cells, damaged_is_told
 
-__all__ = ["decoded", "read", "split"]
+__all__ = ["decoded", "lines_of", "read", "split"]
 
 SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";", "space": " "}
 OTHERS = (";", "\t", "|", ",")
 DECIMAL_COMMA = re.compile(r"[\d:TtZ /+-]*,\d+([eE][+-]?\d+)?Z?", re.ASCII)
+WITH_COMMA = re.compile(r"[+-]?\d+,\d+", re.ASCII)
 LONGEST_CELL = 131_072  # characters
 
 
@@ -35,7 +36,7 @@ def read(path: Path, form: CsvForm, wanted: Collection[str | int] | None = None)
     InputError
         It is no text, a row has more cells than the header, or the form cannot be meant.
     """
-    lines = decoded(path).splitlines()
+    lines = lines_of(decoded(path))
     with damaged_is_told(path, "a CSV file"):
         body = lines[form.preamble :]
         names = _names(path.name, next(split(body[:1], form.separator), []), form)
@@ -50,8 +51,9 @@ def read(path: Path, form: CsvForm, wanted: Collection[str | int] | None = None)
             if wanted is None or name in wanted or place + 1 in wanted
         ]
         columns = _columns(path.name, rows, first, names, taken, form.decimal)
-    if not columns or (taken and not columns[names[taken[0]]]):
-        raise InputError([Fault(path.name, "rows below the header")])
+        if not columns or (taken and not columns[names[taken[0]]]):
+            raise InputError([Fault(path.name, "rows below the header")])
+        _check_rows(path.name, columns, [names[place] for place in taken], first)
     return Log(path.name, columns, first, (), units or None)
 
 
@@ -69,6 +71,12 @@ def decoded(path: Path) -> str:
     except UnicodeDecodeError as error:
         row = data.count(b"\n", 0, error.start) + 1
         raise InputError([Fault(path.name, "a text in UTF-8", row=row)]) from error
+
+
+def lines_of(text: str) -> list[str]:
+    """Return the lines of a text, of which a form feed in a name ends none."""
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    return lines[:-1] if lines[-1] == "" else lines
 
 
 def split(lines: list[str], separator: str) -> Iterator[list[str]]:
@@ -148,6 +156,26 @@ def _columns(
         kept = [column[: blank_since - 1] for column in kept]
     columns: dict[str, list[str | None]] = {name: [] for name in names}
     return columns | {names[place]: column for place, column in zip(taken, kept, strict=True)}
+
+
+def _check_rows(
+    file: str, columns: dict[str, list[str | None]], names: list[str], first: int
+) -> None:
+    """Refuse rows of units and decimal commas of which the mapping does not say that they are."""
+    rows = list(zip(*(columns[name][:2] for name in names), strict=True))
+    if len(rows) == 2 and not any(map(_has_digit, rows[0])) and all(map(_has_digit, rows[1])):
+        value = ",".join(str(cell) for cell in rows[0] if cell is not None)
+        expected = "numbers; is unit_rows = 1 of [csv] meant?"
+        if value:
+            raise InputError([Fault(file, expected, first, value=value)])
+    comma = next((cell for cell in rows[0] if cell and WITH_COMMA.fullmatch(cell)), None)
+    if comma is not None:
+        expected = 'a number; is decimal = "," of [csv] meant?'
+        raise InputError([Fault(file, expected, first, value=comma)])
+
+
+def _has_digit(cell: str | None) -> bool:
+    return cell is not None and any(sign.isdigit() for sign in cell)
 
 
 def _cell(text: str, decimal: str) -> str | None:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from bayesfric.errors import Fault, InputError
-from bayesfric.logs.readers.csv import decoded
+from bayesfric.logs.readers.csv import decoded, lines_of
 from bayesfric.logs.table import Cells, Log, check_cells, columns_of_array, damaged_is_told
 
 __all__ = ["read"]
@@ -58,7 +58,7 @@ def _constant(text: str) -> str | None:
 
 def _lines(name: str, text: str) -> list[Any]:
     records = []
-    for row, line in enumerate(text.splitlines(), start=1):
+    for row, line in enumerate(lines_of(text), start=1):
         if line.strip():
             try:
                 records.append(_parsed(line))
