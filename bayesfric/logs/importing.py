@@ -99,17 +99,17 @@ def import_log(
         for piece, runs in zip(pieces, windows, strict=True)
         if runs
     ]
-    rows = [row for one in cuts for row in one.runs]
+    rows = [row for piece in cuts for row in piece.runs]
     runs = pd.DataFrame(
         [{"run": row["run"], "order": order} | row for order, row in enumerate(rows, start=1)]
     )
-    samples = pd.concat([frame for one in cuts for frame in one.samples], ignore_index=True)
-    done = list(dict.fromkeys(note for one in cuts for note in one.notes))
-    notes = [*done, *dict.fromkeys(said for one in cuts for said in one.delays)]
-    delay = next((one.delay for one in cuts if one.delay is not None), None)
+    samples = pd.concat([frame for piece in cuts for frame in piece.samples], ignore_index=True)
+    done = list(dict.fromkeys(note for piece in cuts for note in piece.notes))
+    notes = [*done, *dict.fromkeys(said for piece in cuts for said in piece.delays)]
+    delay = next((piece.delay for piece in cuts if piece.delay is not None), None)
     files = ", ".join(path.name for path in paths)
     whom = "Joints" if len(joints) > 1 else "Joint"
-    names = ", ".join(str(one) for one in joints if one is not None)
+    names = ", ".join(label for label in joints if label is not None)
     recording = Recording(
         name=name,
         title=f"{whom} {names} of {files}" if names else f"Joint of {files}",
@@ -189,9 +189,9 @@ def _runs_of(pieces: list[_Piece], what: Mapping) -> list[list[Run]]:
             if run.file in (None, piece.log.name) and value in (None, piece.value)
         ]
         if len(places) != 1:
-            known = ", ".join(dict.fromkeys(piece.log.name for piece in pieces))
+            files = ", ".join(dict.fromkeys(piece.log.name for piece in pieces))
             values = ", ".join(str(piece.value) for piece in pieces if piece.value is not None)
-            expected = f"a file that is one of {known}" + (
+            expected = f"a file that is one of {files}" + (
                 f", and a value that is one of {values}" if values else ""
             )
             faults.append(Fault("the mapping", expected, column=f"runs.{run.name}"))
@@ -206,9 +206,9 @@ def _cut_piece(
     piece: _Piece, what: Mapping, joints: tuple[str | None, ...], runs: list[Run]
 ) -> _Cut:
     name = piece.log.name
-    found = signals_of(piece.log, what, joints)
-    spans = [span_of(name, one.series) for one in found.values()]
-    origin = min(one.series["position"].time_s[0] for one in found.values())
+    of_joints = signals_of(piece.log, what, joints)
+    spans = [span_of(name, signals.series) for signals in of_joints.values()]
+    origin = min(signals.series["position"].time_s[0] for signals in of_joints.values())
     begin, end = min(first for first, _ in spans), max(last for _, last in spans)
     windows = [
         Window(
@@ -220,7 +220,7 @@ def _cut_piece(
     ]
     samples, delays, notes = [], [], {}
     first_delay = None
-    for joint, signals in found.items():
+    for joint, signals in of_joints.items():
         check_velocity(name, joint, signals.series)
         frames, done = cut(name, signals.series, windows, origin)
         for frame in frames:

@@ -85,7 +85,7 @@ def csv_form(text: str) -> tuple[CsvForm, list[str]]:
     cells = list(split(lines, separator))
     width = _usual_width(cells)
     numeric = [row for row, line in enumerate(cells) if len(line) == width and _is_data(line)]
-    first = numeric[0] if numeric else min(1, len(cells) - 1)
+    first = numeric[0] if numeric else min(1, max(len(cells) - 1, 0))
     names = [row for row in range(first) if len(cells[row]) == width and any(cells[row])]
     decimal = "," if separator != "," and _has_commas(cells[first:]) else "."
     shown = {"\t": "tab"}.get(separator, separator)
@@ -242,10 +242,10 @@ def _clock_unit(numbers: Array, words: list[str], said: str) -> tuple[str, str] 
 
 def _unit(kind: str, words: list[str], said: str, numbers: Array) -> tuple[str | None, str]:
     """Return a unit and why: what the file says, a word of the name, or the size of a position."""
-    known = UNIT_WORDS.get("position" if kind == "command" else kind, {})
-    if said in known:
-        return known[said], f"the file says {said}"
-    unit = next((known[word] for word in reversed(words) if word in known), None)
+    units = UNIT_WORDS.get("position" if kind == "command" else kind, {})
+    if said in units:
+        return units[said], f"the file says {said}"
+    unit = next((units[word] for word in reversed(words) if word in units), None)
     if unit is not None:
         return unit, f"its name says {unit}"
     if kind not in ("position", "command"):

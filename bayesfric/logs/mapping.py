@@ -2,7 +2,7 @@
 
 import math
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import (
     AliasChoices,
@@ -25,6 +25,7 @@ from bayesfric.logs.units import (
     TORQUES,
     needs_factor,
 )
+from bayesfric.recording.package import ForceIs
 
 __all__ = [
     "FORCE_IS",
@@ -42,7 +43,7 @@ __all__ = [
 
 PAGE = "docs/howto/log.md"
 FORMULA = ("=", "+", "-", "@", "\t", "\r")  # what begins one in a cell
-FORCE_IS = ("commanded", "motor", "link", "measured", "unknown")
+FORCE_IS: tuple[str, ...] = get_args(ForceIs)
 SIGNALS = {
     "position": LENGTHS,
     "force": FORCES,
@@ -100,7 +101,7 @@ class Signal(_Section):
     gear_ratio: Above = Field(1.0, description="Turns of what the column is of, for one here.")
     factor: Above | None = Field(None, description="A torque constant, say: what 1 of it is.")
     counts_per_turn: Above | None = Field(None, description="Of an encoder, where unit is tick.")
-    force_is: Literal["commanded", "motor", "link", "measured", "unknown"] | None = Field(
+    force_is: ForceIs | None = Field(
         None, validation_alias=AliasChoices("force_is", "kind"), description="Of a force."
     )
 
@@ -148,8 +149,8 @@ class Mapping(_Section):
     @property
     def signals(self) -> dict[str, Signal]:
         """What it says of a joint, by name of the signal."""
-        found = {name: getattr(self, name) for name in SIGNALS}
-        return {name: signal for name, signal in found.items() if signal is not None}
+        signals = {name: getattr(self, name) for name in SIGNALS}
+        return {name: signal for name, signal in signals.items() if signal is not None}
 
     @property
     def is_of_any_joint(self) -> bool:
@@ -271,27 +272,27 @@ def _of_joints(mapping: Mapping, name: str) -> list[Fault]:
         for key, changes in own.items():
             place = f"joints.{joint}.{key}"
             if key not in mapping.signals:
-                known = tuple(mapping.signals)
-                faults.append(Fault(name, one_of(known, key), column=place))
+                names = tuple(mapping.signals)
+                faults.append(Fault(name, one_of(names, key), column=place))
                 continue
             try:
                 Signal.model_validate({**_written(mapping.signals[key]), **changes})
             except ValidationError as error:
                 inner = key_faults(name, error, PAGE, Signal)
                 faults += [
-                    Fault(name, one.expected, None, f"{place}.{one.column}", one.value)
-                    for one in inner
+                    Fault(name, fault.expected, None, f"{place}.{fault.column}", fault.value)
+                    for fault in inner
                 ]
     return faults
 
 
 def _of_signal(mapping: Mapping, name: str, place: str, key: str, signal: Signal) -> list[Fault]:
-    known = SIGNALS[key]
-    if signal.unit not in known:
-        expected = one_of(tuple(known), signal.unit)
+    units = SIGNALS[key]
+    if signal.unit not in units:
+        expected = one_of(tuple(units), signal.unit)
         return [Fault(name, expected, column=f"{place}.unit", value=signal.unit)]
     faults = []
-    if needs_factor(signal.unit) and known is FORCES and signal.factor is None:
+    if needs_factor(signal.unit) and units is FORCES and signal.factor is None:
         what = "N·m" if mapping.rotary else "N"
         of_all = {"share": "all of the PWM", "%": "all of the PWM", "raw": "1"}
         of = of_all.get(signal.unit, f"1 {signal.unit.removeprefix('m')}")
@@ -302,8 +303,8 @@ def _of_signal(mapping: Mapping, name: str, place: str, key: str, signal: Signal
     if signal.counts_per_turn is not None and signal.unit != "tick":
         expected = 'unit = "tick", where counts_per_turn stands'
         faults.append(Fault(name, expected, column=f"{place}.unit", value=signal.unit))
-    knows = known is FORCES and mapping.position.unit in LENGTHS
-    wrong = (STRAIGHT if mapping.rotary else TORQUES) if knows else {}
+    is_of_force = units is FORCES and mapping.position.unit in LENGTHS
+    wrong = (STRAIGHT if mapping.rotary else TORQUES) if is_of_force else {}
     if signal.unit in wrong and signal.factor is None:
         expected = (
             f"a torque, since position is in {mapping.position.unit}, or the lever in m as factor"

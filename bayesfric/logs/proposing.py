@@ -117,10 +117,16 @@ def _chosen(beliefs: list[Belief], joint: str | None) -> dict[str, tuple[Belief,
     key = joint if joint in keys else next(iter(keys), None)
     table = of_kind.get("position", of_kind.get("force", [None]))[0]
     for kind, candidates in of_kind.items():
-        own = [one for one in candidates if key is not None and name_of_joint(one.column) == key]
+        own = [
+            candidate
+            for candidate in candidates
+            if key is not None and name_of_joint(candidate.column) == key
+        ]
         if kind == "time":
-            own = [one for one in candidates if table and one.rows == table.rows]
-        own = [one for one in own if table and _topic(one) == _topic(table)] or own
+            own = [candidate for candidate in candidates if table and candidate.rows == table.rows]
+        own = [
+            candidate for candidate in own if table and _topic(candidate) == _topic(table)
+        ] or own
         if not own and key is not None and kind in ("command", "velocity"):
             continue  # of which joint it is, nothing says
         belief = (own or candidates)[0]
@@ -138,8 +144,8 @@ def _topic(belief: Belief) -> str:
 def _joint_keys(of_kind: dict[str, list[Belief]]) -> list[str]:
     """Return what tells joints apart in names of positions and of forces alike."""
     lead = "force" if "force" in of_kind else "command"
-    others = {name_of_joint(one.column) for one in of_kind.get(lead, [])}
-    keys = [name_of_joint(one.column) for one in of_kind.get("position", [])]
+    others = {name_of_joint(belief.column) for belief in of_kind.get(lead, [])}
+    keys = [name_of_joint(belief.column) for belief in of_kind.get("position", [])]
     return [key for key in dict.fromkeys(keys) if key in others and key]
 
 

@@ -30,11 +30,15 @@ def related(log: Log, beliefs: list[Belief]) -> list[Belief]:
     beliefs : list of Belief
         By their names.
     """
-    numbers = {one.column: _numbers(log, one.column) for one in beliefs}
+    numbers = {belief.column: _numbers(log, belief.column) for belief in beliefs}
     if not any(belief.kind in ("position", "force") for belief in beliefs):
         beliefs = _by_each_other(beliefs, numbers)
-    clock = next((one for one in beliefs if one.kind == "time" and one.unit in SECONDS), None)
-    position = next((one for one in beliefs if one.kind == "position" and one.unit), None)
+    clock = next(
+        (belief for belief in beliefs if belief.kind == "time" and belief.unit in SECONDS), None
+    )
+    position = next(
+        (belief for belief in beliefs if belief.kind == "position" and belief.unit), None
+    )
     if clock is None or position is None or clock.rows != position.rows:
         return beliefs
     time, path = numbers[clock.column], numbers[position.column]
@@ -42,10 +46,10 @@ def related(log: Log, beliefs: list[Belief]) -> list[Belief]:
         return beliefs
     step = float(np.median(np.diff(time))) * SECONDS[clock.unit]
     return [
-        _with_unit(one, numbers[one.column], path, step, position.unit)
-        if one.kind == "velocity" and one.unit is None
-        else one
-        for one in beliefs
+        _with_unit(belief, numbers[belief.column], path, step, position.unit)
+        if belief.kind == "velocity" and belief.unit is None
+        else belief
+        for belief in beliefs
     ]
 
 
@@ -75,7 +79,9 @@ def _likeness(path: Array, speed: Array) -> tuple[float, float]:
 
 def _by_each_other(beliefs: list[Belief], numbers: dict[str, Array | None]) -> list[Belief]:
     """Return beliefs in which one column is the position, and another how fast it changes."""
-    nameless = [one for one in beliefs if one.kind is None and numbers[one.column] is not None]
+    nameless = [
+        belief for belief in beliefs if belief.kind is None and numbers[belief.column] is not None
+    ]
     best: tuple[float, float, Belief, Belief] | None = None
     for path, speed in permutations(nameless[:MOST_COLUMNS], 2):
         of_path, of_speed = numbers[path.column], numbers[speed.column]
@@ -87,7 +93,7 @@ def _by_each_other(beliefs: list[Belief], numbers: dict[str, Array | None]) -> l
     if best is None:
         return beliefs
     like, ratio, path, speed = best
-    left = [one for one in nameless if one not in (path, speed)]
+    left = [belief for belief in nameless if belief not in (path, speed)]
     why = f"as it changes from row to row, so is column {speed.column} (correlation {like:.3f})"
     rate = f"if both have one unit, there are {ratio:.4g} rows a second"
     changed = {
@@ -98,7 +104,7 @@ def _by_each_other(beliefs: list[Belief], numbers: dict[str, Array | None]) -> l
     }
     if len(left) == 1:
         changed[left[0].column] = replace(left[0], kind="force", why="it is the one that is left")
-    return [changed.get(one.column, one) for one in beliefs]
+    return [changed.get(belief.column, belief) for belief in beliefs]
 
 
 def _with_unit(belief: Belief, speed: Array | None, path: Array, step: float, unit: str) -> Belief:

@@ -122,7 +122,7 @@ def signals_of(
     if faults:
         raise InputError(list(dict.fromkeys(faults)))
     times, said = _times(log, mapping, stamps)
-    found = {}
+    of_joints = {}
     for joint, signals in wanted.items():
         ordered = {}
         for name, signal in signals.items():
@@ -130,8 +130,8 @@ def signals_of(
             clock = mapping.clock_of(signal)
             time = _of_rate(mapping, value.size) if clock is None else times[_name(log, clock)]
             ordered[name] = in_order(time, value, log.name, _called(log, clock), log.first_row)
-        found[joint] = _signals(ordered, said)
-    return found
+        of_joints[joint] = _signals(ordered, said)
+    return of_joints
 
 
 def _name(log: Log, column: str | int) -> str:
@@ -195,7 +195,7 @@ def _of_rate(mapping: Mapping, rows: int) -> Array:
 def _times(
     log: Log, mapping: Mapping, stamps: dict[str, Stamps]
 ) -> tuple[dict[str, Array], list[str]]:
-    firsts = [one.first for one in stamps.values() if one.first is not None]
+    firsts = [of_clock.first for of_clock in stamps.values() if of_clock.first is not None]
     origin = min(firsts, default=Decimal(0))
     times, notes = {}, list(log.notes)
     if mapping.time.column is None and mapping.time.rate_hz is not None:

@@ -17,13 +17,13 @@ def mapped(folder, text):
 @pytest.fixture(scope="module")
 def recordings(tmp_path_factory):
     """The recording of each kind, written."""
-    found = {}
+    folders = {}
     for end in ENDS:
         folder = tmp_path_factory.mktemp(end.replace(".", "-"))
         made = import_log(write(folder, end), "elbow", mapping=mapped(folder, MAPPINGS[end]))
         write_recording(made.recording, folder / "made")
-        found[end] = folder / "made"
-    return found
+        folders[end] = folder / "made"
+    return folders
 
 
 @pytest.mark.parametrize("end", ENDS)
@@ -89,9 +89,9 @@ def test_several_files_are_runs(tmp_path):
     fast = samples[samples["run"] == "fast"]
     assert np.array_equal(fast["position_m"], position[100:, 0].round(9))
     assert fast["time_s"].iloc[0] == 0
-    told = '[[runs]]\nname = "a"\nfile = "fast.txt"\nrole = "test"\nload_kg = 2.0\n'
-    told += '[[runs]]\nname = "b"\nfile = "slow.txt"\nto_s = 1.0\nload_kg = 1.0\n'
-    runs = import_log(files, mapping=mapped(tmp_path, text + told)).recording.axis.runs
+    runs_text = '[[runs]]\nname = "a"\nfile = "fast.txt"\nrole = "test"\nload_kg = 2.0\n'
+    runs_text += '[[runs]]\nname = "b"\nfile = "slow.txt"\nto_s = 1.0\nload_kg = 1.0\n'
+    runs = import_log(files, mapping=mapped(tmp_path, text + runs_text)).recording.axis.runs
     assert list(runs["run"]) == ["b", "a"]
     assert list(runs["load_kg"]) == [1.0, 2.0]
 

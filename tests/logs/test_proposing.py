@@ -122,6 +122,12 @@ def test_how_a_csv_is_written_is_seen(text, form):
     assert why
 
 
+@pytest.mark.parametrize("text", ["", "\n", "\n\n\n", "a", "1"])
+def test_a_csv_with_nothing_in_it_is_refused(tmp_path, text):
+    with pytest.raises(InputError, match=r"log\.csv"):
+        proposed(tmp_path, text)
+
+
 def test_nothing_is_imported_and_a_proposal_is_never_written_over(tmp_path):
     log, file = tmp_path / "log.csv", tmp_path / "log.csv.mapping.toml"
     log.write_text("t,q1,q2,tau1,tau2\n" + table(",", TIME, ANGLE, TIME, CURRENT, TIME), "utf-8")

@@ -89,8 +89,8 @@ def _of_lists(name: str, whole: dict[str, Any]) -> Log:
         if not isinstance(value, list) or not value:
             continue
         if all(isinstance(cell, list) for cell in value):
-            found, note = _of_matrix(key, value)
-            columns |= found
+            parts, note = _of_matrix(key, value)
+            columns |= parts
             notes += [] if note is None else [note]
         elif all(isinstance(cell, dict) for cell in value):
             inner = _of_records(name, value).columns
@@ -108,8 +108,8 @@ def _of_matrix(key: str, rows: list[list[Any]]) -> tuple[dict[str, Cells], str |
     if len(widths) != 1:
         return {}, None
     texts = np.array([["" if (cell := _text(c)) is None else cell for c in row] for row in rows])
-    found, note = columns_of_array(key, texts)
-    return {name: list(map(str, cells)) for name, cells in found.items()}, note
+    parts, note = columns_of_array(key, texts)
+    return {name: list(map(str, cells)) for name, cells in parts.items()}, note
 
 
 def _leaves(record: dict[str, Any], before: str = "", depth: int = 0) -> dict[str, Any]:

@@ -46,8 +46,8 @@ def read(path: Path) -> Log:
         columns: dict[str, Cells] = {}
         notes = []
         for name, array in arrays.items():
-            found, note = columns_of_array(name, array)
-            columns |= found
+            parts, note = columns_of_array(name, array)
+            columns |= parts
             notes += [] if note is None else [note]
         if not columns:
             raise InputError([Fault(path.name, "arrays of numbers along time")])
@@ -64,10 +64,10 @@ def _of_version_5(path: Path) -> dict[str, Any]:
         check_cells(path.name, int(np.prod([float(length) for length in shape])))
         if kind in NUMERIC and (kind != "struct" or np.prod(shape) == 1):
             names.append(name)
-    found = loadmat(str(path), variable_names=names, squeeze_me=False)
+    variables = loadmat(str(path), variable_names=names, squeeze_me=False)
     arrays: dict[str, Any] = {}
     for name in names:
-        arrays |= _of_struct(name, found[name], 0)
+        arrays |= _of_struct(name, variables[name], 0)
     return arrays
 
 

@@ -103,8 +103,8 @@ def _log(name: str, arrays: dict[str, npt.NDArray[Any]], left_out: list[str]) ->
         fields = array.dtype.names
         parts = {f"{key}.{field}": array[field] for field in fields} if fields else {key: array}
         for part, values in parts.items():
-            found, note = columns_of_array(part, values)
-            columns |= found
+            split, note = columns_of_array(part, values)
+            columns |= split
             notes += [] if note is None else [note]
     if left_out:
         notes.append(f"Arrays of Python objects are never unpickled: {', '.join(left_out)}.")

@@ -94,7 +94,7 @@ def _columns(
 ) -> dict[str, Cells]:
     if pa.types.is_timestamp(array.type):  # as ISO 8601, by nanoseconds since 1970
         whole = array.cast(pa.timestamp("ns")).to_numpy(zero_copy_only=False)
-        return {name: [None if np.isnat(one) else f"{one}"[:29] for one in whole]}
+        return {name: [None if np.isnat(stamp) else f"{stamp}"[:29] for stamp in whole]}
     if not _is_list(pa, array.type):
         if _is_number(pa, array.type):
             return {name: array.to_numpy(zero_copy_only=False)}
@@ -116,8 +116,8 @@ def _described(path: Path) -> dict[str, tuple[str, ...]]:
         if not file.is_file():
             continue
         with damaged_is_told(file, "LeRobot's description of the data"):
-            found = json.loads(file_bytes(file, file.name, LARGEST_DESCRIPTION))
-            features = found.get("features", {})
+            description = json.loads(file_bytes(file, file.name, LARGEST_DESCRIPTION))
+            features = description.get("features", {})
             return {key: _joint_names(feature.get("names")) for key, feature in features.items()}
     return {}
 
