@@ -36,6 +36,15 @@ def test_it_is_the_motion(recordings, end):
     assert np.array_equal(samples["force_n"], torque[:, 1].round(9))
     assert recording.rig.force_is == "motor"
     assert recording.rig.rotary
+    assert not any("longer side" in note for note in recording.notes)
+
+
+def test_a_matrix_that_is_wider_than_long_is_turned_and_it_is_said(tmp_path):
+    time, position, torque = motion()
+    np.savez(tmp_path / "log.npz", t=time, q=position.T, tau=torque)
+    made = import_log(tmp_path / "log.npz", mapping=mapped(tmp_path, MAPPINGS["npz"]))
+    assert "q is 2 × 300: its longer side is taken as time." in made.notes
+    assert np.array_equal(made.recording.axis.samples["position_m"], position[:, 1].round(9))
 
 
 @pytest.mark.parametrize("end", ENDS[1:])

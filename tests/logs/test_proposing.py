@@ -122,7 +122,7 @@ def test_how_a_csv_is_written_is_seen(text, form):
     assert why
 
 
-@pytest.mark.parametrize("text", ["", "\n", "\n\n\n", "a", "1"])
+@pytest.mark.parametrize("text", ["", "\n", "\n\n\n"])
 def test_a_csv_with_nothing_in_it_is_refused(tmp_path, text):
     with pytest.raises(InputError, match=r"log\.csv"):
         proposed(tmp_path, text)
