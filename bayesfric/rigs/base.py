@@ -257,6 +257,14 @@ class RigTrials(Protocol):
         """Return name and unit of what stands for c1, c2 and c3 of a pulley size."""
 
     @property
+    def usual_law(self) -> str:
+        """Name of the law that it has where nobody asks for one."""
+
+    @property
+    def shared_numbers(self) -> Mapping[str, tuple[int, str]]:
+        """Nuisances that stand beside the law's numbers, by name: place among all, and unit."""
+
+    @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
         """Priors of its law in its own measures, by size; empty where those of all do."""
 

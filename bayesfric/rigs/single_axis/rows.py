@@ -12,6 +12,7 @@ from bayesfric.arrays import Array, Flags
 from bayesfric.effects import ActsOn, State
 from bayesfric.effects.candidates import Candidate, unit_values
 from bayesfric.physics.axis import AxisLaw
+from bayesfric.physics.friction import Coefficients
 from bayesfric.recording.tables import RigConstants
 from bayesfric.rigs.base import Unsupported
 from bayesfric.rigs.layout import ModelColumns
@@ -59,8 +60,10 @@ class AxisRows:
     latency_s : float
         Prior standard deviation of the time by which the clocks of force and position may be
         off.
-    viscous : bool
-        Whether the law has viscous friction.
+    lacks : tuple of str
+        Of c1, c2 and c3, which are mass, Coulomb and viscous friction, those that the law lacks.
+    offset_n : float
+        Prior standard deviation of a constant force; 0 where there is none.
     simulated : SimulatedBaseline or None
         A simulator in the place of the law, which then is only a scale.
     theta : tuple of float
@@ -78,7 +81,8 @@ class AxisRows:
     state: State
     stroke: float
     latency_s: float
-    viscous: bool = False
+    lacks: tuple[str, ...] = ()
+    offset_n: float = 0.0
     simulated: SimulatedBaseline | None = None
     theta: tuple[float, ...] = ()
     loads: tuple[str, ...] = ()
@@ -144,9 +148,10 @@ class AxisRows:
         rows = self.readings
         if self.simulated is not None:
             return self.simulated.columns(rows)
-        return np.stack(
-            [rows.acceleration, np.ones(rows.count), self.viscous * self.mean(rows.speed)], axis=1
+        columns = np.stack(
+            [rows.acceleration, np.ones(rows.count), self.mean(rows.speed)], axis=1
         )
+        return columns * [name not in self.lacks for name in Coefficients._fields]
 
     def residual(self) -> Array:
         """Return the rows less the reference law, or the simulator at its reference, (W,) [N]."""
@@ -186,9 +191,14 @@ class AxisRows:
         return AxisPart(self, model, place)
 
     def nuisance_scales(self, priors: Priors) -> tuple[float, ...]:
-        """Return the prior standard deviation of the clocks' difference [s]."""
+        """Return prior standard deviations: of the clocks' difference [s], and of an offset [N]."""
         del priors
-        return (self.latency_s,)
+        return (self.latency_s, self.offset_n) if self.offset_n else (self.latency_s,)
+
+    def nuisance_columns(self) -> Array:
+        """Return what the nuisances of 1 add to each row, (W, m)."""
+        columns = [self.readings.force_rate, self.readings.way]
+        return np.stack(columns if self.offset_n else columns[:1], axis=1)
 
 
 def varied_columns(runs: pd.DataFrame) -> tuple[str, ...]:

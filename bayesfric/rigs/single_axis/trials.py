@@ -17,7 +17,7 @@ from bayesfric.errors import Fault
 from bayesfric.observation.exact import ExactLikelihood
 from bayesfric.physics.axis import AxisLaw
 from bayesfric.physics.friction import Coefficients
-from bayesfric.physics.laws import BASELINES, VISCOUS, FrictionLaw
+from bayesfric.physics.laws import BASELINES, COULOMB_VISCOUS, OF_AXES, FrictionLaw
 from bayesfric.recording.tables import Axis, Recording, RigConstants
 from bayesfric.rigs.base import Predictive, Regime, Unsupported, Words, why_inert
 from bayesfric.rigs.own_design import OwnDesign
@@ -41,9 +41,9 @@ WORDS = Words(
     "driven axis",
     "run",
     "runs",
-    "The law is that of a mass with Coulomb friction: mass times acceleration is the drive force "
-    "less friction, which opposes the motion (and grows with speed where viscous friction is "
-    "asked for). Acceleration is never measured, and no difference of positions is taken: force "
+    "The law is what every simulator of joints has: inertia times acceleration is the drive force "
+    "less a constant offset and less Coulomb and viscous friction, which oppose the motion. "
+    "Acceleration is never measured, and no difference of positions is taken: force "
     "and position are multiplied by a smooth test function over short windows in which the axis "
     "runs one way, and integrated by parts, so that each window tells a mean force. Windows hang "
     "together by the errors of positions and forces, and by friction that wanders along the path; "
@@ -58,6 +58,7 @@ NOTHING = 1e-12
 ALWAYS = frozenset({"direction", "position", "drive", "period", "play", "spring"})
 BEHIND = frozenset({"play", "spring"})  # by which a load follows the drive
 TURNS = 6  # of the axis, from which on it shows how a load follows
+NO_COULOMB, NO_OFFSET = "law-without-coulomb", "law-without-offset"
 OFFERED = ALWAYS | {"angle", "test", "limit"}  # what no column of the user's own stands for
 
 
@@ -128,7 +129,7 @@ class AxisRuns(PlainTrials):
     readings: Readings
     measures: Measures
     still: tuple[str, ...] = ()
-    law: FrictionLaw = BASELINES["paper"]
+    law: FrictionLaw = BASELINES[COULOMB_VISCOUS]
     loads: tuple[str, ...] = ()
     interval_s: float = field(default=0.0)
     source: Axis | None = None
@@ -168,6 +169,10 @@ class AxisRuns(PlainTrials):
             found.add("test")
         if self.measures.limit.there:
             found.add("limit")
+        if "c2" in self._lacks:
+            found.add(NO_COULOMB)
+        if not self._offset_sd:
+            found.add(NO_OFFSET)
         return frozenset(found | ({*self._further} - OFFERED))
 
     @cached_property
@@ -189,8 +194,34 @@ class AxisRuns(PlainTrials):
         if self._beside is not None:
             return tuple((one.name, one.unit) for one in self._beside.parameters)
         unit = self.measures.unit
-        viscous = (("viscous", unit("N s/m")),) if self.law.name == VISCOUS else ()
-        return (("mass", unit("kg")), ("coulomb", unit("N")), *viscous)
+        numbers = {"c1": ("mass", "kg"), "c2": ("coulomb", "N"), "c3": ("viscous", "N s/m")}
+        return tuple(
+            (name, unit(of)) for place, (name, of) in numbers.items() if place not in self._lacks
+        )
+
+    @property
+    def _lacks(self) -> tuple[str, ...]:
+        """Coefficients that are not in the law; all of them where a simulator has its place."""
+        return Coefficients._fields if self._beside is not None else self.law.without
+
+    @property
+    def usual_law(self) -> str:
+        """Inertia, Coulomb and viscous friction."""
+        return COULOMB_VISCOUS
+
+    @cached_property
+    def _offset_sd(self) -> float:
+        """Prior standard deviation of a constant force; 0 where the law has none.
+
+        Where the axis runs one way only, the force that opposes it is friction.
+        """
+        both = bool((self.readings.way > 0).any() and (self.readings.way < 0).any())
+        return self.measures.force if both and self._beside is None else 0.0
+
+    @property
+    def shared_numbers(self) -> Mapping[str, tuple[int, str]]:
+        """The offset of the drive force, behind the difference of the clocks."""
+        return {"offset": (1, self.unit)} if self._offset_sd else {}
 
     @property
     def own_priors(self) -> Mapping[str, PriorOverrides]:
@@ -228,10 +259,11 @@ class AxisRuns(PlainTrials):
 
     def refuses(self, law: FrictionLaw) -> Unsupported | None:
         """Return why a law of cables makes no sense here."""
-        if law.name in ("paper", VISCOUS):
+        if law.name == "paper" or law.name in OF_AXES:
             return None
         return Unsupported(
-            "Without a word it has mass and Coulomb friction; 'viscous' has viscous friction too."
+            "Without a word it has inertia, Coulomb and viscous friction and an offset, as "
+            "'coulomb-viscous' says; 'coulomb' and 'none' say less."
         )
 
     def suited(self, effect: Effect) -> Effect:
@@ -239,7 +271,9 @@ class AxisRuns(PlainTrials):
         found = self.measures.effect(effect)
         if found.acts_on not in ("friction", "drive") or found.components:
             return found
-        values, state = small_values(found), self._state(self._rough)
+        # A share of all friction, or of Coulomb's: what differs by the law's own viscous friction
+        # alone is one law.
+        values, state = small_values(found), self._state(self._rough._replace(viscous=0.0))
         laws: dict[str, Law] = {}
         seen: list[Array] = []
         for name, law in found.laws.items():
@@ -298,7 +332,7 @@ class AxisRuns(PlainTrials):
     def likelihood(
         self,
         analysis: Analysis,
-        law: FrictionLaw = BASELINES["paper"],
+        law: FrictionLaw = BASELINES[COULOMB_VISCOUS],
         effects: Sequence[ActiveEffect] = (),
     ) -> ExactLikelihood:
         """Return the density of the rows."""
@@ -308,8 +342,7 @@ class AxisRuns(PlainTrials):
         rows = own._rows(own._rough)
         if beside is not None:
             rows = own._around(Coefficients(*(*beside.centre, 0.0, 0.0, 0.0)[:3]))
-        viscous = law.name == VISCOUS
-        return ExactLikelihood(AxisModel(own.table, rows, own.measures, viscous=viscous))
+        return ExactLikelihood(AxisModel(own.table, rows, own.measures))
 
     def predicted(self, view: Predictive) -> xr.Dataset:
         """Return friction of each run, and predicted for a new run."""
@@ -335,7 +368,7 @@ class AxisRuns(PlainTrials):
     def _rough(self) -> AxisLaw:
         measures = self.measures
         inside = measures.limit.within(self.readings)
-        rough = rough_law_of(self.readings, inside, viscous=self.law.name == VISCOUS)
+        rough = rough_law_of(self.readings, inside, viscous="c3" not in self._lacks)
         return AxisLaw(
             max(rough.mass, 1e-3 * measures.mass),
             max(rough.coulomb, LITTLE * measures.force),
@@ -345,7 +378,10 @@ class AxisRuns(PlainTrials):
     def _around(self, law: Coefficients) -> AxisRows:
         """Return rows around a law, or around a simulator with these parameters."""
         if self._beside is None:
-            return self._rows(AxisLaw.of(law))
+            around = AxisLaw.of(law)
+            if "c2" in self._lacks:  # effects and scatter still go by the friction that is there
+                around = around._replace(coulomb=self._rough.coulomb)
+            return self._rows(around)
         theta = tuple(float(np.asarray(one)) for one in law)
         return replace(self._rows(self._rough), simulated=self._beside, theta=theta)
 
@@ -369,7 +405,8 @@ class AxisRuns(PlainTrials):
             self._state(law),
             self.measures.stroke,
             float(np.hypot(MARGIN_S, WITHIN * self.interval_s)),
-            viscous=self.law.name == VISCOUS,
+            lacks=self._lacks,
+            offset_n=self._offset_sd,
             loads=self.loads,
             further=self._further,
         )
